@@ -1,0 +1,48 @@
+// Reverse sweep over a rollout: the gradients of several scalars of the trajectory at once.
+#ifndef CLOTHID_SIM_ADJOINT_H_
+#define CLOTHID_SIM_ADJOINT_H_
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "sim/parameters.h"
+#include "sim/rollout.h"
+
+namespace clothid {
+
+class Simulator;
+
+// How A^T z = w is solved at every step.
+enum class AdjointMethod {
+  kReduced,  // contacts eliminated, Cholesky of the symmetric rest, friction coupling by GMRES
+  kLu,       // sparse LU of the whole step Jacobian: the reference
+};
+
+struct AdjointOptions {
+  AdjointMethod method = AdjointMethod::kReduced;
+};
+
+// Gradients of s scalars C_1 .. C_s of the trajectory.
+struct RolloutGradient {
+  Eigen::MatrixXd parameters;          // [p x s] dC/dtheta, in the parameter's own unit (not logarithmic)
+  Eigen::MatrixXd initial_positions;   // [3N x s] dC/dx_0; zero at handles, whose path is part of the scene
+  Eigen::MatrixXd initial_velocities;  // [3N x s] dC/dv_0; zero at handles
+  int lu_fallbacks = 0;                // steps in which the reduced method handed over to LU
+};
+
+// Adds dC_i/dx after `step` steps (step 0: the start) to column i of `gradient` [3N x s].
+using AddPositionGradient = std::function<void(int step, Eigen::MatrixXd* gradient)>;
+
+// Walks the steps of `rollout` backwards, which must be ok() and come from the same `simulator`. At step n, with lambda_x
+// and lambda_v the gradients with respect to x_{n+1} and v_{n+1}:
+//   w = lambda_v + h lambda_x;   A^T z = w;   y = (I + S)^T z
+//   lambda_v <- M y;             lambda_x <- lambda_x - h H y - X^T z
+// Throws `std::runtime_error` where a step Jacobian is singular.
+RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
+                         const AddPositionGradient& add_position_gradient, Simulator* simulator,
+                         const AdjointOptions& options = {});
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_ADJOINT_H_

@@ -1,0 +1,33 @@
+// Quadratic isometric bending (Bergou et al. 2006, "A quadratic bending model for inextensible surfaces").
+//
+//   E = k_b/2 x^T (Q kron I3) x,   Q = sum over interior edges of 3/(A_1 + A_2) c c^T,
+// with c the four cotangent weights of the edge's two triangles. Q is constant; a flat rest shape has E = 0.
+#ifndef CLOTHID_SIM_BENDING_ENERGY_H_
+#define CLOTHID_SIM_BENDING_ENERGY_H_
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "sim/mesh.h"
+
+namespace clothid {
+
+// Q [N x N], 1/m^2, symmetric positive semidefinite, both triangles stored.
+Eigen::SparseMatrix<double> BendingMatrix(const Mesh& mesh);
+
+class BendingEnergy {
+ public:
+  explicit BendingEnergy(const Mesh& mesh) : matrix_(BendingMatrix(mesh)) {}
+
+  const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
+
+  // Adds stiffness * (-Q x) to `force` [3N] and returns E/k_b, 1.
+  double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+
+ private:
+  Eigen::SparseMatrix<double> matrix_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_BENDING_ENERGY_H_

@@ -1,0 +1,66 @@
+#include "sim/cloth_model.h"
+
+namespace clothid {
+namespace {
+
+// Neighbours of each free node: those that share a triangle, and with bending those that share an edge's two triangles.
+std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector<int>& free_index, int num_free,
+                                             const BendingEnergy* bending) {
+  std::vector<std::vector<int>> neighbours(num_free);
+  const auto add = [&](int a, int b) {
+    if (a != b && free_index[a] >= 0 && free_index[b] >= 0) neighbours[free_index[a]].push_back(free_index[b]);
+  };
+  for (int f = 0; f < mesh.num_faces(); ++f) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) add(mesh.faces(i, f), mesh.faces(j, f));
+    }
+  }
+  if (bending == nullptr) return neighbours;
+  const Eigen::SparseMatrix<double>& matrix = bending->matrix();
+  for (int column = 0; column < matrix.outerSize(); ++column) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it) {
+      add(static_cast<int>(it.row()), static_cast<int>(it.col()));
+    }
+  }
+  return neighbours;
+}
+
+}  // namespace
+
+ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeAreas(scene.mesh)) {
+  free_index_.assign(num_nodes(), 0);
+  for (const int handle : scene.handles.nodes) free_index_[handle] = -1;
+  for (int node = 0; node < num_nodes(); ++node) {
+    if (free_index_[node] < 0) continue;
+    free_index_[node] = num_free();
+    free_nodes_.push_back(node);
+  }
+  if (scene.material.bending_stiffness > 0.0) bending_.emplace(scene.mesh);
+  if (scene.material.drag > 0.0) drag_.emplace(scene);
+  pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending()));
+  stretch_.emplace(scene.mesh, free_index_, *pattern_);
+}
+
+Eigen::VectorXd ClothModel::Gather(const Eigen::VectorXd& all) const {
+  Eigen::VectorXd free(3 * num_free());
+  for (int i = 0; i < num_free(); ++i) free.segment<3>(3 * i) = all.segment<3>(3 * free_nodes_[i]);
+  return free;
+}
+
+Eigen::MatrixXd ClothModel::GatherColumns(const Eigen::MatrixXd& all) const {
+  Eigen::MatrixXd free(3 * num_free(), all.cols());
+  for (int i = 0; i < num_free(); ++i) free.middleRows<3>(3 * i) = all.middleRows<3>(3 * free_nodes_[i]);
+  return free;
+}
+
+void ClothModel::Scatter(const Eigen::VectorXd& free, Eigen::VectorXd* all) const {
+  for (int i = 0; i < num_free(); ++i) all->segment<3>(3 * free_nodes_[i]) = free.segment<3>(3 * i);
+}
+
+Eigen::MatrixXd ClothModel::ScatterColumns(const Eigen::MatrixXd& free) const {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(3 * num_nodes(), free.cols());
+  for (int i = 0; i < num_free(); ++i) all.middleRows<3>(3 * free_nodes_[i]) = free.middleRows<3>(3 * i);
+  return all;
+}
+
+}  // namespace clothid

@@ -1,0 +1,55 @@
+// The terms that a scene has, built once per simulator: no obstacle, no contact; k_b = 0, no bending; c_d = 0, no air.
+#ifndef CLOTHID_SIM_CLOTH_MODEL_H_
+#define CLOTHID_SIM_CLOTH_MODEL_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/air_drag.h"
+#include "sim/bending_energy.h"
+#include "sim/block_matrix.h"
+#include "sim/scene.h"
+#include "sim/stretch_energy.h"
+
+namespace clothid {
+
+class ClothModel {
+ public:
+  // `scene` must outlive the model and have passed `ValidateScene`.
+  explicit ClothModel(const Scene& scene);
+
+  const Scene& scene() const { return scene_; }
+  int num_nodes() const { return scene_.mesh.num_nodes(); }
+
+  // Handles are exact Dirichlet conditions: every equation lives on the free nodes alone. Vectors and matrices over them
+  // are "free" [3 Nf]; `Gather` and `Scatter` go between a free vector and one over all nodes [3N].
+  int num_free() const { return static_cast<int>(free_nodes_.size()); }
+  const std::vector<int>& free_nodes() const { return free_nodes_; }  // [Nf] node
+  const std::vector<int>& free_index() const { return free_index_; }  // [N] position in free_nodes, -1: a handle
+  Eigen::VectorXd Gather(const Eigen::VectorXd& all) const;
+  Eigen::MatrixXd GatherColumns(const Eigen::MatrixXd& all) const;
+  void Scatter(const Eigen::VectorXd& free, Eigen::VectorXd* all) const;
+  Eigen::MatrixXd ScatterColumns(const Eigen::MatrixXd& free) const;  // zero at handles
+
+  const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
+  const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2; times density: the lumped masses M
+  const StretchEnergy& stretch() const { return *stretch_; }
+  const BendingEnergy* bending() const { return bending_ ? &*bending_ : nullptr; }  // null: the scene has none
+  const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }                 // null: the scene has none
+  bool has_contact() const { return !scene_.obstacles.empty(); }
+
+ private:
+  const Scene& scene_;
+  std::vector<int> free_nodes_, free_index_;
+  std::shared_ptr<const BlockPattern> pattern_;
+  Eigen::VectorXd node_areas_;
+  std::optional<StretchEnergy> stretch_;
+  std::optional<BendingEnergy> bending_;
+  std::optional<AirDrag> drag_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_CLOTH_MODEL_H_

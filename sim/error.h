@@ -1,0 +1,31 @@
+// The one exception type of clothid, for input that cannot be used.
+//
+// Bad input (a file, a scene, a parameter value) throws; what a well-posed run may meet on its way (a time step that does
+// not converge) never does: it is part of the result, see `StepFailure` in sim/rollout.h.
+#ifndef CLOTHID_SIM_ERROR_H_
+#define CLOTHID_SIM_ERROR_H_
+
+#include <stdexcept>
+#include <string>
+
+namespace clothid {
+
+enum class ErrorKind {
+  kUsage,    // a wrong flag or argument
+  kIo,       // a file or folder that cannot be opened, read or written
+  kBadData,  // a file that was read and whose content cannot be used
+};
+
+// `what()` is one line: it names the file, the key or line, and what was expected.
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  ErrorKind kind() const { return kind_; }
+
+ private:
+  ErrorKind kind_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_ERROR_H_

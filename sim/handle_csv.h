@@ -1,0 +1,18 @@
+// Handle paths as a table.
+#ifndef CLOTHID_SIM_HANDLE_CSV_H_
+#define CLOTHID_SIM_HANDLE_CSV_H_
+
+#include <string>
+
+#include "sim/handle_path.h"
+
+namespace clothid {
+
+// Reads a CSV file with the header "time,x0,y0,z0,x1,y1,z1,.." and one row per time (s, m): a triple of columns for
+// each of `num_handles` handles, in the order of the scene's list. Throws `Error`: kIo where the file cannot be read,
+// else kBadData naming file and line.
+HandlePath ReadHandleCsv(const std::string& path, int num_handles);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_HANDLE_CSV_H_

@@ -1,0 +1,177 @@
+#include "sim/linear_solver.h"
+
+#include <cholmod.h>
+#include <umfpack.h>
+
+#include <Eigen/Jacobi>
+#include <stdexcept>
+#include <vector>
+
+namespace clothid {
+
+struct CholeskyFactor::State {
+  explicit State(std::shared_ptr<const BlockPattern> p) : pattern(std::move(p)) { cholmod_start(&common); }
+  ~State() {
+    cholmod_free_factor(&factor, &common);
+    cholmod_free_dense(&solution, &common);
+    cholmod_free_dense(&work_y, &common);
+    cholmod_free_dense(&work_e, &common);
+    cholmod_finish(&common);
+  }
+
+  // A view of the pattern with `values` (null: the pattern alone); only the lower triangle is read.
+  cholmod_sparse View(const double* values) const {
+    cholmod_sparse matrix = {};
+    matrix.nrow = matrix.ncol = pattern->size();
+    matrix.nzmax = pattern->num_values();
+    matrix.p = const_cast<int*>(pattern->outer().data());
+    matrix.i = const_cast<int*>(pattern->inner().data());
+    matrix.x = const_cast<double*>(values);
+    matrix.stype = -1;
+    matrix.itype = CHOLMOD_INT;
+    matrix.xtype = values == nullptr ? CHOLMOD_PATTERN : CHOLMOD_REAL;
+    matrix.dtype = CHOLMOD_DOUBLE;
+    matrix.sorted = 1;
+    matrix.packed = 1;
+    return matrix;
+  }
+
+  std::shared_ptr<const BlockPattern> pattern;
+  cholmod_common common;
+  cholmod_factor* factor = nullptr;
+  cholmod_dense* solution = nullptr;  // kept between solves, with CHOLMOD's own work space
+  cholmod_dense* work_y = nullptr;
+  cholmod_dense* work_e = nullptr;
+};
+
+CholeskyFactor::CholeskyFactor(std::shared_ptr<const BlockPattern> pattern)
+    : state_(std::make_unique<State>(std::move(pattern))) {
+  cholmod_common& common = state_->common;
+  common.print = 0;
+  common.quick_return_if_not_posdef = 1;
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_METIS;
+  common.postorder = 1;
+  common.supernodal = CHOLMOD_AUTO;
+  common.final_ll = 1;
+  cholmod_sparse matrix = state_->View(nullptr);
+  state_->factor = cholmod_analyze(&matrix, &common);
+  if (state_->factor == nullptr) throw std::runtime_error("CHOLMOD could not analyse the pattern of the Hessian");
+}
+
+CholeskyFactor::~CholeskyFactor() = default;
+
+bool CholeskyFactor::Factor(const Eigen::VectorXd& values) {
+  // CHOLMOD does not look for NaN, and a comparison with one would pass as positive definite.
+  if (!values.allFinite()) return false;
+  cholmod_sparse matrix = state_->View(values.data());
+  cholmod_factorize(&matrix, state_->factor, &state_->common);
+  return state_->common.status == CHOLMOD_OK;
+}
+
+void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) {
+  cholmod_dense view = {};
+  view.nrow = right.rows();
+  view.ncol = right.cols();
+  view.nzmax = right.size();
+  view.d = right.rows();
+  view.x = const_cast<double*>(right.data());
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  cholmod_solve2(CHOLMOD_A, state_->factor, &view, nullptr, &state_->solution, nullptr, &state_->work_y, &state_->work_e,
+                 &state_->common);
+  *solution =
+      Eigen::Map<const Eigen::MatrixXd>(static_cast<double*>(state_->solution->x), right.rows(), right.cols());
+}
+
+struct LuFactor::State {
+  ~State() {
+    umfpack_di_free_symbolic(&symbolic);
+    umfpack_di_free_numeric(&numeric);
+  }
+  void Solve(int system, const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
+    solution->resize(right.rows(), right.cols());
+    for (Eigen::Index i = 0; i < right.cols(); ++i) {
+      umfpack_di_solve(system, pattern->outer().data(), pattern->inner().data(), values.data(), solution->col(i).data(),
+                       right.col(i).data(), numeric, control, nullptr);
+    }
+  }
+
+  std::shared_ptr<const BlockPattern> pattern;
+  Eigen::VectorXd values;  // UMFPACK reads the matrix again for iterative refinement
+  double control[UMFPACK_CONTROL];
+  void* symbolic = nullptr;
+  void* numeric = nullptr;
+};
+
+LuFactor::LuFactor(std::shared_ptr<const BlockPattern> pattern) : state_(std::make_unique<State>()) {
+  state_->pattern = std::move(pattern);
+  umfpack_di_defaults(state_->control);
+  state_->control[UMFPACK_PRL] = 0;
+}
+
+LuFactor::~LuFactor() = default;
+
+bool LuFactor::Factor(const Eigen::VectorXd& values) {
+  const BlockPattern& pattern = *state_->pattern;
+  state_->values = values;
+  if (state_->symbolic == nullptr &&
+      umfpack_di_symbolic(pattern.size(), pattern.size(), pattern.outer().data(), pattern.inner().data(), values.data(),
+                          &state_->symbolic, state_->control, nullptr) != UMFPACK_OK) {
+    return false;
+  }
+  umfpack_di_free_numeric(&state_->numeric);
+  return umfpack_di_numeric(pattern.outer().data(), pattern.inner().data(), values.data(), state_->symbolic,
+                            &state_->numeric, state_->control, nullptr) == UMFPACK_OK;
+}
+
+void LuFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
+  state_->Solve(UMFPACK_A, right, solution);
+}
+
+void LuFactor::SolveTransposed(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
+  state_->Solve(UMFPACK_At, right, solution);
+}
+
+GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::VectorXd& right, double tolerance,
+                  int max_iterations, Eigen::VectorXd* solution) {
+  GmresResult result;
+  const double norm = right.norm();
+  *solution = Eigen::VectorXd::Zero(right.size());
+  if (norm == 0.0) {
+    result.converged = true;
+    return result;
+  }
+  std::vector<Eigen::VectorXd> basis = {right / norm}, preconditioned;
+  Eigen::MatrixXd hessenberg = Eigen::MatrixXd::Zero(max_iterations + 1, max_iterations);  // made triangular on the way
+  Eigen::VectorXd projected = Eigen::VectorXd::Zero(max_iterations + 1);
+  projected[0] = norm;
+  std::vector<Eigen::JacobiRotation<double>> rotations;
+  for (int k = 0; k < max_iterations && !result.converged; ++k) {
+    preconditioned.push_back(precondition(basis[k]));
+    Eigen::VectorXd next = multiply(preconditioned[k]);
+    for (int i = 0; i <= k; ++i) {
+      hessenberg(i, k) = basis[i].dot(next);
+      next -= hessenberg(i, k) * basis[i];
+    }
+    const double next_norm = next.norm();
+    hessenberg(k + 1, k) = next_norm;
+    for (int i = 0; i < k; ++i) hessenberg.col(k).applyOnTheLeft(i, i + 1, rotations[i].adjoint());
+    rotations.emplace_back();
+    rotations[k].makeGivens(hessenberg(k, k), hessenberg(k + 1, k));
+    hessenberg.col(k).applyOnTheLeft(k, k + 1, rotations[k].adjoint());
+    projected.applyOnTheLeft(k, k + 1, rotations[k].adjoint());
+    result.iterations = k + 1;
+    result.converged = std::abs(projected[k + 1]) <= tolerance * norm;
+    if (!std::isfinite(projected[k + 1]) || next_norm == 0.0) break;
+    basis.push_back(next / next_norm);
+  }
+  const int k = result.iterations;
+  const Eigen::VectorXd weights =
+      hessenberg.topLeftCorner(k, k).triangularView<Eigen::Upper>().solve(projected.head(k));
+  for (int i = 0; i < k; ++i) *solution += weights[i] * preconditioned[i];
+  result.converged = result.converged && solution->allFinite();
+  return result;
+}
+
+}  // namespace clothid

@@ -1,0 +1,45 @@
+// What a fit may change: the constants of the material and the friction of the obstacles, and their names.
+#ifndef CLOTHID_SIM_PARAMETERS_H_
+#define CLOTHID_SIM_PARAMETERS_H_
+
+#include <string>
+#include <vector>
+
+namespace clothid {
+
+struct Material {
+  double density = 0.15;             // rho, kg/m^2
+  double stretch_stiffness = 100.0;  // k, N/m
+  double bending_stiffness = 0.0;    // k_b, N m; 0: the scene has no bending
+  double drag = 0.0;                 // c_d, kg/(m^2 s); 0: the scene has neither drag nor wind
+};
+
+struct Parameters {
+  Material material;
+  std::vector<double> friction_coefficients;  // mu, one per obstacle of the scene
+};
+
+enum class ParameterKind { kFriction, kStretchStiffness, kBendingStiffness, kDensity, kDrag };
+
+inline constexpr int kAllObstacles = -1;
+
+// One scalar of `Parameters`, or the friction of all obstacles at once.
+struct ParameterId {
+  ParameterKind kind = ParameterKind::kStretchStiffness;
+  int obstacle = kAllObstacles;  // for kFriction: an index into the scene's obstacles, or kAllObstacles
+
+  bool operator==(const ParameterId& other) const { return kind == other.kind && obstacle == other.obstacle; }
+};
+
+// "k_stretch", "k_bend", "density", "drag", "mu" (every obstacle), "mu.NAME" (one of them). `obstacle_names` are the scene's,
+// in its order. Throws `Error` (kUsage) that lists the names it would accept.
+ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names);
+std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names);
+
+// The value of `id`. For the friction of all obstacles: that of the first; NaN where there is no obstacle.
+double GetParameter(const Parameters& parameters, ParameterId id);
+void SetParameter(ParameterId id, double value, Parameters* parameters);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_PARAMETERS_H_

@@ -1,0 +1,35 @@
+#include "sim/simulator.h"
+
+#include <utility>
+
+#include "sim/cloth_model.h"
+#include "sim/step.h"
+
+namespace clothid {
+
+struct Simulator::State {
+  explicit State(Scene s) : scene(std::move(s)), model(scene), solver(model) {}
+  Scene scene;
+  ClothModel model;
+  StepSolver solver;
+};
+
+namespace {
+
+Scene Validated(Scene scene) {
+  ValidateScene(scene, "scene");
+  return scene;
+}
+
+}  // namespace
+
+Simulator::Simulator(Scene scene) : state_(std::make_unique<State>(Validated(std::move(scene)))) {}
+Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+const Scene& Simulator::scene() const { return state_->scene; }
+const ClothModel& Simulator::model() const { return state_->model; }
+StepSolver& Simulator::step_solver() { return state_->solver; }
+
+}  // namespace clothid

@@ -1,0 +1,37 @@
+// The workspace of a simulation: the scene's model, the matrices of a step and their symbolic factorisations. One per
+// thread; rollouts of one simulator share its memory and its analyses, never its results: a rollout depends on parameters
+// and scene alone.
+#ifndef CLOTHID_SIM_SIMULATOR_H_
+#define CLOTHID_SIM_SIMULATOR_H_
+
+#include <memory>
+
+#include "sim/rollout.h"
+#include "sim/scene.h"
+
+namespace clothid {
+
+class ClothModel;
+class StepSolver;
+
+class Simulator {
+ public:
+  // Builds the terms that the scene has: no obstacle, no contact; k_bend = 0, no bending; drag = 0, neither drag nor wind.
+  // Throws `Error` where `ValidateScene` does.
+  explicit Simulator(Scene scene);
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+
+  const Scene& scene() const;
+  const ClothModel& model() const;
+  StepSolver& step_solver();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_SIMULATOR_H_

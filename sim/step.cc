@@ -1,0 +1,148 @@
+#include "sim/step.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clothid {
+namespace {
+
+constexpr double kLinearTolerance = 1e-8;     // of the friction coupling within a Newton iteration
+constexpr double kSufficientDecrease = 1e-4;  // Armijo
+constexpr int kMaxHalvings = 14;              // of the step length in a line search
+constexpr int kMaxInnerIterations = 30;       // of the active set within a quadratic step
+constexpr double kInnerTolerance = 1e-4;      // residual of a quadratic step, relative to the outer one
+constexpr double kSlowProgress = 0.9;         // a residual above this share of the one before last: a cycle
+constexpr double kShortestFirstLength = 0.125;
+
+double TangentialSpeed(const ContactCandidate& candidate, const Eigen::Vector3d& velocity) {
+  return (velocity - candidate.normal.dot(velocity) * candidate.normal).norm();
+}
+
+// sum mu r_N |u_T| with r_N lagged at `lagged`: with the potential it is what a step minimises while r_N is held.
+double FrictionPotential(const StepProblem& problem, const StepPoint& lagged, const Eigen::VectorXd& velocities) {
+  double potential = 0.0;
+  for (size_t i = 0; i < problem.candidates().size(); ++i) {
+    const int index = static_cast<int>(i);
+    const double normal_impulse = std::max(0.0, -lagged.responses[i].normal_force);
+    if (normal_impulse == 0.0) continue;
+    potential += problem.friction_coefficient(index) * normal_impulse *
+                 TangentialSpeed(problem.candidates()[i], velocities.segment<3>(3 * problem.free_block(index)));
+  }
+  return potential;
+}
+
+}  // namespace
+
+StepSolver::StepSolver(const ClothModel& model) : model_(model), hessian_(model.pattern()), jacobian_(model) {}
+
+double StepSolver::Tolerance(const StepProblem& problem, const StepPoint& point) const {
+  return std::max(model_.scene().solver.step_tolerance, problem.RoundingFloor(point));
+}
+
+bool StepSolver::IsSolved(const StepProblem& problem, const StepPoint& point) const {
+  return point.relative_residual <= Tolerance(problem, point);
+}
+
+bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, StepPoint* point,
+                       RolloutCounts* counts) {
+  const int max_iterations = model_.scene().solver.max_newton_iterations;
+  Eigen::VectorXd start = problem.start_velocities();
+  problem.ClipToFeasible(&start);
+  problem.Evaluate(start, point);
+  if (Newton(problem, friction_coefficients, max_iterations, point, counts)) return true;
+  if (!std::isfinite(point->relative_residual)) return false;
+  ++counts->fallbacks;
+  return SequentialQuadratic(problem, friction_coefficients, max_iterations, point, counts);
+}
+
+bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
+                          RolloutCounts* counts) {
+  const std::vector<Contact> contacts = problem.ActiveContacts(point);
+  for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
+    problem.AssembleHessian(kind, point, &hessian_);
+    ++counts->factorizations;
+    if (jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu)) return true;
+  }
+  return false;
+}
+
+// A dv = -Phi. Where GMRES stalls on a strong friction coupling, LU of the same matrix.
+bool StepSolver::Direction(const Eigen::VectorXd& residual, Eigen::VectorXd* direction) {
+  Eigen::MatrixXd solution;
+  if (!jacobian_.Solve(-residual, kLinearTolerance, &solution)) return false;
+  *direction = solution;
+  return direction->allFinite();
+}
+
+// Accepts the first length at which the residual or the potential decreases enough.
+bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length,
+                            StepPoint* point, StepPoint* trial) {
+  const double friction = FrictionPotential(problem, *point, point->velocities);
+  double length = first_length;
+  for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
+    Eigen::VectorXd velocities = point->velocities + length * direction;
+    problem.ClipToFeasible(&velocities);
+    problem.Evaluate(velocities, trial);
+    if (!std::isfinite(trial->relative_residual)) continue;
+    const double friction_change = FrictionPotential(problem, *point, velocities) - friction;
+    const double slope = point->momentum_gradient.dot(velocities - point->velocities) + friction_change;
+    const double potential_change = trial->potential - point->potential + friction_change;
+    const bool residual_decreases =
+        trial->residual.norm() <= (1.0 - kSufficientDecrease * length) * point->residual.norm();
+    if (residual_decreases || (slope < 0.0 && potential_change <= kSufficientDecrease * slope)) {
+      std::swap(*point, *trial);
+      return true;
+    }
+  }
+  return false;
+}
+
+bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& mu, int max_iterations, StepPoint* point,
+                        RolloutCounts* counts) {
+  StepPoint trial, best = *point;
+  Eigen::VectorXd direction;
+  double first_length = 1.0, before_last = 0.0, last = 0.0;
+  for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
+    ++counts->newton_iterations;
+    if (!FactorAt(problem, mu, *point, counts) || !Direction(point->residual, &direction)) break;
+    const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last;
+    first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
+    before_last = last;
+    last = point->relative_residual;
+    if (!LineSearch(problem, direction, first_length, point, &trial)) break;
+    if (point->relative_residual < best.relative_residual) best = *point;
+  }
+  if (!IsSolved(problem, *point)) *point = best;
+  return IsSolved(problem, *point);
+}
+
+// Each outer iteration solves the contact problem of the linearised gradient g + K (w - v) by an inner active set, and
+// then searches along the way from v to that w, which stays feasible.
+bool StepSolver::SequentialQuadratic(const StepProblem& problem, const std::vector<double>& mu, int max_iterations,
+                                     StepPoint* point, RolloutCounts* counts) {
+  StepPoint trial, best = *point, inner;
+  Eigen::VectorXd direction;
+  for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
+    ++counts->newton_iterations;
+    if (!FactorAt(problem, mu, *point, counts)) break;
+    inner = *point;
+    const double goal = kInnerTolerance * point->residual.norm();
+    for (int i = 0; i < kMaxInnerIterations && inner.residual.norm() > goal; ++i) {
+      ++counts->factorizations;
+      if (!jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, problem.ActiveContacts(inner), mu)) break;
+      if (!Direction(inner.residual, &direction)) break;
+      Eigen::VectorXd velocities = inner.velocities + direction;
+      problem.ClipToFeasible(&velocities);
+      inner.velocities = velocities;
+      inner.momentum_gradient = point->momentum_gradient + hessian_.view() * (velocities - point->velocities);
+      problem.ApplyContactLaw(velocities, inner.momentum_gradient, &inner);
+    }
+    direction = inner.velocities - point->velocities;
+    if (!LineSearch(problem, direction, 1.0, point, &trial)) break;
+    if (point->relative_residual < best.relative_residual) best = *point;
+  }
+  if (!IsSolved(problem, *point)) *point = best;
+  return IsSolved(problem, *point);
+}
+
+}  // namespace clothid

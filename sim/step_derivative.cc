@@ -1,0 +1,104 @@
+#include "sim/step_derivative.h"
+
+#include "sim/simulator.h"
+#include "sim/step.h"
+
+namespace clothid {
+
+StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_velocities,
+                               const Parameters& parameters, Simulator* simulator)
+    : record_(record),
+      start_velocities_(start_velocities),
+      parameters_(parameters),
+      model_(simulator->model()),
+      hessian_(simulator->step_solver().hessian()),
+      jacobian_(simulator->step_solver().jacobian()) {
+  AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, record.positions, &hessian_);
+  const Material& material = parameters.material;
+  const double damped_density = material.density + (model_.drag() ? record.time_step * material.drag : 0.0);
+  masses_.resize(3 * model_.num_free());
+  for (int i = 0; i < model_.num_free(); ++i) {
+    masses_.segment<3>(3 * i).setConstant(material.density * model_.node_areas()[model_.free_nodes()[i]]);
+  }
+  damped_masses_ = masses_ * (damped_density / material.density);
+}
+
+bool StepDerivative::Factor(StepJacobian::Method method) {
+  return jacobian_.Factor(method, hessian_, record_.contacts, parameters_.friction_coefficients);
+}
+
+Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const {
+  return masses_.asDiagonal() * columns;
+}
+
+Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = hessian_.view() * columns;
+  product -= damped_masses_.asDiagonal() * columns;
+  return product / record_.time_step;
+}
+
+Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  for (const Contact& contact : record_.contacts) {
+    const int row = 3 * model_.free_index()[contact.candidate.node];
+    const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
+    product.middleRows<3>(row) = ContactPositionJacobian(contact, mu) * columns.middleRows<3>(row);
+  }
+  return product;
+}
+
+Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  for (const Contact& contact : record_.contacts) {
+    const int row = 3 * model_.free_index()[contact.candidate.node];
+    const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
+    product.middleRows<3>(row) = ContactPositionJacobian(contact, mu).transpose() * columns.middleRows<3>(row);
+  }
+  return product;
+}
+
+// g = M (v - v_n) - h (M g_0 + node_force + c_d a (w - v)) - h f_int
+Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
+  const double h = record_.time_step;
+  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
+  switch (id.kind) {
+    case ParameterKind::kFriction:
+      break;
+    case ParameterKind::kStretchStiffness:
+      model_.stretch().AddForce(-h, record_.positions, &derivative);
+      break;
+    case ParameterKind::kBendingStiffness:
+      if (model_.bending() != nullptr) model_.bending()->AddForce(-h, record_.positions, &derivative);
+      break;
+    case ParameterKind::kDensity:
+      for (const int node : model_.free_nodes()) {
+        derivative.segment<3>(3 * node) =
+            model_.node_areas()[node] * (record_.velocities.segment<3>(3 * node) -
+                                         start_velocities_.segment<3>(3 * node) - h * model_.scene().gravity);
+      }
+      break;
+    case ParameterKind::kDrag:
+      if (model_.drag() == nullptr) break;
+      for (const int node : model_.free_nodes()) {
+        derivative.segment<3>(3 * node) =
+            h * model_.drag()->areas()[node] *
+            (record_.velocities.segment<3>(3 * node) - model_.drag()->WindAt(node, record_.time));
+      }
+      break;
+  }
+  return model_.Gather(derivative);
+}
+
+Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
+  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(3 * model_.num_free());
+  if (id.kind != ParameterKind::kFriction) return derivative;
+  for (const Contact& contact : record_.contacts) {
+    if (contact.response.branch != ContactBranch::kSlip) continue;
+    if (id.obstacle != kAllObstacles && id.obstacle != contact.candidate.obstacle) continue;
+    derivative.segment<3>(3 * model_.free_index()[contact.candidate.node]) =
+        contact.response.normal_force * contact.response.slip_direction;
+  }
+  return derivative;
+}
+
+}  // namespace clothid

@@ -1,0 +1,51 @@
+// The linearisation of one solved step, shared by both sweeps. With Phi(v_{n+1}; x_n, v_n, theta) = 0:
+//
+//   A dv = -[(I + S)(h H dx_n - M dv_n + dg/dtheta dtheta) + X dx_n - dr/dtheta dtheta]
+// where dr/dtheta, the impulse at fixed F, is there for friction alone: f_N t at slipping nodes.
+#ifndef CLOTHID_SIM_STEP_DERIVATIVE_H_
+#define CLOTHID_SIM_STEP_DERIVATIVE_H_
+
+#include <Eigen/Core>
+
+#include "sim/parameters.h"
+#include "sim/rollout.h"
+#include "sim/step_jacobian.h"
+
+namespace clothid {
+
+class StepDerivative {
+ public:
+  // The step that `record` ends and that started with `start_velocities` v_n [3N]. Everything must outlive the object, which
+  // borrows the simulator's matrices: one at a time.
+  StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_velocities, const Parameters& parameters,
+                 Simulator* simulator);
+
+  // Factors A. False where it fails.
+  bool Factor(StepJacobian::Method method);
+  StepJacobian& jacobian() { return jacobian_; }
+
+  // On columns over the free nodes [3 Nf x s].
+  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;     // M y
+  Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& columns) const;  // h H y = (K y - M y - h C y)/h
+  Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;            // X y
+  Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;  // X^T y
+
+  // dg/dtheta [3 Nf]; zero for friction.
+  Eigen::VectorXd MomentumDerivative(ParameterId id) const;
+  // dr/dtheta [3 Nf]; zero unless `id` is a friction coefficient.
+  Eigen::VectorXd ImpulseDerivative(ParameterId id) const;
+
+ private:
+  const StepRecord& record_;
+  const Eigen::VectorXd& start_velocities_;
+  const Parameters& parameters_;
+  const ClothModel& model_;
+  BlockMatrix& hessian_;
+  StepJacobian& jacobian_;
+  Eigen::VectorXd masses_;  // M [3 Nf]
+  Eigen::VectorXd damped_masses_;  // M + h C [3 Nf]
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_DERIVATIVE_H_

@@ -1,0 +1,114 @@
+#include "sim/step_jacobian.h"
+
+namespace clothid {
+namespace {
+
+// The friction coupling is a small perturbation; where it takes more, LU is the better solver.
+constexpr int kMaxGmresIterations = 60;
+
+}  // namespace
+
+StepJacobian::StepJacobian(const ClothModel& model) : model_(model), cholesky_(model.pattern()) {
+  if (model.has_contact()) elimination_ = std::make_unique<ContactElimination>();
+}
+
+bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const std::vector<Contact>& contacts,
+                          const std::vector<double>& friction_coefficients) {
+  method_ = method;
+  hessian_ = &hessian;
+  in_contact_ = !contacts.empty();
+  if (in_contact_) elimination_->SetContacts(contacts, model_.free_index(), friction_coefficients);
+  if (method == Method::kLu) {
+    if (lu_ == nullptr) lu_ = std::make_unique<LuFactor>(model_.pattern());
+    if (!in_contact_) return lu_->Factor(hessian.values);
+    elimination_->FullJacobian(hessian, &values_);
+    return lu_->Factor(values_);
+  }
+  if (!in_contact_) return cholesky_.Factor(hessian.values);
+  elimination_->Reduce(hessian, &values_);
+  return cholesky_.Factor(values_);
+}
+
+Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
+  Eigen::MatrixXd local = vectors, result;
+  elimination_->ToLocal(&local);
+  cholesky_.Solve(local, &result);
+  elimination_->ToWorld(&result);
+  elimination_->Project(&result);
+  return result;
+}
+
+// Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose.
+Eigen::VectorXd StepJacobian::ApplyReduced(Direction direction, const Eigen::VectorXd& q) const {
+  Eigen::MatrixXd v = q;
+  if (direction == Direction::kTransposed) elimination_->AddFrictionTransposed(&v);
+  Eigen::MatrixXd result = hessian_->view() * v;
+  if (direction == Direction::kForward) elimination_->AddFriction(&result);
+  elimination_->Project(&result);
+  elimination_->AddSlipStiffness(q, &result);
+  return result;
+}
+
+bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance,
+                                Eigen::MatrixXd* q) {
+  if (!elimination_->has_coupling()) {
+    *q = ApplyFactor(right);
+    return true;
+  }
+  q->resize(right.rows(), right.cols());
+  Eigen::VectorXd solution;
+  for (Eigen::Index i = 0; i < right.cols(); ++i) {
+    const GmresResult result = Gmres([&](const Eigen::VectorXd& v) { return ApplyReduced(direction, v); },
+                                     [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return ApplyFactor(v); },
+                                     right.col(i), tolerance, kMaxGmresIterations, &solution);
+    if (!result.converged) return false;
+    q->col(i) = solution;
+  }
+  return true;
+}
+
+bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv) {
+  if (method_ == Method::kLu) {
+    lu_->Solve(right, dv);
+    return dv->allFinite();
+  }
+  if (!in_contact_) {
+    cholesky_.Solve(right, dv);
+    return true;
+  }
+  const Eigen::MatrixXd known = elimination_->KnownPart(right);
+  const Eigen::MatrixXd matrix_known = hessian_->view() * known;
+  if (!SolveReduced(Direction::kForward, elimination_->ReducedRight(right, known, matrix_known), tolerance, dv)) {
+    return false;
+  }
+  *dv += known;
+  return true;
+}
+
+bool StepJacobian::SolveTransposed(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* z,
+                                   Eigen::MatrixXd* y) {
+  if (method_ == Method::kLu) {
+    lu_->SolveTransposed(right, z);
+    *y = *z;
+    if (in_contact_) elimination_->AddImpulseTransposed(y);
+    return z->allFinite();
+  }
+  if (!in_contact_) {
+    cholesky_.Solve(right, z);
+    *y = *z;
+    return true;
+  }
+  Eigen::MatrixXd projected = right, q;
+  elimination_->Project(&projected);
+  if (!SolveReduced(Direction::kTransposed, projected, tolerance, &q)) return false;
+  *y = q;
+  elimination_->AddFrictionTransposed(y);
+  *z = elimination_->RecoverAdjoint(right, q, hessian_->view() * *y);
+  return true;
+}
+
+void StepJacobian::AddImpulse(Eigen::MatrixXd* vectors) const {
+  if (in_contact_) elimination_->AddImpulse(vectors);
+}
+
+}  // namespace clothid

@@ -1,0 +1,86 @@
+// The equations of one implicit step (Eqs. (8) and (9) of the DiffCloth paper), in the velocity v = v_{n+1}:
+//
+//   g(v) = M (v - v_n) - h f_ext(v) - h f_int(x_n + h v) = J^T r,   (r, u = J v) in the contact law
+//   Phi(v) = g(v) - J^T r(F(v)),  F = d v - g + (d gap_speed) n     its root is the step
+//   K = dg/dv = M + h C + h^2 H(x_n + h v)
+// f_ext is gravity, the scene's node force and drag c_d a (w - v), C = c_d diag(a). d_j = P_jj, the diagonal of PD's
+// constant matrix P = M + h C + h^2 (k L + k_b Q). All vectors over free nodes [3 Nf] unless marked [3N].
+#ifndef CLOTHID_SIM_STEP_PROBLEM_H_
+#define CLOTHID_SIM_STEP_PROBLEM_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sim/cloth_model.h"
+#include "sim/contact.h"
+#include "sim/parameters.h"
+
+namespace clothid {
+
+// The equations evaluated at one velocity.
+struct StepPoint {
+  Eigen::VectorXd velocities;               // v
+  Eigen::VectorXd positions;                // x_n + h v [3N], handles at their path
+  Eigen::VectorXd momentum_gradient;        // g
+  Eigen::VectorXd residual;                 // Phi
+  std::vector<Eigen::Vector3d> forces;      // F, per candidate
+  std::vector<ContactResponse> responses;   // per candidate
+  double potential = 0.0;  // whose gradient is g, J: kinetic distance to v_n, drag, external and elastic energy
+  double scale = 0.0;      // largest of h |f_ext|, |M v_n| and h |f_int|, N s
+  double relative_residual = 0.0;  // |Phi| / scale
+};
+
+// Adds K at `positions` [3N] to nothing: overwrites `hessian`.
+void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
+                         const Eigen::VectorXd& positions, BlockMatrix* hessian);
+
+class StepProblem {
+ public:
+  // Both must outlive the problem. From (x_n, v_n) [3N] over `time_step` to `end_time`.
+  StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
+              const Eigen::VectorXd& velocities, double time_step, double end_time);
+
+  double time_step() const { return time_step_; }
+  double end_time() const { return end_time_; }
+  const Eigen::VectorXd& start_velocities() const { return start_velocities_; }  // v_n
+  const std::vector<ContactCandidate>& candidates() const { return candidates_; }
+  double weight(int candidate) const;                // d of its node, kg
+  double friction_coefficient(int candidate) const;  // mu of its obstacle
+  int free_block(int candidate) const;               // its node among the free nodes
+
+  void Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const;
+
+  // Phi and the responses for a given gradient g at v; used by Evaluate, and with a linearised g by the fallback.
+  void ApplyContactLaw(const Eigen::VectorXd& velocities, const Eigen::VectorXd& gradient, StepPoint* point) const;
+
+  void AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const;
+
+  // Smallest relative residual that rounding allows at `point`: 0.6 eps sqrt(3) |d| |x|_max/(h scale).
+  double RoundingFloor(const StepPoint& point) const;
+
+  // v_N <- max(v_N, -gap_speed) at every candidate.
+  void ClipToFeasible(Eigen::VectorXd* velocities) const;
+
+  // The sticking and slipping nodes at `point`.
+  std::vector<Contact> ActiveContacts(const StepPoint& point) const;
+
+  // The velocities [3N] of the step, with those of the handles.
+  Eigen::VectorXd AllVelocities(const StepPoint& point) const;
+
+ private:
+  const ClothModel& model_;
+  const Parameters& parameters_;
+  double time_step_, end_time_;
+  Eigen::VectorXd start_positions_;            // x_n [3N]
+  Eigen::VectorXd end_positions_;              // [3N] the handles at end_time; free entries are placeholders
+  Eigen::VectorXd start_velocities_;           // v_n
+  Eigen::VectorXd masses_;                     // M, per component
+  Eigen::VectorXd drag_;                       // h C, per component; empty without drag
+  Eigen::VectorXd external_impulse_;           // h times the part of f_ext that does not depend on v
+  Eigen::VectorXd weights_;                    // d, per free node
+  std::vector<ContactCandidate> candidates_;   // empty without obstacles
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_PROBLEM_H_
