@@ -29,8 +29,8 @@ class HandlePath {
 };
 
 // Natural cubic smoothing spline through (times, rows of values), its weight chosen by generalised cross-validation (Craven
-// and Wahba 1979), one weight for all rows: measured handle paths carry the noise of their sensor, and a simulated cloth is
-// shaken by it. A path without noise is returned as it is, up to its curvature at the scale of one frame interval.
+// and Wahba 1979), row by row, for noise and motion differ between directions: measured handle paths carry the noise of their
+// sensor, and a simulated cloth is shaken by it. A path without noise is returned as it is, up to its curvature at the scale of one frame interval.
 // times [T], values [R x T]; returns [R x T]. Fewer than five times: returned unchanged.
 Eigen::MatrixXd SmoothPath(const Eigen::VectorXd& times, const Eigen::MatrixXd& values);
 

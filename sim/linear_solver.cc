@@ -1,6 +1,7 @@
 #include "sim/linear_solver.h"
 
 #include <cholmod.h>
+#include <omp.h>
 #include <umfpack.h>
 
 #include <Eigen/Jacobi>
@@ -8,6 +9,22 @@
 #include <vector>
 
 namespace clothid {
+namespace {
+
+// Keeps OpenMP regions of the calling thread to that thread while it lives. Debian's CHOLMOD asks for four threads whatever
+// the machine has; the matrices of a cloth are too small for that, and rollouts already run side by side.
+class SingleThreadRegion {
+ public:
+  SingleThreadRegion() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  ~SingleThreadRegion() { omp_set_max_active_levels(levels_); }
+  SingleThreadRegion(const SingleThreadRegion&) = delete;
+  SingleThreadRegion& operator=(const SingleThreadRegion&) = delete;
+
+ private:
+  int levels_;
+};
+
+}  // namespace
 
 struct CholeskyFactor::State {
   explicit State(std::shared_ptr<const BlockPattern> p) : pattern(std::move(p)) { cholmod_start(&common); }
@@ -64,12 +81,14 @@ CholeskyFactor::~CholeskyFactor() = default;
 bool CholeskyFactor::Factor(const Eigen::VectorXd& values) {
   // CHOLMOD does not look for NaN, and a comparison with one would pass as positive definite.
   if (!values.allFinite()) return false;
+  const SingleThreadRegion single_thread;
   cholmod_sparse matrix = state_->View(values.data());
   cholmod_factorize(&matrix, state_->factor, &state_->common);
   return state_->common.status == CHOLMOD_OK;
 }
 
 void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) {
+  const SingleThreadRegion single_thread;
   cholmod_dense view = {};
   view.nrow = right.rows();
   view.ncol = right.cols();

@@ -26,12 +26,12 @@ constexpr Eigen::Index kMinTimes = 5;
 constexpr double kMinLogWeight = -4.0;
 constexpr double kMaxLogWeight = 8.0;
 constexpr double kScanStep = 0.5;          // of log10(lambda): cross-validation may have several minima
-constexpr double kWeightTolerance = 1e-3;  // of log10(lambda)
+constexpr double kWeightTolerance = 1e-2;  // of log10(lambda)
 
 class SmoothingSpline {
  public:
-  // times [T] in frame intervals, values [T x R].
-  SmoothingSpline(const Eigen::VectorXd& times, const Eigen::MatrixXd& values)
+  // times [T] in frame intervals, values [T].
+  SmoothingSpline(const Eigen::VectorXd& times, const Eigen::VectorXd& values)
       : size_(times.size()), second_differences_(size_, size_ - 2), gram_(size_ - 2, size_ - 2) {
     std::vector<Eigen::Triplet<double>> differences, gram;
     for (Eigen::Index j = 0; j + 2 < size_; ++j) {
@@ -52,22 +52,22 @@ class SmoothingSpline {
     curvature_ = second_differences_.transpose() * values;
   }
 
-  // What the spline of weight `weight` takes off the values [T x R].
-  Eigen::MatrixXd Residual(double weight) const {
-    Factor factor(gram_ + weight * penalty_);
-    return weight * (second_differences_ * factor.solve(curvature_));
-  }
+  // What the spline of weight `weight` takes off the values [T].
+  Eigen::VectorXd Residual(double weight) const { return Residual(weight, Factor(gram_ + weight * penalty_)); }
 
   // T |residual|^2 / tr(I - A)^2.
   double CrossValidation(double weight) const {
-    Factor factor(gram_ + weight * penalty_);
-    const Eigen::MatrixXd residual = weight * (second_differences_ * factor.solve(curvature_));
+    const Factor factor(gram_ + weight * penalty_);
     const double trace = weight * InverseTrace(factor);
-    return static_cast<double>(size_) * residual.squaredNorm() / (trace * trace);
+    return static_cast<double>(size_) * Residual(weight, factor).squaredNorm() / (trace * trace);
   }
 
  private:
   using Factor = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+
+  Eigen::VectorXd Residual(double weight, const Factor& factor) const {
+    return weight * (second_differences_ * factor.solve(curvature_));
+  }
 
   // tr(B^-1 Q^T Q) from B = L D L^T: the entries of the inverse within the band, from the last row up.
   double InverseTrace(const Factor& factor) const {
@@ -95,7 +95,7 @@ class SmoothingSpline {
 
   Eigen::Index size_;
   SparseMatrix second_differences_, gram_, penalty_;
-  Eigen::MatrixXd curvature_;
+  Eigen::VectorXd curvature_;
 };
 
 // Minimum of `f` between `low` and `high` by golden sections.
@@ -144,9 +144,13 @@ Eigen::MatrixXd SmoothPath(const Eigen::VectorXd& times, const Eigen::MatrixXd& 
   if (count < kMinTimes || values.rows() == 0) return values;
   const double interval = (times[count - 1] - times[0]) / static_cast<double>(count - 1);
   const Eigen::VectorXd frames = (times.array() - times[0]) / interval;
-  // A spline keeps constants; taking the first value off keeps them to the last bit.
-  const SmoothingSpline spline(frames, (values.colwise() - values.col(0)).transpose());
-  return values - spline.Residual(BestWeight(spline)).transpose();
+  Eigen::MatrixXd result = values;
+  for (Eigen::Index row = 0; row < values.rows(); ++row) {
+    // A spline keeps constants; taking the first value off keeps them to the last bit.
+    const SmoothingSpline spline(frames, (values.row(row).array() - values(row, 0)).transpose());
+    result.row(row) -= spline.Residual(BestWeight(spline)).transpose();
+  }
+  return result;
 }
 
 }  // namespace clothid

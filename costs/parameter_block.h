@@ -1,0 +1,57 @@
+// One scalar that a fit may change, as a Ceres parameter block of size 1.
+//
+// Ceres works on an internal coordinate q: q = log(value) for stiffnesses, density and drag, which are known to a
+// factor at best and span decades; q = value for friction coefficients, which live in [0, 2] and may be zero.
+#ifndef CLOTHID_COSTS_PARAMETER_BLOCK_H_
+#define CLOTHID_COSTS_PARAMETER_BLOCK_H_
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/parameters.h"
+#include "sim/scene.h"
+
+namespace clothid {
+
+enum class ParameterScale { kLinear, kLog };
+
+// The largest friction coefficient a fit looks for, unless bounds are given.
+inline constexpr double kMaxFriction = 2.0;
+// Without given bounds a parameter in log space may move by this factor up and down from its starting value: far enough
+// for any wrong nominal value, near enough to keep the simulation of a wandering optimiser solvable.
+inline constexpr double kBoundFactor = 1e4;
+
+struct ParameterBlock {
+  std::string name;  // as `ParseParameter` reads it; the same name in every recording of a joint fit
+  ParameterScale scale = ParameterScale::kLinear;
+  double start = 0.0;        // starting value, in the parameter's own unit
+  double lower_bound = 0.0;  // in the parameter's own unit; lower_bound < upper_bound
+  double upper_bound = 0.0;
+  bool frozen = false;  // held at its starting value, never differentiated
+
+  double ToCoordinate(double value) const;
+  double ToValue(double coordinate) const;
+  // d value / d coordinate.
+  double ValueDerivative(double coordinate) const;
+};
+
+// Log for everything but friction.
+ParameterScale DefaultScale(ParameterKind kind);
+
+// What the user gives over the scene's `parameters`; by parameter name.
+struct ParameterOverrides {
+  std::map<std::string, double> start, lower_bounds, upper_bounds;
+};
+
+// The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
+// obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction] or start / kBoundFactor .. start *
+// kBoundFactor. Throws `Error` (kUsage) for an unknown name, a start outside the bounds, bounds in the wrong order, and
+// for a start of zero in log space: a scene without bending (or drag) has no such term, so it must give a positive
+// nominal value.
+ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_PARAMETER_BLOCK_H_

@@ -1,0 +1,96 @@
+#include "costs/recording_model.h"
+
+#include <utility>
+
+namespace clothid {
+namespace {
+
+std::vector<ParameterId> ParseIds(const std::vector<ParameterBlock>& blocks, const Scene& scene) {
+  std::vector<ParameterId> ids;
+  for (const ParameterBlock& block : blocks) ids.push_back(ParseParameter(block.name, scene.obstacle_names()));
+  return ids;
+}
+
+Parameters StartParameters(const std::vector<ParameterBlock>& blocks, const Scene& scene) {
+  Parameters parameters = scene.nominal_parameters();
+  const std::vector<ParameterId> ids = ParseIds(blocks, scene);
+  for (std::size_t i = 0; i < blocks.size(); ++i) SetParameter(ids[i], blocks[i].start, &parameters);
+  return parameters;
+}
+
+// The scene whose material has every term that the fit will change.
+Scene SceneAtStart(Scene scene, const Parameters& start) {
+  scene.material = start.material;
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    scene.obstacles[i].friction_coefficient = start.friction_coefficients[i];
+  }
+  return scene;
+}
+
+}  // namespace
+
+RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks)
+    : name_(motion.name),
+      blocks_(std::move(blocks)),
+      ids_(ParseIds(blocks_, motion.scene)),
+      start_(StartParameters(blocks_, motion.scene)),
+      observation_(motion),
+      simulator_(SceneAtStart(motion.scene, start_)) {}
+
+Parameters RecordingModel::ParametersAt(const Eigen::VectorXd& coordinates) const {
+  Parameters parameters = start_;
+  for (int i = 0; i < num_blocks(); ++i) SetParameter(ids_[i], blocks_[i].ToValue(coordinates[i]), &parameters);
+  return parameters;
+}
+
+std::vector<ParameterId> RecordingModel::Ids(const std::vector<int>& active) const {
+  std::vector<ParameterId> ids;
+  for (int i : active) ids.push_back(ids_[i]);
+  return ids;
+}
+
+Eigen::VectorXd RecordingModel::ValueDerivatives(const Eigen::VectorXd& coordinates,
+                                                 const std::vector<int>& active) const {
+  Eigen::VectorXd derivatives(static_cast<Eigen::Index>(active.size()));
+  for (Eigen::Index i = 0; i < derivatives.size(); ++i) {
+    derivatives[i] = blocks_[active[i]].ValueDerivative(coordinates[active[i]]);
+  }
+  return derivatives;
+}
+
+Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel) {
+  return clothid::Simulate(ParametersAt(coordinates), observation_.num_steps(), &simulator_, cancel);
+}
+
+Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::VectorXd& coordinates,
+                                         const std::vector<int>& active, const Eigen::MatrixXd& seeds) {
+  const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) { observation_.AddSeeds(step, seeds, gradient); };
+  const RolloutGradient gradient =
+      clothid::PullBack(rollout, Ids(active), static_cast<int>(seeds.cols()), add_seeds, &simulator_);
+  return ValueDerivatives(coordinates, active).asDiagonal() * gradient.parameters;
+}
+
+SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
+                                              const FrameVisitor& visitor, const std::atomic<bool>* cancel) {
+  const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
+  const Eigen::Index num_active = derivatives.size();
+  FrameSampler sampler(&observation_, [&](int frame, const Eigen::MatrixXd& points) {
+    const Eigen::MatrixXd whitened = observation_.WhitenFrame(frame, points);
+    const Eigen::VectorXd measured =
+        observation_.whitened_measured().segment(observation_.first_row(frame), whitened.rows());
+    visitor(frame, points.col(0), whitened.col(0) - measured,
+            whitened.rightCols(num_active) * derivatives.asDiagonal());
+  });
+  SensitivityDirections directions;
+  directions.parameters = Ids(active);
+  Eigen::MatrixXd state(3 * observation_.num_nodes(), 1 + num_active);
+  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+    state.col(0) = positions;
+    state.rightCols(num_active) = derivative;
+    sampler.AddStep(step, state);
+  };
+  return clothid::PushForward(ParametersAt(coordinates), observation_.num_steps(), directions, add_step, &simulator_,
+                              cancel);
+}
+
+}  // namespace clothid

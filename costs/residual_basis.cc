@@ -1,0 +1,55 @@
+#include "costs/residual_basis.h"
+
+#include <cmath>
+
+namespace clothid {
+namespace {
+
+// A vector of which less than this share is left after projection is dependent. Well above rounding, so that the second
+// projection restores orthogonality.
+constexpr double kDependent = 1e-10;
+
+int TimeWindow(const Observation& observation, int row) {
+  return observation.coordinates()[row].frame * kNumTimeWindows / observation.num_frames();
+}
+
+}  // namespace
+
+Eigen::MatrixXd DisplacementModes(const Observation& observation) {
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(observation.num_residuals(), kNumDisplacementModes);
+  for (int r = 0; r < observation.num_residuals(); ++r) {
+    const SeenCoordinate& seen = observation.coordinates()[r];
+    modes(r, 3 * TimeWindow(observation, r) + seen.axis) = 1.0 / observation.sigma(seen.point);
+  }
+  return modes;
+}
+
+Eigen::MatrixXd ResidualModes(const Observation& observation, const Eigen::VectorXd& residuals) {
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(observation.num_residuals(), kNumResidualModes);
+  for (int r = 0; r < observation.num_residuals(); ++r) {
+    const int window = TimeWindow(observation, r);
+    if (window < kNumResidualModes) modes(r, window) = residuals[r];
+  }
+  return modes;
+}
+
+Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& vectors) {
+  Eigen::MatrixXd basis(vectors.rows(), vectors.cols());
+  Eigen::Index rank = 0;
+  for (Eigen::Index j = 0; j < vectors.cols(); ++j) {
+    Eigen::VectorXd rest = vectors.col(j);
+    const double norm = rest.norm();
+    if (!(norm > 0.0) || !std::isfinite(norm)) continue;
+    rest /= norm;
+    for (int pass = 0; pass < 2; ++pass) {
+      const Eigen::VectorXd projection = basis.leftCols(rank).transpose() * rest;
+      rest -= basis.leftCols(rank) * projection;
+    }
+    const double left = rest.norm();
+    if (left <= kDependent) continue;
+    basis.col(rank++) = rest / left;
+  }
+  return basis.leftCols(rank);
+}
+
+}  // namespace clothid

@@ -1,0 +1,71 @@
+#include "costs/rollout_cost.h"
+
+#include <cmath>
+#include <utility>
+
+#include "costs/rollout_evaluator.h"
+
+namespace clothid {
+
+using Need = RolloutEvaluator::Need;
+
+RolloutCost::RolloutCost(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
+                         const RolloutCostOptions& options)
+    : evaluator_(std::make_unique<RolloutEvaluator>(motion, std::move(blocks), options)) {
+  for (int i = 0; i < model().num_blocks(); ++i) mutable_parameter_block_sizes()->push_back(1);
+  set_num_residuals(evaluator_->num_rows() + (options.loss.is_robust() ? 1 : 0));
+}
+
+RolloutCost::~RolloutCost() = default;
+
+bool RolloutCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+  Eigen::VectorXd coordinates(model().num_blocks());
+  std::vector<int> active;
+  for (int i = 0; i < model().num_blocks(); ++i) {
+    coordinates[i] = parameters[i][0];
+    if (jacobians != nullptr && jacobians[i] != nullptr) active.push_back(i);
+  }
+  const RolloutEvaluation& evaluation = evaluator_->At(coordinates, active.empty() ? Need::kCost : Need::kRows, active);
+  if (!evaluation.ok()) return false;
+
+  Eigen::Map<Eigen::VectorXd> out(residuals, num_residuals());
+  out.setZero();
+  if (active.empty()) {
+    out[num_residuals() - 1] = std::sqrt(2.0 * evaluation.cost);
+    return true;
+  }
+  const int num_rows = evaluator_->num_rows();
+  out.head(num_rows) = evaluation.rows.residuals;
+  if (num_residuals() > num_rows) out[num_rows] = evaluation.loss_row;
+  for (std::size_t column = 0; column < evaluation.rows.active.size(); ++column) {
+    double* jacobian = jacobians[evaluation.rows.active[column]];
+    if (jacobian == nullptr) continue;
+    Eigen::Map<Eigen::VectorXd> rows(jacobian, num_residuals());
+    rows.setZero();
+    rows.head(num_rows) = evaluation.rows.jacobian.col(static_cast<Eigen::Index>(column));
+  }
+  return true;
+}
+
+bool RolloutCost::EvaluateGradient(const Eigen::VectorXd& coordinates, double* cost, Eigen::VectorXd* gradient) const {
+  const Need need = gradient == nullptr ? Need::kCost : Need::kGradient;
+  const RolloutEvaluation& evaluation = evaluator_->At(coordinates, need, evaluator_->free_blocks());
+  if (!evaluation.ok()) return false;
+  *cost = evaluation.cost;
+  if (gradient != nullptr) *gradient = evaluation.gradient;
+  return true;
+}
+
+bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) const {
+  const RolloutEvaluation& evaluation = evaluator_->At(coordinates, Need::kCost, {});
+  if (evaluation.ok()) *predicted = evaluation.predicted;
+  return evaluation.ok();
+}
+
+const std::string& RolloutCost::last_failure() const { return evaluator_->last_failure(); }
+
+const CostStatistics& RolloutCost::statistics() const { return evaluator_->statistics(); }
+
+const RecordingModel& RolloutCost::model() const { return evaluator_->model(); }
+
+}  // namespace clothid

@@ -1,0 +1,60 @@
+// A simulated rollout against its recording, as a Ceres cost function.
+//
+// The cost is L = 1/2 sum_p rho(|e_p|^2) with the whitened residual e = (predicted - measured)/sigma of m seen
+// coordinates (datasets/observation.h) and rho of costs/robust_loss.h. Ceres does not get the m rows of e but a few
+// rows r with
+//   1/2 |r|^2 = L,   (dr/dq)^T r = dL/dq   (exactly),
+// and dr/dq^T dr/dq the Gauss-Newton matrix of e (sensitivity, numeric) or its restriction to a subspace (adjoint,
+// costs/residual_basis.h). Rows of the adjoint form, 20 by default: subspace directions first, e itself last. Asked
+// for residuals alone, the rows are 0, .., 0, |e|. With a robust loss there is one more row, at the very end.
+//
+// Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate.
+#ifndef CLOTHID_COSTS_ROLLOUT_COST_H_
+#define CLOTHID_COSTS_ROLLOUT_COST_H_
+
+#include <ceres/cost_function.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "costs/parameter_block.h"
+#include "costs/recording_model.h"
+#include "costs/rollout_cost_options.h"
+#include "datasets/recorded_motion.h"
+
+namespace clothid {
+
+class RolloutEvaluator;
+
+class RolloutCost : public ceres::CostFunction {
+ public:
+  // Throws `Error` where `RecordingModel` does.
+  RolloutCost(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, const RolloutCostOptions& options);
+  ~RolloutCost() override;
+
+  // False where the rollout or its derivative failed; see last_failure(). `jacobians` and each jacobians[i] may be
+  // null; what is null is not differentiated. Rollout, prediction and Jacobian of recent points are kept by parameter
+  // values, so asking twice costs nothing. One thread at a time.
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+  // L and dL/dq [p] for first-order methods, by one adjoint column (from the rows of `Evaluate` with the other
+  // Jacobians). `gradient` may be null; entries of frozen blocks are zero. Returns as `Evaluate` does.
+  bool EvaluateGradient(const Eigen::VectorXd& coordinates, double* cost, Eigen::VectorXd* gradient) const;
+
+  // The predicted points [3P x T] m. False where the rollout failed.
+  bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) const;
+
+  // Why the last evaluation returned false, in one line that names the recording; empty where it did not.
+  const std::string& last_failure() const;
+  const CostStatistics& statistics() const;
+  const RecordingModel& model() const;
+
+ private:
+  std::unique_ptr<RolloutEvaluator> evaluator_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_ROLLOUT_COST_H_

@@ -1,0 +1,43 @@
+// How a recording is turned into rows for Ceres, and what that took.
+#ifndef CLOTHID_COSTS_ROLLOUT_COST_OPTIONS_H_
+#define CLOTHID_COSTS_ROLLOUT_COST_OPTIONS_H_
+
+#include <atomic>
+
+#include "costs/robust_loss.h"
+#include "sim/rollout.h"
+#include "sim/scene.h"
+
+namespace clothid {
+
+enum class JacobianMethod {
+  kAdjoint,      // one block reverse sweep: dL/dq exact, Gauss-Newton matrix of a subspace
+  kSensitivity,  // forward sweep alongside every rollout: the full Jacobian, compressed by QR
+  kNumeric,      // forward differences, one more rollout per parameter: the baseline
+};
+
+struct RolloutCostOptions {
+  JacobianMethod jacobian = JacobianMethod::kAdjoint;
+  RobustLoss loss;
+  int num_differences = 4;                    // adjoint: the most recent rollouts whose differences enter the subspace
+  const std::atomic<bool>* cancel = nullptr;  // ends the rollout under way as failed; must outlive the cost
+};
+
+// What the evaluations took. Counts depend on the sequence of evaluations alone; seconds do not belong to a result.
+struct CostStatistics {
+  int rollouts = 0;                 // simulated sequences, with or without derivatives
+  int sweeps = 0;                   // reverse or forward derivative sweeps
+  RolloutCounts counts;             // summed over the rollouts
+  double rollout_seconds = 0.0;     // rollouts without derivatives
+  double derivative_seconds = 0.0;  // reverse sweeps; forward sweeps with their rollout
+
+  CostStatistics& operator+=(const CostStatistics& other);
+};
+
+// The step of forward differences in an internal coordinate, where predictions are known to the step tolerance:
+// rounding error tolerance/step and truncation error step balance at the square root; not below 1e-6.
+double ForwardDifferenceStep(const SolverOptions& solver);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_ROLLOUT_COST_OPTIONS_H_

@@ -1,0 +1,272 @@
+#include "costs/rollout_evaluator.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "costs/residual_basis.h"
+
+namespace clothid {
+namespace {
+
+// Forward differences do not step below this, in an internal coordinate of order one.
+constexpr double kLeastDifferenceStep = 1e-6;
+
+// Adds its lifetime to a sum of seconds.
+class ScopedTimer {
+ public:
+  explicit ScopedTimer(double* seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
+  ~ScopedTimer() { *seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  ScopedTimer(const ScopedTimer&) = delete;
+  ScopedTimer& operator=(const ScopedTimer&) = delete;
+
+ private:
+  double* seconds_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+double LossRow(double cost, double weighted_squared_norm) {
+  return std::sqrt(std::max(0.0, 2.0 * cost - weighted_squared_norm));
+}
+
+bool Covers(const std::vector<int>& have, const std::vector<int>& wanted) {
+  return std::includes(have.begin(), have.end(), wanted.begin(), wanted.end());
+}
+
+}  // namespace
+
+CostStatistics& CostStatistics::operator+=(const CostStatistics& other) {
+  rollouts += other.rollouts;
+  sweeps += other.sweeps;
+  counts += other.counts;
+  rollout_seconds += other.rollout_seconds;
+  derivative_seconds += other.derivative_seconds;
+  return *this;
+}
+
+double ForwardDifferenceStep(const SolverOptions& solver) {
+  return std::max(kLeastDifferenceStep, std::sqrt(solver.step_tolerance));
+}
+
+RolloutEvaluator::RolloutEvaluator(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
+                                   const RolloutCostOptions& options)
+    : options_(options), model_(motion, std::move(blocks)) {
+  for (int i = 0; i < model_.num_blocks(); ++i) {
+    if (!model_.blocks()[i].frozen) free_blocks_.push_back(i);
+  }
+}
+
+int RolloutEvaluator::num_rows() const {
+  if (options_.jacobian != JacobianMethod::kAdjoint) return model_.num_blocks() + 1;
+  return 1 + options_.num_differences + kNumResidualModes + kNumDisplacementModes;
+}
+
+Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates) {
+  const ScopedTimer timer(&statistics_.rollout_seconds);
+  ++statistics_.rollouts;
+  Rollout result = model_.Simulate(coordinates, options_.cancel);
+  statistics_.counts += result.counts;
+  if (!result.ok()) throw std::runtime_error(result.failure->ToString());
+  return result;
+}
+
+const Rollout& RolloutEvaluator::RolloutAt(const Eigen::VectorXd& coordinates) {
+  if (rollout_coordinates_.size() == 0 || rollout_coordinates_ != coordinates) {
+    rollout_coordinates_.resize(0);
+    rollout_ = Run(coordinates);
+    rollout_coordinates_ = coordinates;
+  }
+  return rollout_;
+}
+
+Eigen::VectorXd RolloutEvaluator::WeightedResiduals(const RolloutEvaluation& evaluation,
+                                                    Eigen::VectorXd* weights) const {
+  const Eigen::VectorXd residuals = model_.observation().Residuals(evaluation.predicted);
+  LossWeights(options_.loss, model_.observation(), 0, residuals, weights);
+  return weights->cwiseProduct(residuals);
+}
+
+void RolloutEvaluator::ComputeCost(RolloutEvaluation* evaluation) {
+  evaluation->predicted = model_.observation().Predict(RolloutAt(evaluation->coordinates));
+  const Eigen::VectorXd residuals = model_.observation().Residuals(evaluation->predicted);
+  Eigen::VectorXd weights;
+  evaluation->cost = LossWeights(options_.loss, model_.observation(), 0, residuals, &weights);
+  evaluation->loss_row = LossRow(evaluation->cost, residuals.cwiseProduct(weights).squaredNorm());
+}
+
+// The prediction and the rows in one forward sweep; nothing of the size [m x p] is stored.
+void RolloutEvaluator::ComputeWithSensitivities(const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  const ScopedTimer timer(&statistics_.derivative_seconds);
+  const Observation& observation = model_.observation();
+  CompressedJacobian compressed(static_cast<int>(active.size()));
+  evaluation->predicted.resize(3 * observation.num_points(), observation.num_frames());
+  evaluation->cost = 0.0;
+  double weighted_squared_norm = 0.0;
+  const auto add_frame = [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
+                             const Eigen::MatrixXd& jacobian) {
+    evaluation->predicted.col(frame) = points;
+    Eigen::VectorXd weights;
+    evaluation->cost += LossWeights(options_.loss, observation, observation.first_row(frame), residuals, &weights);
+    const Eigen::VectorXd weighted = residuals.cwiseProduct(weights);
+    weighted_squared_norm += weighted.squaredNorm();
+    compressed.Add(weights.asDiagonal() * jacobian, weighted);
+  };
+  ++statistics_.rollouts;
+  ++statistics_.sweeps;
+  const SensitivityResult result = model_.PushForward(evaluation->coordinates, active, add_frame, options_.cancel);
+  statistics_.counts += result.counts;
+  if (result.failure) throw std::runtime_error(result.failure->ToString());
+  evaluation->loss_row = LossRow(evaluation->cost, weighted_squared_norm);
+  SetCompressedRows(active, &compressed, evaluation);
+}
+
+void RolloutEvaluator::SetCompressedRows(const std::vector<int>& active, CompressedJacobian* compressed,
+                                         RolloutEvaluation* evaluation) const {
+  const Eigen::MatrixXd& factor = compressed->Factor();
+  const Eigen::Index num_active = static_cast<Eigen::Index>(active.size());
+  ResidualRows rows;
+  rows.active = active;
+  rows.residuals = Eigen::VectorXd::Zero(num_rows());
+  rows.jacobian = Eigen::MatrixXd::Zero(num_rows(), num_active);
+  rows.residuals.head(num_active + 1) = factor.col(num_active);
+  rows.jacobian.topRows(num_active + 1) = factor.leftCols(num_active);
+  if (!rows.jacobian.allFinite()) throw std::runtime_error("the Jacobian is not finite");
+  evaluation->rows = std::move(rows);
+  evaluation->has_rows = true;
+}
+
+// e first, so that it is in the span to rounding whatever follows; then, in the order of their worth, differences to
+// recent rollouts, parts of e, modes.
+Eigen::MatrixXd RolloutEvaluator::BasisVectors(const RolloutEvaluation& evaluation) const {
+  const Observation& observation = model_.observation();
+  const Eigen::VectorXd residuals = observation.Residuals(evaluation.predicted);
+  Eigen::MatrixXd vectors = Eigen::MatrixXd::Zero(residuals.size(), num_rows());
+  vectors.col(0) = residuals;
+  Eigen::Index column = 1;
+  for (const RolloutEvaluation& other : recent_) {
+    if (column > options_.num_differences) break;
+    if (&other == &evaluation || !other.ok()) continue;
+    vectors.col(column++) = observation.Whiten(other.predicted - evaluation.predicted);
+  }
+  vectors.middleCols(1 + options_.num_differences, kNumResidualModes) = ResidualModes(observation, residuals);
+  vectors.rightCols(kNumDisplacementModes) = DisplacementModes(observation);
+  return vectors;
+}
+
+void RolloutEvaluator::ComputeAdjointRows(const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  const Rollout& rollout = RolloutAt(evaluation->coordinates);
+  const ScopedTimer timer(&statistics_.derivative_seconds);
+  Eigen::VectorXd weights;
+  const double norm = WeightedResiduals(*evaluation, &weights).norm();
+  const Eigen::MatrixXd basis = OrthonormalBasis(weights.asDiagonal() * BasisVectors(*evaluation));
+  ++statistics_.sweeps;
+  // (B^T w J)^T = J^T w B: the seeds are the columns of w B.
+  const Eigen::MatrixXd gradients =
+      model_.PullBack(rollout, evaluation->coordinates, active, weights.asDiagonal() * basis);
+  if (!gradients.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
+
+  // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.
+  const Eigen::Index num_directions = basis.cols() - (norm > 0.0 ? 1 : 0);
+  ResidualRows rows;
+  rows.active = active;
+  rows.residuals = Eigen::VectorXd::Zero(num_rows());
+  rows.jacobian = Eigen::MatrixXd::Zero(num_rows(), static_cast<Eigen::Index>(active.size()));
+  rows.residuals[num_rows() - 1] = norm;
+  rows.jacobian.topRows(num_directions) = gradients.rightCols(num_directions).transpose();
+  if (norm > 0.0) rows.jacobian.bottomRows(1) = gradients.leftCols(1).transpose();
+  evaluation->rows = std::move(rows);
+  evaluation->has_rows = true;
+}
+
+void RolloutEvaluator::ComputeNumericRows(const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  const Observation& observation = model_.observation();
+  const double step = ForwardDifferenceStep(model_.scene().solver);
+  Eigen::MatrixXd jacobian(observation.num_residuals(), static_cast<Eigen::Index>(active.size()));
+  for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
+    Eigen::VectorXd shifted = evaluation->coordinates;
+    shifted[active[i]] += step;
+    const Eigen::MatrixXd predicted = observation.Predict(Run(shifted));
+    jacobian.col(i) = observation.Whiten(predicted - evaluation->predicted) / step;
+  }
+  Eigen::VectorXd weights;
+  const Eigen::VectorXd weighted = WeightedResiduals(*evaluation, &weights);
+  CompressedJacobian compressed(static_cast<int>(active.size()));
+  compressed.Add(weights.asDiagonal() * jacobian, weighted);
+  SetCompressedRows(active, &compressed, evaluation);
+}
+
+void RolloutEvaluator::ComputeGradient(const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  Eigen::VectorXd gradient;
+  if (options_.jacobian == JacobianMethod::kAdjoint) {
+    const Rollout& rollout = RolloutAt(evaluation->coordinates);
+    const ScopedTimer timer(&statistics_.derivative_seconds);
+    Eigen::VectorXd weights;
+    const Eigen::VectorXd weighted = WeightedResiduals(*evaluation, &weights);
+    ++statistics_.sweeps;
+    gradient = model_.PullBack(rollout, evaluation->coordinates, active, weights.cwiseProduct(weighted));
+  } else {
+    Complete(Need::kRows, active, evaluation);
+    gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(active.size()));
+    for (std::size_t i = 0; i < active.size(); ++i) {
+      const auto& have = evaluation->rows.active;
+      const auto column = std::lower_bound(have.begin(), have.end(), active[i]) - have.begin();
+      gradient[i] = evaluation->rows.jacobian.col(column).dot(evaluation->rows.residuals);
+    }
+  }
+  if (!gradient.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
+  evaluation->gradient = Eigen::VectorXd::Zero(model_.num_blocks());
+  for (std::size_t i = 0; i < active.size(); ++i) evaluation->gradient[active[i]] = gradient[i];
+  evaluation->has_gradient = true;
+}
+
+RolloutEvaluation& RolloutEvaluator::FindOrAdd(const Eigen::VectorXd& coordinates) {
+  for (RolloutEvaluation& evaluation : recent_) {
+    if (evaluation.coordinates == coordinates) return evaluation;
+  }
+  RolloutEvaluation evaluation;
+  evaluation.coordinates = coordinates;
+  recent_.push_front(std::move(evaluation));
+  if (static_cast<int>(recent_.size()) > options_.num_differences + 1) recent_.pop_back();
+  return recent_.front();
+}
+
+void RolloutEvaluator::Complete(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  const bool is_new = evaluation->predicted.size() == 0;
+  const bool lacks_rows = !evaluation->has_rows || !Covers(evaluation->rows.active, active);
+  if (options_.jacobian == JacobianMethod::kSensitivity) {
+    // Nearly every trial point is accepted and asked for its Jacobian next, so it comes along with the rollout.
+    if (is_new || (need != Need::kCost && lacks_rows)) {
+      ComputeWithSensitivities(need == Need::kCost ? free_blocks_ : active, evaluation);
+    }
+  } else if (is_new) {
+    ComputeCost(evaluation);
+  }
+  if (need == Need::kRows && lacks_rows && options_.jacobian == JacobianMethod::kAdjoint) {
+    ComputeAdjointRows(active, evaluation);
+  }
+  if (need == Need::kRows && lacks_rows && options_.jacobian == JacobianMethod::kNumeric) {
+    ComputeNumericRows(active, evaluation);
+  }
+  if (need == Need::kGradient && !evaluation->has_gradient) ComputeGradient(active, evaluation);
+}
+
+const RolloutEvaluation& RolloutEvaluator::At(const Eigen::VectorXd& coordinates, Need need,
+                                              const std::vector<int>& active) {
+  RolloutEvaluation& evaluation = FindOrAdd(coordinates);
+  if (evaluation.ok()) {
+    try {
+      if (!coordinates.allFinite()) throw std::runtime_error("a parameter is not finite");
+      Complete(need, active, &evaluation);
+      if (!std::isfinite(evaluation.cost)) throw std::runtime_error("the cost is not finite");
+    } catch (const std::exception& error) {
+      evaluation.failure = model_.name() + ": " + error.what();
+    }
+  }
+  last_failure_ = evaluation.failure;
+  return evaluation;
+}
+
+}  // namespace clothid

@@ -1,0 +1,88 @@
+// Rows, cost and gradient of one recording, with a cache by parameter values. The engine of `RolloutCost`.
+#ifndef CLOTHID_COSTS_ROLLOUT_EVALUATOR_H_
+#define CLOTHID_COSTS_ROLLOUT_EVALUATOR_H_
+
+#include <Eigen/Core>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "costs/compressed_jacobian.h"
+#include "costs/parameter_block.h"
+#include "costs/recording_model.h"
+#include "costs/rollout_cost_options.h"
+#include "datasets/recorded_motion.h"
+#include "sim/rollout.h"
+
+namespace clothid {
+
+// The rows for Ceres, without the row of the loss.
+struct ResidualRows {
+  std::vector<int> active;    // the blocks that were differentiated, increasing
+  Eigen::VectorXd residuals;  // [r]
+  Eigen::MatrixXd jacobian;   // [r x q]
+};
+
+// One point of the parameter space and what is known about it.
+struct RolloutEvaluation {
+  Eigen::VectorXd coordinates;
+  std::string failure;        // not empty: nothing else is valid
+  Eigen::MatrixXd predicted;  // [3P x T] m
+  double cost = 0.0;          // L
+  double loss_row = 0.0;      // sqrt(2 L - |w e|^2), see costs/robust_loss.h
+  bool has_rows = false;
+  ResidualRows rows;
+  bool has_gradient = false;
+  Eigen::VectorXd gradient;  // [p] dL/dq
+
+  bool ok() const { return failure.empty(); }
+};
+
+class RolloutEvaluator {
+ public:
+  // Throws `Error` where `RecordingModel` does.
+  RolloutEvaluator(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, const RolloutCostOptions& options);
+
+  enum class Need { kCost, kRows, kGradient };
+  // What is needed at `coordinates` [p], the derivatives for the blocks `active` at least. Never throws: what went
+  // wrong stands in `failure`. The reference is valid until the next call.
+  const RolloutEvaluation& At(const Eigen::VectorXd& coordinates, Need need, const std::vector<int>& active);
+
+  int num_rows() const;                                                 // without the row of the loss
+  const std::vector<int>& free_blocks() const { return free_blocks_; }  // not frozen
+  const RolloutCostOptions& options() const { return options_; }
+  const RecordingModel& model() const { return model_; }
+  const CostStatistics& statistics() const { return statistics_; }
+  const std::string& last_failure() const { return last_failure_; }
+
+ private:
+  RolloutEvaluation& FindOrAdd(const Eigen::VectorXd& coordinates);
+  // Each of these fills its part of `evaluation` or throws.
+  void Complete(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
+  void ComputeCost(RolloutEvaluation* evaluation);
+  void ComputeWithSensitivities(const std::vector<int>& active, RolloutEvaluation* evaluation);
+  void ComputeAdjointRows(const std::vector<int>& active, RolloutEvaluation* evaluation);
+  void ComputeNumericRows(const std::vector<int>& active, RolloutEvaluation* evaluation);
+  void ComputeGradient(const std::vector<int>& active, RolloutEvaluation* evaluation);
+
+  Rollout Run(const Eigen::VectorXd& coordinates);
+  const Rollout& RolloutAt(const Eigen::VectorXd& coordinates);
+  // Residuals e and weights w of the loss at an evaluated point.
+  Eigen::VectorXd WeightedResiduals(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const;
+  Eigen::MatrixXd BasisVectors(const RolloutEvaluation& evaluation) const;
+  void SetCompressedRows(const std::vector<int>& active, CompressedJacobian* compressed,
+                         RolloutEvaluation* evaluation) const;
+
+  RolloutCostOptions options_;
+  RecordingModel model_;
+  std::vector<int> free_blocks_;
+  std::deque<RolloutEvaluation> recent_;  // the latest first; bounded
+  Rollout rollout_;                       // of `rollout_coordinates_`: trajectories are large, so there is one
+  Eigen::VectorXd rollout_coordinates_;
+  std::string last_failure_;
+  CostStatistics statistics_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_ROLLOUT_EVALUATOR_H_

@@ -1,0 +1,122 @@
+// From a trajectory to predicted points at the recorded times: the linear map P x of the residual, and its transpose.
+//
+// A point p (a node, or a barycentric point) at the recorded time t_i lies between two steps a and a + 1:
+//   predicted_p(t_i) = (1 - c) sum_k w_k x_a[node_k] + c sum_k w_k x_{a+1}[node_k],   c = (t_i - start)/h - a,
+// linear in time. A residual is (predicted - measured)/sigma for every seen coordinate. Not seen: a coordinate that was
+// not measured (NaN). Without a residual: a point all of whose nodes are handles, whose motion is part of the scene.
+//
+// Where the recording does not know its sigma, every coordinate has sigma = 1e-3 of the cloth's size (the square root
+// of its rest area): costs are then free of scale, and say nothing about likelihood.
+#ifndef CLOTHID_DATASETS_OBSERVATION_H_
+#define CLOTHID_DATASETS_OBSERVATION_H_
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "datasets/recorded_motion.h"
+#include "sim/rollout.h"
+
+namespace clothid {
+
+// A coordinate with a residual.
+struct SeenCoordinate {
+  int frame = 0;
+  int point = 0;
+  int axis = 0;  // 0, 1, 2: x, y, z
+};
+
+// How far a prediction is from the recording, over the seen coordinates; the errors of recordings add up.
+struct PredictionError {
+  double squared_error = 0.0;   // m^2: |predicted - measured|^2
+  double squared_motion = 0.0;  // m^2: |measured - its mean over time|^2
+  double num_coordinates = 0.0;
+
+  // m: the root mean square distance of seen points; a partly seen point counts by its share.
+  double rmse() const;
+  // 100 (1 - |predicted - measured| / |measured - its mean over time|); NaN where nothing moves.
+  double fit_percent() const;
+  PredictionError& operator+=(const PredictionError& other);
+};
+
+class Observation {
+ public:
+  // Throws `Error` (kBadData), naming the recording, where no coordinate is seen, a time lies before the scene's start,
+  // or a sigma is not positive. Keeps no reference to `motion`.
+  explicit Observation(const RecordedMotion& motion);
+
+  int num_residuals() const { return static_cast<int>(coordinates_.size()); }  // m
+  int num_frames() const { return static_cast<int>(brackets_.size()); }        // T
+  int num_points() const { return static_cast<int>(points_.size()); }          // P
+  int num_nodes() const { return num_nodes_; }                                 // N
+  int num_steps() const { return num_steps_; }  // the least number that covers all frames
+  bool sigma_is_known() const { return sigma_is_known_; }
+
+  // The rows of the residual, ordered by frame, then point, then axis. Frame i has the rows first_row(i) ..
+  // first_row(i+1)-1.
+  const std::vector<SeenCoordinate>& coordinates() const { return coordinates_; }
+  int first_row(int frame) const { return first_row_[frame]; }
+  double sigma(int point) const { return sigma_[point]; }                 // m
+  const Eigen::VectorXd& whitened_measured() const { return measured_; }  // [m] measured/sigma
+
+  // Every point, seen or not, at every frame: [3P x T] m. `rollout` must be ok() and have num_steps() steps.
+  Eigen::MatrixXd Predict(const Rollout& rollout) const;
+  // The seen coordinates of `points` [3P x T] over sigma: [m].
+  Eigen::VectorXd Whiten(const Eigen::MatrixXd& points) const;
+  // The same for one frame and several columns: [3P x c] -> [rows of the frame x c].
+  Eigen::MatrixXd WhitenFrame(int frame, const Eigen::MatrixXd& points) const;
+  // (predicted - measured)/sigma: [m].
+  Eigen::VectorXd Residuals(const Eigen::MatrixXd& predicted) const;
+  PredictionError Compare(const Eigen::MatrixXd& predicted) const;
+
+  // The transpose: adds to `gradient` [3N x s] the part at `step` of  dC/dx = (d residual/dx)^T seeds,  seeds [m x s].
+  void AddSeeds(int step, const Eigen::MatrixXd& seeds, Eigen::MatrixXd* gradient) const;
+
+  // Columns of states at `from` and `to` = step(frame), step(frame) + 1, [3N x c] each, to points [3P x c].
+  Eigen::MatrixXd PointsAt(int frame, const Eigen::MatrixXd& from, const Eigen::MatrixXd& to) const;
+  // The step a before frame i; a + 1 is needed too where needs_next(i).
+  int step(int frame) const { return brackets_[frame].step; }
+  bool needs_next(int frame) const { return brackets_[frame].fraction > 0.0; }
+
+ private:
+  struct Bracket {
+    int step = 0;
+    double fraction = 0.0;  // c, in [0, 1)
+  };
+
+  void PlaceFrames(const RecordedMotion& motion);
+  void FindSeenCoordinates(const RecordedMotion& motion);
+  void AddFrameSeeds(int frame, double weight, const Eigen::MatrixXd& seeds, Eigen::MatrixXd* gradient) const;
+
+  int num_nodes_ = 0;
+  int num_steps_ = 0;
+  bool sigma_is_known_ = false;
+  std::vector<ObservedPoint> points_;
+  Eigen::VectorXd sigma_;  // [P]
+  std::vector<Bracket> brackets_;
+  std::vector<SeenCoordinate> coordinates_;
+  std::vector<int> first_row_;  // [T + 1]
+  Eigen::VectorXd measured_;    // [m]
+};
+
+// Predictions from states that arrive step by step, as in a forward sweep: nothing but the last state is stored.
+class FrameSampler {
+ public:
+  // Called once per frame, in order, with the points [3P x c] of every column of the state.
+  using Visitor = std::function<void(int frame, const Eigen::MatrixXd& points)>;
+
+  // `observation` must outlive the sampler.
+  FrameSampler(const Observation* observation, Visitor visitor);
+  // `state` [3N x c] after `step` steps; steps 0, 1, 2, .. in order.
+  void AddStep(int step, const Eigen::MatrixXd& state);
+
+ private:
+  const Observation* observation_;
+  Visitor visitor_;
+  int next_frame_ = 0;
+  Eigen::MatrixXd previous_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_OBSERVATION_H_

@@ -1,0 +1,129 @@
+// From the tensors of a motion file to a recording: what the points are, where the cloth starts, which way its handles
+// go.
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "datasets/motion_container.h"
+#include "datasets/motion_file.h"
+#include "sim/json_document.h"
+#include "sim/scene_json.h"
+#include "sim/text_file.h"
+
+namespace clothid {
+namespace {
+
+// Points whose second extent is less than this share of their first lie on a line, which leaves a rotation open.
+constexpr double kCollinear = 1e-3;
+
+std::vector<ObservedPoint> MakePoints(const MotionTensors& tensors) {
+  std::vector<ObservedPoint> points(static_cast<std::size_t>(tensors.positions.rows() / 3));
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    ObservedPoint& point = points[p];
+    if (tensors.face_index.empty()) {
+      point.nodes[0] = tensors.node_index.empty() ? static_cast<int>(p) : tensors.node_index[p];
+      continue;
+    }
+    point.num_nodes = 3;
+    for (int k = 0; k < 3; ++k) {
+      point.nodes[k] = tensors.mesh.faces(k, tensors.face_index[p]);
+      point.weights[k] = tensors.barycentric(k, static_cast<Eigen::Index>(p));
+    }
+  }
+  return points;
+}
+
+Eigen::Vector3d RestPosition(const ObservedPoint& point, const Mesh& mesh) {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  for (int k = 0; k < point.num_nodes; ++k) position += point.weights[k] * mesh.rest_positions.col(point.nodes[k]);
+  return position;
+}
+
+bool IsCollinear(const Eigen::Matrix3Xd& points) {
+  const Eigen::Matrix3Xd centered = points.colwise() - points.rowwise().mean();
+  const Eigen::Vector3d extents = (centered * centered.transpose()).jacobiSvd().singularValues().cwiseSqrt();
+  return !(extents[1] > kCollinear * extents[0]);
+}
+
+// The rest shape, moved as a rigid body to where it is closest to the points seen in the first frame; empty where these
+// leave its place open.
+Eigen::Matrix3Xd FitRestShape(const MotionTensors& tensors, const std::vector<ObservedPoint>& points) {
+  Eigen::Matrix3Xd rest(3, tensors.positions.rows() / 3), measured = rest;
+  Eigen::Index num_seen = 0;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Eigen::Vector3d position = tensors.positions.col(0).segment<3>(3 * static_cast<Eigen::Index>(p));
+    if (!position.allFinite()) continue;
+    rest.col(num_seen) = RestPosition(points[p], tensors.mesh);
+    measured.col(num_seen++) = position;
+  }
+  const Eigen::Matrix3Xd seen_rest = rest.leftCols(num_seen), seen = measured.leftCols(num_seen);
+  if (num_seen < 3 || IsCollinear(seen_rest) || IsCollinear(seen)) return {};
+  const Eigen::Isometry3d motion(Eigen::umeyama(seen_rest, seen, false));
+  return motion * tensors.mesh.rest_positions;
+}
+
+// The first frame where its points are the nodes; its gaps come from the fitted rest shape. Where the points are
+// others, all comes from that: a cloth measured in places and guessed between them would start torn. Empty where the
+// frame shows too little.
+Eigen::VectorXd StartPositions(const MotionTensors& tensors, const std::vector<ObservedPoint>& points) {
+  const Eigen::Index num_nodes = tensors.mesh.num_nodes();
+  const bool points_are_nodes = tensors.face_index.empty() && static_cast<Eigen::Index>(points.size()) == num_nodes;
+  if (!points_are_nodes) return FitRestShape(tensors, points).reshaped();
+  Eigen::Matrix3Xd first = Eigen::Matrix3Xd::Constant(3, num_nodes, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    first.col(points[p].nodes[0]) = tensors.positions.col(0).segment<3>(3 * static_cast<Eigen::Index>(p));
+  }
+  if (first.allFinite()) return first.reshaped();
+  const Eigen::Matrix3Xd fitted = FitRestShape(tensors, points);
+  if (fitted.size() == 0) return {};
+  for (Eigen::Index i = 0; i < num_nodes; ++i) {
+    if (!first.col(i).allFinite()) first.col(i) = fitted.col(i);
+  }
+  return first.reshaped();
+}
+
+Handles MakeHandles(const MotionTensors& tensors, bool smooth) {
+  Handles handles;
+  handles.nodes = tensors.handle_index;
+  if (handles.nodes.empty()) return handles;
+  handles.path = HandlePath(tensors.times,
+                            smooth ? SmoothPath(tensors.times, tensors.handle_positions) : tensors.handle_positions);
+  return handles;
+}
+
+SceneDefaults MakeDefaults(const MotionTensors& tensors, const std::vector<ObservedPoint>& points, bool smooth) {
+  SceneDefaults defaults;
+  defaults.has_mesh = true;
+  defaults.mesh = tensors.mesh;
+  defaults.initial_positions = StartPositions(tensors, points);
+  defaults.start_time = tensors.times[0];
+  defaults.duration = tensors.times[tensors.times.size() - 1] - tensors.times[0];
+  defaults.handles = MakeHandles(tensors, smooth);
+  return defaults;
+}
+
+std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
+
+}  // namespace
+
+RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& options) {
+  VerifiedMotion file = ReadVerifiedMotion(path);
+  RecordedMotion motion;
+  motion.name = path;
+  motion.points = MakePoints(file.tensors);
+  const SceneDefaults defaults = MakeDefaults(file.tensors, motion.points, options.smooth_handles);
+  const bool embedded = options.scene_path.empty();
+  motion.scene_text = embedded ? file.tensors.scene_text : ReadFile(options.scene_path, kMaxJsonBytes);
+  motion.scene = ParseScene(motion.scene_text, embedded ? path + ": scene" : options.scene_path,
+                            FolderOf(embedded ? path : options.scene_path), defaults);
+  motion.times = std::move(file.tensors.times);
+  motion.positions = std::move(file.tensors.positions);
+  motion.sigma = std::move(file.tensors.sigma);
+  motion.provenance = std::move(file.tensors.provenance);
+  motion.sha256 = std::move(file.sha256);
+  return motion;
+}
+
+}  // namespace clothid

@@ -1,0 +1,37 @@
+// Measured data with its scene.
+#ifndef CLOTHID_DATASETS_RECORDED_MOTION_H_
+#define CLOTHID_DATASETS_RECORDED_MOTION_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "sim/scene.h"
+
+namespace clothid {
+
+// An observed point: a mesh node, or a point on a triangle. predicted = sum_k weights[k] x[nodes[k]].
+struct ObservedPoint {
+  int num_nodes = 1;  // 1 (a node) or 3 (barycentric)
+  int nodes[3] = {0, 0, 0};
+  double weights[3] = {1.0, 0.0, 0.0};
+};
+
+struct RecordedMotion {
+  std::string name;                    // for messages: the file it came from
+  Eigen::VectorXd times;               // [T] s, strictly increasing
+  Eigen::MatrixXd positions;           // [3P x T] m; NaN: not seen
+  std::vector<ObservedPoint> points;   // [P]
+  Eigen::VectorXd sigma;               // [P] m, standard deviation of a coordinate; empty: not known
+  Scene scene;                         // with mesh, start state and duration of this recording
+  std::string scene_text;              // the JSON that the scene was read from
+  std::string provenance;
+  std::string sha256;                  // of the file
+
+  int num_frames() const { return static_cast<int>(times.size()); }
+  int num_points() const { return static_cast<int>(points.size()); }
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_RECORDED_MOTION_H_

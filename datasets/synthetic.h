@@ -1,0 +1,43 @@
+// Synthetic recordings: a rollout with known parameters, seen through an imperfect sensor.
+//
+// The recording holds what a sensor and its operator would know: measured positions and the scene with its nominal
+// values. The parameters of the rollout, the truth, are written nowhere in it.
+#ifndef CLOTHID_DATASETS_SYNTHETIC_H_
+#define CLOTHID_DATASETS_SYNTHETIC_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "datasets/motion_file.h"
+#include "sim/rollout.h"
+#include "sim/scene.h"
+
+namespace clothid {
+
+struct SyntheticOptions {
+  double noise_sigma = 0.0;    // m, standard deviation of Gaussian noise on every coordinate
+  double frame_rate = 0.0;     // Hz; 0: one frame per step
+  double drop_fraction = 0.0;  // in [0, 1): the chance of a point to be missing in a frame
+  int num_markers = 0;         // free nodes seen, chosen by `seed`; 0: every node
+  std::uint64_t seed = 1;      // markers, noise and drops have streams of their own
+  bool single_precision =
+      false;  // store positions as F32, which limits how well a truth can be recovered (about 1e-7 m)
+};
+
+// The times of the frames, relative to the start, in units of the time step: multiples of 1/(frame_rate h), rounded to
+// a whole number of steps where that is meant. The last one is at most `num_steps`.
+Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps);
+
+// What the sensor saw of `rollout`, which must be ok() and come from `scene`; positions between steps are interpolated
+// linearly. Same arguments, same result. `scene_text` is the JSON that `scene` was read from. The recording is
+// self-contained: what the text takes from files is in its tensors, and the text in it no longer mentions the files.
+// Paths of moving handles are sampled at the frames, without noise.
+// Throws `Error` (kUsage) for options out of range, and where a start read from a file would have to come from a first
+// frame that noise, markers, drops or F32 have spoiled.
+MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const std::string& scene_text,
+                            const SyntheticOptions& options);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_SYNTHETIC_H_

@@ -1,0 +1,121 @@
+#include "identify/evaluator.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <thread>
+
+namespace clothid {
+namespace {
+
+// task(0) .. task(count - 1) on up to `num_threads` threads. Tasks do not throw.
+void RunTasks(int count, int num_threads, const std::function<void(int)>& task) {
+  std::atomic<int> next{0};
+  const auto work = [&] {
+    for (int i = next++; i < count; i = next++) task(i);
+  };
+  std::vector<std::thread> threads;
+  for (int t = 1; t < std::min(num_threads, count); ++t) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+}
+
+}  // namespace
+
+FitEvaluator::FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads)
+    : problem_(problem), coordinates_(coordinates), num_threads_(num_threads) {}
+
+void FitEvaluator::PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) {
+  double cost = 0.0;
+  // A failure shows again when Ceres asks the costs themselves.
+  Evaluate(*coordinates_, evaluate_jacobians ? Derivative::kRows : Derivative::kNone, &cost, nullptr);
+}
+
+FitEvaluator::RecordingResult FitEvaluator::EvaluateRows(int recording, const Eigen::VectorXd& coordinates) const {
+  const RolloutCost& cost = problem_->cost(recording);
+  const std::vector<ParameterBlock>& blocks = cost.model().blocks();
+  Eigen::VectorXd residuals(cost.num_residuals());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(cost.num_residuals(), coordinates.size());
+  std::vector<const double*> parameters;
+  std::vector<double*> jacobians;
+  for (Eigen::Index i = 0; i < coordinates.size(); ++i) {
+    parameters.push_back(coordinates.data() + i);
+    jacobians.push_back(blocks[i].frozen ? nullptr : jacobian.col(i).data());
+  }
+  RecordingResult result;
+  result.ok = cost.Evaluate(parameters.data(), residuals.data(), jacobians.data());
+  result.cost = 0.5 * residuals.squaredNorm();
+  result.gradient = jacobian.transpose() * residuals;
+  result.hessian = jacobian.transpose() * jacobian;
+  return result;
+}
+
+FitEvaluator::RecordingResult FitEvaluator::EvaluateRecording(int recording, const Eigen::VectorXd& coordinates,
+                                                              Derivative derivative) const {
+  const Eigen::VectorXd own = problem_->CoordinatesOf(recording, coordinates);
+  if (derivative == Derivative::kRows) return EvaluateRows(recording, own);
+  RecordingResult result;
+  const bool with_gradient = derivative == Derivative::kGradient;
+  result.ok = problem_->cost(recording).EvaluateGradient(own, &result.cost, with_gradient ? &result.gradient : nullptr);
+  return result;
+}
+
+bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost,
+                            Eigen::VectorXd* gradient) {
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<RecordingResult> results(static_cast<std::size_t>(problem_->num_recordings()));
+  RunTasks(problem_->num_recordings(), num_threads_,
+           [&](int recording) { results[recording] = EvaluateRecording(recording, coordinates, derivative); });
+  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  last_failure_.clear();
+  for (int r = 0; r < problem_->num_recordings(); ++r) {
+    if (!results[r].ok && last_failure_.empty()) last_failure_ = problem_->cost(r).last_failure();
+  }
+  if (!last_failure_.empty()) return false;
+  const QuadraticModel model = Sum(results, coordinates);
+  *cost = model.cost;
+  if (gradient != nullptr) *gradient = model.gradient;
+  if (derivative == Derivative::kRows) model_ = model;
+  Keep(coordinates, *cost);
+  if (derivative != Derivative::kNone && coordinates == best_.coordinates) best_gradient_norm_ = model.gradient.norm();
+  return true;
+}
+
+QuadraticModel FitEvaluator::Sum(const std::vector<RecordingResult>& results,
+                                 const Eigen::VectorXd& coordinates) const {
+  const int num_blocks = problem_->num_blocks();
+  QuadraticModel sum;
+  sum.coordinates = coordinates;
+  sum.gradient = Eigen::VectorXd::Zero(num_blocks);
+  sum.hessian = Eigen::MatrixXd::Zero(num_blocks, num_blocks);
+  for (int r = 0; r < problem_->num_recordings(); ++r) {
+    const RecordingResult& result = results[r];
+    const std::vector<int>& indices = problem_->block_indices(r);
+    sum.cost += result.cost;
+    if (result.gradient.size() > 0) sum.gradient(indices) += result.gradient;
+    if (result.hessian.size() > 0) sum.hessian(indices, indices) += result.hessian;
+  }
+  return sum;
+}
+
+void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost) {
+  if (best_.is_valid() && !(cost < best_.cost)) return;
+  best_.coordinates = coordinates;
+  best_.cost = cost;
+  best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();
+  best_.predicted.resize(static_cast<std::size_t>(problem_->num_recordings()));
+  for (int r = 0; r < problem_->num_recordings(); ++r) {
+    problem_->cost(r).Predict(problem_->CoordinatesOf(r, coordinates), &best_.predicted[r]);
+  }
+  if (!first_.is_valid()) first_ = best_;
+}
+
+CostStatistics FitEvaluator::statistics() const {
+  CostStatistics sum;
+  for (int r = 0; r < problem_->num_recordings(); ++r) sum += problem_->cost(r).statistics();
+  return sum;
+}
+
+}  // namespace clothid

@@ -1,0 +1,266 @@
+#include "identify/fit.h"
+
+#include <ceres/gradient_problem.h>
+#include <ceres/gradient_problem_solver.h>
+#include <ceres/iteration_callback.h>
+#include <ceres/solver.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "identify/evaluator.h"
+#include "identify/sigmoid_map.h"
+
+namespace clothid {
+namespace {
+
+// This near to a bound, relative to the range in the internal coordinate, a parameter stands at it. L-BFGS reaches a
+// bound asymptotically.
+constexpr double kAtBound = 1e-3;
+
+// The first trust region of Levenberg-Marquardt: its inverse is the damping relative to the diagonal of J^T J. The
+// problems are small and their Jacobians exact, so a step may be nearly Gauss-Newton's from the start.
+constexpr double kInitialTrustRegion = 1e2;
+
+// A step that changes no parameter by more than this share of its value is not worth a rollout.
+constexpr double kNegligibleStep = 1e-6;
+// Smaller friction coefficients are judged by their absolute change.
+constexpr double kLeastFriction = 0.01;
+
+bool IsCancelled(const FitOptions& options) { return options.cancel != nullptr && options.cancel->load(); }
+
+// The blocks that a step may move: not frozen, with influence, not pushed against a bound.
+std::vector<int> MovableBlocks(const FitProblem& problem, const QuadraticModel& model) {
+  std::vector<int> movable;
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    const ParameterBlock& block = problem.blocks()[i];
+    const double q = model.coordinates[i];
+    const bool is_held = (q <= block.ToCoordinate(block.lower_bound) && model.gradient[i] > 0.0) ||
+                         (q >= block.ToCoordinate(block.upper_bound) && model.gradient[i] < 0.0);
+    if (!block.frozen && model.hessian(i, i) > 0.0 && !is_held) movable.push_back(i);
+  }
+  return movable;
+}
+
+// Whether the undamped Gauss-Newton step changes every parameter by less than kNegligibleStep, or the cost by less than
+// the function tolerance. Ceres looks at its tolerances after the rollout of a step; this looks before.
+bool NextStepIsNegligible(const FitOptions& options, const FitProblem& problem, const QuadraticModel& model) {
+  const std::vector<int> movable = MovableBlocks(problem, model);
+  if (movable.empty()) return true;
+  const Eigen::VectorXd gradient = model.gradient(movable);
+  const Eigen::MatrixXd hessian = model.hessian(movable, movable);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(hessian);
+  const Eigen::VectorXd step = factor.solve(-gradient);
+  // A singular model has no step to judge by.
+  if (!step.allFinite() || (hessian * step + gradient).norm() > 1e-6 * gradient.norm()) return false;
+  if (-0.5 * gradient.dot(step) <= options.function_tolerance * model.cost) return true;
+  for (std::size_t i = 0; i < movable.size(); ++i) {
+    const bool is_log = problem.blocks()[movable[i]].scale == ParameterScale::kLog;
+    const double size = is_log ? 1.0 : std::max(std::abs(model.coordinates[movable[i]]), kLeastFriction);
+    if (std::abs(step[i]) > kNegligibleStep * size) return false;
+  }
+  return true;
+}
+
+// Records the best point after every iteration, reports it, and passes on the wish to stop.
+class Recorder : public ceres::IterationCallback {
+ public:
+  Recorder(const FitOptions& options, const FitProblem& problem, const FitEvaluator& evaluator)
+      : options_(options), problem_(problem), evaluator_(evaluator), start_(std::chrono::steady_clock::now()) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    Add(summary.iteration);
+    if (IsCancelled(options_)) return ceres::SOLVER_ABORT;
+    const bool has_model = options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
+    return has_model && NextStepIsNegligible(options_, problem_, evaluator_.model())
+               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+               : ceres::SOLVER_CONTINUE;
+  }
+
+  // The step that ended the fit was evaluated, but its iteration was never reported.
+  void AddLast() {
+    if (!evaluator_.best().is_valid()) return;
+    if (iterations_.empty() || evaluator_.best().cost < iterations_.back().cost) {
+      Add(iterations_.empty() ? 0 : iterations_.back().iteration + 1);
+    }
+  }
+
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  const std::vector<FitIteration>& iterations() const { return iterations_; }
+
+ private:
+  void Add(int iteration) {
+    FitIteration row;
+    row.iteration = iteration;
+    row.seconds = seconds();
+    row.cost = evaluator_.best().cost;
+    row.values = problem_.Values(evaluator_.best().coordinates);
+    row.gradient_norm = evaluator_.best_gradient_norm();
+    row.rollouts = evaluator_.statistics().rollouts;
+    iterations_.push_back(row);
+    if (options_.on_iteration) options_.on_iteration(row);
+  }
+
+  const FitOptions& options_;
+  const FitProblem& problem_;
+  const FitEvaluator& evaluator_;
+  std::chrono::steady_clock::time_point start_;
+  std::vector<FitIteration> iterations_;
+};
+
+FitStatus StatusOf(ceres::TerminationType type) {
+  switch (type) {
+    case ceres::CONVERGENCE:
+    case ceres::USER_SUCCESS:
+      return FitStatus::kConverged;
+    case ceres::NO_CONVERGENCE:
+      return FitStatus::kNotConverged;
+    case ceres::FAILURE:
+    case ceres::USER_FAILURE:
+      break;
+  }
+  return FitStatus::kFailed;
+}
+
+void RunLevenbergMarquardt(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
+                           FitEvaluator* evaluator, Recorder* recorder, FitSummary* summary) {
+  const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(evaluator, coordinates);
+  ceres::Solver::Options solver;
+  solver.minimizer_type = ceres::TRUST_REGION;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.initial_trust_region_radius = kInitialTrustRegion;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = options.function_tolerance;
+  solver.parameter_tolerance = options.parameter_tolerance;
+  solver.num_threads = 1;  // the evaluator has its own
+  solver.logging_type = ceres::SILENT;
+  solver.callbacks.push_back(recorder);
+  ceres::Solver::Summary result;
+  ceres::Solve(solver, ceres_problem.get(), &result);
+  summary->status = StatusOf(result.termination_type);
+  summary->message = result.message;
+}
+
+// L and dL/du of the evaluator's point. Owned by the Ceres problem.
+class BoundedGradient : public ceres::FirstOrderFunction {
+ public:
+  BoundedGradient(const SigmoidMap* map, FitEvaluator* evaluator) : map_(map), evaluator_(evaluator) {}
+
+  bool Evaluate(const double* u, double* cost, double* gradient) const override {
+    Eigen::VectorXd coordinate_gradient;
+    const auto derivative = gradient == nullptr ? FitEvaluator::Derivative::kNone : FitEvaluator::Derivative::kGradient;
+    if (!evaluator_->Evaluate(map_->ToCoordinates(u), derivative, cost, &coordinate_gradient)) return false;
+    if (gradient != nullptr) map_->PullBack(u, coordinate_gradient, gradient);
+    return true;
+  }
+  int NumParameters() const override { return map_->num_free(); }
+
+ private:
+  const SigmoidMap* map_;
+  FitEvaluator* evaluator_;
+};
+
+void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* evaluator, Recorder* recorder,
+              FitSummary* summary) {
+  const SigmoidMap map(problem->blocks());
+  const ceres::GradientProblem gradient_problem(new BoundedGradient(&map, evaluator));
+  ceres::GradientProblemSolver::Options solver;
+  solver.line_search_direction_type = ceres::LBFGS;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = options.function_tolerance;
+  solver.parameter_tolerance = options.parameter_tolerance;
+  solver.logging_type = ceres::SILENT;
+  solver.callbacks.push_back(recorder);
+  std::vector<double> u(static_cast<std::size_t>(map.num_free()), 0.0);
+  ceres::GradientProblemSolver::Summary result;
+  ceres::Solve(solver, gradient_problem, u.data(), &result);
+  summary->status = StatusOf(result.termination_type);
+  summary->message = result.message;
+}
+
+bool IsAtBound(const ParameterBlock& block, double coordinate) {
+  const double lower = block.ToCoordinate(block.lower_bound), upper = block.ToCoordinate(block.upper_bound);
+  return std::min(coordinate - lower, upper - coordinate) <= kAtBound * (upper - lower);
+}
+
+PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
+  PredictionError error;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    error += problem.cost(r).model().observation().Compare(point.predicted[r]);
+  }
+  return error;
+}
+
+void FillEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSummary* summary) {
+  const FitPoint best = evaluator->best();
+  double cost = 0.0;
+  const bool has_rows = evaluator->Evaluate(best.coordinates, FitEvaluator::Derivative::kRows, &cost, nullptr);
+  const Eigen::VectorXd values = problem.Values(best.coordinates);
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    const ParameterBlock& block = problem.blocks()[i];
+    FittedParameter parameter;
+    parameter.name = block.name;
+    parameter.frozen = block.frozen;
+    parameter.start = block.start;
+    parameter.value = block.frozen ? block.start : values[i];
+    parameter.at_bound = !block.frozen && IsAtBound(block, best.coordinates[i]);
+    if (has_rows && !block.frozen) parameter.has_influence = evaluator->model().hessian(i, i) != 0.0;
+    summary->parameters.push_back(parameter);
+  }
+  summary->cost = best.cost;
+  summary->start_error = Compare(problem, evaluator->first());
+  summary->error = Compare(problem, best);
+  summary->predicted = best.predicted;
+}
+
+}  // namespace
+
+std::string FitStatusName(FitStatus status) {
+  switch (status) {
+    case FitStatus::kConverged:
+      return "converged";
+    case FitStatus::kNotConverged:
+      return "not_converged";
+    case FitStatus::kFailed:
+      return "failed";
+    case FitStatus::kInterrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+FitSummary Fit(const FitOptions& options, FitProblem* problem) {
+  FitSummary summary;
+  Eigen::VectorXd coordinates = problem->StartCoordinates();
+  FitEvaluator evaluator(problem, &coordinates, options.num_threads);
+  Recorder recorder(options, *problem, evaluator);
+
+  // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
+  // cached.
+  double cost = 0.0;
+  if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr)) {
+    summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
+  } else if (options.method == FitMethod::kLevenbergMarquardt) {
+    RunLevenbergMarquardt(options, problem, &coordinates, &evaluator, &recorder, &summary);
+  } else {
+    RunLbfgs(options, problem, &evaluator, &recorder, &summary);
+  }
+  if (summary.status == FitStatus::kFailed && !evaluator.last_failure().empty() && evaluator.best().is_valid()) {
+    summary.message = evaluator.last_failure();
+  }
+  if (IsCancelled(options)) {
+    summary.status = FitStatus::kInterrupted;
+    summary.message = "interrupted";
+  }
+  if (evaluator.best().is_valid()) FillEstimate(*problem, &evaluator, &summary);
+  recorder.AddLast();
+  summary.iterations = recorder.iterations();
+  summary.statistics = evaluator.statistics();
+  summary.total_seconds = recorder.seconds();
+  summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds());
+  return summary;
+}
+
+}  // namespace clothid

@@ -1,0 +1,64 @@
+// The fit: from a problem to estimates.
+#ifndef CLOTHID_IDENTIFY_FIT_H_
+#define CLOTHID_IDENTIFY_FIT_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "costs/rollout_cost.h"
+#include "datasets/observation.h"
+#include "identify/options.h"
+#include "identify/problem.h"
+
+namespace clothid {
+
+enum class FitStatus {
+  kConverged,
+  kNotConverged,  // stopped at max_iterations
+  kFailed,        // a rollout or derivative failed where the fit could not go on
+  kInterrupted,   // FitOptions::cancel
+};
+std::string FitStatusName(FitStatus status);
+
+struct FittedParameter {
+  std::string name;
+  double value = 0.0;
+  double start = 0.0;
+  bool frozen = false;
+  bool at_bound = false;
+  // False: the Jacobian's column is exactly zero at the estimate, so the recordings say nothing about the parameter.
+  // Absent: frozen, or the derivative could not be evaluated at the end.
+  std::optional<bool> has_influence;
+};
+
+// Valid where has_estimate(), whatever the status: the best point that was evaluated.
+struct FitSummary {
+  FitStatus status = FitStatus::kFailed;
+  std::string message = "the fit was not run";  // one line: why it ended
+  std::vector<FittedParameter> parameters;
+  double cost = 0.0;
+  PredictionError start_error;             // over all recordings, at the starting values
+  PredictionError error;                   // the same at the estimate
+  std::vector<Eigen::MatrixXd> predicted;  // per recording, at the estimate [3P x T] m
+  std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
+  CostStatistics statistics;
+  double total_seconds = 0.0;
+  double solver_seconds = 0.0;  // outside of rollouts and derivatives
+
+  bool has_estimate() const { return !parameters.empty(); }
+  int num_iterations() const { return iterations.empty() ? 0 : iterations.back().iteration; }
+};
+
+// Never throws for what happens during the fit: see the status. The estimate is the point of lowest cost of all that
+// were evaluated. On the same problem it gives the same result on any number of threads.
+//
+// kLevenbergMarquardt: Ceres' trust region with the bounds of the blocks. kLbfgs: `ceres::GradientProblem` has no
+// bounds, so it works on u with  q = lower + (upper - lower) sigmoid(4 u/(upper - lower) + c),  dq/du = 1 in the
+// middle, c such that u = 0 is the start; q the internal coordinate.
+FitSummary Fit(const FitOptions& options, FitProblem* problem);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_FIT_H_

@@ -1,0 +1,63 @@
+// What a fit is asked to do.
+#ifndef CLOTHID_IDENTIFY_OPTIONS_H_
+#define CLOTHID_IDENTIFY_OPTIONS_H_
+
+#include <Eigen/Core>
+#include <atomic>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "costs/parameter_block.h"
+#include "costs/robust_loss.h"
+#include "costs/rollout_cost.h"
+
+namespace clothid {
+
+enum class FitMethod {
+  kLevenbergMarquardt,  // Ceres' trust region on the rows of `RolloutCost`
+  kLbfgs,               // `ceres::GradientProblem` on the scalar gradient: for many parameters
+};
+
+// One accepted point of the optimiser.
+struct FitIteration {
+  int iteration = 0;
+  double seconds = 0.0;        // since the start of the fit
+  double cost = 0.0;           // the lowest so far
+  Eigen::VectorXd values;      // [p] the parameters at that cost, in their own units
+  double gradient_norm = 0.0;  // |dL/dq| in the internal coordinates; NaN where it was not needed
+  int rollouts = 0;            // so far
+};
+
+struct FitOptions {
+  std::vector<std::string> parameters;  // names to fit; empty: mu and k_stretch, without obstacles k_stretch
+  ParameterOverrides overrides;
+  FitMethod method = FitMethod::kLevenbergMarquardt;
+  JacobianMethod jacobian = JacobianMethod::kAdjoint;
+  RobustLoss loss;
+  int max_iterations = 50;
+  int num_threads = 1;  // recordings simulated side by side; results do not depend on it
+  // Relative changes at which the fit has converged. A step that satisfies them has been evaluated and is taken where
+  // it is better, so the estimate is one (superlinear) step closer than the tolerance says.
+  double function_tolerance = 1e-9;
+  double parameter_tolerance = 1e-5;
+  const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
+  std::function<void(const FitIteration&)> on_iteration;  // may be empty
+
+  // Throws `Error` (kUsage) naming the first value out of range.
+  void Validate() const;
+};
+
+// "a,b,c". Throws `Error` (kUsage), naming `flag`, for an empty item or one given twice.
+std::vector<std::string> ParseNames(const std::string& text, const std::string& flag);
+// "mu=0.1,k_stretch=50". Throws `Error` (kUsage), naming `flag`, for what is not NAME=NUMBER or given twice.
+std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag);
+// "lm" or "lbfgs"; "adjoint", "sensitivity" or "numeric". Throw `Error` (kUsage).
+FitMethod ParseFitMethod(const std::string& text);
+JacobianMethod ParseJacobianMethod(const std::string& text);
+std::string JacobianMethodName(JacobianMethod method);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_OPTIONS_H_

@@ -1,0 +1,56 @@
+// Recordings and fitted parameters as one least-squares problem.
+#ifndef CLOTHID_IDENTIFY_PROBLEM_H_
+#define CLOTHID_IDENTIFY_PROBLEM_H_
+
+#include <ceres/problem.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "costs/parameter_block.h"
+#include "costs/rollout_cost.h"
+#include "datasets/recorded_motion.h"
+#include "identify/options.h"
+
+namespace clothid {
+
+// One `RolloutCost` per recording; a parameter is one block, shared by every recording whose scene has it (`mu.NAME`
+// may be in some scenes only).
+class FitProblem {
+ public:
+  // Starting values and bounds come from the first recording that has the parameter. Throws `Error` for what
+  // `MakeParameterBlock` and `RecordingModel` reject, for overrides of parameters that are not fitted, and where every
+  // parameter is frozen.
+  FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options);
+
+  const std::vector<ParameterBlock>& blocks() const { return blocks_; }
+  int num_blocks() const { return static_cast<int>(blocks_.size()); }
+  int num_recordings() const { return static_cast<int>(costs_.size()); }
+  const RolloutCost& cost(int recording) const { return *costs_[recording]; }
+  // The blocks that the cost of a recording takes, in its order.
+  const std::vector<int>& block_indices(int recording) const { return block_indices_[recording]; }
+
+  // Internal coordinates [p], and back to values in the parameters' own units.
+  Eigen::VectorXd StartCoordinates() const;
+  Eigen::VectorXd Values(const Eigen::VectorXd& coordinates) const;
+  // Those of the blocks of one recording.
+  Eigen::VectorXd CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const;
+
+  // The Ceres problem on `coordinates` [p], whose memory it keeps and changes: costs, bounds, constant blocks. It does
+  // not own the costs and calls `callback` before each evaluation.
+  std::unique_ptr<ceres::Problem> MakeCeresProblem(ceres::EvaluationCallback* callback, Eigen::VectorXd* coordinates);
+
+ private:
+  std::vector<ParameterBlock> blocks_;
+  std::vector<std::unique_ptr<RolloutCost>> costs_;
+  std::vector<std::vector<int>> block_indices_;
+};
+
+// Whether parameter `name` exists in `scene`: all but `mu.NAME` always do.
+bool HasParameter(const Scene& scene, const std::string& name);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_PROBLEM_H_

@@ -1,0 +1,317 @@
+// Rows, gradients, caches and failures of the cost function, in each of its forms.
+#include "costs/rollout_cost.h"
+
+#include <ceres/gradient_checker.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "costs/full_residual_cost.h"
+#include "tests/costs/synthetic_motion.h"
+
+namespace clothid {
+namespace {
+
+// What Ceres gets from one call.
+struct Rows {
+  bool ok = false;
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;  // a column stays NaN where it was not asked for
+
+  double cost() const { return 0.5 * residuals.squaredNorm(); }
+  Eigen::VectorXd gradient() const { return jacobian.transpose() * residuals; }
+};
+
+Rows Evaluate(const ceres::CostFunction& cost, const Eigen::VectorXd& coordinates, const std::vector<bool>& wanted) {
+  Rows rows;
+  rows.residuals.resize(cost.num_residuals());
+  rows.jacobian.setConstant(cost.num_residuals(), coordinates.size(), std::numeric_limits<double>::quiet_NaN());
+  std::vector<const double*> parameters;
+  std::vector<double*> jacobians;
+  for (Eigen::Index i = 0; i < coordinates.size(); ++i) {
+    parameters.push_back(coordinates.data() + i);
+    jacobians.push_back(wanted[static_cast<std::size_t>(i)] ? rows.jacobian.col(i).data() : nullptr);
+  }
+  rows.ok = cost.Evaluate(parameters.data(), rows.residuals.data(), jacobians.data());
+  return rows;
+}
+
+Rows EvaluateAll(const ceres::CostFunction& cost, const Eigen::VectorXd& coordinates) {
+  return Evaluate(cost, coordinates, std::vector<bool>(static_cast<std::size_t>(coordinates.size()), true));
+}
+
+double CostAt(const ceres::CostFunction& cost, const Eigen::VectorXd& coordinates) {
+  const Rows rows = Evaluate(cost, coordinates, std::vector<bool>(static_cast<std::size_t>(coordinates.size()), false));
+  EXPECT_TRUE(rows.ok);
+  return rows.cost();
+}
+
+Eigen::VectorXd CentralDifferences(const ceres::CostFunction& cost, const Eigen::VectorXd& coordinates) {
+  const double step = 1e-5;
+  Eigen::VectorXd gradient(coordinates.size());
+  for (Eigen::Index i = 0; i < coordinates.size(); ++i) {
+    Eigen::VectorXd above = coordinates, below = coordinates;
+    above[i] += step;
+    below[i] -= step;
+    gradient[i] = (CostAt(cost, above) - CostAt(cost, below)) / (2.0 * step);
+  }
+  return gradient;
+}
+
+// Expects every component to agree relative to its own size.
+void ExpectNear(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double tolerance) {
+  ASSERT_EQ(a.size(), b.size());
+  for (Eigen::Index i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], tolerance * std::abs(b[i])) << "component " << i;
+}
+
+RolloutCostOptions WithJacobian(JacobianMethod method) {
+  RolloutCostOptions options;
+  options.jacobian = method;
+  return options;
+}
+
+const std::vector<std::string> kSwingNames = {"k_stretch", "k_bend", "density", "drag"};
+const std::vector<std::string> kSphereNames = {"mu", "k_stretch", "k_bend"};
+
+RecordedMotion SwingMotion() {
+  MotionOptions options;
+  options.true_values = {{"k_stretch", 90.0}, {"k_bend", 3e-3}};
+  options.frame_interval = 0.0125;  // between the steps
+  options.noise = 1e-3;
+  return MakeMotion(SwingScene(), options);
+}
+
+RecordedMotion SphereMotion() {
+  MotionOptions options;
+  options.true_values = {{"mu", 0.35}, {"k_stretch", 90.0}};
+  options.sigma = 1e-3;
+  return MakeMotion(SphereScene(), options);
+}
+
+struct Case {
+  const char* name;
+  RecordedMotion (*motion)();
+  const std::vector<std::string>* parameters;
+};
+
+class RolloutCostTest : public testing::TestWithParam<Case> {
+ protected:
+  RolloutCostTest() : motion_(GetParam().motion()), blocks_(MakeBlocks(motion_.scene, *GetParam().parameters)) {}
+
+  RecordedMotion motion_;
+  std::vector<ParameterBlock> blocks_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RolloutCostTest,
+                         testing::Values(Case{"Swing", &SwingMotion, &kSwingNames},
+                                         Case{"Sphere", &SphereMotion, &kSphereNames}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(RolloutCostTest, GradientsAgreeWithCentralDifferences) {
+  for (const char* loss : {"none", "huber:2"}) {
+    for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
+      RolloutCostOptions options = WithJacobian(method);
+      options.loss = ParseRobustLoss(loss);
+      const RolloutCost cost(motion_, blocks_, options);
+      const Eigen::VectorXd start = StartOf(blocks_);
+      const Rows rows = EvaluateAll(cost, start);
+      ASSERT_TRUE(rows.ok) << cost.last_failure();
+      ExpectNear(rows.gradient(), CentralDifferences(cost, start), 2e-6);
+      EXPECT_NEAR(rows.cost(), CostAt(cost, start), 1e-12 * rows.cost());
+    }
+  }
+}
+
+TEST_P(RolloutCostTest, AdjointAgreesWithSensitivities) {
+  for (const char* loss : {"none", "huber:2"}) {
+    RolloutCostOptions options = WithJacobian(JacobianMethod::kAdjoint);
+    options.loss = ParseRobustLoss(loss);
+    const RolloutCost adjoint(motion_, blocks_, options);
+    options.jacobian = JacobianMethod::kSensitivity;
+    const RolloutCost sensitivity(motion_, blocks_, options);
+    const Rows a = EvaluateAll(adjoint, StartOf(blocks_)), s = EvaluateAll(sensitivity, StartOf(blocks_));
+    ASSERT_TRUE(a.ok && s.ok);
+    EXPECT_NEAR(a.cost(), s.cost(), 1e-12 * s.cost());
+    ExpectNear(a.gradient(), s.gradient(), 1e-8);
+    // The subspace holds no more of the Gauss-Newton matrix than there is.
+    const Eigen::MatrixXd rest = s.jacobian.transpose() * s.jacobian - a.jacobian.transpose() * a.jacobian;
+    EXPECT_GT(rest.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-9 * s.jacobian.squaredNorm());
+
+    double cost = 0.0;
+    Eigen::VectorXd gradient;
+    for (const RolloutCost* either : {&adjoint, &sensitivity}) {
+      ASSERT_TRUE(either->EvaluateGradient(StartOf(blocks_), &cost, &gradient));
+      EXPECT_NEAR(cost, s.cost(), 1e-12 * s.cost());
+      ExpectNear(gradient, s.gradient(), 1e-8);
+    }
+  }
+}
+
+TEST_P(RolloutCostTest, GaussNewtonMatrixOfSensitivitiesIsThatOfTheFullJacobian) {
+  const FullResidualCost full(motion_, blocks_);
+  const Rows large = EvaluateAll(full, StartOf(blocks_));
+  const Rows small =
+      EvaluateAll(RolloutCost(motion_, blocks_, WithJacobian(JacobianMethod::kSensitivity)), StartOf(blocks_));
+  ASSERT_TRUE(large.ok && small.ok);
+  EXPECT_EQ(large.residuals.size(), Observation(motion_).num_residuals());
+  EXPECT_EQ(small.residuals.size(), static_cast<Eigen::Index>(blocks_.size()) + 1);
+  EXPECT_NEAR(small.cost(), large.cost(), 1e-12 * large.cost());
+  ExpectNear(small.gradient(), large.gradient(), 1e-9);
+  const Eigen::MatrixXd hessian = large.jacobian.transpose() * large.jacobian;
+  EXPECT_LT((small.jacobian.transpose() * small.jacobian - hessian).norm(), 1e-11 * hessian.norm());
+
+  const Rows numeric =
+      EvaluateAll(RolloutCost(motion_, blocks_, WithJacobian(JacobianMethod::kNumeric)), StartOf(blocks_));
+  EXPECT_LT((numeric.jacobian.transpose() * numeric.jacobian - hessian).norm(), 1e-3 * hessian.norm());
+  EXPECT_LT((numeric.gradient() - large.gradient()).norm(), 1e-3 * large.gradient().norm());
+}
+
+TEST_P(RolloutCostTest, DifferencesOfRolloutsWidenTheSubspace) {
+  const RolloutCost cost(motion_, blocks_, WithJacobian(JacobianMethod::kAdjoint));
+  const RolloutCost other(motion_, blocks_, WithJacobian(JacobianMethod::kAdjoint));
+  const FullResidualCost full(motion_, blocks_);
+  const Eigen::VectorXd start = StartOf(blocks_);
+  const Eigen::MatrixXd large = EvaluateAll(full, start).jacobian;
+  for (Eigen::Index i = 0; i < start.size(); ++i) {
+    Eigen::VectorXd near = start;
+    near[i] += 1e-4;
+    CostAt(cost, near);
+  }
+  const Rows with = EvaluateAll(cost, start), without = EvaluateAll(other, start);
+  ExpectNear(with.gradient(), without.gradient(), 1e-8);
+  // One small step along every parameter: the subspace now holds the range of J.
+  const double all = large.squaredNorm();
+  EXPECT_GT(with.jacobian.squaredNorm(), (1.0 - 1e-4) * all);
+  EXPECT_LT(without.jacobian.squaredNorm(), (1.0 - 1e-4) * all);
+}
+
+TEST_P(RolloutCostTest, CeresChecksTheFullJacobian) {
+  const FullResidualCost cost(motion_, blocks_);
+  const Eigen::VectorXd start = StartOf(blocks_);
+  std::vector<const double*> parameters;
+  for (Eigen::Index i = 0; i < start.size(); ++i) parameters.push_back(start.data() + i);
+  ceres::NumericDiffOptions options;
+  options.relative_step_size = 1e-5;
+  const ceres::GradientChecker checker(&cost, static_cast<const std::vector<const ceres::Manifold*>*>(nullptr),
+                                       options);
+  ceres::GradientChecker::ProbeResults results;
+  // Single entries of J cross zero, so Ceres' relative errors are judged column by column.
+  checker.Probe(parameters.data(), 1e-6, &results);
+  ASSERT_TRUE(results.return_value) << results.error_log;
+  for (std::size_t i = 0; i < results.jacobians.size(); ++i) {
+    EXPECT_GT(results.jacobians[i].norm(), 0.0);
+    EXPECT_LT((results.jacobians[i] - results.numeric_jacobians[i]).norm(), 1e-6 * results.jacobians[i].norm());
+  }
+}
+
+TEST(RolloutCostCallsTest, AnswersWhatIsAskedFor) {
+  const RecordedMotion motion = SwingMotion();
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+    const RolloutCost cost(motion, blocks, WithJacobian(method));
+    const Rows all = EvaluateAll(cost, StartOf(blocks));
+    const RolloutCost fresh(motion, blocks, WithJacobian(method));
+    const Rows second = Evaluate(fresh, StartOf(blocks), {false, true});
+    ASSERT_TRUE(second.ok);
+    EXPECT_TRUE(second.jacobian.col(0).array().isNaN().all());
+    EXPECT_NEAR(second.gradient()[1], all.gradient()[1], 1e-10 * std::abs(all.gradient()[1]));
+    // What was left out the first time is differentiated when it is asked for.
+    ExpectNear(EvaluateAll(fresh, StartOf(blocks)).gradient(), all.gradient(), 1e-10);
+
+    const Eigen::VectorXd start = StartOf(blocks);
+    const double* parameters[] = {start.data(), start.data() + 1};
+    Eigen::VectorXd residuals(cost.num_residuals());
+    ASSERT_TRUE(cost.Evaluate(parameters, residuals.data(), nullptr));
+    EXPECT_NEAR(residuals.squaredNorm(), all.residuals.squaredNorm(), 1e-12 * residuals.squaredNorm());
+    EXPECT_EQ(residuals.head(residuals.size() - 1).norm(), 0.0);
+  }
+}
+
+TEST(RolloutCostCallsTest, DoesNothingTwice) {
+  const RecordedMotion motion = SwingMotion();
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
+  const Eigen::VectorXd start = StartOf(blocks);
+  const auto run = [&](JacobianMethod method) {
+    const RolloutCost cost(motion, blocks, WithJacobian(method));
+    const double first = CostAt(cost, start);
+    EXPECT_EQ(CostAt(cost, start), first);
+    EvaluateAll(cost, start);
+    EvaluateAll(cost, start);
+    Eigen::MatrixXd predicted;
+    EXPECT_TRUE(cost.Predict(start, &predicted));
+    return cost.statistics();
+  };
+  const CostStatistics adjoint = run(JacobianMethod::kAdjoint), sensitivity = run(JacobianMethod::kSensitivity),
+                       numeric = run(JacobianMethod::kNumeric);
+  EXPECT_EQ(adjoint.rollouts, 1);
+  EXPECT_EQ(adjoint.sweeps, 1);
+  EXPECT_EQ(sensitivity.rollouts, 1);
+  EXPECT_EQ(sensitivity.sweeps, 1);
+  EXPECT_EQ(numeric.rollouts, 3);
+  EXPECT_EQ(numeric.sweeps, 0);
+  EXPECT_EQ(adjoint.counts.steps, 20);
+  EXPECT_EQ(numeric.counts.steps, 60);
+}
+
+TEST(RolloutCostCallsTest, FrozenBlocksHaveNoGradient) {
+  const RecordedMotion motion = SwingMotion();
+  std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
+  blocks[0].frozen = true;
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
+    const RolloutCost cost(motion, blocks, WithJacobian(method));
+    double value = 0.0;
+    Eigen::VectorXd gradient;
+    ASSERT_TRUE(cost.EvaluateGradient(StartOf(blocks), &value, &gradient));
+    EXPECT_EQ(gradient[0], 0.0);
+    EXPECT_NE(gradient[1], 0.0);
+  }
+}
+
+TEST(RolloutCostCallsTest, ZeroResidualHasZeroGradient) {
+  const RecordedMotion motion = MakeMotion(SwingScene(), {});
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch"});
+  const RolloutCost cost(motion, blocks, WithJacobian(JacobianMethod::kAdjoint));
+  const Rows rows = EvaluateAll(cost, StartOf(blocks));
+  ASSERT_TRUE(rows.ok) << cost.last_failure();
+  EXPECT_LT(rows.cost(), 1e-15);
+  EXPECT_GT(rows.jacobian.norm(), 0.0);  // the modes still tell the curvature
+}
+
+TEST(RolloutCostCallsTest, FailuresReturnFalseWithAReason) {
+  const RecordedMotion motion = SwingMotion();
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch"});
+  std::atomic<bool> cancel{false};
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+    cancel = false;
+    RolloutCostOptions options = WithJacobian(method);
+    options.cancel = &cancel;
+    const RolloutCost cost(motion, blocks, options);
+    for (double bad : {std::numeric_limits<double>::quiet_NaN(), 1e4}) {  // exp(1e4) overflows
+      EXPECT_FALSE(EvaluateAll(cost, Eigen::VectorXd::Constant(1, bad)).ok);
+      EXPECT_NE(cost.last_failure().find("synthetic: "), std::string::npos) << cost.last_failure();
+    }
+    EXPECT_TRUE(EvaluateAll(cost, StartOf(blocks)).ok);
+    EXPECT_TRUE(cost.last_failure().empty()) << cost.last_failure();
+    cancel = true;
+    EXPECT_FALSE(EvaluateAll(cost, StartOf(blocks).array() + 0.1).ok);
+    EXPECT_FALSE(cost.last_failure().empty());
+    Eigen::MatrixXd predicted;
+    EXPECT_FALSE(cost.Predict(StartOf(blocks).array() + 0.1, &predicted));
+    EXPECT_TRUE(EvaluateAll(cost, StartOf(blocks)).ok) << "cached before";
+  }
+}
+
+TEST(RolloutCostCallsTest, AStepThatDoesNotConvergeIsNamed) {
+  RecordedMotion motion = SwingMotion();
+  motion.scene.solver.step_tolerance = 1e-15;  // below rounding
+  motion.scene.solver.max_newton_iterations = 1;
+  motion.scene.solver.max_substep_halvings = 0;
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch"});
+  const RolloutCost cost(motion, blocks, {});
+  if (EvaluateAll(cost, StartOf(blocks)).ok) GTEST_SKIP() << "the solver copes";
+  EXPECT_NE(cost.last_failure().find("step "), std::string::npos) << cost.last_failure();
+}
+
+}  // namespace
+}  // namespace clothid

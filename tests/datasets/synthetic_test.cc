@@ -1,0 +1,170 @@
+#include "datasets/synthetic.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "sim/error.h"
+#include "sim/scene_json.h"
+
+namespace clothid {
+namespace {
+
+constexpr char kSceneText[] = R"({
+  "clothid_scene": 1, "time_step": 0.01, "duration": 0.2, "handles": [0, 1, 2],
+  "mesh": {"grid": {"nodes": [3, 3], "size": [0.2, 0.2]}}
+})";
+
+// A scene, and a rollout of it in which every node moves along x by a square law of time.
+class SyntheticTest : public testing::Test {
+ protected:
+  SyntheticTest() : scene_(ParseScene(kSceneText, "scene.json", "")) {
+    rollout_.time_step = scene_.time_step;
+    rollout_.initial_positions = scene_.initial_positions;
+    for (int step = 1; step <= scene_.num_steps(); ++step) {
+      StepRecord record;
+      record.positions = PositionsAfter(step);
+      rollout_.records.push_back(record);
+      rollout_.last_record.push_back(step - 1);
+    }
+  }
+
+  Eigen::VectorXd PositionsAfter(double step) const {
+    Eigen::VectorXd positions = scene_.initial_positions;
+    for (Eigen::Index i = 0; i < positions.size(); i += 3) positions[i] += step * step;
+    return positions;
+  }
+
+  MotionTensors Record(const SyntheticOptions& options) const {
+    return RecordRollout(rollout_, scene_, kSceneText, options);
+  }
+
+  Scene scene_;
+  Rollout rollout_;
+};
+
+TEST_F(SyntheticTest, WithoutOptionsEveryStepIsAFrame) {
+  const MotionTensors motion = Record({});
+  ASSERT_EQ(motion.times.size(), 21);
+  EXPECT_EQ(motion.times[20], 20 * scene_.time_step);
+  EXPECT_EQ(motion.positions.col(7), PositionsAfter(7));
+  EXPECT_FALSE(motion.single_precision);
+  EXPECT_TRUE(motion.node_index.empty());
+  EXPECT_TRUE(motion.handle_index.empty());
+  EXPECT_EQ(motion.sigma.size(), 0);
+}
+
+TEST_F(SyntheticTest, FrameRatesThatDivideTheStepRateFallOnSteps) {
+  EXPECT_EQ(FrameSteps(0.0, 0.01, 3), Eigen::Vector4d(0, 1, 2, 3));
+  EXPECT_EQ(FrameSteps(50.0, 0.01, 6), Eigen::Vector4d(0, 2, 4, 6));
+  EXPECT_EQ(FrameSteps(30.0, 1.0 / 60.0, 7), Eigen::Vector4d(0, 2, 4, 6));
+  EXPECT_EQ(FrameSteps(30.0, 0.0166666667, 7), Eigen::Vector4d(0, 2, 4, 6));
+  EXPECT_EQ(FrameSteps(40.0, 0.01, 5), Eigen::Vector3d(0, 2.5, 5));
+  EXPECT_EQ(FrameSteps(200.0, 0.01, 1), Eigen::Vector3d(0, 0.5, 1));
+}
+
+TEST_F(SyntheticTest, FramesBetweenStepsAreLinear) {
+  SyntheticOptions options;
+  options.frame_rate = 40.0;
+  const MotionTensors motion = Record(options);
+  ASSERT_EQ(motion.times.size(), 9);
+  EXPECT_DOUBLE_EQ(motion.times[1], 0.025);
+  EXPECT_LE((motion.positions.col(1) - 0.5 * (PositionsAfter(2) + PositionsAfter(3))).norm(), 1e-14);
+}
+
+TEST_F(SyntheticTest, NoiseHasTheStatedDeviation) {
+  SyntheticOptions options;
+  options.noise_sigma = 0.02;
+  const MotionTensors exact = Record({}), noisy = Record(options);
+  const Eigen::ArrayXXd noise = (noisy.positions - exact.positions).array();
+  const double num_values = static_cast<double>(noise.size());
+  EXPECT_NEAR(std::sqrt(noise.square().mean()), options.noise_sigma,
+              4.0 * options.noise_sigma / std::sqrt(2.0 * num_values));
+  EXPECT_NEAR(noise.mean(), 0.0, 4.0 * options.noise_sigma / std::sqrt(num_values));
+  EXPECT_EQ(noisy.sigma, Eigen::VectorXd::Constant(9, options.noise_sigma));
+}
+
+TEST_F(SyntheticTest, DroppedPointsMissAllCoordinates) {
+  SyntheticOptions options;
+  options.drop_fraction = 0.3;
+  const MotionTensors motion = Record(options);
+  const auto missing = motion.positions.reshaped(3, 9 * 21).array().isNaN().eval();
+  EXPECT_TRUE((missing.row(0) == missing.row(1) && missing.row(1) == missing.row(2)).all());
+  EXPECT_NEAR(static_cast<double>(missing.row(0).count()) / (9 * 21), 0.3, 0.14);  // four standard deviations
+}
+
+TEST_F(SyntheticTest, MarkersAreFreeNodesChosenBySeed) {
+  SyntheticOptions options;
+  options.num_markers = 4;
+  std::set<std::vector<int>> choices;
+  for (options.seed = 1; options.seed <= 10; ++options.seed) {
+    const MotionTensors motion = Record(options);
+    ASSERT_EQ(motion.node_index.size(), 4u);
+    EXPECT_EQ(std::set<int>(motion.node_index.begin(), motion.node_index.end()).size(), 4u);
+    EXPECT_EQ(motion.node_index, Record(options).node_index);
+    for (int p = 0; p < 4; ++p) {
+      EXPECT_GE(motion.node_index[p], 3);
+      EXPECT_EQ(motion.positions.col(20).segment<3>(3 * p), PositionsAfter(20).segment<3>(3 * motion.node_index[p]));
+    }
+    choices.insert(motion.node_index);
+  }
+  EXPECT_GT(choices.size(), 1u);
+}
+
+// Noise of the same seed is the same whether points are dropped or not.
+TEST_F(SyntheticTest, StreamsAreIndependent) {
+  SyntheticOptions options;
+  options.noise_sigma = 0.01;
+  const MotionTensors whole = Record(options);
+  options.drop_fraction = 0.5;
+  const MotionTensors dropped = Record(options);
+  const auto seen = !dropped.positions.array().isNaN();
+  EXPECT_TRUE((seen.select(dropped.positions, whole.positions).array() == whole.positions.array()).all());
+}
+
+TEST_F(SyntheticTest, MovingHandlesAreRecorded) {
+  Eigen::MatrixXd path(9, 2);
+  path.col(0) = scene_.initial_positions.head<9>();
+  path.col(1) = path.col(0).array() + 0.1;
+  scene_.handles.path = HandlePath(Eigen::Vector2d(0.0, 0.2), path);
+  const MotionTensors motion = Record({});
+  EXPECT_EQ(motion.handle_index, scene_.handles.nodes);
+  ASSERT_EQ(motion.handle_positions.rows(), 9);
+  ASSERT_EQ(motion.handle_positions.cols(), motion.times.size());
+  EXPECT_LE((motion.handle_positions.col(10) - (path.col(0).array() + 0.05).matrix()).norm(), 1e-14);
+}
+
+TEST_F(SyntheticTest, TheTextOfARecordingNamesNoFiles) {
+  const std::string text = R"({"clothid_scene": 1, "time_step": 0.01, "mesh": {"obj": "cloth.obj"}, "duration": 0.2,
+                              "initial": {"positions": "start.npy", "velocity": [1, 0, 0]},
+                              "handles": {"nodes": [0, 1, 2], "path": "handles.csv"}})";
+  const auto recorded = nlohmann::json::parse(RecordRollout(rollout_, scene_, text, {}).scene_text);
+  EXPECT_EQ(recorded, nlohmann::json::parse(R"({"clothid_scene": 1, "time_step": 0.01, "duration": 0.2,
+                                                "initial": {"velocity": [1, 0, 0]}, "handles": [0, 1, 2]})"));
+}
+
+// Without a start of its own the text would leave it to the first frame, which may be noisy.
+TEST_F(SyntheticTest, TheTextOfARecordingStatesAStartAtRest) {
+  const auto recorded = nlohmann::json::parse(Record({}).scene_text);
+  EXPECT_EQ(recorded["initial"]["positions"], "rest");
+  EXPECT_EQ(recorded["mesh"]["grid"]["nodes"], nlohmann::json({3, 3}));
+}
+
+TEST_F(SyntheticTest, AStartFromAFileNeedsAnExactFirstFrame) {
+  const std::string text = R"({"clothid_scene": 1, "initial": {"positions": "start.npy"}})";
+  SyntheticOptions noisy, sparse, dropped, single;
+  noisy.noise_sigma = 1e-3;
+  sparse.num_markers = 4;
+  dropped.drop_fraction = 0.1;
+  single.single_precision = true;
+  for (const SyntheticOptions& options : {noisy, sparse, dropped, single}) {
+    EXPECT_THROW(RecordRollout(rollout_, scene_, text, options), Error);
+  }
+  EXPECT_NO_THROW(RecordRollout(rollout_, scene_, text, {}));
+}
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,66 @@
+// A scene runs none of the code that it has no use for: callgrind lists the source files of every executed instruction.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "tests/tools/tool_test.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class ProfileTest : public ToolTest {
+ protected:
+  // The names, without folders, of the files of which `simulate` executes something on `scene`.
+  std::set<std::string> ExecutedFiles(const Json& scene) const {
+    // OPENBLAS_CORETYPE: kernels that valgrind can decode, whatever the machine.
+    const ToolResult result = Run(
+        "env OPENBLAS_CORETYPE=Haswell valgrind --tool=callgrind --compress-strings=no --callgrind-out-file=profile "
+        "'" CLOTHID_BINARY_DIR "/simulate' --scene " +
+        WriteScene(scene) + " --output out.bin");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::istringstream profile(ReadBytes(folder() / "profile"));
+    std::set<std::string> files;
+    for (std::string line; std::getline(profile, line);) {
+      for (const char* key : {"fl=", "fi=", "fe="}) {
+        if (line.rfind(key, 0) == 0) files.insert(std::filesystem::path(line.substr(3)).filename());
+      }
+    }
+    return files;
+  }
+};
+
+TEST_F(ProfileTest, BareSceneRunsNoContactBendingOrDrag) {
+  const std::set<std::string> files = ExecutedFiles(BareScene());
+  EXPECT_EQ(files.count("stretch_energy.cc"), 1u);
+  for (const char* file : {"contact.cc", "contact_law.cc", "obstacle.cc", "bending_energy.cc", "air_drag.cc"}) {
+    EXPECT_EQ(files.count(file), 0u) << file;
+  }
+}
+
+TEST_F(ProfileTest, SphereRunsContactAlone) {
+  const std::set<std::string> files = ExecutedFiles(SphereScene());
+  for (const char* file : {"contact.cc", "contact_law.cc", "obstacle.cc"}) EXPECT_EQ(files.count(file), 1u) << file;
+  for (const char* file : {"bending_energy.cc", "air_drag.cc"}) EXPECT_EQ(files.count(file), 0u) << file;
+}
+
+TEST_F(ProfileTest, BendingAndDragRunWhereTheSceneHasThem) {
+  Json scene = BareScene();
+  scene["materials"]["k_bend"] = 1e-4;
+  std::set<std::string> files = ExecutedFiles(scene);
+  EXPECT_EQ(files.count("bending_energy.cc"), 1u);
+  EXPECT_EQ(files.count("air_drag.cc"), 0u);
+  scene = BareScene();
+  scene["materials"]["drag"] = 0.1;
+  files = ExecutedFiles(scene);
+  EXPECT_EQ(files.count("bending_energy.cc"), 0u);
+  EXPECT_EQ(files.count("air_drag.cc"), 1u);
+}
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,38 @@
+// What the command-line tools share: help, version, "a=1,b=2" lists, and exceptions to exit codes.
+#ifndef CLOTHID_TOOLS_COMMAND_LINE_H_
+#define CLOTHID_TOOLS_COMMAND_LINE_H_
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/error.h"
+
+namespace clothid {
+
+// Exit codes of the tools here; `identify` has more of its own.
+enum ExitCode : int {
+  kExitSuccess = 0,
+  kExitUsageOrIo = 1,
+  kExitBadData = 2,
+  kExitNotConverged = 3,
+};
+
+ExitCode ExitCodeOf(ErrorKind kind);
+
+// The command itself; receives what is left of the command line once the flags are taken out.
+using Command = std::function<int(const std::vector<std::string>& arguments)>;
+
+// Binds gflags to the command line, answers --help with `help` and --version, else runs `command` and returns its exit
+// code. Whatever `command` throws ends as one line on stderr, led by `name`, and as an exit code. An unknown flag ends
+// the process with exit code 1 and one line from gflags.
+int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command);
+
+// "mu=0.3,k_stretch=300" -> {{"k_stretch", 300}, {"mu", 0.3}}. Empty text: empty map. Throws `Error` (kUsage) that
+// names `flag` and the entry, unless every entry is NAME=VALUE with a finite value and every name is there once.
+std::map<std::string, double> ParseAssignments(const std::string& text, const std::string& flag);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TOOLS_COMMAND_LINE_H_
