@@ -14,7 +14,8 @@ namespace {
 void SolveStep(const Eigen::MatrixXd& right, double tolerance, AdjointMethod method, StepDerivative* step,
                Eigen::MatrixXd* z, Eigen::MatrixXd* y, int* lu_fallbacks) {
   if (method == AdjointMethod::kReduced) {
-    if (step->Factor(StepJacobian::Method::kReduced) && step->jacobian().SolveTransposed(right, tolerance, z, y)) return;
+    if (step->Factor(StepJacobian::Method::kReduced) && step->jacobian().SolveTransposed(right, tolerance, z, y))
+      return;
     ++*lu_fallbacks;
   }
   if (!step->Factor(StepJacobian::Method::kLu) || !step->jacobian().SolveTransposed(right, tolerance, z, y)) {
@@ -52,7 +53,8 @@ RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>&
     SolveStep(w, tolerance, options.method, &step, &z, &y, &gradient.lu_fallbacks);
     for (size_t p = 0; p < parameters.size(); ++p) {
       if (parameters[p].kind == ParameterKind::kFriction) {
-        if (!record.contacts.empty()) gradient.parameters.row(p) += step.ImpulseDerivative(parameters[p]).transpose() * z;
+        if (!record.contacts.empty())
+          gradient.parameters.row(p) += step.ImpulseDerivative(parameters[p]).transpose() * z;
       } else {
         gradient.parameters.row(p) -= step.MomentumDerivative(parameters[p]).transpose() * y;
       }

@@ -34,8 +34,8 @@ struct RolloutGradient {
 // Adds dC_i/dx after `step` steps (step 0: the start) to column i of `gradient` [3N x s].
 using AddPositionGradient = std::function<void(int step, Eigen::MatrixXd* gradient)>;
 
-// Walks the steps of `rollout` backwards, which must be ok() and come from the same `simulator`. At step n, with lambda_x
-// and lambda_v the gradients with respect to x_{n+1} and v_{n+1}:
+// Walks the steps of `rollout` backwards, which must be ok() and come from the same `simulator`. At step n, with
+// lambda_x and lambda_v the gradients with respect to x_{n+1} and v_{n+1}:
 //   w = lambda_v + h lambda_x;   A^T z = w;   y = (I + S)^T z
 //   lambda_v <- M y;             lambda_x <- lambda_x - h H y - X^T z
 // Throws `std::runtime_error` where a step Jacobian is singular.

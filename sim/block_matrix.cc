@@ -29,7 +29,7 @@ BlockPosition BlockPattern::Find(int row, int column) const {
 }
 
 Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> BlockMatrix::view() const {
-  return {pattern_->size(),           pattern_->size(),           pattern_->num_values(),
+  return {pattern_->size(),         pattern_->size(),         pattern_->num_values(),
           pattern_->outer().data(), pattern_->inner().data(), values.data()};
 }
 

@@ -1,7 +1,7 @@
 // Symmetric sparse matrices of 3 x 3 blocks over the free nodes, with one pattern for a whole fit.
 //
-// Storage is scalar compressed columns (both triangles), as CHOLMOD and UMFPACK take it; a 3 x 3 block is a strided view
-// into it, so assembly adds in place.
+// Storage is scalar compressed columns (both triangles), as CHOLMOD and UMFPACK take it; a 3 x 3 block is a strided
+// view into it, so assembly adds in place.
 #ifndef CLOTHID_SIM_BLOCK_MATRIX_H_
 #define CLOTHID_SIM_BLOCK_MATRIX_H_
 
@@ -33,9 +33,7 @@ class BlockPattern {
   // The block rows of block column `column`, ascending, and the position of the k-th of them.
   const int* rows_begin(int column) const { return rows_.data() + column_start_[column]; }
   int num_rows(int column) const { return column_start_[column + 1] - column_start_[column]; }
-  BlockPosition Position(int column, int k) const {
-    return {9 * column_start_[column] + 3 * k, 3 * num_rows(column)};
-  }
+  BlockPosition Position(int column, int k) const { return {9 * column_start_[column] + 3 * k, 3 * num_rows(column)}; }
   // Of a block that is in the pattern.
   BlockPosition Find(int row, int column) const;
 

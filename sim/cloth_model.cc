@@ -35,8 +35,8 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
     free_index_[node] = num_free();
     free_nodes_.push_back(node);
   }
-  if (scene.material.bending_stiffness > 0.0) bending_.emplace(scene.mesh);
-  if (scene.material.drag > 0.0) drag_.emplace(scene);
+  if (scene.has_bending()) bending_.emplace(scene.mesh);
+  if (scene.has_drag()) drag_.emplace(scene);
   pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending()));
   stretch_.emplace(scene.mesh, free_index_, *pattern_);
 }

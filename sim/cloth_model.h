@@ -23,8 +23,8 @@ class ClothModel {
   const Scene& scene() const { return scene_; }
   int num_nodes() const { return scene_.mesh.num_nodes(); }
 
-  // Handles are exact Dirichlet conditions: every equation lives on the free nodes alone. Vectors and matrices over them
-  // are "free" [3 Nf]; `Gather` and `Scatter` go between a free vector and one over all nodes [3N].
+  // Handles are exact Dirichlet conditions: every equation lives on the free nodes alone. Vectors and matrices over
+  // them are "free" [3 Nf]; `Gather` and `Scatter` go between a free vector and one over all nodes [3N].
   int num_free() const { return static_cast<int>(free_nodes_.size()); }
   const std::vector<int>& free_nodes() const { return free_nodes_; }  // [Nf] node
   const std::vector<int>& free_index() const { return free_index_; }  // [N] position in free_nodes, -1: a handle

@@ -24,8 +24,8 @@ ContactCandidate NearestObstacle(const Scene& scene, const Eigen::Vector3d& posi
 
 }  // namespace
 
-void FindCandidates(const Scene& scene, const std::vector<int>& nodes, const Eigen::VectorXd& positions, double time_step,
-                    std::vector<ContactCandidate>* candidates) {
+void FindCandidates(const Scene& scene, const std::vector<int>& nodes, const Eigen::VectorXd& positions,
+                    double time_step, std::vector<ContactCandidate>* candidates) {
   const bool gap_mode = scene.contact_mode == ContactMode::kGap;
   const double touch = gap_mode ? 0.0 : scene.touch * ClothSize(scene.mesh);
   candidates->clear();
@@ -47,9 +47,8 @@ void FindCandidates(const Scene& scene, const std::vector<int>& nodes, const Eig
 Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, double friction_coefficient) {
   const ContactCandidate& candidate = contact.candidate;
   const Eigen::Vector3d& n = candidate.normal;
-  const Eigen::Matrix3d force_gradient =
-      contact.weight *
-      (candidate.gap_speed_slope * n * n.transpose() + candidate.gap_speed * candidate.normal_gradient);
+  const Eigen::Matrix3d force_gradient = contact.weight * (candidate.gap_speed_slope * n * n.transpose() +
+                                                           candidate.gap_speed * candidate.normal_gradient);
   return -ImpulsePositionJacobian(contact.response, contact.force, n, candidate.normal_gradient, friction_coefficient) -
          ImpulseForceJacobian(contact.response, n, friction_coefficient) * force_gradient;
 }

@@ -19,8 +19,9 @@ struct ContactCandidate {
   int obstacle = 0;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   Eigen::Matrix3d normal_gradient = Eigen::Matrix3d::Zero();  // 1/m
-  double gap = 0.0;        // phi(x_n), m, from the contact distance
-  double gap_speed = 0.0;  // what u_N may be at least, negated: phi/h, limited below by the depenetration speed; 0 in velocity mode
+  double gap = 0.0;                                           // phi(x_n), m, from the contact distance
+  double gap_speed =
+      0.0;  // what u_N may be at least, negated: phi/h, limited below by the depenetration speed; 0 in velocity mode
   // d gap_speed / d gap: 1/h, or 0 where limited and in velocity mode.
   double gap_speed_slope = 0.0;
 };
@@ -33,10 +34,10 @@ struct Contact {
   double weight = 0.0;                              // d, kg
 };
 
-// The candidates of a step of size `time_step` that starts at `positions` [3N], among `nodes`: in gap mode every node, in
-// velocity mode those with gap <= touch. `candidates` is overwritten.
-void FindCandidates(const Scene& scene, const std::vector<int>& nodes, const Eigen::VectorXd& positions, double time_step,
-                    std::vector<ContactCandidate>* candidates);
+// The candidates of a step of size `time_step` that starts at `positions` [3N], among `nodes`: in gap mode every node,
+// in velocity mode those with gap <= touch. `candidates` is overwritten.
+void FindCandidates(const Scene& scene, const std::vector<int>& nodes, const Eigen::VectorXd& positions,
+                    double time_step, std::vector<ContactCandidate>* candidates);
 
 // dPhi/dx_n of a contact through normal and gap, X = -[D + S d (gap_speed_slope n n^T + gap_speed N')].
 Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, double friction_coefficient);

@@ -129,7 +129,8 @@ Eigen::MatrixXd ContactElimination::KnownPart(const Eigen::MatrixXd& right) cons
   return known;
 }
 
-// With s = -K known. Free: right + s. Slip: t . right + mu d n . known + (t + mu n) . s  and  b . right/(1 + c) + b . s.
+// With s = -K known. Free: right + s. Slip: t . right + mu d n . known + (t + mu n) . s  and  b . right/(1 + c) + b .
+// s.
 Eigen::MatrixXd ContactElimination::ReducedRight(const Eigen::MatrixXd& right, const Eigen::MatrixXd& known,
                                                  const Eigen::MatrixXd& matrix_known) const {
   Eigen::MatrixXd reduced = -matrix_known;

@@ -1,8 +1,8 @@
 // Contacts taken out of the linear system of a step (design: sections 4.2 and 5).
 //
-// In the frame (n, t, b) of a slipping node the normal velocity is known, and at a sticking node all three components are;
-// what is left is the symmetric matrix Z^T K Z + kappa b b^T, kappa = mu r_N/|u_T|, and the friction coupling
-// mu t n^T of slipping nodes, which is not symmetric. The eliminated unknowns keep their rows as identities, so that the
+// In the frame (n, t, b) of a slipping node the normal velocity is known, and at a sticking node all three components
+// are; what is left is the symmetric matrix Z^T K Z + kappa b b^T, kappa = mu r_N/|u_T|, and the friction coupling mu t
+// n^T of slipping nodes, which is not symmetric. The eliminated unknowns keep their rows as identities, so that the
 // pattern, and with it the symbolic factorisation, never changes.
 #ifndef CLOTHID_SIM_CONTACT_ELIMINATION_H_
 #define CLOTHID_SIM_CONTACT_ELIMINATION_H_

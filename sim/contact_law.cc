@@ -54,7 +54,8 @@ Eigen::Matrix3d ImpulsePositionJacobian(const ContactResponse& response, const E
   if (response.branch != ContactBranch::kSlip) return Eigen::Matrix3d::Zero();
   const Eigen::Vector3d& t = response.slip_direction;
   const Eigen::RowVector3d force_gradient = force.transpose() * normal_gradient;  // F^T N', that of f_N at fixed F
-  const Eigen::Matrix3d tangential_gradient = -normal * force_gradient - response.normal_force * normal_gradient;  // B N'
+  const Eigen::Matrix3d tangential_gradient =
+      -normal * force_gradient - response.normal_force * normal_gradient;  // B N'
   return tangential_gradient + friction_coefficient * t * force_gradient +
          SlipRatio(response, friction_coefficient) * (tangential_gradient - t * (t.transpose() * tangential_gradient));
 }

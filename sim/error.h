@@ -1,7 +1,7 @@
 // The one exception type of clothid, for input that cannot be used.
 //
-// Bad input (a file, a scene, a parameter value) throws; what a well-posed run may meet on its way (a time step that does
-// not converge) never does: it is part of the result, see `StepFailure` in sim/rollout.h.
+// Bad input (a file, a scene, a parameter value) throws; what a well-posed run may meet on its way (a time step that
+// does not converge) never does: it is part of the result, see `StepFailure` in sim/rollout.h.
 #ifndef CLOTHID_SIM_ERROR_H_
 #define CLOTHID_SIM_ERROR_H_
 

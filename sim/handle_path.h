@@ -6,9 +6,9 @@
 
 namespace clothid {
 
-// Piecewise cubic Hermite interpolation with slopes from the parabola through each knot and its neighbours, so a straight
-// path at uneven times is reproduced exactly and a velocity never jumps (a piecewise linear path kicks the cloth at every
-// knot). Before the first and after the last knot the path stands still. One knot: a fixed handle.
+// Piecewise cubic Hermite interpolation with slopes from the parabola through each knot and its neighbours, so a
+// straight path at uneven times is reproduced exactly and a velocity never jumps (a piecewise linear path kicks the
+// cloth at every knot). Before the first and after the last knot the path stands still. One knot: a fixed handle.
 class HandlePath {
  public:
   HandlePath() = default;
@@ -28,10 +28,11 @@ class HandlePath {
   Eigen::MatrixXd slopes_;     // [3H x T] m/s
 };
 
-// Natural cubic smoothing spline through (times, rows of values), its weight chosen by generalised cross-validation (Craven
-// and Wahba 1979), row by row, for noise and motion differ between directions: measured handle paths carry the noise of their
-// sensor, and a simulated cloth is shaken by it. A path without noise is returned as it is, up to its curvature at the scale of one frame interval.
-// times [T], values [R x T]; returns [R x T]. Fewer than five times: returned unchanged.
+// Natural cubic smoothing spline through (times, rows of values), its weight chosen by generalised cross-validation
+// (Craven and Wahba 1979), row by row, for noise and motion differ between directions: measured handle paths carry the
+// noise of their sensor, and a simulated cloth is shaken by it. A path without noise is returned as it is, up to its
+// curvature at the scale of one frame interval. times [T], values [R x T]; returns [R x T]. Fewer than five times:
+// returned unchanged.
 Eigen::MatrixXd SmoothPath(const Eigen::VectorXd& times, const Eigen::MatrixXd& values);
 
 }  // namespace clothid

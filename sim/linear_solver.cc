@@ -11,8 +11,8 @@
 namespace clothid {
 namespace {
 
-// Keeps OpenMP regions of the calling thread to that thread while it lives. Debian's CHOLMOD asks for four threads whatever
-// the machine has; the matrices of a cloth are too small for that, and rollouts already run side by side.
+// Keeps OpenMP regions of the calling thread to that thread while it lives. Debian's CHOLMOD asks for four threads
+// whatever the machine has; the matrices of a cloth are too small for that, and rollouts already run side by side.
 class SingleThreadRegion {
  public:
   SingleThreadRegion() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
@@ -97,10 +97,9 @@ void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* soluti
   view.x = const_cast<double*>(right.data());
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
-  cholmod_solve2(CHOLMOD_A, state_->factor, &view, nullptr, &state_->solution, nullptr, &state_->work_y, &state_->work_e,
-                 &state_->common);
-  *solution =
-      Eigen::Map<const Eigen::MatrixXd>(static_cast<double*>(state_->solution->x), right.rows(), right.cols());
+  cholmod_solve2(CHOLMOD_A, state_->factor, &view, nullptr, &state_->solution, nullptr, &state_->work_y,
+                 &state_->work_e, &state_->common);
+  *solution = Eigen::Map<const Eigen::MatrixXd>(static_cast<double*>(state_->solution->x), right.rows(), right.cols());
 }
 
 struct LuFactor::State {
@@ -152,8 +151,8 @@ void LuFactor::SolveTransposed(const Eigen::MatrixXd& right, Eigen::MatrixXd* so
   state_->Solve(UMFPACK_At, right, solution);
 }
 
-GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::VectorXd& right, double tolerance,
-                  int max_iterations, Eigen::VectorXd* solution) {
+GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::VectorXd& right,
+                  double tolerance, int max_iterations, Eigen::VectorXd* solution) {
   GmresResult result;
   const double norm = right.norm();
   *solution = Eigen::VectorXd::Zero(right.size());

@@ -55,8 +55,8 @@ struct GmresResult {
 
 // Right-preconditioned GMRES (Saad and Schultz 1986) from x = 0, without restart: A P^-1 u = b, x = P^-1 u, until
 // |b - A x| <= tolerance |b|. `precondition` applies P^-1.
-GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::VectorXd& right, double tolerance,
-                  int max_iterations, Eigen::VectorXd* solution);
+GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::VectorXd& right,
+                  double tolerance, int max_iterations, Eigen::VectorXd* solution);
 
 }  // namespace clothid
 

@@ -1,7 +1,7 @@
 // Rigid, static obstacles: signed distance and its first two derivatives.
 //
-// An obstacle answers one question: at a point x, what are the signed distance phi (positive outside), its gradient n (a unit
-// vector) and dn/dx? Friction and contact distance belong to the scene, not to the shape (see `SceneObstacle`).
+// An obstacle answers one question: at a point x, what are the signed distance phi (positive outside), its gradient n
+// (a unit vector) and dn/dx? Friction and contact distance belong to the scene, not to the shape (see `SceneObstacle`).
 #ifndef CLOTHID_SIM_OBSTACLE_H_
 #define CLOTHID_SIM_OBSTACLE_H_
 
@@ -10,8 +10,8 @@
 namespace clothid {
 
 struct SurfacePoint {
-  double gap = 0.0;                                          // phi, m
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();         // n = dphi/dx
+  double gap = 0.0;                                           // phi, m
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();          // n = dphi/dx
   Eigen::Matrix3d normal_gradient = Eigen::Matrix3d::Zero();  // dn/dx, symmetric, 1/m
 };
 

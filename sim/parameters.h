@@ -31,8 +31,8 @@ struct ParameterId {
   bool operator==(const ParameterId& other) const { return kind == other.kind && obstacle == other.obstacle; }
 };
 
-// "k_stretch", "k_bend", "density", "drag", "mu" (every obstacle), "mu.NAME" (one of them). `obstacle_names` are the scene's,
-// in its order. Throws `Error` (kUsage) that lists the names it would accept.
+// "k_stretch", "k_bend", "density", "drag", "mu" (every obstacle), "mu.NAME" (one of them). `obstacle_names` are the
+// scene's, in its order. Throws `Error` (kUsage) that lists the names it would accept.
 ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names);
 std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names);
 

@@ -48,8 +48,8 @@ RolloutCounts& RolloutCounts::operator+=(const RolloutCounts& other) {
 
 std::string StepFailure::ToString() const {
   char text[256];
-  std::snprintf(text, sizeof(text), "step %d %s: relative residual %.2e, tolerance %.2e, %d stick, %d slip, %d free", step,
-                reason.c_str(), residual, tolerance, num_stick, num_slip, num_take_off);
+  std::snprintf(text, sizeof(text), "step %d %s: relative residual %.2e, tolerance %.2e, %d stick, %d slip, %d free",
+                step, reason.c_str(), residual, tolerance, num_stick, num_slip, num_take_off);
   return text;
 }
 

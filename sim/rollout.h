@@ -17,11 +17,11 @@ class Simulator;
 
 // One implicit solve: a time step, or one of the substeps into which a difficult step was cut.
 struct StepRecord {
-  double time = 0.0;               // at the end of the step, s
-  double time_step = 0.0;          // h of this solve, s
-  Eigen::VectorXd positions;       // x_{n+1} [3N] m
-  Eigen::VectorXd velocities;      // v_{n+1} [3N] m/s
-  std::vector<Contact> contacts;   // the sticking and slipping nodes
+  double time = 0.0;              // at the end of the step, s
+  double time_step = 0.0;         // h of this solve, s
+  Eigen::VectorXd positions;      // x_{n+1} [3N] m
+  Eigen::VectorXd velocities;     // v_{n+1} [3N] m/s
+  std::vector<Contact> contacts;  // the sticking and slipping nodes
 };
 
 // Counts over a rollout, for reports. Sums of rollouts add up by `operator+=`.
@@ -29,11 +29,11 @@ struct RolloutCounts {
   int steps = 0;
   int newton_iterations = 0;
   int factorizations = 0;
-  int fallbacks = 0;           // steps finished by sequential quadratic steps
-  int substeps = 0;            // solves beyond one per step: each makes the cost jump a little
+  int fallbacks = 0;  // steps finished by sequential quadratic steps
+  int substeps = 0;   // solves beyond one per step: each makes the cost jump a little
   int failed_steps = 0;
-  int contact_changes = 0;     // nodes that joined or left the contacts, or switched branch, from one step to the next
-  int obstacle_switches = 0;   // contacts that jumped from one obstacle to another
+  int contact_changes = 0;    // nodes that joined or left the contacts, or switched branch, from one step to the next
+  int obstacle_switches = 0;  // contacts that jumped from one obstacle to another
 
   RolloutCounts& operator+=(const RolloutCounts& other);
 };
@@ -51,14 +51,14 @@ struct StepFailure {
 
 struct Rollout {
   Parameters parameters;
-  double start_time = 0.0;              // s
-  double time_step = 0.0;               // h, s
-  Eigen::VectorXd initial_positions;    // x_0 [3N]
-  Eigen::VectorXd initial_velocities;   // v_0 [3N]
-  std::vector<StepRecord> records;      // in order of time; one per step, more where substeps were taken
-  std::vector<int> last_record;         // [T] the record that ends step n + 1
+  double start_time = 0.0;             // s
+  double time_step = 0.0;              // h, s
+  Eigen::VectorXd initial_positions;   // x_0 [3N]
+  Eigen::VectorXd initial_velocities;  // v_0 [3N]
+  std::vector<StepRecord> records;     // in order of time; one per step, more where substeps were taken
+  std::vector<int> last_record;        // [T] the record that ends step n + 1
   RolloutCounts counts;
-  std::optional<StepFailure> failure;   // set: the rollout is not to be used
+  std::optional<StepFailure> failure;  // set: the rollout is not to be used
 
   bool ok() const { return !failure.has_value(); }
   int num_steps() const { return static_cast<int>(last_record.size()); }
@@ -66,8 +66,9 @@ struct Rollout {
   const Eigen::VectorXd& positions(int step) const;
 };
 
-// Advances the state (x_n, v_n) [3N] by step number `step` (1-based) of the scene's time step, in one solve or, where that
-// does not converge, in 2, 4, .. substeps. On success `records` holds the solves; otherwise false and `failure` is set.
+// Advances the state (x_n, v_n) [3N] by step number `step` (1-based) of the scene's time step, in one solve or, where
+// that does not converge, in 2, 4, .. substeps. On success `records` holds the solves; otherwise false and `failure` is
+// set.
 bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& positions,
                  const Eigen::VectorXd& velocities, Simulator* simulator, std::vector<StepRecord>* records,
                  RolloutCounts* counts, std::optional<StepFailure>* failure);
@@ -75,8 +76,8 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
 // Adds the changes between the contacts of successive solves to `counts`.
 void CountContactChanges(const std::vector<Contact>& before, const std::vector<Contact>& after, RolloutCounts* counts);
 
-// Runs the scene of `simulator` with `parameters` from its start state, `num_steps` steps. Never throws on a step that does
-// not converge: see `Rollout::failure`. `cancel` (may be null) ends the rollout as failed when it turns true.
+// Runs the scene of `simulator` with `parameters` from its start state, `num_steps` steps. Never throws on a step that
+// does not converge: see `Rollout::failure`. `cancel` (may be null) ends the rollout as failed when it turns true.
 // Throws `Error` for parameters out of range.
 Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulator,
                  const std::atomic<bool>* cancel = nullptr);

@@ -146,6 +146,12 @@ Parameters Scene::nominal_parameters() const {
   return result;
 }
 
+bool Scene::has_bending() const {
+  return material.bending_stiffness > 0.0 || nominal_parameters().material.bending_stiffness > 0.0;
+}
+
+bool Scene::has_drag() const { return material.drag > 0.0 || nominal_parameters().material.drag > 0.0; }
+
 void ValidateScene(const Scene& scene, const std::string& source) {
   const Checker check(source);
   ValidateNumbers(scene, check);
@@ -173,6 +179,13 @@ void ValidateParameters(const Parameters& parameters, const Scene& scene, const 
   expect(parameters.material.stretch_stiffness, false, "k_stretch");
   expect(parameters.material.bending_stiffness, true, "k_bend");
   expect(parameters.material.drag, true, "drag");
+  const auto expect_absent = [&](double value, const std::string& name) {
+    if (value == 0.0) return;
+    throw Error(ErrorKind::kBadData, source + ": parameter '" + name + "' is " + std::to_string(value) +
+                                         ", but the scene was set up without it; expected 0, or a scene that gives it");
+  };
+  if (!scene.has_bending()) expect_absent(parameters.material.bending_stiffness, "k_bend");
+  if (!scene.has_drag()) expect_absent(parameters.material.drag, "drag");
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     expect(parameters.friction_coefficients[i], true, "mu." + scene.obstacles[i].name);
   }

@@ -1,5 +1,5 @@
-// All that is held fixed during a fit: cloth, handles, obstacles, air, gravity, solver settings. Read from scene.json (see
-// sim/scene_json.h) or built by hand.
+// All that is held fixed during a fit: cloth, handles, obstacles, air, gravity, solver settings. Read from scene.json
+// (see sim/scene_json.h) or built by hand.
 #ifndef CLOTHID_SIM_SCENE_H_
 #define CLOTHID_SIM_SCENE_H_
 
@@ -60,33 +60,40 @@ struct SolverOptions {
 };
 
 struct Scene {
-  double time_step = 0.005;  // h, s
-  double start_time = 0.0;   // s, on the clock of wind and handle path
-  double duration = 1.0;     // s
-  Eigen::Vector3d gravity = Eigen::Vector3d(0.0, 0.0, -9.81);     // g_0, m/s^2
-  Eigen::Vector3d node_force = Eigen::Vector3d::Zero();           // N, the same on every node
+  double time_step = 0.005;                                    // h, s
+  double start_time = 0.0;                                     // s, on the clock of wind and handle path
+  double duration = 1.0;                                       // s
+  Eigen::Vector3d gravity = Eigen::Vector3d(0.0, 0.0, -9.81);  // g_0, m/s^2
+  Eigen::Vector3d node_force = Eigen::Vector3d::Zero();        // N, the same on every node
   Wind wind;
   ContactMode contact_mode = ContactMode::kGap;
-  double touch = 1e-5;                // velocity mode: the gap that counts as contact, relative to the cloth's size
-  double depenetration_speed = 1.0;   // m/s, gap mode: the most with which a start inside an obstacle is pushed out
+  double touch = 1e-5;               // velocity mode: the gap that counts as contact, relative to the cloth's size
+  double depenetration_speed = 1.0;  // m/s, gap mode: the most with which a start inside an obstacle is pushed out
   Mesh mesh;
   Eigen::VectorXd initial_positions;   // x_0 [3N] m
   Eigen::VectorXd initial_velocities;  // v_0 [3N] m/s
   Handles handles;
   std::vector<SceneObstacle> obstacles;
-  Material material;                                  // nominal
-  std::map<std::string, ParameterRange> parameters;   // by parameter name
+  Material material;                                 // nominal
+  std::map<std::string, ParameterRange> parameters;  // by parameter name
   SolverOptions solver;
+
+  // Which terms a model of the scene has: those of a positive nominal value.
+  bool has_bending() const;
+  bool has_drag() const;
 
   int num_steps() const;  // the least number of steps that covers `duration`
   std::vector<std::string> obstacle_names() const;
-  Parameters nominal_parameters() const;  // `parameters` where they give a nominal value, else `material` and the obstacles' mu
+  Parameters nominal_parameters()
+      const;  // `parameters` where they give a nominal value, else `material` and the obstacles' mu
 };
 
-// Throws `Error` (kBadData), prefixed by `source`, unless mesh, handles, initial state, obstacles and numbers are usable.
+// Throws `Error` (kBadData), prefixed by `source`, unless mesh, handles, initial state, obstacles and numbers are
+// usable.
 void ValidateScene(const Scene& scene, const std::string& source);
 
-// Throws `Error` (kBadData) unless every value is finite, density and stiffness are positive and the rest not negative.
+// Throws `Error` (kBadData) unless every value is finite, density and stiffness are positive, the rest not negative, and
+// bending stiffness and drag zero where the scene has no such term.
 void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source);
 
 }  // namespace clothid

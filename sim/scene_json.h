@@ -18,10 +18,10 @@ struct SceneDefaults {
   Handles handles;  // used for the path where the recording carries one
 };
 
-// Reads the text of a scene. `source` names it in errors ("scene.json" or "motion.bin: scene"); `folder` is where relative
-// file names in the text start. Every error is an `Error` (kBadData, or kIo for a file that cannot be opened) of the form
-// "SOURCE:LINE: key 'obstacles[0].mu': expected a number >= 0".
-// Unknown keys, wrong types, values out of range and files that do not fit are errors.
+// Reads the text of a scene. `source` names it in errors ("scene.json" or "motion.bin: scene"); `folder` is where
+// relative file names in the text start. Every error is an `Error` (kBadData, or kIo for a file that cannot be opened)
+// of the form "SOURCE:LINE: key 'obstacles[0].mu': expected a number >= 0". Unknown keys, wrong types, values out of
+// range and files that do not fit are errors.
 Scene ParseScene(const std::string& text, const std::string& source, const std::string& folder,
                  const SceneDefaults& defaults = {});
 

@@ -62,7 +62,8 @@ void AdvanceTangent(const StepRecord& record, const Eigen::VectorXd& start_veloc
 }  // namespace
 
 SensitivityResult PushForward(const Parameters& parameters, int num_steps, const SensitivityDirections& directions,
-                              const SensitivityVisitor& visitor, Simulator* simulator, const std::atomic<bool>* cancel) {
+                              const SensitivityVisitor& visitor, Simulator* simulator,
+                              const std::atomic<bool>* cancel) {
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
   ValidateParameters(parameters, scene, "parameters");

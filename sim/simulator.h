@@ -1,6 +1,6 @@
 // The workspace of a simulation: the scene's model, the matrices of a step and their symbolic factorisations. One per
-// thread; rollouts of one simulator share its memory and its analyses, never its results: a rollout depends on parameters
-// and scene alone.
+// thread; rollouts of one simulator share its memory and its analyses, never its results: a rollout depends on
+// parameters and scene alone.
 #ifndef CLOTHID_SIM_SIMULATOR_H_
 #define CLOTHID_SIM_SIMULATOR_H_
 
@@ -16,8 +16,8 @@ class StepSolver;
 
 class Simulator {
  public:
-  // Builds the terms that the scene has: no obstacle, no contact; k_bend = 0, no bending; drag = 0, neither drag nor wind.
-  // Throws `Error` where `ValidateScene` does.
+  // Builds the terms that the scene has: no obstacle, no contact; k_bend = 0, no bending; drag = 0, neither drag nor
+  // wind. Throws `Error` where `ValidateScene` does.
   explicit Simulator(Scene scene);
   ~Simulator();
   Simulator(Simulator&&) noexcept;

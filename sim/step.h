@@ -1,4 +1,5 @@
-// The solver of one implicit step: projected semismooth Newton with a line search, and its fallback (design: section 4).
+// The solver of one implicit step: projected semismooth Newton with a line search, and its fallback (design: section
+// 4).
 #ifndef CLOTHID_SIM_STEP_H_
 #define CLOTHID_SIM_STEP_H_
 
@@ -11,13 +12,14 @@
 
 namespace clothid {
 
-// A solver's work space: matrices and symbolic factorisations for the model's pattern. Results depend on the problem alone.
+// A solver's work space: matrices and symbolic factorisations for the model's pattern. Results depend on the problem
+// alone.
 class StepSolver {
  public:
   explicit StepSolver(const ClothModel& model);
 
-  // Solves `problem` from its start velocities. True: `point` satisfies the step to the scene's tolerance (or the rounding
-  // floor, where that is larger). False: `point` is the best one met. Adds its work to `counts`.
+  // Solves `problem` from its start velocities. True: `point` satisfies the step to the scene's tolerance (or the
+  // rounding floor, where that is larger). False: `point` is the best one met. Adds its work to `counts`.
   bool Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, StepPoint* point,
              RolloutCounts* counts);
 

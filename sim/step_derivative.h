@@ -15,8 +15,8 @@ namespace clothid {
 
 class StepDerivative {
  public:
-  // The step that `record` ends and that started with `start_velocities` v_n [3N]. Everything must outlive the object, which
-  // borrows the simulator's matrices: one at a time.
+  // The step that `record` ends and that started with `start_velocities` v_n [3N]. Everything must outlive the object,
+  // which borrows the simulator's matrices: one at a time.
   StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_velocities, const Parameters& parameters,
                  Simulator* simulator);
 
@@ -25,8 +25,8 @@ class StepDerivative {
   StepJacobian& jacobian() { return jacobian_; }
 
   // On columns over the free nodes [3 Nf x s].
-  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;     // M y
-  Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& columns) const;  // h H y = (K y - M y - h C y)/h
+  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;              // M y
+  Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& columns) const;           // h H y = (K y - M y - h C y)/h
   Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;            // X y
   Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;  // X^T y
 
@@ -42,7 +42,7 @@ class StepDerivative {
   const ClothModel& model_;
   BlockMatrix& hessian_;
   StepJacobian& jacobian_;
-  Eigen::VectorXd masses_;  // M [3 Nf]
+  Eigen::VectorXd masses_;         // M [3 Nf]
   Eigen::VectorXd damped_masses_;  // M + h C [3 Nf]
 };
 

@@ -22,11 +22,13 @@ class StepJacobian {
 
   explicit StepJacobian(const ClothModel& model);
 
-  // `hessian` is K and must outlive the solves. False where the reduced matrix is not positive definite or A is singular.
+  // `hessian` is K and must outlive the solves. False where the reduced matrix is not positive definite or A is
+  // singular.
   bool Factor(Method method, const BlockMatrix& hessian, const std::vector<Contact>& contacts,
               const std::vector<double>& friction_coefficients);
 
-  // A dv = right, [3 Nf x s], to a relative residual of `tolerance` in the friction coupling. False: it was not reached.
+  // A dv = right, [3 Nf x s], to a relative residual of `tolerance` in the friction coupling. False: it was not
+  // reached.
   bool Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv);
 
   // A^T z = right and y = (I + S)^T z.

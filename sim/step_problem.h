@@ -19,14 +19,14 @@ namespace clothid {
 
 // The equations evaluated at one velocity.
 struct StepPoint {
-  Eigen::VectorXd velocities;               // v
-  Eigen::VectorXd positions;                // x_n + h v [3N], handles at their path
-  Eigen::VectorXd momentum_gradient;        // g
-  Eigen::VectorXd residual;                 // Phi
-  std::vector<Eigen::Vector3d> forces;      // F, per candidate
-  std::vector<ContactResponse> responses;   // per candidate
-  double potential = 0.0;  // whose gradient is g, J: kinetic distance to v_n, drag, external and elastic energy
-  double scale = 0.0;      // largest of h |f_ext|, |M v_n| and h |f_int|, N s
+  Eigen::VectorXd velocities;              // v
+  Eigen::VectorXd positions;               // x_n + h v [3N], handles at their path
+  Eigen::VectorXd momentum_gradient;       // g
+  Eigen::VectorXd residual;                // Phi
+  std::vector<Eigen::Vector3d> forces;     // F, per candidate
+  std::vector<ContactResponse> responses;  // per candidate
+  double potential = 0.0;          // whose gradient is g, J: kinetic distance to v_n, drag, external and elastic energy
+  double scale = 0.0;              // largest of h |f_ext|, |M v_n| and h |f_int|, N s
   double relative_residual = 0.0;  // |Phi| / scale
 };
 
@@ -71,14 +71,14 @@ class StepProblem {
   const ClothModel& model_;
   const Parameters& parameters_;
   double time_step_, end_time_;
-  Eigen::VectorXd start_positions_;            // x_n [3N]
-  Eigen::VectorXd end_positions_;              // [3N] the handles at end_time; free entries are placeholders
-  Eigen::VectorXd start_velocities_;           // v_n
-  Eigen::VectorXd masses_;                     // M, per component
-  Eigen::VectorXd drag_;                       // h C, per component; empty without drag
-  Eigen::VectorXd external_impulse_;           // h times the part of f_ext that does not depend on v
-  Eigen::VectorXd weights_;                    // d, per free node
-  std::vector<ContactCandidate> candidates_;   // empty without obstacles
+  Eigen::VectorXd start_positions_;           // x_n [3N]
+  Eigen::VectorXd end_positions_;             // [3N] the handles at end_time; free entries are placeholders
+  Eigen::VectorXd start_velocities_;          // v_n
+  Eigen::VectorXd masses_;                    // M, per component
+  Eigen::VectorXd drag_;                      // h C, per component; empty without drag
+  Eigen::VectorXd external_impulse_;          // h times the part of f_ext that does not depend on v
+  Eigen::VectorXd weights_;                   // d, per free node
+  std::vector<ContactCandidate> candidates_;  // empty without obstacles
 };
 
 }  // namespace clothid

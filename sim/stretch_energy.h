@@ -39,11 +39,11 @@ class StretchEnergy {
  private:
   struct Triangle {
     int nodes[3];
-    double area;                                    // m^2
-    Eigen::Matrix<double, 2, 3> shape_gradients;    // column i: g_i, 1/m
-    BlockPosition blocks[3][3];                     // of (i, j), invalid where one of them is a handle
+    double area;                                  // m^2
+    Eigen::Matrix<double, 2, 3> shape_gradients;  // column i: g_i, 1/m
+    BlockPosition blocks[3][3];                   // of (i, j), invalid where one of them is a handle
   };
-  using Gradient = Eigen::Matrix<double, 3, 2>;     // F
+  using Gradient = Eigen::Matrix<double, 3, 2>;  // F
 
   static Gradient DeformationGradient(const Triangle& triangle, const Eigen::VectorXd& positions);
 

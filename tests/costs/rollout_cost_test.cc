@@ -192,13 +192,13 @@ TEST_P(RolloutCostTest, CeresChecksTheFullJacobian) {
   std::vector<const double*> parameters;
   for (Eigen::Index i = 0; i < start.size(); ++i) parameters.push_back(start.data() + i);
   ceres::NumericDiffOptions options;
-  options.relative_step_size = 1e-5;
+  options.ridders_relative_initial_step_size = 1e-6;  // Ceres starts 32 times above and extrapolates
   const ceres::GradientChecker checker(&cost, static_cast<const std::vector<const ceres::Manifold*>*>(nullptr),
                                        options);
   ceres::GradientChecker::ProbeResults results;
   // Single entries of J cross zero, so Ceres' relative errors are judged column by column.
   checker.Probe(parameters.data(), 1e-6, &results);
-  ASSERT_TRUE(results.return_value) << results.error_log;
+  ASSERT_TRUE(results.return_value) << results.error_log << cost.last_failure();
   for (std::size_t i = 0; i < results.jacobians.size(); ++i) {
     EXPECT_GT(results.jacobians[i].norm(), 0.0);
     EXPECT_LT((results.jacobians[i] - results.numeric_jacobians[i]).norm(), 1e-6 * results.jacobians[i].norm());
@@ -309,7 +309,7 @@ TEST(RolloutCostCallsTest, AStepThatDoesNotConvergeIsNamed) {
   motion.scene.solver.max_substep_halvings = 0;
   const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch"});
   const RolloutCost cost(motion, blocks, {});
-  if (EvaluateAll(cost, StartOf(blocks)).ok) GTEST_SKIP() << "the solver copes";
+  ASSERT_FALSE(EvaluateAll(cost, StartOf(blocks)).ok);
   EXPECT_NE(cost.last_failure().find("step "), std::string::npos) << cost.last_failure();
 }
 

@@ -1,0 +1,52 @@
+// Lists and names of the command line.
+#include "identify/options.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/expect_error.h"
+
+namespace clothid {
+namespace {
+
+TEST(OptionsTest, ParsesNames) {
+  EXPECT_TRUE(ParseNames("", "--fit").empty());
+  EXPECT_EQ(ParseNames("mu,k_stretch", "--fit"), (std::vector<std::string>{"mu", "k_stretch"}));
+  for (const char* text : {",", "mu,", "mu,,drag", "mu,mu"}) {
+    ExpectError([&] { ParseNames(text, "--fit"); }, ErrorKind::kUsage, {"--fit"});
+  }
+}
+
+TEST(OptionsTest, ParsesParameterValues) {
+  EXPECT_TRUE(ParseParameterValues("", "--start").empty());
+  const std::map<std::string, double> values = ParseParameterValues("mu=0.1,k_stretch=5e1", "--start");
+  EXPECT_EQ(values, (std::map<std::string, double>{{"mu", 0.1}, {"k_stretch", 50.0}}));
+  for (const char* text : {"mu", "=1", "mu=", "mu=a", "mu=1x", "mu=nan", "mu=inf", "mu=1,", "mu=1,mu=2"}) {
+    ExpectError([&] { ParseParameterValues(text, "--start"); }, ErrorKind::kUsage, {"--start"});
+  }
+}
+
+TEST(OptionsTest, ParsesMethods) {
+  EXPECT_EQ(ParseFitMethod("lm"), FitMethod::kLevenbergMarquardt);
+  EXPECT_EQ(ParseFitMethod("lbfgs"), FitMethod::kLbfgs);
+  ExpectError([] { ParseFitMethod("newton"); }, ErrorKind::kUsage, {"--method", "newton"});
+  for (const char* name : {"adjoint", "sensitivity", "numeric"}) {
+    EXPECT_EQ(JacobianMethodName(ParseJacobianMethod(name)), name);
+  }
+  ExpectError([] { ParseJacobianMethod("exact"); }, ErrorKind::kUsage, {"--jacobian", "exact"});
+}
+
+TEST(OptionsTest, ValidatesItself) {
+  EXPECT_NO_THROW(FitOptions().Validate());
+  FitOptions options;
+  options.max_iterations = 0;
+  ExpectError([&] { options.Validate(); }, ErrorKind::kUsage, {"--max_iterations"});
+  options = FitOptions();
+  options.num_threads = 0;
+  ExpectError([&] { options.Validate(); }, ErrorKind::kUsage, {"--threads"});
+  options = FitOptions();
+  options.function_tolerance = 0.0;
+  ExpectError([&] { options.Validate(); }, ErrorKind::kUsage, {"function_tolerance"});
+}
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,169 @@
+// The files of a fit: schema, exit codes, and the same bytes every time.
+#include "identify/report.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tests/costs/synthetic_motion.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<RecordedMotion> TwoMotions() {
+  MotionOptions options;
+  options.true_values = {{"k_stretch", 150.0}};
+  options.noise = 1e-3;
+  return {MakeMotion(SwingScene(), options), MakeMotion(SphereScene(), options)};
+}
+
+FitSummary RunFit(const std::vector<RecordedMotion>& motions, int num_threads) {
+  FitOptions options;
+  options.parameters = {"mu.ball", "k_stretch"};
+  options.num_threads = num_threads;
+  FitProblem problem(motions, options);
+  return Fit(options, &problem);
+}
+
+std::vector<std::string> Keys(const Json& json) {
+  std::vector<std::string> keys;
+  for (const auto& item : json.items()) keys.push_back(item.key());
+  return keys;
+}
+
+FitSummary Converged() {
+  FitSummary summary;
+  summary.status = FitStatus::kConverged;
+  FittedParameter parameter;
+  parameter.name = "mu";
+  parameter.has_influence = true;
+  summary.parameters = {parameter};
+  return summary;
+}
+
+TEST(ReportTest, ResultHasItsSchema) {
+  const std::vector<RecordedMotion> motions = TwoMotions();
+  const FitSummary summary = RunFit(motions, 1);
+  RunRecord run;
+  run.gradient_check = GradientCheck{1e-12, 1e-7};
+  run.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "failed"};
+  const Json json = Json::parse(ResultJson(summary, run, motions));
+  EXPECT_EQ(Keys(json),
+            (std::vector<std::string>{"schema", "status", "exit_code", "parameters", "rmse_m", "fit_percent", "holdout",
+                                      "cost", "jacobian", "iterations", "rollouts", "sweeps", "failed_steps",
+                                      "gradient_check", "seconds", "provenance"}));
+  EXPECT_EQ(json["schema"], "clothid.result/1");
+  EXPECT_EQ(json["status"], "converged");
+  EXPECT_EQ(json["exit_code"], 0);
+  EXPECT_EQ(Keys(json["parameters"]), (std::vector<std::string>{"mu.ball", "k_stretch"}));
+  const Json& stretch = json["parameters"]["k_stretch"];
+  EXPECT_EQ(Keys(stretch),
+            (std::vector<std::string>{"value", "std", "lower95", "upper95", "start", "at_bound", "identifiable"}));
+  EXPECT_EQ(stretch["value"].get<double>(), summary.parameters[1].value) << "numbers read back exactly";
+  EXPECT_TRUE(stretch["std"].is_null());
+  EXPECT_TRUE(stretch["identifiable"].is_null());
+  EXPECT_EQ(json["rmse_m"].get<double>(), summary.error.rmse());
+  EXPECT_TRUE(json["holdout"]["nominal_rmse_m"].is_null());
+  EXPECT_EQ(json["gradient_check"]["adjoint_vs_fd"], 1e-7);
+  EXPECT_EQ(Keys(json["seconds"]), (std::vector<std::string>{"total", "rollout", "derivative", "solver"}));
+  EXPECT_EQ(Keys(json["provenance"]),
+            (std::vector<std::string>{"version", "git", "input_sha256", "flags", "seed", "threads"}));
+  EXPECT_EQ(json["provenance"]["input_sha256"], "0123,0123");
+  EXPECT_TRUE(Json::parse(ResultJson(summary, RunRecord(), motions))["holdout"].is_null());
+}
+
+TEST(ReportTest, SameBytesOnEveryRunAndOnTwoThreads) {
+  const std::vector<RecordedMotion> motions = TwoMotions();
+  const auto text = [&](int num_threads) {
+    Json json = Json::parse(ResultJson(RunFit(motions, num_threads), RunRecord(), motions));
+    json.erase("seconds");
+    return json.dump();
+  };
+  const std::string first = text(1);
+  EXPECT_EQ(text(1), first);
+  EXPECT_EQ(text(2), first);
+}
+
+TEST(ReportTest, ExitCodesInTheirOrder) {
+  RunRecord run;
+  FitSummary summary = Converged();
+  EXPECT_EQ(FitExitCode(summary, run), 0);
+  run.holdout = Holdout{std::numeric_limits<double>::quiet_NaN(), 0.1, "failed"};
+  EXPECT_EQ(FitExitCode(summary, run), 5);
+  summary.parameters[0].at_bound = true;
+  EXPECT_EQ(FitExitCode(summary, run), 4);
+  summary.parameters[0].at_bound = false;
+  summary.parameters[0].has_influence = false;
+  EXPECT_EQ(FitExitCode(summary, run), 4);
+  EXPECT_EQ(Json::parse(ResultJson(summary, run, {}))["parameters"]["mu"]["identifiable"], false);
+  summary.status = FitStatus::kNotConverged;
+  EXPECT_EQ(FitExitCode(summary, run), 3);
+  summary.status = FitStatus::kInterrupted;
+  EXPECT_EQ(FitExitCode(summary, run), 130);
+  EXPECT_EQ(FitExitCode(FitSummary(), RunRecord()), 3) << "a summary starts as a failure";
+}
+
+TEST(ReportTest, TableNamesWhatIsWrong) {
+  FitSummary summary = Converged();
+  summary.parameters[0].has_influence = false;
+  EXPECT_NE(ResultTable(summary, RunRecord()).find("not identifiable"), std::string::npos);
+  summary.parameters[0].has_influence = true;
+  summary.parameters[0].at_bound = true;
+  EXPECT_NE(ResultTable(summary, RunRecord()).find("at its bound"), std::string::npos);
+}
+
+TEST(ReportTest, PredictionsAreRecordingsOfTheSamePoints) {
+  RecordedMotion motion = TwoMotions()[0];
+  const Eigen::MatrixXd predicted = motion.positions;
+  MotionTensors tensors = PredictedMotion(motion, predicted, Converged().parameters);
+  EXPECT_EQ(tensors.positions, predicted);
+  EXPECT_EQ(tensors.times, motion.times);
+  ASSERT_EQ(tensors.node_index.size(), 25u);
+  EXPECT_EQ(tensors.node_index[24], 24);
+  EXPECT_TRUE(tensors.handle_index.empty()) << "these handles have no path";
+
+  for (ObservedPoint& point : motion.points) {
+    point.num_nodes = 3;
+    for (int k = 0; k < 3; ++k) {
+      point.nodes[k] = motion.scene.mesh.faces(k, 5);
+      point.weights[k] = (k + 1) / 6.0;
+    }
+  }
+  tensors = PredictedMotion(motion, predicted, Converged().parameters);
+  EXPECT_TRUE(tensors.node_index.empty());
+  EXPECT_EQ(tensors.face_index[0], 5);
+  EXPECT_EQ(tensors.barycentric(2, 0), 0.5);
+}
+
+TEST(ReportTest, WritesItsFiles) {
+  std::string root = testing::TempDir() + "clothid_report_XXXXXX";
+  ASSERT_NE(mkdtemp(root.data()), nullptr);
+  const std::vector<RecordedMotion> motions = TwoMotions();
+  const FitSummary summary = RunFit(motions, 1);
+  {
+    OutputFolder folder(root + "/result");
+    WriteReport(summary, RunRecord(), motions, &folder);
+  }
+  std::ifstream csv(root + "/result/convergence.csv");
+  std::string header;
+  std::getline(csv, header);
+  EXPECT_EQ(header, "iteration,seconds,cost,mu.ball,k_stretch,gradient_norm,rollouts");
+  std::size_t num_rows = 0;
+  for (std::string row; std::getline(csv, row);) ++num_rows;
+  EXPECT_EQ(num_rows, summary.iterations.size());
+  EXPECT_EQ(ReadMotionTensors(root + "/result/predicted.bin").positions, summary.predicted[0]);
+  EXPECT_EQ(ReadMotionTensors(root + "/result/predicted_2.bin").positions, summary.predicted[1]);
+  std::ifstream result(root + "/result/result.json");
+  EXPECT_EQ(Json::parse(result)["status"], "converged");
+  std::filesystem::remove_all(root);
+}
+
+}  // namespace
+}  // namespace clothid

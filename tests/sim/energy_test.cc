@@ -1,0 +1,133 @@
+// Forces and Hessians of stretch and bending against differences of the energies.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "sim/bending_energy.h"
+#include "sim/block_matrix.h"
+#include "sim/mesh.h"
+#include "sim/stretch_energy.h"
+
+namespace clothid {
+namespace {
+
+class EnergyTest : public ::testing::Test {
+ protected:
+  EnergyTest() {
+    GridOptions grid;
+    grid.nodes = {4, 3};
+    grid.size = {0.3, 0.2};
+    mesh_ = MakeGrid(grid);
+    free_index_.resize(mesh_.num_nodes());
+    std::iota(free_index_.begin(), free_index_.end(), 0);
+    std::vector<int> everyone = free_index_;
+    pattern_ = std::make_shared<BlockPattern>(std::vector<std::vector<int>>(mesh_.num_nodes(), everyone));
+    std::mt19937_64 generator(3);
+    std::normal_distribution<double> normal;
+    rest_ = mesh_.rest_positions.reshaped();
+    positions_ = rest_;
+    for (double& x : positions_) x += 0.01 * normal(generator);
+    direction_.resize(positions_.size());
+    for (double& x : direction_) x = normal(generator);
+  }
+
+  Eigen::MatrixXd StretchHessian(HessianKind kind, const Eigen::VectorXd& positions) {
+    const StretchEnergy energy(mesh_, free_index_, *pattern_);
+    BlockMatrix hessian(pattern_);
+    energy.AddHessian(1.0, kind, positions, &hessian);
+    return Eigen::MatrixXd(hessian.view());
+  }
+
+  Mesh mesh_;
+  std::vector<int> free_index_;
+  std::shared_ptr<BlockPattern> pattern_;
+  Eigen::VectorXd rest_, positions_, direction_;
+};
+
+TEST_F(EnergyTest, StretchForceIsTheGradient) {
+  const StretchEnergy energy(mesh_, free_index_, *pattern_);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(positions_.size());
+  const double value = energy.AddForce(2.0, positions_, &force);
+  EXPECT_DOUBLE_EQ(value, energy.Energy(positions_));
+  const double step = 1e-6;
+  const double difference =
+      (energy.Energy(positions_ + step * direction_) - energy.Energy(positions_ - step * direction_)) / (2.0 * step);
+  EXPECT_NEAR(-force.dot(direction_), 2.0 * difference, 1e-7 * std::abs(difference));
+}
+
+TEST_F(EnergyTest, StretchHessianIsTheSecondDerivative) {
+  const StretchEnergy energy(mesh_, free_index_, *pattern_);
+  const Eigen::MatrixXd hessian = StretchHessian(HessianKind::kExact, positions_);
+  EXPECT_LT((hessian - hessian.transpose()).norm(), 1e-13 * hessian.norm());
+  const double step = 1e-6;
+  Eigen::VectorXd plus = Eigen::VectorXd::Zero(positions_.size()), minus = plus;
+  energy.AddForce(1.0, positions_ + step * direction_, &plus);
+  energy.AddForce(1.0, positions_ - step * direction_, &minus);
+  const Eigen::VectorXd difference = (minus - plus) / (2.0 * step);
+  EXPECT_LT((hessian * direction_ - difference).norm(), 1e-7 * difference.norm());
+}
+
+TEST_F(EnergyTest, ClampedHessianIsPositiveSemidefiniteInCompression) {
+  const Eigen::VectorXd compressed = 0.8 * positions_;
+  const auto lowest = [](const Eigen::MatrixXd& matrix) {
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues();
+    return values[0] / values[values.size() - 1];
+  };
+  EXPECT_LT(lowest(StretchHessian(HessianKind::kExact, compressed)), -1e-3);
+  EXPECT_GT(lowest(StretchHessian(HessianKind::kClamped, compressed)), -1e-12);
+  // In tension nothing is clamped.
+  const Eigen::VectorXd stretched = 1.5 * rest_;
+  EXPECT_LT((StretchHessian(HessianKind::kExact, stretched) - StretchHessian(HessianKind::kClamped, stretched)).norm(),
+            1e-12);
+}
+
+TEST_F(EnergyTest, StretchEnergyOfAUniformStretch) {
+  const StretchEnergy energy(mesh_, free_index_, *pattern_);
+  // F = diag(1.2, 1): E/k = area (0.2)^2 / 2.
+  Eigen::VectorXd stretched = rest_;
+  for (Eigen::Index i = 0; i < stretched.size(); i += 3) stretched[i] *= 1.2;
+  EXPECT_NEAR(energy.Energy(stretched), 0.06 * 0.5 * 0.04, 1e-15);
+}
+
+TEST_F(EnergyTest, BendingIgnoresAffineMapsAndMeetsACylinder) {
+  const BendingEnergy energy(mesh_);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(rest_.size());
+  EXPECT_NEAR(energy.AddForce(1.0, 1.3 * rest_, &force), 0.0, 1e-13);
+  EXPECT_LT(force.norm(), 1e-10);
+
+  // A strip bent gently to radius R. The edges across the strip, a third of all, carry the whole curvature, three times
+  // over: on this mesh E is three times the k_b/2 area/R^2 of the continuum (see bending_energy.h).
+  GridOptions grid;
+  grid.nodes = {81, 5};
+  grid.size = {1.0, 0.05};
+  const Mesh strip = MakeGrid(grid);
+  const BendingEnergy strip_energy(strip);
+  const double radius = 2.0;
+  Eigen::VectorXd bent = strip.rest_positions.reshaped();
+  for (int node = 0; node < strip.num_nodes(); ++node) {
+    const double angle = strip.rest_positions(0, node) / radius;
+    bent[3 * node] = radius * std::sin(angle);
+    bent[3 * node + 2] = radius * (1.0 - std::cos(angle));
+  }
+  Eigen::VectorXd unused = Eigen::VectorXd::Zero(bent.size());
+  const double expected = 3.0 * 0.5 * 0.05 / (radius * radius);
+  EXPECT_NEAR(strip_energy.AddForce(1.0, bent, &unused), expected, 0.02 * expected);
+}
+
+TEST_F(EnergyTest, BendingForceIsTheGradient) {
+  const BendingEnergy energy(mesh_);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(positions_.size()), unused = force;
+  energy.AddForce(3.0, positions_, &force);
+  const double step = 1e-5;
+  const double difference = (energy.AddForce(3.0, positions_ + step * direction_, &unused) -
+                             energy.AddForce(3.0, positions_ - step * direction_, &unused)) /
+                            (2.0 * step);
+  EXPECT_NEAR(-force.dot(direction_), 3.0 * difference, 1e-7 * std::abs(3.0 * difference));
+}
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,315 @@
+#include "tools/benchmark_jacobian.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <future>
+#include <iomanip>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "datasets/synthetic.h"
+#include "identify/problem.h"
+#include "sim/error.h"
+#include "sim/json_document.h"
+#include "sim/scene_json.h"
+#include "sim/simulator.h"
+#include "sim/text_file.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A parameter to be fitted.
+struct FittedName {
+  std::string name;
+  double truth = 0.0;
+  bool is_friction = false;
+};
+using FittedNames = std::array<FittedName, 2>;
+
+void Require(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorKind::kUsage, message);
+}
+
+// The processor time of the calling thread, s: a fit runs on one thread.
+double ThreadSeconds() {
+  timespec now = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+FittedNames MakeFittedNames(const JacobianBenchmarkOptions& options, const Scene& scene) {
+  FittedNames fitted;
+  std::size_t i = 0;
+  for (const auto& [name, value] : options.truth) {
+    Require(value > 0.0, "--set: '" + name + "': expected a number > 0");
+    fitted[i++] = {name, value, ParseParameter(name, scene.obstacle_names()).kind == ParameterKind::kFriction};
+  }
+  std::stable_partition(fitted.begin(), fitted.end(), [](const FittedName& name) { return name.is_friction; });
+  return fitted;
+}
+
+Rollout TrueRollout(const std::string& source, const FittedNames& fitted, Scene scene) {
+  Parameters parameters = scene.nominal_parameters();
+  for (const FittedName& name : fitted) {
+    SetParameter(ParseParameter(name.name, scene.obstacle_names()), name.truth, &parameters);
+  }
+  scene.material = parameters.material;  // bending and air are there where the truth has them
+  const int num_steps = scene.num_steps();
+  Simulator simulator(std::move(scene));
+  Rollout rollout = Simulate(parameters, num_steps, &simulator);
+  if (!rollout.ok()) {
+    throw Error(ErrorKind::kBadData,
+                source + ": the true parameters cannot be simulated: " + rollout.failure->ToString());
+  }
+  return rollout;
+}
+
+// What `ReadMotion` would make of the recording's file, but for a path of handles, which stays exact between frames.
+RecordedMotion MakeRecording(const Rollout& rollout, const Scene& scene, const std::string& scene_text,
+                             const SyntheticOptions& options) {
+  const MotionTensors tensors = RecordRollout(rollout, scene, scene_text, options);
+  RecordedMotion motion;
+  motion.name = "recording";
+  motion.times = tensors.times;
+  motion.positions = tensors.positions;
+  motion.sigma = tensors.sigma;
+  motion.points.resize(static_cast<std::size_t>(scene.mesh.num_nodes()));
+  for (int node = 0; node < scene.mesh.num_nodes(); ++node) motion.points[node].nodes[0] = node;
+  motion.scene = scene;
+  motion.scene_text = tensors.scene_text;
+  return motion;
+}
+
+// Start number i of n along one axis of the grid.
+double StartValue(const FittedName& name, int i, int n) {
+  const double share = static_cast<double>(i) / (n - 1);
+  if (name.is_friction) return kFirstFriction + share * (kLastFriction - kFirstFriction);
+  return name.truth * kFirstFactor * std::pow(kLastFactor / kFirstFactor, share);
+}
+
+// The fits to one recording, not yet run.
+std::vector<JacobianFit> PlanFits(const JacobianBenchmarkOptions& options, const FittedNames& fitted, double noise) {
+  std::vector<JacobianFit> fits;
+  const int n = options.starts_per_axis;
+  for (int start = 0; start < n * n; ++start) {
+    for (const std::string& method : options.methods) {
+      JacobianFit fit;
+      fit.noise = noise;
+      fit.method = method;
+      fit.start = {StartValue(fitted[0], start / n, n), StartValue(fitted[1], start % n, n)};
+      fits.push_back(fit);
+    }
+  }
+  return fits;
+}
+
+FitOptions MakeFitOptions(const FittedNames& fitted, const JacobianFit& fit) {
+  FitOptions options;
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
+    options.parameters.push_back(fitted[i].name);
+    options.overrides.start[fitted[i].name] = fit.start[i];
+  }
+  if (fit.method == "lbfgs") {
+    options.method = FitMethod::kLbfgs;
+  } else {
+    options.jacobian = ParseJacobianMethod(fit.method);
+  }
+  return options;
+}
+
+void RunFit(const RecordedMotion& motion, const FittedNames& fitted, JacobianFit* fit) {
+  const double start = ThreadSeconds();
+  const FitOptions options = MakeFitOptions(fitted, *fit);
+  FitProblem problem({motion}, options);
+  const FitSummary summary = Fit(options, &problem);
+  fit->seconds = ThreadSeconds() - start;
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
+    fit->value[i] = summary.has_estimate() ? summary.parameters[i].value : kNaN;
+  }
+  fit->cost = summary.has_estimate() ? summary.cost : kInfinity;
+  fit->num_iterations = summary.num_iterations();
+  fit->rollouts = summary.statistics.rollouts;
+  fit->sweeps = summary.statistics.sweeps;
+  fit->failed_steps = summary.statistics.counts.failed_steps;
+  fit->status = summary.status;
+  fit->message = summary.message;
+}
+
+// Runs fits[i] against recordings[i / fits_per_recording]. Each fit has memory of its own.
+void RunFits(const JacobianBenchmarkOptions& options, const std::vector<RecordedMotion>& recordings,
+             const FittedNames& fitted, std::vector<JacobianFit>* fits) {
+  const int num_fits = static_cast<int>(fits->size());
+  const int fits_per_recording = num_fits / static_cast<int>(recordings.size());
+  std::atomic<int> next{0};
+  std::mutex report;
+  int num_done = 0;
+  const auto work = [&] {
+    for (int i = next++; i < num_fits; i = next++) {
+      RunFit(recordings[i / fits_per_recording], fitted, &(*fits)[i]);
+      const std::lock_guard<std::mutex> lock(report);
+      ++num_done;
+      if (options.on_fit) options.on_fit((*fits)[i], num_done, num_fits);
+    }
+  };
+  std::vector<std::future<void>> workers;
+  for (int t = 0; t < std::min(options.num_threads, num_fits); ++t) {
+    workers.push_back(std::async(std::launch::async, work));
+  }
+  for (std::future<void>& worker : workers) worker.get();  // passes on what a fit has thrown
+}
+
+bool IsNear(const std::array<double, 2>& value, const std::array<double, 2>& expected, double tolerance) {
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (!(std::abs(value[i] - expected[i]) <= tolerance * std::abs(expected[i]))) return false;
+  }
+  return true;
+}
+
+// `begin` .. `end`: all fits to one recording.
+void JudgeFits(const FittedNames& fitted, std::vector<JacobianFit>::iterator begin,
+               std::vector<JacobianFit>::iterator end) {
+  const JacobianFit best =
+      *std::min_element(begin, end, [](const JacobianFit& a, const JacobianFit& b) { return a.cost < b.cost; });
+  for (auto fit = begin; fit != end; ++fit) {
+    if (fit->noise == 0.0) {
+      fit->reached = IsNear(fit->value, {fitted[0].truth, fitted[1].truth}, kTruthTolerance);
+    } else {
+      fit->reached =
+          fit->cost - best.cost <= kCostTolerance * best.cost && IsNear(fit->value, best.value, kParameterTolerance);
+    }
+  }
+}
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+// The fits of one noise and method, in the order of the starts.
+std::vector<JacobianFit> Select(const JacobianBenchmark& benchmark, double noise, const std::string& method) {
+  std::vector<JacobianFit> selected;
+  std::copy_if(benchmark.fits.begin(), benchmark.fits.end(), std::back_inserter(selected),
+               [&](const JacobianFit& fit) { return fit.noise == noise && fit.method == method; });
+  return selected;
+}
+
+template <typename Value>
+double MedianOf(const std::vector<JacobianFit>& fits, Value JacobianFit::*member) {
+  std::vector<double> values;
+  for (const JacobianFit& fit : fits) values.push_back(static_cast<double>(fit.*member));
+  return Median(std::move(values));
+}
+
+std::optional<double> MedianTimeRatio(const std::vector<JacobianFit>& fits, const std::vector<JacobianFit>& reference) {
+  if (reference.empty()) return std::nullopt;
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < fits.size(); ++i) ratios.push_back(fits[i].seconds / reference[i].seconds);
+  return Median(std::move(ratios));
+}
+
+void WriteTableRow(const JacobianBenchmark& benchmark, double noise, const std::string& method, std::ostream& out) {
+  const std::vector<JacobianFit> fits = Select(benchmark, noise, method);
+  int num_reached = 0, max_rollouts = 0, failed_steps = 0;
+  for (const JacobianFit& fit : fits) {
+    num_reached += fit.reached;
+    max_rollouts = std::max(max_rollouts, fit.rollouts);
+    failed_steps += fit.failed_steps;
+  }
+  const std::optional<double> ratio = MedianTimeRatio(fits, Select(benchmark, noise, "sensitivity"));
+  std::ostringstream reached, relative;
+  reached << num_reached << " of " << fits.size();
+  relative << std::fixed << std::setprecision(2);
+  if (ratio) relative << *ratio;
+  out << std::left << std::setw(13) << method << std::right << std::setw(7) << noise << std::setw(11) << reached.str()
+      << std::fixed << std::setprecision(1) << std::setw(10) << MedianOf(fits, &JacobianFit::rollouts) << std::setw(6)
+      << max_rollouts << std::setw(8) << MedianOf(fits, &JacobianFit::sweeps) << std::setw(14) << failed_steps
+      << std::setprecision(2) << std::setw(10) << MedianOf(fits, &JacobianFit::seconds) << std::setw(16)
+      << (ratio ? relative.str() : "-") << std::defaultfloat << std::setprecision(6) << "\n";
+}
+
+}  // namespace
+
+void JacobianBenchmarkOptions::Validate() const {
+  Require(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  Require(truth.size() == 2, "--set: expected two parameters, as in mu=0.24,k_stretch=70");
+  Require(std::isfinite(noise) && noise >= 0.0, "--noise: expected a number >= 0, relative to the cloth's size");
+  Require(starts_per_axis >= 2 && starts_per_axis % 2 == 0, "--starts: expected an even number >= 2");
+  Require(num_threads >= 1, "--threads: expected a number >= 1");
+  Require(!methods.empty(), "--methods: expected at least one method");
+  const std::vector<std::string>& known = kJacobianBenchmarkMethods;
+  for (const std::string& method : methods) {
+    Require(std::find(known.begin(), known.end(), method) != known.end(),
+            "--methods: '" + Printable(method) + "': expected adjoint, sensitivity, numeric or lbfgs");
+  }
+}
+
+JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options) {
+  options.Validate();
+  const std::string scene_text = ReadFile(options.scene_path, kMaxJsonBytes);
+  const std::string folder = std::filesystem::path(options.scene_path).parent_path().string();
+  const Scene scene = ParseScene(scene_text, options.scene_path, folder);
+  const FittedNames fitted = MakeFittedNames(options, scene);
+  const Rollout rollout = TrueRollout(options.scene_path, fitted, scene);
+
+  std::vector<double> noises = {0.0};
+  if (options.noise > 0.0) noises.push_back(options.noise);
+  JacobianBenchmark benchmark;
+  benchmark.names = {fitted[0].name, fitted[1].name};
+  benchmark.methods = options.methods;
+  std::vector<RecordedMotion> recordings;
+  for (const double noise : noises) {
+    SyntheticOptions synthetic;
+    synthetic.noise_sigma = noise * ClothSize(scene.mesh);
+    synthetic.seed = options.seed;
+    recordings.push_back(MakeRecording(rollout, scene, scene_text, synthetic));
+    const std::vector<JacobianFit> fits = PlanFits(options, fitted, noise);
+    benchmark.fits.insert(benchmark.fits.end(), fits.begin(), fits.end());
+  }
+  RunFits(options, recordings, fitted, &benchmark.fits);
+  const auto fits_per_recording = static_cast<std::ptrdiff_t>(benchmark.fits.size() / recordings.size());
+  for (auto begin = benchmark.fits.begin(); begin != benchmark.fits.end(); begin += fits_per_recording) {
+    JudgeFits(fitted, begin, begin + fits_per_recording);
+  }
+  return benchmark;
+}
+
+std::string JacobianTable(const JacobianBenchmark& benchmark) {
+  std::ostringstream out;
+  out << "method         noise    reached  rollouts   max  sweeps  failed steps   seconds  to sensitivity\n";
+  std::vector<double> noises;
+  for (const JacobianFit& fit : benchmark.fits) {
+    if (noises.empty() || noises.back() != fit.noise) noises.push_back(fit.noise);
+  }
+  for (const double noise : noises) {
+    for (const std::string& method : benchmark.methods) WriteTableRow(benchmark, noise, method, out);
+  }
+  return out.str();
+}
+
+std::string JacobianCsv(const JacobianBenchmark& benchmark) {
+  std::ostringstream out;
+  out << std::setprecision(std::numeric_limits<double>::max_digits10);
+  const auto& [first, second] = benchmark.names;
+  out << "start_" << first << ",start_" << second << ",method,noise," << first << "," << second
+      << ",cost,reached,iterations,rollouts,sweeps,failed_steps,status,seconds\n";
+  for (const JacobianFit& fit : benchmark.fits) {
+    out << fit.start[0] << "," << fit.start[1] << "," << fit.method << "," << fit.noise << "," << fit.value[0] << ","
+        << fit.value[1] << "," << fit.cost << "," << fit.reached << "," << fit.num_iterations << "," << fit.rollouts
+        << "," << fit.sweeps << "," << fit.failed_steps << "," << FitStatusName(fit.status) << "," << fit.seconds
+        << "\n";
+  }
+  return out.str();
+}
+
+}  // namespace clothid
