@@ -46,17 +46,18 @@ class LuFactor {
   std::unique_ptr<State> state_;
 };
 
-using LinearMap = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+using LinearMap = std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>;
 
 struct GmresResult {
-  bool converged = false;
-  int iterations = 0;
+  bool converged = false;  // every column
+  int iterations = 0;      // of the slowest column
 };
 
 // Right-preconditioned GMRES (Saad and Schultz 1986) from x = 0, without restart: A P^-1 u = b, x = P^-1 u, until
-// |b - A x| <= tolerance |b|. `precondition` applies P^-1.
-GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::VectorXd& right,
-                  double tolerance, int max_iterations, Eigen::VectorXd* solution);
+// |b - A x| <= tolerance |b|, for the columns of `right` [n x s] side by side: each has its own Krylov space, and the products
+// are taken with all of them at once. `precondition` applies P^-1.
+GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::MatrixXd& right, double tolerance,
+                  int max_iterations, Eigen::MatrixXd* solution);
 
 }  // namespace clothid
 

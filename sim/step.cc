@@ -55,9 +55,8 @@ bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& fr
   return SequentialQuadratic(problem, friction_coefficients, max_iterations, point, counts);
 }
 
-bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
-                          RolloutCounts* counts) {
-  const std::vector<Contact> contacts = problem.ActiveContacts(point);
+bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts,
+                          const std::vector<double>& mu, const StepPoint& point, RolloutCounts* counts) {
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
     problem.AssembleHessian(kind, point, &hessian_);
     ++counts->factorizations;
@@ -66,10 +65,15 @@ bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<double>&
   return false;
 }
 
-// A dv = -Phi. Where GMRES stalls on a strong friction coupling, LU of the same matrix.
-bool StepSolver::Direction(const Eigen::VectorXd& residual, Eigen::VectorXd* direction) {
+// A dv = -Phi; by LU of the same matrix where GMRES stalls on a strong friction coupling.
+bool StepSolver::Direction(const std::vector<Contact>& contacts, const std::vector<double>& mu,
+                           const Eigen::VectorXd& residual, Eigen::VectorXd* direction) {
   Eigen::MatrixXd solution;
-  if (!jacobian_.Solve(-residual, kLinearTolerance, &solution)) return false;
+  if (!jacobian_.Solve(-residual, kLinearTolerance, &solution) &&
+      !(jacobian_.Factor(StepJacobian::Method::kLu, hessian_, contacts, mu) &&
+        jacobian_.Solve(-residual, kLinearTolerance, &solution))) {
+    return false;
+  }
   *direction = solution;
   return direction->allFinite();
 }
@@ -104,7 +108,9 @@ bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& m
   double first_length = 1.0, before_last = 0.0, last = 0.0;
   for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
     ++counts->newton_iterations;
-    if (!FactorAt(problem, mu, *point, counts) || !Direction(point->residual, &direction)) break;
+    const std::vector<Contact> contacts = problem.ActiveContacts(*point);
+    if (!FactorAt(problem, contacts, mu, *point, counts)) break;
+    if (!Direction(contacts, mu, point->residual, &direction)) break;
     const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last;
     first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
     before_last = last;
@@ -124,13 +130,14 @@ bool StepSolver::SequentialQuadratic(const StepProblem& problem, const std::vect
   Eigen::VectorXd direction;
   for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
     ++counts->newton_iterations;
-    if (!FactorAt(problem, mu, *point, counts)) break;
+    if (!FactorAt(problem, problem.ActiveContacts(*point), mu, *point, counts)) break;
     inner = *point;
     const double goal = kInnerTolerance * point->residual.norm();
     for (int i = 0; i < kMaxInnerIterations && inner.residual.norm() > goal; ++i) {
       ++counts->factorizations;
-      if (!jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, problem.ActiveContacts(inner), mu)) break;
-      if (!Direction(inner.residual, &direction)) break;
+      const std::vector<Contact> contacts = problem.ActiveContacts(inner);
+      if (!jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu)) break;
+      if (!Direction(contacts, mu, inner.residual, &direction)) break;
       Eigen::VectorXd velocities = inner.velocities + direction;
       problem.ClipToFeasible(&velocities);
       inner.velocities = velocities;

@@ -36,9 +36,10 @@ class StepSolver {
               RolloutCounts* counts);
   bool SequentialQuadratic(const StepProblem& problem, const std::vector<double>& mu, int max_iterations,
                            StepPoint* point, RolloutCounts* counts);
-  bool FactorAt(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
-                RolloutCounts* counts);
-  bool Direction(const Eigen::VectorXd& residual, Eigen::VectorXd* direction);
+  bool FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts, const std::vector<double>& mu,
+                const StepPoint& point, RolloutCounts* counts);
+  bool Direction(const std::vector<Contact>& contacts, const std::vector<double>& mu, const Eigen::VectorXd& residual,
+                 Eigen::VectorXd* direction);
   bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point,
                   StepPoint* trial);
 

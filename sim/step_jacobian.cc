@@ -39,7 +39,7 @@ Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
 }
 
 // Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose.
-Eigen::VectorXd StepJacobian::ApplyReduced(Direction direction, const Eigen::VectorXd& q) const {
+Eigen::MatrixXd StepJacobian::ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const {
   Eigen::MatrixXd v = q;
   if (direction == Direction::kTransposed) elimination_->AddFrictionTransposed(&v);
   Eigen::MatrixXd result = hessian_->view() * v;
@@ -55,16 +55,10 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
     *q = ApplyFactor(right);
     return true;
   }
-  q->resize(right.rows(), right.cols());
-  Eigen::VectorXd solution;
-  for (Eigen::Index i = 0; i < right.cols(); ++i) {
-    const GmresResult result = Gmres([&](const Eigen::VectorXd& v) { return ApplyReduced(direction, v); },
-                                     [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return ApplyFactor(v); },
-                                     right.col(i), tolerance, kMaxGmresIterations, &solution);
-    if (!result.converged) return false;
-    q->col(i) = solution;
-  }
-  return true;
+  const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
+                                   [&](const Eigen::MatrixXd& v) { return ApplyFactor(v); }, right, tolerance,
+                                   kMaxGmresIterations, q);
+  return result.converged;
 }
 
 bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv) {

@@ -40,7 +40,7 @@ class StepJacobian {
  private:
   enum class Direction { kForward, kTransposed };
   bool SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q);
-  Eigen::VectorXd ApplyReduced(Direction direction, const Eigen::VectorXd& q) const;
+  Eigen::MatrixXd ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const;
   Eigen::MatrixXd ApplyFactor(const Eigen::MatrixXd& vectors);
 
   const ClothModel& model_;
