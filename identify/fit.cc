@@ -168,6 +168,9 @@ void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* eval
   const ceres::GradientProblem gradient_problem(new BoundedGradient(&map, evaluator));
   ceres::GradientProblemSolver::Options solver;
   solver.line_search_direction_type = ceres::LBFGS;
+  // Without it L-BFGS takes the identity for its first inverse Hessian, although costs are as large as their number of
+  // residuals: steps across the whole range, onto plateaus of friction so high that nothing slides.
+  solver.use_approximate_eigenvalue_bfgs_scaling = true;
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = options.function_tolerance;
   solver.parameter_tolerance = options.parameter_tolerance;

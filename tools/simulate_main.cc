@@ -54,18 +54,20 @@ Example:
 )";
 
 // The scene's nominal parameters with the assignments of --set, in alphabetical order: "mu.NAME" overrides "mu". A
-// wrong value is a wrong flag, not bad data.
-Parameters TrueParameters(const Scene& scene) {
-  Parameters parameters = scene.nominal_parameters();
+// wrong value is a wrong flag, not bad data. Gives `scene` the true material, so that it has bending and air where the
+// truth has them.
+Parameters SetTruth(Scene* scene) {
+  Parameters parameters = scene->nominal_parameters();
   for (const auto& [name, value] : ParseAssignments(FLAGS_set, "--set")) {
-    const ParameterId id = ParseParameter(name, scene.obstacle_names());
+    const ParameterId id = ParseParameter(name, scene->obstacle_names());
     SetParameter(id, value, &parameters);
     if (GetParameter(parameters, id) != value) {
       throw Error(ErrorKind::kUsage, "--set: '" + name + "': the scene has no obstacle");
     }
   }
+  scene->material = parameters.material;
   try {
-    ValidateParameters(parameters, scene, FLAGS_set.empty() ? FLAGS_scene : "--set");
+    ValidateParameters(parameters, *scene, FLAGS_set.empty() ? FLAGS_scene : "--set");
   } catch (const Error& error) {
     throw Error(FLAGS_set.empty() ? error.kind() : ErrorKind::kUsage, error.what());
   }
@@ -121,8 +123,7 @@ int Run(const std::vector<std::string>& arguments) {
   if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output is missing; see simulate --help");
   const std::string scene_text = ReadFile(FLAGS_scene, kMaxJsonBytes);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
-  const Parameters truth = TrueParameters(scene);
-  scene.material = truth.material;  // bending and air are there where the truth has them
+  const Parameters truth = SetTruth(&scene);
   Simulator simulator(scene);
   const Rollout rollout = Simulate(truth, scene.num_steps(), &simulator);
   if (!rollout.ok()) {

@@ -1,0 +1,126 @@
+// The recordings in datasets/ as a user meets them: `identify` recovers the truth that datasets/README.md states, and
+// `simulate` makes each of them again.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "datasets/motion_file.h"
+#include "tests/tools/tool_test.h"
+
+namespace clothid {
+namespace {
+
+// A row of the table: `name.motion.bin` with nominal values and truth, both as NAME=VALUE[,...].
+struct ShippedRecording {
+  std::string name, nominal, truth;
+};
+
+std::string Trimmed(const std::string& text) {
+  const size_t begin = text.find_first_not_of(' ');
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
+}
+
+std::vector<ShippedRecording> ReadTable() {
+  std::vector<ShippedRecording> recordings;
+  std::istringstream text(ReadBytes(CLOTHID_SOURCE_DIR "/datasets/README.md"));
+  for (std::string line; std::getline(text, line);) {
+    const std::string start = "| `", suffix = ".motion.bin`";
+    const size_t end = line.find(suffix);
+    if (line.rfind(start, 0) != 0 || end == std::string::npos) continue;
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, '|');) cells.push_back(Trimmed(cell));
+    recordings.push_back({line.substr(start.size(), end - start.size()), cells.at(5), cells.at(6)});
+  }
+  return recordings;
+}
+
+std::map<std::string, double> ParseValues(const std::string& text) {
+  std::map<std::string, double> values;
+  std::istringstream items(text);
+  for (std::string item; std::getline(items, item, ',');) {
+    const size_t equals = item.find('=');
+    values[item.substr(0, equals)] = std::stod(item.substr(equals + 1));
+  }
+  return values;
+}
+
+std::string Path(const std::string& file) { return CLOTHID_SOURCE_DIR "/datasets/" + file; }
+
+class ShippedRecordingsTest : public ToolTest {
+ protected:
+  // result.json of a fit that ends with one of `exit_codes`.
+  nlohmann::json Identify(const std::string& flags, const std::set<int>& exit_codes) const {
+    const ToolResult result = Run("identify --output result " + flags);
+    EXPECT_EQ(exit_codes.count(result.exit_code), 1u) << result.exit_code << "\n" << result.err;
+    return nlohmann::json::parse(ReadBytes(folder() / "result" / "result.json"));
+  }
+};
+
+TEST_F(ShippedRecordingsTest, AreMadeAgainBySimulate) {
+  ASSERT_EQ(ReadTable().size(), 3u);
+  for (const ShippedRecording& recording : ReadTable()) {
+    ExpectSuccess("simulate --scene '" + Path(recording.name + ".scene.json") + "' --set " + recording.truth +
+                  " --output again.bin");
+    const MotionTensors shipped = ReadMotionTensors(Path(recording.name + ".motion.bin"));
+    const MotionTensors again = ReadMotionTensors(folder() / "again.bin");
+    EXPECT_EQ(shipped.scene_text, again.scene_text) << recording.name;
+    ASSERT_EQ(shipped.positions.size(), again.positions.size()) << recording.name;
+    // The same bytes on the same processor; another one may round differently in BLAS.
+    EXPECT_LT((shipped.positions - again.positions).lpNorm<Eigen::Infinity>(), 1e-7) << recording.name;
+    EXPECT_LT(ReadBytes(Path(recording.name + ".motion.bin")).size(), 2000000u) << recording.name;
+  }
+}
+
+TEST_F(ShippedRecordingsTest, AreFarFromTheTruthAtTheirNominalValues) {
+  for (const ShippedRecording& recording : ReadTable()) {
+    const auto nominal = ParseValues(recording.nominal);
+    for (const auto& [name, value] : ParseValues(recording.truth)) {
+      if (name == "mu") {
+        EXPECT_GE(std::abs(nominal.at(name) - value), 0.3) << recording.name;
+      } else {
+        EXPECT_GE(std::max(nominal.at(name) / value, value / nominal.at(name)), 3.0) << recording.name;
+      }
+    }
+  }
+}
+
+TEST_F(ShippedRecordingsTest, GiveTheTruthBack) {
+  const std::map<std::string, std::string> fitted = {
+      {"drape", "mu,k_stretch"}, {"slope", "mu"}, {"wind", "k_stretch,k_bend"}};
+  for (const ShippedRecording& recording : ReadTable()) {
+    const nlohmann::json result =
+        Identify("--target '" + Path(recording.name + ".motion.bin") + "' --fit " + fitted.at(recording.name), {0});
+    EXPECT_EQ(result["status"], "converged");
+    const auto truth = ParseValues(recording.truth), nominal = ParseValues(recording.nominal);
+    for (const auto& [name, parameter] : result["parameters"].items()) {
+      EXPECT_NEAR(parameter["value"].get<double>(), truth.at(name), 1e-4 * truth.at(name)) << recording.name;
+      EXPECT_NEAR(parameter["start"].get<double>(), nominal.at(name), 1e-9 * nominal.at(name)) << recording.name;
+    }
+    std::filesystem::remove_all(folder() / "result");
+  }
+}
+
+TEST_F(ShippedRecordingsTest, AnInterruptSavesWhatIsThere) {
+  const std::string target = "--target '" + Path("drape.motion.bin") + "'";
+  // The shell waits for the first progress line, that is, for the start to be evaluated, and then interrupts.
+  const ToolResult result =
+      Run("sh -c 'identify --output result " + target +
+          " --jacobian numeric 2> progress & pid=$!; "
+          "while ! grep -q iteration progress && kill -0 $pid; do sleep 0.05; done; kill -INT $pid; wait $pid'");
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  const nlohmann::json written = nlohmann::json::parse(ReadBytes(folder() / "result" / "result.json"));
+  EXPECT_EQ(written["status"], "interrupted");
+  EXPECT_EQ(written["exit_code"], 130);
+  EXPECT_TRUE(std::filesystem::exists(folder() / "result" / "predicted.bin"));
+  EXPECT_TRUE(std::filesystem::exists(folder() / "result" / "convergence.csv"));
+}
+
+}  // namespace
+}  // namespace clothid
