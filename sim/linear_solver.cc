@@ -1,29 +1,48 @@
 #include "sim/linear_solver.h"
 
 #include <cholmod.h>
+#include <dlfcn.h>
 #include <omp.h>
 #include <umfpack.h>
 
 #include <Eigen/Jacobi>
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 #include <vector>
 
 namespace clothid {
 namespace {
 
-// Keeps OpenMP regions of the calling thread to that thread while it lives. Debian's CHOLMOD asks for four threads
-// whatever the machine has; the matrices of a cloth are too small for that, and rollouts already run side by side.
-class SingleThreadRegion {
+// Whether BLAS is OpenBLAS without threads. Debian builds it without USE_LOCKING: calls from two threads at once share
+// work buffers and give wrong numbers.
+bool BlasNeedsLock() {
+  using GetParallel = int (*)();
+  const auto get_parallel = reinterpret_cast<GetParallel>(dlsym(RTLD_DEFAULT, "openblas_get_parallel"));
+  return get_parallel != nullptr && get_parallel() == 0;
+}
+
+// Around every call that ends in BLAS.
+//
+// Rollouts run side by side in threads, so nothing within one of them may be parallel: OpenMP regions of the calling
+// thread stay on that thread (Debian's CHOLMOD asks for four threads whatever the machine has). And where BLAS itself
+// must not be called by two threads at once, they take turns.
+class FactorizationScope {
  public:
-  SingleThreadRegion() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
-  ~SingleThreadRegion() { omp_set_max_active_levels(levels_); }
-  SingleThreadRegion(const SingleThreadRegion&) = delete;
-  SingleThreadRegion& operator=(const SingleThreadRegion&) = delete;
+  FactorizationScope() : openmp_levels_(omp_get_max_active_levels()) {
+    static const bool needs_lock = BlasNeedsLock();
+    static std::mutex blas_mutex;
+    if (needs_lock) lock_ = std::unique_lock<std::mutex>(blas_mutex);
+    omp_set_max_active_levels(0);
+  }
+  ~FactorizationScope() { omp_set_max_active_levels(openmp_levels_); }
+  FactorizationScope(const FactorizationScope&) = delete;
+  FactorizationScope& operator=(const FactorizationScope&) = delete;
 
  private:
-  int levels_;
+  int openmp_levels_;
+  std::unique_lock<std::mutex> lock_;
 };
 
 }  // namespace
@@ -73,6 +92,7 @@ CholeskyFactor::CholeskyFactor(std::shared_ptr<const BlockPattern> pattern)
   common.postorder = 1;
   common.supernodal = CHOLMOD_AUTO;
   common.final_ll = 1;
+  const FactorizationScope scope;
   cholmod_sparse matrix = state_->View(nullptr);
   state_->factor = cholmod_analyze(&matrix, &common);
   if (state_->factor == nullptr) throw std::runtime_error("CHOLMOD could not analyse the pattern of the Hessian");
@@ -83,14 +103,14 @@ CholeskyFactor::~CholeskyFactor() = default;
 bool CholeskyFactor::Factor(const Eigen::VectorXd& values) {
   // CHOLMOD does not look for NaN, and a comparison with one would pass as positive definite.
   if (!values.allFinite()) return false;
-  const SingleThreadRegion single_thread;
+  const FactorizationScope scope;
   cholmod_sparse matrix = state_->View(values.data());
   cholmod_factorize(&matrix, state_->factor, &state_->common);
   return state_->common.status == CHOLMOD_OK;
 }
 
 void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) {
-  const SingleThreadRegion single_thread;
+  const FactorizationScope scope;
   cholmod_dense view = {};
   view.nrow = right.rows();
   view.ncol = right.cols();
@@ -110,6 +130,7 @@ struct LuFactor::State {
     umfpack_di_free_numeric(&numeric);
   }
   void Solve(int system, const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
+    const FactorizationScope scope;
     solution->resize(right.rows(), right.cols());
     for (Eigen::Index i = 0; i < right.cols(); ++i) {
       umfpack_di_solve(system, pattern->outer().data(), pattern->inner().data(), values.data(), solution->col(i).data(),
@@ -133,6 +154,7 @@ LuFactor::LuFactor(std::shared_ptr<const BlockPattern> pattern) : state_(std::ma
 LuFactor::~LuFactor() = default;
 
 bool LuFactor::Factor(const Eigen::VectorXd& values) {
+  const FactorizationScope scope;
   const BlockPattern& pattern = *state_->pattern;
   state_->values = values;
   if (state_->symbolic == nullptr &&
@@ -208,8 +230,8 @@ class ArnoldiColumn {
 
 }  // namespace
 
-GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::MatrixXd& right, double tolerance,
-                  int max_iterations, Eigen::MatrixXd* solution) {
+GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::MatrixXd& right,
+                  double tolerance, int max_iterations, Eigen::MatrixXd* solution) {
   GmresResult result;
   std::vector<ArnoldiColumn> columns;
   std::vector<Eigen::MatrixXd> basis = {right}, preconditioned;
