@@ -6,8 +6,6 @@
 #include <functional>
 #include <thread>
 
-#include "identify/blas_threads.h"
-
 namespace clothid {
 namespace {
 
@@ -26,9 +24,7 @@ void RunTasks(int count, int num_threads, const std::function<void(int)>& task) 
 }  // namespace
 
 FitEvaluator::FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads)
-    : problem_(problem), coordinates_(coordinates), num_threads_(BlasMayRunInThreads() ? num_threads : 1) {
-  UseOneThreadPerBlasCall();
-}
+    : problem_(problem), coordinates_(coordinates), num_threads_(num_threads) {}
 
 void FitEvaluator::PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) {
   double cost = 0.0;

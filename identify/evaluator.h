@@ -36,7 +36,6 @@ struct QuadraticModel {
 // so that caches, counts and results are the same on any number of threads.
 class FitEvaluator : public ceres::EvaluationCallback {
  public:
-  // On a BLAS that threads cannot share (identify/blas_threads.h), one thread does it all.
   // Both must outlive the evaluator. `coordinates` is the memory that Ceres changes.
   FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads);
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "datasets/motion_file.h"
-#include "identify/blas_threads.h"
 #include "identify/fit.h"
 #include "identify/gradient_check.h"
 #include "identify/holdout.h"
@@ -124,10 +123,6 @@ int Identify(const std::string& flags) {
   for (const std::string& path : targets) motions.push_back(Read(path));
   if (!FLAGS_holdout.empty()) holdouts.push_back(Read(FLAGS_holdout));
 
-  if (options.num_threads > 1 && motions.size() > 1 && !BlasMayRunInThreads()) {
-    std::cerr << "identify: this OpenBLAS is built without threads and not safe in several; recordings run one by one "
-                 "(install libopenblas0-pthread)\n";
-  }
   FitProblem problem(motions, options);
   OutputFolder folder(FLAGS_output);
   RunRecord run;

@@ -242,7 +242,7 @@ void WriteTableRow(const JacobianBenchmark& benchmark, double noise, const std::
 
 void JacobianBenchmarkOptions::Validate() const {
   Require(!scene_path.empty(), "--scene is missing; see benchmark --help");
-  Require(truth.size() == 2, "--set: expected two parameters, as in mu=0.24,k_stretch=70");
+  Require(truth.size() == 2, "--set: expected two parameters, as in mu=0.3,k_stretch=100");
   Require(std::isfinite(noise) && noise >= 0.0, "--noise: expected a number >= 0, relative to the cloth's size");
   Require(starts_per_axis >= 2 && starts_per_axis % 2 == 0, "--starts: expected an even number >= 2");
   Require(num_threads >= 1, "--threads: expected a number >= 1");

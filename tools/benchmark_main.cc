@@ -47,7 +47,7 @@ failed steps, processor seconds (medians), and these relative to `sensitivity` (
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content.
 
 Example:
-  benchmark jacobian --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --output /tmp/jacobian
+  benchmark jacobian --scene datasets/drape.scene.json --set mu=0.3,k_stretch=100 --output /tmp/jacobian
 )";
 
 JacobianBenchmarkOptions OptionsFromFlags() {
