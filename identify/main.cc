@@ -63,8 +63,9 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --output DIR        result.json, convergence.csv, predicted.bin (clothid_result)
   --help, --version
 
-Ctrl-C saves the best point so far. Exit codes: 0 fitted; 1 usage, or a file that cannot be opened or written; 2 bad data;
-3 not converged; 4 a parameter has no influence or stands at its bound; 5 the held-out recording failed; 130 interrupted.
+Ctrl-C saves the best point so far. Exit codes: 0 fitted; 1 usage, or a file that cannot be opened or written;
+2 bad data; 3 not converged; 4 a parameter has no influence or stands at its bound; 5 the held-out recording failed;
+130 interrupted.
 
 Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape
