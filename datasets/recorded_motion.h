@@ -18,15 +18,15 @@ struct ObservedPoint {
 };
 
 struct RecordedMotion {
-  std::string name;                    // for messages: the file it came from
-  Eigen::VectorXd times;               // [T] s, strictly increasing
-  Eigen::MatrixXd positions;           // [3P x T] m; NaN: not seen
-  std::vector<ObservedPoint> points;   // [P]
-  Eigen::VectorXd sigma;               // [P] m, standard deviation of a coordinate; empty: not known
-  Scene scene;                         // with mesh, start state and duration of this recording
-  std::string scene_text;              // the JSON that the scene was read from
+  std::string name;                   // for messages: the file it came from
+  Eigen::VectorXd times;              // [T] s, strictly increasing
+  Eigen::MatrixXd positions;          // [3P x T] m; NaN: not seen
+  std::vector<ObservedPoint> points;  // [P]
+  Eigen::VectorXd sigma;              // [P] m, standard deviation of a coordinate; empty: not known
+  Scene scene;                        // with mesh, start state and duration of this recording
+  std::string scene_text;             // the JSON that the scene was read from
   std::string provenance;
-  std::string sha256;                  // of the file
+  std::string sha256;  // of the file
 
   int num_frames() const { return static_cast<int>(times.size()); }
   int num_points() const { return static_cast<int>(points.size()); }

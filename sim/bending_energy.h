@@ -3,8 +3,8 @@
 //   E = k_b/2 x^T (Q kron I3) x,   Q = sum over interior edges of 3/(A_1 + A_2) c c^T,
 // with c the four cotangent weights of the edge's two triangles. Q is constant; a flat rest shape has E = 0.
 //
-// k_b belongs to the mesh: an edge holds the curvature across it alone, so a cylinder whose axis runs along one of the three
-// edge directions of a right-angled grid has three times the energy k_b/2 area/R^2 of the continuum.
+// k_b belongs to the mesh: an edge holds the curvature across it alone, so a cylinder whose axis runs along one of the
+// three edge directions of a right-angled grid has three times the energy k_b/2 area/R^2 of the continuum.
 #ifndef CLOTHID_SIM_BENDING_ENERGY_H_
 #define CLOTHID_SIM_BENDING_ENERGY_H_
 

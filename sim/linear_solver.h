@@ -54,10 +54,10 @@ struct GmresResult {
 };
 
 // Right-preconditioned GMRES (Saad and Schultz 1986) from x = 0, without restart: A P^-1 u = b, x = P^-1 u, until
-// |b - A x| <= tolerance |b|, for the columns of `right` [n x s] side by side: each has its own Krylov space, and the products
-// are taken with all of them at once. `precondition` applies P^-1.
-GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::MatrixXd& right, double tolerance,
-                  int max_iterations, Eigen::MatrixXd* solution);
+// |b - A x| <= tolerance |b|, for the columns of `right` [n x s] side by side: each has its own Krylov space, and the
+// products are taken with all of them at once. `precondition` applies P^-1.
+GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::MatrixXd& right,
+                  double tolerance, int max_iterations, Eigen::MatrixXd* solution);
 
 }  // namespace clothid
 

@@ -92,8 +92,8 @@ struct Scene {
 // usable.
 void ValidateScene(const Scene& scene, const std::string& source);
 
-// Throws `Error` (kBadData) unless every value is finite, density and stiffness are positive, the rest not negative, and
-// bending stiffness and drag zero where the scene has no such term.
+// Throws `Error` (kBadData) unless every value is finite, density and stiffness are positive, the rest not negative,
+// and bending stiffness and drag zero where the scene has no such term.
 void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source);
 
 }  // namespace clothid

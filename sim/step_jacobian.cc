@@ -55,9 +55,9 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
     *q = ApplyFactor(right);
     return true;
   }
-  const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
-                                   [&](const Eigen::MatrixXd& v) { return ApplyFactor(v); }, right, tolerance,
-                                   kMaxGmresIterations, q);
+  const GmresResult result =
+      Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
+            [&](const Eigen::MatrixXd& v) { return ApplyFactor(v); }, right, tolerance, kMaxGmresIterations, q);
   return result.converged;
 }
 
