@@ -1,0 +1,79 @@
+// How sure a fit is of its parameters: standard deviations, intervals, and what the measurements do not determine.
+//
+// At a solution, with the whitened residuals e of m measurements and their Jacobian J = de/dq [m x p] in the internal
+// coordinates q of costs/parameter_block.h:
+//   covariance of q = s^2 (J^T J)^-1,   s^2 = |e|^2/(m - p), at least 1 where the sigma of the measurements is known
+//   95 % interval   = value(q -+ 1.96 std(q)), cut at the bounds;   std of the value = dvalue/dq std(q)
+//
+// Identifiability asks how much the prediction can tell. With D = diag(range of q_i between its bounds), the parameter
+// i moved from bound to bound, while all others move so as to hide it as well as they can, changes the whitened
+// prediction by
+//   c_i = 1/sqrt([((J D)^T J D)^-1]_ii).
+// It is identifiable where c_i > 2 max(1, s): two standard deviations of the noise, or of what the model leaves
+// unexplained. The right singular vectors of J D with singular values below that are the directions nobody sees:
+// multiplying all stiffnesses, the density and the drag by one factor is one of them in every recording.
+#ifndef CLOTHID_IDENTIFY_UNCERTAINTY_H_
+#define CLOTHID_IDENTIFY_UNCERTAINTY_H_
+
+#include <ceres/problem.h>
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "costs/parameter_block.h"
+
+namespace clothid {
+
+// A least-squares problem at one point.
+struct Linearization {
+  Eigen::MatrixXd jacobian;       // [r x p] de/dq, or fewer rows with the same J^T J
+  double squared_residual = 0.0;  // |e|^2, twice the cost
+  int num_measurements = 0;       // m
+  bool sigma_is_known = true;     // false: residuals are whitened by a guess
+};
+
+// That of a Ceres problem with rollouts beside residuals of the user's own. `coordinates` [p] are its parameter blocks,
+// each of size 1; `num_measurements` counts the observed coordinates of all recordings (not the rows of `RolloutCost`)
+// and the user's own residuals. Rollouts should use `JacobianMethod::kSensitivity`: the rows of the adjoint form span a
+// subspace, which makes intervals too wide. Throws std::runtime_error where the problem cannot be evaluated.
+Linearization Linearize(const std::vector<double*>& coordinates, int num_measurements, bool sigma_is_known,
+                        ceres::Problem* problem);
+
+struct ParameterUncertainty {
+  // Of the value, in its own unit. NaN: frozen, at its bound or not identifiable.
+  double std = std::numeric_limits<double>::quiet_NaN();
+  double lower95 = std::numeric_limits<double>::quiet_NaN();
+  double upper95 = std::numeric_limits<double>::quiet_NaN();
+  double coordinate_std = std::numeric_limits<double>::quiet_NaN();  // of q
+  double visible_change = 0.0;  // c_i, in standard deviations of the measurements; 0 where frozen
+  bool at_bound = false;        // within 1e-3 of the range from one of its bounds
+  bool identifiable = false;    // false where frozen, too
+};
+
+// A direction in which parameters can move between their bounds unseen.
+struct HiddenDirection {
+  Eigen::VectorXd coordinates;  // [p] change of q, the largest entry 1
+  double visible_change = 0.0;  // of the whitened prediction over the bounds, in standard deviations
+  std::string words;            // "k_stretch, k_bend, density and drag multiplied by one factor"
+};
+
+struct Uncertainty {
+  std::vector<ParameterUncertainty> parameters;    // [p]
+  Eigen::MatrixXd correlation;                     // [p x p] of q; NaN in rows and columns without a std
+  Eigen::VectorXd singular_values;                 // of J D over the free parameters, decreasing
+  std::vector<HiddenDirection> hidden_directions;  // the most hidden first
+  double residual_scale = 0.0;                     // s
+
+  bool all_identifiable(const std::vector<ParameterBlock>& blocks) const;  // all that are not frozen
+};
+
+// `blocks` [p] with the names to speak of, bounds and scales; `coordinates` [p] the solution. A parameter at its bound
+// is held there while the others get their standard deviations.
+Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                                const Linearization& linearization);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_UNCERTAINTY_H_
