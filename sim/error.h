@@ -1,4 +1,4 @@
-// The one exception type of clothid, for input that cannot be used.
+// The one exception type of clothid, for input that cannot be used, and what it means to the shell.
 //
 // Bad input (a file, a scene, a parameter value) throws; what a well-posed run may meet on its way (a time step that
 // does not converge) never does: it is part of the result, see `StepFailure` in sim/rollout.h.
@@ -25,6 +25,19 @@ class Error : public std::runtime_error {
  private:
   ErrorKind kind_;
 };
+
+// Exit codes of the programs. Where several apply: 130, 1, 2, 3, 4, 5 in that order.
+enum ExitCode : int {
+  kExitSuccess = 0,
+  kExitUsageOrIo = 1,
+  kExitBadData = 2,
+  kExitNotConverged = 3,
+  kExitNotIdentifiable = 4,  // a fitted parameter is not determined by the recordings, or stands at its bound
+  kExitHoldoutFailed = 5,    // the estimates predict what was held out worse than the nominal parameters
+  kExitInterrupted = 130,
+};
+
+inline ExitCode ExitCodeOf(ErrorKind kind) { return kind == ErrorKind::kBadData ? kExitBadData : kExitUsageOrIo; }
 
 }  // namespace clothid
 

@@ -31,8 +31,6 @@ std::pair<std::string, double> ParseAssignment(const std::string& entry, const s
 
 }  // namespace
 
-ExitCode ExitCodeOf(ErrorKind kind) { return kind == ErrorKind::kBadData ? kExitBadData : kExitUsageOrIo; }
-
 int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command) {
   gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
   if (IsSet("help") || IsSet("helpfull") || IsSet("helpshort")) {

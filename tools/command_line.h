@@ -11,16 +11,6 @@
 
 namespace clothid {
 
-// Exit codes of the tools here; `identify` has more of its own.
-enum ExitCode : int {
-  kExitSuccess = 0,
-  kExitUsageOrIo = 1,
-  kExitBadData = 2,
-  kExitNotConverged = 3,
-};
-
-ExitCode ExitCodeOf(ErrorKind kind);
-
 // The command itself; receives what is left of the command line once the flags are taken out.
 using Command = std::function<int(const std::vector<std::string>& arguments)>;
 
