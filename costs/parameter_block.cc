@@ -1,5 +1,6 @@
 #include "costs/parameter_block.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -7,6 +8,8 @@
 
 namespace clothid {
 namespace {
+
+constexpr double kAtBound = 1e-3;
 
 // The first of `given` and `from_scene` that is given.
 double Choose(const std::map<std::string, double>& given, const std::string& name, double from_scene,
@@ -56,6 +59,13 @@ double ParameterBlock::ToValue(double coordinate) const {
 
 double ParameterBlock::ValueDerivative(double coordinate) const {
   return scale == ParameterScale::kLog ? std::exp(coordinate) : 1.0;
+}
+
+double ParameterBlock::CoordinateRange() const { return ToCoordinate(upper_bound) - ToCoordinate(lower_bound); }
+
+bool ParameterBlock::IsAtBound(double coordinate) const {
+  const double distance = std::min(coordinate - ToCoordinate(lower_bound), ToCoordinate(upper_bound) - coordinate);
+  return distance <= kAtBound * CoordinateRange();
 }
 
 ParameterScale DefaultScale(ParameterKind kind) {

@@ -35,6 +35,10 @@ struct ParameterBlock {
   double ToValue(double coordinate) const;
   // d value / d coordinate.
   double ValueDerivative(double coordinate) const;
+  // From bound to bound, in the internal coordinate.
+  double CoordinateRange() const;
+  // Within 1e-3 of the range from one of the bounds, which a bounded optimiser may reach asymptotically.
+  bool IsAtBound(double coordinate) const;
 };
 
 // Log for everything but friction.

@@ -32,6 +32,7 @@ struct CostStatistics {
   double derivative_seconds = 0.0;  // reverse sweeps; forward sweeps with their rollout
 
   CostStatistics& operator+=(const CostStatistics& other);
+  CostStatistics& operator-=(const CostStatistics& other);
 };
 
 // The step of forward differences in an internal coordinate, where predictions are known to the step tolerance:

@@ -47,6 +47,15 @@ CostStatistics& CostStatistics::operator+=(const CostStatistics& other) {
   return *this;
 }
 
+CostStatistics& CostStatistics::operator-=(const CostStatistics& other) {
+  rollouts -= other.rollouts;
+  sweeps -= other.sweeps;
+  counts -= other.counts;
+  rollout_seconds -= other.rollout_seconds;
+  derivative_seconds -= other.derivative_seconds;
+  return *this;
+}
+
 double ForwardDifferenceStep(const SolverOptions& solver) {
   return std::max(kLeastDifferenceStep, std::sqrt(solver.step_tolerance));
 }
@@ -97,8 +106,8 @@ void RolloutEvaluator::ComputeCost(RolloutEvaluation* evaluation) {
   evaluation->loss_row = LossRow(evaluation->cost, residuals.cwiseProduct(weights).squaredNorm());
 }
 
-// The prediction and the rows in one forward sweep; nothing of the size [m x p] is stored.
-void RolloutEvaluator::ComputeWithSensitivities(const std::vector<int>& active, RolloutEvaluation* evaluation) {
+// Nothing of the size [m x p] is stored.
+CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active, RolloutEvaluation* evaluation) {
   const ScopedTimer timer(&statistics_.derivative_seconds);
   const Observation& observation = model_.observation();
   CompressedJacobian compressed(static_cast<int>(active.size()));
@@ -120,22 +129,40 @@ void RolloutEvaluator::ComputeWithSensitivities(const std::vector<int>& active, 
   statistics_.counts += result.counts;
   if (result.failure) throw std::runtime_error(result.failure->ToString());
   evaluation->loss_row = LossRow(evaluation->cost, weighted_squared_norm);
-  SetCompressedRows(active, &compressed, evaluation);
+  return compressed;
 }
 
-void RolloutEvaluator::SetCompressedRows(const std::vector<int>& active, CompressedJacobian* compressed,
-                                         RolloutEvaluation* evaluation) const {
+ResidualRows RolloutEvaluator::CompressedRows(const std::vector<int>& active, int num_rows,
+                                              CompressedJacobian* compressed) {
   const Eigen::MatrixXd& factor = compressed->Factor();
   const Eigen::Index num_active = static_cast<Eigen::Index>(active.size());
   ResidualRows rows;
   rows.active = active;
-  rows.residuals = Eigen::VectorXd::Zero(num_rows());
-  rows.jacobian = Eigen::MatrixXd::Zero(num_rows(), num_active);
+  rows.residuals = Eigen::VectorXd::Zero(num_rows);
+  rows.jacobian = Eigen::MatrixXd::Zero(num_rows, num_active);
   rows.residuals.head(num_active + 1) = factor.col(num_active);
   rows.jacobian.topRows(num_active + 1) = factor.leftCols(num_active);
   if (!rows.jacobian.allFinite()) throw std::runtime_error("the Jacobian is not finite");
-  evaluation->rows = std::move(rows);
+  return rows;
+}
+
+void RolloutEvaluator::ComputeWithSensitivities(const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  CompressedJacobian compressed = SweepForward(active, evaluation);
+  evaluation->rows = CompressedRows(active, num_rows(), &compressed);
   evaluation->has_rows = true;
+}
+
+void RolloutEvaluator::ComputeExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  if (options_.jacobian == JacobianMethod::kSensitivity) {
+    evaluation->exact_rows = evaluation->rows;
+  } else {
+    // The evaluation keeps the cost that it was given before, which differs in rounding.
+    RolloutEvaluation sweep;
+    sweep.coordinates = evaluation->coordinates;
+    CompressedJacobian compressed = SweepForward(active, &sweep);
+    evaluation->exact_rows = CompressedRows(active, static_cast<int>(active.size()) + 1, &compressed);
+  }
+  evaluation->has_exact_rows = true;
 }
 
 // e first, so that it is in the span to rounding whatever follows; then, in the order of their worth, differences to
@@ -195,7 +222,8 @@ void RolloutEvaluator::ComputeNumericRows(const std::vector<int>& active, Rollou
   const Eigen::VectorXd weighted = WeightedResiduals(*evaluation, &weights);
   CompressedJacobian compressed(static_cast<int>(active.size()));
   compressed.Add(weights.asDiagonal() * jacobian, weighted);
-  SetCompressedRows(active, &compressed, evaluation);
+  evaluation->rows = CompressedRows(active, num_rows(), &compressed);
+  evaluation->has_rows = true;
 }
 
 void RolloutEvaluator::ComputeGradient(const std::vector<int>& active, RolloutEvaluation* evaluation) {
@@ -251,6 +279,9 @@ void RolloutEvaluator::Complete(Need need, const std::vector<int>& active, Rollo
     ComputeNumericRows(active, evaluation);
   }
   if (need == Need::kGradient && !evaluation->has_gradient) ComputeGradient(active, evaluation);
+  if (need == Need::kExactRows && !(evaluation->has_exact_rows && Covers(evaluation->exact_rows.active, active))) {
+    ComputeExactRows(active, evaluation);
+  }
 }
 
 const RolloutEvaluation& RolloutEvaluator::At(const Eigen::VectorXd& coordinates, Need need,

@@ -34,6 +34,8 @@ struct RolloutEvaluation {
   ResidualRows rows;
   bool has_gradient = false;
   Eigen::VectorXd gradient;  // [p] dL/dq
+  bool has_exact_rows = false;
+  ResidualRows exact_rows;  // of the sensitivities, whatever the method of `rows`
 
   bool ok() const { return failure.empty(); }
 };
@@ -43,7 +45,7 @@ class RolloutEvaluator {
   // Throws `Error` where `RecordingModel` does.
   RolloutEvaluator(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, const RolloutCostOptions& options);
 
-  enum class Need { kCost, kRows, kGradient };
+  enum class Need { kCost, kRows, kGradient, kExactRows };
   // What is needed at `coordinates` [p], the derivatives for the blocks `active` at least. Never throws: what went
   // wrong stands in `failure`. The reference is valid until the next call.
   const RolloutEvaluation& At(const Eigen::VectorXd& coordinates, Need need, const std::vector<int>& active);
@@ -61,6 +63,7 @@ class RolloutEvaluator {
   void Complete(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
   void ComputeCost(RolloutEvaluation* evaluation);
   void ComputeWithSensitivities(const std::vector<int>& active, RolloutEvaluation* evaluation);
+  void ComputeExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation);
   void ComputeAdjointRows(const std::vector<int>& active, RolloutEvaluation* evaluation);
   void ComputeNumericRows(const std::vector<int>& active, RolloutEvaluation* evaluation);
   void ComputeGradient(const std::vector<int>& active, RolloutEvaluation* evaluation);
@@ -70,8 +73,9 @@ class RolloutEvaluator {
   // Residuals e and weights w of the loss at an evaluated point.
   Eigen::VectorXd WeightedResiduals(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const;
   Eigen::MatrixXd BasisVectors(const RolloutEvaluation& evaluation) const;
-  void SetCompressedRows(const std::vector<int>& active, CompressedJacobian* compressed,
-                         RolloutEvaluation* evaluation) const;
+  // Prediction, cost and loss row of `evaluation`, and [J e] compressed, in one forward sweep.
+  CompressedJacobian SweepForward(const std::vector<int>& active, RolloutEvaluation* evaluation);
+  static ResidualRows CompressedRows(const std::vector<int>& active, int num_rows, CompressedJacobian* compressed);
 
   RolloutCostOptions options_;
   RecordingModel model_;

@@ -1,6 +1,7 @@
 #include "sim/rollout.h"
 
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
 #include "sim/cloth_model.h"
@@ -9,6 +10,12 @@
 
 namespace clothid {
 namespace {
+
+constexpr int RolloutCounts::*kCounts[] = {&RolloutCounts::steps,           &RolloutCounts::newton_iterations,
+                                           &RolloutCounts::factorizations,  &RolloutCounts::fallbacks,
+                                           &RolloutCounts::substeps,        &RolloutCounts::failed_steps,
+                                           &RolloutCounts::contact_changes, &RolloutCounts::obstacle_switches};
+static_assert(sizeof(RolloutCounts) == sizeof(int) * std::size(kCounts), "every count is listed");
 
 StepFailure DescribeFailure(int step, double tolerance, const StepPoint& point, const std::string& reason) {
   StepFailure failure;
@@ -35,14 +42,12 @@ StepFailure DescribeFailure(int step, double tolerance, const StepPoint& point, 
 }  // namespace
 
 RolloutCounts& RolloutCounts::operator+=(const RolloutCounts& other) {
-  steps += other.steps;
-  newton_iterations += other.newton_iterations;
-  factorizations += other.factorizations;
-  fallbacks += other.fallbacks;
-  substeps += other.substeps;
-  failed_steps += other.failed_steps;
-  contact_changes += other.contact_changes;
-  obstacle_switches += other.obstacle_switches;
+  for (int RolloutCounts::*const count : kCounts) this->*count += other.*count;
+  return *this;
+}
+
+RolloutCounts& RolloutCounts::operator-=(const RolloutCounts& other) {
+  for (int RolloutCounts::*const count : kCounts) this->*count -= other.*count;
   return *this;
 }
 

@@ -24,7 +24,7 @@ struct StepRecord {
   std::vector<Contact> contacts;  // the sticking and slipping nodes
 };
 
-// Counts over a rollout, for reports. Sums of rollouts add up by `operator+=`.
+// Counts over a rollout, for reports. Those of several rollouts add up.
 struct RolloutCounts {
   int steps = 0;
   int newton_iterations = 0;
@@ -36,6 +36,7 @@ struct RolloutCounts {
   int obstacle_switches = 0;  // contacts that jumped from one obstacle to another
 
   RolloutCounts& operator+=(const RolloutCounts& other);
+  RolloutCounts& operator-=(const RolloutCounts& other);
 };
 
 // Why and where a rollout ended early.

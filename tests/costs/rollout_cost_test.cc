@@ -313,5 +313,26 @@ TEST(RolloutCostCallsTest, AStepThatDoesNotConvergeIsNamed) {
   EXPECT_NE(cost.last_failure().find("step "), std::string::npos) << cost.last_failure();
 }
 
+TEST(RolloutCostTest, LinearizationIsThatOfTheFullResidualWithEveryMethod) {
+  const Scene scene = SphereScene();
+  MotionOptions truth;
+  truth.true_values = {{"mu", 0.35}, {"k_stretch", 150.0}};
+  const RecordedMotion motion = MakeMotion(scene, truth);
+  const std::vector<ParameterBlock> blocks = MakeBlocks(scene, {"mu", "k_stretch", "density"});
+  const Eigen::VectorXd start = StartOf(blocks);
+  const Rows full = EvaluateAll(FullResidualCost(motion, blocks), start);
+  const Eigen::MatrixXd hessian = full.jacobian.transpose() * full.jacobian;
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+    RolloutCostOptions options;
+    options.jacobian = method;
+    const RolloutCost cost(motion, blocks, options);
+    Eigen::MatrixXd jacobian;
+    double squared_residual = 0.0;
+    ASSERT_TRUE(cost.Linearize(start, &jacobian, &squared_residual)) << cost.last_failure();
+    EXPECT_LT((jacobian.transpose() * jacobian - hessian).norm(), 1e-12 * hessian.norm());
+    EXPECT_NEAR(squared_residual, 2.0 * full.cost(), 1e-12 * full.cost());
+  }
+}
+
 }  // namespace
 }  // namespace clothid
