@@ -21,10 +21,16 @@ void RunTasks(int count, int num_threads, const std::function<void(int)>& task) 
   for (std::thread& thread : threads) thread.join();
 }
 
+CostStatistics Total(const FitProblem& problem) {
+  CostStatistics sum;
+  for (int r = 0; r < problem.num_recordings(); ++r) sum += problem.cost(r).statistics();
+  return sum;
+}
+
 }  // namespace
 
 FitEvaluator::FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads)
-    : problem_(problem), coordinates_(coordinates), num_threads_(num_threads) {}
+    : problem_(problem), coordinates_(coordinates), num_threads_(num_threads), statistics_before_(Total(*problem)) {}
 
 void FitEvaluator::PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) {
   double cost = 0.0;
@@ -34,14 +40,14 @@ void FitEvaluator::PrepareForEvaluation(bool evaluate_jacobians, bool /*new_eval
 
 FitEvaluator::RecordingResult FitEvaluator::EvaluateRows(int recording, const Eigen::VectorXd& coordinates) const {
   const RolloutCost& cost = problem_->cost(recording);
-  const std::vector<ParameterBlock>& blocks = cost.model().blocks();
+  const std::vector<int>& indices = problem_->block_indices(recording);
   Eigen::VectorXd residuals(cost.num_residuals());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(cost.num_residuals(), coordinates.size());
   std::vector<const double*> parameters;
   std::vector<double*> jacobians;
   for (Eigen::Index i = 0; i < coordinates.size(); ++i) {
     parameters.push_back(coordinates.data() + i);
-    jacobians.push_back(blocks[i].frozen ? nullptr : jacobian.col(i).data());
+    jacobians.push_back(problem_->blocks()[indices[i]].frozen ? nullptr : jacobian.col(i).data());
   }
   RecordingResult result;
   result.ok = cost.Evaluate(parameters.data(), residuals.data(), jacobians.data());
@@ -61,19 +67,27 @@ FitEvaluator::RecordingResult FitEvaluator::EvaluateRecording(int recording, con
   return result;
 }
 
+bool FitEvaluator::ForEachRecording(const std::function<bool(int recording)>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  const int num_recordings = problem_->num_recordings();
+  std::vector<char> ok(static_cast<std::size_t>(num_recordings));
+  RunTasks(num_recordings, num_threads_, [&](int recording) { ok[recording] = work(recording) ? 1 : 0; });
+  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  last_failure_.clear();
+  for (int r = 0; r < num_recordings; ++r) {
+    if (ok[r] == 0 && last_failure_.empty()) last_failure_ = problem_->cost(r).last_failure();
+  }
+  return last_failure_.empty();
+}
+
 bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost,
                             Eigen::VectorXd* gradient) {
-  const auto start = std::chrono::steady_clock::now();
   std::vector<RecordingResult> results(static_cast<std::size_t>(problem_->num_recordings()));
-  RunTasks(problem_->num_recordings(), num_threads_,
-           [&](int recording) { results[recording] = EvaluateRecording(recording, coordinates, derivative); });
-  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-
-  last_failure_.clear();
-  for (int r = 0; r < problem_->num_recordings(); ++r) {
-    if (!results[r].ok && last_failure_.empty()) last_failure_ = problem_->cost(r).last_failure();
-  }
-  if (!last_failure_.empty()) return false;
+  const bool ok = ForEachRecording([&](int recording) {
+    results[recording] = EvaluateRecording(recording, coordinates, derivative);
+    return results[recording].ok;
+  });
+  if (!ok) return false;
   const QuadraticModel model = Sum(results, coordinates);
   *cost = model.cost;
   if (gradient != nullptr) *gradient = model.gradient;
@@ -112,10 +126,33 @@ void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost) {
   if (!first_.is_valid()) first_ = best_;
 }
 
+bool FitEvaluator::Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization) {
+  const int num_recordings = problem_->num_recordings();
+  std::vector<Eigen::MatrixXd> jacobians(static_cast<std::size_t>(num_recordings));
+  std::vector<double> squared_residuals(static_cast<std::size_t>(num_recordings));
+  const bool ok = ForEachRecording([&](int recording) {
+    return problem_->cost(recording).Linearize(problem_->CoordinatesOf(recording, coordinates), &jacobians[recording],
+                                               &squared_residuals[recording]);
+  });
+  if (!ok) return false;
+  *linearization = Linearization();
+  for (int r = 0; r < num_recordings; ++r) {
+    Eigen::MatrixXd& all = linearization->jacobian;
+    const Eigen::Index num_rows = all.rows();
+    all.conservativeResize(num_rows + jacobians[r].rows(), coordinates.size());
+    all.bottomRows(jacobians[r].rows()).setZero();
+    all.bottomRows(jacobians[r].rows())(Eigen::all, problem_->block_indices(r)) = jacobians[r];
+    linearization->squared_residual += squared_residuals[r];
+    linearization->num_measurements += problem_->cost(r).model().observation().num_residuals();
+    linearization->sigma_is_known &= problem_->cost(r).model().observation().sigma_is_known();
+  }
+  return true;
+}
+
 CostStatistics FitEvaluator::statistics() const {
-  CostStatistics sum;
-  for (int r = 0; r < problem_->num_recordings(); ++r) sum += problem_->cost(r).statistics();
-  return sum;
+  CostStatistics since = Total(*problem_);
+  since -= statistics_before_;
+  return since;
 }
 
 }  // namespace clothid

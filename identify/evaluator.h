@@ -5,12 +5,14 @@
 #include <ceres/evaluation_callback.h>
 
 #include <Eigen/Core>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "costs/rollout_cost.h"
 #include "identify/problem.h"
+#include "identify/uncertainty.h"
 
 namespace clothid {
 
@@ -46,12 +48,15 @@ class FitEvaluator : public ceres::EvaluationCallback {
   // where a rollout failed: see last_failure().
   bool Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost, Eigen::VectorXd* gradient);
 
+  // The full Jacobian of all recordings, by sensitivities. False as above.
+  bool Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization);
+
   // Of the last kRows evaluation that worked.
   const QuadraticModel& model() const { return model_; }
   const FitPoint& first() const { return first_; }  // the first point that worked
   const FitPoint& best() const { return best_; }    // the point of lowest cost
   const std::string& last_failure() const { return last_failure_; }
-  CostStatistics statistics() const;
+  CostStatistics statistics() const;  // since the evaluator was made
   // |dL/dq| at the best point; NaN where no gradient was asked for there.
   double best_gradient_norm() const { return best_gradient_norm_; }
   double seconds() const { return seconds_; }  // wall time of all evaluations
@@ -68,11 +73,15 @@ class FitEvaluator : public ceres::EvaluationCallback {
   QuadraticModel Sum(const std::vector<RecordingResult>& results, const Eigen::VectorXd& coordinates) const;
   void Keep(const Eigen::VectorXd& coordinates, double cost);
 
+  // work(recording) for all, timed; then the reason why one of them returned false, if so.
+  bool ForEachRecording(const std::function<bool(int recording)>& work);
+
   const FitProblem* problem_;
   const Eigen::VectorXd* coordinates_;
   int num_threads_;
   QuadraticModel model_;
   FitPoint first_, best_;
+  CostStatistics statistics_before_;
   std::string last_failure_;
   double best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();
   double seconds_ = 0.0;

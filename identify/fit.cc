@@ -16,10 +16,6 @@
 namespace clothid {
 namespace {
 
-// This near to a bound, relative to the range in the internal coordinate, a parameter stands at it. L-BFGS reaches a
-// bound asymptotically.
-constexpr double kAtBound = 1e-3;
-
 // The first trust region of Levenberg-Marquardt: its inverse is the damping relative to the diagonal of J^T J. The
 // problems are small and their Jacobians exact, so a step may be nearly Gauss-Newton's from the start.
 constexpr double kInitialTrustRegion = 1e2;
@@ -183,11 +179,6 @@ void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* eval
   summary->message = result.message;
 }
 
-bool IsAtBound(const ParameterBlock& block, double coordinate) {
-  const double lower = block.ToCoordinate(block.lower_bound), upper = block.ToCoordinate(block.upper_bound);
-  return std::min(coordinate - lower, upper - coordinate) <= kAtBound * (upper - lower);
-}
-
 PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
   PredictionError error;
   for (int r = 0; r < problem.num_recordings(); ++r) {
@@ -196,10 +187,8 @@ PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
   return error;
 }
 
-void FillEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSummary* summary) {
-  const FitPoint best = evaluator->best();
-  double cost = 0.0;
-  const bool has_rows = evaluator->Evaluate(best.coordinates, FitEvaluator::Derivative::kRows, &cost, nullptr);
+void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitSummary* summary) {
+  const FitPoint& best = evaluator.best();
   const Eigen::VectorXd values = problem.Values(best.coordinates);
   for (int i = 0; i < problem.num_blocks(); ++i) {
     const ParameterBlock& block = problem.blocks()[i];
@@ -208,14 +197,27 @@ void FillEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSummary
     parameter.frozen = block.frozen;
     parameter.start = block.start;
     parameter.value = block.frozen ? block.start : values[i];
-    parameter.at_bound = !block.frozen && IsAtBound(block, best.coordinates[i]);
-    if (has_rows && !block.frozen) parameter.has_influence = evaluator->model().hessian(i, i) != 0.0;
+    parameter.at_bound = !block.frozen && block.IsAtBound(best.coordinates[i]);
     summary->parameters.push_back(parameter);
   }
+  summary->coordinates = best.coordinates;
   summary->cost = best.cost;
-  summary->start_error = Compare(problem, evaluator->first());
+  summary->start_error = Compare(problem, evaluator.first());
   summary->error = Compare(problem, best);
   summary->predicted = best.predicted;
+}
+
+void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
+                  Recorder* recorder, FitSummary* summary) {
+  const auto is_frozen = [](const ParameterBlock& block) { return block.frozen; };
+  if (std::all_of(problem->blocks().begin(), problem->blocks().end(), is_frozen)) {
+    summary->status = FitStatus::kConverged;
+    summary->message = "every parameter is frozen";
+  } else if (options.method == FitMethod::kLevenbergMarquardt) {
+    RunLevenbergMarquardt(options, problem, coordinates, evaluator, recorder, summary);
+  } else {
+    RunLbfgs(options, problem, evaluator, recorder, summary);
+  }
 }
 
 }  // namespace
@@ -234,6 +236,12 @@ std::string FitStatusName(FitStatus status) {
   return "unknown";
 }
 
+Eigen::VectorXd FitSummary::values() const {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(parameters.size()));
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = parameters[i].value;
+  return values;
+}
+
 FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   FitSummary summary;
   Eigen::VectorXd coordinates = problem->StartCoordinates();
@@ -245,10 +253,8 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   double cost = 0.0;
   if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr)) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
-  } else if (options.method == FitMethod::kLevenbergMarquardt) {
-    RunLevenbergMarquardt(options, problem, &coordinates, &evaluator, &recorder, &summary);
   } else {
-    RunLbfgs(options, problem, &evaluator, &recorder, &summary);
+    RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
   }
   if (summary.status == FitStatus::kFailed && !evaluator.last_failure().empty() && evaluator.best().is_valid()) {
     summary.message = evaluator.last_failure();
@@ -257,13 +263,25 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
     summary.status = FitStatus::kInterrupted;
     summary.message = "interrupted";
   }
-  if (evaluator.best().is_valid()) FillEstimate(*problem, &evaluator, &summary);
+  if (evaluator.best().is_valid()) FillEstimate(*problem, evaluator, &summary);
   recorder.AddLast();
   summary.iterations = recorder.iterations();
   summary.statistics = evaluator.statistics();
   summary.total_seconds = recorder.seconds();
   summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds());
+  if (options.estimate_uncertainty && summary.has_estimate()) AddUncertainty(options, *problem, &summary);
   return summary;
+}
+
+void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary) {
+  if (IsCancelled(options)) return;
+  FitEvaluator evaluator(&problem, &summary->coordinates, options.num_threads);
+  Linearization linearization;
+  if (evaluator.Linearize(summary->coordinates, &linearization)) {
+    summary->uncertainty = EstimateUncertainty(problem.blocks(), summary->coordinates, linearization);
+  }
+  summary->statistics += evaluator.statistics();
+  summary->total_seconds += evaluator.seconds();
 }
 
 }  // namespace clothid

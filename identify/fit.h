@@ -11,6 +11,7 @@
 #include "datasets/observation.h"
 #include "identify/options.h"
 #include "identify/problem.h"
+#include "identify/uncertainty.h"
 
 namespace clothid {
 
@@ -28,9 +29,6 @@ struct FittedParameter {
   double start = 0.0;
   bool frozen = false;
   bool at_bound = false;
-  // False: the Jacobian's column is exactly zero at the estimate, so the recordings say nothing about the parameter.
-  // Absent: frozen, or the derivative could not be evaluated at the end.
-  std::optional<bool> has_influence;
 };
 
 // Valid where has_estimate(), whatever the status: the best point that was evaluated.
@@ -38,6 +36,8 @@ struct FitSummary {
   FitStatus status = FitStatus::kFailed;
   std::string message = "the fit was not run";  // one line: why it ended
   std::vector<FittedParameter> parameters;
+  Eigen::VectorXd coordinates;             // [p] the internal coordinates of the estimate
+  std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   double cost = 0.0;
   PredictionError start_error;             // over all recordings, at the starting values
   PredictionError error;                   // the same at the estimate
@@ -49,15 +49,21 @@ struct FitSummary {
 
   bool has_estimate() const { return !parameters.empty(); }
   int num_iterations() const { return iterations.empty() ? 0 : iterations.back().iteration; }
+  Eigen::VectorXd values() const;  // [p] of the parameters
 };
 
-// Never throws for what happens during the fit: see the status. The estimate is the point of lowest cost of all that
-// were evaluated. On the same problem it gives the same result on any number of threads.
+// From the starting values of the problem's blocks. Never throws for what happens during the fit: see the status. The
+// estimate is the point of lowest cost of all that were evaluated. On the same problem it gives the same result on any
+// number of threads.
 //
 // kLevenbergMarquardt: Ceres' trust region with the bounds of the blocks. kLbfgs: `ceres::GradientProblem` has no
 // bounds, so it works on u with  q = lower + (upper - lower) sigmoid(4 u/(upper - lower) + c),  dq/du = 1 in the
 // middle, c such that u = 0 is the start; q the internal coordinate.
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
+
+// Fills `uncertainty` of a fit that has an estimate, unless the derivative fails there or options.cancel is true, and
+// adds the work to its counts.
+void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary);
 
 }  // namespace clothid
 

@@ -1,40 +1,92 @@
 #include "identify/holdout.h"
 
-#include <limits>
+#include <charconv>
+#include <optional>
 
 #include "costs/recording_model.h"
+#include "datasets/observation.h"
 #include "identify/problem.h"
+#include "sim/error.h"
+#include "sim/text_file.h"
 
 namespace clothid {
 namespace {
 
-double RmseAt(const Eigen::VectorXd& coordinates, RecordingModel* model, std::string* failure) {
+// Adds the error of one rollout, or tells why there is none.
+void AddError(const Eigen::VectorXd& coordinates, RecordingModel* model, PredictionError* sum, std::string* failure) {
   const Rollout rollout = model->Simulate(coordinates, nullptr);
-  if (!rollout.ok()) {
+  if (rollout.ok()) {
+    *sum += model->observation().Compare(model->observation().Predict(rollout));
+  } else if (failure->empty()) {
     *failure = model->name() + ": " + rollout.failure->ToString();
-    return std::numeric_limits<double>::quiet_NaN();
   }
-  return model->observation().Compare(model->observation().Predict(rollout)).rmse();
+}
+
+void AddEstimateError(const RecordedMotion& motion, const std::vector<ParameterBlock>& blocks,
+                      const Eigen::VectorXd& values, PredictionError* sum, std::string* failure) {
+  std::vector<ParameterBlock> own;
+  std::vector<double> coordinates;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (!HasParameter(motion.scene, blocks[i].name)) continue;
+    own.push_back(blocks[i]);
+    coordinates.push_back(blocks[i].ToCoordinate(values[i]));
+  }
+  RecordingModel model(motion, own);
+  AddError(Eigen::Map<Eigen::VectorXd>(coordinates.data(), static_cast<Eigen::Index>(own.size())), &model, sum,
+           failure);
+}
+
+std::optional<int> ParseFrame(std::string_view text) {
+  int frame = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame);
+  if (error != std::errc() || end != text.data() + text.size() || frame < 0) return std::nullopt;
+  return frame;
 }
 
 }  // namespace
 
-Holdout EvaluateHoldout(const RecordedMotion& motion, const std::vector<ParameterBlock>& blocks,
+Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                         const Eigen::VectorXd& values) {
-  std::vector<ParameterBlock> own;
-  std::vector<double> start, estimate;
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (!HasParameter(motion.scene, blocks[i].name)) continue;
-    own.push_back(blocks[i]);
-    start.push_back(blocks[i].ToCoordinate(blocks[i].start));
-    estimate.push_back(blocks[i].ToCoordinate(values[i]));
+  PredictionError at_nominal, at_estimate;
+  std::string nominal_failure, estimate_failure;
+  for (const RecordedMotion& motion : motions) {
+    RecordingModel nominal(motion, {});
+    AddError(Eigen::VectorXd(), &nominal, &at_nominal, &nominal_failure);
+    AddEstimateError(motion, blocks, values, &at_estimate, &estimate_failure);
   }
-  const Eigen::Index size = static_cast<Eigen::Index>(own.size());
-  RecordingModel model(motion, own);
   Holdout holdout;
-  holdout.nominal_rmse = RmseAt(Eigen::Map<Eigen::VectorXd>(start.data(), size), &model, &holdout.failure);
-  holdout.rmse = RmseAt(Eigen::Map<Eigen::VectorXd>(estimate.data(), size), &model, &holdout.failure);
+  if (nominal_failure.empty()) holdout.nominal_rmse = at_nominal.rmse();
+  if (estimate_failure.empty()) holdout.rmse = at_estimate.rmse();
+  holdout.failure = estimate_failure.empty() ? nominal_failure : estimate_failure;
   return holdout;
+}
+
+FrameRange ParseFrameRange(const std::string& text, const std::string& flag) {
+  const std::size_t colon = text.find(':');
+  if (colon != std::string::npos) {
+    const std::optional<int> begin = ParseFrame(std::string_view(text).substr(0, colon));
+    const std::optional<int> end = ParseFrame(std::string_view(text).substr(colon + 1));
+    if (begin && end && *begin < *end) return {*begin, *end};
+  }
+  throw Error(ErrorKind::kUsage,
+              flag + ": expected A:B, frames A to B - 1 with 0 <= A < B, got '" + Printable(text) + "'");
+}
+
+std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<RecordedMotion>* motions) {
+  constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
+  std::vector<RecordedMotion> held;
+  for (RecordedMotion& motion : *motions) {
+    if (range.end > motion.num_frames()) {
+      throw Error(ErrorKind::kUsage, "--holdout_frames: " + motion.name + " has the frames 0 to " +
+                                         std::to_string(motion.num_frames() - 1));
+    }
+    const int count = range.end - range.begin;
+    held.push_back(motion);
+    held.back().positions.leftCols(range.begin).setConstant(kUnseen);
+    held.back().positions.rightCols(motion.num_frames() - range.end).setConstant(kUnseen);
+    motion.positions.middleCols(range.begin, count).setConstant(kUnseen);
+  }
+  return held;
 }
 
 }  // namespace clothid

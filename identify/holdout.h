@@ -1,8 +1,9 @@
-// How well do the estimates predict a recording that they have not seen?
+// How well do the estimates predict measurements that the fit has not seen?
 #ifndef CLOTHID_IDENTIFY_HOLDOUT_H_
 #define CLOTHID_IDENTIFY_HOLDOUT_H_
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,15 +13,30 @@
 namespace clothid {
 
 struct Holdout {
-  double rmse = 0.0;          // m, at the estimate; NaN: its rollout failed
-  double nominal_rmse = 0.0;  // m, at the starting values; NaN: its rollout failed
-  std::string failure;        // one line; empty: both rollouts worked
+  double rmse = std::numeric_limits<double>::quiet_NaN();          // m, at the estimate; NaN: a rollout failed
+  double nominal_rmse = std::numeric_limits<double>::quiet_NaN();  // m, at the nominal values of the scenes, likewise
+  std::string failure;                                             // one line; empty: all rollouts worked
+
+  // The estimates predict no better than what was known before the fit: it has learnt the noise, or the model is wrong.
+  bool has_failed() const { return !(rmse <= nominal_rmse) && !(rmse == rmse && nominal_rmse != nominal_rmse); }
 };
 
-// `values` [p] are the estimates of `blocks`; parameters that the recording's scene does not have are left out, all
-// others stay at its nominal values. Throws `Error` where `RecordingModel` does.
-Holdout EvaluateHoldout(const RecordedMotion& motion, const std::vector<ParameterBlock>& blocks,
+// Over all of `motions`. `values` [p] are the estimates of `blocks`; parameters that the scene of a recording does not
+// have are left out, all others stay at its nominal values. Throws `Error` where `RecordingModel` does.
+Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                         const Eigen::VectorXd& values);
+
+// Frames by number: begin, begin + 1, .., end - 1.
+struct FrameRange {
+  int begin = 0, end = 0;
+};
+
+// "A:B" with 0 <= A < B. Throws `Error` (kUsage), naming `flag`.
+FrameRange ParseFrameRange(const std::string& text, const std::string& flag);
+
+// Cuts the frames of `range` out of every recording of `motions`, where they become unseen, and returns recordings in
+// which they alone are seen. Throws `Error` (kUsage), naming the recording, where it has fewer frames.
+std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<RecordedMotion>* motions);
 
 }  // namespace clothid
 

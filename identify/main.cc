@@ -35,8 +35,12 @@ DEFINE_bool(check_gradients, false, "compare adjoint, sensitivities and finite d
 DEFINE_int32(max_iterations, 50, "iterations before the fit counts as not converged");
 DEFINE_int32(threads, 1, "recordings simulated side by side");
 DEFINE_string(output, "clothid_result", "folder for the results");
-DEFINE_int64(seed, 0, "recorded in the result");
-DEFINE_string(holdout, "", "a recording that is not fitted, to judge the estimates on");
+DEFINE_int32(starts, 1, "number of starting points");
+DEFINE_uint64(seed, 0, "seed of the starting points");
+DEFINE_string(profile, "", "parameters whose profile likelihood is wanted");
+DEFINE_bool(check_step, false, "repeat the fit at half the time step");
+DEFINE_string(holdout, "", "recordings that are not fitted, to judge the estimates on");
+DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fitted, to judge the estimates on");
 DEFINE_double(step_tolerance, 0.0, "relative residual of a time step; 0: the scene's");
 
 namespace clothid {
@@ -57,15 +61,19 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --check_gradients   compare adjoint, sensitivities and central differences at the start
   --max_iterations N  (50)
   --threads N         recordings simulated side by side; the result does not depend on it (1)
-  --holdout FILE      a recording that is not fitted: its error before and after
+  --starts N          fit from N starting points: the own one and a Latin hypercube around it (1)
+  --seed S            of the starting points (0)
+  --profile NAMES     profile likelihood of these parameters: intervals of costs that are not quadratic
+  --check_step        repeat the fit at half the time step, say by how much each parameter moves
+  --holdout FILES     recordings that are not fitted: their error at the estimates and at the nominal parameters
+  --holdout_frames A:B  the same for frames A to B - 1 of every recording
   --step_tolerance X  relative residual of a time step (the scene's)
-  --seed S            recorded in the result (0)
-  --output DIR        result.json, convergence.csv, predicted.bin (clothid_result)
+  --output DIR        result.json, convergence.csv, predicted.bin, profile.csv (clothid_result)
   --help, --version
 
 Ctrl-C saves the best point so far. Exit codes: 0 fitted; 1 usage, or a file that cannot be opened or written;
-2 bad data; 3 not converged; 4 a parameter has no influence or stands at its bound; 5 the held-out recording failed;
-130 interrupted.
+2 bad data; 3 not converged; 4 a parameter is not identifiable or stands at its bound; 5 the estimates predict what
+was held out worse than the nominal parameters; 130 interrupted.
 
 Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape
@@ -96,6 +104,8 @@ FitOptions OptionsFromFlags() {
   options.loss = ParseRobustLoss(FLAGS_loss);
   options.max_iterations = FLAGS_max_iterations;
   options.num_threads = FLAGS_threads;
+  options.num_starts = FLAGS_starts;
+  options.seed = FLAGS_seed;
   options.cancel = &interrupted;
   options.Validate();
   return options;
@@ -115,42 +125,84 @@ std::string CommandLine(int argc, char** argv) {
   return line;
 }
 
-int Identify(const std::string& flags) {
-  FitOptions options = OptionsFromFlags();
-  if (FLAGS_step_tolerance < 0.0) throw Error(ErrorKind::kUsage, "--step_tolerance: expected a number > 0");
-  const std::vector<std::string> targets = ParseNames(FLAGS_target, "--target");
-  if (targets.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see --help");
-  std::vector<RecordedMotion> motions, holdouts;
-  for (const std::string& path : targets) motions.push_back(Read(path));
-  if (!FLAGS_holdout.empty()) holdouts.push_back(Read(FLAGS_holdout));
+std::vector<RecordedMotion> ReadAll(const std::string& paths, const std::string& flag) {
+  std::vector<RecordedMotion> motions;
+  for (const std::string& path : ParseNames(paths, flag)) motions.push_back(Read(path));
+  return motions;
+}
 
-  FitProblem problem(motions, options);
+// The recordings to fit and those, or their frames, to judge on.
+struct Recordings {
+  std::vector<RecordedMotion> fitted, held_out;
+};
+
+Recordings ReadRecordings() {
+  if (FLAGS_step_tolerance < 0.0) throw Error(ErrorKind::kUsage, "--step_tolerance: expected a number > 0");
+  if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see --help");
+  if (!FLAGS_holdout.empty() && !FLAGS_holdout_frames.empty()) {
+    throw Error(ErrorKind::kUsage, "--holdout_frames: expected without --holdout");
+  }
+  Recordings recordings;
+  recordings.fitted = ReadAll(FLAGS_target, "--target");
+  recordings.held_out = ReadAll(FLAGS_holdout, "--holdout");
+  if (!FLAGS_holdout_frames.empty()) {
+    const FrameRange range = ParseFrameRange(FLAGS_holdout_frames, "--holdout_frames");
+    recordings.held_out = HoldOutFrames(range, &recordings.fitted);
+  }
+  return recordings;
+}
+
+FitSummary RunFit(FitOptions options, FitProblem* problem, RunRecord* run) {
+  std::vector<std::string> names;
+  for (const ParameterBlock& block : problem->blocks()) names.push_back(block.name);
+  ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.max_iterations);
+  options.on_iteration = [&](const FitIteration& iteration) { printer.Print(names, iteration); };
+  if (options.num_starts == 1) return Fit(options, problem);
+  options.on_start = [&](int start) { printer.PrintStart(start, options.num_starts); };
+  return FitFromStarts(options, problem, &run->starts.emplace());
+}
+
+// What was asked for beside the fit.
+void Examine(const Recordings& recordings, const FitOptions& options, FitProblem* problem, FitSummary* summary,
+             RunRecord* run) {
+  for (const std::string& name : ParseNames(FLAGS_profile, "--profile")) {
+    if (!summary->uncertainty || interrupted) break;
+    run->profiles.push_back(ProfileParameter(options, *summary, name, problem, &summary->statistics));
+  }
+  if (FLAGS_check_step && !interrupted) {
+    run->step_check = CheckStep(recordings.fitted, options, *problem, *summary);
+    summary->statistics += run->step_check->statistics;
+  }
+  if (!recordings.held_out.empty()) {
+    run->holdout = EvaluateHoldout(recordings.held_out, problem->blocks(), summary->values());
+  }
+  if (interrupted) {
+    summary->status = FitStatus::kInterrupted;
+    summary->message = "interrupted";
+  }
+}
+
+int Identify(const std::string& flags) {
+  const FitOptions options = OptionsFromFlags();
+  const Recordings recordings = ReadRecordings();
+  FitProblem problem(recordings.fitted, options);
+  for (const std::string& name : ParseNames(FLAGS_profile, "--profile")) FindFreeBlock(problem, name, "--profile");
   OutputFolder folder(FLAGS_output);
   RunRecord run;
   run.jacobian = options.jacobian;
   run.flags = flags;
-  run.seed = FLAGS_seed;
+  run.seed = static_cast<long long>(options.seed);
   run.num_threads = options.num_threads;
-  if (FLAGS_check_gradients) run.gradient_check = CheckGradients(motions, options);
+  if (FLAGS_check_gradients) run.gradient_check = CheckGradients(recordings.fitted, options);
 
-  FitSummary summary;
-  {
-    std::vector<std::string> names;
-    for (const ParameterBlock& block : problem.blocks()) names.push_back(block.name);
-    ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.max_iterations);
-    options.on_iteration = [&](const FitIteration& iteration) { printer.Print(names, iteration); };
-    summary = Fit(options, &problem);
+  FitSummary summary = RunFit(options, &problem, &run);
+  if (!summary.has_estimate()) {
+    std::cerr << "identify: " << summary.message << "\n";
+    return FitExitCode(summary, run);
   }
+  Examine(recordings, options, &problem, &summary, &run);
   if (summary.status != FitStatus::kConverged) std::cerr << "identify: " << summary.message << "\n";
-  if (!summary.has_estimate()) return FitExitCode(summary, run);
-
-  if (!holdouts.empty()) {
-    Eigen::VectorXd values(problem.num_blocks());
-    for (int i = 0; i < problem.num_blocks(); ++i) values[i] = summary.parameters[i].value;
-    run.holdout = EvaluateHoldout(holdouts.front(), problem.blocks(), values);
-    if (!run.holdout->failure.empty()) std::cerr << "identify: holdout: " << run.holdout->failure << "\n";
-  }
-  WriteReport(summary, run, motions, &folder);
+  WriteReport(summary, run, recordings.fitted, &folder);
   std::cout << ResultTable(summary, run);
   return FitExitCode(summary, run);
 }
@@ -166,11 +218,11 @@ int main(int argc, char** argv) {
   gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
   if (clothid::IsSet("help") || clothid::IsSet("helpfull") || clothid::IsSet("helpshort")) {
     std::cout << clothid::kHelp;
-    return clothid::kExitFitted;
+    return clothid::kExitSuccess;
   }
   if (clothid::IsSet("version")) {
     std::cout << "identify (clothid) " << clothid::Version() << " git " << clothid::GitHash() << "\n";
-    return clothid::kExitFitted;
+    return clothid::kExitSuccess;
   }
   if (FLAGS_v > 0) FLAGS_minloglevel = google::GLOG_INFO;
   google::InitGoogleLogging(argv[0]);
@@ -184,7 +236,7 @@ int main(int argc, char** argv) {
     return clothid::Identify(flags);
   } catch (const clothid::Error& error) {
     std::cerr << "identify: " << error.what() << "\n";
-    return error.kind() == clothid::ErrorKind::kBadData ? clothid::kExitBadData : clothid::kExitUsageOrIo;
+    return clothid::ExitCodeOf(error.kind());
   } catch (const std::exception& error) {
     std::cerr << "identify: " << error.what() << "\n";
     return clothid::kExitNotConverged;

@@ -27,6 +27,7 @@ std::vector<std::string> Split(const std::string& text, char separator) {
 
 void FitOptions::Validate() const {
   if (max_iterations < 1) Fail("--max_iterations: expected a number >= 1");
+  if (num_starts < 1) Fail("--starts: expected a number >= 1");
   if (num_threads < 1) Fail("--threads: expected a number >= 1");
   if (!(function_tolerance > 0.0)) Fail("function_tolerance: expected a number > 0");
   if (!(parameter_tolerance > 0.0)) Fail("parameter_tolerance: expected a number > 0");

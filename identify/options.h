@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -37,13 +38,17 @@ struct FitOptions {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   RobustLoss loss;
   int max_iterations = 50;
-  int num_threads = 1;  // recordings simulated side by side; results do not depend on it
+  int num_starts = 1;      // of `FitFromStarts`
+  std::uint64_t seed = 0;  // of its starting points
+  int num_threads = 1;     // recordings simulated side by side; results do not depend on it
   // Relative changes at which the fit has converged. A step that satisfies them has been evaluated and is taken where
   // it is better, so the estimate is one (superlinear) step closer than the tolerance says.
   double function_tolerance = 1e-9;
   double parameter_tolerance = 1e-5;
+  bool estimate_uncertainty = true;                       // one more forward sweep, at the estimate
   const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
+  std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty
 
   // Throws `Error` (kUsage) naming the first value out of range.
   void Validate() const;

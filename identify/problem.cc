@@ -86,6 +86,10 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   }
 }
 
+void FitProblem::SetStart(const Eigen::VectorXd& coordinates) {
+  for (int i = 0; i < num_blocks(); ++i) blocks_[i].start = blocks_[i].ToValue(coordinates[i]);
+}
+
 Eigen::VectorXd FitProblem::StartCoordinates() const {
   Eigen::VectorXd coordinates(num_blocks());
   for (int i = 0; i < num_blocks(); ++i) coordinates[i] = blocks_[i].ToCoordinate(blocks_[i].start);
@@ -121,6 +125,15 @@ std::unique_ptr<ceres::Problem> FitProblem::MakeCeresProblem(ceres::EvaluationCa
     if (!parameters.empty()) problem->AddResidualBlock(costs_[r].get(), nullptr, parameters);
   }
   return problem;
+}
+
+int FindFreeBlock(const FitProblem& problem, const std::string& name, const std::string& flag) {
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    if (problem.blocks()[i].name != name) continue;
+    if (problem.blocks()[i].frozen) throw Error(ErrorKind::kUsage, flag + ": '" + name + "' is frozen by the scene");
+    return i;
+  }
+  throw Error(ErrorKind::kUsage, flag + ": '" + name + "' is not among the fitted parameters");
 }
 
 }  // namespace clothid

@@ -32,6 +32,10 @@ class FitProblem {
   // The blocks that the cost of a recording takes, in its order.
   const std::vector<int>& block_indices(int recording) const { return block_indices_[recording]; }
 
+  // Where the next fit starts, and what it holds there. The coordinates must lie within the bounds.
+  void SetStart(const Eigen::VectorXd& coordinates);
+  void SetFrozen(int block, bool frozen) { blocks_[block].frozen = frozen; }
+
   // Internal coordinates [p], and back to values in the parameters' own units.
   Eigen::VectorXd StartCoordinates() const;
   Eigen::VectorXd Values(const Eigen::VectorXd& coordinates) const;
@@ -50,6 +54,9 @@ class FitProblem {
 
 // Whether parameter `name` exists in `scene`: all but `mu.NAME` always do.
 bool HasParameter(const Scene& scene, const std::string& name);
+
+// The index of the block `name`. Throws `Error` (kUsage), naming `flag`, where it is not fitted or frozen.
+int FindFreeBlock(const FitProblem& problem, const std::string& name, const std::string& flag);
 
 }  // namespace clothid
 

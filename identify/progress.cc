@@ -8,8 +8,16 @@ namespace clothid {
 ProgressPrinter::ProgressPrinter(std::ostream* out, bool is_terminal, int max_iterations)
     : out_(out), is_terminal_(is_terminal), max_iterations_(max_iterations) {}
 
-ProgressPrinter::~ProgressPrinter() {
+ProgressPrinter::~ProgressPrinter() { EndLine(); }
+
+void ProgressPrinter::EndLine() {
   if (has_open_line_) *out_ << "\n" << std::flush;
+  has_open_line_ = false;
+}
+
+void ProgressPrinter::PrintStart(int start, int num_starts) {
+  EndLine();
+  *out_ << "start " << start + 1 << " of " << num_starts << "\n" << std::flush;
 }
 
 void ProgressPrinter::Print(const std::vector<std::string>& names, const FitIteration& iteration) {

@@ -21,8 +21,12 @@ class ProgressPrinter {
   ProgressPrinter& operator=(const ProgressPrinter&) = delete;
 
   void Print(const std::vector<std::string>& names, const FitIteration& iteration);
+  // Heads the lines of one fit of several; `start` counts from 0.
+  void PrintStart(int start, int num_starts);
 
  private:
+  void EndLine();
+
   std::ostream* out_;
   bool is_terminal_;
   int max_iterations_;

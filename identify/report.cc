@@ -4,57 +4,20 @@
 #include <array>
 #include <cmath>
 #include <iomanip>
-#include <locale>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
+#include "identify/result_json.h"
 #include "identify/version.h"
 #include "sim/error.h"
 
 namespace clothid {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // A number in its shortest form that reads back exactly.
-std::string ExactNumber(double value) { return std::isfinite(value) ? Json(value).dump() : std::string(); }
-
-Json ParametersJson(const std::vector<FittedParameter>& parameters) {
-  Json json = Json::object();
-  for (const FittedParameter& parameter : parameters) {
-    const bool has_no_influence = parameter.has_influence && !*parameter.has_influence;
-    json[parameter.name] = {{"value", parameter.value},
-                            {"std", nullptr},
-                            {"lower95", nullptr},
-                            {"upper95", nullptr},
-                            {"start", parameter.start},
-                            {"at_bound", parameter.at_bound},
-                            {"identifiable", has_no_influence ? Json(false) : Json(nullptr)}};
-  }
-  return json;
-}
-
-Json HoldoutJson(const std::optional<Holdout>& holdout) {
-  if (!holdout) return nullptr;
-  return {{"rmse_m", holdout->rmse}, {"nominal_rmse_m", holdout->nominal_rmse}};
-}
-
-Json GradientCheckJson(const std::optional<GradientCheck>& check) {
-  if (!check) return nullptr;
-  return {{"adjoint_vs_sensitivity", check->adjoint_vs_sensitivity}, {"adjoint_vs_fd", check->adjoint_vs_fd}};
-}
-
-Json ProvenanceJson(const RunRecord& run, const std::vector<RecordedMotion>& motions) {
-  std::string sha256;
-  for (const RecordedMotion& motion : motions) sha256 += (sha256.empty() ? "" : ",") + motion.sha256;
-  return {{"version", Version()}, {"git", GitHash()}, {"input_sha256", sha256},
-          {"flags", run.flags},   {"seed", run.seed}, {"threads", run.num_threads}};
-}
-
-bool IsUnidentifiable(const FittedParameter& parameter) {
-  return parameter.at_bound || (parameter.has_influence && !*parameter.has_influence);
-}
+std::string ExactNumber(double value) { return std::isfinite(value) ? nlohmann::json(value).dump() : std::string(); }
 
 // The face of every barycentric point: its nodes in the face's order.
 std::vector<int> FaceIndices(const RecordedMotion& motion) {
@@ -94,51 +57,30 @@ void SetHandles(const RecordedMotion& motion, MotionTensors* tensors) {
   for (int i = 0; i < motion.num_frames(); ++i) tensors->handle_positions.col(i) = handles.path.At(motion.times[i]);
 }
 
-std::string Millimetres(double metres) {
+std::string ShortNumber(double value, int digits) {
   std::ostringstream text;
-  text << std::setprecision(4) << 1e3 * metres << " mm";
+  text << std::setprecision(digits) << value;
   return text.str();
 }
 
-std::string Remark(const FittedParameter& parameter) {
-  if (parameter.frozen) return "frozen";
-  if (parameter.has_influence && !*parameter.has_influence) return "not identifiable: no influence on the recording";
-  return parameter.at_bound ? "at its bound" : "";
+std::string Millimetres(double metres) { return ShortNumber(1e3 * metres, 4) + " mm"; }
+
+std::string Remark(const FitSummary& summary, const RunRecord& run, int index) {
+  if (summary.parameters[index].frozen) return "frozen";
+  if (!IsIdentifiable(summary, run, index).value_or(true)) return "not identifiable";
+  return summary.parameters[index].at_bound ? "at its bound" : "";
+}
+
+std::string Interval(const FitSummary& summary, const RunRecord& run, int index) {
+  if (!IsIdentifiable(summary, run, index).value_or(false)) return "-";
+  const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
+  if (std::isnan(uncertainty.std)) return "-";
+  std::ostringstream text;
+  text << std::setprecision(6) << uncertainty.lower95 << " .. " << uncertainty.upper95;
+  return text.str();
 }
 
 }  // namespace
-
-ExitCode FitExitCode(const FitSummary& summary, const RunRecord& run) {
-  if (summary.status == FitStatus::kInterrupted) return kExitInterrupted;
-  if (summary.status != FitStatus::kConverged) return kExitNotConverged;
-  if (std::any_of(summary.parameters.begin(), summary.parameters.end(), IsUnidentifiable)) return kExitNotIdentifiable;
-  if (run.holdout && std::isnan(run.holdout->rmse)) return kExitHoldoutFailed;
-  return kExitFitted;
-}
-
-std::string ResultJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions) {
-  Json json;
-  json["schema"] = "clothid.result/1";
-  json["status"] = FitStatusName(summary.status);
-  json["exit_code"] = static_cast<int>(FitExitCode(summary, run));
-  json["parameters"] = ParametersJson(summary.parameters);
-  json["rmse_m"] = summary.error.rmse();
-  json["fit_percent"] = summary.error.fit_percent();
-  json["holdout"] = HoldoutJson(run.holdout);
-  json["cost"] = summary.cost;
-  json["jacobian"] = JacobianMethodName(run.jacobian);
-  json["iterations"] = summary.num_iterations();
-  json["rollouts"] = summary.statistics.rollouts;
-  json["sweeps"] = summary.statistics.sweeps;
-  json["failed_steps"] = summary.statistics.counts.failed_steps;
-  json["gradient_check"] = GradientCheckJson(run.gradient_check);
-  json["seconds"] = {{"total", summary.total_seconds},
-                     {"rollout", summary.statistics.rollout_seconds},
-                     {"derivative", summary.statistics.derivative_seconds},
-                     {"solver", summary.solver_seconds}};
-  json["provenance"] = ProvenanceJson(run, motions);
-  return json.dump(2) + "\n";
-}
 
 std::string ConvergenceCsv(const FitSummary& summary) {
   std::ostringstream csv;
@@ -149,6 +91,21 @@ std::string ConvergenceCsv(const FitSummary& summary) {
     csv << row.iteration << "," << ExactNumber(row.seconds) << "," << ExactNumber(row.cost);
     for (Eigen::Index i = 0; i < row.values.size(); ++i) csv << "," << ExactNumber(row.values[i]);
     csv << "," << ExactNumber(row.gradient_norm) << "," << row.rollouts << "\n";
+  }
+  return csv.str();
+}
+
+std::string ProfileCsv(const FitSummary& summary, const RunRecord& run) {
+  std::ostringstream csv;
+  csv << "parameter,value,cost_rise";
+  for (const FittedParameter& parameter : summary.parameters) csv << "," << parameter.name;
+  csv << "\n";
+  for (const Profile& profile : run.profiles) {
+    for (const ProfilePoint& point : profile.points) {
+      csv << profile.parameter << "," << ExactNumber(point.value) << "," << ExactNumber(point.cost_rise);
+      for (const double value : point.values) csv << "," << ExactNumber(value);
+      csv << "\n";
+    }
   }
   return csv.str();
 }
@@ -175,6 +132,7 @@ void WriteReport(const FitSummary& summary, const RunRecord& run, const std::vec
                  OutputFolder* folder) {
   folder->Write("result.json", ResultJson(summary, run, motions));
   folder->Write("convergence.csv", ConvergenceCsv(summary));
+  if (!run.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, run));
   for (std::size_t r = 0; r < motions.size(); ++r) {
     const std::string name = r == 0 ? "predicted.bin" : "predicted_" + std::to_string(r + 1) + ".bin";
     WriteMotion(PredictedMotion(motions[r], summary.predicted[r], summary.parameters), folder->TemporaryPath(name));
@@ -184,21 +142,22 @@ void WriteReport(const FitSummary& summary, const RunRecord& run, const std::vec
 
 std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
   std::ostringstream table;
-  table << std::left << std::setw(16) << "parameter" << std::setw(16) << "estimate"
-        << "start\n";
-  for (const FittedParameter& parameter : summary.parameters) {
-    table << std::left << std::setw(16) << parameter.name << std::setw(16) << std::setprecision(8) << parameter.value
-          << std::setprecision(6) << std::setw(10) << parameter.start << Remark(parameter) << "\n";
+  const auto print_row = [&](const std::string& name, const std::string& estimate, const std::string& interval,
+                             const std::string& start, const std::string& remark) {
+    table << std::left << std::setw(16) << name << std::setw(14) << estimate << std::setw(26) << interval
+          << (remark.empty() ? start : start + "  " + remark) << "\n";
+  };
+  print_row("parameter", "estimate", "95 % interval", "start", "");
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    const FittedParameter& parameter = summary.parameters[i];
+    print_row(parameter.name, ShortNumber(parameter.value, 8), Interval(summary, run, i),
+              ShortNumber(parameter.start, 6), Remark(summary, run, i));
   }
   table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
         << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
   if (std::isfinite(summary.error.fit_percent())) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
           << summary.start_error.fit_percent() << " %\n";
-  }
-  if (run.holdout) {
-    table << "holdout rmse    " << Millimetres(run.holdout->rmse) << " (" << std::setprecision(6) << run.holdout->rmse
-          << " m), at the start " << Millimetres(run.holdout->nominal_rmse) << "\n";
   }
   if (run.gradient_check) {
     table << "gradient check  adjoint against sensitivity " << std::setprecision(3)
@@ -211,6 +170,7 @@ std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
     table << "note            " << summary.statistics.counts.substeps
           << " substeps were taken: each makes the cost jump a little\n";
   }
+  for (const std::string& line : Verdict(summary, run)) table << "verdict         " << line << "\n";
   return table.str();
 }
 

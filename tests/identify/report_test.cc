@@ -1,4 +1,4 @@
-// The files of a fit: schema, exit codes, and the same bytes every time.
+// The files of a fit: schema, and the same bytes every time.
 #include "identify/report.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "identify/result_json.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid {
@@ -43,7 +44,6 @@ FitSummary Converged() {
   summary.status = FitStatus::kConverged;
   FittedParameter parameter;
   parameter.name = "mu";
-  parameter.has_influence = true;
   summary.parameters = {parameter};
   return summary;
 }
@@ -53,12 +53,13 @@ TEST(ReportTest, ResultHasItsSchema) {
   const FitSummary summary = RunFit(motions, 1);
   RunRecord run;
   run.gradient_check = GradientCheck{1e-12, 1e-7};
-  run.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "failed"};
+  run.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "nominal: failed"};
   const Json json = Json::parse(ResultJson(summary, run, motions));
   EXPECT_EQ(Keys(json),
-            (std::vector<std::string>{"schema", "status", "exit_code", "parameters", "rmse_m", "fit_percent", "holdout",
-                                      "cost", "jacobian", "iterations", "rollouts", "sweeps", "failed_steps",
-                                      "gradient_check", "seconds", "provenance"}));
+            (std::vector<std::string>{
+                "schema",     "status",      "exit_code", "verdict",      "parameters",     "rmse_m",  "fit_percent",
+                "holdout",    "uncertainty", "starts",    "profiles",     "step_check",     "cost",    "jacobian",
+                "iterations", "rollouts",    "sweeps",    "failed_steps", "gradient_check", "seconds", "provenance"}));
   EXPECT_EQ(json["schema"], "clothid.result/1");
   EXPECT_EQ(json["status"], "converged");
   EXPECT_EQ(json["exit_code"], 0);
@@ -67,8 +68,13 @@ TEST(ReportTest, ResultHasItsSchema) {
   EXPECT_EQ(Keys(stretch),
             (std::vector<std::string>{"value", "std", "lower95", "upper95", "start", "at_bound", "identifiable"}));
   EXPECT_EQ(stretch["value"].get<double>(), summary.parameters[1].value) << "numbers read back exactly";
-  EXPECT_TRUE(stretch["std"].is_null());
-  EXPECT_TRUE(stretch["identifiable"].is_null());
+  EXPECT_EQ(stretch["identifiable"], true);
+  EXPECT_EQ(stretch["std"].get<double>(), summary.uncertainty->parameters[1].std);
+  EXPECT_LT(stretch["lower95"].get<double>(), stretch["value"].get<double>());
+  EXPECT_GT(stretch["upper95"].get<double>(), stretch["value"].get<double>());
+  EXPECT_EQ(json["uncertainty"]["correlation"]["k_stretch"]["k_stretch"], 1.0);
+  EXPECT_EQ(json["uncertainty"]["singular_values"].size(), 2u);
+  EXPECT_TRUE(json["uncertainty"]["hidden_directions"].empty());
   EXPECT_EQ(json["rmse_m"].get<double>(), summary.error.rmse());
   EXPECT_TRUE(json["holdout"]["nominal_rmse_m"].is_null());
   EXPECT_EQ(json["gradient_check"]["adjoint_vs_fd"], 1e-7);
@@ -89,34 +95,6 @@ TEST(ReportTest, SameBytesOnEveryRunAndOnTwoThreads) {
   const std::string first = text(1);
   EXPECT_EQ(text(1), first);
   EXPECT_EQ(text(2), first);
-}
-
-TEST(ReportTest, ExitCodesInTheirOrder) {
-  RunRecord run;
-  FitSummary summary = Converged();
-  EXPECT_EQ(FitExitCode(summary, run), 0);
-  run.holdout = Holdout{std::numeric_limits<double>::quiet_NaN(), 0.1, "failed"};
-  EXPECT_EQ(FitExitCode(summary, run), 5);
-  summary.parameters[0].at_bound = true;
-  EXPECT_EQ(FitExitCode(summary, run), 4);
-  summary.parameters[0].at_bound = false;
-  summary.parameters[0].has_influence = false;
-  EXPECT_EQ(FitExitCode(summary, run), 4);
-  EXPECT_EQ(Json::parse(ResultJson(summary, run, {}))["parameters"]["mu"]["identifiable"], false);
-  summary.status = FitStatus::kNotConverged;
-  EXPECT_EQ(FitExitCode(summary, run), 3);
-  summary.status = FitStatus::kInterrupted;
-  EXPECT_EQ(FitExitCode(summary, run), 130);
-  EXPECT_EQ(FitExitCode(FitSummary(), RunRecord()), 3) << "a summary starts as a failure";
-}
-
-TEST(ReportTest, TableNamesWhatIsWrong) {
-  FitSummary summary = Converged();
-  summary.parameters[0].has_influence = false;
-  EXPECT_NE(ResultTable(summary, RunRecord()).find("not identifiable"), std::string::npos);
-  summary.parameters[0].has_influence = true;
-  summary.parameters[0].at_bound = true;
-  EXPECT_NE(ResultTable(summary, RunRecord()).find("at its bound"), std::string::npos);
 }
 
 TEST(ReportTest, PredictionsAreRecordingsOfTheSamePoints) {

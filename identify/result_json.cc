@@ -1,0 +1,162 @@
+#include "identify/result_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "identify/version.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// NaN and infinity as null.
+Json NumberJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json NamedJson(const std::vector<FittedParameter>& parameters, const Eigen::VectorXd& values) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    json[parameters[i].name] = NumberJson(values[static_cast<Eigen::Index>(i)]);
+  }
+  return json;
+}
+
+Json ParametersJson(const FitSummary& summary, const RunRecord& run) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const FittedParameter& parameter = summary.parameters[i];
+    const ParameterUncertainty uncertainty =
+        summary.uncertainty ? summary.uncertainty->parameters[i] : ParameterUncertainty();
+    const std::optional<bool> identifiable = IsIdentifiable(summary, run, static_cast<int>(i));
+    // A value that another start contradicts has no small interval either.
+    const bool has_interval = identifiable.value_or(false);
+    json[parameter.name] = {{"value", parameter.value},
+                            {"std", has_interval ? NumberJson(uncertainty.std) : Json(nullptr)},
+                            {"lower95", has_interval ? NumberJson(uncertainty.lower95) : Json(nullptr)},
+                            {"upper95", has_interval ? NumberJson(uncertainty.upper95) : Json(nullptr)},
+                            {"start", parameter.start},
+                            {"at_bound", parameter.at_bound},
+                            {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)}};
+  }
+  return json;
+}
+
+Json UncertaintyJson(const FitSummary& summary) {
+  if (!summary.uncertainty) return nullptr;
+  const Uncertainty& uncertainty = *summary.uncertainty;
+  Json correlation = Json::object(), directions = Json::array(), visible = Json::object();
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const Eigen::Index row = static_cast<Eigen::Index>(i);
+    correlation[summary.parameters[i].name] = NamedJson(summary.parameters, uncertainty.correlation.row(row));
+    visible[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].visible_change);
+  }
+  for (const HiddenDirection& direction : uncertainty.hidden_directions) {
+    directions.push_back({{"words", direction.words},
+                          {"visible_change", NumberJson(direction.visible_change)},
+                          {"coordinates", NamedJson(summary.parameters, direction.coordinates)}});
+  }
+  Json singular_values = Json::array();
+  for (const double value : uncertainty.singular_values) singular_values.push_back(NumberJson(value));
+  return {{"residual_scale", NumberJson(uncertainty.residual_scale)},
+          {"visible_change", visible},
+          {"singular_values", singular_values},
+          {"correlation", correlation},
+          {"hidden_directions", directions}};
+}
+
+Json StartsJson(const FitSummary& summary, const RunRecord& run) {
+  if (!run.starts) return nullptr;
+  Json starts = Json::array(), minima = Json::array();
+  for (const StartResult& start : run.starts->starts) {
+    const bool has_estimate = start.values.size() > 0;
+    starts.push_back({{"start", NamedJson(summary.parameters, start.start)},
+                      {"values", has_estimate ? NamedJson(summary.parameters, start.values) : Json(nullptr)},
+                      {"status", FitStatusName(start.status)},
+                      {"cost", has_estimate ? NumberJson(start.cost) : Json(nullptr)},
+                      {"rmse_m", has_estimate ? NumberJson(start.rmse) : Json(nullptr)},
+                      {"minimum", start.minimum < 0 ? Json(nullptr) : Json(start.minimum)}});
+  }
+  for (const Minimum& minimum : run.starts->minima) {
+    minima.push_back({{"values", NamedJson(summary.parameters, minimum.values)},
+                      {"cost", NumberJson(minimum.cost)},
+                      {"rmse_m", NumberJson(minimum.rmse)},
+                      {"num_starts", minimum.num_starts},
+                      {"cost_rise", NumberJson(minimum.cost_rise)}});
+  }
+  return {{"starts", starts}, {"minima", minima}};
+}
+
+Json ProfilesJson(const RunRecord& run) {
+  if (run.profiles.empty()) return nullptr;
+  Json json = Json::object();
+  for (const Profile& profile : run.profiles) {
+    json[profile.parameter] = {{"lower95", NumberJson(profile.lower95)},
+                               {"upper95", NumberJson(profile.upper95)},
+                               {"points", profile.points.size()},
+                               {"failed", profile.num_failed}};
+  }
+  return json;
+}
+
+Json StepCheckJson(const FitSummary& summary, const RunRecord& run) {
+  if (!run.step_check) return nullptr;
+  const StepCheck& check = *run.step_check;
+  const bool has_estimate = check.values.size() > 0;
+  return {{"status", FitStatusName(check.status)},
+          {"values", has_estimate ? NamedJson(summary.parameters, check.values) : Json(nullptr)},
+          {"changes", has_estimate ? NamedJson(summary.parameters, check.changes) : Json(nullptr)},
+          {"rmse_m", has_estimate ? NumberJson(check.rmse) : Json(nullptr)}};
+}
+
+Json HoldoutJson(const std::optional<Holdout>& holdout) {
+  if (!holdout) return nullptr;
+  return {{"rmse_m", NumberJson(holdout->rmse)},
+          {"nominal_rmse_m", NumberJson(holdout->nominal_rmse)},
+          {"failed", holdout->has_failed()}};
+}
+
+Json GradientCheckJson(const std::optional<GradientCheck>& check) {
+  if (!check) return nullptr;
+  return {{"adjoint_vs_sensitivity", check->adjoint_vs_sensitivity}, {"adjoint_vs_fd", check->adjoint_vs_fd}};
+}
+
+Json ProvenanceJson(const RunRecord& run, const std::vector<RecordedMotion>& motions) {
+  std::string sha256;
+  for (const RecordedMotion& motion : motions) sha256 += (sha256.empty() ? "" : ",") + motion.sha256;
+  return {{"version", Version()}, {"git", GitHash()}, {"input_sha256", sha256},
+          {"flags", run.flags},   {"seed", run.seed}, {"threads", run.num_threads}};
+}
+
+}  // namespace
+
+std::string ResultJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions) {
+  Json json;
+  json["schema"] = "clothid.result/1";
+  json["status"] = FitStatusName(summary.status);
+  json["exit_code"] = static_cast<int>(FitExitCode(summary, run));
+  json["verdict"] = Verdict(summary, run);
+  json["parameters"] = ParametersJson(summary, run);
+  json["rmse_m"] = summary.error.rmse();
+  json["fit_percent"] = summary.error.fit_percent();
+  json["holdout"] = HoldoutJson(run.holdout);
+  json["uncertainty"] = UncertaintyJson(summary);
+  json["starts"] = StartsJson(summary, run);
+  json["profiles"] = ProfilesJson(run);
+  json["step_check"] = StepCheckJson(summary, run);
+  json["cost"] = summary.cost;
+  json["jacobian"] = JacobianMethodName(run.jacobian);
+  json["iterations"] = summary.num_iterations();
+  json["rollouts"] = summary.statistics.rollouts;
+  json["sweeps"] = summary.statistics.sweeps;
+  json["failed_steps"] = summary.statistics.counts.failed_steps;
+  json["gradient_check"] = GradientCheckJson(run.gradient_check);
+  json["seconds"] = {{"total", summary.total_seconds},
+                     {"rollout", summary.statistics.rollout_seconds},
+                     {"derivative", summary.statistics.derivative_seconds},
+                     {"solver", summary.solver_seconds}};
+  json["provenance"] = ProvenanceJson(run, motions);
+  return json.dump(2) + "\n";
+}
+
+}  // namespace clothid

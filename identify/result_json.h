@@ -1,0 +1,22 @@
+// result.json, what programs read of a fit.
+#ifndef CLOTHID_IDENTIFY_RESULT_JSON_H_
+#define CLOTHID_IDENTIFY_RESULT_JSON_H_
+
+#include <string>
+#include <vector>
+
+#include "datasets/recorded_motion.h"
+#include "identify/fit.h"
+#include "identify/verdict.h"
+
+namespace clothid {
+
+// The text of result.json, schema "clothid.result/1". Numbers are written so that they read back exactly, NaN as null.
+// All but "seconds", "flags" and "threads" is the same on repeated runs and on any number of threads. `std`, `lower95`
+// and `upper95` are null where a parameter is frozen, not identifiable or at its bound. "uncertainty", "starts",
+// "profiles", "step_check" and "holdout" are null where they were not asked for.
+std::string ResultJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_RESULT_JSON_H_

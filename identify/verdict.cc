@@ -1,0 +1,150 @@
+#include "identify/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace clothid {
+namespace {
+
+std::string Number(double value, int digits = 4) {
+  std::ostringstream text;
+  text << std::setprecision(digits) << value;
+  return text.str();
+}
+
+std::string Millimetres(double metres) { return Number(1e3 * metres) + " mm"; }
+
+bool IsAnyUnidentifiable(const FitSummary& summary, const RunRecord& run) {
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    if (summary.parameters[i].frozen) continue;
+    if (!IsIdentifiable(summary, run, i).value_or(false)) return true;
+  }
+  return false;
+}
+
+// "mu 0.3, k_stretch 50"
+std::string Values(const FitSummary& summary, const Eigen::VectorXd& values) {
+  std::string text;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    if (summary.parameters[i].frozen) continue;
+    text +=
+        (text.empty() ? "" : ", ") + summary.parameters[i].name + " " + Number(values[static_cast<Eigen::Index>(i)]);
+  }
+  return text;
+}
+
+void AddIdentifiability(const FitSummary& summary, std::vector<std::string>* lines) {
+  if (!summary.uncertainty) return;
+  const Uncertainty& uncertainty = *summary.uncertainty;
+  for (const HiddenDirection& direction : uncertainty.hidden_directions) {
+    lines->push_back("not identifiable: " + direction.words +
+                     ": moved from bound to bound, the prediction changes by " + Number(direction.visible_change, 2) +
+                     " standard deviations");
+  }
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const FittedParameter& parameter = summary.parameters[i];
+    if (parameter.at_bound) lines->push_back(parameter.name + " stands at its bound: no interval is given");
+  }
+}
+
+void AddStarts(const FitSummary& summary, const MultiStart& starts, std::vector<std::string>* lines) {
+  const std::string total = std::to_string(starts.starts.size());
+  const auto num_unconverged = std::count_if(starts.starts.begin(), starts.starts.end(),
+                                             [](const StartResult& start) { return start.minimum < 0; });
+  if (num_unconverged > 0)
+    lines->push_back(std::to_string(num_unconverged) + " of " + total + " starts did not converge");
+  if (starts.minima.empty()) return;
+  const Minimum& first = starts.minima.front();
+  lines->push_back(std::to_string(first.num_starts) + " of " + total + " starts ended in the same minimum, rmse " +
+                   Millimetres(first.rmse) + (starts.minima.size() > 1 ? ": the preferred one" : ""));
+  for (std::size_t m = 1; m < starts.minima.size(); ++m) {
+    const Minimum& other = starts.minima[m];
+    std::string line = std::to_string(other.num_starts) + " of " + total + " ended in another minimum, " +
+                       Values(summary, other.values) + ", rmse " + Millimetres(other.rmse) + ": ";
+    line += other.is_distinguishable() ? "not preferred, its cost is higher by " + Number(0.5 * other.cost_rise, 3) +
+                                             " s^2, " + Number(other.cost / first.cost, 3) + " times the lowest"
+                                       : "the recording cannot tell it from the preferred one";
+    lines->push_back(line);
+  }
+}
+
+void AddProfiles(const FitSummary& summary, const RunRecord& run, std::vector<std::string>* lines) {
+  for (const Profile& profile : run.profiles) {
+    const auto end = [](double value) { return std::isnan(value) ? std::string("open") : Number(value, 6); };
+    lines->push_back("profile of " + profile.parameter + ": 95 % interval " + end(profile.lower95) + " .. " +
+                     end(profile.upper95));
+    const auto lowest =
+        std::min_element(profile.points.begin(), profile.points.end(),
+                         [](const ProfilePoint& a, const ProfilePoint& b) { return a.cost_rise < b.cost_rise; });
+    constexpr double kRounding = 1e-3;
+    if (lowest->cost_rise < -kRounding) {
+      lines->push_back("profile of " + profile.parameter + ": a lower cost was found at " +
+                       Values(summary, lowest->values) + ": fit again from there");
+    }
+  }
+}
+
+void AddStepCheck(const FitSummary& summary, const StepCheck& check, std::vector<std::string>* lines) {
+  if (check.changes.size() == 0) {
+    lines->push_back("step check: the rollout at half the time step failed");
+    return;
+  }
+  std::string line = "at half the time step";
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const FittedParameter& parameter = summary.parameters[i];
+    if (parameter.frozen) continue;
+    const double change = check.values[static_cast<Eigen::Index>(i)] - parameter.value;
+    line += (i == 0 ? " " : ", ") + parameter.name + " moves by " + Number(change, 3);
+    if (parameter.value != 0.0) line += " (" + Number(100.0 * change / parameter.value, 3) + " %";
+    if (summary.uncertainty && !std::isnan(summary.uncertainty->parameters[i].std)) {
+      line += ", " + Number(std::abs(change) / summary.uncertainty->parameters[i].std, 3) + " standard deviations";
+    }
+    if (parameter.value != 0.0) line += ")";
+  }
+  if (check.status != FitStatus::kConverged) line += "; that fit ended as " + FitStatusName(check.status);
+  lines->push_back(line);
+}
+
+void AddHoldout(const Holdout& holdout, std::vector<std::string>* lines) {
+  if (!holdout.failure.empty()) lines->push_back("held out: " + holdout.failure);
+  if (std::isnan(holdout.rmse) || std::isnan(holdout.nominal_rmse)) return;
+  lines->push_back(std::string("held out: the estimates predict ") + (holdout.has_failed() ? "worse" : "better") +
+                   " than the nominal parameters, rmse " + Millimetres(holdout.rmse) + " against " +
+                   Millimetres(holdout.nominal_rmse));
+}
+
+}  // namespace
+
+std::optional<bool> IsIdentifiable(const FitSummary& summary, const RunRecord& run, int index) {
+  if (summary.parameters[index].frozen || !summary.uncertainty) return std::nullopt;
+  const bool is_ambiguous = run.starts && !run.starts->ambiguous.empty() && run.starts->ambiguous[index];
+  return summary.uncertainty->parameters[index].identifiable && !is_ambiguous;
+}
+
+ExitCode FitExitCode(const FitSummary& summary, const RunRecord& run) {
+  if (summary.status == FitStatus::kInterrupted) return kExitInterrupted;
+  if (summary.status != FitStatus::kConverged) return kExitNotConverged;
+  const bool is_at_bound = std::any_of(summary.parameters.begin(), summary.parameters.end(),
+                                       [](const FittedParameter& parameter) { return parameter.at_bound; });
+  if (is_at_bound || IsAnyUnidentifiable(summary, run)) return kExitNotIdentifiable;
+  if (run.holdout && run.holdout->has_failed()) return kExitHoldoutFailed;
+  return kExitSuccess;
+}
+
+std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run) {
+  std::vector<std::string> lines;
+  if (summary.status != FitStatus::kConverged) lines.push_back(FitStatusName(summary.status) + ": " + summary.message);
+  AddIdentifiability(summary, &lines);
+  if (run.starts) AddStarts(summary, *run.starts, &lines);
+  AddProfiles(summary, run, &lines);
+  if (run.step_check) AddStepCheck(summary, *run.step_check, &lines);
+  if (run.holdout) AddHoldout(*run.holdout, &lines);
+  if (summary.status == FitStatus::kConverged && FitExitCode(summary, run) == kExitSuccess) {
+    lines.insert(lines.begin(), "every fitted parameter is identifiable");
+  }
+  return lines;
+}
+
+}  // namespace clothid
