@@ -46,7 +46,14 @@ double PredictionError::fit_percent() const {
   return 100.0 * (1.0 - std::sqrt(squared_error / squared_motion));
 }
 
+double PredictionError::autocorrelation() const {
+  if (!(successive_squares > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  return successive_products / successive_squares;
+}
+
 PredictionError& PredictionError::operator+=(const PredictionError& other) {
+  successive_products += other.successive_products;
+  successive_squares += other.successive_squares;
   squared_error += other.squared_error;
   squared_motion += other.squared_motion;
   num_coordinates += other.num_coordinates;
@@ -156,12 +163,19 @@ PredictionError Observation::Compare(const Eigen::MatrixXd& predicted) const {
   }
   PredictionError error;
   error.num_coordinates = num_residuals();
+  Eigen::VectorXd last = Eigen::VectorXd::Constant(3 * num_points(), std::numeric_limits<double>::quiet_NaN());
   for (int r = 0; r < num_residuals(); ++r) {
     const SeenCoordinate& seen = coordinates_[r];
     const int row = 3 * seen.point + seen.axis;
     const double measured = measured_[r] * sigma_[seen.point];
-    error.squared_error += std::pow(predicted(row, seen.frame) - measured, 2);
+    const double difference = predicted(row, seen.frame) - measured;
+    error.squared_error += difference * difference;
     error.squared_motion += std::pow(measured - sum[row] / count[row], 2);
+    if (!std::isnan(last[row])) {
+      error.successive_products += last[row] * difference;
+      error.successive_squares += 0.5 * (last[row] * last[row] + difference * difference);
+    }
+    last[row] = difference;
   }
   return error;
 }

@@ -31,11 +31,16 @@ struct PredictionError {
   double squared_error = 0.0;   // m^2: |predicted - measured|^2
   double squared_motion = 0.0;  // m^2: |measured - its mean over time|^2
   double num_coordinates = 0.0;
+  double successive_products = 0.0;  // m^2: errors of a coordinate in one frame and the next in which it is seen
+  double successive_squares = 0.0;   // m^2: the mean of their squares, summed likewise
 
   // m: the root mean square distance of seen points; a partly seen point counts by its share.
   double rmse() const;
   // 100 (1 - |predicted - measured| / |measured - its mean over time|); NaN where nothing moves.
   double fit_percent() const;
+  // Of a coordinate's errors from frame to frame: 0 for the independent noise of a sensor, near 1 where the model
+  // misses something that lasts. NaN without two frames, or without error.
+  double autocorrelation() const;
   PredictionError& operator+=(const PredictionError& other);
 };
 

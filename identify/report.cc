@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -71,13 +72,17 @@ std::string Remark(const FitSummary& summary, const RunRecord& run, int index) {
   return summary.parameters[index].at_bound ? "at its bound" : "";
 }
 
+// "0.2398 .. 0.2402": with as many digits as tell the ends apart.
 std::string Interval(const FitSummary& summary, const RunRecord& run, int index) {
   if (!IsIdentifiable(summary, run, index).value_or(false)) return "-";
   const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
   if (std::isnan(uncertainty.std)) return "-";
-  std::ostringstream text;
-  text << std::setprecision(6) << uncertainty.lower95 << " .. " << uncertainty.upper95;
-  return text.str();
+  constexpr int kFewestDigits = 3, kMostDigits = 9;
+  const double relative_std = uncertainty.std / std::max(std::abs(summary.parameters[index].value), uncertainty.std);
+  const int digits =
+      2 + static_cast<int>(std::ceil(-std::log10(relative_std + std::numeric_limits<double>::epsilon())));
+  const int shown = std::clamp(digits, kFewestDigits, kMostDigits);
+  return ShortNumber(uncertainty.lower95, shown) + " .. " + ShortNumber(uncertainty.upper95, shown);
 }
 
 }  // namespace
@@ -144,7 +149,7 @@ std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
   std::ostringstream table;
   const auto print_row = [&](const std::string& name, const std::string& estimate, const std::string& interval,
                              const std::string& start, const std::string& remark) {
-    table << std::left << std::setw(16) << name << std::setw(14) << estimate << std::setw(26) << interval
+    table << std::left << std::setw(16) << name << std::setw(14) << estimate << std::setw(28) << interval
           << (remark.empty() ? start : start + "  " + remark) << "\n";
   };
   print_row("parameter", "estimate", "95 % interval", "start", "");

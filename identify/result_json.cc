@@ -59,6 +59,7 @@ Json UncertaintyJson(const FitSummary& summary) {
   Json singular_values = Json::array();
   for (const double value : uncertainty.singular_values) singular_values.push_back(NumberJson(value));
   return {{"residual_scale", NumberJson(uncertainty.residual_scale)},
+          {"residual_autocorrelation", NumberJson(summary.error.autocorrelation())},
           {"visible_change", visible},
           {"singular_values", singular_values},
           {"correlation", correlation},

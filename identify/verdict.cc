@@ -24,6 +24,13 @@ bool IsAnyUnidentifiable(const FitSummary& summary, const RunRecord& run) {
   return false;
 }
 
+// Residuals this correlated from frame to frame are not the noise of a sensor.
+constexpr double kCorrelated = 0.3;
+// A profile that falls below the estimate by more than this was not the minimum.
+constexpr double kProfileRounding = 1e-3;
+// Residuals below this share of sigma are the rounding of a recording without noise.
+constexpr double kRounding = 1e-3;
+
 // "mu 0.3, k_stretch 50"
 std::string Values(const FitSummary& summary, const Eigen::VectorXd& values) {
   std::string text;
@@ -47,6 +54,17 @@ void AddIdentifiability(const FitSummary& summary, std::vector<std::string>* lin
     const FittedParameter& parameter = summary.parameters[i];
     if (parameter.at_bound) lines->push_back(parameter.name + " stands at its bound: no interval is given");
   }
+}
+
+// Intervals take residuals as independent. With the correlation c from frame to frame, m of them say as much as
+// m (1 - c)/(1 + c) independent ones.
+void AddCorrelation(const FitSummary& summary, std::vector<std::string>* lines) {
+  constexpr double kHighest = 0.99;
+  const double correlation = std::min(summary.error.autocorrelation(), kHighest);
+  if (!summary.uncertainty || summary.uncertainty->residual_scale < kRounding || !(correlation > kCorrelated)) return;
+  lines->push_back("residuals are correlated from frame to frame (" + Number(correlation, 2) +
+                   "): the model misses something that lasts, and the intervals are too narrow by a factor of about " +
+                   Number(std::sqrt((1.0 + correlation) / (1.0 - correlation)), 2));
 }
 
 void AddStarts(const FitSummary& summary, const MultiStart& starts, std::vector<std::string>* lines) {
@@ -78,8 +96,7 @@ void AddProfiles(const FitSummary& summary, const RunRecord& run, std::vector<st
     const auto lowest =
         std::min_element(profile.points.begin(), profile.points.end(),
                          [](const ProfilePoint& a, const ProfilePoint& b) { return a.cost_rise < b.cost_rise; });
-    constexpr double kRounding = 1e-3;
-    if (lowest->cost_rise < -kRounding) {
+    if (lowest->cost_rise < -kProfileRounding) {
       lines->push_back("profile of " + profile.parameter + ": a lower cost was found at " +
                        Values(summary, lowest->values) + ": fit again from there");
     }
@@ -137,6 +154,7 @@ std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run
   std::vector<std::string> lines;
   if (summary.status != FitStatus::kConverged) lines.push_back(FitStatusName(summary.status) + ": " + summary.message);
   AddIdentifiability(summary, &lines);
+  AddCorrelation(summary, &lines);
   if (run.starts) AddStarts(summary, *run.starts, &lines);
   AddProfiles(summary, run, &lines);
   if (run.step_check) AddStepCheck(summary, *run.step_check, &lines);

@@ -155,6 +155,12 @@ TEST(ObservationTest, ComparesInMetres) {
   // Predicting the mean explains nothing of the motion.
   const Eigen::MatrixXd mean = motion.positions.rowwise().mean().replicate(1, motion.num_frames());
   EXPECT_NEAR(observation.Compare(mean).fit_percent(), 0.0, 1e-10);
+  // An error that lasts is correlated with itself, one that changes its sign at every frame is the opposite.
+  EXPECT_NEAR(observation.Compare(shifted).autocorrelation(), 1.0, 1e-12);
+  Eigen::MatrixXd alternating = motion.positions;
+  for (int i = 0; i < motion.num_frames(); ++i) alternating.col(i).array() += i % 2 == 0 ? 0.01 : -0.01;
+  EXPECT_NEAR(observation.Compare(alternating).autocorrelation(), -1.0, 1e-12);
+  EXPECT_TRUE(std::isnan(observation.Compare(motion.positions).autocorrelation()));
   // Errors of recordings add up by their number of coordinates.
   PredictionError sum = observation.Compare(shifted);
   sum += observation.Compare(motion.positions);

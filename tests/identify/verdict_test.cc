@@ -76,6 +76,17 @@ TEST(VerdictTest, SaysWhatIsHiddenAndWhatStandsAtItsBound) {
   EXPECT_NE(ResultTable(summary, {}).find("not identifiable"), std::string::npos);
 }
 
+TEST(VerdictTest, SaysWhereResidualsAreNotIndependent) {
+  FitSummary summary = Converged();
+  summary.uncertainty->residual_scale = 1.0;
+  summary.error.successive_squares = 1.0;
+  summary.error.successive_products = 0.6;
+  EXPECT_TRUE(Says(summary, {}, "correlated from frame to frame (0.6)"));
+  EXPECT_TRUE(Says(summary, {}, "too narrow by a factor of about 2"));
+  summary.error.successive_products = 0.1;
+  EXPECT_FALSE(Says(summary, {}, "correlated"));
+}
+
 RunRecord TwoMinima(double cost_rise) {
   RunRecord run;
   run.starts.emplace();
