@@ -10,6 +10,8 @@ namespace clothid {
 namespace {
 
 constexpr double kAtBound = 1e-3;
+constexpr double kRelativeResolution = 1e-6;
+constexpr double kLeastFriction = 0.01;
 
 // The first of `given` and `from_scene` that is given.
 double Choose(const std::map<std::string, double>& given, const std::string& name, double from_scene,
@@ -66,6 +68,10 @@ double ParameterBlock::CoordinateRange() const { return ToCoordinate(upper_bound
 bool ParameterBlock::IsAtBound(double coordinate) const {
   const double distance = std::min(coordinate - ToCoordinate(lower_bound), ToCoordinate(upper_bound) - coordinate);
   return distance <= kAtBound * CoordinateRange();
+}
+
+double ParameterBlock::Resolution(double coordinate) const {
+  return kRelativeResolution * (scale == ParameterScale::kLog ? 1.0 : std::max(std::abs(coordinate), kLeastFriction));
 }
 
 ParameterScale DefaultScale(ParameterKind kind) {

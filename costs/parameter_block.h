@@ -39,6 +39,8 @@ struct ParameterBlock {
   double CoordinateRange() const;
   // Within 1e-3 of the range from one of the bounds, which a bounded optimiser may reach asymptotically.
   bool IsAtBound(double coordinate) const;
+  // The smallest change of the coordinate that a fit goes for: 1e-6 of the value, of friction below 0.01 1e-8.
+  double Resolution(double coordinate) const;
 };
 
 // Log for everything but friction.

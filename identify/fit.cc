@@ -20,11 +20,6 @@ namespace {
 // problems are small and their Jacobians exact, so a step may be nearly Gauss-Newton's from the start.
 constexpr double kInitialTrustRegion = 1e2;
 
-// A step that changes no parameter by more than this share of its value is not worth a rollout.
-constexpr double kNegligibleStep = 1e-6;
-// Smaller friction coefficients are judged by their absolute change.
-constexpr double kLeastFriction = 0.01;
-
 bool IsCancelled(const FitOptions& options) { return options.cancel != nullptr && options.cancel->load(); }
 
 // The blocks that a step may move: not frozen, with influence, not pushed against a bound.
@@ -40,7 +35,7 @@ std::vector<int> MovableBlocks(const FitProblem& problem, const QuadraticModel& 
   return movable;
 }
 
-// Whether the undamped Gauss-Newton step changes every parameter by less than kNegligibleStep, or the cost by less than
+// Whether the undamped Gauss-Newton step changes every parameter by less than its resolution, or the cost by less than
 // the function tolerance. Ceres looks at its tolerances after the rollout of a step; this looks before.
 bool NextStepIsNegligible(const FitOptions& options, const FitProblem& problem, const QuadraticModel& model) {
   const std::vector<int> movable = MovableBlocks(problem, model);
@@ -53,9 +48,7 @@ bool NextStepIsNegligible(const FitOptions& options, const FitProblem& problem, 
   if (!step.allFinite() || (hessian * step + gradient).norm() > 1e-6 * gradient.norm()) return false;
   if (-0.5 * gradient.dot(step) <= options.function_tolerance * model.cost) return true;
   for (std::size_t i = 0; i < movable.size(); ++i) {
-    const bool is_log = problem.blocks()[movable[i]].scale == ParameterScale::kLog;
-    const double size = is_log ? 1.0 : std::max(std::abs(model.coordinates[movable[i]]), kLeastFriction);
-    if (std::abs(step[i]) > kNegligibleStep * size) return false;
+    if (std::abs(step[i]) > problem.blocks()[movable[i]].Resolution(model.coordinates[movable[i]])) return false;
   }
   return true;
 }

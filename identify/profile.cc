@@ -12,6 +12,7 @@ constexpr double kChiSquare95 = 3.841459;
 constexpr double kNormal95 = 1.959963984540054;
 constexpr double kShareOfRange = 0.02;   // the first step where there is no standard deviation
 constexpr double kRiseTolerance = 0.02;  // of the profile at the ends of the interval
+constexpr double kNoNoise = 2.0;         // a standard deviation below this many resolutions is that of the optimiser
 constexpr int kMaxDoublings = 12;
 constexpr int kMaxSearches = 8;
 
@@ -113,6 +114,14 @@ Profile ProfileParameter(const FitOptions& options, const FitSummary& summary, c
   Profile profile;
   profile.parameter = name;
   const int index = FindFreeBlock(*problem, name, "--profile");
+  const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
+  if (uncertainty.coordinate_std < kNoNoise * problem->blocks()[index].Resolution(summary.coordinates[index])) {
+    profile.has_no_noise = true;
+    profile.points.push_back({summary.parameters[index].value, 0.0, summary.values()});
+    profile.lower95 = uncertainty.lower95;
+    profile.upper95 = uncertainty.upper95;
+    return profile;
+  }
   Profiler profiler(options, summary, index, problem, statistics, &profile);
   profile.points.push_back({summary.parameters[index].value, 0.0, summary.values()});
   profile.lower95 = profiler.FindEnd(-1);

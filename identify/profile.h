@@ -30,6 +30,9 @@ struct Profile {
   // The ends of the interval; NaN where it is open: the profile stays below 3.84 up to the bound.
   double lower95 = std::numeric_limits<double>::quiet_NaN();
   double upper95 = std::numeric_limits<double>::quiet_NaN();
+  // The standard deviation is that of the optimiser: a cost without noise has no scale to judge a rise by. The interval
+  // is that of the covariance, and the estimate the only point.
+  bool has_no_noise = false;
   int num_failed = 0;  // points at which the fit of the others did not converge; they are left out
 };
 

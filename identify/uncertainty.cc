@@ -126,7 +126,8 @@ void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::Vecto
     const int index = jacobian.indices()[i];
     const ParameterBlock& block = blocks[index];
     ParameterUncertainty& parameter = uncertainty->parameters[index];
-    const double q = coordinates[index], std = scale * jacobian.CoordinateStd(i);
+    const double q = coordinates[index];
+    const double std = std::hypot(scale * jacobian.CoordinateStd(i), block.Resolution(q));
     parameter.coordinate_std = std;
     parameter.std = block.ValueDerivative(q) * std;
     parameter.lower95 = std::max(block.lower_bound, block.ToValue(q - kNormal95 * std));

@@ -3,6 +3,8 @@
 // At a solution, with the whitened residuals e of m measurements and their Jacobian J = de/dq [m x p] in the internal
 // coordinates q of costs/parameter_block.h:
 //   covariance of q = s^2 (J^T J)^-1,   s^2 = |e|^2/(m - p), at least 1 where the sigma of the measurements is known
+//   std(q)^2        = its diagonal + r^2,   r the resolution of the fit (`ParameterBlock::Resolution`): without noise
+//                     an estimate is no better than the steps at which the optimiser stops
 //   95 % interval   = value(q -+ 1.96 std(q)), cut at the bounds;   std of the value = dvalue/dq std(q)
 //
 // Identifiability asks how much the prediction can tell. With D = diag(range of q_i between its bounds), the parameter

@@ -81,9 +81,14 @@ void AddStarts(const FitSummary& summary, const MultiStart& starts, std::vector<
     const Minimum& other = starts.minima[m];
     std::string line = std::to_string(other.num_starts) + " of " + total + " ended in another minimum, " +
                        Values(summary, other.values) + ", rmse " + Millimetres(other.rmse) + ": ";
-    line += other.is_distinguishable() ? "not preferred, its cost is higher by " + Number(0.5 * other.cost_rise, 3) +
-                                             " s^2, " + Number(other.cost / first.cost, 3) + " times the lowest"
-                                       : "the recording cannot tell it from the preferred one";
+    constexpr double kFarHigher = 1e4;
+    const double ratio = other.cost / first.cost;
+    if (!other.is_distinguishable()) {
+      line += "the recording cannot tell it from the preferred one";
+    } else {
+      line += "not preferred, its cost is " + (ratio < kFarHigher ? Number(ratio, 3) + " times" : "far above") +
+              " the lowest";
+    }
     lines->push_back(line);
   }
 }
@@ -92,7 +97,7 @@ void AddProfiles(const FitSummary& summary, const RunRecord& run, std::vector<st
   for (const Profile& profile : run.profiles) {
     const auto end = [](double value) { return std::isnan(value) ? std::string("open") : Number(value, 6); };
     lines->push_back("profile of " + profile.parameter + ": 95 % interval " + end(profile.lower95) + " .. " +
-                     end(profile.upper95));
+                     end(profile.upper95) + (profile.has_no_noise ? ": that of the optimiser, there is no noise" : ""));
     const auto lowest =
         std::min_element(profile.points.begin(), profile.points.end(),
                          [](const ProfilePoint& a, const ProfilePoint& b) { return a.cost_rise < b.cost_rise; });

@@ -89,6 +89,20 @@ TEST(ProfileTest, IsThatOfTheCovarianceWhereTheCostIsQuadratic) {
   }
 }
 
+TEST(ProfileTest, HasNothingToJudgeByWithoutNoise) {
+  MotionOptions truth;
+  truth.true_values = {{"k_stretch", 150.0}};
+  const FitOptions options = OptionsFor({"k_stretch"});
+  FitProblem problem({MakeMotion(SwingScene(), truth)}, options);
+  const FitSummary summary = Fit(options, &problem);
+  CostStatistics statistics;
+  const Profile profile = ProfileParameter(options, summary, "k_stretch", &problem, &statistics);
+  EXPECT_TRUE(profile.has_no_noise);
+  EXPECT_EQ(statistics.rollouts, 0);
+  EXPECT_LT(profile.lower95, 150.0);
+  EXPECT_GT(profile.upper95, 150.0);
+}
+
 TEST(ProfileTest, IsOpenWhereNothingIsKnown) {
   const FitOptions options = OptionsFor({"mu", "k_stretch"});
   FitProblem problem({NoisySwing()}, options);
