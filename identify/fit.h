@@ -9,6 +9,7 @@
 
 #include "costs/rollout_cost.h"
 #include "datasets/observation.h"
+#include "identify/interval_check.h"
 #include "identify/options.h"
 #include "identify/problem.h"
 #include "identify/uncertainty.h"
@@ -38,6 +39,7 @@ struct FitSummary {
   std::vector<FittedParameter> parameters;
   Eigen::VectorXd coordinates;             // [p] the internal coordinates of the estimate
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
+  std::optional<IntervalCheck> interval_check;  // of that uncertainty
   double cost = 0.0;
   PredictionError start_error;             // over all recordings, at the starting values
   PredictionError error;                   // the same at the estimate
@@ -61,8 +63,8 @@ struct FitSummary {
 // middle, c such that u = 0 is the start; q the internal coordinate.
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
 
-// Fills `uncertainty` of a fit that has an estimate, unless the derivative fails there or options.cancel is true, and
-// adds the work to its counts.
+// Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or
+// options.cancel is true, and adds the work to its counts.
 void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary);
 
 }  // namespace clothid

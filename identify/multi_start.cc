@@ -12,7 +12,6 @@ namespace {
 constexpr double kStartFactor = 10.0;      // from the own start to the farthest other one, in logarithmic coordinates
 constexpr double kMaxStartFriction = 1.0;  // beyond it most cloth sticks at once, and the cost is a plateau
 constexpr double kSameMinimum = 1e-3;      // in an internal coordinate
-constexpr double kChiSquare95 = 3.841459;  // one degree of freedom
 
 // The coordinates between which block `block` may start.
 std::pair<double, double> StartRange(const ParameterBlock& block) {

@@ -45,7 +45,7 @@ struct FitOptions {
   // it is better, so the estimate is one (superlinear) step closer than the tolerance says.
   double function_tolerance = 1e-9;
   double parameter_tolerance = 1e-5;
-  bool estimate_uncertainty = true;                       // one more forward sweep, at the estimate
+  bool estimate_uncertainty = true;                       // one forward sweep at the estimate, two rollouts around it
   const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
   std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty

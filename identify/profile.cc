@@ -8,11 +8,8 @@
 namespace clothid {
 namespace {
 
-constexpr double kChiSquare95 = 3.841459;
-constexpr double kNormal95 = 1.959963984540054;
 constexpr double kShareOfRange = 0.02;   // the first step where there is no standard deviation
 constexpr double kRiseTolerance = 0.02;  // of the profile at the ends of the interval
-constexpr double kNoNoise = 2.0;         // a standard deviation below this many resolutions is that of the optimiser
 constexpr int kMaxDoublings = 12;
 constexpr int kMaxSearches = 8;
 
@@ -50,7 +47,8 @@ class Profiler {
       const double outside = side < 0 ? std::max(bound, estimate - step) : std::min(bound, estimate + step);
       const std::optional<double> rise = RiseAt(outside);
       if (!rise) return std::numeric_limits<double>::quiet_NaN();
-      if (*rise >= kChiSquare95) return block_.ToValue(Search(inside, inside_rise, outside, *rise));
+      if (*rise >= (1.0 - kRiseTolerance) * kChiSquare95)
+        return block_.ToValue(Search(inside, inside_rise, outside, *rise));
       inside = outside;
       inside_rise = *rise;
     }
@@ -115,7 +113,7 @@ Profile ProfileParameter(const FitOptions& options, const FitSummary& summary, c
   profile.parameter = name;
   const int index = FindFreeBlock(*problem, name, "--profile");
   const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
-  if (uncertainty.coordinate_std < kNoNoise * problem->blocks()[index].Resolution(summary.coordinates[index])) {
+  if (IsResolution(problem->blocks()[index], summary.coordinates[index], uncertainty.coordinate_std)) {
     profile.has_no_noise = true;
     profile.points.push_back({summary.parameters[index].value, 0.0, summary.values()});
     profile.lower95 = uncertainty.lower95;

@@ -42,6 +42,14 @@ Json ParametersJson(const FitSummary& summary, const RunRecord& run) {
   return json;
 }
 
+Json IntervalCheckJson(const FitSummary& summary) {
+  if (!summary.interval_check) return nullptr;
+  const IntervalCheck& check = *summary.interval_check;
+  return {{"parameter", summary.parameters[check.parameter].name},
+          {"rise_below", NumberJson(check.rise_below)},
+          {"rise_above", NumberJson(check.rise_above)}};
+}
+
 Json UncertaintyJson(const FitSummary& summary) {
   if (!summary.uncertainty) return nullptr;
   const Uncertainty& uncertainty = *summary.uncertainty;
@@ -63,7 +71,8 @@ Json UncertaintyJson(const FitSummary& summary) {
           {"visible_change", visible},
           {"singular_values", singular_values},
           {"correlation", correlation},
-          {"hidden_directions", directions}};
+          {"hidden_directions", directions},
+          {"interval_check", IntervalCheckJson(summary)}};
 }
 
 Json StartsJson(const FitSummary& summary, const RunRecord& run) {

@@ -12,8 +12,6 @@
 namespace clothid {
 namespace {
 
-// The half-width of a 95 % interval of a normal distribution, in standard deviations.
-constexpr double kNormal95 = 1.959963984540054;
 // Changes of the prediction up to this many standard deviations are not seen.
 constexpr double kVisible = 2.0;
 // Entries of a singular vector below this are the rounding of zero.
@@ -169,6 +167,10 @@ bool Uncertainty::all_identifiable(const std::vector<ParameterBlock>& blocks) co
     if (!blocks[i].frozen && !parameters[i].identifiable) return false;
   }
   return true;
+}
+
+bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std) {
+  return coordinate_std < 2.0 * block.Resolution(coordinate);
 }
 
 Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,

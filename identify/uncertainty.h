@@ -28,6 +28,11 @@
 
 namespace clothid {
 
+// The half-width of a 95 % interval of a normal distribution in standard deviations, and its square: the rise of twice
+// the cost, over s^2, at the ends of an interval.
+inline constexpr double kNormal95 = 1.959963984540054;
+inline constexpr double kChiSquare95 = kNormal95 * kNormal95;
+
 // A least-squares problem at one point.
 struct Linearization {
   Eigen::MatrixXd jacobian;       // [r x p] de/dq, or fewer rows with the same J^T J
@@ -75,6 +80,9 @@ struct Uncertainty {
 // is held there while the others get their standard deviations.
 Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                                 const Linearization& linearization);
+
+// Whether a standard deviation of q is that of the optimiser rather than that of noise: below two resolutions.
+bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std);
 
 }  // namespace clothid
 

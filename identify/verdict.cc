@@ -67,6 +67,16 @@ void AddCorrelation(const FitSummary& summary, std::vector<std::string>* lines) 
                    Number(std::sqrt((1.0 + correlation) / (1.0 - correlation)), 2));
 }
 
+void AddIntervalCheck(const FitSummary& summary, std::vector<std::string>* lines) {
+  if (!summary.interval_check || summary.interval_check->is_quadratic()) return;
+  const auto rise = [](double value) {
+    return std::isnan(value) ? std::string("nothing that can be told") : Number(value, 2);
+  };
+  lines->push_back("the interval of " + summary.parameters[summary.interval_check->parameter].name +
+                   " cannot be relied on: at its ends the cost rises by " + rise(summary.interval_check->rise_below) +
+                   " and " + rise(summary.interval_check->rise_above) + " instead of 3.84; see --profile and --starts");
+}
+
 void AddStarts(const FitSummary& summary, const MultiStart& starts, std::vector<std::string>* lines) {
   const std::string total = std::to_string(starts.starts.size());
   const auto num_unconverged = std::count_if(starts.starts.begin(), starts.starts.end(),
@@ -160,6 +170,7 @@ std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run
   if (summary.status != FitStatus::kConverged) lines.push_back(FitStatusName(summary.status) + ": " + summary.message);
   AddIdentifiability(summary, &lines);
   AddCorrelation(summary, &lines);
+  AddIntervalCheck(summary, &lines);
   if (run.starts) AddStarts(summary, *run.starts, &lines);
   AddProfiles(summary, run, &lines);
   if (run.step_check) AddStepCheck(summary, *run.step_check, &lines);

@@ -89,6 +89,34 @@ TEST(ProfileTest, IsThatOfTheCovarianceWhereTheCostIsQuadratic) {
   }
 }
 
+TEST(IntervalCheckTest, FindsTheRiseOfAQuadraticCost) {
+  FitOptions options = OptionsFor({"k_stretch", "k_bend"});
+  FitProblem problem({NoisySwing()}, options);
+  const FitSummary summary = Fit(options, &problem);
+  ASSERT_TRUE(summary.interval_check.has_value());
+  EXPECT_NEAR(summary.interval_check->rise_below, kChiSquare95, 0.5);
+  EXPECT_NEAR(summary.interval_check->rise_above, kChiSquare95, 0.5);
+  EXPECT_TRUE(summary.interval_check->is_quadratic());
+}
+
+TEST(IntervalCheckTest, FindsACostThatIsNot) {
+  FitOptions options = OptionsFor({"k_stretch"});
+  FitProblem problem({NoisySwing()}, options);
+  const FitSummary summary = Fit(options, &problem);
+  // As a dent in the cost would make it: an interval ten times too narrow.
+  Uncertainty dent = *summary.uncertainty;
+  dent.parameters[0].coordinate_std *= 0.1;
+  Eigen::VectorXd coordinates = summary.coordinates;
+  FitEvaluator evaluator(&problem, &coordinates, 1);
+  const auto check = CheckInterval(problem.blocks(), coordinates, summary.cost, dent, &evaluator);
+  ASSERT_TRUE(check.has_value());
+  EXPECT_LT(check->rise_above, 0.1 * kChiSquare95);
+  EXPECT_FALSE(check->is_quadratic());
+  // Without noise there is nothing to compare with.
+  dent.parameters[0].coordinate_std = 1e-6;
+  EXPECT_FALSE(CheckInterval(problem.blocks(), coordinates, summary.cost, dent, &evaluator).has_value());
+}
+
 TEST(ProfileTest, HasNothingToJudgeByWithoutNoise) {
   MotionOptions truth;
   truth.true_values = {{"k_stretch", 150.0}};

@@ -87,6 +87,15 @@ TEST(VerdictTest, SaysWhereResidualsAreNotIndependent) {
   EXPECT_FALSE(Says(summary, {}, "correlated"));
 }
 
+TEST(VerdictTest, SaysWhereTheCostIsNotQuadratic) {
+  FitSummary summary = Converged();
+  summary.interval_check = IntervalCheck{0, 3.7, 4.0};
+  EXPECT_FALSE(Says(summary, {}, "cannot be relied on"));
+  summary.interval_check->rise_above = 120.0;
+  EXPECT_TRUE(
+      Says(summary, {}, "the interval of mu cannot be relied on: at its ends the cost rises by 3.7 and 1.2e+02"));
+}
+
 RunRecord TwoMinima(double cost_rise) {
   RunRecord run;
   run.starts.emplace();
