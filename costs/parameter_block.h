@@ -1,7 +1,7 @@
 // One scalar that a fit may change, as a Ceres parameter block of size 1.
 //
-// Ceres works on an internal coordinate q: q = log(value) for stiffnesses, density and drag, which are known to a
-// factor at best and span decades; q = value for friction coefficients, which live in [0, 2] and may be zero.
+// Ceres works on an internal coordinate q: q = log(value) for stiffnesses, density, drag and damping, which are known
+// to a factor at best and span decades; q = value for friction coefficients, which live in [0, 2] and may be zero.
 #ifndef CLOTHID_COSTS_PARAMETER_BLOCK_H_
 #define CLOTHID_COSTS_PARAMETER_BLOCK_H_
 
@@ -54,8 +54,8 @@ struct ParameterOverrides {
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
 // obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction] or start / kBoundFactor .. start *
 // kBoundFactor. Throws `Error` (kUsage) for an unknown name, a start outside the bounds, bounds in the wrong order, and
-// for a start of zero in log space: a scene without bending (or drag) has no such term, so it must give a positive
-// nominal value.
+// for a start of zero in log space: a scene without bending (or drag, or damping) has no such term, so it must give a
+// positive nominal value.
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
 
 }  // namespace clothid

@@ -52,7 +52,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
 
   --target FILES      motion.bin recordings, fitted jointly
   --scene FILE        scene.json to use instead of the one in each recording
-  --fit NAMES         of mu, mu.OBSTACLE, k_stretch, k_bend, density, drag (mu,k_stretch; k_stretch without obstacles)
+  --fit NAMES         of mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping (mu,k_stretch; k_stretch without
+                      obstacles)
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, the others start/1e4..start*1e4)
   --jacobian KIND     adjoint, sensitivity or numeric (adjoint)

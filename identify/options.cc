@@ -1,8 +1,6 @@
 #include "identify/options.h"
 
 #include <algorithm>
-#include <optional>
-#include <string_view>
 
 #include "sim/error.h"
 #include "sim/text_file.h"
@@ -11,17 +9,6 @@ namespace clothid {
 namespace {
 
 [[noreturn]] void Fail(const std::string& message) { throw Error(ErrorKind::kUsage, message); }
-
-std::vector<std::string> Split(const std::string& text, char separator) {
-  std::vector<std::string> items;
-  std::size_t begin = 0;
-  for (std::size_t end = text.find(separator); end != std::string::npos; end = text.find(separator, begin)) {
-    items.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  items.push_back(text.substr(begin));
-  return items;
-}
 
 }  // namespace
 
@@ -42,21 +29,6 @@ std::vector<std::string> ParseNames(const std::string& text, const std::string& 
     names.push_back(name);
   }
   return names;
-}
-
-std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag) {
-  std::map<std::string, double> values;
-  if (text.empty()) return values;
-  for (const std::string& item : Split(text, ',')) {
-    const std::size_t equals = item.find('=');
-    if (equals == std::string::npos || equals == 0)
-      Fail(flag + ": expected NAME=NUMBER, got '" + Printable(item) + "'");
-    const std::string name = item.substr(0, equals);
-    const std::optional<double> value = ParseNumber(std::string_view(item).substr(equals + 1));
-    if (!value) Fail(flag + ": expected a finite number for '" + Printable(name) + "'");
-    if (!values.emplace(name, *value).second) Fail(flag + ": '" + name + "' is given twice");
-  }
-  return values;
 }
 
 FitMethod ParseFitMethod(const std::string& text) {

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -56,8 +55,6 @@ struct FitOptions {
 
 // "a,b,c". Throws `Error` (kUsage), naming `flag`, for an empty item or one given twice.
 std::vector<std::string> ParseNames(const std::string& text, const std::string& flag);
-// "mu=0.1,k_stretch=50". Throws `Error` (kUsage), naming `flag`, for what is not NAME=NUMBER or given twice.
-std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag);
 // "lm" or "lbfgs"; "adjoint", "sensitivity" or "numeric". Throw `Error` (kUsage).
 FitMethod ParseFitMethod(const std::string& text);
 JacobianMethod ParseJacobianMethod(const std::string& text);

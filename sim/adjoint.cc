@@ -46,8 +46,9 @@ RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>&
   for (int i = static_cast<int>(rollout.records.size()) - 1; i >= 0; --i) {
     const StepRecord& record = rollout.records[i];
     if (step_number > 0 && rollout.last_record[step_number - 1] == i) add_seed(step_number--);
+    const Eigen::VectorXd& start_positions = i == 0 ? rollout.initial_positions : rollout.records[i - 1].positions;
     const Eigen::VectorXd& start_velocities = i == 0 ? rollout.initial_velocities : rollout.records[i - 1].velocities;
-    StepDerivative step(record, start_velocities, rollout.parameters, simulator);
+    StepDerivative step(record, start_positions, start_velocities, rollout.parameters, simulator);
 
     const Eigen::MatrixXd w = lambda_v + record.time_step * lambda_x;
     SolveStep(w, tolerance, options.method, &step, &z, &y, &gradient.lu_fallbacks);
@@ -60,7 +61,7 @@ RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>&
       }
     }
     lambda_v = step.TimesMass(y);
-    lambda_x -= step.TimesHessian(y);
+    lambda_x -= step.TimesStartTransposed(y);
     if (!record.contacts.empty()) lambda_x -= step.TimesFramesTransposed(z);
   }
   add_seed(0);

@@ -38,7 +38,12 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
   if (scene.has_bending()) bending_.emplace(scene.mesh);
   if (scene.has_drag()) drag_.emplace(scene);
   pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending()));
-  stretch_.emplace(scene.mesh, free_index_, *pattern_);
+  const auto triangles =
+      std::make_shared<const TriangleElements>(MakeTriangleElements(scene.mesh, free_index_, *pattern_));
+  laplacian_diagonal_ = LaplacianDiagonal(*triangles, num_nodes());
+  stretch_.emplace(triangles);
+  if (scene.has_damping()) damping_.emplace(triangles);
+  if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
 }
 
 Eigen::VectorXd ClothModel::Gather(const Eigen::VectorXd& all) const {

@@ -1,4 +1,5 @@
-// The terms that a scene has, built once per simulator: no obstacle, no contact; k_b = 0, no bending; c_d = 0, no air.
+// The terms that a scene has, built once per simulator: no obstacle, no contact; k_b = 0, no bending; c_d = 0, no air;
+// eta = 0, no internal damping.
 #ifndef CLOTHID_SIM_CLOTH_MODEL_H_
 #define CLOTHID_SIM_CLOTH_MODEL_H_
 
@@ -11,6 +12,7 @@
 #include "sim/bending_energy.h"
 #include "sim/block_matrix.h"
 #include "sim/scene.h"
+#include "sim/strain_rate_damping.h"
 #include "sim/stretch_energy.h"
 
 namespace clothid {
@@ -35,19 +37,24 @@ class ClothModel {
 
   const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
   const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2; times density: the lumped masses M
+  const Eigen::VectorXd& laplacian_diagonal() const { return laplacian_diagonal_; }  // [N] of L, triangle_element.h
   const StretchEnergy& stretch() const { return *stretch_; }
-  const BendingEnergy* bending() const { return bending_ ? &*bending_ : nullptr; }  // null: the scene has none
-  const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }                 // null: the scene has none
+  const BendingEnergy* bending() const { return bending_ ? &*bending_ : nullptr; }      // null: the scene has none
+  const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }                     // null: the scene has none
+  const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
   bool has_contact() const { return !scene_.obstacles.empty(); }
+  double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
 
  private:
   const Scene& scene_;
   std::vector<int> free_nodes_, free_index_;
   std::shared_ptr<const BlockPattern> pattern_;
-  Eigen::VectorXd node_areas_;
+  Eigen::VectorXd node_areas_, laplacian_diagonal_;
+  double touch_gap_ = 0.0;
   std::optional<StretchEnergy> stretch_;
   std::optional<BendingEnergy> bending_;
   std::optional<AirDrag> drag_;
+  std::optional<StrainRateDamping> damping_;
 };
 
 }  // namespace clothid

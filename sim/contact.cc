@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/scene.h"
+#include "sim/cloth_model.h"
 
 namespace clothid {
 namespace {
@@ -24,12 +24,12 @@ ContactCandidate NearestObstacle(const Scene& scene, const Eigen::Vector3d& posi
 
 }  // namespace
 
-void FindCandidates(const Scene& scene, const std::vector<int>& nodes, const Eigen::VectorXd& positions,
-                    double time_step, std::vector<ContactCandidate>* candidates) {
+void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double time_step,
+                    std::vector<ContactCandidate>* candidates) {
+  const Scene& scene = model.scene();
   const bool gap_mode = scene.contact_mode == ContactMode::kGap;
-  const double touch = gap_mode ? 0.0 : scene.touch * ClothSize(scene.mesh);
   candidates->clear();
-  for (const int node : nodes) {
+  for (const int node : model.free_nodes()) {
     ContactCandidate candidate = NearestObstacle(scene, positions.segment<3>(3 * node));
     candidate.node = node;
     if (gap_mode) {
@@ -37,7 +37,7 @@ void FindCandidates(const Scene& scene, const std::vector<int>& nodes, const Eig
       const bool limited = speed < -scene.depenetration_speed;
       candidate.gap_speed = limited ? -scene.depenetration_speed : speed;
       candidate.gap_speed_slope = limited ? 0.0 : 1.0 / time_step;
-    } else if (candidate.gap > touch) {
+    } else if (candidate.gap > model.touch_gap()) {
       continue;
     }
     candidates->push_back(candidate);

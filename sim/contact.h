@@ -10,7 +10,7 @@
 
 namespace clothid {
 
-struct Scene;
+class ClothModel;
 
 // A node that the contact law of this step covers, with the geometry at x_n that is held during the step. It has one
 // obstacle: the one with the smallest gap. With several obstacles that choice jumps; the jumps are counted.
@@ -34,10 +34,10 @@ struct Contact {
   double weight = 0.0;                              // d, kg
 };
 
-// The candidates of a step of size `time_step` that starts at `positions` [3N], among `nodes`: in gap mode every node,
-// in velocity mode those with gap <= touch. `candidates` is overwritten.
-void FindCandidates(const Scene& scene, const std::vector<int>& nodes, const Eigen::VectorXd& positions,
-                    double time_step, std::vector<ContactCandidate>* candidates);
+// The candidates of a step of size `time_step` that starts at `positions` [3N], among the free nodes: in gap mode every
+// one, in velocity mode those with gap <= touch. `candidates` is overwritten.
+void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double time_step,
+                    std::vector<ContactCandidate>* candidates);
 
 // dPhi/dx_n of a contact through normal and gap, X = -[D + S d (gap_speed_slope n n^T + gap_speed N')].
 Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, double friction_coefficient);

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include "sim/error.h"
+#include "sim/text_file.h"
 
 namespace clothid {
 namespace {
@@ -18,7 +20,8 @@ struct MaterialName {
 constexpr MaterialName kMaterialNames[] = {{"k_stretch", ParameterKind::kStretchStiffness},
                                            {"k_bend", ParameterKind::kBendingStiffness},
                                            {"density", ParameterKind::kDensity},
-                                           {"drag", ParameterKind::kDrag}};
+                                           {"drag", ParameterKind::kDrag},
+                                           {"damping", ParameterKind::kDamping}};
 
 constexpr std::string_view kFrictionPrefix = "mu.";
 
@@ -33,6 +36,8 @@ double Material::*MaterialField(ParameterKind kind) {
       return &Material::density;
     case ParameterKind::kDrag:
       return &Material::drag;
+    case ParameterKind::kDamping:
+      return &Material::damping;
     case ParameterKind::kFriction:
       break;
   }
@@ -69,6 +74,24 @@ std::string ParameterName(ParameterId id, const std::vector<std::string>& obstac
   }
   if (id.obstacle == kAllObstacles) return "mu";
   return std::string(kFrictionPrefix) + obstacle_names.at(static_cast<std::size_t>(id.obstacle));
+}
+
+std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag) {
+  std::map<std::string, double> values;
+  if (text.empty()) return values;
+  for (const std::string& item : Split(text, ',')) {
+    const std::size_t equals = item.find('=');
+    const std::optional<double> value =
+        equals == std::string::npos ? std::nullopt : ParseNumber(std::string_view(item).substr(equals + 1));
+    if (equals == 0 || !value) {
+      throw Error(ErrorKind::kUsage, flag + ": expected NAME=NUMBER, a finite one, got '" + Printable(item) + "'");
+    }
+    const std::string name = item.substr(0, equals);
+    if (!values.emplace(name, *value).second) {
+      throw Error(ErrorKind::kUsage, flag + ": '" + Printable(name) + "' is given twice");
+    }
+  }
+  return values;
 }
 
 double GetParameter(const Parameters& parameters, ParameterId id) {

@@ -101,7 +101,7 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
         break;
       }
       StepRecord record{end_time, h, point.positions, problem.AllVelocities(point), {}};
-      if (!problem.candidates().empty()) record.contacts = problem.ActiveContacts(point);
+      if (problem.may_touch()) record.contacts = problem.ActiveContacts(point);
       records->push_back(std::move(record));
     }
     if (static_cast<int>(records->size()) == num_solves) {
@@ -124,6 +124,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
   rollout.time_step = scene.time_step;
   rollout.initial_positions = scene.initial_positions;
   rollout.initial_velocities = scene.initial_velocities;
+  const bool has_contact = simulator->model().has_contact();
   std::vector<StepRecord> records;
   for (int step = 1; step <= num_steps; ++step) {
     if (cancel != nullptr && cancel->load()) {
@@ -137,7 +138,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
     const Eigen::VectorXd& v = first ? rollout.initial_velocities : rollout.records.back().velocities;
     if (!AdvanceStep(parameters, step, x, v, simulator, &records, &rollout.counts, &rollout.failure)) return rollout;
     for (StepRecord& record : records) {
-      if (!rollout.records.empty()) {
+      if (has_contact && !rollout.records.empty()) {
         CountContactChanges(rollout.records.back().contacts, record.contacts, &rollout.counts);
       }
       rollout.records.push_back(std::move(record));

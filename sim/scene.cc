@@ -152,6 +152,8 @@ bool Scene::has_bending() const {
 
 bool Scene::has_drag() const { return material.drag > 0.0 || nominal_parameters().material.drag > 0.0; }
 
+bool Scene::has_damping() const { return material.damping > 0.0 || nominal_parameters().material.damping > 0.0; }
+
 void ValidateScene(const Scene& scene, const std::string& source) {
   const Checker check(source);
   ValidateNumbers(scene, check);
@@ -179,6 +181,7 @@ void ValidateParameters(const Parameters& parameters, const Scene& scene, const 
   expect(parameters.material.stretch_stiffness, false, "k_stretch");
   expect(parameters.material.bending_stiffness, true, "k_bend");
   expect(parameters.material.drag, true, "drag");
+  expect(parameters.material.damping, true, "damping");
   const auto expect_absent = [&](double value, const std::string& name) {
     if (value == 0.0) return;
     throw Error(ErrorKind::kBadData, source + ": parameter '" + name + "' is " + std::to_string(value) +
@@ -186,6 +189,7 @@ void ValidateParameters(const Parameters& parameters, const Scene& scene, const 
   };
   if (!scene.has_bending()) expect_absent(parameters.material.bending_stiffness, "k_bend");
   if (!scene.has_drag()) expect_absent(parameters.material.drag, "drag");
+  if (!scene.has_damping()) expect_absent(parameters.material.damping, "damping");
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     expect(parameters.friction_coefficients[i], true, "mu." + scene.obstacles[i].name);
   }

@@ -81,6 +81,7 @@ struct Scene {
   // Which terms a model of the scene has: those of a positive nominal value.
   bool has_bending() const;
   bool has_drag() const;
+  bool has_damping() const;
 
   int num_steps() const;  // the least number of steps that covers `duration`
   std::vector<std::string> obstacle_names() const;
@@ -93,7 +94,7 @@ struct Scene {
 void ValidateScene(const Scene& scene, const std::string& source);
 
 // Throws `Error` (kBadData) unless every value is finite, density and stiffness are positive, the rest not negative,
-// and bending stiffness and drag zero where the scene has no such term.
+// and bending stiffness, drag and damping zero where the scene has no such term.
 void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source);
 
 }  // namespace clothid

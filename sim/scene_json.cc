@@ -239,11 +239,12 @@ class SceneReader {
   void ReadMaterials() {
     const auto materials = root_.Find("materials");
     if (!materials) return;
-    materials->ExpectKeys({"density", "k_stretch", "k_bend", "drag"});
+    materials->ExpectKeys({"density", "k_stretch", "k_bend", "drag", "damping"});
     ReadPositive(*materials, "density", &scene_.material.density);
     ReadPositive(*materials, "k_stretch", &scene_.material.stretch_stiffness);
     ReadNonNegative(*materials, "k_bend", &scene_.material.bending_stiffness);
     ReadNonNegative(*materials, "drag", &scene_.material.drag);
+    ReadNonNegative(*materials, "damping", &scene_.material.damping);
   }
 
   void ReadParameters() {

@@ -28,10 +28,10 @@ Tangent StartTangent(const SensitivityDirections& directions, const ClothModel& 
   return tangent;
 }
 
-// (I + S)(h H dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta, negated. Uses the contacts of the last Factor.
+// (I + S)(h (H + V) dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta, negated. Uses the contacts of the last Factor.
 Eigen::MatrixXd RightSide(const Tangent& tangent, const std::vector<ParameterId>& parameters, const StepRecord& record,
                           StepDerivative* step) {
-  Eigen::MatrixXd right = step->TimesMass(tangent.velocities) - step->TimesHessian(tangent.positions);
+  Eigen::MatrixXd right = step->TimesMass(tangent.velocities) - step->TimesStart(tangent.positions);
   for (size_t p = 0; p < parameters.size(); ++p) {
     if (parameters[p].kind != ParameterKind::kFriction) right.col(p) -= step->MomentumDerivative(parameters[p]);
   }
@@ -44,9 +44,10 @@ Eigen::MatrixXd RightSide(const Tangent& tangent, const std::vector<ParameterId>
   return right;
 }
 
-void AdvanceTangent(const StepRecord& record, const Eigen::VectorXd& start_velocities, const Parameters& parameters,
+void AdvanceTangent(const StepRecord& record, const Eigen::VectorXd& start_positions,
+                    const Eigen::VectorXd& start_velocities, const Parameters& parameters,
                     const std::vector<ParameterId>& ids, Simulator* simulator, Tangent* tangent) {
-  StepDerivative step(record, start_velocities, parameters, simulator);
+  StepDerivative step(record, start_positions, start_velocities, parameters, simulator);
   const double tolerance = simulator->scene().solver.adjoint_tolerance;
   Eigen::MatrixXd dv;
   for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
@@ -84,9 +85,11 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
       return result;
     }
     for (const StepRecord& record : records) {
-      AdvanceTangent(record, velocities, parameters, directions.parameters, simulator, &tangent);
-      if (step > 1 || &record != &records.front()) CountContactChanges(contacts, record.contacts, &result.counts);
-      contacts = record.contacts;
+      AdvanceTangent(record, positions, velocities, parameters, directions.parameters, simulator, &tangent);
+      if (model.has_contact()) {
+        if (step > 1 || &record != &records.front()) CountContactChanges(contacts, record.contacts, &result.counts);
+        contacts = record.contacts;
+      }
       positions = record.positions;
       velocities = record.velocities;
     }

@@ -31,7 +31,8 @@ struct SensitivityResult {
 };
 
 // Runs the rollout that `Simulate` would run, and with it
-//   A dv = -[(I + S)(h H dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta],   dx_{n+1} = dx_n + h dv.
+//   A dv = -[(I + S)(h (H + V) dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta],   dx_{n+1} = dx_n + h dv
+// with the matrices of step_derivative.h.
 SensitivityResult PushForward(const Parameters& parameters, int num_steps, const SensitivityDirections& directions,
                               const SensitivityVisitor& visitor, Simulator* simulator,
                               const std::atomic<bool>* cancel = nullptr);

@@ -17,7 +17,7 @@ class StepSolver;
 class Simulator {
  public:
   // Builds the terms that the scene has: no obstacle, no contact; k_bend = 0, no bending; drag = 0, neither drag nor
-  // wind. Throws `Error` where `ValidateScene` does.
+  // wind; damping = 0, no internal damping. Throws `Error` where `ValidateScene` does.
   explicit Simulator(Scene scene);
   ~Simulator();
   Simulator(Simulator&&) noexcept;

@@ -47,7 +47,7 @@ bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& fr
                        RolloutCounts* counts) {
   const int max_iterations = model_.scene().solver.max_newton_iterations;
   Eigen::VectorXd start = problem.start_velocities();
-  problem.ClipToFeasible(&start);
+  if (problem.may_touch()) problem.ClipToFeasible(&start);
   problem.Evaluate(start, point);
   if (Newton(problem, friction_coefficients, max_iterations, point, counts)) return true;
   if (!std::isfinite(point->relative_residual)) return false;
@@ -81,14 +81,15 @@ bool StepSolver::Direction(const std::vector<Contact>& contacts, const std::vect
 // Accepts the first length at which the residual or the potential decreases enough.
 bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length,
                             StepPoint* point, StepPoint* trial) {
-  const double friction = FrictionPotential(problem, *point, point->velocities);
+  const bool may_touch = problem.may_touch();
+  const double friction = may_touch ? FrictionPotential(problem, *point, point->velocities) : 0.0;
   double length = first_length;
   for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
     Eigen::VectorXd velocities = point->velocities + length * direction;
-    problem.ClipToFeasible(&velocities);
+    if (may_touch) problem.ClipToFeasible(&velocities);
     problem.Evaluate(velocities, trial);
     if (!std::isfinite(trial->relative_residual)) continue;
-    const double friction_change = FrictionPotential(problem, *point, velocities) - friction;
+    const double friction_change = may_touch ? FrictionPotential(problem, *point, velocities) - friction : 0.0;
     const double slope = point->momentum_gradient.dot(velocities - point->velocities) + friction_change;
     const double potential_change = trial->potential - point->potential + friction_change;
     const bool residual_decreases =
@@ -104,11 +105,12 @@ bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& d
 bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& mu, int max_iterations, StepPoint* point,
                         RolloutCounts* counts) {
   StepPoint trial, best = *point;
+  std::vector<Contact> contacts;
   Eigen::VectorXd direction;
   double first_length = 1.0, before_last = 0.0, last = 0.0;
   for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
     ++counts->newton_iterations;
-    const std::vector<Contact> contacts = problem.ActiveContacts(*point);
+    if (problem.may_touch()) contacts = problem.ActiveContacts(*point);
     if (!FactorAt(problem, contacts, mu, *point, counts)) break;
     if (!Direction(contacts, mu, point->residual, &direction)) break;
     const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last;

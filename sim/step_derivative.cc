@@ -5,15 +5,19 @@
 
 namespace clothid {
 
-StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_velocities,
-                               const Parameters& parameters, Simulator* simulator)
+StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_positions,
+                               const Eigen::VectorXd& start_velocities, const Parameters& parameters,
+                               Simulator* simulator)
     : record_(record),
+      start_positions_(start_positions),
       start_velocities_(start_velocities),
       parameters_(parameters),
       model_(simulator->model()),
       hessian_(simulator->step_solver().hessian()),
       jacobian_(simulator->step_solver().jacobian()) {
-  AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, record.positions, &hessian_);
+  if (model_.damping() != nullptr) start_metrics_ = model_.damping()->Metrics(start_positions);
+  AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
+                      &hessian_);
   const Material& material = parameters.material;
   const double damped_density = material.density + (model_.drag() ? record.time_step * material.drag : 0.0);
   masses_.resize(3 * model_.num_free());
@@ -35,6 +39,27 @@ Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) con
   Eigen::MatrixXd product = hessian_.view() * columns;
   product -= damped_masses_.asDiagonal() * columns;
   return product / record_.time_step;
+}
+
+Eigen::MatrixXd StepDerivative::TimesStart(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = TimesHessian(columns);
+  if (model_.damping() != nullptr) product += TimesMixed(record_.positions, start_positions_, columns);
+  return product;
+}
+
+Eigen::MatrixXd StepDerivative::TimesStartTransposed(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = TimesHessian(columns);
+  if (model_.damping() != nullptr) product += TimesMixed(start_positions_, record_.positions, columns);
+  return product;
+}
+
+Eigen::MatrixXd StepDerivative::TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
+                                           const Eigen::MatrixXd& columns) const {
+  const double h = record_.time_step;
+  const Eigen::MatrixXd all = model_.ScatterColumns(columns);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  model_.damping()->AddMixedProduct(h * parameters_.material.damping, h, positions, start_positions, all, &product);
+  return model_.GatherColumns(product);
 }
 
 Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
@@ -83,6 +108,11 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
         derivative.segment<3>(3 * node) =
             h * model_.drag()->areas()[node] *
             (record_.velocities.segment<3>(3 * node) - model_.drag()->WindAt(node, record_.time));
+      }
+      break;
+    case ParameterKind::kDamping:
+      if (model_.damping() != nullptr) {
+        model_.damping()->AddForce(-h, h, start_metrics_, record_.positions, &derivative);
       }
       break;
   }

@@ -7,10 +7,11 @@
 namespace clothid {
 namespace {
 
-// Diagonal of P = M + h C + h^2 (k L + k_b Q) at the free nodes.
+// Diagonal of P = M + h C + h^2 (k L + k_b Q) + h eta L at the free nodes.
 Eigen::VectorXd SystemDiagonal(const ClothModel& model, const Material& material, double h) {
   Eigen::VectorXd diagonal = (material.density + (model.drag() ? h * material.drag : 0.0)) * model.node_areas();
-  diagonal += h * h * material.stretch_stiffness * model.stretch().LaplacianDiagonal();
+  diagonal += h * h * material.stretch_stiffness * model.laplacian_diagonal();
+  if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal();
   if (model.bending() != nullptr) diagonal += h * h * material.bending_stiffness * model.bending()->matrix().diagonal();
   return diagonal(model.free_nodes());
 }
@@ -31,12 +32,16 @@ void AddBendingHessian(const ClothModel& model, double stiffness, BlockMatrix* h
 }  // namespace
 
 void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
-                         const Eigen::VectorXd& positions, BlockMatrix* hessian) {
+                         const std::vector<Eigen::Matrix2d>& start_metrics, const Eigen::VectorXd& positions,
+                         BlockMatrix* hessian) {
   const Material& material = parameters.material;
   const double h = time_step;
   hessian->values.setZero();
   model.stretch().AddHessian(h * h * material.stretch_stiffness, kind, positions, hessian);
   if (model.bending() != nullptr) AddBendingHessian(model, h * h * material.bending_stiffness, hessian);
+  if (model.damping() != nullptr) {
+    model.damping()->AddHessian(h * h * material.damping, h, kind, start_metrics, positions, hessian);
+  }
   const double areal_mass = material.density + (model.drag() ? h * material.drag : 0.0);
   for (int i = 0; i < model.num_free(); ++i) {
     hessian->block(hessian->pattern().Find(i, i)).diagonal().array() +=
@@ -76,7 +81,8 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
       end_positions_.segment<3>(3 * scene.handles.nodes[i]) = path.segment<3>(3 * static_cast<int>(i));
     }
   }
-  if (model.has_contact()) FindCandidates(scene, model.free_nodes(), positions, time_step, &candidates_);
+  if (model.damping() != nullptr) start_metrics_ = model.damping()->Metrics(positions);
+  if (model.has_contact()) FindCandidates(model, positions, time_step, &candidates_);
 }
 
 int StepProblem::free_block(int candidate) const { return model_.free_index()[candidates_[candidate].node]; }
@@ -90,27 +96,47 @@ void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) 
   point->positions = end_positions_;
   model_.Scatter(model_.Gather(start_positions_) + time_step_ * velocities, &point->positions);
 
-  const Material& material = parameters_.material;
-  Eigen::VectorXd internal = Eigen::VectorXd::Zero(3 * model_.num_nodes());
-  double elastic =
-      material.stretch_stiffness * model_.stretch().AddForce(material.stretch_stiffness, point->positions, &internal);
-  if (model_.bending() != nullptr) {
-    elastic += material.bending_stiffness *
-               model_.bending()->AddForce(material.bending_stiffness, point->positions, &internal);
-  }
-  const Eigen::VectorXd internal_impulse = time_step_ * model_.Gather(internal);
   const Eigen::VectorXd change = velocities - start_velocities_;
-  point->momentum_gradient = masses_.cwiseProduct(change) - external_impulse_ - internal_impulse;
-  point->potential = 0.5 * change.cwiseAbs2().dot(masses_) - external_impulse_.dot(velocities) + elastic;
+  point->momentum_gradient = masses_.cwiseProduct(change) - external_impulse_;
+  point->potential = 0.5 * change.cwiseAbs2().dot(masses_) - external_impulse_.dot(velocities);
+  point->scale = std::max(
+      {external_impulse_.norm(), masses_.cwiseProduct(start_velocities_).norm(), std::numeric_limits<double>::min()});
+  AddElasticForce(point);
   if (drag_.size() > 0) {
     point->momentum_gradient += drag_.cwiseProduct(velocities);
     point->potential += 0.5 * drag_.dot(velocities.cwiseAbs2());
   }
-  point->scale = std::max({external_impulse_.norm(), masses_.cwiseProduct(start_velocities_).norm(),
-                           internal_impulse.norm(), std::numeric_limits<double>::min()});
+  if (model_.damping() != nullptr) AddViscousForce(point);
   point->residual = point->momentum_gradient;
-  if (!candidates_.empty()) ApplyContactLaw(velocities, point->momentum_gradient, point);
+  if (may_touch()) ApplyContactLaw(velocities, point->momentum_gradient, point);
   point->relative_residual = point->residual.norm() / point->scale;
+}
+
+void StepProblem::AddElasticForce(StepPoint* point) const {
+  const Material& material = parameters_.material;
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(3 * model_.num_nodes());
+  double energy =
+      material.stretch_stiffness * model_.stretch().AddForce(material.stretch_stiffness, point->positions, &force);
+  if (model_.bending() != nullptr) {
+    energy +=
+        material.bending_stiffness * model_.bending()->AddForce(material.bending_stiffness, point->positions, &force);
+  }
+  AddInternalForce(force, energy, point);
+}
+
+void StepProblem::AddViscousForce(StepPoint* point) const {
+  const double damping = parameters_.material.damping;
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(3 * model_.num_nodes());
+  const double potential =
+      damping * model_.damping()->AddForce(damping, time_step_, start_metrics_, point->positions, &force);
+  AddInternalForce(force, potential, point);
+}
+
+void StepProblem::AddInternalForce(const Eigen::VectorXd& force, double potential, StepPoint* point) const {
+  const Eigen::VectorXd impulse = time_step_ * model_.Gather(force);
+  point->momentum_gradient -= impulse;
+  point->potential += potential;
+  point->scale = std::max(point->scale, impulse.norm());
 }
 
 void StepProblem::ApplyContactLaw(const Eigen::VectorXd& velocities, const Eigen::VectorXd& gradient,
@@ -130,7 +156,7 @@ void StepProblem::ApplyContactLaw(const Eigen::VectorXd& velocities, const Eigen
 }
 
 void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const {
-  AssembleStepHessian(model_, parameters_, time_step_, kind, point.positions, hessian);
+  AssembleStepHessian(model_, parameters_, time_step_, kind, start_metrics_, point.positions, hessian);
 }
 
 double StepProblem::RoundingFloor(const StepPoint& point) const {

@@ -1,10 +1,12 @@
 // The equations of one implicit step (Eqs. (8) and (9) of the DiffCloth paper), in the velocity v = v_{n+1}:
 //
-//   g(v) = M (v - v_n) - h f_ext(v) - h f_int(x_n + h v) = J^T r,   (r, u = J v) in the contact law
+//   g(v) = M (v - v_n) - h f_ext(v) - h f_int(x_n + h v; x_n) = J^T r,   (r, u = J v) in the contact law
 //   Phi(v) = g(v) - J^T r(F(v)),  F = d v - g + (d gap_speed) n     its root is the step
 //   K = dg/dv = M + h C + h^2 H(x_n + h v)
-// f_ext is gravity, the scene's node force and drag c_d a (w - v), C = c_d diag(a). d_j = P_jj, the diagonal of PD's
-// constant matrix P = M + h C + h^2 (k L + k_b Q). All vectors over free nodes [3 Nf] unless marked [3N].
+// f_ext is gravity, the scene's node force and drag c_d a (w - v), C = c_d diag(a). f_int = -d(E + W)/dx and
+// H = d2(E + W)/dx2, E the energy of stretch and bending, W the dissipation potential of internal damping, which alone
+// depends on x_n and h as well (strain_rate_damping.h). d_j = P_jj, the diagonal of PD's constant matrix
+// P = M + h C + h^2 (k L + k_b Q) + h eta L. All vectors over free nodes [3 Nf] unless marked [3N].
 #ifndef CLOTHID_SIM_STEP_PROBLEM_H_
 #define CLOTHID_SIM_STEP_PROBLEM_H_
 
@@ -25,14 +27,16 @@ struct StepPoint {
   Eigen::VectorXd residual;                // Phi
   std::vector<Eigen::Vector3d> forces;     // F, per candidate
   std::vector<ContactResponse> responses;  // per candidate
-  double potential = 0.0;          // whose gradient is g, J: kinetic distance to v_n, drag, external and elastic energy
-  double scale = 0.0;              // largest of h |f_ext|, |M v_n| and h |f_int|, N s
+  double potential = 0.0;          // whose gradient is g, J: kinetic distance to v_n, drag, external energy, E and W
+  double scale = 0.0;              // largest of h |f_ext|, |M v_n|, h |dE/dx| and h |dW/dx|, N s
   double relative_residual = 0.0;  // |Phi| / scale
 };
 
-// Adds K at `positions` [3N] to nothing: overwrites `hessian`.
+// K at `positions` [3N] overwrites `hessian`. `start_metrics`: of x_n, see strain_rate_damping.h; unused, and so may be
+// empty, where the model has no damping.
 void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
-                         const Eigen::VectorXd& positions, BlockMatrix* hessian);
+                         const std::vector<Eigen::Matrix2d>& start_metrics, const Eigen::VectorXd& positions,
+                         BlockMatrix* hessian);
 
 class StepProblem {
  public:
@@ -44,6 +48,7 @@ class StepProblem {
   double end_time() const { return end_time_; }
   const Eigen::VectorXd& start_velocities() const { return start_velocities_; }  // v_n
   const std::vector<ContactCandidate>& candidates() const { return candidates_; }
+  bool may_touch() const { return !candidates_.empty(); }
   double weight(int candidate) const;                // d of its node, kg
   double friction_coefficient(int candidate) const;  // mu of its obstacle
   int free_block(int candidate) const;               // its node among the free nodes
@@ -68,17 +73,23 @@ class StepProblem {
   Eigen::VectorXd AllVelocities(const StepPoint& point) const;
 
  private:
+  // Take an internal force over the step off the gradient and add its potential and the size of its impulse.
+  void AddElasticForce(StepPoint* point) const;
+  void AddViscousForce(StepPoint* point) const;
+  void AddInternalForce(const Eigen::VectorXd& force, double potential, StepPoint* point) const;
+
   const ClothModel& model_;
   const Parameters& parameters_;
   double time_step_, end_time_;
-  Eigen::VectorXd start_positions_;           // x_n [3N]
-  Eigen::VectorXd end_positions_;             // [3N] the handles at end_time; free entries are placeholders
-  Eigen::VectorXd start_velocities_;          // v_n
-  Eigen::VectorXd masses_;                    // M, per component
-  Eigen::VectorXd drag_;                      // h C, per component; empty without drag
-  Eigen::VectorXd external_impulse_;          // h times the part of f_ext that does not depend on v
-  Eigen::VectorXd weights_;                   // d, per free node
-  std::vector<ContactCandidate> candidates_;  // empty without obstacles
+  Eigen::VectorXd start_positions_;             // x_n [3N]
+  Eigen::VectorXd end_positions_;               // [3N] the handles at end_time; free entries are placeholders
+  Eigen::VectorXd start_velocities_;            // v_n
+  Eigen::VectorXd masses_;                      // M, per component
+  Eigen::VectorXd drag_;                        // h C, per component; empty without drag
+  Eigen::VectorXd external_impulse_;            // h times the part of f_ext that does not depend on v
+  Eigen::VectorXd weights_;                     // d, per free node
+  std::vector<Eigen::Matrix2d> start_metrics_;  // C(x_n) per triangle; empty without damping
+  std::vector<ContactCandidate> candidates_;    // empty without obstacles
 };
 
 }  // namespace clothid

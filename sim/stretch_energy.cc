@@ -10,13 +10,15 @@ namespace {
 // Below this share of tr C the area ratio s of a collapsing triangle is held, so that S stays invertible.
 constexpr double kSmallestAreaRatio = 1e-12;
 
+using Gradient = Eigen::Matrix<double, 3, 2>;  // F
+
 struct PolarFactors {
-  Eigen::Matrix<double, 3, 2> rotation;  // R
-  Eigen::Matrix2d inverse_stretch;       // S^-1
-  double tau;                            // tr S
+  Gradient rotation;                // R
+  Eigen::Matrix2d inverse_stretch;  // S^-1
+  double tau;                       // tr S
 };
 
-PolarFactors Polar(const Eigen::Matrix<double, 3, 2>& gradient) {
+PolarFactors Polar(const Gradient& gradient) {
   const Eigen::Matrix2d c = gradient.transpose() * gradient;
   const double trace = c.trace();
   const double s = std::max(std::sqrt(std::max(c.determinant(), 0.0)), kSmallestAreaRatio * trace);
@@ -40,42 +42,9 @@ Eigen::Matrix2d ClampToIdentity(const Eigen::Matrix2d& inverse_stretch) {
 
 }  // namespace
 
-StretchEnergy::StretchEnergy(const Mesh& mesh, const std::vector<int>& free_index, const BlockPattern& pattern)
-    : num_nodes_(mesh.num_nodes()) {
-  triangles_.resize(mesh.num_faces());
-  for (int f = 0; f < mesh.num_faces(); ++f) {
-    Triangle& triangle = triangles_[f];
-    for (int i = 0; i < 3; ++i) triangle.nodes[i] = mesh.faces(i, f);
-    const Eigen::Vector3d e1 = mesh.rest_positions.col(triangle.nodes[1]) - mesh.rest_positions.col(triangle.nodes[0]);
-    const Eigen::Vector3d e2 = mesh.rest_positions.col(triangle.nodes[2]) - mesh.rest_positions.col(triangle.nodes[0]);
-    const double doubled_area = e1.cross(e2).norm();
-    triangle.area = 0.5 * doubled_area;
-    // Rest edges in the triangle's own plane; rows of the inverse are the gradients of nodes 1 and 2.
-    const double length = e1.norm();
-    Eigen::Matrix2d edges;
-    edges << length, e1.dot(e2) / length, 0.0, doubled_area / length;
-    const Eigen::Matrix2d inverse = edges.inverse();
-    triangle.shape_gradients.col(1) = inverse.row(0).transpose();
-    triangle.shape_gradients.col(2) = inverse.row(1).transpose();
-    triangle.shape_gradients.col(0) = -triangle.shape_gradients.col(1) - triangle.shape_gradients.col(2);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const int row = free_index[triangle.nodes[i]], column = free_index[triangle.nodes[j]];
-        if (row >= 0 && column >= 0) triangle.blocks[i][j] = pattern.Find(row, column);
-      }
-    }
-  }
-}
-
-StretchEnergy::Gradient StretchEnergy::DeformationGradient(const Triangle& triangle, const Eigen::VectorXd& positions) {
-  const Eigen::Vector3d x0 = positions.segment<3>(3 * triangle.nodes[0]);
-  return (positions.segment<3>(3 * triangle.nodes[1]) - x0) * triangle.shape_gradients.col(1).transpose() +
-         (positions.segment<3>(3 * triangle.nodes[2]) - x0) * triangle.shape_gradients.col(2).transpose();
-}
-
 double StretchEnergy::Energy(const Eigen::VectorXd& positions) const {
   double energy = 0.0;
-  for (const Triangle& triangle : triangles_) {
+  for (const TriangleElement& triangle : *triangles_) {
     const Gradient gradient = DeformationGradient(triangle, positions);
     energy += 0.5 * triangle.area * (gradient - Polar(gradient).rotation).squaredNorm();
   }
@@ -84,16 +53,11 @@ double StretchEnergy::Energy(const Eigen::VectorXd& positions) const {
 
 double StretchEnergy::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
   double energy = 0.0;
-  for (const Triangle& triangle : triangles_) {
+  for (const TriangleElement& triangle : *triangles_) {
     const Gradient gradient = DeformationGradient(triangle, positions);
     const Gradient strain = gradient - Polar(gradient).rotation;
     energy += 0.5 * triangle.area * strain.squaredNorm();
-    const Gradient stress = -stiffness * triangle.area * strain;
-    const Eigen::Vector3d f1 = stress * triangle.shape_gradients.col(1);
-    const Eigen::Vector3d f2 = stress * triangle.shape_gradients.col(2);
-    force->segment<3>(3 * triangle.nodes[1]) += f1;
-    force->segment<3>(3 * triangle.nodes[2]) += f2;
-    force->segment<3>(3 * triangle.nodes[0]) -= f1 + f2;
+    AddNodeForces(triangle, -stiffness * triangle.area * strain, force);
   }
   return energy;
 }
@@ -101,7 +65,7 @@ double StretchEnergy::AddForce(double stiffness, const Eigen::VectorXd& position
 // B_ij = (g_i . g_j) I - q_i q_j^T/tau - (g_i . S^-1 g_j) n n^T,   q_i = R eps g_i, eps = [0 -1; 1 0], n = R_0 x R_1.
 void StretchEnergy::AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions,
                                BlockMatrix* hessian) const {
-  for (const Triangle& triangle : triangles_) {
+  for (const TriangleElement& triangle : *triangles_) {
     const PolarFactors polar = Polar(DeformationGradient(triangle, positions));
     const bool clamp = kind == HessianKind::kClamped;
     const Eigen::Matrix2d inverse_stretch = clamp ? ClampToIdentity(polar.inverse_stretch) : polar.inverse_stretch;
@@ -127,16 +91,6 @@ void StretchEnergy::AddHessian(double stiffness, HessianKind kind, const Eigen::
       }
     }
   }
-}
-
-Eigen::VectorXd StretchEnergy::LaplacianDiagonal() const {
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(num_nodes_);
-  for (const Triangle& triangle : triangles_) {
-    for (int i = 0; i < 3; ++i) {
-      diagonal[triangle.nodes[i]] += triangle.area * triangle.shape_gradients.col(i).squaredNorm();
-    }
-  }
-  return diagonal;
 }
 
 }  // namespace clothid

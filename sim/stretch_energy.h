@@ -7,22 +7,16 @@
 #define CLOTHID_SIM_STRETCH_ENERGY_H_
 
 #include <Eigen/Core>
-#include <vector>
+#include <memory>
+#include <utility>
 
-#include "sim/block_matrix.h"
-#include "sim/mesh.h"
+#include "sim/triangle_element.h"
 
 namespace clothid {
 
-enum class HessianKind {
-  kExact,    // the second derivative; indefinite in compression
-  kClamped,  // 1/tau clamped to 1/2 and the eigenvalues of S^-1 to 1: positive semidefinite, for directions only
-};
-
 class StretchEnergy {
  public:
-  // `pattern` is the pattern of the Hessian over the free nodes, `free_index` [N] maps nodes to it (-1: a handle).
-  StretchEnergy(const Mesh& mesh, const std::vector<int>& free_index, const BlockPattern& pattern);
+  explicit StretchEnergy(std::shared_ptr<const TriangleElements> triangles) : triangles_(std::move(triangles)) {}
 
   // E/k for positions [3N], m^2.
   double Energy(const Eigen::VectorXd& positions) const;
@@ -30,25 +24,11 @@ class StretchEnergy {
   // Adds stiffness * (-d(E/k)/dx) to `force` [3N] and returns E/k.
   double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
 
-  // Adds stiffness * d2(E/k)/dx2 to `hessian`.
+  // Adds stiffness * d2(E/k)/dx2 to `hessian`. Clamped: 1/tau to at most 1/2, the eigenvalues of S^-1 to at most 1.
   void AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions, BlockMatrix* hessian) const;
 
-  // Diagonal of the constant PD matrix L, L_ij = sum a g_i . g_j [N], 1.
-  Eigen::VectorXd LaplacianDiagonal() const;
-
  private:
-  struct Triangle {
-    int nodes[3];
-    double area;                                  // m^2
-    Eigen::Matrix<double, 2, 3> shape_gradients;  // column i: g_i, 1/m
-    BlockPosition blocks[3][3];                   // of (i, j), invalid where one of them is a handle
-  };
-  using Gradient = Eigen::Matrix<double, 3, 2>;  // F
-
-  static Gradient DeformationGradient(const Triangle& triangle, const Eigen::VectorXd& positions);
-
-  std::vector<Triangle> triangles_;
-  int num_nodes_;
+  std::shared_ptr<const TriangleElements> triangles_;
 };
 
 }  // namespace clothid

@@ -69,6 +69,16 @@ std::string_view TakeWord(std::string_view* rest) {
   return word;
 }
 
+std::vector<std::string> Split(std::string_view text, char separator) {
+  std::vector<std::string> items;
+  for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {
+    items.emplace_back(text.substr(0, end));
+    text.remove_prefix(end + 1);
+  }
+  items.emplace_back(text);
+  return items;
+}
+
 std::optional<double> ParseNumber(std::string_view text) {
   const std::optional<double> value = ParseWhole<double>(text);
   return value && std::isfinite(*value) ? value : std::nullopt;

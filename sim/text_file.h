@@ -1,4 +1,4 @@
-// Reading small input files whole, and numbers out of them.
+// Reading small input files whole, and items and numbers out of text.
 #ifndef CLOTHID_SIM_TEXT_FILE_H_
 #define CLOTHID_SIM_TEXT_FILE_H_
 
@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace clothid {
 
@@ -18,6 +19,9 @@ std::optional<std::string_view> TakeLine(std::string_view* rest);
 
 // Takes the next word (a run without blanks and tabs) off the front of `rest`; empty when there is none.
 std::string_view TakeWord(std::string_view* rest);
+
+// The items of `text` between separators: one more than there are separators, empty ones included.
+std::vector<std::string> Split(std::string_view text, char separator);
 
 // The value of `text`, which must be one finite number from end to end; else nothing.
 std::optional<double> ParseNumber(std::string_view text);

@@ -53,7 +53,7 @@ Example:
 JacobianBenchmarkOptions OptionsFromFlags() {
   JacobianBenchmarkOptions options;
   options.scene_path = FLAGS_scene;
-  options.truth = ParseAssignments(FLAGS_set, "--set");
+  options.truth = ParseParameterValues(FLAGS_set, "--set");
   options.noise = FLAGS_noise;
   options.starts_per_axis = FLAGS_starts;
   options.methods = ParseNames(FLAGS_methods, "--methods");

@@ -1,9 +1,8 @@
-// What the command-line tools share: help, version, "a=1,b=2" lists, and exceptions to exit codes.
+// What the command-line tools share: help, version, and exceptions to exit codes.
 #ifndef CLOTHID_TOOLS_COMMAND_LINE_H_
 #define CLOTHID_TOOLS_COMMAND_LINE_H_
 
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -18,10 +17,6 @@ using Command = std::function<int(const std::vector<std::string>& arguments)>;
 // code. Whatever `command` throws ends as one line on stderr, led by `name`, and as an exit code. An unknown flag ends
 // the process with exit code 1 and one line from gflags.
 int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command);
-
-// "mu=0.3,k_stretch=300" -> {{"k_stretch", 300}, {"mu", 0.3}}. Empty text: empty map. Throws `Error` (kUsage) that
-// names `flag` and the entry, unless every entry is NAME=VALUE with a finite value and every name is there once.
-std::map<std::string, double> ParseAssignments(const std::string& text, const std::string& flag);
 
 }  // namespace clothid
 

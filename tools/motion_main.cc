@@ -112,7 +112,7 @@ void PrintScene(const Scene& scene) {
             << (scene.contact_mode == ContactMode::kGap ? "gap" : "velocity") << "\n  nominal: density "
             << nominal.material.density << " kg/m^2, k_stretch " << nominal.material.stretch_stiffness
             << " N/m, k_bend " << nominal.material.bending_stiffness << " N m, drag " << nominal.material.drag
-            << " kg/(m^2 s)\n";
+            << " kg/(m^2 s), damping " << nominal.material.damping << " N s/m\n";
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
     std::cout << "  obstacle " << scene.obstacles[i].name << ": mu " << nominal.friction_coefficients[i]
               << ", contact distance " << scene.obstacles[i].contact_distance << " m\n";

@@ -10,6 +10,7 @@
 #include "datasets/motion_file.h"
 #include "datasets/synthetic.h"
 #include "sim/json_document.h"
+#include "sim/parameters.h"
 #include "sim/rollout.h"
 #include "sim/scene_json.h"
 #include "sim/simulator.h"
@@ -37,7 +38,7 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   --scene FILE       scene.json (every key: datasets/README.md)
   --output FILE      motion.bin to write
   --set LIST         true parameters in place of the scene's nominal ones: mu, mu.OBSTACLE, k_stretch, k_bend,
-                     density, drag. They are written nowhere in the recording.
+                     density, drag, damping. They are written nowhere in the recording.
   --noise SIGMA      Gaussian noise on every coordinate, standard deviation in m (0)
   --frame_rate HZ    frames per second; 0: one per time step (0)
   --drop FRACTION    chance of a point to be missing in a frame, [0, 1) (0)
@@ -54,11 +55,11 @@ Example:
 )";
 
 // The scene's nominal parameters with the assignments of --set, in alphabetical order: "mu.NAME" overrides "mu". A
-// wrong value is a wrong flag, not bad data. Gives `scene` the true material, so that it has bending and air where the
-// truth has them.
+// wrong value is a wrong flag, not bad data. Gives `scene` the true material, so that it has the terms that the truth
+// has.
 Parameters SetTruth(Scene* scene) {
   Parameters parameters = scene->nominal_parameters();
-  for (const auto& [name, value] : ParseAssignments(FLAGS_set, "--set")) {
+  for (const auto& [name, value] : ParseParameterValues(FLAGS_set, "--set")) {
     const ParameterId id = ParseParameter(name, scene->obstacle_names());
     SetParameter(id, value, &parameters);
     if (GetParameter(parameters, id) != value) {

@@ -27,7 +27,8 @@ TEST(ParameterBlockTest, CoordinatesInvertAndDifferentiate) {
 }
 
 TEST(ParameterBlockTest, DefaultsComeFromTheScene) {
-  const Scene scene = SphereScene();
+  Scene scene = SphereScene();
+  scene.material.damping = 0.5;
   const ParameterBlock friction = MakeParameterBlock("mu", scene, {});
   EXPECT_EQ(friction.scale, ParameterScale::kLinear);
   EXPECT_EQ(friction.start, 0.2);
@@ -38,7 +39,7 @@ TEST(ParameterBlockTest, DefaultsComeFromTheScene) {
   EXPECT_EQ(stretch.start, 50.0);
   EXPECT_DOUBLE_EQ(stretch.lower_bound, 50.0 / 1e4);
   EXPECT_DOUBLE_EQ(stretch.upper_bound, 50.0 * 1e4);
-  for (const char* name : {"k_bend", "density", "drag"}) {
+  for (const char* name : {"k_bend", "density", "drag", "damping"}) {
     EXPECT_EQ(MakeParameterBlock(name, scene, {}).scale, ParameterScale::kLog) << name;
   }
 }
@@ -89,6 +90,8 @@ TEST(ParameterBlockTest, RefusesUnusableValues) {
   scene.material.bending_stiffness = 0.0;
   ExpectError([&] { make("k_bend", none, none, none); }, ErrorKind::kUsage, {"k_bend", "positive nominal value"});
   EXPECT_NO_THROW(make("k_bend", 1e-3, none, none));
+  ExpectError([&] { make("damping", none, none, none); }, ErrorKind::kUsage, {"damping", "positive nominal value"});
+  EXPECT_NO_THROW(make("damping", 1e-3, none, none));
 }
 
 }  // namespace

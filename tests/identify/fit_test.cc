@@ -72,6 +72,18 @@ TEST_P(RecoveryTest, FindsFrictionAndStiffnessOnASphere) {
   ExpectRecovered(RunFit({SphereMotion()}, options), kSphereTruth, method == FitMethod::kLbfgs ? 1e-4 : 1e-6);
 }
 
+// The scene of the recording has no internal damping: its starting value brings the term in.
+TEST(FitTest, FindsADampingThatTheSceneDoesNotHave) {
+  const std::map<std::string, double> truth = {{"k_stretch", 150.0}, {"damping", 0.6}};
+  Scene scene = SwingScene();
+  scene.material.damping = 0.6;
+  RecordedMotion motion = MakeMotion(scene, {truth, 0.0, 0.0, 0.0});
+  motion.scene.material.damping = 0.0;
+  FitOptions options = OptionsFor({"k_stretch", "damping"});
+  options.overrides.start["damping"] = 0.05;
+  ExpectRecovered(RunFit({motion}, options), truth, 1e-6);
+}
+
 TEST(FitTest, FitsRecordingsJointly) {
   std::map<std::string, double> truth = {{"mu.ball", 0.35}, {"k_stretch", 150.0}};
   MotionOptions swing;

@@ -16,15 +16,6 @@ TEST(OptionsTest, ParsesNames) {
   }
 }
 
-TEST(OptionsTest, ParsesParameterValues) {
-  EXPECT_TRUE(ParseParameterValues("", "--start").empty());
-  const std::map<std::string, double> values = ParseParameterValues("mu=0.1,k_stretch=5e1", "--start");
-  EXPECT_EQ(values, (std::map<std::string, double>{{"mu", 0.1}, {"k_stretch", 50.0}}));
-  for (const char* text : {"mu", "=1", "mu=", "mu=a", "mu=1x", "mu=nan", "mu=inf", "mu=1,", "mu=1,mu=2"}) {
-    ExpectError([&] { ParseParameterValues(text, "--start"); }, ErrorKind::kUsage, {"--start"});
-  }
-}
-
 TEST(OptionsTest, ParsesMethods) {
   EXPECT_EQ(ParseFitMethod("lm"), FitMethod::kLevenbergMarquardt);
   EXPECT_EQ(ParseFitMethod("lbfgs"), FitMethod::kLbfgs);

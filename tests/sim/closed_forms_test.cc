@@ -14,37 +14,12 @@
 #include "sim/rollout.h"
 #include "sim/scene.h"
 #include "sim/simulator.h"
+#include "tests/sim/plain_scenes.h"
 
 namespace clothid {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kGravity = 9.81;  // m/s^2
-
-// A square of cloth at rest, in the air, with a tight step tolerance.
-Scene ClothScene(const GridOptions& grid, double time_step) {
-  Scene scene;
-  scene.time_step = time_step;
-  scene.mesh = MakeGrid(grid);
-  scene.initial_positions = scene.mesh.rest_positions.reshaped();
-  scene.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
-  scene.solver.step_tolerance = 1e-12;
-  return scene;
-}
-
-GridOptions SquareGrid(int nodes, double size) {
-  GridOptions grid;
-  grid.nodes = {nodes, nodes};
-  grid.size = {size, size};
-  return grid;
-}
-
-Rollout SimulateNominal(const Scene& scene, int num_steps) {
-  Simulator simulator(scene);
-  Rollout rollout = Simulate(scene.nominal_parameters(), num_steps, &simulator);
-  EXPECT_TRUE(rollout.ok()) << rollout.failure->ToString();
-  return rollout;
-}
 
 // The largest distance of a node from `translation` away from where it started.
 double TranslationError(const Rollout& rollout, int step, const Eigen::Vector3d& translation) {
@@ -192,23 +167,8 @@ TEST(HangingTest, SleeveStretchesByItsOwnWeightExactly) {
   constexpr double kRowHeight = 0.025, kRadius = 0.05;  // m
   Scene scene = ClothScene(SquareGrid(2, 0.1), 0.1);
   scene.material.stretch_stiffness = 10.0;
-  Mesh& mesh = scene.mesh;
-  mesh.rest_positions.resize(3, kRings * kRingSize);
-  mesh.faces.resize(3, 2 * (kRings - 1) * kRingSize);
-  for (int ring = 0; ring < kRings; ++ring) {
-    for (int i = 0; i < kRingSize; ++i) {
-      const double angle = 2.0 * kPi * i / kRingSize;
-      mesh.rest_positions.col(ring * kRingSize + i) << kRadius * std::cos(angle), kRadius * std::sin(angle),
-          -ring * kRowHeight;
-    }
-  }
-  for (int quad = 0; quad < (kRings - 1) * kRingSize; ++quad) {
-    const int next = quad % kRingSize == kRingSize - 1 ? quad + 1 - kRingSize : quad + 1;
-    mesh.faces.col(2 * quad) << quad, quad + kRingSize, next;
-    mesh.faces.col(2 * quad + 1) << next, quad + kRingSize, next + kRingSize;
-  }
-  scene.initial_positions = mesh.rest_positions.reshaped();
-  scene.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
+  PutSleeve(kRings, kRingSize, kRadius, kRowHeight, &scene);
+  const Mesh& mesh = scene.mesh;
 
   const double girth = kRingSize * 2.0 * kRadius * std::sin(kPi / kRingSize);
   const double expected = HungLength(RowMasses(mesh, scene.material.density, kRingSize), kRowHeight, girth,

@@ -1,7 +1,8 @@
-// Forces and Hessians of stretch and bending against differences of the energies.
+// Forces and Hessians of stretch, bending and internal damping against differences of the energies.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -10,7 +11,9 @@
 #include "sim/bending_energy.h"
 #include "sim/block_matrix.h"
 #include "sim/mesh.h"
+#include "sim/strain_rate_damping.h"
 #include "sim/stretch_energy.h"
+#include "sim/triangle_element.h"
 
 namespace clothid {
 namespace {
@@ -26,6 +29,7 @@ class EnergyTest : public ::testing::Test {
     std::iota(free_index_.begin(), free_index_.end(), 0);
     std::vector<int> everyone = free_index_;
     pattern_ = std::make_shared<BlockPattern>(std::vector<std::vector<int>>(mesh_.num_nodes(), everyone));
+    triangles_ = std::make_shared<const TriangleElements>(MakeTriangleElements(mesh_, free_index_, *pattern_));
     std::mt19937_64 generator(3);
     std::normal_distribution<double> normal;
     rest_ = mesh_.rest_positions.reshaped();
@@ -36,7 +40,7 @@ class EnergyTest : public ::testing::Test {
   }
 
   Eigen::MatrixXd StretchHessian(HessianKind kind, const Eigen::VectorXd& positions) {
-    const StretchEnergy energy(mesh_, free_index_, *pattern_);
+    const StretchEnergy energy(triangles_);
     BlockMatrix hessian(pattern_);
     energy.AddHessian(1.0, kind, positions, &hessian);
     return Eigen::MatrixXd(hessian.view());
@@ -45,11 +49,12 @@ class EnergyTest : public ::testing::Test {
   Mesh mesh_;
   std::vector<int> free_index_;
   std::shared_ptr<BlockPattern> pattern_;
+  std::shared_ptr<const TriangleElements> triangles_;
   Eigen::VectorXd rest_, positions_, direction_;
 };
 
 TEST_F(EnergyTest, StretchForceIsTheGradient) {
-  const StretchEnergy energy(mesh_, free_index_, *pattern_);
+  const StretchEnergy energy(triangles_);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(positions_.size());
   const double value = energy.AddForce(2.0, positions_, &force);
   EXPECT_DOUBLE_EQ(value, energy.Energy(positions_));
@@ -60,7 +65,7 @@ TEST_F(EnergyTest, StretchForceIsTheGradient) {
 }
 
 TEST_F(EnergyTest, StretchHessianIsTheSecondDerivative) {
-  const StretchEnergy energy(mesh_, free_index_, *pattern_);
+  const StretchEnergy energy(triangles_);
   const Eigen::MatrixXd hessian = StretchHessian(HessianKind::kExact, positions_);
   EXPECT_LT((hessian - hessian.transpose()).norm(), 1e-13 * hessian.norm());
   const double step = 1e-6;
@@ -86,7 +91,7 @@ TEST_F(EnergyTest, ClampedHessianIsPositiveSemidefiniteInCompression) {
 }
 
 TEST_F(EnergyTest, StretchEnergyOfAUniformStretch) {
-  const StretchEnergy energy(mesh_, free_index_, *pattern_);
+  const StretchEnergy energy(triangles_);
   // F = diag(1.2, 1): E/k = area (0.2)^2 / 2.
   Eigen::VectorXd stretched = rest_;
   for (Eigen::Index i = 0; i < stretched.size(); i += 3) stretched[i] *= 1.2;
@@ -127,6 +132,112 @@ TEST_F(EnergyTest, BendingForceIsTheGradient) {
                              energy.AddForce(3.0, positions_ - step * direction_, &unused)) /
                             (2.0 * step);
   EXPECT_NEAR(-force.dot(direction_), 3.0 * difference, 1e-7 * std::abs(3.0 * difference));
+}
+
+// A step from x_n = start_ to positions_, in which the cloth is strained, turned and moved.
+class DampingTest : public EnergyTest {
+ protected:
+  DampingTest() : damping_(triangles_) {
+    std::mt19937_64 generator(5);
+    std::normal_distribution<double> normal;
+    start_ = 1.1 * rest_;
+    for (double& x : start_) x += 0.01 * normal(generator);
+    start_ = Moved(start_, 1.0);
+  }
+
+  // `positions` turned by `angle` (rad) about an axis that lies askew, and shifted.
+  static Eigen::VectorXd Moved(const Eigen::VectorXd& positions, double angle) {
+    const Eigen::Matrix3d rotation =
+        Eigen::AngleAxisd(angle, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
+    const Eigen::Matrix3Xd x = positions.reshaped(3, positions.size() / 3);
+    return ((rotation * x).colwise() + Eigen::Vector3d(0.3, -5.0, 2.0)).reshaped();
+  }
+
+  // The force at `positions` of a step from `start`, for eta = 1; `potential` may be null.
+  Eigen::VectorXd Force(const Eigen::VectorXd& start, const Eigen::VectorXd& positions, double* potential) const {
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
+    const double value = damping_.AddForce(1.0, kTimeStep, damping_.Metrics(start), positions, &force);
+    if (potential != nullptr) *potential = value;
+    return force;
+  }
+
+  Eigen::MatrixXd Hessian(HessianKind kind, const Eigen::VectorXd& start, const Eigen::VectorXd& positions) const {
+    BlockMatrix hessian(pattern_);
+    damping_.AddHessian(1.0, kTimeStep, kind, damping_.Metrics(start), positions, &hessian);
+    return Eigen::MatrixXd(hessian.view());
+  }
+
+  Eigen::MatrixXd MixedProduct(const Eigen::VectorXd& positions, const Eigen::VectorXd& start,
+                               const Eigen::MatrixXd& columns) const {
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+    damping_.AddMixedProduct(1.0, kTimeStep, positions, start, columns, &product);
+    return product;
+  }
+
+  static constexpr double kTimeStep = 0.01;    // s
+  static constexpr double kDifference = 1e-6;  // of a position, relative to direction_
+  StrainRateDamping damping_;
+  Eigen::VectorXd start_;
+};
+
+TEST_F(DampingTest, ForceIsTheGradientOfTheDissipationPotential) {
+  double plus = 0.0, minus = 0.0;
+  Force(start_, positions_ + kDifference * direction_, &plus);
+  Force(start_, positions_ - kDifference * direction_, &minus);
+  const double difference = (plus - minus) / (2.0 * kDifference);
+  EXPECT_NEAR(-Force(start_, positions_, nullptr).dot(direction_), difference, 1e-7 * std::abs(difference));
+}
+
+TEST_F(DampingTest, HessianIsTheSecondDerivative) {
+  const Eigen::MatrixXd hessian = Hessian(HessianKind::kExact, start_, positions_);
+  EXPECT_LT((hessian - hessian.transpose()).norm(), 1e-13 * hessian.norm());
+  const Eigen::VectorXd difference = (Force(start_, positions_ - kDifference * direction_, nullptr) -
+                                      Force(start_, positions_ + kDifference * direction_, nullptr)) /
+                                     (2.0 * kDifference);
+  EXPECT_LT((hessian * direction_ - difference).norm(), 1e-7 * difference.norm());
+}
+
+TEST_F(DampingTest, MixedProductIsTheDerivativeByTheStart) {
+  const Eigen::VectorXd difference = (Force(start_ - kDifference * direction_, positions_, nullptr) -
+                                      Force(start_ + kDifference * direction_, positions_, nullptr)) /
+                                     (2.0 * kDifference);
+  EXPECT_LT((MixedProduct(positions_, start_, direction_) - difference).norm(), 1e-7 * difference.norm());
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(rest_.size(), rest_.size());
+  const Eigen::MatrixXd matrix = MixedProduct(positions_, start_, identity);
+  EXPECT_GT((matrix - matrix.transpose()).norm(), 1e-3 * matrix.norm());
+  EXPECT_LT((MixedProduct(start_, positions_, identity) - matrix.transpose()).norm(), 1e-13 * matrix.norm());
+}
+
+TEST_F(DampingTest, RigidMotionOfAnySizeIsFree) {
+  const double straining = Force(start_, positions_, nullptr).norm();
+  for (const double angle : {1e-3, 0.5, 2.0, 3.1}) {
+    double potential = 1.0;
+    EXPECT_LT(Force(start_, Moved(start_, angle), &potential).norm(), 1e-12 * straining) << angle;
+    EXPECT_LT(potential, 1e-24) << angle;
+  }
+}
+
+TEST_F(DampingTest, ClampedHessianIsPositiveSemidefinite) {
+  const auto lowest = [](const Eigen::MatrixXd& matrix) {
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues();
+    return values[0] / values[values.size() - 1];
+  };
+  const Eigen::VectorXd shrunk = 0.7 * start_;
+  EXPECT_LT(lowest(Hessian(HessianKind::kExact, start_, shrunk)), -1e-3);
+  EXPECT_GT(lowest(Hessian(HessianKind::kClamped, start_, shrunk)), -1e-12);
+  // Where every strain grows nothing is clamped.
+  const Eigen::VectorXd grown = 1.3 * start_;
+  const Eigen::MatrixXd exact = Hessian(HessianKind::kExact, start_, grown);
+  EXPECT_LT((exact - Hessian(HessianKind::kClamped, start_, grown)).norm(), 1e-12 * exact.norm());
+}
+
+// F from diag(1, 1) to diag(1.2, 1) in a step: W/eta = area (1.44 - 1)^2/(8 h).
+TEST_F(DampingTest, PotentialOfAUniformStretch) {
+  Eigen::VectorXd stretched = rest_;
+  for (Eigen::Index i = 0; i < stretched.size(); i += 3) stretched[i] *= 1.2;
+  double potential = 0.0;
+  Force(rest_, stretched, &potential);
+  EXPECT_NEAR(potential, 0.06 * 0.44 * 0.44 / (8.0 * kTimeStep), 1e-14);
 }
 
 }  // namespace

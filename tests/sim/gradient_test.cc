@@ -32,6 +32,7 @@ class GradientCase {
   }
 
   int num_directions() const { return static_cast<int>(adjoint_.size()); }
+  int num_substeps() const { return rollout_.counts.substeps; }
   double adjoint(int i) const { return adjoint_[i]; }
   double sensitivity(int i) const { return sensitivity_[i]; }
   // |theta dL/dtheta| > 1e-8 L; a start direction is scaled to the size of the state itself.
@@ -40,6 +41,13 @@ class GradientCase {
   std::string name(int i) const {
     if (i < num_parameters()) return ParameterName(ids_[i], scene_.obstacle_names());
     return i == num_parameters() ? "x_0" : "v_0";
+  }
+
+  bool HasInfluence(const std::string& parameter) const {
+    for (int i = 0; i < num_directions(); ++i) {
+      if (name(i) == parameter) return has_influence(i);
+    }
+    return false;
   }
 
   // The smallest relative error of central differences over step sizes at which both sides keep the branches of every
@@ -78,6 +86,7 @@ class GradientCase {
     ids_.push_back({ParameterKind::kDensity});
     if (scene_.material.bending_stiffness > 0.0) ids_.push_back({ParameterKind::kBendingStiffness});
     if (scene_.material.drag > 0.0) ids_.push_back({ParameterKind::kDrag});
+    if (scene_.material.damping > 0.0) ids_.push_back({ParameterKind::kDamping});
   }
 
   void MakeDirections() {
@@ -187,16 +196,42 @@ TEST_P(GradientTest, AdjointEqualsSensitivityEqualsDifferences) {
   ExpectAgreement(GradientCase(scene), gap_mode_sphere ? 1e-5 : 1e-6);
 }
 
+std::string CaseName(const ::testing::TestParamInfo<std::tuple<std::string, ContactMode>>& info) {
+  return std::get<0>(info.param) + (std::get<1>(info.param) == ContactMode::kGap ? "Gap" : "Velocity");
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenes, GradientTest,
                          ::testing::Values(std::make_tuple("drape", ContactMode::kGap),
                                            std::make_tuple("drape", ContactMode::kVelocity),
                                            std::make_tuple("slope", ContactMode::kGap),
                                            std::make_tuple("slope", ContactMode::kVelocity),
                                            std::make_tuple("wind", ContactMode::kGap)),
-                         [](const auto& scene) {
-                           const bool gap = std::get<1>(scene.param) == ContactMode::kGap;
-                           return std::get<0>(scene.param) + (gap ? "Gap" : "Velocity");
-                         });
+                         CaseName);
+
+// Internal damping with a relaxation time of some steps.
+Scene Damped(Scene scene) {
+  scene.material.damping = 0.01 * scene.nominal_parameters().material.stretch_stiffness;
+  return scene;
+}
+
+class DampedGradientTest : public GradientTest {};
+
+TEST_P(DampedGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
+  const auto [name, mode] = GetParam();
+  Scene scene = Damped(ShippedScene(name, 8));
+  scene.contact_mode = mode;
+  const GradientCase gradient(scene);
+  EXPECT_TRUE(gradient.HasInfluence("damping"));
+  EXPECT_EQ(gradient.HasInfluence("mu"), name == "drape");
+  ExpectAgreement(gradient, 1e-6);
+}
+
+// Not `slope`, on which the cloth slides without strain.
+INSTANTIATE_TEST_SUITE_P(Scenes, DampedGradientTest,
+                         ::testing::Values(std::make_tuple("drape", ContactMode::kGap),
+                                           std::make_tuple("drape", ContactMode::kVelocity),
+                                           std::make_tuple("wind", ContactMode::kGap)),
+                         CaseName);
 
 // A cloth that falls on a ball, a bar and a table, each with a friction of its own.
 Scene ThreeObstacles() {
@@ -228,15 +263,21 @@ TEST(GradientOfSubstepsTest, SubstepsAreDifferentiatedThrough) {
   Scene scene = ShippedScene("drape", 6);
   scene.solver.max_newton_iterations = 3;  // too few for some steps, which are then cut
   const GradientCase gradient(scene);
-  Simulator simulator(scene);
-  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator);
-  ASSERT_TRUE(rollout.ok()) << rollout.failure->ToString();
-  ASSERT_GT(rollout.counts.substeps, 0);
+  ASSERT_GT(gradient.num_substeps(), 0);
   for (int i = 0; i < gradient.num_directions(); ++i) {
     if (!gradient.has_influence(i)) continue;
     EXPECT_NEAR(gradient.adjoint(i), gradient.sensitivity(i), 1e-10 * std::abs(gradient.adjoint(i)))
         << gradient.name(i);
   }
+}
+
+// The strain rate of a substep is over its own length and from its own start.
+TEST(GradientOfSubstepsTest, SubstepsWithInternalDampingToo) {
+  Scene scene = Damped(ShippedScene("drape", 6));
+  scene.solver.max_newton_iterations = 2;
+  const GradientCase gradient(scene);
+  ASSERT_GT(gradient.num_substeps(), 0);
+  ExpectAgreement(gradient, 1e-6);
 }
 
 TEST(GradientByLuTest, ReducedAndLuAgree) {

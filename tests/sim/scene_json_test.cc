@@ -25,9 +25,9 @@ constexpr char kFull[] = R"({
                  {"type": "plane", "point": [0, 0, -1], "normal": [0, 0, 2]},
                  {"type": "capsule", "from": [0, 0, 0], "to": [1, 0, 0], "radius": 0.1, "mu": 0},
                  {"type": "plane", "point": [0, 0, -2], "normal": [0, 0, 2], "mu": 0.1} ],
-  "materials": {"density": 0.2, "k_stretch": 300, "k_bend": 1e-3, "drag": 0.1},
+  "materials": {"density": 0.2, "k_stretch": 300, "k_bend": 1e-3, "drag": 0.1, "damping": 0.2},
   "parameters": {"k_stretch": {"nominal": 100, "lower": 1, "upper": 1e6, "frozen": true}, "mu": {"nominal": 0.6},
-                 "mu.ball": {"nominal": 0.7}, "drag": {}},
+                 "mu.ball": {"nominal": 0.7}, "drag": {}, "damping": {"nominal": 0.3}},
   "solver": {"step_tolerance": 1e-6, "adjoint_tolerance": 1e-11, "max_newton_iterations": 7, "max_substep_halvings": 0}
 })";
 
@@ -72,6 +72,7 @@ TEST(ParseScene, ReadsEveryKey) {
   EXPECT_EQ(scene.material.stretch_stiffness, 300.0);
   EXPECT_EQ(scene.material.bending_stiffness, 1e-3);
   EXPECT_EQ(scene.material.drag, 0.1);
+  EXPECT_EQ(scene.material.damping, 0.2);
   EXPECT_EQ(scene.solver.step_tolerance, 1e-6);
   EXPECT_EQ(scene.solver.adjoint_tolerance, 1e-11);
   EXPECT_EQ(scene.solver.max_newton_iterations, 7);
@@ -96,6 +97,7 @@ TEST(ParseScene, NominalValuesOverrideTheMaterial) {
   EXPECT_EQ(nominal.material.stretch_stiffness, 100.0);
   EXPECT_EQ(nominal.material.density, 0.2);
   EXPECT_EQ(nominal.material.drag, 0.1);
+  EXPECT_EQ(nominal.material.damping, 0.3);
   EXPECT_EQ(nominal.friction_coefficients, (std::vector<double>{0.7, 0.6, 0.6, 0.6}));
   EXPECT_TRUE(scene.parameters.at("k_stretch").frozen);
   EXPECT_EQ(scene.parameters.at("k_stretch").upper_bound, 1e6);
@@ -109,6 +111,15 @@ TEST(ParseScene, ASmallSceneHasDefaults) {
   EXPECT_EQ(scene.initial_velocities, Eigen::VectorXd::Zero(27));
   EXPECT_TRUE(scene.handles.nodes.empty());
   EXPECT_TRUE(scene.obstacles.empty());
+  EXPECT_FALSE(scene.has_bending());
+  EXPECT_FALSE(scene.has_drag());
+  EXPECT_FALSE(scene.has_damping());
+}
+
+TEST(ParseScene, AScenesTermsAreThoseOfAPositiveNominalValue) {
+  EXPECT_TRUE(ParseScene(SmallScene("\"materials\": {\"damping\": 0.1}"), "scene.json", "").has_damping());
+  EXPECT_TRUE(
+      ParseScene(SmallScene("\"parameters\": {\"damping\": {\"nominal\": 0.1}}"), "scene.json", "").has_damping());
 }
 
 TEST(Scene, CountsTheStepsThatCoverTheDuration) {
@@ -151,6 +162,7 @@ TEST(ParseScene, NamesWrongTypesAndValues) {
   ExpectBadMember("\"touch\": -1", {"key 'touch': expected a number >= 0"});
   ExpectBadMember("\"materials\": {\"density\": 0}", {"key 'materials.density': expected a number > 0"});
   ExpectBadMember("\"materials\": {\"k_bend\": -1}", {"key 'materials.k_bend': expected a number >= 0"});
+  ExpectBadMember("\"materials\": {\"damping\": -1}", {"key 'materials.damping': expected a number >= 0"});
   ExpectBadMember("\"solver\": {\"step_tolerance\": 1}",
                   {"key 'solver.step_tolerance': expected a number between 0 and 1"});
   ExpectBadMember("\"solver\": {\"max_newton_iterations\": 1.5}",

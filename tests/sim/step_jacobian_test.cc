@@ -20,7 +20,7 @@ class StepJacobianTest : public ::testing::TestWithParam<std::string> {
 
   // K and the contacts of `record`, factored.
   void Factor(StepJacobian::Method method, const StepRecord& record, BlockMatrix* hessian, StepJacobian* jacobian) {
-    AssembleStepHessian(simulator_.model(), rollout_.parameters, record.time_step, HessianKind::kExact,
+    AssembleStepHessian(simulator_.model(), rollout_.parameters, record.time_step, HessianKind::kExact, {},
                         record.positions, hessian);
     ASSERT_TRUE(jacobian->Factor(method, *hessian, record.contacts, rollout_.parameters.friction_coefficients));
   }

@@ -35,11 +35,11 @@ class ProfileTest : public ToolTest {
   }
 };
 
-TEST_F(ProfileTest, BareSceneRunsNoContactBendingOrDrag) {
+TEST_F(ProfileTest, BareSceneRunsNoContactBendingDragOrDamping) {
   const std::set<std::string> files = ExecutedFiles(BareScene());
   EXPECT_EQ(files.count("stretch_energy.cc"), 1u);
-  for (const char* file :
-       {"contact.cc", "contact_law.cc", "contact_elimination.cc", "obstacle.cc", "bending_energy.cc", "air_drag.cc"}) {
+  for (const char* file : {"contact.cc", "contact_law.cc", "contact_elimination.cc", "obstacle.cc", "bending_energy.cc",
+                           "air_drag.cc", "strain_rate_damping.cc"}) {
     EXPECT_EQ(files.count(file), 0u) << file;
   }
 }
@@ -48,10 +48,11 @@ TEST_F(ProfileTest, SphereRunsContactAlone) {
   const std::set<std::string> files = ExecutedFiles(SphereScene());
   for (const char* file : {"contact.cc", "contact_law.cc", "contact_elimination.cc", "obstacle.cc"})
     EXPECT_EQ(files.count(file), 1u) << file;
-  for (const char* file : {"bending_energy.cc", "air_drag.cc"}) EXPECT_EQ(files.count(file), 0u) << file;
+  for (const char* file : {"bending_energy.cc", "air_drag.cc", "strain_rate_damping.cc"})
+    EXPECT_EQ(files.count(file), 0u) << file;
 }
 
-TEST_F(ProfileTest, BendingAndDragRunWhereTheSceneHasThem) {
+TEST_F(ProfileTest, BendingDragAndDampingRunWhereTheSceneHasThem) {
   Json scene = BareScene();
   scene["materials"]["k_bend"] = 1e-4;
   std::set<std::string> files = ExecutedFiles(scene);
@@ -62,6 +63,13 @@ TEST_F(ProfileTest, BendingAndDragRunWhereTheSceneHasThem) {
   files = ExecutedFiles(scene);
   EXPECT_EQ(files.count("bending_energy.cc"), 0u);
   EXPECT_EQ(files.count("air_drag.cc"), 1u);
+  EXPECT_EQ(files.count("strain_rate_damping.cc"), 0u);
+  scene = BareScene();
+  scene["materials"]["damping"] = 0.1;
+  files = ExecutedFiles(scene);
+  EXPECT_EQ(files.count("bending_energy.cc"), 0u);
+  EXPECT_EQ(files.count("air_drag.cc"), 0u);
+  EXPECT_EQ(files.count("strain_rate_damping.cc"), 1u);
 }
 
 }  // namespace
