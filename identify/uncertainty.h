@@ -13,7 +13,7 @@
 //   c_i = 1/sqrt([((J D)^T J D)^-1]_ii).
 // It is identifiable where c_i > 2 max(1, s): two standard deviations of the noise, or of what the model leaves
 // unexplained. The right singular vectors of J D with singular values below that are the directions nobody sees:
-// multiplying all stiffnesses, the density and the drag by one factor is one of them in every recording.
+// multiplying all stiffnesses, damping, density and drag by one factor is one of them in every recording.
 #ifndef CLOTHID_IDENTIFY_UNCERTAINTY_H_
 #define CLOTHID_IDENTIFY_UNCERTAINTY_H_
 
