@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "identify/evaluator.h"
+
 namespace clothid {
 namespace {
 

@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "costs/parameter_block.h"
-#include "identify/evaluator.h"
 #include "identify/uncertainty.h"
 
 namespace clothid {
+
+class FitEvaluator;
 
 struct IntervalCheck {
   int parameter = 0;

@@ -44,7 +44,9 @@ struct Linearization {
 // That of a Ceres problem with rollouts beside residuals of the user's own. `coordinates` [p] are its parameter blocks,
 // each of size 1; `num_measurements` counts the observed coordinates of all recordings (not the rows of `RolloutCost`)
 // and the user's own residuals. Rollouts should use `JacobianMethod::kSensitivity`: the rows of the adjoint form span a
-// subspace, which makes intervals too wide. Throws std::runtime_error where the problem cannot be evaluated.
+// subspace, which makes intervals too wide. A residual of the user's own is in its true standard deviations, so it can
+// be weighed against rollouts only where their recordings know sigma; and s widens all intervals, also those of
+// parameters that only the user's own residuals tell. Throws std::runtime_error where the problem cannot be evaluated.
 Linearization Linearize(const std::vector<double*>& coordinates, int num_measurements, bool sigma_is_known,
                         ceres::Problem* problem);
 

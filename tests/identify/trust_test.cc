@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "identify/evaluator.h"
 #include "identify/holdout.h"
 #include "identify/multi_start.h"
 #include "identify/profile.h"
