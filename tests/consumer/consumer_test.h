@@ -1,0 +1,97 @@
+// A test that uses the installed clothid from outside.
+#ifndef CLOTHID_TESTS_CONSUMER_CONSUMER_TEST_H_
+#define CLOTHID_TESTS_CONSUMER_CONSUMER_TEST_H_
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/tools/tool_test.h"
+
+namespace clothid {
+
+namespace fs = std::filesystem;
+
+inline constexpr char kPrefix[] = CLOTHID_PREFIX;
+inline constexpr char kExamples[] = CLOTHID_SOURCE_DIR "/tests/consumer/";
+
+// An estimate as the examples print it: NAME VALUE +- STD, and what follows in the line.
+struct Estimate {
+  double value = 0.0, std = 0.0;
+  std::string rest;
+};
+
+inline std::map<std::string, Estimate> ParseEstimates(const std::string& text) {
+  std::istringstream lines(text);
+  std::map<std::string, Estimate> estimates;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name, value, sign, std;
+    words >> name >> value >> sign >> std;
+    if (sign != "+-") continue;
+    Estimate& estimate = estimates[name];
+    estimate = {std::stod(value), std::stod(std), ""};
+    std::getline(words, estimate.rest);
+  }
+  return estimates;
+}
+
+class ConsumerTest : public ToolTest {
+ protected:
+  void SetUp() override { ASSERT_TRUE(fs::exists(kPrefix)) << "made by the test consumer/install"; }
+
+  std::string Success(const std::string& command) const {
+    const ToolResult result = Run(command);
+    EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.out << result.err;
+    return result.out;
+  }
+
+  // Builds the example `name` against the clothid in `prefix`; the program is `name`/`name`.
+  void BuildExample(const std::string& name, const std::string& prefix) const {
+    Success(CONFIGURE " -S " + (kExamples + name) + " -B " + name + " -DCMAKE_PREFIX_PATH='" + prefix + "'");
+    Success(BUILD " " + name);
+  }
+
+  // Where the dynamic linker finds our libraries for `program`.
+  std::vector<std::string> LoadedLibraries(const std::string& program) const {
+    std::istringstream lines(Success("ldd " + program));
+    std::vector<std::string> paths;
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t arrow = line.find("=> ");
+      if (line.find("libclothid_") != std::string::npos) paths.push_back(line.substr(arrow + 3));
+    }
+    return paths;
+  }
+
+  void ExpectLibrariesBelow(const std::string& program, const std::string& root, std::size_t count) const {
+    const std::vector<std::string> paths = LoadedLibraries(program);
+    EXPECT_EQ(paths.size(), count) << program;
+    for (const std::string& path : paths) {
+      EXPECT_EQ(fs::canonical(path.substr(0, path.find(' '))).string().rfind(root, 0), 0u) << path;
+    }
+  }
+
+  // Two drapes with k_stretch 70, mu 0.24 and 0.4, seen with 1 mm of noise, fitted together from the scene's values.
+  void ExpectJointFitRecovers(const std::string& simulate) const {
+    const std::string scene = " --scene " CLOTHID_SOURCE_DIR "/datasets/drape.scene.json --noise 0.001 ";
+    Success(simulate + scene + "--seed 1 --set mu=0.24,k_stretch=70 --output first.bin");
+    Success(simulate + scene + "--seed 2 --set mu=0.4,k_stretch=70 --output second.bin");
+    std::map<std::string, Estimate> estimates = ParseEstimates(Success("joint_fit/joint_fit first.bin second.bin"));
+    const std::map<std::string, double> truth = {{"k_stretch", 70.0}, {"first.mu", 0.24}, {"second.mu", 0.4}};
+    EXPECT_EQ(estimates.size(), truth.size());
+    for (const auto& [name, true_value] : truth) {
+      const Estimate& estimate = estimates[name];
+      EXPECT_NEAR(estimate.value, true_value, 4.0 * estimate.std) << name;
+      EXPECT_GT(estimate.std, 0.0) << name;
+      EXPECT_LT(estimate.std, 0.02 * true_value) << name;
+    }
+  }
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TESTS_CONSUMER_CONSUMER_TEST_H_

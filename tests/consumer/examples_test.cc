@@ -1,0 +1,82 @@
+// The examples, built against the installed clothid.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/consumer/consumer_test.h"
+
+namespace clothid {
+namespace {
+
+using ExamplesTest = ConsumerTest;
+
+std::map<std::string, double> ParseNumbers(const std::string& text) {
+  std::istringstream words(text);
+  std::map<std::string, double> numbers;
+  std::string name;
+  for (double number = 0.0; words >> name >> number;) numbers[name] = number;
+  return numbers;
+}
+
+TEST_F(ExamplesTest, JointFit) {
+  BuildExample("joint_fit", kPrefix);
+  ExpectLibrariesBelow("joint_fit/joint_fit", kPrefix, 4);
+  ExpectJointFitRecovers(std::string(kPrefix) + "/bin/clothid simulate");
+  EXPECT_EQ(Run("joint_fit/joint_fit missing.bin missing.bin").exit_code, 2);
+}
+
+// What a recording hides, and that one measurement of the user's own reveals it.
+TEST_F(ExamplesTest, Calibration) {
+  struct Case {
+    std::string recording, parameters, measurement, hidden;
+    std::string measured;                 // the parameter that was measured,
+    double sigma = 0.0;                   // and how well
+    std::map<std::string, double> truth;  // of the parameters that the recording alone does not tell
+  };
+  const std::vector<Case> cases = {
+      {"wind",
+       "k_stretch,k_bend,density,drag",
+       "mass=0.0375:0.0001",
+       "k_stretch, k_bend, density and drag multiplied by one factor",
+       "density",
+       0.0001 / (0.5 * 0.5),
+       {{"k_stretch", 60.0}, {"k_bend", 0.0004}, {"density", 0.15}, {"drag", 0.3}}},
+      {"wind", "mu,k_stretch,k_bend", "mu=0.3:0.02", "mu", "mu", 0.02, {{"mu", 0.3}}},
+      {"slope", "mu,k_stretch", "k_stretch=30:2", "k_stretch", "k_stretch", 2.0, {{"k_stretch", 30.0}}}};
+  BuildExample("calibration", kPrefix);
+  for (const Case& c : cases) {
+    const std::string out = Success("calibration/calibration " CLOTHID_SOURCE_DIR "/datasets/" + c.recording +
+                                    ".motion.bin 0.001 " + c.parameters + " " + c.measurement);
+    const std::size_t split = out.find("\nwith ");
+    ASSERT_NE(split, std::string::npos) << out;
+    EXPECT_NE(out.find("\nhidden: " + c.hidden + "\n"), std::string::npos) << out;
+    EXPECT_EQ(out.find("hidden:", split), std::string::npos) << out;
+    std::map<std::string, Estimate> alone = ParseEstimates(out.substr(0, split));
+    std::map<std::string, Estimate> both = ParseEstimates(out.substr(split));
+    for (const auto& [name, value] : c.truth) {
+      EXPECT_EQ(alone[name].rest, " not identifiable") << name << "\n" << out;
+      EXPECT_TRUE(std::isnan(alone[name].std)) << name << "\n" << out;
+      EXPECT_EQ(both[name].rest, "") << name << "\n" << out;
+      EXPECT_NEAR(both[name].value, value, 0.01 * value) << name << "\n" << out;
+    }
+    EXPECT_NEAR(both[c.measured].std, c.sigma, 0.05 * c.sigma) << out;
+  }
+}
+
+TEST_F(ExamplesTest, ObstacleOfTheUsersOwn) {
+  BuildExample("obstacle", kPrefix);
+  std::map<std::string, double> numbers = ParseNumbers(Success("obstacle/obstacle"));
+  ASSERT_EQ(numbers.size(), 7u);
+  EXPECT_LT(numbers["normal_error"], 1e-6);
+  EXPECT_LT(numbers["normal_gradient_error"], 1e-4);
+  EXPECT_GT(numbers["contacts_in_last_step"], 0.0);
+  EXPECT_NEAR(numbers["adjoint"], numbers["central_difference"], 1e-5 * std::abs(numbers["adjoint"]));
+  EXPECT_NEAR(numbers["mu"], numbers["true_mu"], 1e-6);
+}
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,176 @@
+// What installation makes: a tree that can be moved, the command, packages for CMake, pkg-config and Debian.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tests/consumer/consumer_test.h"
+
+namespace clothid {
+namespace {
+
+class PackageTest : public ConsumerTest {
+ protected:
+  static std::vector<std::string> Programs() {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(fs::path(kPrefix) / "libexec/clothid")) {
+      names.push_back(entry.path().filename());
+    }
+    EXPECT_GE(names.size(), 4u);
+    return names;
+  }
+
+  // Configures a project of `lines` after the usual two, and nothing to build.
+  ToolResult Configure(const std::string& lines) const {
+    WriteBytes(folder() / "CMakeLists.txt",
+               "cmake_minimum_required(VERSION 3.21)\nproject(user LANGUAGES CXX)\n" + lines + "\n");
+    return Run(CONFIGURE " -S . -B build -DCMAKE_PREFIX_PATH='" + std::string(kPrefix) + "'");
+  }
+
+  void ExpectConfigureRefused(const std::string& lines, const std::vector<std::string>& culprits) const {
+    const ToolResult result = Configure(lines);
+    EXPECT_NE(result.exit_code, 0);
+    // CMake breaks the lines of its messages.
+    const std::string message = std::regex_replace(result.err, std::regex("\\s+"), " ");
+    for (const std::string& culprit : culprits) {
+      EXPECT_NE(message.find(culprit), std::string::npos) << culprit << "\n" << result.err;
+    }
+  }
+
+  void CompileSyntax(const std::string& source) const {
+    WriteBytes(folder() / "source.cc", source);
+    Success(COMPILER " -fsyntax-only -Wall -Wextra -Werror source.cc " + PkgConfig("--cflags"));
+  }
+
+  static std::string PkgConfig(const std::string& what) {
+    return "$(PKG_CONFIG_PATH='" + std::string(kPrefix) + "/" CLOTHID_LIBDIR "/pkgconfig' pkg-config " + what +
+           " 'clothid >= 0.1')";
+  }
+};
+
+TEST_F(PackageTest, PrefixMentionsNoBuildOrSourceFolder) {
+  for (const char* name : {CLOTHID_SOURCE_DIR, CLOTHID_BINARY_DIR}) {
+    const ToolResult result = Run("grep -rlF '" + std::string(name) + "' '" + kPrefix + "'");
+    EXPECT_EQ(result.exit_code, 1) << name << " in\n" << result.out << result.err;
+  }
+}
+
+TEST_F(PackageTest, PrefixWorksWhereverItIsMoved) {
+  Success("cp -a '" + std::string(kPrefix) + "' moved && ln -s moved/bin/clothid link");
+  const std::string root = fs::canonical(folder() / "moved").string();
+  for (const std::string& program : Programs()) {
+    const std::size_t count = LoadedLibraries(CLOTHID_BINARY_DIR "/" + program).size();
+    EXPECT_GT(count, 0u) << program;
+    ExpectLibrariesBelow("moved/libexec/clothid/" + program, root, count);
+  }
+  EXPECT_EQ(Success("./link --version"), "clothid " CLOTHID_VERSION "\n");
+  EXPECT_EQ(Success("cd / && '" + root + "/bin/clothid' identify --version").rfind("identify (clothid)", 0), 0u);
+  Success("./link simulate --scene " CLOTHID_SOURCE_DIR "/datasets/slope.scene.json --output out.bin");
+  Success("./link motion check out.bin");
+}
+
+TEST_F(PackageTest, LibrariesCarryTheVersionOfTheirInterface) {
+  for (const std::string component : {"sim", "datasets", "costs", "identify"}) {
+    const std::string library = "libclothid_" + component + ".so";
+    const fs::path path = fs::path(kPrefix) / CLOTHID_LIBDIR / library;
+    EXPECT_EQ(fs::read_symlink(path), library + "." CLOTHID_SOVERSION);
+    EXPECT_EQ(fs::canonical(path).filename(), library + "." CLOTHID_VERSION);
+    EXPECT_NE(Success("readelf -d '" + path.string() + "'").find("soname: [" + library + "." CLOTHID_SOVERSION "]"),
+              std::string::npos);
+  }
+}
+
+TEST_F(PackageTest, CommandListsItsProgramsAndRefusesOthers) {
+  const std::string command = std::string(kPrefix) + "/bin/clothid";
+  const std::string help = Success(command + " --help");
+  for (const std::string& program : Programs()) {
+    EXPECT_NE(help.find("\n  " + program + " "), std::string::npos) << help;
+  }
+  EXPECT_NE(help.find("  identify    fits friction and stiffness"), std::string::npos) << help;
+  ExpectRefused(command + " fit", 1, "unknown command 'fit': expected one of benchmark identify ");
+  ExpectRefused(command + " ../../bin/clothid", 1, "unknown command '../../bin/clothid'");
+  ExpectRefused(command + " --target", 1, "unknown command '--target'");
+  ExpectRefused(command, 1, "no command");
+  // The exit code of a program is that of the command.
+  ExpectRefused(command + " motion check '" + kExamples + "CMakeLists.txt'", 2, "CMakeLists.txt");
+}
+
+// Each header is the first include of its source file, so it compiles alone there; those without a source file and the
+// whole set, against nothing but the prefix, are compiled here.
+TEST_F(PackageTest, PublicHeadersIncludeOnlyPublicHeaders) {
+  const fs::path root = fs::path(kPrefix) / "include/clothid";
+  std::string all;
+  for (const auto& entry : fs::recursive_directory_iterator(root)) {
+    if (!entry.is_regular_file()) continue;
+    const fs::path header = fs::relative(entry.path(), root);
+    const std::string line = "#include \"" + header.string() + "\"\n";
+    all += line;
+    if (!fs::exists((fs::path(CLOTHID_SOURCE_DIR) / header).replace_extension(".cc"))) CompileSyntax(line);
+  }
+  EXPECT_GT(std::count(all.begin(), all.end(), '\n'), 25);
+  CompileSyntax(all);
+}
+
+TEST_F(PackageTest, OtherVersionsAreRefused) {
+  ExpectConfigureRefused("find_package(clothid 9.0 REQUIRED)",
+                         {"requested version \"9.0\"", "version: " CLOTHID_VERSION});
+  ExpectConfigureRefused("find_package(clothid 0.0 REQUIRED)",
+                         {"requested version \"0.0\"", "version: " CLOTHID_VERSION});
+}
+
+TEST_F(PackageTest, UnknownComponentIsRefused) {
+  ExpectConfigureRefused("find_package(clothid 0.1 REQUIRED COMPONENTS sim rendering)",
+                         {"no component 'rendering'", "sim, datasets, costs, identify"});
+}
+
+TEST_F(PackageTest, ComponentBringsWhatItNeedsAndNoMore) {
+  const ToolResult result = Configure(R"(
+    find_package(clothid 0.1 REQUIRED COMPONENTS datasets OPTIONAL_COMPONENTS rendering)
+    foreach(target clothid::sim clothid::datasets Eigen3::Eigen)
+      if(NOT TARGET ${target})
+        message(FATAL_ERROR "${target} is missing")
+      endif()
+    endforeach()
+    foreach(target clothid::costs clothid::identify Ceres::ceres)
+      if(TARGET ${target})
+        message(FATAL_ERROR "${target} is there")
+      endif()
+    endforeach()
+    if(clothid_rendering_FOUND OR NOT clothid_sim_FOUND OR NOT clothid_datasets_FOUND)
+      message(FATAL_ERROR "components")
+    endif())");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST_F(PackageTest, PkgConfig) {
+  Success("mkdir joint_fit && " COMPILER " '" + (kExamples + std::string("joint_fit/joint_fit.cc")) +
+          "' -o joint_fit/joint_fit " + PkgConfig("--cflags --libs") + " -Wl,-rpath,'" + kPrefix +
+          "/" CLOTHID_LIBDIR "'");
+  ExpectLibrariesBelow("joint_fit/joint_fit", kPrefix, 4);
+  ExpectJointFitRecovers(std::string(kPrefix) + "/bin/clothid simulate");
+}
+
+TEST_F(PackageTest, DebianPackage) {
+  if (Run("command -v dpkg-deb && command -v dpkg-shlibdeps").exit_code != 0) GTEST_SKIP() << "not a Debian system";
+  Success(CPACK " -G DEB --config '" CLOTHID_BINARY_DIR "/CPackConfig.cmake' -B package");
+  const std::string control = Success("dpkg-deb --info package/*.deb");
+  for (const char* line : {"Package: clothid\n", "Version: " CLOTHID_VERSION, "libcholmod",
+                           "Recommends: libceres-dev, libeigen3-dev\n", "binaries are under the GPL"}) {
+    EXPECT_NE(control.find(line), std::string::npos) << line << "\n" << control;
+  }
+  Success("mkdir root && dpkg-deb -x package/*.deb root");
+  EXPECT_EQ(Run("test -e root/usr/bin/identify").exit_code, 1);
+  const std::string root = fs::canonical(folder() / "root").string();
+  EXPECT_EQ(Success("root/usr/bin/clothid identify --version").rfind("identify (clothid)", 0), 0u);
+  ExpectLibrariesBelow("root/usr/libexec/clothid/identify", root, 4);
+  EXPECT_EQ(Success("readelf --sections root/usr/libexec/clothid/identify").find(".debug_info"), std::string::npos);
+  BuildExample("joint_fit", root + "/usr");
+  ExpectLibrariesBelow("joint_fit/joint_fit", root, 4);
+  ExpectJointFitRecovers("root/usr/bin/clothid simulate");
+}
+
+}  // namespace
+}  // namespace clothid
