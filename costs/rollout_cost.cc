@@ -75,6 +75,10 @@ bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* p
 
 const std::string& RolloutCost::last_failure() const { return evaluator_->last_failure(); }
 
+void RolloutCost::CheckJournal() const {
+  if (evaluator_->journal_error()) throw *evaluator_->journal_error();
+}
+
 const CostStatistics& RolloutCost::statistics() const { return evaluator_->statistics(); }
 
 const RecordingModel& RolloutCost::model() const { return evaluator_->model(); }

@@ -53,6 +53,8 @@ class RolloutCost : public ceres::CostFunction {
 
   // Why the last evaluation returned false, in one line that names the recording; empty where it did not.
   const std::string& last_failure() const;
+  // Throws the `Error` of the journal (costs/evaluation_journal.h) where there was one; all evaluations since failed.
+  void CheckJournal() const;
   const CostStatistics& statistics() const;
   const RecordingModel& model() const;
 

@@ -3,12 +3,15 @@
 #define CLOTHID_COSTS_ROLLOUT_COST_OPTIONS_H_
 
 #include <atomic>
+#include <memory>
 
 #include "costs/robust_loss.h"
 #include "sim/rollout.h"
 #include "sim/scene.h"
 
 namespace clothid {
+
+class EvaluationJournal;
 
 enum class JacobianMethod {
   kAdjoint,      // one block reverse sweep: dL/dq exact, Gauss-Newton matrix of a subspace
@@ -19,8 +22,9 @@ enum class JacobianMethod {
 struct RolloutCostOptions {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   RobustLoss loss;
-  int num_differences = 4;                    // adjoint: the most recent rollouts whose differences enter the subspace
-  const std::atomic<bool>* cancel = nullptr;  // ends the rollout under way as failed; must outlive the cost
+  int num_differences = 4;                     // adjoint: the most recent rollouts whose differences enter the subspace
+  const std::atomic<bool>* cancel = nullptr;   // ends the rollout under way as failed; must outlive the cost
+  std::shared_ptr<EvaluationJournal> journal;  // of this cost alone; null: nothing is replayed or kept
 };
 
 // What the evaluations took. Counts depend on the sequence of evaluations alone; seconds do not belong to a result.

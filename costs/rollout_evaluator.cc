@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "costs/evaluation_journal.h"
 #include "costs/residual_basis.h"
 
 namespace clothid {
@@ -87,6 +88,12 @@ const Rollout& RolloutEvaluator::RolloutAt(const Eigen::VectorXd& coordinates) {
     rollout_coordinates_.resize(0);
     rollout_ = Run(coordinates);
     rollout_coordinates_ = coordinates;
+    rollout_was_replayed_ = false;
+  } else if (rollout_was_replayed_) {
+    // Its journal has counted it already.
+    rollout_ = model_.Simulate(coordinates, options_.cancel);
+    if (!rollout_.ok()) throw std::runtime_error(rollout_.failure->ToString());
+    rollout_was_replayed_ = false;
   }
   return rollout_;
 }
@@ -279,23 +286,70 @@ void RolloutEvaluator::Complete(Need need, const std::vector<int>& active, Rollo
     ComputeNumericRows(active, evaluation);
   }
   if (need == Need::kGradient && !evaluation->has_gradient) ComputeGradient(active, evaluation);
-  if (need == Need::kExactRows && !(evaluation->has_exact_rows && Covers(evaluation->exact_rows.active, active))) {
-    ComputeExactRows(active, evaluation);
+  if (need == Need::kExactRows && Lacks(need, active, *evaluation)) ComputeExactRows(active, evaluation);
+}
+
+bool RolloutEvaluator::Lacks(Need need, const std::vector<int>& active, const RolloutEvaluation& evaluation) const {
+  if (evaluation.predicted.size() == 0) return true;
+  switch (need) {
+    case Need::kCost:
+      return false;
+    case Need::kRows:
+      return !evaluation.has_rows || !Covers(evaluation.rows.active, active);
+    case Need::kGradient:
+      return !evaluation.has_gradient;
+    case Need::kExactRows:
+      return !evaluation.has_exact_rows || !Covers(evaluation.exact_rows.active, active);
+  }
+  return true;
+}
+
+void RolloutEvaluator::CompleteOrFail(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  try {
+    if (!evaluation->coordinates.allFinite()) throw std::runtime_error("a parameter is not finite");
+    Complete(need, active, evaluation);
+    if (!std::isfinite(evaluation->cost)) throw std::runtime_error("the cost is not finite");
+  } catch (const std::exception& error) {
+    evaluation->failure = model_.name() + ": " + error.what();
+  }
+}
+
+void RolloutEvaluator::Restore(const EvaluationOutcome& outcome, RolloutEvaluation* evaluation) {
+  Eigen::MatrixXd predicted = std::move(evaluation->predicted);
+  *evaluation = outcome.evaluation;
+  if (evaluation->predicted.size() == 0) evaluation->predicted = std::move(predicted);
+  statistics_ += outcome.statistics;
+  rollout_coordinates_ = outcome.rollout_coordinates;
+  rollout_was_replayed_ = true;
+}
+
+void RolloutEvaluator::CompleteOrReplay(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation) {
+  EvaluationJournal* journal = options_.journal.get();
+  const auto is_cancelled = [this] { return options_.cancel != nullptr && options_.cancel->load(); };
+  if (journal == nullptr || is_cancelled()) return CompleteOrFail(need, active, evaluation);
+  const bool was_predicted = evaluation->predicted.size() > 0;
+  const EvaluationKey key{evaluation->coordinates, need, active};
+  try {
+    if (journal_error_) throw *journal_error_;
+    if (const std::optional<EvaluationOutcome> outcome = journal->Replay(key)) return Restore(*outcome, evaluation);
+    const CostStatistics before = std::exchange(statistics_, CostStatistics());
+    CompleteOrFail(need, active, evaluation);
+    EvaluationOutcome outcome{*evaluation, statistics_, rollout_coordinates_};
+    statistics_ = before;
+    statistics_ += outcome.statistics;
+    if (is_cancelled()) return;
+    if (was_predicted || !evaluation->ok()) outcome.evaluation.predicted.resize(0, 0);
+    journal->Append(key, std::move(outcome));
+  } catch (const Error& error) {
+    journal_error_ = error;
+    evaluation->failure = error.what();
   }
 }
 
 const RolloutEvaluation& RolloutEvaluator::At(const Eigen::VectorXd& coordinates, Need need,
                                               const std::vector<int>& active) {
   RolloutEvaluation& evaluation = FindOrAdd(coordinates);
-  if (evaluation.ok()) {
-    try {
-      if (!coordinates.allFinite()) throw std::runtime_error("a parameter is not finite");
-      Complete(need, active, &evaluation);
-      if (!std::isfinite(evaluation.cost)) throw std::runtime_error("the cost is not finite");
-    } catch (const std::exception& error) {
-      evaluation.failure = model_.name() + ": " + error.what();
-    }
-  }
+  if (evaluation.ok() && Lacks(need, active, evaluation)) CompleteOrReplay(need, active, &evaluation);
   last_failure_ = evaluation.failure;
   return evaluation;
 }

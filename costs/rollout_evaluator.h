@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,12 @@
 #include "costs/recording_model.h"
 #include "costs/rollout_cost_options.h"
 #include "datasets/recorded_motion.h"
+#include "sim/error.h"
 #include "sim/rollout.h"
 
 namespace clothid {
+
+struct EvaluationOutcome;
 
 // The rows for Ceres, without the row of the loss.
 struct ResidualRows {
@@ -47,7 +51,9 @@ class RolloutEvaluator {
 
   enum class Need { kCost, kRows, kGradient, kExactRows };
   // What is needed at `coordinates` [p], the derivatives for the blocks `active` at least. Never throws: what went
-  // wrong stands in `failure`. The reference is valid until the next call.
+  // wrong stands in `failure`. The reference is valid until the next call. With a journal, what it holds is replayed
+  // in its order, counts included, and what is computed is added to it before it is used; not once
+  // `RolloutCostOptions::cancel` is set.
   const RolloutEvaluation& At(const Eigen::VectorXd& coordinates, Need need, const std::vector<int>& active);
 
   int num_rows() const;                                                 // without the row of the loss
@@ -56,9 +62,18 @@ class RolloutEvaluator {
   const RecordingModel& model() const { return model_; }
   const CostStatistics& statistics() const { return statistics_; }
   const std::string& last_failure() const { return last_failure_; }
+  // What is wrong with the journal; once it is set every evaluation fails with its message.
+  const std::optional<Error>& journal_error() const { return journal_error_; }
 
  private:
   RolloutEvaluation& FindOrAdd(const Eigen::VectorXd& coordinates);
+  // Whether `Complete` has anything to do.
+  bool Lacks(Need need, const std::vector<int>& active, const RolloutEvaluation& evaluation) const;
+  // `Complete` by way of the journal, where there is one.
+  void CompleteOrReplay(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
+  void Restore(const EvaluationOutcome& outcome, RolloutEvaluation* evaluation);
+  // `Complete` whose exceptions end in `failure`.
+  void CompleteOrFail(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
   // Each of these fills its part of `evaluation` or throws.
   void Complete(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
   void ComputeCost(RolloutEvaluation* evaluation);
@@ -83,7 +98,9 @@ class RolloutEvaluator {
   std::deque<RolloutEvaluation> recent_;  // the latest first; bounded
   Rollout rollout_;                       // of `rollout_coordinates_`: trajectories are large, so there is one
   Eigen::VectorXd rollout_coordinates_;
+  bool rollout_was_replayed_ = false;  // so `rollout_` has yet to be made
   std::string last_failure_;
+  std::optional<Error> journal_error_;
   CostStatistics statistics_;
 };
 

@@ -257,6 +257,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
     summary.message = "interrupted";
   }
   if (evaluator.best().is_valid()) FillEstimate(*problem, evaluator, &summary);
+  problem->CheckJournals();
   recorder.AddLast();
   summary.iterations = recorder.iterations();
   summary.statistics = evaluator.statistics();

@@ -54,7 +54,8 @@ struct FitSummary {
   Eigen::VectorXd values() const;  // [p] of the parameters
 };
 
-// From the starting values of the problem's blocks. Never throws for what happens during the fit: see the status. The
+// From the starting values of the problem's blocks. Never throws for what happens during the fit: see the status; but
+// throws `Error` where FitOptions::journal_folder is set and a journal cannot be written or is of another fit. The
 // estimate is the point of lowest cost of all that were evaluated. On the same problem it gives the same result on any
 // number of threads.
 //

@@ -38,6 +38,7 @@ class Differentiator {
  private:
   static FitOptions WithMethod(FitOptions options, JacobianMethod method) {
     options.jacobian = method;
+    options.journal_folder.clear();  // the journals belong to the fit
     return options;
   }
   double Run(const Eigen::VectorXd& coordinates, FitEvaluator::Derivative derivative, Eigen::VectorXd* gradient) {

@@ -41,6 +41,7 @@ DEFINE_string(profile, "", "parameters whose profile likelihood is wanted");
 DEFINE_bool(check_step, false, "repeat the fit at half the time step");
 DEFINE_string(holdout, "", "recordings that are not fitted, to judge the estimates on");
 DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fitted, to judge the estimates on");
+DEFINE_bool(resume, false, "continue a fit that was killed: replays the evaluations journaled in --output");
 DEFINE_double(step_tolerance, 0.0, "relative residual of a time step; 0: the scene's");
 
 namespace clothid {
@@ -69,6 +70,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --holdout FILES     recordings that are not fitted: their error at the estimates and at the nominal parameters
   --holdout_frames A:B  the same for frames A to B - 1 of every recording
   --step_tolerance X  relative residual of a time step (the scene's)
+  --resume            continue a fit that was killed, ending in the same bytes: keeps a journal in DIR while it runs
   --output DIR        result.json, convergence.csv, predicted.bin, profile.csv (clothid_result)
   --help, --version
 
@@ -184,11 +186,12 @@ void Examine(const Recordings& recordings, const FitOptions& options, FitProblem
 }
 
 int Identify(const std::string& flags) {
-  const FitOptions options = OptionsFromFlags();
+  FitOptions options = OptionsFromFlags();
   const Recordings recordings = ReadRecordings();
+  OutputFolder folder(FLAGS_output);
+  if (FLAGS_resume) options.journal_folder = folder.path();
   FitProblem problem(recordings.fitted, options);
   for (const std::string& name : ParseNames(FLAGS_profile, "--profile")) FindFreeBlock(problem, name, "--profile");
-  OutputFolder folder(FLAGS_output);
   RunRecord run;
   run.jacobian = options.jacobian;
   run.flags = flags;
@@ -203,6 +206,8 @@ int Identify(const std::string& flags) {
   }
   Examine(recordings, options, &problem, &summary, &run);
   if (summary.status != FitStatus::kConverged) std::cerr << "identify: " << summary.message << "\n";
+  if (summary.status == FitStatus::kInterrupted) folder.KeepJournals();
+  problem.CheckJournals();
   WriteReport(summary, run, recordings.fitted, &folder);
   std::cout << ResultTable(summary, run);
   return FitExitCode(summary, run);

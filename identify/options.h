@@ -30,6 +30,9 @@ struct FitIteration {
   int rollouts = 0;            // so far
 };
 
+// How the names of journals start: hidden files.
+inline constexpr char kJournalPrefix[] = ".journal_";
+
 struct FitOptions {
   std::vector<std::string> parameters;  // names to fit; empty: mu and k_stretch, without obstacles k_stretch
   ParameterOverrides overrides;
@@ -44,7 +47,13 @@ struct FitOptions {
   // it is better, so the estimate is one (superlinear) step closer than the tolerance says.
   double function_tolerance = 1e-9;
   double parameter_tolerance = 1e-5;
-  bool estimate_uncertainty = true;                       // one forward sweep at the estimate, two rollouts around it
+  bool estimate_uncertainty = true;  // one forward sweep at the estimate, two rollouts around it
+  // Where evaluations are kept and, when the same fit is run again, replayed, counts and seconds included
+  // (total_seconds are those of the last run alone). One file per recording, .journal_1.bin or .journal_TAG_1.bin and
+  // so on, see costs/evaluation_journal.h; whoever runs the fit removes it. Fits in one folder need different tags.
+  // Empty: nowhere.
+  std::string journal_folder;
+  std::string journal_tag;
   const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
   std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty

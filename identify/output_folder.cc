@@ -4,6 +4,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "identify/options.h"
 #include "sim/error.h"
 
 namespace clothid {
@@ -32,6 +33,7 @@ OutputFolder::OutputFolder(const std::string& path) {
   if (path.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
   path_ = fs::absolute(path).lexically_normal();
   if (!path_.has_filename()) path_ = path_.parent_path();
+  old_journals_ = Find(kJournalPrefix);
   const char probe[] = "probe";
   try {
     for (const fs::path& folder : MissingFolders(path_)) {
@@ -71,13 +73,35 @@ void OutputFolder::Commit() {
     fs::rename(TemporaryPath(name), path_ / name, error);
     if (error) Fail(path_ / name, "cannot be written: " + error.message());
   }
+  std::error_code ignored;
+  for (const std::string& name : names_) {
+    for (const fs::path& leftover : Find("." + name + ".part")) fs::remove(leftover, ignored);
+  }
+  old_journals_ = Find(kJournalPrefix);
+  if (!keep_journals_) {
+    for (const fs::path& journal : old_journals_) fs::remove(journal, ignored);
+  }
   names_.clear();
   made_.clear();
+}
+
+std::vector<fs::path> OutputFolder::Find(const std::string& prefix) const {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(path_, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    if (entry->path().filename().string().rfind(prefix, 0) == 0) found.push_back(entry->path());
+  }
+  return found;
 }
 
 void OutputFolder::RemoveAll() noexcept {
   std::error_code ignored;
   for (const std::string& name : names_) fs::remove(path_ / ("." + name + ".part"), ignored);
+  for (const fs::path& journal : Find(kJournalPrefix)) {
+    const bool is_old = std::find(old_journals_.begin(), old_journals_.end(), journal) != old_journals_.end();
+    if (!is_old) fs::remove(journal, ignored);
+  }
   for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, ignored);
 }
 

@@ -8,8 +8,8 @@
 
 namespace clothid {
 
-// Files get temporary names until `Commit` renames them. Without it the destructor removes them, and every folder that
-// the constructor made. One process at a time.
+// Files get temporary names until `Commit` renames them. Without it the destructor removes them, every journal that was
+// not there before (identify/options.h), and every folder that the constructor made. One process at a time.
 class OutputFolder {
  public:
   // Makes the folder where it is missing and tries that it can be written to, so that a fit is not run in vain. Throws
@@ -23,15 +23,24 @@ class OutputFolder {
   std::string TemporaryPath(const std::string& name);
   // Writes the whole file `name` under its temporary name. Throws `Error` (kIo).
   void Write(const std::string& name, const std::string& content);
-  // Gives every file its name. Throws `Error` (kIo).
+  // Keeps the journals of a fit that can be resumed.
+  void KeepJournals() { keep_journals_ = true; }
+  // Gives every file its name, removes what a killed process left under their temporary names, and all journals unless
+  // they are to be kept. Throws `Error` (kIo).
   void Commit();
 
+  std::string path() const { return path_.string(); }
+
  private:
+  // The files whose names start with `prefix`.
+  std::vector<std::filesystem::path> Find(const std::string& prefix) const;
   void RemoveAll() noexcept;
 
   std::filesystem::path path_;
   std::vector<std::filesystem::path> made_;  // folders, the outermost first
   std::vector<std::string> names_;
+  std::vector<std::filesystem::path> old_journals_;
+  bool keep_journals_ = false;
 };
 
 }  // namespace clothid

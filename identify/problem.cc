@@ -1,9 +1,12 @@
 #include "identify/problem.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <utility>
 
+#include "costs/evaluation_journal.h"
+#include "identify/fingerprint.h"
 #include "sim/error.h"
 
 namespace clothid {
@@ -45,6 +48,14 @@ void CheckOverlap(const std::vector<std::string>& names) {
   }
 }
 
+std::shared_ptr<EvaluationJournal> OpenJournal(const FitOptions& options, const std::string& fingerprint,
+                                               int recording) {
+  const std::string tag = options.journal_tag.empty() ? "" : options.journal_tag + "_";
+  const std::string name = kJournalPrefix + tag + std::to_string(recording + 1) + ".bin";
+  return std::make_shared<EvaluationJournal>((std::filesystem::path(options.journal_folder) / name).string(),
+                                             fingerprint);
+}
+
 }  // namespace
 
 bool HasParameter(const Scene& scene, const std::string& name) {
@@ -73,6 +84,8 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   cost_options.jacobian = options.jacobian;
   cost_options.loss = options.loss;
   cost_options.cancel = options.cancel;
+  const bool has_journal = !options.journal_folder.empty();
+  const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
   for (const RecordedMotion& motion : motions) {
     std::vector<int> indices;
     std::vector<ParameterBlock> blocks;
@@ -81,6 +94,7 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
       indices.push_back(i);
       blocks.push_back(blocks_[i]);
     }
+    if (has_journal) cost_options.journal = OpenJournal(options, fingerprint, num_recordings());
     costs_.push_back(std::make_unique<RolloutCost>(motion, std::move(blocks), cost_options));
     block_indices_.push_back(std::move(indices));
   }
@@ -104,6 +118,10 @@ Eigen::VectorXd FitProblem::Values(const Eigen::VectorXd& coordinates) const {
 
 Eigen::VectorXd FitProblem::CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const {
   return coordinates(block_indices_[recording]);
+}
+
+void FitProblem::CheckJournals() const {
+  for (const auto& cost : costs_) cost->CheckJournal();
 }
 
 std::unique_ptr<ceres::Problem> FitProblem::MakeCeresProblem(ceres::EvaluationCallback* callback,

@@ -21,8 +21,8 @@ namespace clothid {
 class FitProblem {
  public:
   // Starting values and bounds come from the first recording that has the parameter. Throws `Error` for what
-  // `MakeParameterBlock` and `RecordingModel` reject, for overrides of parameters that are not fitted, and where every
-  // parameter is frozen.
+  // `MakeParameterBlock`, `RecordingModel` and `EvaluationJournal` reject, for overrides of parameters that are not
+  // fitted, and where every parameter is frozen.
   FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options);
 
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
@@ -41,6 +41,9 @@ class FitProblem {
   Eigen::VectorXd Values(const Eigen::VectorXd& coordinates) const;
   // Those of the blocks of one recording.
   Eigen::VectorXd CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const;
+
+  // Throws the `Error` of the first journal that could not be used: evaluations have failed for that reason alone.
+  void CheckJournals() const;
 
   // The Ceres problem on `coordinates` [p], whose memory it keeps and changes: costs, bounds, constant blocks. It does
   // not own the costs and calls `callback` before each evaluation.

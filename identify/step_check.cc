@@ -11,6 +11,7 @@ StepCheck CheckStep(const std::vector<RecordedMotion>& motions, const FitOptions
   FitOptions repeat = options;
   repeat.estimate_uncertainty = false;
   repeat.on_iteration = nullptr;
+  repeat.journal_tag = "half_step";
   // Made from the same starting values, because bounds that are not given depend on them.
   FitProblem half_problem(halved, repeat);
   half_problem.SetStart(summary.coordinates);

@@ -68,6 +68,42 @@ TEST_F(OutputFolderTest, KeepsWhatWasThere) {
   EXPECT_EQ(Read(root_ / "x.txt"), "old");
 }
 
+TEST_F(OutputFolderTest, CommitRemovesLeftoversAndJournals) {
+  for (const char* name : {".x.txt.part.tmp17", ".y.txt.part.tmp17", ".journal_1.bin"})
+    std::ofstream(root_ / name) << "old";
+  {
+    OutputFolder folder(root_.string());
+    folder.Write("x.txt", "new");
+    std::ofstream(root_ / ".journal_2.bin") << "new";
+    EXPECT_TRUE(fs::exists(root_ / ".journal_1.bin"));
+    folder.Commit();
+  }
+  EXPECT_EQ(NumEntries(root_), 2);
+  EXPECT_EQ(Read(root_ / "x.txt"), "new");
+  EXPECT_TRUE(fs::exists(root_ / ".y.txt.part.tmp17")) << "of a file that was not written";
+}
+
+TEST_F(OutputFolderTest, KeepsJournalsOnRequest) {
+  {
+    OutputFolder folder((root_ / "a").string());
+    std::ofstream(fs::path(folder.path()) / ".journal_1.bin") << "new";
+    folder.KeepJournals();
+    folder.Commit();
+  }
+  EXPECT_EQ(Read(root_ / "a" / ".journal_1.bin"), "new");
+}
+
+TEST_F(OutputFolderTest, WithoutCommitOnlyOldJournalsAreLeft) {
+  std::ofstream(root_ / ".journal_1.bin") << "old";
+  {
+    OutputFolder old(root_.string()), made((root_ / "a").string());
+    for (const OutputFolder* folder : {&old, &made})
+      std::ofstream(fs::path(folder->path()) / ".journal_2.bin") << "new";
+  }
+  EXPECT_EQ(NumEntries(root_), 1);
+  EXPECT_EQ(Read(root_ / ".journal_1.bin"), "old");
+}
+
 TEST_F(OutputFolderTest, RefusesWhatCannotBeWritten) {
   std::ofstream(root_ / "file") << "content";
   const std::string file = (root_ / "file").string();

@@ -1,0 +1,53 @@
+#include "identify/fingerprint.h"
+
+#include <Eigen/Core>
+#include <ios>
+#include <locale>
+#include <sstream>
+#include <string_view>
+
+#include "datasets/sha256.h"
+#include "identify/version.h"
+
+namespace clothid {
+namespace {
+
+std::string Digest(const Eigen::MatrixXd& numbers) {
+  return Sha256Hex({std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double))});
+}
+
+// The file decides, and what was made of it: a scene text names further files, and flags change the scene.
+void AddMotion(const RecordedMotion& motion, std::ostream* text) {
+  const Scene& scene = motion.scene;
+  *text << "recording " << motion.sha256 << " " << Digest(motion.times) << " " << Digest(motion.positions) << " "
+        << Digest(motion.sigma) << "\n"
+        << "scene " << Sha256Hex({motion.scene_text}) << " " << scene.time_step << " " << scene.start_time << " "
+        << scene.duration << "\n"
+        << "mesh " << Digest(scene.mesh.rest_positions) << " " << Digest(scene.mesh.faces.cast<double>()) << "\n"
+        << "start " << Digest(scene.initial_positions) << " " << Digest(scene.initial_velocities) << "\n"
+        << "handles " << Digest(scene.handles.path.times()) << " " << Digest(scene.handles.path.positions()) << "\n"
+        << "solver " << scene.solver.step_tolerance << " " << scene.solver.adjoint_tolerance << " "
+        << scene.solver.max_newton_iterations << " " << scene.solver.max_substep_halvings << "\n";
+}
+
+}  // namespace
+
+std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
+                           const FitOptions& options) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::hexfloat;  // exact
+  text << "clothid " << Version() << " " << GitHash() << "\n";
+  for (const RecordedMotion& motion : motions) AddMotion(motion, &text);
+  for (const ParameterBlock& block : blocks) {
+    text << "parameter " << block.name << " " << static_cast<int>(block.scale) << " " << block.start << " "
+         << block.lower_bound << " " << block.upper_bound << " " << block.frozen << "\n";
+  }
+  text << "fit " << static_cast<int>(options.method) << " " << JacobianMethodName(options.jacobian) << " "
+       << static_cast<int>(options.loss.kind) << " " << options.loss.scale << " " << options.max_iterations << " "
+       << options.function_tolerance << " " << options.parameter_tolerance << " " << options.num_starts << " "
+       << options.seed << " " << options.estimate_uncertainty << "\n";
+  return Sha256Hex({text.str()});
+}
+
+}  // namespace clothid

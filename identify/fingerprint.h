@@ -1,0 +1,22 @@
+// What a journal of evaluations belongs to.
+#ifndef CLOTHID_IDENTIFY_FINGERPRINT_H_
+#define CLOTHID_IDENTIFY_FINGERPRINT_H_
+
+#include <string>
+#include <vector>
+
+#include "costs/parameter_block.h"
+#include "datasets/recorded_motion.h"
+#include "identify/options.h"
+
+namespace clothid {
+
+// The SHA-256 of everything that determines the evaluations of a fit: the program, the recordings with their scenes as
+// they are simulated, the parameters, and the options of the optimiser. Not the number of threads, which changes
+// nothing.
+std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
+                           const FitOptions& options);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_FINGERPRINT_H_

@@ -1,0 +1,222 @@
+// `identify --resume` may be killed at any moment: run again, it ends in the bytes of the fit that nobody killed.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <random>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/tools/tool_test.h"
+
+namespace clothid {
+namespace {
+
+namespace fs = std::filesystem;
+using Seconds = std::chrono::duration<double>;
+
+constexpr int kKillsPerMethod = 25;
+
+// `identify` with a process id of its own.
+class Identify {
+ public:
+  Identify(const fs::path& folder, const std::vector<std::string>& flags) {
+    std::vector<std::string> words = {CLOTHID_BINARY_DIR "/identify"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    process_ = ::fork();
+    if (process_ == 0) {
+      const int null = ::open("/dev/null", O_WRONLY);
+      if (null < 0 || ::dup2(null, 1) < 0 || ::dup2(null, 2) < 0 || ::chdir(folder.c_str()) != 0) ::_exit(127);
+      ::execv(arguments[0], arguments.data());
+      ::_exit(127);
+    }
+    EXPECT_GT(process_, 0);
+  }
+
+  bool IsRunning() const {
+    siginfo_t info = {};
+    return ::waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0;
+  }
+  void Signal(int signal) const { ::kill(process_, signal); }
+  // The exit code; nothing where a signal ended it.
+  std::optional<int> Wait() const {
+    int status = 0;
+    EXPECT_EQ(::waitpid(process_, &status, 0), process_);
+    return WIFEXITED(status) ? std::optional<int>(WEXITSTATUS(status)) : std::nullopt;
+  }
+
+ private:
+  pid_t process_ = -1;
+};
+
+// Without the seconds, which no two runs share, and without the flags, of which --resume is one.
+std::string Lasting(const std::string& name, const std::string& content) {
+  const std::regex passing("\"seconds\": \\{[^}]*\\}|\"flags\": \"[^\"]*\"");
+  if (name == "result.json") return std::regex_replace(content, passing, "");
+  if (name == "convergence.csv") return std::regex_replace(content, std::regex("(^|\n)([^,\n]*),[^,\n]*,"), "$1$2,,");
+  return content;
+}
+
+std::map<std::string, std::string> ReadResult(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename();
+    files[name] = Lasting(name, ReadBytes(entry.path()));
+  }
+  return files;
+}
+
+std::vector<std::string> Names(const std::map<std::string, std::string>& files) {
+  std::vector<std::string> names;
+  for (const auto& [name, content] : files) names.push_back(name);
+  return names;
+}
+
+class ResumeTest : public ToolTest {
+ protected:
+  ResumeTest() {
+    const std::string scene = WriteScene(nlohmann::ordered_json::parse(R"({
+      "clothid_scene": 1, "time_step": 0.01, "duration": 0.3,
+      "mesh": {"grid": {"nodes": [8, 8], "size": [0.3, 0.3]}}, "handles": [0, 1, 2, 3, 4, 5, 6, 7],
+      "obstacles": [{"name": "ball", "type": "sphere", "center": [0.15, 0.2, -0.12], "radius": 0.1, "mu": 0.5}],
+      "materials": {"density": 0.2, "k_stretch": 50, "k_bend": 2e-3, "drag": 0.1},
+      "solver": {"step_tolerance": 1e-6}})"));
+    const std::string simulate = "simulate --scene " + scene + " --set mu=0.2,k_stretch=120 --noise 0.001 --seed ";
+    ExpectRuns(simulate + "1 --output a.bin");
+    ExpectRuns(simulate + "2 --output b.bin");
+  }
+
+  void ExpectRuns(const std::string& command) const { ASSERT_EQ(Run(command).exit_code, 0) << command; }
+
+  Identify Start(std::vector<std::string> flags) const {
+    flags.insert(flags.end(), {"--target", "a.bin,b.bin", "--threads", "2", "--output", "result"});
+    return Identify(folder(), flags);
+  }
+  Identify Resume(std::vector<std::string> flags) const {
+    flags.push_back("--resume");
+    return Start(flags);
+  }
+
+  fs::path result() const { return folder() / "result"; }
+  std::uintmax_t JournalSize(int recording) const {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(result() / (".journal_" + std::to_string(recording) + ".bin"), error);
+    return error ? 0 : size;
+  }
+  // Lets a fit go on until both journals hold some evaluations, of at least one rollout each.
+  void WaitForEvaluations(const Identify& identify) const {
+    const std::uintmax_t some = 4 * fs::file_size(folder() / "a.bin");
+    while (identify.IsRunning() && std::min(JournalSize(1), JournalSize(2)) < some) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+};
+
+class KillTest : public ResumeTest, public testing::WithParamInterface<std::vector<std::string>> {
+ protected:
+  // Starts a fit and kills it at a random moment within the seconds that a fit takes. Whether it was still running.
+  bool Kill(std::mt19937* random) {
+    const auto start = std::chrono::steady_clock::now();
+    const Identify identify = Resume(GetParam());
+    std::this_thread::sleep_for(std::uniform_real_distribution<double>(0.0, 1.0)(*random) * duration_);
+    identify.Signal(SIGKILL);
+    const bool was_running = !identify.Wait().has_value();
+    // How long a fit takes varies with what else the machine does.
+    if (!was_running) duration_ = std::min<Seconds>(duration_, std::chrono::steady_clock::now() - start);
+    return was_running;
+  }
+
+  Seconds duration_ = Seconds(0.0);
+};
+
+INSTANTIATE_TEST_SUITE_P(Methods, KillTest,
+                         testing::Values(std::vector<std::string>{"--jacobian", "adjoint"},
+                                         std::vector<std::string>{"--jacobian", "sensitivity"},
+                                         std::vector<std::string>{"--jacobian", "numeric"},
+                                         std::vector<std::string>{"--method", "lbfgs"}));
+
+TEST_P(KillTest, EndsInTheSameBytes) {
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(Start(GetParam()).Wait(), 0);
+  duration_ = std::chrono::steady_clock::now() - start;
+  const std::map<std::string, std::string> expected = ReadResult(result());
+  ASSERT_EQ(Names(expected),
+            (std::vector<std::string>{"convergence.csv", "predicted.bin", "predicted_2.bin", "result.json"}));
+
+  int num_running = 0, num_fitting = 0;
+  for (int seed = 1; seed <= kKillsPerMethod; ++seed) {
+    fs::remove_all(result());
+    std::mt19937 random(static_cast<unsigned>(seed));
+    num_running += Kill(&random);
+    num_fitting += JournalSize(1) > 0;
+    if (seed % 3 == 0) Kill(&random);
+    ASSERT_EQ(Resume(GetParam()).Wait(), 0) << seed;
+    const std::map<std::string, std::string> files = ReadResult(result());
+    ASSERT_EQ(Names(files), Names(expected)) << seed;
+    for (const auto& [name, content] : expected) EXPECT_TRUE(files.at(name) == content) << name << " of seed " << seed;
+  }
+  RecordProperty("killed_while_running", num_running);
+  RecordProperty("killed_with_a_journal", num_fitting);
+  EXPECT_GT(2 * num_running, kKillsPerMethod);
+  EXPECT_GT(2 * num_fitting, kKillsPerMethod);
+}
+
+TEST_F(ResumeTest, AnInterruptedFitGoesOn) {
+  const std::vector<std::string> flags = {"--method", "lbfgs"};
+  ASSERT_EQ(Start(flags).Wait(), 0);
+  const std::map<std::string, std::string> expected = ReadResult(result());
+  fs::remove_all(result());
+
+  const Identify interrupted = Resume(flags);
+  WaitForEvaluations(interrupted);
+  interrupted.Signal(SIGINT);
+  EXPECT_EQ(interrupted.Wait(), 130);
+  const nlohmann::json saved = nlohmann::json::parse(ReadBytes(result() / "result.json"));
+  EXPECT_EQ(saved["status"], "interrupted");
+  EXPECT_GT(JournalSize(1), 0u);
+
+  EXPECT_EQ(Resume(flags).Wait(), 0);
+  EXPECT_TRUE(ReadResult(result()) == expected);
+}
+
+TEST_F(ResumeTest, RefusesTheJournalOfAnotherFit) {
+  const Identify killed = Resume({"--method", "lbfgs"});
+  WaitForEvaluations(killed);
+  killed.Signal(SIGKILL);
+  EXPECT_FALSE(killed.Wait().has_value());
+  const std::string journal = ReadBytes(result() / ".journal_1.bin");
+  ExpectRefused("identify --target a.bin,b.bin --resume --output result", 1, "result/.journal_1.bin");
+  ExpectRefused("identify --target b.bin,a.bin --method lbfgs --resume --output result", 1, ".journal_1.bin");
+  ExpectRefused("identify --target a.bin,b.bin --method lbfgs --resume --output result --fit weight", 1, "weight");
+  EXPECT_EQ(ReadBytes(result() / ".journal_1.bin"), journal);
+}
+
+TEST_F(ResumeTest, AFitThatCannotStartLeavesNothing) {
+  ExpectRefused("identify --target a.bin --resume --output result --fit weight", 1, "weight");
+  const fs::path scene = folder() / "scene.json";
+  std::string text = ReadBytes(scene);
+  text.insert(text.rfind("\"step_tolerance\""), "\"max_newton_iterations\": 1, \"max_substep_halvings\": 0, ");
+  WriteBytes(folder() / "hopeless.json", text);
+  ExpectRefused("identify --target a.bin --scene hopeless.json --resume --output result", 3, "did not converge");
+}
+
+TEST_F(ResumeTest, AJournalThatCannotBeWrittenEndsTheFit) {
+  // No file may grow beyond 20 blocks of 512 bytes: room for the header, not for a record.
+  ExpectRefused("sh -c 'trap \"\" XFSZ; ulimit -f 20; exec identify --target a.bin --resume --output result'", 1,
+                ".journal_1.bin: cannot be written");
+}
+
+}  // namespace
+}  // namespace clothid
