@@ -51,7 +51,14 @@ void ExpectSame(const FitSummary& a, const FitSummary& b) {
   for (std::size_t i = 0; i < a.parameters.size(); ++i) {
     EXPECT_TRUE(SameBits(a.parameters[i].value, b.parameters[i].value));
     EXPECT_EQ(a.parameters[i].at_bound, b.parameters[i].at_bound);
-    EXPECT_EQ(a.parameters[i].has_influence, b.parameters[i].has_influence);
+  }
+  ASSERT_EQ(a.uncertainty.has_value(), b.uncertainty.has_value());
+  for (std::size_t i = 0; a.uncertainty && i < a.parameters.size(); ++i) {
+    EXPECT_TRUE(SameBits(a.uncertainty->parameters[i].coordinate_std, b.uncertainty->parameters[i].coordinate_std));
+  }
+  ASSERT_EQ(a.interval_check.has_value(), b.interval_check.has_value());
+  if (a.interval_check) {
+    EXPECT_TRUE(SameBits(a.interval_check->rise_above, b.interval_check->rise_above));
   }
   EXPECT_TRUE(SameBits(a.cost, b.cost));
   ExpectSameError(a.start_error, b.start_error);
