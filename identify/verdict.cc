@@ -123,18 +123,18 @@ void AddStepCheck(const FitSummary& summary, const StepCheck& check, std::vector
     lines->push_back("step check: the rollout at half the time step failed");
     return;
   }
-  std::string line = "at half the time step";
+  std::string moves;
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const FittedParameter& parameter = summary.parameters[i];
     if (parameter.frozen) continue;
     const double change = check.values[static_cast<Eigen::Index>(i)] - parameter.value;
-    line += (i == 0 ? " " : ", ") + parameter.name + " moves by " + Number(change, 3);
-    if (parameter.value != 0.0) line += " (" + Number(100.0 * change / parameter.value, 3) + " %";
+    moves += (moves.empty() ? "" : ", ") + parameter.name + " moves by " + Number(change, 3);
+    if (parameter.value != 0.0) moves += " (" + Number(100.0 * change / parameter.value, 3) + " %)";
     if (summary.uncertainty && !std::isnan(summary.uncertainty->parameters[i].std)) {
-      line += ", " + Number(std::abs(change) / summary.uncertainty->parameters[i].std, 3) + " standard deviations";
+      moves += ", " + Number(std::abs(change) / summary.uncertainty->parameters[i].std, 3) + " standard deviations";
     }
-    if (parameter.value != 0.0) line += ")";
   }
+  std::string line = "at half the time step " + moves;
   if (check.status != FitStatus::kConverged) line += "; that fit ended as " + FitStatusName(check.status);
   lines->push_back(line);
 }

@@ -131,7 +131,7 @@ TEST(VerdictTest, SaysHowFarHalfTheStepMovesIt) {
   run.step_check->status = FitStatus::kConverged;
   run.step_check->values = Eigen::VectorXd::Constant(1, 0.33);
   run.step_check->changes = Eigen::VectorXd::Constant(1, 0.03);
-  EXPECT_TRUE(Says(Converged(), run, "mu moves by 0.03 (10 %, 3 standard deviations)"));
+  EXPECT_TRUE(Says(Converged(), run, "at half the time step mu moves by 0.03 (10 %), 3 standard deviations"));
 }
 
 }  // namespace
