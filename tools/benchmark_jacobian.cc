@@ -3,38 +3,27 @@
 #include <time.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <future>
 #include <iomanip>
 #include <limits>
-#include <mutex>
 #include <optional>
 #include <sstream>
 #include <utility>
 
-#include "datasets/synthetic.h"
 #include "identify/problem.h"
 #include "sim/error.h"
 #include "sim/json_document.h"
 #include "sim/scene_json.h"
-#include "sim/simulator.h"
 #include "sim/text_file.h"
+#include "tools/parallel_for.h"
+#include "tools/true_recording.h"
 
 namespace clothid {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// A parameter to be fitted.
-struct FittedName {
-  std::string name;
-  double truth = 0.0;
-  bool is_friction = false;
-};
-using FittedNames = std::array<FittedName, 2>;
 
 void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
@@ -47,58 +36,16 @@ double ThreadSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-FittedNames MakeFittedNames(const JacobianBenchmarkOptions& options, const Scene& scene) {
-  FittedNames fitted;
-  std::size_t i = 0;
-  for (const auto& [name, value] : options.truth) {
-    Require(value > 0.0, "--set: '" + name + "': expected a number > 0");
-    fitted[i++] = {name, value, ParseParameter(name, scene.obstacle_names()).kind == ParameterKind::kFriction};
-  }
-  std::stable_partition(fitted.begin(), fitted.end(), [](const FittedName& name) { return name.is_friction; });
-  return fitted;
-}
-
-Rollout TrueRollout(const std::string& source, const FittedNames& fitted, Scene scene) {
-  Parameters parameters = scene.nominal_parameters();
-  for (const FittedName& name : fitted) {
-    SetParameter(ParseParameter(name.name, scene.obstacle_names()), name.truth, &parameters);
-  }
-  scene.material = parameters.material;  // bending and air are there where the truth has them
-  const int num_steps = scene.num_steps();
-  Simulator simulator(std::move(scene));
-  Rollout rollout = Simulate(parameters, num_steps, &simulator);
-  if (!rollout.ok()) {
-    throw Error(ErrorKind::kBadData,
-                source + ": the true parameters cannot be simulated: " + rollout.failure->ToString());
-  }
-  return rollout;
-}
-
-// What `ReadMotion` would make of the recording's file, but for a path of handles, which stays exact between frames.
-RecordedMotion MakeRecording(const Rollout& rollout, const Scene& scene, const std::string& scene_text,
-                             const SyntheticOptions& options) {
-  const MotionTensors tensors = RecordRollout(rollout, scene, scene_text, options);
-  RecordedMotion motion;
-  motion.name = "recording";
-  motion.times = tensors.times;
-  motion.positions = tensors.positions;
-  motion.sigma = tensors.sigma;
-  motion.points.resize(static_cast<std::size_t>(scene.mesh.num_nodes()));
-  for (int node = 0; node < scene.mesh.num_nodes(); ++node) motion.points[node].nodes[0] = node;
-  motion.scene = scene;
-  motion.scene_text = tensors.scene_text;
-  return motion;
-}
-
 // Start number i of n along one axis of the grid.
-double StartValue(const FittedName& name, int i, int n) {
+double StartValue(const TrueParameter& parameter, int i, int n) {
   const double share = static_cast<double>(i) / (n - 1);
-  if (name.is_friction) return kFirstFriction + share * (kLastFriction - kFirstFriction);
-  return name.truth * kFirstFactor * std::pow(kLastFactor / kFirstFactor, share);
+  if (parameter.is_friction) return kFirstFriction + share * (kLastFriction - kFirstFriction);
+  return parameter.value * kFirstFactor * std::pow(kLastFactor / kFirstFactor, share);
 }
 
 // The fits to one recording, not yet run.
-std::vector<JacobianFit> PlanFits(const JacobianBenchmarkOptions& options, const FittedNames& fitted, double noise) {
+std::vector<JacobianFit> PlanFits(const JacobianBenchmarkOptions& options, const std::vector<TrueParameter>& truth,
+                                  double noise) {
   std::vector<JacobianFit> fits;
   const int n = options.starts_per_axis;
   for (int start = 0; start < n * n; ++start) {
@@ -106,18 +53,19 @@ std::vector<JacobianFit> PlanFits(const JacobianBenchmarkOptions& options, const
       JacobianFit fit;
       fit.noise = noise;
       fit.method = method;
-      fit.start = {StartValue(fitted[0], start / n, n), StartValue(fitted[1], start % n, n)};
+      fit.start = {StartValue(truth[0], start / n, n), StartValue(truth[1], start % n, n)};
       fits.push_back(fit);
     }
   }
   return fits;
 }
 
-FitOptions MakeFitOptions(const FittedNames& fitted, const JacobianFit& fit) {
+FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, const JacobianFit& fit) {
   FitOptions options;
-  for (std::size_t i = 0; i < fitted.size(); ++i) {
-    options.parameters.push_back(fitted[i].name);
-    options.overrides.start[fitted[i].name] = fit.start[i];
+  options.estimate_uncertainty = false;  // its sweep is the same for every method
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    options.parameters.push_back(truth[i].name);
+    options.overrides.start[truth[i].name] = fit.start[i];
   }
   if (fit.method == "lbfgs") {
     options.method = FitMethod::kLbfgs;
@@ -127,13 +75,13 @@ FitOptions MakeFitOptions(const FittedNames& fitted, const JacobianFit& fit) {
   return options;
 }
 
-void RunFit(const RecordedMotion& motion, const FittedNames& fitted, JacobianFit* fit) {
+void RunFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, JacobianFit* fit) {
   const double start = ThreadSeconds();
-  const FitOptions options = MakeFitOptions(fitted, *fit);
+  const FitOptions options = MakeFitOptions(truth, *fit);
   FitProblem problem({motion}, options);
   const FitSummary summary = Fit(options, &problem);
   fit->seconds = ThreadSeconds() - start;
-  for (std::size_t i = 0; i < fitted.size(); ++i) {
+  for (std::size_t i = 0; i < truth.size(); ++i) {
     fit->value[i] = summary.has_estimate() ? summary.parameters[i].value : kNaN;
   }
   fit->cost = summary.has_estimate() ? summary.cost : kInfinity;
@@ -147,25 +95,14 @@ void RunFit(const RecordedMotion& motion, const FittedNames& fitted, JacobianFit
 
 // Runs fits[i] against recordings[i / fits_per_recording]. Each fit has memory of its own.
 void RunFits(const JacobianBenchmarkOptions& options, const std::vector<RecordedMotion>& recordings,
-             const FittedNames& fitted, std::vector<JacobianFit>* fits) {
+             const std::vector<TrueParameter>& truth, std::vector<JacobianFit>* fits) {
   const int num_fits = static_cast<int>(fits->size());
   const int fits_per_recording = num_fits / static_cast<int>(recordings.size());
-  std::atomic<int> next{0};
-  std::mutex report;
-  int num_done = 0;
-  const auto work = [&] {
-    for (int i = next++; i < num_fits; i = next++) {
-      RunFit(recordings[i / fits_per_recording], fitted, &(*fits)[i]);
-      const std::lock_guard<std::mutex> lock(report);
-      ++num_done;
-      if (options.on_fit) options.on_fit((*fits)[i], num_done, num_fits);
-    }
-  };
-  std::vector<std::future<void>> workers;
-  for (int t = 0; t < std::min(options.num_threads, num_fits); ++t) {
-    workers.push_back(std::async(std::launch::async, work));
-  }
-  for (std::future<void>& worker : workers) worker.get();  // passes on what a fit has thrown
+  ParallelFor(
+      num_fits, options.num_threads, [&](int i) { RunFit(recordings[i / fits_per_recording], truth, &(*fits)[i]); },
+      [&](int i, int num_done) {
+        if (options.on_fit) options.on_fit((*fits)[i], num_done, num_fits);
+      });
 }
 
 bool IsNear(const std::array<double, 2>& value, const std::array<double, 2>& expected, double tolerance) {
@@ -176,13 +113,13 @@ bool IsNear(const std::array<double, 2>& value, const std::array<double, 2>& exp
 }
 
 // `begin` .. `end`: all fits to one recording.
-void JudgeFits(const FittedNames& fitted, std::vector<JacobianFit>::iterator begin,
+void JudgeFits(const std::vector<TrueParameter>& truth, std::vector<JacobianFit>::iterator begin,
                std::vector<JacobianFit>::iterator end) {
   const JacobianFit best =
       *std::min_element(begin, end, [](const JacobianFit& a, const JacobianFit& b) { return a.cost < b.cost; });
   for (auto fit = begin; fit != end; ++fit) {
     if (fit->noise == 0.0) {
-      fit->reached = IsNear(fit->value, {fitted[0].truth, fitted[1].truth}, kTruthTolerance);
+      fit->reached = IsNear(fit->value, {truth[0].value, truth[1].value}, kTruthTolerance);
     } else {
       fit->reached =
           fit->cost - best.cost <= kCostTolerance * best.cost && IsNear(fit->value, best.value, kParameterTolerance);
@@ -259,13 +196,13 @@ JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options) 
   const std::string scene_text = ReadFile(options.scene_path, kMaxJsonBytes);
   const std::string folder = std::filesystem::path(options.scene_path).parent_path().string();
   const Scene scene = ParseScene(scene_text, options.scene_path, folder);
-  const FittedNames fitted = MakeFittedNames(options, scene);
-  const Rollout rollout = TrueRollout(options.scene_path, fitted, scene);
+  const std::vector<TrueParameter> truth = MakeTrueParameters(options.truth, scene);
+  const Rollout rollout = SimulateTruth(truth, options.scene_path, scene);
 
   std::vector<double> noises = {0.0};
   if (options.noise > 0.0) noises.push_back(options.noise);
   JacobianBenchmark benchmark;
-  benchmark.names = {fitted[0].name, fitted[1].name};
+  benchmark.names = {truth[0].name, truth[1].name};
   benchmark.methods = options.methods;
   std::vector<RecordedMotion> recordings;
   for (const double noise : noises) {
@@ -273,13 +210,13 @@ JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options) 
     synthetic.noise_sigma = noise * ClothSize(scene.mesh);
     synthetic.seed = options.seed;
     recordings.push_back(MakeRecording(rollout, scene, scene_text, synthetic));
-    const std::vector<JacobianFit> fits = PlanFits(options, fitted, noise);
+    const std::vector<JacobianFit> fits = PlanFits(options, truth, noise);
     benchmark.fits.insert(benchmark.fits.end(), fits.begin(), fits.end());
   }
-  RunFits(options, recordings, fitted, &benchmark.fits);
+  RunFits(options, recordings, truth, &benchmark.fits);
   const auto fits_per_recording = static_cast<std::ptrdiff_t>(benchmark.fits.size() / recordings.size());
   for (auto begin = benchmark.fits.begin(); begin != benchmark.fits.end(); begin += fits_per_recording) {
-    JudgeFits(fitted, begin, begin + fits_per_recording);
+    JudgeFits(truth, begin, begin + fits_per_recording);
   }
   return benchmark;
 }

@@ -2,25 +2,37 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <charconv>
 #include <chrono>
 #include <iomanip>
 #include <iostream>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
+#include "identify/options.h"
 #include "identify/output_folder.h"
+#include "sim/error.h"
+#include "sim/parameters.h"
+#include "sim/text_file.h"
+#include "tools/benchmark_coverage.h"
+#include "tools/benchmark_discretization.h"
 #include "tools/benchmark_jacobian.h"
 #include "tools/command_line.h"
 
 DEFINE_string(scene, "", "scene.json");
-DEFINE_string(set, "", "the true values of the two fitted parameters, NAME=VALUE,NAME=VALUE");
-DEFINE_double(noise, 0.01, "noise of the second recording, relative to the cloth's size; 0: only the one without");
+DEFINE_string(set, "", "the true values of the fitted parameters, NAME=VALUE[,...]");
+DEFINE_double(noise, 0.01, "standard deviation of noise, relative to the cloth's size");
 DEFINE_int32(starts, 4, "starts per parameter, even");
 DEFINE_string(methods, "adjoint,sensitivity,numeric,lbfgs", "methods to compare");
 DEFINE_uint64(seed, 1, "seed of the noise");
-DEFINE_string(output, "", "folder for jacobian.csv, one row per fit; empty: none");
+DEFINE_string(nodes, "", "nodes along the first axis of the fitted grids; empty: the scene's and the truth's");
+DEFINE_string(steps, "1,2,4", "time steps of the fitted models: the scene's over each of these");
+DEFINE_int32(seeds, 40, "noisy recordings per setting");
+DEFINE_string(settings, "full,half,third", "settings of the sensor");
+DEFINE_string(output, "", "folder for a CSV with one row per fit; empty: none");
 DEFINE_int32(threads, 1, "fits side by side");
 
 namespace clothid {
@@ -28,29 +40,56 @@ namespace {
 
 constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods against each other.
 
-  benchmark jacobian --scene FILE --set LIST [flags]
+  benchmark jacobian       --scene FILE --set LIST [--noise] [--starts] [--methods] [--seed] [--threads] [--output]
+  benchmark discretization --scene FILE --set LIST [--nodes] [--steps] [--threads] [--output]
+  benchmark coverage       --scene FILE --set LIST [--seeds] [--settings] [--noise] [--seed] [--threads] [--output]
 
 jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
 0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
 failed steps, processor seconds (medians), and these relative to `sensitivity` (median over the starts).
 
+discretization: simulates the truth on a grid of twice the density at a quarter of the scene's time step, fits models of
+several grids and time steps to what is seen of it at the scene's own nodes and steps, and prints how far each is off.
+
+coverage: fits recordings that differ by their noise and prints how many 95 % intervals contain the truth, and the
+reported standard deviation beside that of the estimates: with every point in every frame (full), with half the points
+missing (half), with every third frame (third).
+
   --scene FILE      scene.json; parameters that are not set have its nominal values
-  --set LIST        the two parameters to fit and their true values, NAME=VALUE,NAME=VALUE
-  --noise SHARE     noise of the second recording, standard deviation relative to the cloth's size; 0: none (0.01)
+  --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
+  --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
   --starts N        N x N starts, N even (4)
   --methods LIST    of adjoint, sensitivity, numeric, lbfgs (all)
-  --seed S          of the noise (1)
+  --seed S          of the noise; coverage: the first (1)
+  --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
+  --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4)
+  --seeds N         recordings per setting (40)
+  --settings LIST   of full, half, third (all)
   --threads N       fits side by side; only the seconds depend on it (1)
-  --output DIR      writes jacobian.csv, one row per fit
+  --output DIR      writes COMMAND.csv, one row per fit
   --help, --version
 
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content.
 
-Example:
+Examples:
   benchmark jacobian --scene datasets/drape.scene.json --set mu=0.3,k_stretch=100 --output /tmp/jacobian
+  benchmark discretization --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --nodes 8,16,31
+  benchmark coverage --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --threads 2
 )";
 
-JacobianBenchmarkOptions OptionsFromFlags() {
+// "8,16" -> {8, 16}. Throws `Error` (kUsage) naming `flag`.
+std::vector<int> ParseIntegers(const std::string& text, const std::string& flag) {
+  std::vector<int> numbers;
+  for (const std::string& item : ParseNames(text, flag)) {
+    const auto [end, error] = std::from_chars(item.data(), item.data() + item.size(), numbers.emplace_back());
+    if (error != std::errc() || end != item.data() + item.size()) {
+      throw Error(ErrorKind::kUsage, flag + ": '" + Printable(item) + "': expected an integer");
+    }
+  }
+  return numbers;
+}
+
+JacobianBenchmarkOptions JacobianOptionsFromFlags() {
   JacobianBenchmarkOptions options;
   options.scene_path = FLAGS_scene;
   options.truth = ParseParameterValues(FLAGS_set, "--set");
@@ -62,41 +101,93 @@ JacobianBenchmarkOptions OptionsFromFlags() {
   return options;
 }
 
-// "fit 3 of 128: adjoint, noise 0.01, start 0.02 7: converged, 7 rollouts; 310 s left". `seconds` since the start.
-void PrintProgress(const JacobianFit& fit, int num_done, int num_fits, double seconds) {
-  std::ostringstream line;
-  line << "fit " << num_done << " of " << num_fits << ": " << fit.method << ", noise " << fit.noise << ", start "
-       << fit.start[0] << " " << fit.start[1] << ": " << FitStatusName(fit.status) << ", " << fit.rollouts
-       << " rollouts; " << std::fixed << std::setprecision(0) << seconds / num_done * (num_fits - num_done)
-       << " s left\n";
-  std::cerr << line.str();
+DiscretizationOptions DiscretizationOptionsFromFlags() {
+  DiscretizationOptions options;
+  options.scene_path = FLAGS_scene;
+  options.truth = ParseParameterValues(FLAGS_set, "--set");
+  options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
+  options.step_divisors = ParseIntegers(FLAGS_steps, "--steps");
+  options.num_threads = FLAGS_threads;
+  return options;
 }
 
-int RunJacobian() {
-  JacobianBenchmarkOptions options = OptionsFromFlags();
+CoverageOptions CoverageOptionsFromFlags() {
+  CoverageOptions options;
+  options.scene_path = FLAGS_scene;
+  options.truth = ParseParameterValues(FLAGS_set, "--set");
+  options.settings = ParseNames(FLAGS_settings, "--settings");
+  options.noise = FLAGS_noise;
+  options.num_seeds = FLAGS_seeds;
+  options.seed = FLAGS_seed;
+  options.num_threads = FLAGS_threads;
+  return options;
+}
+
+std::string Describe(const JacobianFit& fit) {
+  std::ostringstream text;
+  text << fit.method << ", noise " << fit.noise << ", start " << fit.start[0] << " " << fit.start[1] << ": "
+       << FitStatusName(fit.status) << ", " << fit.rollouts << " rollouts";
+  return text.str();
+}
+
+std::string Describe(const DiscretizationFit& fit) {
+  std::ostringstream text;
+  text << fit.nodes[0] << " x " << fit.nodes[1] << " nodes, steps of " << 1e3 * fit.time_step
+       << " ms: " << FitStatusName(fit.status) << ", " << fit.rollouts << " rollouts";
+  return text.str();
+}
+
+std::string Describe(const CoverageFit& fit) {
+  return fit.setting + ", seed " + std::to_string(fit.seed) + ": " + FitStatusName(fit.status) + ", " +
+         std::to_string(fit.rollouts) + " rollouts";
+}
+
+// Reports every fit: "fit 3 of 128: adjoint, noise 0.01, start 0.02 7: converged, 7 rollouts; 310 s left".
+template <typename Options>
+void ReportProgress(Options* options) {
+  const auto start = std::chrono::steady_clock::now();
+  options->on_fit = [start](const auto& fit, int num_done, int num_fits) {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    std::ostringstream line;
+    line << "fit " << num_done << " of " << num_fits << ": " << Describe(fit) << "; " << std::fixed
+         << std::setprecision(0) << seconds.count() / num_done * (num_fits - num_done) << " s left\n";
+    std::cerr << line.str();
+  };
+}
+
+// Runs the benchmark `run`, prints its table and, on request, writes its CSV `name`.csv.
+template <typename Options, typename Benchmark>
+int RunBenchmark(const std::string& name, Options options, Benchmark (*run)(const Options&),
+                 std::string (*table)(const Benchmark&), std::string (*csv)(const Benchmark&)) {
   options.Validate();
   std::optional<OutputFolder> folder;  // before the fits, so that they do not run in vain
   if (!FLAGS_output.empty()) folder.emplace(FLAGS_output);
-  const auto start = std::chrono::steady_clock::now();
-  options.on_fit = [start](const JacobianFit& fit, int num_done, int num_fits) {
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    PrintProgress(fit, num_done, num_fits, seconds.count());
-  };
-  const JacobianBenchmark benchmark = RunJacobianBenchmark(options);
+  ReportProgress(&options);
+  const Benchmark benchmark = run(options);
   if (folder) {
-    folder->Write("jacobian.csv", JacobianCsv(benchmark));
+    folder->Write(name + ".csv", csv(benchmark));
     folder->Commit();
   }
-  std::cout << JacobianTable(benchmark);
+  std::cout << table(benchmark);
   return kExitSuccess;
 }
 
 int Run(const std::vector<std::string>& arguments) {
-  const std::string known = "; there is: jacobian; see benchmark --help";
+  const std::string known = "; there is: jacobian, discretization, coverage; see benchmark --help";
   if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing" + known);
   if (arguments.size() > 1) throw Error(ErrorKind::kUsage, "'" + arguments[1] + "': unexpected argument");
-  if (arguments[0] == "jacobian") return RunJacobian();
-  throw Error(ErrorKind::kUsage, "'" + arguments[0] + "': unknown command" + known);
+  const std::string& name = arguments[0];
+  if (name == "jacobian") {
+    return RunBenchmark(name, JacobianOptionsFromFlags(), RunJacobianBenchmark, JacobianTable, JacobianCsv);
+  }
+  if (name == "discretization") {
+    return RunBenchmark(name, DiscretizationOptionsFromFlags(), RunDiscretizationBenchmark, DiscretizationTable,
+                        DiscretizationCsv);
+  }
+  if (name == "coverage") {
+    return RunBenchmark(name, CoverageOptionsFromFlags(), RunCoverageBenchmark, CoverageTable, CoverageCsv);
+  }
+  throw Error(ErrorKind::kUsage, "'" + name + "': unknown command" + known);
 }
 
 }  // namespace

@@ -5,28 +5,16 @@
 #include <sstream>
 #include <string>
 
+#include "tests/tools/small_drape.h"
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark_jacobian.h"
 
 namespace clothid {
 namespace {
 
-// A small `drape`: hung by its top edge, the lower half falls on a sphere and slides.
-constexpr char kSmallDrape[] = R"({
-  "clothid_scene": 1,
-  "time_step": 0.01,
-  "duration": 0.4,
-  "mesh": {"grid": {"nodes": [6, 6], "size": [0.5, 0.5], "origin": [-0.25, 0, 0],
-                    "axes": [[1, 0, 0], [0, 0.906307787036650, -0.422618261740699]]}},
-  "handles": [0, 1, 2, 3, 4, 5],
-  "obstacles": [{"name": "ball", "type": "sphere", "center": [0.03, 0.25, -0.35], "radius": 0.2, "mu": 0.57}],
-  "materials": {"density": 0.2, "k_stretch": 240, "k_bend": 2e-3, "drag": 0.05},
-  "solver": {"step_tolerance": 1e-8}
-})";
-
 class BenchmarkTest : public ToolTest {
  protected:
-  BenchmarkTest() { WriteBytes(folder() / "scene.json", kSmallDrape); }
+  BenchmarkTest() { WriteBytes(folder() / "scene.json", SmallDrape(6)); }
 
   JacobianBenchmarkOptions SmallOptions() const {
     JacobianBenchmarkOptions options;

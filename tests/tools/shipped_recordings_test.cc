@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iomanip>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -53,6 +54,10 @@ std::map<std::string, double> ParseValues(const std::string& text) {
 
 std::string Path(const std::string& file) { return CLOTHID_SOURCE_DIR "/datasets/" + file; }
 
+struct StartingPoint {
+  double cost = 0.0, gradient_norm = 0.0;
+};
+
 class ShippedRecordingsTest : public ToolTest {
  protected:
   // result.json of a fit that ends with one of `exit_codes`.
@@ -61,10 +66,23 @@ class ShippedRecordingsTest : public ToolTest {
     EXPECT_EQ(exit_codes.count(result.exit_code), 1u) << result.exit_code << "\n" << result.err;
     return nlohmann::json::parse(ReadBytes(folder() / "result" / "result.json"));
   }
+
+  // The first row of convergence.csv of the last fit, whose only parameter is k_stretch.
+  StartingPoint Start() const {
+    std::istringstream text(ReadBytes(folder() / "result" / "convergence.csv"));
+    std::string header, row;
+    std::getline(text, header);
+    EXPECT_EQ(header, "iteration,seconds,cost,k_stretch,gradient_norm,rollouts");
+    std::getline(text, row);
+    std::vector<std::string> cells;
+    std::istringstream cell_text(row);
+    for (std::string cell; std::getline(cell_text, cell, ',');) cells.push_back(cell);
+    return {std::stod(cells.at(2)), std::stod(cells.at(4))};
+  }
 };
 
 TEST_F(ShippedRecordingsTest, AreMadeAgainBySimulate) {
-  ASSERT_EQ(ReadTable().size(), 3u);
+  ASSERT_EQ(ReadTable().size(), 4u);
   for (const ShippedRecording& recording : ReadTable()) {
     ExpectSuccess("simulate --scene '" + Path(recording.name + ".scene.json") + "' --set " + recording.truth +
                   " --output again.bin");
@@ -93,7 +111,7 @@ TEST_F(ShippedRecordingsTest, AreFarFromTheTruthAtTheirNominalValues) {
 
 TEST_F(ShippedRecordingsTest, GiveTheTruthBack) {
   const std::map<std::string, std::string> fitted = {
-      {"drape", "mu,k_stretch"}, {"slope", "mu"}, {"wind", "k_stretch,k_bend"}};
+      {"drape", "mu,k_stretch"}, {"slope", "mu"}, {"wind", "k_stretch,k_bend"}, {"bounce", "k_stretch"}};
   for (const ShippedRecording& recording : ReadTable()) {
     const nlohmann::json result =
         Identify("--target '" + Path(recording.name + ".motion.bin") + "' --fit " + fitted.at(recording.name), {0});
@@ -105,6 +123,50 @@ TEST_F(ShippedRecordingsTest, GiveTheTruthBack) {
     }
     std::filesystem::remove_all(folder() / "result");
   }
+}
+
+// A strip that bounces once too often within the recording is a minimum of its own: without gradient, lower than where
+// it is reached from on either side, inside the bounds, and not the truth.
+TEST_F(ShippedRecordingsTest, BounceHasTwoMinima) {
+  for (const std::string jacobian : {"adjoint", "sensitivity"}) {
+    SCOPED_TRACE(jacobian);
+    const auto fit = [&](double start) {
+      std::ostringstream flags;
+      flags << "--target '" << Path("bounce.motion.bin") << "' --jacobian " << jacobian << std::setprecision(17)
+            << " --start k_stretch=" << start;
+      const nlohmann::json result = Identify(flags.str(), {0});
+      EXPECT_EQ(result["status"], "converged") << start;
+      EXPECT_EQ(result["parameters"]["k_stretch"]["at_bound"], false) << start;
+      return result;
+    };
+    const nlohmann::json first = fit(6.0);
+    EXPECT_NEAR(first["parameters"]["k_stretch"]["value"].get<double>(), 5.0, 1e-4 * 5.0);
+    EXPECT_LT(first["rmse_m"].get<double>(), 1e-6);
+    double minimum = 0.0, cost = 0.0;
+    for (const double start : {8.0, 9.0}) {
+      const nlohmann::json second = fit(start);
+      minimum = second["parameters"]["k_stretch"]["value"].get<double>();
+      cost = second["cost"].get<double>();
+      EXPECT_NEAR(minimum, 8.350, 2e-4 * 8.350);
+      EXPECT_NEAR(second["rmse_m"].get<double>(), 0.01926, 1e-5);
+      EXPECT_LT(cost, 0.99 * Start().cost);
+    }
+    const double gradient = Start().gradient_norm;  // at 9
+    fit(minimum);
+    EXPECT_LT(Start().gradient_norm, 1e-3 * gradient);
+    EXPECT_NEAR(Start().cost, cost, 1e-9 * cost);
+  }
+}
+
+TEST_F(ShippedRecordingsTest, SeveralStartsFindBothMinimaOfBounce) {
+  const nlohmann::json result =
+      Identify("--target '" + Path("bounce.motion.bin") + "' --jacobian sensitivity --starts 8 --seed 1", {0});
+  EXPECT_NEAR(result["parameters"]["k_stretch"]["value"].get<double>(), 5.0, 1e-4 * 5.0);
+  const nlohmann::json& minima = result["starts"]["minima"];
+  ASSERT_EQ(minima.size(), 2u);
+  EXPECT_NEAR(minima[0]["values"]["k_stretch"].get<double>(), 5.0, 1e-4 * 5.0);
+  EXPECT_NEAR(minima[1]["values"]["k_stretch"].get<double>(), 8.350, 2e-4 * 8.350);
+  EXPECT_NE(result["verdict"].dump().find("another minimum, k_stretch 8.35"), std::string::npos) << result["verdict"];
 }
 
 TEST_F(ShippedRecordingsTest, AnInterruptSavesWhatIsThere) {

@@ -1,0 +1,180 @@
+#include "tools/benchmark_coverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+
+#include "identify/evaluator.h"
+#include "identify/problem.h"
+#include "identify/uncertainty.h"
+#include "sim/error.h"
+#include "sim/json_document.h"
+#include "sim/scene_json.h"
+#include "sim/text_file.h"
+#include "tools/parallel_for.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+void Require(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorKind::kUsage, message);
+}
+
+SyntheticOptions SensorOptions(const CoverageOptions& options, const CoverageFit& fit, const Scene& scene) {
+  SyntheticOptions synthetic;
+  synthetic.noise_sigma = options.noise * ClothSize(scene.mesh);
+  synthetic.seed = fit.seed;
+  if (fit.setting == "half") synthetic.drop_fraction = 0.5;
+  if (fit.setting == "third") synthetic.frame_rate = 1.0 / (3.0 * scene.time_step);
+  return synthetic;
+}
+
+// As `AddUncertainty`, without the two rollouts that would look at the ends of an interval.
+std::vector<ParameterUncertainty> UncertaintyAt(const Eigen::VectorXd& coordinates, const FitProblem& problem,
+                                                CostStatistics* statistics) {
+  FitEvaluator evaluator(&problem, &coordinates, 1);
+  Linearization linearization;
+  std::vector<ParameterUncertainty> parameters(problem.blocks().size());
+  if (evaluator.Linearize(coordinates, &linearization)) {
+    parameters = EstimateUncertainty(problem.blocks(), coordinates, linearization).parameters;
+  }
+  *statistics += evaluator.statistics();
+  return parameters;
+}
+
+void RunFit(const std::vector<TrueParameter>& truth, const RecordedMotion& recording, CoverageFit* fit) {
+  FitOptions options;
+  options.jacobian = JacobianMethod::kSensitivity;
+  options.estimate_uncertainty = false;
+  for (const TrueParameter& parameter : truth) {
+    options.parameters.push_back(parameter.name);
+    options.overrides.start[parameter.name] = kStartFactor * parameter.value;
+  }
+  FitProblem problem({recording}, options);
+  FitSummary summary = Fit(options, &problem);
+  std::vector<ParameterUncertainty> uncertainty(truth.size());
+  if (summary.has_estimate()) uncertainty = UncertaintyAt(summary.coordinates, problem, &summary.statistics);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    fit->value.push_back(summary.has_estimate() ? summary.parameters[i].value : kNaN);
+    fit->std.push_back(uncertainty[i].std);
+    fit->lower95.push_back(uncertainty[i].lower95);
+    fit->upper95.push_back(uncertainty[i].upper95);
+  }
+  fit->rmse = summary.has_estimate() ? summary.error.rmse() : kNaN;
+  fit->rollouts = summary.statistics.rollouts;
+  fit->status = summary.status;
+}
+
+// Of parameter i over the fits of one setting.
+CoverageSummary Summarize(const std::vector<CoverageFit>& fits, const TrueParameter& parameter, std::size_t i) {
+  CoverageSummary summary;
+  summary.setting = fits.front().setting;
+  summary.name = parameter.name;
+  summary.num_fits = static_cast<int>(fits.size());
+  double mean = 0.0, squares = 0.0;
+  for (const CoverageFit& fit : fits) {
+    mean += fit.value[i] / summary.num_fits;
+    summary.mean_std += fit.std[i] / summary.num_fits;
+    summary.num_covered += fit.lower95[i] <= parameter.value && parameter.value <= fit.upper95[i];
+  }
+  for (const CoverageFit& fit : fits) squares += std::pow(fit.value[i] - mean, 2);
+  summary.empirical_std = std::sqrt(squares / (summary.num_fits - 1));
+  summary.bias = mean - parameter.value;
+  return summary;
+}
+
+}  // namespace
+
+void CoverageOptions::Validate() const {
+  Require(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  Require(!truth.empty(), "--set: expected at least one parameter, as in mu=0.3,k_stretch=100");
+  Require(std::isfinite(noise) && noise > 0.0, "--noise: expected a number > 0, relative to the cloth's size");
+  Require(num_seeds >= 2, "--seeds: expected a number >= 2");
+  Require(num_threads >= 1, "--threads: expected a number >= 1");
+  Require(!settings.empty(), "--settings: expected at least one setting");
+  for (const std::string& setting : settings) {
+    Require(std::find(kCoverageSettings.begin(), kCoverageSettings.end(), setting) != kCoverageSettings.end(),
+            "--settings: '" + Printable(setting) + "': expected full, half or third");
+  }
+}
+
+CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
+  options.Validate();
+  const std::string scene_text = ReadFile(options.scene_path, kMaxJsonBytes);
+  const std::string folder = std::filesystem::path(options.scene_path).parent_path().string();
+  const Scene scene = ParseScene(scene_text, options.scene_path, folder);
+  CoverageBenchmark benchmark;
+  benchmark.truth = MakeTrueParameters(options.truth, scene);
+  const Rollout rollout = SimulateTruth(benchmark.truth, options.scene_path, scene);
+  for (const std::string& setting : options.settings) {
+    for (int i = 0; i < options.num_seeds; ++i) {
+      CoverageFit fit;
+      fit.setting = setting;
+      fit.seed = options.seed + static_cast<std::uint64_t>(i);
+      benchmark.fits.push_back(fit);
+    }
+  }
+  const int num_fits = static_cast<int>(benchmark.fits.size());
+  ParallelFor(
+      num_fits, options.num_threads,
+      [&](int i) {
+        CoverageFit* fit = &benchmark.fits[i];
+        RunFit(benchmark.truth, MakeRecording(rollout, scene, scene_text, SensorOptions(options, *fit, scene)), fit);
+      },
+      [&](int i, int num_done) {
+        if (options.on_fit) options.on_fit(benchmark.fits[i], num_done, num_fits);
+      });
+  return benchmark;
+}
+
+std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmark) {
+  std::vector<CoverageSummary> summaries;
+  for (auto begin = benchmark.fits.begin(); begin != benchmark.fits.end();) {
+    const auto end = std::find_if(begin, benchmark.fits.end(),
+                                  [&](const CoverageFit& fit) { return fit.setting != begin->setting; });
+    for (std::size_t i = 0; i < benchmark.truth.size(); ++i) {
+      summaries.push_back(Summarize({begin, end}, benchmark.truth[i], i));
+    }
+    begin = end;
+  }
+  return summaries;
+}
+
+std::string CoverageTable(const CoverageBenchmark& benchmark) {
+  std::ostringstream out;
+  out << "setting  parameter      covered   reported std  empirical std  ratio  bias, std\n";
+  for (const CoverageSummary& summary : SummarizeCoverage(benchmark)) {
+    std::ostringstream covered;
+    covered << summary.num_covered << " of " << summary.num_fits;
+    out << std::left << std::setw(9) << summary.setting << std::setw(12) << summary.name << std::right << std::setw(10)
+        << covered.str() << std::setprecision(4) << std::setw(15) << summary.mean_std << std::setw(15)
+        << summary.empirical_std << std::fixed << std::setprecision(2) << std::setw(7) << summary.std_ratio()
+        << std::setw(11) << summary.bias / summary.empirical_std << std::defaultfloat << "\n";
+  }
+  return out.str();
+}
+
+std::string CoverageCsv(const CoverageBenchmark& benchmark) {
+  std::ostringstream out;
+  out << std::setprecision(std::numeric_limits<double>::max_digits10) << "setting,seed";
+  for (const TrueParameter& parameter : benchmark.truth) {
+    const std::string& name = parameter.name;
+    out << "," << name << ",std_" << name << ",lower95_" << name << ",upper95_" << name;
+  }
+  out << ",rmse_m,rollouts,status\n";
+  for (const CoverageFit& fit : benchmark.fits) {
+    out << fit.setting << "," << fit.seed;
+    for (std::size_t i = 0; i < fit.value.size(); ++i) {
+      out << "," << fit.value[i] << "," << fit.std[i] << "," << fit.lower95[i] << "," << fit.upper95[i];
+    }
+    out << "," << fit.rmse << "," << fit.rollouts << "," << FitStatusName(fit.status) << "\n";
+  }
+  return out.str();
+}
+
+}  // namespace clothid

@@ -1,0 +1,84 @@
+// benchmark coverage: do the intervals of a fit contain the truth as often as they say?
+//
+// A rollout with known parameters is seen again and again with noise of its own, each time fitted from start values
+// that are off by `kStartFactor`, and the intervals at the solution (identify/uncertainty.h) are held against the truth
+// and against the scatter of the estimates; all that under several settings of the sensor.
+#ifndef CLOTHID_TOOLS_BENCHMARK_COVERAGE_H_
+#define CLOTHID_TOOLS_BENCHMARK_COVERAGE_H_
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "identify/fit.h"
+#include "tools/true_recording.h"
+
+namespace clothid {
+
+// Every point in every frame, one frame per step; every point missing from a frame with a chance of one half; every
+// third frame.
+inline const std::vector<std::string> kCoverageSettings = {"full", "half", "third"};
+
+// Start over truth: many standard deviations off, and near enough for three rollouts a fit.
+inline constexpr double kStartFactor = 1.05;
+
+// One fit. Depends on the options alone.
+struct CoverageFit {
+  std::string setting;
+  std::uint64_t seed = 0;
+  std::vector<double> value, std, lower95, upper95;  // per parameter; NaN where there are none
+  double rmse = 0.0;                                 // m
+  int rollouts = 0;
+  FitStatus status = FitStatus::kFailed;
+};
+
+struct CoverageOptions {
+  std::string scene_path;
+  std::map<std::string, double> truth;  // the parameters to be fitted; all others have the scene's nominal value
+  std::vector<std::string> settings = kCoverageSettings;
+  double noise = 0.01;     // standard deviation on every coordinate, relative to the cloth's size
+  int num_seeds = 40;      // recordings per setting
+  std::uint64_t seed = 1;  // the first
+  int num_threads = 1;     // fits side by side; results do not depend on it
+  // After every fit, in the order in which they end; never two at a time. May be empty.
+  std::function<void(const CoverageFit& fit, int num_done, int num_fits)> on_fit;
+
+  // Throws `Error` (kUsage) naming the first flag out of range.
+  void Validate() const;
+};
+
+struct CoverageBenchmark {
+  std::vector<TrueParameter> truth;
+  std::vector<CoverageFit> fits;  // by setting, then seed
+};
+
+// Of one setting and parameter.
+struct CoverageSummary {
+  std::string setting, name;
+  int num_fits = 0;
+  int num_covered = 0;         // intervals that contain the truth; a fit without one is not among them
+  double mean_std = 0.0;       // reported
+  double empirical_std = 0.0;  // of the estimates about their mean
+  double bias = 0.0;           // mean estimate - truth
+
+  double coverage() const { return static_cast<double>(num_covered) / num_fits; }
+  double std_ratio() const { return mean_std / empirical_std; }
+};
+
+// Throws `Error` for options and scenes that cannot be used and where the rollout with the true parameters fails.
+CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options);
+
+// By setting, then parameter. A value that a fit does not have is NaN, and so is what depends on it.
+std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmark);
+
+// One line per setting and parameter; biases in empirical standard deviations.
+std::string CoverageTable(const CoverageBenchmark& benchmark);
+
+// One row per fit.
+std::string CoverageCsv(const CoverageBenchmark& benchmark);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TOOLS_BENCHMARK_COVERAGE_H_

@@ -1,0 +1,17 @@
+// Independent tasks side by side.
+#ifndef CLOTHID_TOOLS_PARALLEL_FOR_H_
+#define CLOTHID_TOOLS_PARALLEL_FOR_H_
+
+#include <functional>
+
+namespace clothid {
+
+// Calls work(i) for every i in [0, num_tasks) on up to `num_threads` threads. After each of them done(i, n) follows, n
+// the number of tasks done so far: never two at a time. `done` may be empty. Rethrows what a task has thrown once all
+// threads have ended.
+void ParallelFor(int num_tasks, int num_threads, const std::function<void(int task)>& work,
+                 const std::function<void(int task, int num_done)>& done = {});
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TOOLS_PARALLEL_FOR_H_
