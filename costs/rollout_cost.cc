@@ -57,13 +57,13 @@ bool RolloutCost::EvaluateGradient(const Eigen::VectorXd& coordinates, double* c
 }
 
 bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian,
-                            double* squared_residual) const {
+                            Eigen::VectorXd* residuals) const {
   const RolloutEvaluation& evaluation = evaluator_->At(coordinates, Need::kExactRows, evaluator_->free_blocks());
   if (!evaluation.ok()) return false;
   const ResidualRows& rows = evaluation.exact_rows;
   *jacobian = Eigen::MatrixXd::Zero(rows.jacobian.rows(), coordinates.size());
   (*jacobian)(Eigen::all, rows.active) = rows.jacobian;
-  *squared_residual = rows.residuals.squaredNorm();
+  *residuals = rows.residuals;
   return true;
 }
 

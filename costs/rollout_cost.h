@@ -43,10 +43,10 @@ class RolloutCost : public ceres::CostFunction {
   // Jacobians). `gradient` may be null; entries of frozen blocks are zero. Returns as `Evaluate` does.
   bool EvaluateGradient(const Eigen::VectorXd& coordinates, double* cost, Eigen::VectorXd* gradient) const;
 
-  // The full Jacobian of e, compressed, whatever `JacobianMethod` the cost has: `jacobian` [r x p] with
-  // jacobian^T jacobian = (de/dq)^T (de/dq), columns of frozen blocks zero, and |e|^2, weighted by the loss. For the
-  // covariance at a solution. Returns as `Evaluate` does.
-  bool Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, double* squared_residual) const;
+  // e [m] with its full Jacobian, weighted by the loss and compressed to r rows, whatever `JacobianMethod` the cost
+  // has: |residuals| = |e|, and `jacobian` [r x p] has the same products with itself and with `residuals` as de/dq;
+  // columns of frozen blocks are zero. For the covariance at a solution. Returns as `Evaluate` does.
+  bool Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals) const;
 
   // The predicted points [3P x T] m. False where the rollout failed.
   bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) const;

@@ -129,20 +129,22 @@ void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost) {
 bool FitEvaluator::Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization) {
   const int num_recordings = problem_->num_recordings();
   std::vector<Eigen::MatrixXd> jacobians(static_cast<std::size_t>(num_recordings));
-  std::vector<double> squared_residuals(static_cast<std::size_t>(num_recordings));
+  std::vector<Eigen::VectorXd> residuals(static_cast<std::size_t>(num_recordings));
   const bool ok = ForEachRecording([&](int recording) {
     return problem_->cost(recording).Linearize(problem_->CoordinatesOf(recording, coordinates), &jacobians[recording],
-                                               &squared_residuals[recording]);
+                                               &residuals[recording]);
   });
   if (!ok) return false;
   *linearization = Linearization();
+  linearization->gradient = Eigen::VectorXd::Zero(coordinates.size());
   for (int r = 0; r < num_recordings; ++r) {
     Eigen::MatrixXd& all = linearization->jacobian;
     const Eigen::Index num_rows = all.rows();
     all.conservativeResize(num_rows + jacobians[r].rows(), coordinates.size());
     all.bottomRows(jacobians[r].rows()).setZero();
     all.bottomRows(jacobians[r].rows())(Eigen::all, problem_->block_indices(r)) = jacobians[r];
-    linearization->squared_residual += squared_residuals[r];
+    linearization->gradient(problem_->block_indices(r)) += jacobians[r].transpose() * residuals[r];
+    linearization->squared_residual += residuals[r].squaredNorm();
     linearization->num_measurements += problem_->cost(r).model().observation().num_residuals();
     linearization->sigma_is_known &= problem_->cost(r).model().observation().sigma_is_known();
   }

@@ -53,11 +53,12 @@ Json IntervalCheckJson(const FitSummary& summary) {
 Json UncertaintyJson(const FitSummary& summary) {
   if (!summary.uncertainty) return nullptr;
   const Uncertainty& uncertainty = *summary.uncertainty;
-  Json correlation = Json::object(), directions = Json::array(), visible = Json::object();
+  Json correlation = Json::object(), directions = Json::array(), visible = Json::object(), distance = Json::object();
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const Eigen::Index row = static_cast<Eigen::Index>(i);
     correlation[summary.parameters[i].name] = NamedJson(summary.parameters, uncertainty.correlation.row(row));
     visible[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].visible_change);
+    distance[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].distance);
   }
   for (const HiddenDirection& direction : uncertainty.hidden_directions) {
     directions.push_back({{"words", direction.words},
@@ -69,6 +70,7 @@ Json UncertaintyJson(const FitSummary& summary) {
   return {{"residual_scale", NumberJson(uncertainty.residual_scale)},
           {"residual_autocorrelation", NumberJson(summary.error.autocorrelation())},
           {"visible_change", visible},
+          {"distance_to_minimum", distance},
           {"singular_values", singular_values},
           {"correlation", correlation},
           {"hidden_directions", directions},

@@ -58,6 +58,12 @@ class ScaledJacobian {
     }
     return sum;
   }
+  // Entry i of (J^T J)^-1 `vector` [p].
+  double Solve(Eigen::Index i, const Eigen::VectorXd& vector) const {
+    double sum = 0.0;
+    for (Eigen::Index j = 0; j < size(); ++j) sum += ranges_[i] * Inverse(i, j) * ranges_[j] * vector[indices_[j]];
+    return sum;
+  }
   double VisibleChange(Eigen::Index i) const { return 1.0 / std::sqrt(Inverse(i, i)); }
   // Of q, for s = 1.
   double CoordinateStd(Eigen::Index i) const { return ranges_[i] * std::sqrt(Inverse(i, i)); }
@@ -117,7 +123,8 @@ std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const E
 }
 
 void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
-                   const ScaledJacobian& jacobian, double scale, Uncertainty* uncertainty) {
+                   const Eigen::VectorXd& gradient, const ScaledJacobian& jacobian, double scale,
+                   Uncertainty* uncertainty) {
   const auto has_std = [&](Eigen::Index i) { return uncertainty->parameters[jacobian.indices()[i]].identifiable; };
   for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
     if (!has_std(i)) continue;
@@ -130,6 +137,7 @@ void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::Vecto
     parameter.std = block.ValueDerivative(q) * std;
     parameter.lower95 = std::max(block.lower_bound, block.ToValue(q - kNormal95 * std));
     parameter.upper95 = std::min(block.upper_bound, block.ToValue(q + kNormal95 * std));
+    parameter.distance = std::abs(jacobian.Solve(i, gradient)) / std;
     for (Eigen::Index j = 0; j < jacobian.size(); ++j) {
       if (!has_std(j)) continue;
       uncertainty->correlation(index, jacobian.indices()[j]) =
@@ -145,8 +153,9 @@ Linearization Linearize(const std::vector<double*>& coordinates, int num_measure
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = coordinates;
   double cost = 0.0;
+  std::vector<double> gradient;
   ceres::CRSMatrix sparse;
-  if (!problem->Evaluate(options, &cost, nullptr, nullptr, &sparse)) {
+  if (!problem->Evaluate(options, &cost, nullptr, &gradient, &sparse)) {
     throw std::runtime_error("the problem cannot be evaluated at the solution");
   }
   Linearization linearization;
@@ -156,6 +165,7 @@ Linearization Linearize(const std::vector<double*>& coordinates, int num_measure
       linearization.jacobian(row, sparse.cols[k]) = sparse.values[k];
     }
   }
+  linearization.gradient = Eigen::Map<Eigen::VectorXd>(gradient.data(), static_cast<Eigen::Index>(gradient.size()));
   linearization.squared_residual = 2.0 * cost;
   linearization.num_measurements = num_measurements;
   linearization.sigma_is_known = sigma_is_known;
@@ -203,7 +213,7 @@ Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const
     direction.words = DescribeDirection(blocks, direction.coordinates);
     uncertainty.hidden_directions.push_back(direction);
   }
-  FillIntervals(blocks, coordinates, ScaledJacobian(blocks, linearization.jacobian, off_bounds),
+  FillIntervals(blocks, coordinates, linearization.gradient, ScaledJacobian(blocks, linearization.jacobian, off_bounds),
                 uncertainty.residual_scale, &uncertainty);
   return uncertainty;
 }

@@ -36,6 +36,7 @@ inline constexpr double kChiSquare95 = kNormal95 * kNormal95;
 // A least-squares problem at one point.
 struct Linearization {
   Eigen::MatrixXd jacobian;       // [r x p] de/dq, or fewer rows with the same J^T J
+  Eigen::VectorXd gradient;       // [p] J^T e
   double squared_residual = 0.0;  // |e|^2, twice the cost
   int num_measurements = 0;       // m
   bool sigma_is_known = true;     // false: residuals are whitened by a guess
@@ -56,6 +57,9 @@ struct ParameterUncertainty {
   double lower95 = std::numeric_limits<double>::quiet_NaN();
   double upper95 = std::numeric_limits<double>::quiet_NaN();
   double coordinate_std = std::numeric_limits<double>::quiet_NaN();  // of q
+  // From the estimate to the minimum of the quadratic model |e + J dq|^2/2 there, in standard deviations: large where a
+  // fit stopped early, or at a kink of the cost. NaN without a std.
+  double distance = std::numeric_limits<double>::quiet_NaN();
   double visible_change = 0.0;  // c_i, in standard deviations of the measurements; 0 where frozen
   bool at_bound = false;        // within 1e-3 of the range from one of its bounds
   bool identifiable = false;    // false where frozen, too

@@ -26,6 +26,8 @@ bool IsAnyUnidentifiable(const FitSummary& summary, const RunRecord& run) {
 
 // Residuals this correlated from frame to frame are not the noise of a sensor.
 constexpr double kCorrelated = 0.3;
+// Standard deviations between an estimate and the minimum of the quadratic model there; converged fits stay below 0.1.
+constexpr double kFarFromMinimum = 1.0;
 // A profile that falls below the estimate by more than this was not the minimum.
 constexpr double kProfileRounding = 1e-3;
 // Residuals below this share of sigma are the rounding of a recording without noise.
@@ -65,6 +67,17 @@ void AddCorrelation(const FitSummary& summary, std::vector<std::string>* lines) 
   lines->push_back("residuals are correlated from frame to frame (" + Number(correlation, 2) +
                    "): the model misses something that lasts, and the intervals are too narrow by a factor of about " +
                    Number(std::sqrt((1.0 + correlation) / (1.0 - correlation)), 2));
+}
+
+void AddDistance(const FitSummary& summary, std::vector<std::string>* lines) {
+  if (!summary.uncertainty) return;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const double distance = summary.uncertainty->parameters[i].distance;
+    if (!(distance > kFarFromMinimum)) continue;
+    lines->push_back(summary.parameters[i].name + " is " + Number(distance, 2) +
+                     " standard deviations from the minimum of the quadratic model at the estimate: the fit stopped "
+                     "early, or at a kink of the cost");
+  }
 }
 
 void AddIntervalCheck(const FitSummary& summary, std::vector<std::string>* lines) {
@@ -171,6 +184,7 @@ std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run
   AddIdentifiability(summary, &lines);
   AddCorrelation(summary, &lines);
   AddIntervalCheck(summary, &lines);
+  AddDistance(summary, &lines);
   if (run.starts) AddStarts(summary, *run.starts, &lines);
   AddProfiles(summary, run, &lines);
   if (run.step_check) AddStepCheck(summary, *run.step_check, &lines);

@@ -327,10 +327,11 @@ TEST(RolloutCostTest, LinearizationIsThatOfTheFullResidualWithEveryMethod) {
     options.jacobian = method;
     const RolloutCost cost(motion, blocks, options);
     Eigen::MatrixXd jacobian;
-    double squared_residual = 0.0;
-    ASSERT_TRUE(cost.Linearize(start, &jacobian, &squared_residual)) << cost.last_failure();
+    Eigen::VectorXd residuals;
+    ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals)) << cost.last_failure();
     EXPECT_LT((jacobian.transpose() * jacobian - hessian).norm(), 1e-12 * hessian.norm());
-    EXPECT_NEAR(squared_residual, 2.0 * full.cost(), 1e-12 * full.cost());
+    EXPECT_NEAR(residuals.squaredNorm(), 2.0 * full.cost(), 1e-12 * full.cost());
+    EXPECT_LT((jacobian.transpose() * residuals - full.gradient()).norm(), 1e-10 * full.gradient().norm());
   }
 }
 

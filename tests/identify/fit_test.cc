@@ -36,7 +36,10 @@ void ExpectRecovered(const FitSummary& summary, const std::map<std::string, doub
     EXPECT_FALSE(parameter.at_bound) << parameter.name;
   }
   ASSERT_TRUE(summary.uncertainty.has_value());
-  for (const ParameterUncertainty& parameter : summary.uncertainty->parameters) EXPECT_TRUE(parameter.identifiable);
+  for (const ParameterUncertainty& parameter : summary.uncertainty->parameters) {
+    EXPECT_TRUE(parameter.identifiable);
+    EXPECT_LT(parameter.distance, 1.0);
+  }
 }
 
 // Density, stiffnesses and drag have a common factor that changes nothing, so density is not fitted beside the rest.
@@ -151,6 +154,18 @@ TEST(FitTest, SaysWhatIsNotIdentifiable) {
   ASSERT_EQ(summary.uncertainty->hidden_directions.size(), 1u);
   EXPECT_EQ(summary.uncertainty->hidden_directions[0].words, "mu");
   EXPECT_EQ(summary.parameters[0].value, summary.parameters[0].start);
+}
+
+TEST(FitTest, KnowsThatItStoppedEarly) {
+  FitOptions options = OptionsFor({"k_stretch"});
+  options.max_iterations = 1;
+  MotionOptions noisy;
+  noisy.true_values = {{"k_stretch", 150.0}};
+  noisy.noise = noisy.sigma = 1e-4;
+  const FitSummary summary = RunFit({MakeMotion(SwingScene(), noisy)}, options);
+  EXPECT_EQ(summary.status, FitStatus::kNotConverged);
+  ASSERT_TRUE(summary.uncertainty.has_value());
+  EXPECT_GT(summary.uncertainty->parameters[0].distance, 1.0);
 }
 
 TEST(FitTest, StopsAtABound) {

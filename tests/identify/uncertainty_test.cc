@@ -37,6 +37,7 @@ Eigen::MatrixXd RandomMatrix(int rows, int columns) {
 Linearization MakeLinearization(const Eigen::MatrixXd& jacobian, double squared_residual, bool sigma_is_known) {
   Linearization linearization;
   linearization.jacobian = jacobian;
+  linearization.gradient = Eigen::VectorXd::Zero(jacobian.cols());
   linearization.squared_residual = squared_residual;
   linearization.num_measurements = static_cast<int>(jacobian.rows());
   linearization.sigma_is_known = sigma_is_known;
@@ -68,6 +69,17 @@ TEST(UncertaintyTest, CovarianceIsTheInverseOfTheNormalMatrix) {
     EXPECT_NEAR(result.correlation(0, 1), inverse(0, 1) / std::sqrt(inverse(0, 0) * inverse(1, 1)), 1e-10);
     EXPECT_TRUE(result.all_identifiable(blocks));
     EXPECT_TRUE(result.hidden_directions.empty());
+  }
+}
+
+TEST(UncertaintyTest, MeasuresTheDistanceToTheMinimumOfTheModel) {
+  const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0), Log("k_stretch"), Log("drag")};
+  Linearization linearization = MakeLinearization(1e2 * RandomMatrix(52, 3), 1.0, true);
+  const Eigen::Vector3d step(0.02, -0.03, 0.0);
+  linearization.gradient = linearization.jacobian.transpose() * linearization.jacobian * step;
+  const Uncertainty result = EstimateUncertainty(blocks, Eigen::Vector3d(0.5, 1.0, 2.0), linearization);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(result.parameters[i].distance, std::abs(step[i]) / result.parameters[i].coordinate_std, 1e-8) << i;
   }
 }
 
@@ -209,6 +221,7 @@ TEST(UncertaintyTest, AResidualOfOnesOwnMakesACeresProblemIdentifiable) {
   EXPECT_TRUE(result.all_identifiable(blocks));
   EXPECT_NEAR(result.parameters[1].std, 0.01, 1e-9);
   EXPECT_NEAR(result.parameters[0].std, std::hypot(0.1, 0.01), 1e-9);
+  EXPECT_NEAR(result.parameters[0].distance, 0.0, 1e-9);
 }
 
 }  // namespace

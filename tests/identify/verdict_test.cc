@@ -96,6 +96,14 @@ TEST(VerdictTest, SaysWhereTheCostIsNotQuadratic) {
       Says(summary, {}, "the interval of mu cannot be relied on: at its ends the cost rises by 3.7 and 1.2e+02"));
 }
 
+TEST(VerdictTest, SaysWhereAFitStoppedEarly) {
+  FitSummary summary = Converged();
+  summary.uncertainty->parameters[0].distance = 0.1;
+  EXPECT_FALSE(Says(summary, {}, "stopped early"));
+  summary.uncertainty->parameters[0].distance = 25.0;
+  EXPECT_TRUE(Says(summary, {}, "mu is 25 standard deviations from the minimum of the quadratic model"));
+}
+
 RunRecord TwoMinima(double cost_rise) {
   RunRecord run;
   run.starts.emplace();
