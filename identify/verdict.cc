@@ -26,7 +26,7 @@ bool IsAnyUnidentifiable(const FitSummary& summary, const RunRecord& run) {
 
 // Residuals this correlated from frame to frame are not the noise of a sensor.
 constexpr double kCorrelated = 0.3;
-// Standard deviations between an estimate and the minimum of the quadratic model there; converged fits stay below 0.1.
+// Standard deviations between an estimate and the minimum of the quadratic model there; converged fits stay below it.
 constexpr double kFarFromMinimum = 1.0;
 // A profile that falls below the estimate by more than this was not the minimum.
 constexpr double kProfileRounding = 1e-3;
