@@ -157,7 +157,7 @@ TEST_F(PackageTest, DebianPackage) {
   if (Run("command -v dpkg-deb && command -v dpkg-shlibdeps").exit_code != 0) GTEST_SKIP() << "not a Debian system";
   Success(CPACK " -G DEB --config '" CLOTHID_BINARY_DIR "/CPackConfig.cmake' -B package");
   const std::string control = Success("dpkg-deb --info package/*.deb");
-  for (const char* line : {"Package: clothid\n", "Version: " CLOTHID_VERSION, "libcholmod",
+  for (const char* line : {"Package: clothid\n", "Version: " CLOTHID_VERSION, "libcholmod", "libopenblas0-serial",
                            "Recommends: libceres-dev, libeigen3-dev\n", "binaries are under the GPL"}) {
     EXPECT_NE(control.find(line), std::string::npos) << line << "\n" << control;
   }
