@@ -1,25 +1,11 @@
 #include "identify/evaluator.h"
 
-#include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <functional>
-#include <thread>
+
+#include "identify/parallel_for.h"
 
 namespace clothid {
 namespace {
-
-// task(0) .. task(count - 1) on up to `num_threads` threads. Tasks do not throw.
-void RunTasks(int count, int num_threads, const std::function<void(int)>& task) {
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int i = next++; i < count; i = next++) task(i);
-  };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < std::min(num_threads, count); ++t) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-}
 
 CostStatistics Total(const FitProblem& problem) {
   CostStatistics sum;
@@ -71,7 +57,7 @@ bool FitEvaluator::ForEachRecording(const std::function<bool(int recording)>& wo
   const auto start = std::chrono::steady_clock::now();
   const int num_recordings = problem_->num_recordings();
   std::vector<char> ok(static_cast<std::size_t>(num_recordings));
-  RunTasks(num_recordings, num_threads_, [&](int recording) { ok[recording] = work(recording) ? 1 : 0; });
+  ParallelFor(num_recordings, num_threads_, [&](int recording) { ok[recording] = work(recording) ? 1 : 0; });
   seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   last_failure_.clear();
   for (int r = 0; r < num_recordings; ++r) {

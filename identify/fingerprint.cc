@@ -46,7 +46,7 @@ std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std
   text << "fit " << static_cast<int>(options.method) << " " << JacobianMethodName(options.jacobian) << " "
        << static_cast<int>(options.loss.kind) << " " << options.loss.scale << " " << options.max_iterations << " "
        << options.function_tolerance << " " << options.parameter_tolerance << " " << options.num_starts << " "
-       << options.seed << " " << options.estimate_uncertainty << "\n";
+       << options.seed << " " << options.estimate_uncertainty << " " << options.check_interval << "\n";
   return Sha256Hex({text.str()});
 }
 

@@ -273,8 +273,10 @@ void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSum
   Linearization linearization;
   if (evaluator.Linearize(summary->coordinates, &linearization)) {
     summary->uncertainty = EstimateUncertainty(problem.blocks(), summary->coordinates, linearization);
-    summary->interval_check =
-        CheckInterval(problem.blocks(), summary->coordinates, summary->cost, *summary->uncertainty, &evaluator);
+    if (options.check_interval) {
+      summary->interval_check =
+          CheckInterval(problem.blocks(), summary->coordinates, summary->cost, *summary->uncertainty, &evaluator);
+    }
   }
   summary->statistics += evaluator.statistics();
   summary->total_seconds += evaluator.seconds();

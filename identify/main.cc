@@ -195,7 +195,7 @@ int Identify(const std::string& flags) {
   RunRecord run;
   run.jacobian = options.jacobian;
   run.flags = flags;
-  run.seed = static_cast<long long>(options.seed);
+  run.seed = options.seed;
   run.num_threads = options.num_threads;
   if (FLAGS_check_gradients) run.gradient_check = CheckGradients(recordings.fitted, options);
 

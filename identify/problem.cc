@@ -101,7 +101,11 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
 }
 
 void FitProblem::SetStart(const Eigen::VectorXd& coordinates) {
-  for (int i = 0; i < num_blocks(); ++i) blocks_[i].start = blocks_[i].ToValue(coordinates[i]);
+  for (int i = 0; i < num_blocks(); ++i) {
+    // A start that stays keeps its last digit, which it would lose on the way through the coordinate.
+    if (blocks_[i].ToCoordinate(blocks_[i].start) != coordinates[i])
+      blocks_[i].start = blocks_[i].ToValue(coordinates[i]);
+  }
 }
 
 Eigen::VectorXd FitProblem::StartCoordinates() const {

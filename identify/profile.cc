@@ -58,8 +58,7 @@ class Profiler {
  private:
   double FirstStep() const {
     const double std = summary_.uncertainty->parameters[index_].coordinate_std;
-    const double least = std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(summary_.coordinates[index_]));
-    return std > least ? kNormal95 * std : kShareOfRange * block_.CoordinateRange();
+    return std::isnan(std) ? kShareOfRange * block_.CoordinateRange() : kNormal95 * std;
   }
 
   // The square root of a profile is nearly linear in q.

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_IDENTIFY_VERDICT_H_
 #define CLOTHID_IDENTIFY_VERDICT_H_
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,7 @@ struct RunRecord {
   std::optional<StepCheck> step_check;
   std::optional<Holdout> holdout;
   std::string flags;  // the command line
-  long long seed = 0;
+  std::uint64_t seed = 0;
   int num_threads = 1;
 };
 

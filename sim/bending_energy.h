@@ -20,15 +20,17 @@ Eigen::SparseMatrix<double> BendingMatrix(const Mesh& mesh);
 
 class BendingEnergy {
  public:
-  explicit BendingEnergy(const Mesh& mesh) : matrix_(BendingMatrix(mesh)) {}
+  explicit BendingEnergy(const Mesh& mesh) : matrix_(BendingMatrix(mesh)), diagonal_(matrix_.diagonal()) {}
 
   const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
+  const Eigen::VectorXd& diagonal() const { return diagonal_; }  // of Q [N]
 
   // Adds stiffness * (-Q x) to `force` [3N] and returns E/k_b, 1.
   double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
 
  private:
   Eigen::SparseMatrix<double> matrix_;
+  Eigen::VectorXd diagonal_;
 };
 
 }  // namespace clothid

@@ -12,7 +12,7 @@ Eigen::VectorXd SystemDiagonal(const ClothModel& model, const Material& material
   Eigen::VectorXd diagonal = (material.density + (model.drag() ? h * material.drag : 0.0)) * model.node_areas();
   diagonal += h * h * material.stretch_stiffness * model.laplacian_diagonal();
   if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal();
-  if (model.bending() != nullptr) diagonal += h * h * material.bending_stiffness * model.bending()->matrix().diagonal();
+  if (model.bending() != nullptr) diagonal += h * h * material.bending_stiffness * model.bending()->diagonal();
   return diagonal(model.free_nodes());
 }
 

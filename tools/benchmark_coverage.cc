@@ -7,14 +7,13 @@
 #include <limits>
 #include <sstream>
 
-#include "identify/evaluator.h"
+#include "identify/parallel_for.h"
 #include "identify/problem.h"
 #include "identify/uncertainty.h"
 #include "sim/error.h"
 #include "sim/json_document.h"
 #include "sim/scene_json.h"
 #include "sim/text_file.h"
-#include "tools/parallel_for.h"
 
 namespace clothid {
 namespace {
@@ -34,31 +33,18 @@ SyntheticOptions SensorOptions(const CoverageOptions& options, const CoverageFit
   return synthetic;
 }
 
-// As `AddUncertainty`, without the two rollouts that would look at the ends of an interval.
-std::vector<ParameterUncertainty> UncertaintyAt(const Eigen::VectorXd& coordinates, const FitProblem& problem,
-                                                CostStatistics* statistics) {
-  FitEvaluator evaluator(&problem, &coordinates, 1);
-  Linearization linearization;
-  std::vector<ParameterUncertainty> parameters(problem.blocks().size());
-  if (evaluator.Linearize(coordinates, &linearization)) {
-    parameters = EstimateUncertainty(problem.blocks(), coordinates, linearization).parameters;
-  }
-  *statistics += evaluator.statistics();
-  return parameters;
-}
-
 void RunFit(const std::vector<TrueParameter>& truth, const RecordedMotion& recording, CoverageFit* fit) {
   FitOptions options;
   options.jacobian = JacobianMethod::kSensitivity;
-  options.estimate_uncertainty = false;
+  options.check_interval = false;
   for (const TrueParameter& parameter : truth) {
     options.parameters.push_back(parameter.name);
     options.overrides.start[parameter.name] = kStartFactor * parameter.value;
   }
   FitProblem problem({recording}, options);
-  FitSummary summary = Fit(options, &problem);
+  const FitSummary summary = Fit(options, &problem);
   std::vector<ParameterUncertainty> uncertainty(truth.size());
-  if (summary.has_estimate()) uncertainty = UncertaintyAt(summary.coordinates, problem, &summary.statistics);
+  if (summary.uncertainty) uncertainty = summary.uncertainty->parameters;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     fit->value.push_back(summary.has_estimate() ? summary.parameters[i].value : kNaN);
     fit->std.push_back(uncertainty[i].std);

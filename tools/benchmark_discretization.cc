@@ -5,9 +5,9 @@
 #include <sstream>
 #include <utility>
 
+#include "identify/parallel_for.h"
 #include "identify/problem.h"
 #include "sim/error.h"
-#include "tools/parallel_for.h"
 #include "tools/regrid.h"
 
 namespace clothid {

@@ -11,12 +11,12 @@
 #include <sstream>
 #include <utility>
 
+#include "identify/parallel_for.h"
 #include "identify/problem.h"
 #include "sim/error.h"
 #include "sim/json_document.h"
 #include "sim/scene_json.h"
 #include "sim/text_file.h"
-#include "tools/parallel_for.h"
 #include "tools/true_recording.h"
 
 namespace clothid {

@@ -1,4 +1,4 @@
-#include "tools/parallel_for.h"
+#include "identify/parallel_for.h"
 
 #include <algorithm>
 #include <atomic>
@@ -22,8 +22,8 @@ void ParallelFor(int num_tasks, int num_threads, const std::function<void(int ta
     }
   };
   std::vector<std::future<void>> workers;
-  for (int t = 0; t < std::min(num_threads, num_tasks); ++t) workers.push_back(std::async(std::launch::async, run));
-  for (std::future<void>& worker : workers) worker.wait();
+  for (int t = 1; t < std::min(num_threads, num_tasks); ++t) workers.push_back(std::async(std::launch::async, run));
+  run();  // whatever it throws leaves once the futures have waited for their threads
   for (std::future<void>& worker : workers) worker.get();
 }
 

@@ -1,6 +1,6 @@
 // Independent tasks side by side.
-#ifndef CLOTHID_TOOLS_PARALLEL_FOR_H_
-#define CLOTHID_TOOLS_PARALLEL_FOR_H_
+#ifndef CLOTHID_IDENTIFY_PARALLEL_FOR_H_
+#define CLOTHID_IDENTIFY_PARALLEL_FOR_H_
 
 #include <functional>
 
@@ -14,4 +14,4 @@ void ParallelFor(int num_tasks, int num_threads, const std::function<void(int ta
 
 }  // namespace clothid
 
-#endif  // CLOTHID_TOOLS_PARALLEL_FOR_H_
+#endif  // CLOTHID_IDENTIFY_PARALLEL_FOR_H_
