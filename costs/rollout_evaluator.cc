@@ -1,7 +1,6 @@
 #include "costs/rollout_evaluator.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <stdexcept>
@@ -9,25 +8,13 @@
 
 #include "costs/evaluation_journal.h"
 #include "costs/residual_basis.h"
+#include "sim/phase_seconds.h"
 
 namespace clothid {
 namespace {
 
 // Forward differences do not step below this, in an internal coordinate of order one.
 constexpr double kLeastDifferenceStep = 1e-6;
-
-// Adds its lifetime to a sum of seconds.
-class ScopedTimer {
- public:
-  explicit ScopedTimer(double* seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
-  ~ScopedTimer() { *seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  ScopedTimer(const ScopedTimer&) = delete;
-  ScopedTimer& operator=(const ScopedTimer&) = delete;
-
- private:
-  double* seconds_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 double LossRow(double cost, double weighted_squared_norm) {
   return std::sqrt(std::max(0.0, 2.0 * cost - weighted_squared_norm));

@@ -48,17 +48,25 @@ bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& fr
   const int max_iterations = model_.scene().solver.max_newton_iterations;
   Eigen::VectorXd start = problem.start_velocities();
   if (problem.may_touch()) problem.ClipToFeasible(&start);
-  problem.Evaluate(start, point);
+  Evaluate(problem, start, point);
   if (Newton(problem, friction_coefficients, max_iterations, point, counts)) return true;
   if (!std::isfinite(point->relative_residual)) return false;
   ++counts->fallbacks;
   return SequentialQuadratic(problem, friction_coefficients, max_iterations, point, counts);
 }
 
+void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
+  const ScopedTimer timer(&jacobian_.seconds().evaluation);
+  problem.Evaluate(velocities, point);
+}
+
 bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts,
                           const std::vector<double>& mu, const StepPoint& point, RolloutCounts* counts) {
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
-    problem.AssembleHessian(kind, point, &hessian_);
+    {
+      const ScopedTimer timer(&jacobian_.seconds().assembly);
+      problem.AssembleHessian(kind, point, &hessian_);
+    }
     ++counts->factorizations;
     if (jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu)) return true;
   }
@@ -87,7 +95,7 @@ bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& d
   for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
     Eigen::VectorXd velocities = point->velocities + length * direction;
     if (may_touch) problem.ClipToFeasible(&velocities);
-    problem.Evaluate(velocities, trial);
+    Evaluate(problem, velocities, trial);
     if (!std::isfinite(trial->relative_residual)) continue;
     const double friction_change = may_touch ? FrictionPotential(problem, *point, velocities) - friction : 0.0;
     const double slope = point->momentum_gradient.dot(velocities - point->velocities) + friction_change;

@@ -30,7 +30,11 @@ class StepSolver {
   BlockMatrix& hessian() { return hessian_; }
   StepJacobian& jacobian() { return jacobian_; }
 
+  // Where the time went so far, derivative sweeps included.
+  const PhaseSeconds& seconds() { return jacobian_.seconds(); }
+
  private:
+  void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   bool IsSolved(const StepProblem& problem, const StepPoint& point) const;
   bool Newton(const StepProblem& problem, const std::vector<double>& mu, int max_iterations, StepPoint* point,
               RolloutCounts* counts);

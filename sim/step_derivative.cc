@@ -15,6 +15,7 @@ StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& 
       model_(simulator->model()),
       hessian_(simulator->step_solver().hessian()),
       jacobian_(simulator->step_solver().jacobian()) {
+  const ScopedTimer timer(&jacobian_.seconds().assembly);
   if (model_.damping() != nullptr) start_metrics_ = model_.damping()->Metrics(start_positions);
   AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
                       &hessian_);

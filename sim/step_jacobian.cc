@@ -17,16 +17,20 @@ bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const std::
   method_ = method;
   hessian_ = &hessian;
   in_contact_ = !contacts.empty();
-  if (in_contact_) elimination_->SetContacts(contacts, model_.free_index(), friction_coefficients);
-  if (method == Method::kLu) {
-    if (lu_ == nullptr) lu_ = std::make_unique<LuFactor>(model_.pattern());
-    if (!in_contact_) return lu_->Factor(hessian.values);
-    elimination_->FullJacobian(hessian, &values_);
-    return lu_->Factor(values_);
+  if (in_contact_) {
+    const ScopedTimer timer(&seconds_.contact);
+    elimination_->SetContacts(contacts, model_.free_index(), friction_coefficients);
+    if (method == Method::kLu) {
+      elimination_->FullJacobian(hessian, &values_);
+    } else {
+      elimination_->Reduce(hessian, &values_);
+    }
   }
-  if (!in_contact_) return cholesky_.Factor(hessian.values);
-  elimination_->Reduce(hessian, &values_);
-  return cholesky_.Factor(values_);
+  const Eigen::VectorXd& values = in_contact_ ? values_ : hessian.values;
+  const ScopedTimer timer(&seconds_.factorization);
+  if (method == Method::kReduced) return cholesky_.Factor(values);
+  if (lu_ == nullptr) lu_ = std::make_unique<LuFactor>(model_.pattern());
+  return lu_->Factor(values);
 }
 
 Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
@@ -62,6 +66,7 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
 }
 
 bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv) {
+  const ScopedTimer timer(&seconds_.solution);
   if (method_ == Method::kLu) {
     lu_->Solve(right, dv);
     return dv->allFinite();
@@ -81,6 +86,7 @@ bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::
 
 bool StepJacobian::SolveTransposed(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* z,
                                    Eigen::MatrixXd* y) {
+  const ScopedTimer timer(&seconds_.solution);
   if (method_ == Method::kLu) {
     lu_->SolveTransposed(right, z);
     *y = *z;

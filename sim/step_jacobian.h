@@ -10,6 +10,7 @@
 #include "sim/contact.h"
 #include "sim/contact_elimination.h"
 #include "sim/linear_solver.h"
+#include "sim/phase_seconds.h"
 
 namespace clothid {
 
@@ -37,6 +38,9 @@ class StepJacobian {
   // v <- (I + S) v, with the contacts of the last Factor.
   void AddImpulse(Eigen::MatrixXd* vectors) const;
 
+  // Where the time went so far. Whoever assembles and evaluates for this object adds to it, too.
+  PhaseSeconds& seconds() { return seconds_; }
+
  private:
   enum class Direction { kForward, kTransposed };
   bool SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q);
@@ -51,6 +55,7 @@ class StepJacobian {
   std::unique_ptr<ContactElimination> elimination_;  // null in a scene without obstacles
   bool in_contact_ = false;                          // of the last Factor
   Eigen::VectorXd values_;                           // of the factored matrix, where it is not K itself
+  PhaseSeconds seconds_;
 };
 
 }  // namespace clothid
