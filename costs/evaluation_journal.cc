@@ -101,8 +101,8 @@ void Field(Archive* archive, EvaluationKey* key) {
 
 template <typename Archive>
 void Field(Archive* archive, RolloutCounts* value) {
-  auto& [steps, newton, factorizations, fallbacks, substeps, failed, changes, switches] = *value;
-  Fields(archive, &steps, &newton, &factorizations, &fallbacks, &substeps, &failed, &changes, &switches);
+  auto& [steps, newton, factorizations, linear, fallbacks, substeps, failed, changes, switches] = *value;
+  Fields(archive, &steps, &newton, &factorizations, &linear, &fallbacks, &substeps, &failed, &changes, &switches);
 }
 
 template <typename Archive>

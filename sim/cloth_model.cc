@@ -1,5 +1,7 @@
 #include "sim/cloth_model.h"
 
+#include "sim/linear_solver.h"
+
 namespace clothid {
 namespace {
 
@@ -28,14 +30,8 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
 }  // namespace
 
 ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeAreas(scene.mesh)) {
-  free_index_.assign(num_nodes(), 0);
-  for (const int handle : scene.handles.nodes) free_index_[handle] = -1;
-  for (int node = 0; node < num_nodes(); ++node) {
-    if (free_index_[node] < 0) continue;
-    free_index_[node] = num_free();
-    free_nodes_.push_back(node);
-  }
   if (scene.has_bending()) bending_.emplace(scene.mesh);
+  NumberFreeNodes();
   if (scene.has_drag()) drag_.emplace(scene);
   pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending()));
   const auto triangles =
@@ -44,6 +40,22 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
   stretch_.emplace(triangles);
   if (scene.has_damping()) damping_.emplace(triangles);
   if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
+}
+
+void ClothModel::NumberFreeNodes() {
+  free_index_.assign(num_nodes(), 0);
+  for (const int handle : scene_.handles.nodes) free_index_[handle] = -1;
+  std::vector<int> ascending;
+  for (int node = 0; node < num_nodes(); ++node) {
+    if (free_index_[node] < 0) continue;
+    free_index_[node] = static_cast<int>(ascending.size());
+    ascending.push_back(node);
+  }
+  const int num_free = static_cast<int>(ascending.size());
+  for (const int k : FillReducingOrder(FreeNeighbours(scene_.mesh, free_index_, num_free, bending()))) {
+    free_nodes_.push_back(ascending[k]);
+  }
+  for (int i = 0; i < num_free; ++i) free_index_[free_nodes_[i]] = i;
 }
 
 Eigen::VectorXd ClothModel::Gather(const Eigen::VectorXd& all) const {

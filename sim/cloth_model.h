@@ -26,7 +26,8 @@ class ClothModel {
   int num_nodes() const { return scene_.mesh.num_nodes(); }
 
   // Handles are exact Dirichlet conditions: every equation lives on the free nodes alone. Vectors and matrices over
-  // them are "free" [3 Nf]; `Gather` and `Scatter` go between a free vector and one over all nodes [3N].
+  // them are "free" [3 Nf], in an order of the nodes in which factors of matrices over them stay sparse; `Gather` and
+  // `Scatter` go between a free vector and one over all nodes [3N].
   int num_free() const { return static_cast<int>(free_nodes_.size()); }
   const std::vector<int>& free_nodes() const { return free_nodes_; }  // [Nf] node
   const std::vector<int>& free_index() const { return free_index_; }  // [N] position in free_nodes, -1: a handle
@@ -46,6 +47,8 @@ class ClothModel {
   double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
 
  private:
+  void NumberFreeNodes();
+
   const Scene& scene_;
   std::vector<int> free_nodes_, free_index_;
   std::shared_ptr<const BlockPattern> pattern_;

@@ -29,7 +29,8 @@ void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, d
   const Scene& scene = model.scene();
   const bool gap_mode = scene.contact_mode == ContactMode::kGap;
   candidates->clear();
-  for (const int node : model.free_nodes()) {
+  for (int node = 0; node < model.num_nodes(); ++node) {
+    if (model.free_index()[node] < 0) continue;
     ContactCandidate candidate = NearestObstacle(scene, positions.segment<3>(3 * node));
     candidate.node = node;
     if (gap_mode) {

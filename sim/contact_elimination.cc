@@ -11,6 +11,20 @@ constexpr double kSmallestSlip = 1e-12;
 
 }  // namespace
 
+void ToLocal(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors) {
+  for (const LocalFrame& frame : frames) {
+    auto rows = vectors->middleRows<3>(3 * frame.block);
+    rows = (frame.axes.transpose() * rows).eval();
+  }
+}
+
+void ToWorld(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors) {
+  for (const LocalFrame& frame : frames) {
+    auto rows = vectors->middleRows<3>(3 * frame.block);
+    rows = (frame.axes * rows).eval();
+  }
+}
+
 void ContactElimination::SetContacts(const std::vector<Contact>& contacts, const std::vector<int>& free_index,
                                      const std::vector<double>& friction_coefficients) {
   nodes_.clear();
@@ -36,6 +50,14 @@ void ContactElimination::SetContacts(const std::vector<Contact>& contacts, const
     }
     nodes_.push_back(node);
   }
+}
+
+std::vector<LocalFrame> ContactElimination::SlipFrames() const {
+  std::vector<LocalFrame> frames;
+  for (const Node& node : nodes_) {
+    if (node.branch == ContactBranch::kSlip) frames.push_back({node.block, node.frame});
+  }
+  return frames;
 }
 
 void ContactElimination::Reduce(const BlockMatrix& matrix, Eigen::VectorXd* values) const {
@@ -69,22 +91,6 @@ void ContactElimination::Project(Eigen::MatrixXd* vectors) const {
     } else {
       rows -= (node.frame.col(0) * (node.frame.col(0).transpose() * rows)).eval();
     }
-  }
-}
-
-void ContactElimination::ToLocal(Eigen::MatrixXd* vectors) const {
-  for (const Node& node : nodes_) {
-    if (node.branch != ContactBranch::kSlip) continue;
-    auto rows = vectors->middleRows<3>(3 * node.block);
-    rows = (node.frame.transpose() * rows).eval();
-  }
-}
-
-void ContactElimination::ToWorld(Eigen::MatrixXd* vectors) const {
-  for (const Node& node : nodes_) {
-    if (node.branch != ContactBranch::kSlip) continue;
-    auto rows = vectors->middleRows<3>(3 * node.block);
-    rows = (node.frame * rows).eval();
   }
 }
 

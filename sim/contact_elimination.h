@@ -15,6 +15,16 @@
 
 namespace clothid {
 
+// The axes (n, t, b) of a slipping node, by columns.
+struct LocalFrame {
+  int block;
+  Eigen::Matrix3d axes;
+};
+
+// In place on [3 Nf x s]: from world axes to those of the frames, and back.
+void ToLocal(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors);
+void ToWorld(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors);
+
 class ContactElimination {
  public:
   // Replaces what an earlier call has set. `free_index` maps nodes to blocks; `friction_coefficients` per obstacle.
@@ -23,13 +33,13 @@ class ContactElimination {
 
   bool has_coupling() const { return has_coupling_; }  // a slipping node with mu > 0
 
+  std::vector<LocalFrame> SlipFrames() const;
+
   // values <- the reduced symmetric matrix in the local frames; `matrix` is K.
   void Reduce(const BlockMatrix& matrix, Eigen::VectorXd* values) const;
 
   // In place on [3 Nf x s]: Z Z^T v, without normals of slipping and without sticking nodes.
   void Project(Eigen::MatrixXd* vectors) const;
-  void ToLocal(Eigen::MatrixXd* vectors) const;  // world axes -> (n, t, b) at slipping nodes
-  void ToWorld(Eigen::MatrixXd* vectors) const;
   void AddFriction(Eigen::MatrixXd* vectors) const;            // v <- (I + mu t n^T) v
   void AddFrictionTransposed(Eigen::MatrixXd* vectors) const;  // v <- (I + mu n t^T) v
   // result += kappa b b^T v.

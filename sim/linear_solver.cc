@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <new>
 #include <stdexcept>
 #include <vector>
 
@@ -47,11 +48,11 @@ class FactorizationScope {
 
 }  // namespace
 
-struct CholeskyFactor::State {
+struct CholeskySolver::State {
   explicit State(std::shared_ptr<const BlockPattern> p) : pattern(std::move(p)) { cholmod_start(&common); }
   ~State() {
-    cholmod_free_factor(&factor, &common);
-    cholmod_free_dense(&solution, &common);
+    for (cholmod_factor* factor : unused) cholmod_free_factor(&factor, &common);
+    cholmod_free_factor(&symbolic, &common);
     cholmod_free_dense(&work_y, &common);
     cholmod_free_dense(&work_e, &common);
     cholmod_finish(&common);
@@ -76,52 +77,119 @@ struct CholeskyFactor::State {
 
   std::shared_ptr<const BlockPattern> pattern;
   cholmod_common common;
-  cholmod_factor* factor = nullptr;
-  cholmod_dense* solution = nullptr;  // kept between solves, with CHOLMOD's own work space
-  cholmod_dense* work_y = nullptr;
+  cholmod_factor* symbolic = nullptr;
+  std::vector<cholmod_factor*> unused;  // numeric ones, of factors that are gone
+  cholmod_dense* work_y = nullptr;      // CHOLMOD's work space of solves
   cholmod_dense* work_e = nullptr;
 };
 
-CholeskyFactor::CholeskyFactor(std::shared_ptr<const BlockPattern> pattern)
-    : state_(std::make_unique<State>(std::move(pattern))) {
+struct CholeskyFactor::Numeric {
+  Numeric(std::shared_ptr<CholeskySolver::State> s, cholmod_factor* f) : state(std::move(s)), factor(f) {}
+  ~Numeric() { state->unused.push_back(factor); }
+  std::shared_ptr<CholeskySolver::State> state;
+  cholmod_factor* factor;
+};
+
+CholeskyFactor::CholeskyFactor(std::unique_ptr<Numeric> numeric) : numeric_(std::move(numeric)) {}
+CholeskyFactor::~CholeskyFactor() = default;
+
+void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
+  const FactorizationScope scope;
+  solution->resize(right.rows(), right.cols());
+  const auto view = [](const Eigen::MatrixXd& columns) {
+    cholmod_dense dense = {};
+    dense.nrow = dense.d = columns.rows();
+    dense.ncol = columns.cols();
+    dense.nzmax = columns.size();
+    dense.x = const_cast<double*>(columns.data());
+    dense.xtype = CHOLMOD_REAL;
+    dense.dtype = CHOLMOD_DOUBLE;
+    return dense;
+  };
+  CholeskySolver::State& state = *numeric_->state;
+  cholmod_dense b = view(right), x = view(*solution);
+  cholmod_dense* result = &x;  // large enough, so CHOLMOD writes to it in place
+  cholmod_solve2(CHOLMOD_A, numeric_->factor, &b, nullptr, &result, nullptr, &state.work_y, &state.work_e,
+                 &state.common);
+}
+
+std::size_t CholeskyFactor::bytes() const {
+  const cholmod_factor& factor = *numeric_->factor;
+  return sizeof(double) * (factor.is_super ? factor.xsize : factor.nzmax);
+}
+
+CholeskySolver::CholeskySolver(std::shared_ptr<const BlockPattern> pattern)
+    : state_(std::make_shared<State>(std::move(pattern))) {
   cholmod_common& common = state_->common;
   common.print = 0;
   common.quick_return_if_not_posdef = 1;
   common.nmethods = 1;
-  common.method[0].ordering = CHOLMOD_METIS;
-  common.postorder = 1;
+  common.method[0].ordering = CHOLMOD_NATURAL;
+  common.postorder = 0;
   common.supernodal = CHOLMOD_AUTO;
   common.final_ll = 1;
   const FactorizationScope scope;
   cholmod_sparse matrix = state_->View(nullptr);
-  state_->factor = cholmod_analyze(&matrix, &common);
-  if (state_->factor == nullptr) throw std::runtime_error("CHOLMOD could not analyse the pattern of the Hessian");
+  state_->symbolic = cholmod_analyze(&matrix, &common);
+  if (state_->symbolic == nullptr) throw std::runtime_error("CHOLMOD could not analyse the pattern of the Hessian");
 }
 
-CholeskyFactor::~CholeskyFactor() = default;
+CholeskySolver::~CholeskySolver() = default;
 
-bool CholeskyFactor::Factor(const Eigen::VectorXd& values) {
+std::shared_ptr<const CholeskyFactor> CholeskySolver::Factor(const Eigen::VectorXd& values) {
   // CHOLMOD does not look for NaN, and a comparison with one would pass as positive definite.
-  if (!values.allFinite()) return false;
+  if (!values.allFinite()) return nullptr;
   const FactorizationScope scope;
+  cholmod_factor* factor = nullptr;
+  if (state_->unused.empty()) {
+    factor = cholmod_copy_factor(state_->symbolic, &state_->common);
+    if (factor == nullptr) throw std::bad_alloc();
+  } else {
+    factor = state_->unused.back();
+    state_->unused.pop_back();
+  }
+  auto numeric = std::make_unique<CholeskyFactor::Numeric>(state_, factor);
   cholmod_sparse matrix = state_->View(values.data());
-  cholmod_factorize(&matrix, state_->factor, &state_->common);
-  return state_->common.status == CHOLMOD_OK;
+  cholmod_factorize(&matrix, factor, &state_->common);
+  if (state_->common.status != CHOLMOD_OK) return nullptr;
+  return std::shared_ptr<const CholeskyFactor>(new CholeskyFactor(std::move(numeric)));
 }
 
-void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) {
+std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbours) {
+  const BlockPattern pattern(neighbours);
+  const int n = pattern.num_blocks();
+  if (n == 0) return {};
+  // The graph itself, by compressed columns.
+  std::vector<int> starts = {0}, rows;
+  for (int column = 0; column < n; ++column) {
+    rows.insert(rows.end(), pattern.rows_begin(column), pattern.rows_begin(column) + pattern.num_rows(column));
+    starts.push_back(static_cast<int>(rows.size()));
+  }
+  cholmod_sparse graph = {};
+  graph.nrow = graph.ncol = n;
+  graph.nzmax = rows.size();
+  graph.p = starts.data();
+  graph.i = rows.data();
+  graph.stype = -1;
+  graph.itype = CHOLMOD_INT;
+  graph.xtype = CHOLMOD_PATTERN;
+  graph.dtype = CHOLMOD_DOUBLE;
+  graph.sorted = graph.packed = 1;
+
   const FactorizationScope scope;
-  cholmod_dense view = {};
-  view.nrow = right.rows();
-  view.ncol = right.cols();
-  view.nzmax = right.size();
-  view.d = right.rows();
-  view.x = const_cast<double*>(right.data());
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
-  cholmod_solve2(CHOLMOD_A, state_->factor, &view, nullptr, &state_->solution, nullptr, &state_->work_y,
-                 &state_->work_e, &state_->common);
-  *solution = Eigen::Map<const Eigen::MatrixXd>(static_cast<double*>(state_->solution->x), right.rows(), right.cols());
+  cholmod_common common;
+  cholmod_start(&common);
+  common.print = 0;
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_METIS;
+  common.postorder = 1;
+  cholmod_factor* factor = cholmod_analyze(&graph, &common);
+  std::vector<int> order;
+  if (factor != nullptr) order.assign(static_cast<int*>(factor->Perm), static_cast<int*>(factor->Perm) + n);
+  cholmod_free_factor(&factor, &common);
+  cholmod_finish(&common);
+  if (order.empty()) throw std::runtime_error("CHOLMOD could not order the nodes of the mesh");
+  return order;
 }
 
 struct LuFactor::State {
@@ -262,6 +330,38 @@ GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, cons
   }
   const bool failed = std::any_of(columns.begin(), columns.end(), [](const auto& column) { return column.failed(); });
   result.converged = !any_active() && !failed && solution->allFinite();
+  return result;
+}
+
+ConjugateGradientResult ConjugateGradients(const VectorMap& multiply, const VectorMap& precondition,
+                                           const Eigen::VectorXd& right, double tolerance, int max_iterations,
+                                           Eigen::VectorXd* solution) {
+  ConjugateGradientResult result;
+  const double goal = tolerance * right.norm();
+  Eigen::VectorXd residual = right, direction;
+  solution->setZero(right.size());
+  double last_product = 0.0;
+  result.converged = residual.norm() <= goal;
+  while (!result.converged && result.iterations < max_iterations) {
+    ++result.iterations;
+    const Eigen::VectorXd preconditioned = precondition(residual);
+    const double product = residual.dot(preconditioned);
+    if (result.iterations == 1) {
+      direction = preconditioned;
+    } else {
+      direction = preconditioned + product / last_product * direction;
+    }
+    last_product = product;
+    const Eigen::VectorXd image = multiply(direction);
+    const double curvature = direction.dot(image);
+    if (!(curvature > 0.0)) {
+      result.indefinite = true;
+      return result;
+    }
+    *solution += product / curvature * direction;
+    residual -= product / curvature * image;
+    result.converged = residual.norm() <= goal;
+  }
   return result;
 }
 

@@ -3,29 +3,55 @@
 #define CLOTHID_SIM_LINEAR_SOLVER_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "sim/block_matrix.h"
 
 namespace clothid {
 
-// Supernodal Cholesky (CHOLMOD, nested dissection by METIS) of a symmetric matrix, which is also a test of its inertia.
+// The order in which to number the nodes of a graph so that a Cholesky factor of a matrix on it fills in little: nested
+// dissection (METIS), postordered. Element k is the node that comes k-th. `neighbours`: as of BlockPattern.
+std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbours);
+
+// A numeric factor L L^T, made by a CholeskySolver, whose analysis and work space it shares: for one thread at a time.
 class CholeskyFactor {
  public:
-  explicit CholeskyFactor(std::shared_ptr<const BlockPattern> pattern);
   ~CholeskyFactor();
   CholeskyFactor(const CholeskyFactor&) = delete;
   CholeskyFactor& operator=(const CholeskyFactor&) = delete;
 
-  // `values` [pattern.num_values()]; false where the matrix is not positive definite.
-  bool Factor(const Eigen::VectorXd& values);
-  // After a Factor that returned true. `right` [n x s].
-  void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution);
+  // `right` [n x s], solved together.
+  void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const;
+
+  std::size_t bytes() const;  // of the numeric values
 
  private:
+  friend class CholeskySolver;
+  struct Numeric;
+  explicit CholeskyFactor(std::unique_ptr<Numeric> numeric);
+  std::unique_ptr<Numeric> numeric_;
+};
+
+// Supernodal Cholesky (CHOLMOD) of symmetric matrices with one pattern, analysed once, in the order in which the
+// pattern comes (see FillReducingOrder). Factorising is also a test of the matrix' inertia. The memory of factors that
+// are gone is used again.
+class CholeskySolver {
+ public:
+  explicit CholeskySolver(std::shared_ptr<const BlockPattern> pattern);
+  ~CholeskySolver();
+  CholeskySolver(const CholeskySolver&) = delete;
+  CholeskySolver& operator=(const CholeskySolver&) = delete;
+
+  // `values` [pattern.num_values()]; null where the matrix is not positive definite.
+  std::shared_ptr<const CholeskyFactor> Factor(const Eigen::VectorXd& values);
+
+ private:
+  friend class CholeskyFactor;
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 // Sparse LU (UMFPACK) of a matrix with the pattern of `pattern` and any values.
@@ -58,6 +84,20 @@ struct GmresResult {
 // products are taken with all of them at once. `precondition` applies P^-1.
 GmresResult Gmres(const LinearMap& multiply, const LinearMap& precondition, const Eigen::MatrixXd& right,
                   double tolerance, int max_iterations, Eigen::MatrixXd* solution);
+
+using VectorMap = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+struct ConjugateGradientResult {
+  bool converged = false;
+  bool indefinite = false;  // a direction of no or negative curvature was met: the matrix is not positive definite
+  int iterations = 0;
+};
+
+// Preconditioned conjugate gradients (Hestenes and Stiefel 1952) from x = 0 for a symmetric A and a symmetric positive
+// definite P, until |b - A x| <= tolerance |b|. Ends at the first direction of negative curvature.
+ConjugateGradientResult ConjugateGradients(const VectorMap& multiply, const VectorMap& precondition,
+                                           const Eigen::VectorXd& right, double tolerance, int max_iterations,
+                                           Eigen::VectorXd* solution);
 
 }  // namespace clothid
 

@@ -11,10 +11,15 @@
 namespace clothid {
 namespace {
 
-constexpr int RolloutCounts::*kCounts[] = {&RolloutCounts::steps,           &RolloutCounts::newton_iterations,
-                                           &RolloutCounts::factorizations,  &RolloutCounts::fallbacks,
-                                           &RolloutCounts::substeps,        &RolloutCounts::failed_steps,
-                                           &RolloutCounts::contact_changes, &RolloutCounts::obstacle_switches};
+constexpr int RolloutCounts::*kCounts[] = {&RolloutCounts::steps,
+                                           &RolloutCounts::newton_iterations,
+                                           &RolloutCounts::factorizations,
+                                           &RolloutCounts::linear_iterations,
+                                           &RolloutCounts::fallbacks,
+                                           &RolloutCounts::substeps,
+                                           &RolloutCounts::failed_steps,
+                                           &RolloutCounts::contact_changes,
+                                           &RolloutCounts::obstacle_switches};
 static_assert(sizeof(RolloutCounts) == sizeof(int) * std::size(kCounts), "every count is listed");
 
 StepFailure DescribeFailure(int step, double tolerance, const StepPoint& point, const std::string& reason) {
@@ -126,6 +131,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
   rollout.initial_velocities = scene.initial_velocities;
   const bool has_contact = simulator->model().has_contact();
   std::vector<StepRecord> records;
+  simulator->step_solver().Reset();
   for (int step = 1; step <= num_steps; ++step) {
     if (cancel != nullptr && cancel->load()) {
       rollout.failure = StepFailure();

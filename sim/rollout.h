@@ -29,8 +29,9 @@ struct RolloutCounts {
   int steps = 0;
   int newton_iterations = 0;
   int factorizations = 0;
-  int fallbacks = 0;  // steps finished by sequential quadratic steps
-  int substeps = 0;   // solves beyond one per step: each makes the cost jump a little
+  int linear_iterations = 0;  // of the linear solves of steps, with friction or with the factor of an earlier point
+  int fallbacks = 0;          // steps finished by sequential quadratic steps
+  int substeps = 0;           // solves beyond one per step: each makes the cost jump a little
   int failed_steps = 0;
   int contact_changes = 0;    // nodes that joined or left the contacts, or switched branch, from one step to the next
   int obstacle_switches = 0;  // contacts that jumped from one obstacle to another

@@ -4,6 +4,7 @@
 
 #include "sim/cloth_model.h"
 #include "sim/simulator.h"
+#include "sim/step.h"
 #include "sim/step_derivative.h"
 
 namespace clothid {
@@ -44,10 +45,24 @@ Eigen::MatrixXd RightSide(const Tangent& tangent, const std::vector<ParameterId>
   return right;
 }
 
+// Gives the steps their factor back, so that the states are those of `Simulate`, bit for bit.
+class KeptFactor {
+ public:
+  explicit KeptFactor(StepJacobian* jacobian) : jacobian_(jacobian), factor_(jacobian->factor()) {}
+  ~KeptFactor() { jacobian_->SetFactor(factor_); }
+  KeptFactor(const KeptFactor&) = delete;
+  KeptFactor& operator=(const KeptFactor&) = delete;
+
+ private:
+  StepJacobian* jacobian_;
+  std::shared_ptr<const ReducedFactor> factor_;
+};
+
 void AdvanceTangent(const StepRecord& record, const Eigen::VectorXd& start_positions,
                     const Eigen::VectorXd& start_velocities, const Parameters& parameters,
                     const std::vector<ParameterId>& ids, Simulator* simulator, Tangent* tangent) {
   StepDerivative step(record, start_positions, start_velocities, parameters, simulator);
+  const KeptFactor kept(&simulator->step_solver().jacobian());
   const double tolerance = simulator->scene().solver.adjoint_tolerance;
   Eigen::MatrixXd dv;
   for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
@@ -73,6 +88,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   Eigen::VectorXd positions = scene.initial_positions, velocities = scene.initial_velocities;
   std::vector<Contact> contacts;
   std::vector<StepRecord> records;
+  simulator->step_solver().Reset();
   visitor(0, positions, model.ScatterColumns(tangent.positions));
   for (int step = 1; step <= num_steps; ++step) {
     if (cancel != nullptr && cancel->load()) {

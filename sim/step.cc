@@ -6,13 +6,24 @@
 namespace clothid {
 namespace {
 
-constexpr double kLinearTolerance = 1e-8;     // of the friction coupling within a Newton iteration
+constexpr double kLinearTolerance = 1e-8;     // of the linear systems within a quadratic step
+constexpr double kLargestForcing = 0.1;       // tolerance of the linear system of a Newton iteration, ...
+constexpr double kForcing = 0.9;              // ... its share of the square of the last reduction of the residual, ...
+constexpr double kGoalShare = 0.3;            // ... and at least so much of the reduction that is left to do
+constexpr int kRefactorIterations = 10;       // a linear solve that takes more costs as much as a new factor
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr int kMaxHalvings = 14;              // of the step length in a line search
 constexpr int kMaxInnerIterations = 30;       // of the active set within a quadratic step
 constexpr double kInnerTolerance = 1e-4;      // residual of a quadratic step, relative to the outer one
 constexpr double kSlowProgress = 0.9;         // a residual above this share of the one before last: a cycle
 constexpr double kShortestFirstLength = 0.125;
+
+// The tolerance of Newton's linear system at relative residual `residual`, `last` before the last iteration (0: none):
+// the forcing term of Eisenstat and Walker 1996, choice 2, but no more accurate than a residual below `goal` needs.
+double ForcingTerm(double residual, double last, double goal) {
+  const double ratio = last > 0.0 ? residual / last : 1.0;
+  return std::max(std::min(kLargestForcing, kForcing * ratio * ratio), kGoalShare * goal / residual);
+}
 
 double TangentialSpeed(const ContactCandidate& candidate, const Eigen::Vector3d& velocity) {
   return (velocity - candidate.normal.dot(velocity) * candidate.normal).norm();
@@ -43,13 +54,27 @@ bool StepSolver::IsSolved(const StepProblem& problem, const StepPoint& point) co
   return point.relative_residual <= Tolerance(problem, point);
 }
 
-bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, StepPoint* point,
-                       RolloutCounts* counts) {
-  const int max_iterations = model_.scene().solver.max_newton_iterations;
+void StepSolver::Start(const StepProblem& problem, StepPoint* point) {
   Eigen::VectorXd start = problem.start_velocities();
   if (problem.may_touch()) problem.ClipToFeasible(&start);
   Evaluate(problem, start, point);
-  if (Newton(problem, friction_coefficients, max_iterations, point, counts)) return true;
+  if (acceleration_.size() == 0 || IsSolved(problem, *point)) return;
+  start = problem.start_velocities() + problem.time_step() * acceleration_;
+  if (problem.may_touch()) problem.ClipToFeasible(&start);
+  StepPoint extrapolated;
+  Evaluate(problem, start, &extrapolated);
+  if (extrapolated.residual.norm() < point->residual.norm()) std::swap(*point, extrapolated);
+}
+
+bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, StepPoint* point,
+                       RolloutCounts* counts) {
+  const int max_iterations = model_.scene().solver.max_newton_iterations;
+  Start(problem, point);
+  if (Newton(problem, friction_coefficients, max_iterations, point, counts)) {
+    acceleration_ = (point->velocities - problem.start_velocities()) / problem.time_step();
+    return true;
+  }
+  acceleration_.resize(0);
   if (!std::isfinite(point->relative_residual)) return false;
   ++counts->fallbacks;
   return SequentialQuadratic(problem, friction_coefficients, max_iterations, point, counts);
@@ -60,13 +85,15 @@ void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& vel
   problem.Evaluate(velocities, point);
 }
 
+void StepSolver::Reset() {
+  jacobian_.SetFactor(nullptr);
+  acceleration_.resize(0);
+}
+
 bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts,
                           const std::vector<double>& mu, const StepPoint& point, RolloutCounts* counts) {
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
-    {
-      const ScopedTimer timer(&jacobian_.seconds().assembly);
-      problem.AssembleHessian(kind, point, &hessian_);
-    }
+    Assemble(problem, kind, point);
     ++counts->factorizations;
     if (jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu)) return true;
   }
@@ -74,16 +101,45 @@ bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<Contact>
 }
 
 // A dv = -Phi; by LU of the same matrix where GMRES stalls on a strong friction coupling.
-bool StepSolver::Direction(const std::vector<Contact>& contacts, const std::vector<double>& mu,
-                           const Eigen::VectorXd& residual, Eigen::VectorXd* direction) {
+bool StepSolver::SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu,
+                         const Eigen::VectorXd& residual, double tolerance, Eigen::VectorXd* direction,
+                         RolloutCounts* counts) {
   Eigen::MatrixXd solution;
-  if (!jacobian_.Solve(-residual, kLinearTolerance, &solution) &&
-      !(jacobian_.Factor(StepJacobian::Method::kLu, hessian_, contacts, mu) &&
-        jacobian_.Solve(-residual, kLinearTolerance, &solution))) {
-    return false;
+  bool solved = jacobian_.Solve(-residual, tolerance, &solution);
+  counts->linear_iterations += jacobian_.iterations();
+  if (!solved) {
+    ++counts->factorizations;
+    solved = jacobian_.Factor(StepJacobian::Method::kLu, hessian_, contacts, mu) &&
+             jacobian_.Solve(-residual, tolerance, &solution);
   }
+  if (!solved || !solution.allFinite()) return false;
   *direction = solution;
-  return direction->allFinite();
+  return true;
+}
+
+bool StepSolver::Direction(const StepProblem& problem, const std::vector<Contact>& contacts,
+                           const std::vector<double>& mu, const StepPoint& point, double tolerance, bool refactor,
+                           Eigen::VectorXd* direction, RolloutCounts* counts) {
+  if (!refactor && jacobian_.factor() != nullptr) {
+    Assemble(problem, HessianKind::kExact, point);
+    jacobian_.SetPoint(hessian_, contacts, mu);
+    Eigen::MatrixXd solution;
+    const bool solved = jacobian_.Solve(-point.residual, tolerance, &solution) && solution.allFinite();
+    counts->linear_iterations += jacobian_.iterations();
+    refactor_ = jacobian_.iterations() > kRefactorIterations;
+    if (solved) {
+      *direction = solution;
+      return true;
+    }
+  }
+  refactor_ = false;
+  return FactorAt(problem, contacts, mu, point, counts) &&
+         SolveAt(contacts, mu, point.residual, tolerance, direction, counts);
+}
+
+void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point) {
+  const ScopedTimer timer(&jacobian_.seconds().assembly);
+  problem.AssembleHessian(kind, point, &hessian_);
 }
 
 // Accepts the first length at which the residual or the potential decreases enough.
@@ -119,13 +175,19 @@ bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& m
   for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
     ++counts->newton_iterations;
     if (problem.may_touch()) contacts = problem.ActiveContacts(*point);
-    if (!FactorAt(problem, contacts, mu, *point, counts)) break;
-    if (!Direction(contacts, mu, point->residual, &direction)) break;
+    const double tolerance = ForcingTerm(point->relative_residual, last, Tolerance(problem, *point));
     const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last;
     first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
     before_last = last;
     last = point->relative_residual;
-    if (!LineSearch(problem, direction, first_length, point, &trial)) break;
+    bool moved = false;
+    for (const bool refactor : {refactor_, true}) {
+      const auto* const factor = jacobian_.factor().get();
+      if (!Direction(problem, contacts, mu, *point, tolerance, refactor, &direction, counts)) break;
+      moved = LineSearch(problem, direction, first_length, point, &trial);
+      if (moved || jacobian_.factor().get() != factor || refactor) break;
+    }
+    if (!moved) break;
     if (point->relative_residual < best.relative_residual) best = *point;
   }
   if (!IsSolved(problem, *point)) *point = best;
@@ -147,7 +209,7 @@ bool StepSolver::SequentialQuadratic(const StepProblem& problem, const std::vect
       ++counts->factorizations;
       const std::vector<Contact> contacts = problem.ActiveContacts(inner);
       if (!jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu)) break;
-      if (!Direction(contacts, mu, inner.residual, &direction)) break;
+      if (!SolveAt(contacts, mu, inner.residual, kLinearTolerance, &direction, counts)) break;
       Eigen::VectorXd velocities = inner.velocities + direction;
       problem.ClipToFeasible(&velocities);
       inner.velocities = velocities;

@@ -12,11 +12,15 @@
 
 namespace clothid {
 
-// A solver's work space: matrices and symbolic factorisations for the model's pattern. Results depend on the problem
-// alone.
+// A solver's work space: matrices and symbolic factorisations for the model's pattern, and the last factor, which
+// serves as a preconditioner for as long as that is cheaper than a new one. So within its tolerance the solution of a
+// step depends on the steps before it, since `Reset`.
 class StepSolver {
  public:
   explicit StepSolver(const ClothModel& model);
+
+  // Forgets the last factor: what follows depends on the problems to come alone.
+  void Reset();
 
   // Solves `problem` from its start velocities. True: `point` satisfies the step to the scene's tolerance (or the
   // rounding floor, where that is larger). False: `point` is the best one met. Adds its work to `counts`.
@@ -40,16 +44,24 @@ class StepSolver {
               RolloutCounts* counts);
   bool SequentialQuadratic(const StepProblem& problem, const std::vector<double>& mu, int max_iterations,
                            StepPoint* point, RolloutCounts* counts);
+  // Newton's direction at `point` to `tolerance`: with the factor at hand unless `refactor`, else with one of its own.
+  bool Direction(const StepProblem& problem, const std::vector<Contact>& contacts, const std::vector<double>& mu,
+                 const StepPoint& point, double tolerance, bool refactor, Eigen::VectorXd* direction,
+                 RolloutCounts* counts);
   bool FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts, const std::vector<double>& mu,
                 const StepPoint& point, RolloutCounts* counts);
-  bool Direction(const std::vector<Contact>& contacts, const std::vector<double>& mu, const Eigen::VectorXd& residual,
-                 Eigen::VectorXd* direction);
+  bool SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu, const Eigen::VectorXd& residual,
+               double tolerance, Eigen::VectorXd* direction, RolloutCounts* counts);
+  void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
+  void Start(const StepProblem& problem, StepPoint* point);
   bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point,
                   StepPoint* trial);
 
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
+  Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
+  bool refactor_ = false;         // the last solve with the factor at hand took so long that a new one is due
 };
 
 }  // namespace clothid

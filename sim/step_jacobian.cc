@@ -1,10 +1,15 @@
 #include "sim/step_jacobian.h"
 
+#include <utility>
+
 namespace clothid {
 namespace {
 
-// The friction coupling is a small perturbation; where it takes more, LU is the better solver.
-constexpr int kMaxGmresIterations = 60;
+// With the factor of the point itself, only the friction coupling is left to iterations, a small perturbation; where it
+// takes more than this, LU is the better solver.
+constexpr int kMaxIterations = 60;
+// With the factor of another point: where it takes more, a new factor is cheaper.
+constexpr int kMaxLaggedIterations = 24;
 
 }  // namespace
 
@@ -12,38 +17,72 @@ StepJacobian::StepJacobian(const ClothModel& model) : model_(model), cholesky_(m
   if (model.has_contact()) elimination_ = std::make_unique<ContactElimination>();
 }
 
-bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const std::vector<Contact>& contacts,
-                          const std::vector<double>& friction_coefficients) {
-  method_ = method;
+void StepJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,
+                            const std::vector<double>& friction_coefficients) {
+  method_ = Method::kReduced;
   hessian_ = &hessian;
+  factor_is_of_point_ = false;
   in_contact_ = !contacts.empty();
-  if (in_contact_) {
-    const ScopedTimer timer(&seconds_.contact);
-    elimination_->SetContacts(contacts, model_.free_index(), friction_coefficients);
-    if (method == Method::kLu) {
-      elimination_->FullJacobian(hessian, &values_);
-    } else {
-      elimination_->Reduce(hessian, &values_);
-    }
-  }
-  const Eigen::VectorXd& values = in_contact_ ? values_ : hessian.values;
-  const ScopedTimer timer(&seconds_.factorization);
-  if (method == Method::kReduced) return cholesky_.Factor(values);
-  if (lu_ == nullptr) lu_ = std::make_unique<LuFactor>(model_.pattern());
-  return lu_->Factor(values);
+  if (!in_contact_) return;
+  const ScopedTimer timer(&seconds_.contact);
+  elimination_->SetContacts(contacts, model_.free_index(), friction_coefficients);
 }
 
-Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
-  Eigen::MatrixXd local = vectors, result;
-  elimination_->ToLocal(&local);
-  cholesky_.Solve(local, &result);
-  elimination_->ToWorld(&result);
-  elimination_->Project(&result);
+void StepJacobian::SetFactor(std::shared_ptr<const ReducedFactor> factor) {
+  factor_ = std::move(factor);
+  factor_is_of_point_ = false;
+}
+
+bool StepJacobian::Factor(Method method) {
+  method_ = method;
+  if (in_contact_) {
+    const ScopedTimer timer(&seconds_.contact);
+    if (method == Method::kLu) {
+      elimination_->FullJacobian(*hessian_, &values_);
+    } else {
+      elimination_->Reduce(*hessian_, &values_);
+    }
+  }
+  const Eigen::VectorXd& values = in_contact_ ? values_ : hessian_->values;
+  const ScopedTimer timer(&seconds_.factorization);
+  if (method == Method::kLu) {
+    if (lu_ == nullptr) lu_ = std::make_unique<LuFactor>(model_.pattern());
+    return lu_->Factor(values);
+  }
+  factor_.reset();  // first, so that its memory can be used again
+  ReducedFactor factor{cholesky_.Factor(values), {}};
+  if (factor.cholesky == nullptr) return false;
+  if (in_contact_) factor.frames = elimination_->SlipFrames();
+  factor_ = std::make_shared<const ReducedFactor>(std::move(factor));
+  factor_is_of_point_ = true;
+  return true;
+}
+
+bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const std::vector<Contact>& contacts,
+                          const std::vector<double>& friction_coefficients) {
+  SetPoint(hessian, contacts, friction_coefficients);
+  return Factor(method);
+}
+
+// Symmetric and positive definite on the vectors that the contacts of the point leave free, whatever those of the
+// factor were.
+Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) const {
+  Eigen::MatrixXd result;
+  if (factor_->frames.empty()) {
+    factor_->cholesky->Solve(vectors, &result);
+  } else {
+    Eigen::MatrixXd local = vectors;
+    ToLocal(factor_->frames, &local);
+    factor_->cholesky->Solve(local, &result);
+    ToWorld(factor_->frames, &result);
+  }
+  if (in_contact_) elimination_->Project(&result);
   return result;
 }
 
-// Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose.
+// Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose; K itself without contacts.
 Eigen::MatrixXd StepJacobian::ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const {
+  if (!in_contact_) return hessian_->view() * q;
   Eigen::MatrixXd v = q;
   if (direction == Direction::kTransposed) elimination_->AddFrictionTransposed(&v);
   Eigen::MatrixXd result = hessian_->view() * v;
@@ -53,15 +92,29 @@ Eigen::MatrixXd StepJacobian::ApplyReduced(Direction direction, const Eigen::Mat
   return result;
 }
 
+bool StepJacobian::SolveByConjugateGradients(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q) {
+  Eigen::VectorXd solution;
+  const ConjugateGradientResult result = ConjugateGradients(
+      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return ApplyReduced(Direction::kForward, v); },
+      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return ApplyFactor(v); }, right.col(0), tolerance,
+      kMaxLaggedIterations, &solution);
+  iterations_ = result.iterations;
+  *q = std::move(solution);
+  return result.converged;
+}
+
 bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance,
                                 Eigen::MatrixXd* q) {
-  if (!elimination_->has_coupling()) {
+  iterations_ = 0;
+  if (factor_is_of_point_ && !has_coupling()) {
     *q = ApplyFactor(right);
     return true;
   }
-  const GmresResult result =
-      Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
-            [&](const Eigen::MatrixXd& v) { return ApplyFactor(v); }, right, tolerance, kMaxGmresIterations, q);
+  if (!has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
+  const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
+                                   [&](const Eigen::MatrixXd& v) { return ApplyFactor(v); }, right, tolerance,
+                                   factor_is_of_point_ ? kMaxIterations : kMaxLaggedIterations, q);
+  iterations_ = result.iterations;
   return result.converged;
 }
 
@@ -71,10 +124,7 @@ bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::
     lu_->Solve(right, dv);
     return dv->allFinite();
   }
-  if (!in_contact_) {
-    cholesky_.Solve(right, dv);
-    return true;
-  }
+  if (!in_contact_) return SolveReduced(Direction::kForward, right, tolerance, dv);
   const Eigen::MatrixXd known = elimination_->KnownPart(right);
   const Eigen::MatrixXd matrix_known = hessian_->view() * known;
   if (!SolveReduced(Direction::kForward, elimination_->ReducedRight(right, known, matrix_known), tolerance, dv)) {
@@ -94,7 +144,7 @@ bool StepJacobian::SolveTransposed(const Eigen::MatrixXd& right, double toleranc
     return z->allFinite();
   }
   if (!in_contact_) {
-    cholesky_.Solve(right, z);
+    if (!SolveReduced(Direction::kTransposed, right, tolerance, z)) return false;
     *y = *z;
     return true;
   }

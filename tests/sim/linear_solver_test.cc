@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -44,16 +45,58 @@ class LinearSolverTest : public ::testing::Test {
 
 TEST_F(LinearSolverTest, CholeskySolvesAndTestsTheInertia) {
   BlockMatrix matrix = Matrix(0.0);
-  CholeskyFactor factor(pattern_);
-  ASSERT_TRUE(factor.Factor(matrix.values));
+  CholeskySolver solver(pattern_);
+  const auto factor = solver.Factor(matrix.values);
+  ASSERT_NE(factor, nullptr);
   const Eigen::MatrixXd right = Eigen::MatrixXd::Random(pattern_->size(), 3);
   Eigen::MatrixXd solution;
-  factor.Solve(right, &solution);
+  factor->Solve(right, &solution);
   EXPECT_LT((matrix.view() * solution - right).norm(), 1e-12 * right.norm());
   matrix.block(pattern_->Find(7, 7)) *= -1.0;
-  EXPECT_FALSE(factor.Factor(matrix.values));
+  EXPECT_EQ(solver.Factor(matrix.values), nullptr);
   matrix.values[0] = std::nan("");
-  EXPECT_FALSE(factor.Factor(matrix.values));
+  EXPECT_EQ(solver.Factor(matrix.values), nullptr);
+}
+
+TEST_F(LinearSolverTest, FactorsLiveSideBySideAndBeyondTheirSolver) {
+  const BlockMatrix matrix = Matrix(0.0);
+  const Eigen::VectorXd doubled = 2.0 * matrix.values;
+  const Eigen::MatrixXd right = Eigen::MatrixXd::Random(pattern_->size(), 2);
+  Eigen::MatrixXd solution, half;
+  auto solver = std::make_unique<CholeskySolver>(pattern_);
+  solver->Factor(matrix.values)->Solve(right, &solution);
+  const auto first = solver->Factor(doubled);  // in the memory of the one that is gone
+  const auto second = solver->Factor(matrix.values);
+  solver.reset();
+  first->Solve(right, &half);
+  EXPECT_LT((2.0 * half - solution).norm(), 1e-12 * solution.norm());
+  second->Solve(right, &half);
+  EXPECT_EQ(half, solution);
+  EXPECT_EQ(first->bytes(), second->bytes());
+  EXPECT_GE(first->bytes(), sizeof(double) * pattern_->num_values() / 2);
+}
+
+// A hub and its neighbours: eliminated first the hub would join all of them, last it joins none.
+TEST_F(LinearSolverTest, TheFillReducingOrderIsAPermutationThatReducesFill) {
+  constexpr int kNodes = 100;
+  std::vector<std::vector<int>> hub_first(kNodes), renumbered(kNodes);
+  for (int node = 1; node < kNodes; ++node) {
+    hub_first[0].push_back(node);
+    hub_first[node].push_back(0);
+  }
+  const std::vector<int> order = FillReducingOrder(hub_first);
+  std::vector<int> index(kNodes, -1);
+  for (int k = 0; k < kNodes; ++k) index[order[k]] = k;
+  ASSERT_EQ(std::count(index.begin(), index.end(), -1), 0);
+  for (int node = 0; node < kNodes; ++node) {
+    for (const int neighbour : hub_first[node]) renumbered[index[node]].push_back(index[neighbour]);
+  }
+  const auto factor_bytes = [](const std::vector<std::vector<int>>& neighbours) {
+    BlockMatrix identity(std::make_shared<BlockPattern>(neighbours));
+    for (int i = 0; i < kNodes; ++i) identity.block(identity.pattern().Find(i, i)).setIdentity();
+    return CholeskySolver(identity.shared_pattern()).Factor(identity.values)->bytes();
+  };
+  EXPECT_LT(10 * factor_bytes(renumbered), factor_bytes(hub_first));
 }
 
 TEST_F(LinearSolverTest, LuSolvesAndSolvesTransposed) {
@@ -72,14 +115,15 @@ TEST_F(LinearSolverTest, LuSolvesAndSolvesTransposed) {
 
 TEST_F(LinearSolverTest, GmresSolvesColumnsOfDifferentDifficulty) {
   const BlockMatrix matrix = Matrix(0.5), symmetric = Matrix(0.0);
-  CholeskyFactor factor(pattern_);
-  ASSERT_TRUE(factor.Factor(symmetric.values));
+  CholeskySolver solver(pattern_);
+  const auto factor = solver.Factor(symmetric.values);
+  ASSERT_NE(factor, nullptr);
   Eigen::MatrixXd right = Eigen::MatrixXd::Random(pattern_->size(), 4), solution;
   right.col(1).setZero();
   right.col(2) *= 1e-9;
   const auto precondition = [&](const Eigen::MatrixXd& v) {
     Eigen::MatrixXd result;
-    factor.Solve(v, &result);
+    factor->Solve(v, &result);
     return result;
   };
   const auto multiply = [&](const Eigen::MatrixXd& v) -> Eigen::MatrixXd { return matrix.view() * v; };
@@ -98,16 +142,14 @@ TEST_F(LinearSolverTest, TwoThreadsGetTheNumbersOfOne) {
   const BlockMatrix matrix = Matrix(0.0);
   const Eigen::MatrixXd right = Eigen::MatrixXd::Random(pattern_->size(), 8);
   Eigen::MatrixXd expected;
-  CholeskyFactor reference(pattern_);
-  ASSERT_TRUE(reference.Factor(matrix.values));
-  reference.Solve(right, &expected);
+  CholeskySolver reference(pattern_);
+  reference.Factor(matrix.values)->Solve(right, &expected);
   std::vector<int> wrong(2, 0);
   const auto work = [&](int thread) {
-    CholeskyFactor factor(pattern_);
+    CholeskySolver solver(pattern_);
     Eigen::MatrixXd solution;
     for (int i = 0; i < 100; ++i) {
-      factor.Factor(matrix.values);
-      factor.Solve(right, &solution);
+      solver.Factor(matrix.values)->Solve(right, &solution);
       wrong[thread] += solution != expected;
     }
   };
