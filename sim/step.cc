@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/block_product.h"
+
 namespace clothid {
 namespace {
 
@@ -213,7 +215,7 @@ bool StepSolver::SequentialQuadratic(const StepProblem& problem, const std::vect
       Eigen::VectorXd velocities = inner.velocities + direction;
       problem.ClipToFeasible(&velocities);
       inner.velocities = velocities;
-      inner.momentum_gradient = point->momentum_gradient + hessian_.view() * (velocities - point->velocities);
+      inner.momentum_gradient = point->momentum_gradient + MultiplySymmetric(hessian_, velocities - point->velocities);
       problem.ApplyContactLaw(velocities, inner.momentum_gradient, &inner);
     }
     direction = inner.velocities - point->velocities;

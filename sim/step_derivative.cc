@@ -1,5 +1,5 @@
 #include "sim/step_derivative.h"
-
+#include "sim/block_product.h"
 #include "sim/simulator.h"
 #include "sim/step.h"
 
@@ -37,7 +37,7 @@ Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const 
 }
 
 Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd product = hessian_.view() * columns;
+  Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns);
   product -= damped_masses_.asDiagonal() * columns;
   return product / record_.time_step;
 }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "sim/block_product.h"
+
 namespace clothid {
 namespace {
 
@@ -82,10 +84,10 @@ Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) const 
 
 // Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose; K itself without contacts.
 Eigen::MatrixXd StepJacobian::ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const {
-  if (!in_contact_) return hessian_->view() * q;
+  if (!in_contact_) return MultiplySymmetric(*hessian_, q);
   Eigen::MatrixXd v = q;
   if (direction == Direction::kTransposed) elimination_->AddFrictionTransposed(&v);
-  Eigen::MatrixXd result = hessian_->view() * v;
+  Eigen::MatrixXd result = MultiplySymmetric(*hessian_, v);
   if (direction == Direction::kForward) elimination_->AddFriction(&result);
   elimination_->Project(&result);
   elimination_->AddSlipStiffness(q, &result);
@@ -126,7 +128,7 @@ bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::
   }
   if (!in_contact_) return SolveReduced(Direction::kForward, right, tolerance, dv);
   const Eigen::MatrixXd known = elimination_->KnownPart(right);
-  const Eigen::MatrixXd matrix_known = hessian_->view() * known;
+  const Eigen::MatrixXd matrix_known = MultiplySymmetric(*hessian_, known);
   if (!SolveReduced(Direction::kForward, elimination_->ReducedRight(right, known, matrix_known), tolerance, dv)) {
     return false;
   }
@@ -153,7 +155,7 @@ bool StepJacobian::SolveTransposed(const Eigen::MatrixXd& right, double toleranc
   if (!SolveReduced(Direction::kTransposed, projected, tolerance, &q)) return false;
   *y = q;
   elimination_->AddFrictionTransposed(y);
-  *z = elimination_->RecoverAdjoint(right, q, hessian_->view() * *y);
+  *z = elimination_->RecoverAdjoint(right, q, MultiplySymmetric(*hessian_, *y));
   return true;
 }
 

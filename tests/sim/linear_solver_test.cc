@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "sim/block_product.h"
+
 namespace clothid {
 namespace {
 
@@ -56,6 +58,15 @@ TEST_F(LinearSolverTest, CholeskySolvesAndTestsTheInertia) {
   EXPECT_EQ(solver.Factor(matrix.values), nullptr);
   matrix.values[0] = std::nan("");
   EXPECT_EQ(solver.Factor(matrix.values), nullptr);
+}
+
+TEST_F(LinearSolverTest, ProductsAreThoseOfTheMatrix) {
+  const BlockMatrix matrix = Matrix(0.0);
+  for (const int num_columns : {1, 2, 8, 20}) {
+    const Eigen::MatrixXd columns = Eigen::MatrixXd::Random(pattern_->size(), num_columns);
+    const Eigen::MatrixXd expected = matrix.view() * columns;
+    EXPECT_LT((MultiplySymmetric(matrix, columns) - expected).norm(), 1e-14 * expected.norm()) << num_columns;
+  }
 }
 
 TEST_F(LinearSolverTest, FactorsLiveSideBySideAndBeyondTheirSolver) {
@@ -135,6 +146,35 @@ TEST_F(LinearSolverTest, GmresSolvesColumnsOfDifferentDifficulty) {
     EXPECT_LT((matrix.view() * solution.col(c) - right.col(c)).norm(), 1e-10 * right.col(c).norm()) << c;
   }
   EXPECT_FALSE(Gmres(multiply, precondition, right, 1e-11, 2, &solution).converged);
+}
+
+TEST_F(LinearSolverTest, ConjugateGradientsSolveAndMeetNegativeCurvature) {
+  BlockMatrix matrix = Matrix(0.0);
+  CholeskySolver solver(pattern_);
+  const auto factor = solver.Factor(matrix.values);
+  ASSERT_NE(factor, nullptr);
+  const auto precondition = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd {
+    Eigen::MatrixXd result;
+    factor->Solve(v, &result);
+    return result;
+  };
+  const auto multiply = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return matrix.view() * v; };
+  const Eigen::VectorXd right = Eigen::VectorXd::Random(pattern_->size());
+  Eigen::VectorXd solution;
+  matrix.values *= 1.5;
+  matrix.block(pattern_->Find(7, 7)) *= 2.0;  // so that the factor is one of another matrix
+  ConjugateGradientResult result = ConjugateGradients(multiply, precondition, right, 1e-12, 20, &solution);
+  EXPECT_TRUE(result.converged);
+  EXPECT_GT(result.iterations, 1);
+  EXPECT_LT((matrix.view() * solution - right).norm(), 1.1e-12 * right.norm());
+  EXPECT_FALSE(ConjugateGradients(multiply, precondition, right, 1e-12, 1, &solution).converged);
+  matrix.block(pattern_->Find(7, 7)) *= -1.0;
+  result = ConjugateGradients(multiply, precondition, right, 1e-12, 20, &solution);
+  EXPECT_TRUE(result.indefinite);
+  EXPECT_FALSE(result.converged);
+  result = ConjugateGradients(multiply, precondition, Eigen::VectorXd::Zero(right.size()), 1e-12, 20, &solution);
+  EXPECT_TRUE(result.converged);
+  EXPECT_EQ(solution.norm(), 0.0);
 }
 
 // Serial OpenBLAS shares buffers between threads; without turns this fails within a few solves.
