@@ -117,7 +117,10 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
                                    [&](const Eigen::MatrixXd& v) { return ApplyFactor(v); }, right, tolerance,
                                    factor_is_of_point_ ? kMaxIterations : kMaxLaggedIterations, q);
   iterations_ = result.iterations;
-  return result.converged;
+  // What the inertia test of a factor of this point would have found.
+  const bool negative_curvature = direction == Direction::kForward && !factor_is_of_point_ && right.cols() == 1 &&
+                                  right.col(0).dot(q->col(0)) <= 0.0;
+  return result.converged && !negative_curvature;
 }
 
 bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv) {

@@ -49,8 +49,8 @@ class StepJacobian {
   void SetFactor(std::shared_ptr<const ReducedFactor> factor);
 
   // A dv = right, [3 Nf x s], to a relative residual of `tolerance` wherever the solution is iterative: with a factor
-  // of another point, or with friction. False: it was not reached, or, for one right-hand side without friction, A met
-  // a direction of negative curvature on the way.
+  // of another point, or with friction. False: it was not reached, or, for one right-hand side with a factor of another
+  // point, a direction of negative curvature was met.
   bool Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv);
 
   // A^T z = right and y = (I + S)^T z.
