@@ -56,6 +56,7 @@ bool StepSolver::IsSolved(const StepProblem& problem, const StepPoint& point) co
   return point.relative_residual <= Tolerance(problem, point);
 }
 
+// From v_n, or from where the acceleration of the last step leads, whichever has the smaller residual.
 void StepSolver::Start(const StepProblem& problem, StepPoint* point) {
   Eigen::VectorXd start = problem.start_velocities();
   if (problem.may_touch()) problem.ClipToFeasible(&start);
@@ -92,6 +93,11 @@ void StepSolver::Reset() {
   acceleration_.resize(0);
 }
 
+void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point) {
+  const ScopedTimer timer(&jacobian_.seconds().assembly);
+  problem.AssembleHessian(kind, point, &hessian_);
+}
+
 bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts,
                           const std::vector<double>& mu, const StepPoint& point, RolloutCounts* counts) {
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
@@ -119,29 +125,25 @@ bool StepSolver::SolveAt(const std::vector<Contact>& contacts, const std::vector
   return true;
 }
 
-bool StepSolver::Direction(const StepProblem& problem, const std::vector<Contact>& contacts,
-                           const std::vector<double>& mu, const StepPoint& point, double tolerance, bool refactor,
-                           Eigen::VectorXd* direction, RolloutCounts* counts) {
-  if (!refactor && jacobian_.factor() != nullptr) {
-    Assemble(problem, HessianKind::kExact, point);
-    jacobian_.SetPoint(hessian_, contacts, mu);
-    Eigen::MatrixXd solution;
-    const bool solved = jacobian_.Solve(-point.residual, tolerance, &solution) && solution.allFinite();
-    counts->linear_iterations += jacobian_.iterations();
-    refactor_ = jacobian_.iterations() > kRefactorIterations;
-    if (solved) {
-      *direction = solution;
-      return true;
-    }
-  }
-  refactor_ = false;
-  return FactorAt(problem, contacts, mu, point, counts) &&
-         SolveAt(contacts, mu, point.residual, tolerance, direction, counts);
+bool StepSolver::DirectionByFactorAtHand(const StepProblem& problem, const std::vector<Contact>& contacts,
+                                         const std::vector<double>& mu, const StepPoint& point, double tolerance,
+                                         Eigen::VectorXd* direction, RolloutCounts* counts) {
+  Assemble(problem, HessianKind::kExact, point);
+  jacobian_.SetPoint(hessian_, contacts, mu);
+  Eigen::MatrixXd solution;
+  const bool solved = jacobian_.Solve(-point.residual, tolerance, &solution) && solution.allFinite();
+  counts->linear_iterations += jacobian_.iterations();
+  new_factor_is_due_ = jacobian_.iterations() > kRefactorIterations;
+  if (solved) *direction = solution;
+  return solved;
 }
 
-void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point) {
-  const ScopedTimer timer(&jacobian_.seconds().assembly);
-  problem.AssembleHessian(kind, point, &hessian_);
+bool StepSolver::DirectionByNewFactor(const StepProblem& problem, const std::vector<Contact>& contacts,
+                                      const std::vector<double>& mu, const StepPoint& point, double tolerance,
+                                      Eigen::VectorXd* direction, RolloutCounts* counts) {
+  new_factor_is_due_ = false;
+  return FactorAt(problem, contacts, mu, point, counts) &&
+         SolveAt(contacts, mu, point.residual, tolerance, direction, counts);
 }
 
 // Accepts the first length at which the residual or the potential decreases enough.
@@ -168,28 +170,32 @@ bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& d
   return false;
 }
 
+bool StepSolver::Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance,
+                         double first_length, StepPoint* point, StepPoint* trial, RolloutCounts* counts) {
+  std::vector<Contact> contacts;
+  if (problem.may_touch()) contacts = problem.ActiveContacts(*point);
+  Eigen::VectorXd direction;
+  if (jacobian_.factor() != nullptr && !new_factor_is_due_ &&
+      DirectionByFactorAtHand(problem, contacts, mu, *point, tolerance, &direction, counts) &&
+      LineSearch(problem, direction, first_length, point, trial)) {
+    return true;
+  }
+  return DirectionByNewFactor(problem, contacts, mu, *point, tolerance, &direction, counts) &&
+         LineSearch(problem, direction, first_length, point, trial);
+}
+
 bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& mu, int max_iterations, StepPoint* point,
                         RolloutCounts* counts) {
   StepPoint trial, best = *point;
-  std::vector<Contact> contacts;
-  Eigen::VectorXd direction;
   double first_length = 1.0, before_last = 0.0, last = 0.0;
   for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
     ++counts->newton_iterations;
-    if (problem.may_touch()) contacts = problem.ActiveContacts(*point);
     const double tolerance = ForcingTerm(point->relative_residual, last, Tolerance(problem, *point));
     const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last;
     first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
     before_last = last;
     last = point->relative_residual;
-    bool moved = false;
-    for (const bool refactor : {refactor_, true}) {
-      const auto* const factor = jacobian_.factor().get();
-      if (!Direction(problem, contacts, mu, *point, tolerance, refactor, &direction, counts)) break;
-      moved = LineSearch(problem, direction, first_length, point, &trial);
-      if (moved || jacobian_.factor().get() != factor || refactor) break;
-    }
-    if (!moved) break;
+    if (!Iterate(problem, mu, tolerance, first_length, point, &trial, counts)) break;
     if (point->relative_residual < best.relative_residual) best = *point;
   }
   if (!IsSolved(problem, *point)) *point = best;

@@ -39,29 +39,35 @@ class StepSolver {
 
  private:
   void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
+  void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
   bool IsSolved(const StepProblem& problem, const StepPoint& point) const;
+  void Start(const StepProblem& problem, StepPoint* point);
   bool Newton(const StepProblem& problem, const std::vector<double>& mu, int max_iterations, StepPoint* point,
               RolloutCounts* counts);
   bool SequentialQuadratic(const StepProblem& problem, const std::vector<double>& mu, int max_iterations,
                            StepPoint* point, RolloutCounts* counts);
-  // Newton's direction at `point` to `tolerance`: with the factor at hand unless `refactor`, else with one of its own.
-  bool Direction(const StepProblem& problem, const std::vector<Contact>& contacts, const std::vector<double>& mu,
-                 const StepPoint& point, double tolerance, bool refactor, Eigen::VectorXd* direction,
-                 RolloutCounts* counts);
+  // One iteration of Newton's method: along the direction that the factor at hand gives, or, where there is none or it
+  // leads nowhere, along that of a new factor.
+  bool Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance, double first_length,
+               StepPoint* point, StepPoint* trial, RolloutCounts* counts);
+  bool DirectionByFactorAtHand(const StepProblem& problem, const std::vector<Contact>& contacts,
+                               const std::vector<double>& mu, const StepPoint& point, double tolerance,
+                               Eigen::VectorXd* direction, RolloutCounts* counts);
+  bool DirectionByNewFactor(const StepProblem& problem, const std::vector<Contact>& contacts,
+                            const std::vector<double>& mu, const StepPoint& point, double tolerance,
+                            Eigen::VectorXd* direction, RolloutCounts* counts);
   bool FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts, const std::vector<double>& mu,
                 const StepPoint& point, RolloutCounts* counts);
   bool SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu, const Eigen::VectorXd& residual,
                double tolerance, Eigen::VectorXd* direction, RolloutCounts* counts);
-  void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
-  void Start(const StepProblem& problem, StepPoint* point);
   bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point,
                   StepPoint* trial);
 
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
-  Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
-  bool refactor_ = false;         // the last solve with the factor at hand took so long that a new one is due
+  Eigen::VectorXd acceleration_;    // of the last step, over the free nodes, m/s^2; empty: none
+  bool new_factor_is_due_ = false;  // the last solve with the one at hand took as long as a new one
 };
 
 }  // namespace clothid
