@@ -58,8 +58,18 @@ Eigen::VectorXd RecordingModel::ValueDerivatives(const Eigen::VectorXd& coordina
   return derivatives;
 }
 
-Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel) {
-  return clothid::Simulate(ParametersAt(coordinates), observation_.num_steps(), &simulator_, cancel);
+Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
+                                 std::size_t memory_limit, Eigen::MatrixXd* predicted) {
+  const int num_steps = observation_.num_steps();
+  RolloutOptions options;
+  options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps, memory_limit);
+  FrameSampler sampler(&observation_,
+                       [predicted](int frame, const Eigen::MatrixXd& points) { predicted->col(frame) = points; });
+  if (predicted != nullptr) {
+    predicted->resize(3 * observation_.num_points(), observation_.num_frames());
+    options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
+  }
+  return clothid::Simulate(ParametersAt(coordinates), num_steps, &simulator_, cancel, options);
 }
 
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::VectorXd& coordinates,

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <atomic>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -36,7 +37,10 @@ class RecordingModel {
   // `coordinates` [p], in the order of the blocks.
   Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
 
-  Rollout Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel);
+  // With checkpoints where the steps would take more than `memory_limit` bytes. `predicted` (may be null): the points
+  // [3P x T] of every frame, as of Observation::Predict, which needs every step; valid where the rollout is ok().
+  Rollout Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, std::size_t memory_limit,
+                   Eigen::MatrixXd* predicted);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
   // [q].

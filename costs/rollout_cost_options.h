@@ -3,6 +3,7 @@
 #define CLOTHID_COSTS_ROLLOUT_COST_OPTIONS_H_
 
 #include <atomic>
+#include <cstddef>
 #include <memory>
 
 #include "costs/robust_loss.h"
@@ -22,9 +23,10 @@ enum class JacobianMethod {
 struct RolloutCostOptions {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   RobustLoss loss;
-  int num_differences = 4;                     // adjoint: the most recent rollouts whose differences enter the subspace
-  const std::atomic<bool>* cancel = nullptr;   // ends the rollout under way as failed; must outlive the cost
-  std::shared_ptr<EvaluationJournal> journal;  // of this cost alone; null: nothing is replayed or kept
+  int num_differences = 4;  // adjoint: the most recent rollouts whose differences enter the subspace
+  std::size_t memory_limit = std::size_t{1} << 30;  // bytes of a rollout's steps; beyond it they are made twice
+  const std::atomic<bool>* cancel = nullptr;        // ends the rollout under way as failed; must outlive the cost
+  std::shared_ptr<EvaluationJournal> journal;       // of this cost alone; null: nothing is replayed or kept
 };
 
 // What the evaluations took. Counts depend on the sequence of evaluations alone; seconds do not belong to a result.

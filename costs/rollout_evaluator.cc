@@ -61,10 +61,10 @@ int RolloutEvaluator::num_rows() const {
   return 1 + options_.num_differences + kNumResidualModes + kNumDisplacementModes;
 }
 
-Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates) {
+Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) {
   const ScopedTimer timer(&statistics_.rollout_seconds);
   ++statistics_.rollouts;
-  Rollout result = model_.Simulate(coordinates, options_.cancel);
+  Rollout result = model_.Simulate(coordinates, options_.cancel, options_.memory_limit, predicted);
   statistics_.counts += result.counts;
   if (!result.ok()) throw std::runtime_error(result.failure->ToString());
   return result;
@@ -73,12 +73,12 @@ Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates) {
 const Rollout& RolloutEvaluator::RolloutAt(const Eigen::VectorXd& coordinates) {
   if (rollout_coordinates_.size() == 0 || rollout_coordinates_ != coordinates) {
     rollout_coordinates_.resize(0);
-    rollout_ = Run(coordinates);
+    rollout_ = Run(coordinates, &rollout_predicted_);
     rollout_coordinates_ = coordinates;
     rollout_was_replayed_ = false;
   } else if (rollout_was_replayed_) {
     // Its journal has counted it already.
-    rollout_ = model_.Simulate(coordinates, options_.cancel);
+    rollout_ = model_.Simulate(coordinates, options_.cancel, options_.memory_limit, &rollout_predicted_);
     if (!rollout_.ok()) throw std::runtime_error(rollout_.failure->ToString());
     rollout_was_replayed_ = false;
   }
@@ -93,7 +93,8 @@ Eigen::VectorXd RolloutEvaluator::WeightedResiduals(const RolloutEvaluation& eva
 }
 
 void RolloutEvaluator::ComputeCost(RolloutEvaluation* evaluation) {
-  evaluation->predicted = model_.observation().Predict(RolloutAt(evaluation->coordinates));
+  RolloutAt(evaluation->coordinates);
+  evaluation->predicted = rollout_predicted_;
   const Eigen::VectorXd residuals = model_.observation().Residuals(evaluation->predicted);
   Eigen::VectorXd weights;
   evaluation->cost = LossWeights(options_.loss, model_.observation(), 0, residuals, &weights);
@@ -209,7 +210,8 @@ void RolloutEvaluator::ComputeNumericRows(const std::vector<int>& active, Rollou
   for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
     Eigen::VectorXd shifted = evaluation->coordinates;
     shifted[active[i]] += step;
-    const Eigen::MatrixXd predicted = observation.Predict(Run(shifted));
+    Eigen::MatrixXd predicted;
+    Run(shifted, &predicted);
     jacobian.col(i) = observation.Whiten(predicted - evaluation->predicted) / step;
   }
   Eigen::VectorXd weights;

@@ -83,7 +83,7 @@ class RolloutEvaluator {
   void ComputeNumericRows(const std::vector<int>& active, RolloutEvaluation* evaluation);
   void ComputeGradient(const std::vector<int>& active, RolloutEvaluation* evaluation);
 
-  Rollout Run(const Eigen::VectorXd& coordinates);
+  Rollout Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted);
   const Rollout& RolloutAt(const Eigen::VectorXd& coordinates);
   // Residuals e and weights w of the loss at an evaluated point.
   Eigen::VectorXd WeightedResiduals(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const;
@@ -97,6 +97,7 @@ class RolloutEvaluator {
   std::vector<int> free_blocks_;
   std::deque<RolloutEvaluation> recent_;  // the latest first; bounded
   Rollout rollout_;                       // of `rollout_coordinates_`: trajectories are large, so there is one
+  Eigen::MatrixXd rollout_predicted_;
   Eigen::VectorXd rollout_coordinates_;
   bool rollout_was_replayed_ = false;  // so `rollout_` has yet to be made
   std::string last_failure_;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "costs/recording_model.h"
+#include "costs/rollout_cost_options.h"
 #include "datasets/observation.h"
 #include "identify/problem.h"
 #include "sim/error.h"
@@ -14,9 +15,10 @@ namespace {
 
 // Adds the error of one rollout, or tells why there is none.
 void AddError(const Eigen::VectorXd& coordinates, RecordingModel* model, PredictionError* sum, std::string* failure) {
-  const Rollout rollout = model->Simulate(coordinates, nullptr);
+  Eigen::MatrixXd predicted;
+  const Rollout rollout = model->Simulate(coordinates, nullptr, RolloutCostOptions().memory_limit, &predicted);
   if (rollout.ok()) {
-    *sum += model->observation().Compare(model->observation().Predict(rollout));
+    *sum += model->observation().Compare(predicted);
   } else if (failure->empty()) {
     *failure = model->name() + ": " + rollout.failure->ToString();
   }

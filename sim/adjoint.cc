@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sim/cloth_model.h"
+#include "sim/record_reader.h"
 #include "sim/simulator.h"
 #include "sim/step_derivative.h"
 
@@ -42,13 +43,12 @@ RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>&
     lambda_x += model.GatherColumns(seed);
   };
 
+  RecordReader reader(rollout, simulator);
   int step_number = rollout.num_steps();
   for (int i = static_cast<int>(rollout.records.size()) - 1; i >= 0; --i) {
-    const StepRecord& record = rollout.records[i];
+    const StepRecord& record = reader.record(i);
     if (step_number > 0 && rollout.last_record[step_number - 1] == i) add_seed(step_number--);
-    const Eigen::VectorXd& start_positions = i == 0 ? rollout.initial_positions : rollout.records[i - 1].positions;
-    const Eigen::VectorXd& start_velocities = i == 0 ? rollout.initial_velocities : rollout.records[i - 1].velocities;
-    StepDerivative step(record, start_positions, start_velocities, rollout.parameters, simulator);
+    StepDerivative step(record, reader.start_positions(i), reader.start_velocities(i), rollout.parameters, simulator);
 
     const Eigen::MatrixXd w = lambda_v + record.time_step * lambda_x;
     SolveStep(w, tolerance, options.method, &step, &z, &y, &gradient.lu_fallbacks);

@@ -39,7 +39,7 @@ using AddPositionGradient = std::function<void(int step, Eigen::MatrixXd* gradie
 //   w = lambda_v + h lambda_x;   A^T z = w;   y = (I + S)^T z
 //   lambda_v <- M y;             lambda_x <- lambda_x - h (H + V^T) y - X^T z
 // with the matrices of step_derivative.h.
-// Throws `std::runtime_error` where a step Jacobian is singular.
+// Throws `std::runtime_error` where a step Jacobian is singular, and where RecordReader does.
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,
                          const AdjointOptions& options = {});

@@ -24,24 +24,27 @@ ContactCandidate NearestObstacle(const Scene& scene, const Eigen::Vector3d& posi
 
 }  // namespace
 
+ContactCandidate MakeCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double time_step) {
+  const Scene& scene = model.scene();
+  ContactCandidate candidate = NearestObstacle(scene, positions.segment<3>(3 * node));
+  candidate.node = node;
+  if (scene.contact_mode == ContactMode::kGap) {
+    const double speed = candidate.gap / time_step;
+    const bool limited = speed < -scene.depenetration_speed;
+    candidate.gap_speed = limited ? -scene.depenetration_speed : speed;
+    candidate.gap_speed_slope = limited ? 0.0 : 1.0 / time_step;
+  }
+  return candidate;
+}
+
 void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double time_step,
                     std::vector<ContactCandidate>* candidates) {
-  const Scene& scene = model.scene();
-  const bool gap_mode = scene.contact_mode == ContactMode::kGap;
+  const bool gap_mode = model.scene().contact_mode == ContactMode::kGap;
   candidates->clear();
   for (int node = 0; node < model.num_nodes(); ++node) {
     if (model.free_index()[node] < 0) continue;
-    ContactCandidate candidate = NearestObstacle(scene, positions.segment<3>(3 * node));
-    candidate.node = node;
-    if (gap_mode) {
-      const double speed = candidate.gap / time_step;
-      const bool limited = speed < -scene.depenetration_speed;
-      candidate.gap_speed = limited ? -scene.depenetration_speed : speed;
-      candidate.gap_speed_slope = limited ? 0.0 : 1.0 / time_step;
-    } else if (candidate.gap > model.touch_gap()) {
-      continue;
-    }
-    candidates->push_back(candidate);
+    const ContactCandidate candidate = MakeCandidate(model, node, positions, time_step);
+    if (gap_mode || candidate.gap <= model.touch_gap()) candidates->push_back(candidate);
   }
 }
 

@@ -34,6 +34,17 @@ struct Contact {
   double weight = 0.0;                              // d, kg
 };
 
+// What a rollout keeps of a contact; the rest follows from the state at the start of the step.
+struct ContactRecord {
+  int node = 0;
+  int obstacle = 0;
+  ContactBranch branch = ContactBranch::kTakeOff;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F
+};
+
+// `node` and its nearest obstacle in a step of size `time_step` that starts at `positions` [3N].
+ContactCandidate MakeCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double time_step);
+
 // The candidates of a step of size `time_step` that starts at `positions` [3N], among the free nodes: in gap mode every
 // one, in velocity mode those with gap <= touch. `candidates` is overwritten.
 void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double time_step,

@@ -136,6 +136,9 @@ CholeskySolver::CholeskySolver(std::shared_ptr<const BlockPattern> pattern)
 
 CholeskySolver::~CholeskySolver() = default;
 
+double CholeskySolver::num_flops() const { return state_->common.fl; }
+double CholeskySolver::num_entries() const { return state_->common.lnz; }
+
 std::shared_ptr<const CholeskyFactor> CholeskySolver::Factor(const Eigen::VectorXd& values) {
   // CHOLMOD does not look for NaN, and a comparison with one would pass as positive definite.
   if (!values.allFinite()) return nullptr;

@@ -48,6 +48,11 @@ class CholeskySolver {
   // `values` [pattern.num_values()]; null where the matrix is not positive definite.
   std::shared_ptr<const CholeskyFactor> Factor(const Eigen::VectorXd& values);
 
+  // Of one factorisation, without the zeros that supernodes add: operations (an addition and a multiplication are two)
+  // and entries of L.
+  double num_flops() const;
+  double num_entries() const;
+
  private:
   friend class CholeskyFactor;
   struct State;

@@ -1,7 +1,9 @@
 #include "sim/rollout.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <stdexcept>
 #include <utility>
 
 #include "sim/cloth_model.h"
@@ -44,6 +46,26 @@ StepFailure DescribeFailure(int step, double tolerance, const StepPoint& point, 
   return failure;
 }
 
+// Adds the solves of the next step.
+void Append(bool has_contact, std::vector<StepRecord> records, Rollout* rollout) {
+  for (StepRecord& record : records) {
+    if (has_contact && !rollout->records.empty()) {
+      CountContactChanges(rollout->records.back().contacts, record.contacts, &rollout->counts);
+    }
+    rollout->records.push_back(std::move(record));
+  }
+  rollout->last_record.push_back(static_cast<int>(rollout->records.size()) - 1);
+}
+
+// Empties the records from step `first_step` on, all but the last.
+void KeepCheckpoint(int first_step, Rollout* rollout) {
+  const int first = first_step == 1 ? 0 : rollout->last_record[first_step - 2] + 1;
+  for (std::size_t i = first; i + 1 < rollout->records.size(); ++i) {
+    const StepRecord& record = rollout->records[i];
+    rollout->records[i] = {record.time, record.time_step, {}, {}, {}};
+  }
+}
+
 }  // namespace
 
 RolloutCounts& RolloutCounts::operator+=(const RolloutCounts& other) {
@@ -64,20 +86,38 @@ std::string StepFailure::ToString() const {
 }
 
 const Eigen::VectorXd& Rollout::positions(int step) const {
-  return step == 0 ? initial_positions : records[last_record[step - 1]].positions;
+  if (step == 0) return initial_positions;
+  const StepRecord& record = records[last_record[step - 1]];
+  if (!record.is_kept()) {
+    throw std::logic_error("step " + std::to_string(step) + " is not kept; there is a checkpoint every " +
+                           std::to_string(checkpoint_interval) + " steps");
+  }
+  return record.positions;
 }
 
-void CountContactChanges(const std::vector<Contact>& before, const std::vector<Contact>& after, RolloutCounts* counts) {
+std::size_t Rollout::bytes() const {
+  std::size_t numbers = initial_positions.size() + initial_velocities.size();
+  std::size_t contacts = 0;
+  for (const StepRecord& record : records) {
+    numbers += record.positions.size() + record.velocities.size();
+    contacts += record.contacts.capacity();
+  }
+  return numbers * sizeof(double) + contacts * sizeof(ContactRecord) + records.capacity() * sizeof(StepRecord) +
+         last_record.capacity() * sizeof(int) + sizeof(*this);
+}
+
+void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
+                         RolloutCounts* counts) {
   // Both are in ascending order of nodes.
   size_t i = 0, j = 0;
   while (i < before.size() || j < after.size()) {
-    const bool left = j == after.size() || (i < before.size() && before[i].candidate.node < after[j].candidate.node);
-    const bool joined = i == before.size() || (j < after.size() && after[j].candidate.node < before[i].candidate.node);
+    const bool left = j == after.size() || (i < before.size() && before[i].node < after[j].node);
+    const bool joined = i == before.size() || (j < after.size() && after[j].node < before[i].node);
     if (left || joined) {
       ++counts->contact_changes;
     } else {
-      if (before[i].response.branch != after[j].response.branch) ++counts->contact_changes;
-      if (before[i].candidate.obstacle != after[j].candidate.obstacle) ++counts->obstacle_switches;
+      if (before[i].branch != after[j].branch) ++counts->contact_changes;
+      if (before[i].obstacle != after[j].obstacle) ++counts->obstacle_switches;
     }
     if (!joined) ++i;
     if (!left) ++j;
@@ -106,7 +146,7 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
         break;
       }
       StepRecord record{end_time, h, point.positions, problem.AllVelocities(point), {}};
-      if (problem.may_touch()) record.contacts = problem.ActiveContacts(point);
+      if (problem.may_touch()) record.contacts = RecordContacts(problem.ActiveContacts(point));
       records->push_back(std::move(record));
     }
     if (static_cast<int>(records->size()) == num_solves) {
@@ -120,36 +160,68 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
   return false;
 }
 
-Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulator, const std::atomic<bool>* cancel) {
+bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step, const Eigen::VectorXd& positions,
+                    const Eigen::VectorXd& velocities, const StepVisitor& visitor, Simulator* simulator,
+                    const std::atomic<bool>* cancel, RolloutCounts* counts, std::optional<StepFailure>* failure) {
+  simulator->step_solver().Reset();
+  Eigen::VectorXd x = positions, v = velocities;
+  std::vector<StepRecord> records;
+  for (int step = first_step; step <= last_step; ++step) {
+    if (cancel != nullptr && cancel->load()) {
+      failure->emplace();
+      (*failure)->step = step;
+      (*failure)->reason = "was cancelled";
+      return false;
+    }
+    if (!AdvanceStep(parameters, step, x, v, simulator, &records, counts, failure)) return false;
+    x = records.back().positions;
+    v = records.back().velocities;
+    visitor(step, std::move(records));
+  }
+  return true;
+}
+
+int CheckpointInterval(const ClothModel& model, int num_steps, std::size_t memory_limit) {
+  const std::size_t bytes_per_step = sizeof(StepRecord) + 6 * model.num_nodes() * sizeof(double) +
+                                     (model.has_contact() ? model.num_free() * sizeof(ContactRecord) : 0);
+  const std::size_t limit = memory_limit / bytes_per_step;
+  if (static_cast<std::size_t>(num_steps) <= limit) return 0;
+  // The checkpoints, what follows the last one, and as many that are simulated again.
+  const auto num_kept = [num_steps](int interval) {
+    return static_cast<std::size_t>(num_steps / interval + 2 * interval);
+  };
+  int best = 1;
+  for (int interval = 2; interval < num_steps; ++interval) {
+    if (num_kept(interval) <= std::max(limit, num_kept(best))) best = interval;
+  }
+  return best;
+}
+
+Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulator, const std::atomic<bool>* cancel,
+                 const RolloutOptions& options) {
   const Scene& scene = simulator->scene();
   ValidateParameters(parameters, scene, "parameters");
   Rollout rollout;
   rollout.parameters = parameters;
   rollout.start_time = scene.start_time;
   rollout.time_step = scene.time_step;
+  rollout.checkpoint_interval = options.checkpoint_interval;
   rollout.initial_positions = scene.initial_positions;
   rollout.initial_velocities = scene.initial_velocities;
-  const bool has_contact = simulator->model().has_contact();
-  std::vector<StepRecord> records;
-  simulator->step_solver().Reset();
-  for (int step = 1; step <= num_steps; ++step) {
-    if (cancel != nullptr && cancel->load()) {
-      rollout.failure = StepFailure();
-      rollout.failure->step = step;
-      rollout.failure->reason = "was cancelled";
-      return rollout;
+  if (options.visitor) options.visitor(0, rollout.initial_positions);
+  const StepVisitor append = [&](int step, std::vector<StepRecord> records) {
+    if (options.visitor) options.visitor(step, records.back().positions);
+    Append(simulator->model().has_contact(), std::move(records), &rollout);
+  };
+  const int interval = options.checkpoint_interval > 0 ? std::min(options.checkpoint_interval, num_steps) : num_steps;
+  for (int first = 1; first <= num_steps; first += interval) {
+    if (first > 1) KeepCheckpoint(first - interval, &rollout);
+    const Eigen::VectorXd& x = first == 1 ? rollout.initial_positions : rollout.records.back().positions;
+    const Eigen::VectorXd& v = first == 1 ? rollout.initial_velocities : rollout.records.back().velocities;
+    const int last = std::min(first + interval - 1, num_steps);
+    if (!AdvanceSegment(parameters, first, last, x, v, append, simulator, cancel, &rollout.counts, &rollout.failure)) {
+      break;
     }
-    const bool first = rollout.records.empty();
-    const Eigen::VectorXd& x = first ? rollout.initial_positions : rollout.records.back().positions;
-    const Eigen::VectorXd& v = first ? rollout.initial_velocities : rollout.records.back().velocities;
-    if (!AdvanceStep(parameters, step, x, v, simulator, &records, &rollout.counts, &rollout.failure)) return rollout;
-    for (StepRecord& record : records) {
-      if (has_contact && !rollout.records.empty()) {
-        CountContactChanges(rollout.records.back().contacts, record.contacts, &rollout.counts);
-      }
-      rollout.records.push_back(std::move(record));
-    }
-    rollout.last_record.push_back(static_cast<int>(rollout.records.size()) - 1);
   }
   return rollout;
 }

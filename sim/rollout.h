@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <atomic>
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,15 +15,18 @@
 
 namespace clothid {
 
+class ClothModel;
 class Simulator;
 
 // One implicit solve: a time step, or one of the substeps into which a difficult step was cut.
 struct StepRecord {
-  double time = 0.0;              // at the end of the step, s
-  double time_step = 0.0;         // h of this solve, s
-  Eigen::VectorXd positions;      // x_{n+1} [3N] m
-  Eigen::VectorXd velocities;     // v_{n+1} [3N] m/s
-  std::vector<Contact> contacts;  // the sticking and slipping nodes
+  double time = 0.0;                    // at the end of the step, s
+  double time_step = 0.0;               // h of this solve, s
+  Eigen::VectorXd positions;            // x_{n+1} [3N] m
+  Eigen::VectorXd velocities;           // v_{n+1} [3N] m/s
+  std::vector<ContactRecord> contacts;  // the sticking and slipping nodes, ascending
+
+  bool is_kept() const { return positions.size() > 0; }
 };
 
 // Counts over a rollout, for reports. Those of several rollouts add up.
@@ -57,15 +62,19 @@ struct Rollout {
   double time_step = 0.0;              // h, s
   Eigen::VectorXd initial_positions;   // x_0 [3N]
   Eigen::VectorXd initial_velocities;  // v_0 [3N]
-  std::vector<StepRecord> records;     // in order of time; one per step, more where substeps were taken
-  std::vector<int> last_record;        // [T] the record that ends step n + 1
+  // In order of time; one per step, more where substeps were taken. With checkpoints those before the last one are
+  // empty, but for the checkpoints themselves; RecordReader (sim/record_reader.h) makes them again.
+  std::vector<StepRecord> records;
+  std::vector<int> last_record;  // [T] the record that ends step n + 1
+  int checkpoint_interval = 0;   // in steps; 0: none
   RolloutCounts counts;
   std::optional<StepFailure> failure;  // set: the rollout is not to be used
 
   bool ok() const { return !failure.has_value(); }
   int num_steps() const { return static_cast<int>(last_record.size()); }
-  // x after `step` steps; step 0 is the start.
+  // x after `step` steps; step 0 is the start. Throws `std::logic_error` for a step that is not kept.
   const Eigen::VectorXd& positions(int step) const;
+  std::size_t bytes() const;  // of the memory that it holds
 };
 
 // Advances the state (x_n, v_n) [3N] by step number `step` (1-based) of the scene's time step, in one solve or, where
@@ -75,14 +84,38 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
                  const Eigen::VectorXd& velocities, Simulator* simulator, std::vector<StepRecord>* records,
                  RolloutCounts* counts, std::optional<StepFailure>* failure);
 
+// Takes the solves of step number `step`.
+using StepVisitor = std::function<void(int step, std::vector<StepRecord> records)>;
+
+// Runs the steps `first_step` .. `last_step` from (x, v) [3N] at the start of the first, with a solver that was reset:
+// they do not depend on what it did before. False: a step did not converge or `cancel` (may be null) turned true, and
+// `failure` is set.
+bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step, const Eigen::VectorXd& positions,
+                    const Eigen::VectorXd& velocities, const StepVisitor& visitor, Simulator* simulator,
+                    const std::atomic<bool>* cancel, RolloutCounts* counts, std::optional<StepFailure>* failure);
+
 // Adds the changes between the contacts of successive solves to `counts`.
-void CountContactChanges(const std::vector<Contact>& before, const std::vector<Contact>& after, RolloutCounts* counts);
+void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
+                         RolloutCounts* counts);
+
+struct RolloutOptions {
+  // 0: every step is kept. c > 0: of every c steps the last one, a checkpoint, and all after the last checkpoint;
+  // PullBack simulates the others again, c at a time.
+  int checkpoint_interval = 0;
+  // Called with x [3N] after `step` steps, from step 0 on, kept or not. May be empty.
+  std::function<void(int step, const Eigen::VectorXd& positions)> visitor;
+};
+
+// The checkpoint interval with which a rollout of `num_steps` steps and its PullBack hold at most `memory_limit` bytes
+// of records, as if every free node were in contact where there are obstacles: 0 where all steps fit, else the largest
+// one that fits, so that the fewest steps are simulated again, or, where none does, the one that needs the least.
+int CheckpointInterval(const ClothModel& model, int num_steps, std::size_t memory_limit);
 
 // Runs the scene of `simulator` with `parameters` from its start state, `num_steps` steps. Never throws on a step that
 // does not converge: see `Rollout::failure`. `cancel` (may be null) ends the rollout as failed when it turns true.
 // Throws `Error` for parameters out of range.
 Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulator,
-                 const std::atomic<bool>* cancel = nullptr);
+                 const std::atomic<bool>* cancel = nullptr, const RolloutOptions& options = {});
 
 }  // namespace clothid
 

@@ -86,7 +86,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   SensitivityResult result;
   Tangent tangent = StartTangent(directions, model);
   Eigen::VectorXd positions = scene.initial_positions, velocities = scene.initial_velocities;
-  std::vector<Contact> contacts;
+  std::vector<ContactRecord> contacts;
   std::vector<StepRecord> records;
   simulator->step_solver().Reset();
   visitor(0, positions, model.ScatterColumns(tangent.positions));

@@ -19,7 +19,8 @@ class StepSolver {
  public:
   explicit StepSolver(const ClothModel& model);
 
-  // Forgets the last factor: what follows depends on the problems to come alone.
+  // Forgets what earlier steps have left for later ones: a solver that was reset gives the same steps again, to the
+  // last bit.
   void Reset();
 
   // Solves `problem` from its start velocities. True: `point` satisfies the step to the scene's tolerance (or the

@@ -2,6 +2,7 @@
 #include "sim/block_product.h"
 #include "sim/simulator.h"
 #include "sim/step.h"
+#include "sim/step_problem.h"
 
 namespace clothid {
 
@@ -26,10 +27,11 @@ StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& 
     masses_.segment<3>(3 * i).setConstant(material.density * model_.node_areas()[model_.free_nodes()[i]]);
   }
   damped_masses_ = masses_ * (damped_density / material.density);
+  contacts_ = RestoreContacts(model_, parameters, start_positions, record.time_step, record.contacts);
 }
 
 bool StepDerivative::Factor(StepJacobian::Method method) {
-  return jacobian_.Factor(method, hessian_, record_.contacts, parameters_.friction_coefficients);
+  return jacobian_.Factor(method, hessian_, contacts_, parameters_.friction_coefficients);
 }
 
 Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const {
@@ -65,7 +67,7 @@ Eigen::MatrixXd StepDerivative::TimesMixed(const Eigen::VectorXd& positions, con
 
 Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
-  for (const Contact& contact : record_.contacts) {
+  for (const Contact& contact : contacts_) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
     const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
     product.middleRows<3>(row) = ContactPositionJacobian(contact, mu) * columns.middleRows<3>(row);
@@ -75,7 +77,7 @@ Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) cons
 
 Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
-  for (const Contact& contact : record_.contacts) {
+  for (const Contact& contact : contacts_) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
     const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
     product.middleRows<3>(row) = ContactPositionJacobian(contact, mu).transpose() * columns.middleRows<3>(row);
@@ -123,7 +125,7 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
 Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(3 * model_.num_free());
   if (id.kind != ParameterKind::kFriction) return derivative;
-  for (const Contact& contact : record_.contacts) {
+  for (const Contact& contact : contacts_) {
     if (contact.response.branch != ContactBranch::kSlip) continue;
     if (id.obstacle != kAllObstacles && id.obstacle != contact.candidate.obstacle) continue;
     derivative.segment<3>(3 * model_.free_index()[contact.candidate.node]) =

@@ -54,6 +54,7 @@ class StepDerivative {
   Eigen::VectorXd masses_;                      // M [3 Nf]
   Eigen::VectorXd damped_masses_;               // M + h C [3 Nf]
   std::vector<Eigen::Matrix2d> start_metrics_;  // C(x_n) per triangle; empty without damping
+  std::vector<Contact> contacts_;               // of the record
 };
 
 }  // namespace clothid

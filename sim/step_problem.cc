@@ -49,6 +49,31 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
   }
 }
 
+std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts) {
+  std::vector<ContactRecord> records;
+  records.reserve(contacts.size());
+  for (const Contact& contact : contacts) {
+    records.push_back({contact.candidate.node, contact.candidate.obstacle, contact.response.branch, contact.force});
+  }
+  return records;
+}
+
+std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
+                                     const Eigen::VectorXd& start_positions, double time_step,
+                                     const std::vector<ContactRecord>& records) {
+  if (records.empty()) return {};
+  const Eigen::VectorXd weights = SystemDiagonal(model, parameters.material, time_step);
+  std::vector<Contact> contacts;
+  contacts.reserve(records.size());
+  for (const ContactRecord& record : records) {
+    const ContactCandidate candidate = MakeCandidate(model, record.node, start_positions, time_step);
+    const double mu = parameters.friction_coefficients[record.obstacle];
+    contacts.push_back({candidate, EvaluateContactLaw(record.force, candidate.normal, mu), record.force,
+                        weights[model.free_index()[record.node]]});
+  }
+  return contacts;
+}
+
 StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
                          const Eigen::VectorXd& velocities, double time_step, double end_time)
     : model_(model),

@@ -38,6 +38,15 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
                          const std::vector<Eigen::Matrix2d>& start_metrics, const Eigen::VectorXd& positions,
                          BlockMatrix* hessian);
 
+// What a rollout keeps of contacts.
+std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts);
+
+// The contacts behind `records` of a step of size `time_step` from `start_positions` x_n [3N]: the numbers of its
+// solver to the last bit.
+std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
+                                     const Eigen::VectorXd& start_positions, double time_step,
+                                     const std::vector<ContactRecord>& records);
+
 class StepProblem {
  public:
   // Both must outlive the problem. From (x_n, v_n) [3N] over `time_step` to `end_time`.

@@ -1,7 +1,5 @@
 #include "tools/benchmark_jacobian.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -17,6 +15,7 @@
 #include "sim/json_document.h"
 #include "sim/scene_json.h"
 #include "sim/text_file.h"
+#include "tools/timing.h"
 #include "tools/true_recording.h"
 
 namespace clothid {
@@ -27,13 +26,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
-}
-
-// The processor time of the calling thread, s: a fit runs on one thread.
-double ThreadSeconds() {
-  timespec now = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 // Start number i of n along one axis of the grid.
@@ -125,12 +117,6 @@ void JudgeFits(const std::vector<TrueParameter>& truth, std::vector<JacobianFit>
           fit->cost - best.cost <= kCostTolerance * best.cost && IsNear(fit->value, best.value, kParameterTolerance);
     }
   }
-}
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
 // The fits of one noise and method, in the order of the starts.

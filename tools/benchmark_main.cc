@@ -19,17 +19,19 @@
 #include "sim/text_file.h"
 #include "tools/benchmark_coverage.h"
 #include "tools/benchmark_discretization.h"
+#include "tools/benchmark_forward.h"
 #include "tools/benchmark_jacobian.h"
 #include "tools/command_line.h"
 
-DEFINE_string(scene, "", "scene.json");
+DEFINE_string(scene, "", "scene.json; forward: names of scenes");
 DEFINE_string(set, "", "the true values of the fitted parameters, NAME=VALUE[,...]");
 DEFINE_double(noise, 0.01, "standard deviation of noise, relative to the cloth's size");
 DEFINE_int32(starts, 4, "starts per parameter, even");
 DEFINE_string(methods, "adjoint,sensitivity,numeric,lbfgs", "methods to compare");
 DEFINE_uint64(seed, 1, "seed of the noise");
 DEFINE_string(nodes, "", "nodes along the first axis of the fitted grids; empty: the scene's and the truth's");
-DEFINE_string(steps, "1,2,4", "time steps of the fitted models: the scene's over each of these");
+DEFINE_string(steps, "", "discretization: time steps of the fitted models; forward: the number of steps");
+DEFINE_int32(repeats, 3, "rollouts of each scene and size");
 DEFINE_int32(seeds, 40, "noisy recordings per setting");
 DEFINE_string(settings, "full,half,third", "settings of the sensor");
 DEFINE_string(output, "", "folder for a CSV with one row per fit; empty: none");
@@ -43,6 +45,7 @@ constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods ag
   benchmark jacobian       --scene FILE --set LIST [--noise] [--starts] [--methods] [--seed] [--threads] [--output]
   benchmark discretization --scene FILE --set LIST [--nodes] [--steps] [--threads] [--output]
   benchmark coverage       --scene FILE --set LIST [--seeds] [--settings] [--noise] [--seed] [--threads] [--output]
+  benchmark forward        [--scene LIST] [--nodes] [--steps] [--repeats] [--output]
 
 jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
 0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
@@ -55,18 +58,25 @@ coverage: fits recordings that differ by their noise and prints how many 95 % in
 reported standard deviation beside that of the estimates: with every point in every frame (full), with half the points
 missing (half), with every third frame (third).
 
-  --scene FILE      scene.json; parameters that are not set have its nominal values
+forward: simulates the scenes wind, slope and sphere on square grids and prints the time of a step and its phases, the
+factorisation beside its floating-point operations at the speed of dgemm, the growth with the number of nodes, and the
+memory of a rollout per node and step. Processor time, medians over the repeats.
+
+  --scene FILE      scene.json; parameters that are not set have its nominal values; forward: LIST of wind, slope,
+                    sphere (wind,slope)
   --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
   --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
   --starts N        N x N starts, N even (4)
   --methods LIST    of adjoint, sensitivity, numeric, lbfgs (all)
   --seed S          of the noise; coverage: the first (1)
-  --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
-  --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4)
+  --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's);
+                    forward: along both axes (12,24,48)
+  --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4); forward: how many (100)
+  --repeats N       rollouts of each scene and size (3)
   --seeds N         recordings per setting (40)
   --settings LIST   of full, half, third (all)
   --threads N       fits side by side; only the seconds depend on it (1)
-  --output DIR      writes COMMAND.csv, one row per fit
+  --output DIR      writes COMMAND.csv, one row per fit; forward: per scene and size
   --help, --version
 
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content.
@@ -75,17 +85,23 @@ Examples:
   benchmark jacobian --scene datasets/drape.scene.json --set mu=0.3,k_stretch=100 --output /tmp/jacobian
   benchmark discretization --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --nodes 8,16,31
   benchmark coverage --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --threads 2
+  benchmark forward --nodes 24,48,96,192 --steps 10
 )";
 
-// "8,16" -> {8, 16}. Throws `Error` (kUsage) naming `flag`.
+// Throws `Error` (kUsage) naming `flag`.
+int ParseInteger(const std::string& text, const std::string& flag) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw Error(ErrorKind::kUsage, flag + ": '" + Printable(text) + "': expected an integer");
+  }
+  return number;
+}
+
+// "8,16" -> {8, 16}.
 std::vector<int> ParseIntegers(const std::string& text, const std::string& flag) {
   std::vector<int> numbers;
-  for (const std::string& item : ParseNames(text, flag)) {
-    const auto [end, error] = std::from_chars(item.data(), item.data() + item.size(), numbers.emplace_back());
-    if (error != std::errc() || end != item.data() + item.size()) {
-      throw Error(ErrorKind::kUsage, flag + ": '" + Printable(item) + "': expected an integer");
-    }
-  }
+  for (const std::string& item : ParseNames(text, flag)) numbers.push_back(ParseInteger(item, flag));
   return numbers;
 }
 
@@ -106,7 +122,7 @@ DiscretizationOptions DiscretizationOptionsFromFlags() {
   options.scene_path = FLAGS_scene;
   options.truth = ParseParameterValues(FLAGS_set, "--set");
   options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
-  options.step_divisors = ParseIntegers(FLAGS_steps, "--steps");
+  if (!FLAGS_steps.empty()) options.step_divisors = ParseIntegers(FLAGS_steps, "--steps");
   options.num_threads = FLAGS_threads;
   return options;
 }
@@ -120,6 +136,15 @@ CoverageOptions CoverageOptionsFromFlags() {
   options.num_seeds = FLAGS_seeds;
   options.seed = FLAGS_seed;
   options.num_threads = FLAGS_threads;
+  return options;
+}
+
+ForwardBenchmarkOptions ForwardOptionsFromFlags() {
+  ForwardBenchmarkOptions options;
+  if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
+  if (!FLAGS_nodes.empty()) options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
+  if (!FLAGS_steps.empty()) options.num_steps = ParseInteger(FLAGS_steps, "--steps");
+  options.repeats = FLAGS_repeats;
   return options;
 }
 
@@ -142,18 +167,28 @@ std::string Describe(const CoverageFit& fit) {
          std::to_string(fit.rollouts) + " rollouts";
 }
 
-// Reports every fit: "fit 3 of 128: adjoint, noise 0.01, start 0.02 7: converged, 7 rollouts; 310 s left".
-template <typename Options>
-void ReportProgress(Options* options) {
+std::string Describe(const ForwardCase& result) {
+  return result.scene + ", " + std::to_string(result.nodes) + " x " + std::to_string(result.nodes) + " nodes";
+}
+
+// Reports every item: "fit 3 of 128: adjoint, noise 0.01, start 0.02 7: converged, 7 rollouts; 310 s left".
+auto ProgressReporter(const std::string& what) {
   const auto start = std::chrono::steady_clock::now();
-  options->on_fit = [start](const auto& fit, int num_done, int num_fits) {
+  return [start, what](const auto& item, int num_done, int num_items) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     std::ostringstream line;
-    line << "fit " << num_done << " of " << num_fits << ": " << Describe(fit) << "; " << std::fixed
-         << std::setprecision(0) << seconds.count() / num_done * (num_fits - num_done) << " s left\n";
+    line << what << " " << num_done << " of " << num_items << ": " << Describe(item) << "; " << std::fixed
+         << std::setprecision(0) << seconds.count() / num_done * (num_items - num_done) << " s left\n";
     std::cerr << line.str();
   };
 }
+
+template <typename Options>
+void ReportProgress(Options* options) {
+  options->on_fit = ProgressReporter("fit");
+}
+
+void ReportProgress(ForwardBenchmarkOptions* options) { options->on_rollout = ProgressReporter("rollout"); }
 
 // Runs the benchmark `run`, prints its table and, on request, writes its CSV `name`.csv.
 template <typename Options, typename Benchmark>
@@ -173,7 +208,7 @@ int RunBenchmark(const std::string& name, Options options, Benchmark (*run)(cons
 }
 
 int Run(const std::vector<std::string>& arguments) {
-  const std::string known = "; there is: jacobian, discretization, coverage; see benchmark --help";
+  const std::string known = "; there is: jacobian, discretization, coverage, forward; see benchmark --help";
   if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing" + known);
   if (arguments.size() > 1) throw Error(ErrorKind::kUsage, "'" + arguments[1] + "': unexpected argument");
   const std::string& name = arguments[0];
@@ -186,6 +221,9 @@ int Run(const std::vector<std::string>& arguments) {
   }
   if (name == "coverage") {
     return RunBenchmark(name, CoverageOptionsFromFlags(), RunCoverageBenchmark, CoverageTable, CoverageCsv);
+  }
+  if (name == "forward") {
+    return RunBenchmark(name, ForwardOptionsFromFlags(), RunForwardBenchmark, ForwardTable, ForwardCsv);
   }
   throw Error(ErrorKind::kUsage, "'" + name + "': unknown command" + known);
 }

@@ -96,9 +96,9 @@ ContactSummary SummarizeContacts(const Rollout& rollout) {
   std::unordered_set<int> before;
   for (const StepRecord& record : rollout.records) {
     std::unordered_set<int> now;
-    for (const Contact& contact : record.contacts) {
-      ++(contact.response.branch == ContactBranch::kStick ? summary.num_stick : summary.num_slip);
-      now.insert(contact.candidate.node);
+    for (const ContactRecord& contact : record.contacts) {
+      ++(contact.branch == ContactBranch::kStick ? summary.num_stick : summary.num_slip);
+      now.insert(contact.node);
     }
     for (const int node : before) summary.num_take_off += now.count(node) == 0;
     before = std::move(now);

@@ -148,6 +148,25 @@ TEST_P(RolloutCostTest, AdjointAgreesWithSensitivities) {
   }
 }
 
+// The solver of steps is reset at checkpoints, so they agree to their tolerance.
+TEST_P(RolloutCostTest, AMemoryLimitChangesNothing) {
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kNumeric}) {
+    RolloutCostOptions options = WithJacobian(method);
+    const Rows free = EvaluateAll(RolloutCost(motion_, blocks_, options), StartOf(blocks_));
+    options.memory_limit = 0;
+    const RolloutCost cost(motion_, blocks_, options);
+    const Rows limited = EvaluateAll(cost, StartOf(blocks_));
+    ASSERT_TRUE(free.ok && limited.ok) << cost.last_failure();
+    EXPECT_NEAR(limited.cost(), free.cost(), 1e-8 * free.cost());
+    ExpectNear(limited.gradient(), free.gradient(), 1e-6);
+    Eigen::MatrixXd predicted;
+    ASSERT_TRUE(cost.Predict(StartOf(blocks_), &predicted));
+    EXPECT_TRUE(predicted.allFinite());
+    EXPECT_EQ(cost.statistics().rollouts,
+              method == JacobianMethod::kAdjoint ? 1 : 1 + static_cast<int>(blocks_.size()));
+  }
+}
+
 TEST_P(RolloutCostTest, GaussNewtonMatrixOfSensitivitiesIsThatOfTheFullJacobian) {
   const FullResidualCost full(motion_, blocks_);
   const Rows large = EvaluateAll(full, StartOf(blocks_));

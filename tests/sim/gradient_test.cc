@@ -146,11 +146,10 @@ class GradientCase {
   bool SameBranches(const Rollout& other) const {
     if (!other.ok() || other.records.size() != rollout_.records.size()) return false;
     for (size_t i = 0; i < rollout_.records.size(); ++i) {
-      const std::vector<Contact>&a = rollout_.records[i].contacts, &b = other.records[i].contacts;
+      const std::vector<ContactRecord>&a = rollout_.records[i].contacts, &b = other.records[i].contacts;
       if (a.size() != b.size()) return false;
       for (size_t j = 0; j < a.size(); ++j) {
-        if (a[j].candidate.node != b[j].candidate.node || a[j].candidate.obstacle != b[j].candidate.obstacle ||
-            a[j].response.branch != b[j].response.branch) {
+        if (a[j].node != b[j].node || a[j].obstacle != b[j].obstacle || a[j].branch != b[j].branch) {
           return false;
         }
       }

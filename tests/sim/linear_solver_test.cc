@@ -110,6 +110,19 @@ TEST_F(LinearSolverTest, TheFillReducingOrderIsAPermutationThatReducesFill) {
   EXPECT_LT(10 * factor_bytes(renumbered), factor_bytes(hub_first));
 }
 
+TEST(CholeskySolverTest, CountsTheWorkOfADenseMatrix) {
+  const int num_blocks = 5, n = 3 * num_blocks;
+  std::vector<std::vector<int>> neighbours(num_blocks);
+  for (int i = 0; i < num_blocks; ++i) {
+    for (int j = 0; j < num_blocks; ++j) {
+      if (j != i) neighbours[i].push_back(j);
+    }
+  }
+  const CholeskySolver solver(std::make_shared<BlockPattern>(neighbours));
+  EXPECT_EQ(solver.num_entries(), n * (n + 1) / 2);
+  EXPECT_EQ(solver.num_flops(), n * (n + 1) * (2 * n + 1) / 6);
+}
+
 TEST_F(LinearSolverTest, LuSolvesAndSolvesTransposed) {
   const BlockMatrix matrix = Matrix(0.5);
   LuFactor factor(pattern_);
