@@ -73,10 +73,11 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::
 }
 
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::VectorXd& coordinates,
-                                         const std::vector<int>& active, const Eigen::MatrixXd& seeds) {
+                                         const std::vector<int>& active, const Eigen::MatrixXd& seeds,
+                                         const AdjointOptions& options) {
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) { observation_.AddSeeds(step, seeds, gradient); };
   const RolloutGradient gradient =
-      clothid::PullBack(rollout, Ids(active), static_cast<int>(seeds.cols()), add_seeds, &simulator_);
+      clothid::PullBack(rollout, Ids(active), static_cast<int>(seeds.cols()), add_seeds, &simulator_, options);
   return ValueDerivatives(coordinates, active).asDiagonal() * gradient.parameters;
 }
 

@@ -45,7 +45,7 @@ class RecordingModel {
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
   // [q].
   Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                           const Eigen::MatrixXd& seeds);
+                           const Eigen::MatrixXd& seeds, const AdjointOptions& options);
 
   // Called per frame with the predicted points [3P], whitened residuals [r] of the frame and their derivatives with
   // respect to the coordinates of the blocks `active`, [r x q].

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "costs/robust_loss.h"
+#include "sim/adjoint.h"
 #include "sim/rollout.h"
 #include "sim/scene.h"
 
@@ -22,6 +23,7 @@ enum class JacobianMethod {
 
 struct RolloutCostOptions {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
+  AdjointOptions adjoint;  // of the reverse sweeps
   RobustLoss loss;
   int num_differences = 4;  // adjoint: the most recent rollouts whose differences enter the subspace
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of a rollout's steps; beyond it they are made twice

@@ -187,7 +187,7 @@ void RolloutEvaluator::ComputeAdjointRows(const std::vector<int>& active, Rollou
   ++statistics_.sweeps;
   // (B^T w J)^T = J^T w B: the seeds are the columns of w B.
   const Eigen::MatrixXd gradients =
-      model_.PullBack(rollout, evaluation->coordinates, active, weights.asDiagonal() * basis);
+      model_.PullBack(rollout, evaluation->coordinates, active, weights.asDiagonal() * basis, options_.adjoint);
   if (!gradients.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
 
   // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.
@@ -230,7 +230,8 @@ void RolloutEvaluator::ComputeGradient(const std::vector<int>& active, RolloutEv
     Eigen::VectorXd weights;
     const Eigen::VectorXd weighted = WeightedResiduals(*evaluation, &weights);
     ++statistics_.sweeps;
-    gradient = model_.PullBack(rollout, evaluation->coordinates, active, weights.cwiseProduct(weighted));
+    gradient =
+        model_.PullBack(rollout, evaluation->coordinates, active, weights.cwiseProduct(weighted), options_.adjoint);
   } else {
     Complete(Need::kRows, active, evaluation);
     gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(active.size()));

@@ -43,6 +43,8 @@ std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std
     text << "parameter " << block.name << " " << static_cast<int>(block.scale) << " " << block.start << " "
          << block.lower_bound << " " << block.upper_bound << " " << block.frozen << "\n";
   }
+  text << "adjoint " << static_cast<int>(options.adjoint.method) << " " << options.adjoint.threshold.value_or(0.0)
+       << "\n";
   text << "fit " << static_cast<int>(options.method) << " " << JacobianMethodName(options.jacobian) << " "
        << static_cast<int>(options.loss.kind) << " " << options.loss.scale << " " << options.max_iterations << " "
        << options.function_tolerance << " " << options.parameter_tolerance << " " << options.num_starts << " "

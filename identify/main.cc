@@ -29,6 +29,7 @@ DEFINE_string(start, "", "starting values, NAME=VALUE[,...]");
 DEFINE_string(lower, "", "lower bounds, NAME=VALUE[,...]");
 DEFINE_string(upper, "", "upper bounds, NAME=VALUE[,...]");
 DEFINE_string(jacobian, "adjoint", "adjoint, sensitivity or numeric");
+DEFINE_string(adjoint, "reduced", "how reverse sweeps solve their linear systems, METHOD[:THRESHOLD]");
 DEFINE_string(method, "lm", "lm or lbfgs");
 DEFINE_string(loss, "none", "none or huber:A");
 DEFINE_bool(check_gradients, false, "compare adjoint, sensitivities and finite differences at the start");
@@ -58,6 +59,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, the others start/1e4..start*1e4)
   --jacobian KIND     adjoint, sensitivity or numeric (adjoint)
+  --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, sparse_lu, fixed_point or gmres, with a
+                      threshold as in gmres:1e-6 (reduced, the scene's adjoint_tolerance)
   --method METHOD     lm: Levenberg-Marquardt; lbfgs: for many parameters (lm)
   --loss LOSS         none, or huber:A per observed point, A in standard deviations (none)
   --check_gradients   compare adjoint, sensitivities and central differences at the start
@@ -103,6 +106,7 @@ FitOptions OptionsFromFlags() {
   options.overrides.lower_bounds = ParseParameterValues(FLAGS_lower, "--lower");
   options.overrides.upper_bounds = ParseParameterValues(FLAGS_upper, "--upper");
   options.jacobian = ParseJacobianMethod(FLAGS_jacobian);
+  options.adjoint = ParseAdjointOptions(FLAGS_adjoint);
   options.method = ParseFitMethod(FLAGS_method);
   options.loss = ParseRobustLoss(FLAGS_loss);
   options.max_iterations = FLAGS_max_iterations;

@@ -1,6 +1,7 @@
 #include "identify/options.h"
 
 #include <algorithm>
+#include <map>
 
 #include "sim/error.h"
 #include "sim/text_file.h"
@@ -42,6 +43,28 @@ JacobianMethod ParseJacobianMethod(const std::string& text) {
     if (text == JacobianMethodName(method)) return method;
   }
   Fail("--jacobian: expected adjoint, sensitivity or numeric, got '" + Printable(text) + "'");
+}
+
+AdjointOptions ParseAdjointOptions(const std::string& text) {
+  static const std::map<std::string, AdjointMethod> methods = {{"reduced", AdjointMethod::kReduced},
+                                                               {"lu", AdjointMethod::kLu},
+                                                               {"sparse_lu", AdjointMethod::kSparseLu},
+                                                               {"fixed_point", AdjointMethod::kFixedPoint},
+                                                               {"gmres", AdjointMethod::kSystemGmres}};
+  const std::vector<std::string> parts = Split(text, ':');
+  const auto method = methods.find(parts[0]);
+  AdjointOptions options;
+  if (parts.size() == 2) options.threshold = ParseNumber(parts[1]);
+  if (method == methods.end() || parts.size() > 2 ||
+      (parts.size() == 2 && !(options.threshold && *options.threshold > 0.0 && *options.threshold < 1.0))) {
+    Fail(
+        "--adjoint: expected reduced, lu, sparse_lu, fixed_point or gmres, as it is or with a threshold in (0, 1) as "
+        "in "
+        "gmres:1e-6, got '" +
+        Printable(text) + "'");
+  }
+  options.method = method->second;
+  return options;
 }
 
 std::string JacobianMethodName(JacobianMethod method) {

@@ -38,6 +38,7 @@ struct FitOptions {
   ParameterOverrides overrides;
   FitMethod method = FitMethod::kLevenbergMarquardt;
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
+  AdjointOptions adjoint;  // how reverse sweeps solve their linear systems
   RobustLoss loss;
   int max_iterations = 50;
   int num_starts = 1;      // of `FitFromStarts`
@@ -69,6 +70,8 @@ std::vector<std::string> ParseNames(const std::string& text, const std::string& 
 FitMethod ParseFitMethod(const std::string& text);
 JacobianMethod ParseJacobianMethod(const std::string& text);
 std::string JacobianMethodName(JacobianMethod method);
+// METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
+AdjointOptions ParseAdjointOptions(const std::string& text);
 
 }  // namespace clothid
 

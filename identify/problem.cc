@@ -82,6 +82,7 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
 
   RolloutCostOptions cost_options;
   cost_options.jacobian = options.jacobian;
+  cost_options.adjoint = options.adjoint;
   cost_options.loss = options.loss;
   cost_options.cancel = options.cancel;
   const bool has_journal = !options.journal_folder.empty();

@@ -4,23 +4,46 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "sim/parameters.h"
+#include "sim/phase_seconds.h"
 #include "sim/rollout.h"
 
 namespace clothid {
 
 class Simulator;
 
-// How A^T z = w is solved at every step.
+// How A^T z = w is solved at every step. Section 5.4 of the DiffCloth paper compares kSparseLu and kFixedPoint.
 enum class AdjointMethod {
-  kReduced,  // contacts eliminated, Cholesky of the symmetric rest, friction coupling by GMRES
-  kLu,       // sparse LU of the whole step Jacobian: the reference
+  kReduced,      // contacts eliminated, Cholesky of the symmetric rest, friction coupling by GMRES
+  kLu,           // sparse LU of the whole step Jacobian (UMFPACK): the reference
+  kSparseLu,     // the same by Eigen's SparseLU
+  kFixedPoint,   // P z <- (dP + dR)^T z + w with the prefactored P of sim/system_matrix.h
+  kSystemGmres,  // GMRES preconditioned by P, without restart
 };
 
 struct AdjointOptions {
   AdjointMethod method = AdjointMethod::kReduced;
+  // Relative residual |w - A^T z|/|w| of the iterative methods; absent: `adjoint_tolerance` of the scene. It does not
+  // depend on the d of the contact law, which the methods choose differently.
+  std::optional<double> threshold = std::nullopt;
+};
+
+// What a sweep took. A method that misses its threshold hands over to LU: kReduced to UMFPACK, the iterations on P to
+// Eigen's.
+struct AdjointWork {
+  int solves = 0;         // linear systems: one per step, more where substeps were taken
+  int iterations = 0;     // of the slowest column, summed over the solves; a direct method has none
+  int failed_solves = 0;  // in which LU stepped in
+  // Wall time, s. Phases as in Table 1 of the paper: factorization and solution are its linear solve (with the steps
+  // that LU took over), assembly its dP, contact its dR.
+  PhaseSeconds phases;
+  double total_seconds = 0.0;
+  double fallback_seconds = 0.0;  // of LU where it stepped in; part of the phases
+
+  double other_seconds() const { return total_seconds - phases.sum(); }
 };
 
 // Gradients of s scalars C_1 .. C_s of the trajectory.
@@ -28,7 +51,7 @@ struct RolloutGradient {
   Eigen::MatrixXd parameters;          // [p x s] dC/dtheta, in the parameter's own unit (not logarithmic)
   Eigen::MatrixXd initial_positions;   // [3N x s] dC/dx_0; zero at handles, whose path is part of the scene
   Eigen::MatrixXd initial_velocities;  // [3N x s] dC/dv_0; zero at handles
-  int lu_fallbacks = 0;                // steps in which the reduced method handed over to LU
+  AdjointWork work;
 };
 
 // Adds dC_i/dx after `step` steps (step 0: the start) to column i of `gradient` [3N x s].

@@ -252,7 +252,7 @@ namespace {
 class ArnoldiColumn {
  public:
   ArnoldiColumn(double norm, double tolerance, int max_iterations)
-      : triangle_(Eigen::MatrixXd::Zero(max_iterations + 1, max_iterations)),
+      : triangle_(max_iterations + 1, max_iterations),
         projected_(Eigen::VectorXd::Zero(max_iterations + 1)),
         goal_(tolerance * norm),
         active_(norm > 0.0) {
@@ -291,7 +291,7 @@ class ArnoldiColumn {
   }
 
  private:
-  Eigen::MatrixXd triangle_;
+  Eigen::MatrixXd triangle_;  // filled column by column, so most of it is never touched
   Eigen::VectorXd projected_;
   std::vector<Eigen::JacobiRotation<double>> rotations_;
   double goal_;

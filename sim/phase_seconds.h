@@ -17,6 +17,11 @@ struct PhaseSeconds {
   double sum() const { return evaluation + assembly + contact + factorization + solution; }
 };
 
+inline PhaseSeconds operator-(const PhaseSeconds& a, const PhaseSeconds& b) {
+  return {a.evaluation - b.evaluation, a.assembly - b.assembly, a.contact - b.contact,
+          a.factorization - b.factorization, a.solution - b.solution};
+}
+
 // Adds the time until its end to `seconds`.
 class ScopedTimer {
  public:

@@ -25,6 +25,7 @@ class StepDerivative {
   // Factors A. False where it fails.
   bool Factor(StepJacobian::Method method);
   StepJacobian& jacobian() { return jacobian_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }  // sticking and slipping nodes
 
   // On columns over the free nodes [3 Nf x s].
   Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;              // M y

@@ -52,6 +52,30 @@ std::vector<JacobianFit> PlanFits(const JacobianBenchmarkOptions& options, const
   return fits;
 }
 
+// "adjoint:gmres:1e-4" -> "adjoint", "gmres:1e-4".
+struct MethodName {
+  std::string jacobian, adjoint;
+};
+
+MethodName SplitMethodName(const std::string& method) {
+  const std::size_t colon = method.find(':');
+  if (colon == std::string::npos) return {method, ""};
+  return {method.substr(0, colon), method.substr(colon + 1)};
+}
+
+void CheckMethod(const std::string& method) {
+  const std::vector<std::string>& known = kJacobianBenchmarkMethods;
+  const MethodName name = SplitMethodName(method);
+  const bool has_sweep = name.jacobian == "adjoint" || name.jacobian == "lbfgs";
+  Require(std::find(known.begin(), known.end(), has_sweep ? name.jacobian : method) != known.end(),
+          "--methods: '" + Printable(method) + "': expected adjoint, sensitivity, numeric or lbfgs");
+  try {
+    if (method.find(':') != std::string::npos) ParseAdjointOptions(name.adjoint);
+  } catch (const Error& error) {
+    throw Error(ErrorKind::kUsage, "--methods: '" + Printable(method) + "': " + error.what());
+  }
+}
+
 FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, const JacobianFit& fit) {
   FitOptions options;
   options.estimate_uncertainty = false;  // its sweep is the same for every method
@@ -59,10 +83,12 @@ FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, const Jacobia
     options.parameters.push_back(truth[i].name);
     options.overrides.start[truth[i].name] = fit.start[i];
   }
-  if (fit.method == "lbfgs") {
+  const MethodName name = SplitMethodName(fit.method);
+  if (!name.adjoint.empty()) options.adjoint = ParseAdjointOptions(name.adjoint);
+  if (name.jacobian == "lbfgs") {
     options.method = FitMethod::kLbfgs;
   } else {
-    options.jacobian = ParseJacobianMethod(fit.method);
+    options.jacobian = ParseJacobianMethod(name.jacobian);
   }
   return options;
 }
@@ -141,7 +167,8 @@ std::optional<double> MedianTimeRatio(const std::vector<JacobianFit>& fits, cons
   return Median(std::move(ratios));
 }
 
-void WriteTableRow(const JacobianBenchmark& benchmark, double noise, const std::string& method, std::ostream& out) {
+void WriteTableRow(const JacobianBenchmark& benchmark, double noise, const std::string& method, int width,
+                   std::ostream& out) {
   const std::vector<JacobianFit> fits = Select(benchmark, noise, method);
   int num_reached = 0, max_rollouts = 0, failed_steps = 0;
   for (const JacobianFit& fit : fits) {
@@ -154,10 +181,10 @@ void WriteTableRow(const JacobianBenchmark& benchmark, double noise, const std::
   reached << num_reached << " of " << fits.size();
   relative << std::fixed << std::setprecision(2);
   if (ratio) relative << *ratio;
-  out << std::left << std::setw(13) << method << std::right << std::setw(7) << noise << std::setw(11) << reached.str()
-      << std::fixed << std::setprecision(1) << std::setw(10) << MedianOf(fits, &JacobianFit::rollouts) << std::setw(6)
-      << max_rollouts << std::setw(8) << MedianOf(fits, &JacobianFit::sweeps) << std::setw(14) << failed_steps
-      << std::setprecision(2) << std::setw(10) << MedianOf(fits, &JacobianFit::seconds) << std::setw(16)
+  out << std::left << std::setw(width) << method << std::right << std::setw(7) << noise << std::setw(11)
+      << reached.str() << std::fixed << std::setprecision(1) << std::setw(10) << MedianOf(fits, &JacobianFit::rollouts)
+      << std::setw(6) << max_rollouts << std::setw(8) << MedianOf(fits, &JacobianFit::sweeps) << std::setw(14)
+      << failed_steps << std::setprecision(2) << std::setw(10) << MedianOf(fits, &JacobianFit::seconds) << std::setw(16)
       << (ratio ? relative.str() : "-") << std::defaultfloat << std::setprecision(6) << "\n";
 }
 
@@ -170,11 +197,7 @@ void JacobianBenchmarkOptions::Validate() const {
   Require(starts_per_axis >= 2 && starts_per_axis % 2 == 0, "--starts: expected an even number >= 2");
   Require(num_threads >= 1, "--threads: expected a number >= 1");
   Require(!methods.empty(), "--methods: expected at least one method");
-  const std::vector<std::string>& known = kJacobianBenchmarkMethods;
-  for (const std::string& method : methods) {
-    Require(std::find(known.begin(), known.end(), method) != known.end(),
-            "--methods: '" + Printable(method) + "': expected adjoint, sensitivity, numeric or lbfgs");
-  }
+  for (const std::string& method : methods) CheckMethod(method);
 }
 
 JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options) {
@@ -209,13 +232,17 @@ JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options) 
 
 std::string JacobianTable(const JacobianBenchmark& benchmark) {
   std::ostringstream out;
-  out << "method         noise    reached  rollouts   max  sweeps  failed steps   seconds  to sensitivity\n";
+  std::size_t longest = 11;
+  for (const std::string& method : benchmark.methods) longest = std::max(longest, method.size());
+  const int width = static_cast<int>(longest) + 2;
+  out << std::left << std::setw(width) << "method" << std::right
+      << "  noise    reached  rollouts   max  sweeps  failed steps   seconds  to sensitivity\n";
   std::vector<double> noises;
   for (const JacobianFit& fit : benchmark.fits) {
     if (noises.empty() || noises.back() != fit.noise) noises.push_back(fit.noise);
   }
   for (const double noise : noises) {
-    for (const std::string& method : benchmark.methods) WriteTableRow(benchmark, noise, method, out);
+    for (const std::string& method : benchmark.methods) WriteTableRow(benchmark, noise, method, width, out);
   }
   return out.str();
 }

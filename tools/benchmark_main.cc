@@ -17,23 +17,25 @@
 #include "sim/error.h"
 #include "sim/parameters.h"
 #include "sim/text_file.h"
+#include "tools/benchmark_backprop.h"
 #include "tools/benchmark_coverage.h"
 #include "tools/benchmark_discretization.h"
 #include "tools/benchmark_forward.h"
 #include "tools/benchmark_jacobian.h"
+#include "tools/benchmark_thresholds.h"
 #include "tools/command_line.h"
 
-DEFINE_string(scene, "", "scene.json; forward: names of scenes");
+DEFINE_string(scene, "", "scene.json; backprop, thresholds, forward: of wind, slope, sphere");
 DEFINE_string(set, "", "the true values of the fitted parameters, NAME=VALUE[,...]");
 DEFINE_double(noise, 0.01, "standard deviation of noise, relative to the cloth's size");
 DEFINE_int32(starts, 4, "starts per parameter, even");
-DEFINE_string(methods, "adjoint,sensitivity,numeric,lbfgs", "methods to compare");
+DEFINE_string(methods, "", "methods to compare; empty: all");
 DEFINE_uint64(seed, 1, "seed of the noise");
-DEFINE_string(nodes, "", "nodes along the first axis of the fitted grids; empty: the scene's and the truth's");
-DEFINE_string(steps, "", "discretization: time steps of the fitted models; forward: the number of steps");
-DEFINE_int32(repeats, 3, "rollouts of each scene and size");
+DEFINE_string(nodes, "", "nodes along the first axis of the grids; empty: see --help");
+DEFINE_string(steps, "", "discretization: divisors of the time step; else a number of steps; empty: see --help");
+DEFINE_int32(repeats, 3, "repetitions, of which the table gives medians");
 DEFINE_int32(seeds, 40, "noisy recordings per setting");
-DEFINE_string(settings, "full,half,third", "settings of the sensor");
+DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
 DEFINE_string(output, "", "folder for a CSV with one row per fit; empty: none");
 DEFINE_int32(threads, 1, "fits side by side");
 
@@ -46,6 +48,8 @@ constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods ag
   benchmark discretization --scene FILE --set LIST [--nodes] [--steps] [--threads] [--output]
   benchmark coverage       --scene FILE --set LIST [--seeds] [--settings] [--noise] [--seed] [--threads] [--output]
   benchmark forward        [--scene LIST] [--nodes] [--steps] [--repeats] [--output]
+  benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
+  benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
 
 jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
 0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
@@ -62,21 +66,33 @@ forward: simulates the scenes wind, slope and sphere on square grids and prints 
 factorisation beside its floating-point operations at the speed of dgemm, the growth with the number of nodes, and the
 memory of a rollout per node and step. Processor time, medians over the repeats.
 
-  --scene FILE      scene.json; parameters that are not set have its nominal values; forward: LIST of wind, slope,
-                    sphere (wind,slope)
+backprop: the reverse sweep by each of its linear solvers on the same rollouts of a cloth in the wind, on a slope, on a
+sphere, with k = 20 N/m and steps of 5 ms (soft) and with 1000 N/m and 10 ms (realistic): processor time per step and its
+parts, iterations, steps in which LU stepped in, the largest error of the gradient against LU, and how many times faster
+than the direct solvers; 8 right-hand sides relative to one; relative to the rollout.
+
+thresholds: errors of the gradient, parameter by parameter, for thresholds of the iterative solvers from 1e-1 to 1e-9.
+tools/plot_thresholds draws its CSV.
+
+  --scene FILE      scene.json; parameters that are not set have its nominal values
+                    forward: of wind, slope, sphere (wind,slope); backprop, thresholds: likewise (all)
   --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
   --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
   --starts N        N x N starts, N even (4)
-  --methods LIST    of adjoint, sensitivity, numeric, lbfgs (all)
+  --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric, lbfgs; the linear solver of the first and the last
+                    can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
+                    backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced
+                    thresholds: of fixed_point, gmres, reduced
   --seed S          of the noise; coverage: the first (1)
-  --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's);
-                    forward: along both axes (12,24,48)
-  --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4); forward: how many (100)
-  --repeats N       rollouts of each scene and size (3)
+  --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
+                    forward, backprop: along both axes (12,24,48); thresholds: likewise (24)
+  --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4)
+                    forward: the number of steps (100); backprop, thresholds: likewise (20 on 12 x 12 nodes, down to 4)
+  --repeats N       repetitions, of which the table gives medians (3)
   --seeds N         recordings per setting (40)
-  --settings LIST   of full, half, third (all)
+  --settings LIST   of full, half, third; backprop, thresholds: of soft, realistic (all)
   --threads N       fits side by side; only the seconds depend on it (1)
-  --output DIR      writes COMMAND.csv, one row per fit; forward: per scene and size
+  --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size
   --help, --version
 
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content.
@@ -86,6 +102,7 @@ Examples:
   benchmark discretization --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --nodes 8,16,31
   benchmark coverage --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --threads 2
   benchmark forward --nodes 24,48,96,192 --steps 10
+  benchmark backprop --scene wind,slope --nodes 48 --output /tmp/backprop
 )";
 
 // Throws `Error` (kUsage) naming `flag`.
@@ -111,7 +128,7 @@ JacobianBenchmarkOptions JacobianOptionsFromFlags() {
   options.truth = ParseParameterValues(FLAGS_set, "--set");
   options.noise = FLAGS_noise;
   options.starts_per_axis = FLAGS_starts;
-  options.methods = ParseNames(FLAGS_methods, "--methods");
+  if (!FLAGS_methods.empty()) options.methods = ParseNames(FLAGS_methods, "--methods");
   options.seed = FLAGS_seed;
   options.num_threads = FLAGS_threads;
   return options;
@@ -131,7 +148,7 @@ CoverageOptions CoverageOptionsFromFlags() {
   CoverageOptions options;
   options.scene_path = FLAGS_scene;
   options.truth = ParseParameterValues(FLAGS_set, "--set");
-  options.settings = ParseNames(FLAGS_settings, "--settings");
+  if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
   options.noise = FLAGS_noise;
   options.num_seeds = FLAGS_seeds;
   options.seed = FLAGS_seed;
@@ -145,6 +162,34 @@ ForwardBenchmarkOptions ForwardOptionsFromFlags() {
   if (!FLAGS_nodes.empty()) options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
   if (!FLAGS_steps.empty()) options.num_steps = ParseInteger(FLAGS_steps, "--steps");
   options.repeats = FLAGS_repeats;
+  return options;
+}
+
+// `nodes` where the flag is not given.
+BackpropCaseOptions CasesFromFlags(const std::vector<int>& nodes) {
+  BackpropCaseOptions options;
+  options.nodes = FLAGS_nodes.empty() ? nodes : ParseIntegers(FLAGS_nodes, "--nodes");
+  if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
+  if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
+  if (!FLAGS_steps.empty()) {
+    options.num_steps = ParseInteger(FLAGS_steps, "--steps");
+    if (options.num_steps < 1) throw Error(ErrorKind::kUsage, "--steps: expected one number >= 1");
+  }
+  return options;
+}
+
+BackpropOptions BackpropOptionsFromFlags() {
+  BackpropOptions options;
+  options.cases = CasesFromFlags({12, 24, 48});
+  options.methods = ParseNames(FLAGS_methods, "--methods");
+  options.num_repeats = FLAGS_repeats;
+  return options;
+}
+
+ThresholdOptions ThresholdOptionsFromFlags() {
+  ThresholdOptions options;
+  options.cases = CasesFromFlags({24});
+  options.methods = ParseNames(FLAGS_methods, "--methods");
   return options;
 }
 
@@ -190,6 +235,22 @@ void ReportProgress(Options* options) {
 
 void ReportProgress(ForwardBenchmarkOptions* options) { options->on_rollout = ProgressReporter("rollout"); }
 
+// Reports every case: "case 3 of 18: wind, realistic, 24 x 24 nodes; 12 s so far". Cases differ too much in size to say
+// how long the rest takes.
+void ReportCases(BackpropCaseOptions* options) {
+  const auto start = std::chrono::steady_clock::now();
+  options->on_case = [start](const BackpropCaseName& name, int num_done, int num_cases) {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    std::ostringstream line;
+    line << "case " << num_done << " of " << num_cases << ": " << name.ToString() << "; " << std::fixed
+         << std::setprecision(0) << seconds.count() << " s so far\n";
+    std::cerr << line.str();
+  };
+}
+
+void ReportProgress(BackpropOptions* options) { ReportCases(&options->cases); }
+void ReportProgress(ThresholdOptions* options) { ReportCases(&options->cases); }
+
 // Runs the benchmark `run`, prints its table and, on request, writes its CSV `name`.csv.
 template <typename Options, typename Benchmark>
 int RunBenchmark(const std::string& name, Options options, Benchmark (*run)(const Options&),
@@ -208,7 +269,8 @@ int RunBenchmark(const std::string& name, Options options, Benchmark (*run)(cons
 }
 
 int Run(const std::vector<std::string>& arguments) {
-  const std::string known = "; there is: jacobian, discretization, coverage, forward; see benchmark --help";
+  const std::string known =
+      "; there is: jacobian, discretization, coverage, forward, backprop, thresholds; see benchmark --help";
   if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing" + known);
   if (arguments.size() > 1) throw Error(ErrorKind::kUsage, "'" + arguments[1] + "': unexpected argument");
   const std::string& name = arguments[0];
@@ -224,6 +286,12 @@ int Run(const std::vector<std::string>& arguments) {
   }
   if (name == "forward") {
     return RunBenchmark(name, ForwardOptionsFromFlags(), RunForwardBenchmark, ForwardTable, ForwardCsv);
+  }
+  if (name == "backprop") {
+    return RunBenchmark(name, BackpropOptionsFromFlags(), RunBackpropBenchmark, BackpropTable, BackpropCsv);
+  }
+  if (name == "thresholds") {
+    return RunBenchmark(name, ThresholdOptionsFromFlags(), RunThresholdBenchmark, ThresholdTable, ThresholdCsv);
   }
   throw Error(ErrorKind::kUsage, "'" + name + "': unknown command" + known);
 }

@@ -26,6 +26,17 @@ TEST(OptionsTest, ParsesMethods) {
   ExpectError([] { ParseJacobianMethod("exact"); }, ErrorKind::kUsage, {"--jacobian", "exact"});
 }
 
+TEST(OptionsTest, ParsesAdjointMethodsWithTheirThresholds) {
+  EXPECT_EQ(ParseAdjointOptions("lu").method, AdjointMethod::kLu);
+  EXPECT_FALSE(ParseAdjointOptions("reduced").threshold.has_value());
+  const AdjointOptions options = ParseAdjointOptions("fixed_point:1e-4");
+  EXPECT_EQ(options.method, AdjointMethod::kFixedPoint);
+  EXPECT_EQ(options.threshold, 1e-4);
+  for (const char* text : {"", "qr", "gmres:", "gmres:0", "gmres:1", "gmres:nan", "gmres:1e-4:2", ":1e-4"}) {
+    ExpectError([&] { ParseAdjointOptions(text); }, ErrorKind::kUsage, {"--adjoint", text});
+  }
+}
+
 TEST(OptionsTest, ValidatesItself) {
   EXPECT_NO_THROW(FitOptions().Validate());
   FitOptions options;

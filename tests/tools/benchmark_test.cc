@@ -82,6 +82,18 @@ TEST_F(BenchmarkTest, EveryStartReachesTheSameMinimumUnderNoise) {
   }
 }
 
+// Gradients with errors of up to some per cent still lead to the minimum.
+TEST_F(BenchmarkTest, OtherLinearSolversOfTheSweepReachTheTruthToo) {
+  JacobianBenchmarkOptions options = SmallOptions();
+  options.methods = {"adjoint:gmres:1e-2", "adjoint:sparse_lu"};
+  const JacobianBenchmark benchmark = RunJacobianBenchmark(options);
+  ASSERT_EQ(benchmark.fits.size(), 8u);
+  for (const JacobianFit& fit : benchmark.fits) {
+    EXPECT_TRUE(fit.reached) << fit.method << " from " << fit.start[0] << " " << fit.start[1] << " ended at "
+                             << fit.value[0] << " " << fit.value[1] << ": " << fit.message;
+  }
+}
+
 TEST_F(BenchmarkTest, PrintsATableAndWritesEveryFit) {
   const ToolResult result =
       Run("benchmark jacobian --scene scene.json --set mu=0.24,k_stretch=70 --noise 0 --starts 2 --methods sensitivity "
@@ -106,6 +118,9 @@ TEST_F(BenchmarkTest, RefusesWhatItCannotRun) {
   ExpectRefused(valid + "--starts 3", 1, "--starts");
   ExpectRefused(valid + "--noise -1", 1, "--noise");
   ExpectRefused(valid + "--methods guess", 1, "'guess'");
+  ExpectRefused(valid + "--methods adjoint:guess", 1, "'adjoint:guess'");
+  ExpectRefused(valid + "--methods adjoint:", 1, "'adjoint:'");
+  ExpectRefused(valid + "--methods numeric:lu", 1, "'numeric:lu'");
   ExpectRefused(valid + "--threads 0", 1, "--threads");
   ExpectRefused(valid + "--output scene.json", 1, "scene.json");
 }
