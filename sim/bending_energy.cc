@@ -56,11 +56,39 @@ Eigen::SparseMatrix<double> BendingMatrix(const Mesh& mesh) {
   return matrix;
 }
 
+BendingEnergy::BendingEnergy(Eigen::SparseMatrix<double> matrix, const std::vector<int>& free_index,
+                             const BlockPattern& pattern)
+    : matrix_(std::move(matrix)), diagonal_(matrix_.diagonal()) {
+  for (int node = 0; node < matrix_.outerSize(); ++node) {
+    const int column = free_index[node];
+    if (column < 0) continue;
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix_, node); it; ++it) {
+      const int row = free_index[it.row()];
+      if (row >= 0 && row <= column) continue;
+      positions_.push_back(pattern.Find(row < 0 ? column : row, column));
+      entries_.push_back(it.value());
+    }
+  }
+}
+
 double BendingEnergy::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
-  const Eigen::Map<const Eigen::Matrix3Xd> x(positions.data(), 3, matrix_.cols());
-  const Eigen::Matrix3Xd product = x * matrix_;  // (Q x^T)^T, Q symmetric
-  Eigen::Map<Eigen::Matrix3Xd>(force->data(), 3, matrix_.cols()) -= stiffness * product;
-  return 0.5 * product.cwiseProduct(x).sum();
+  double energy = 0.0;
+  for (int node = 0; node < matrix_.outerSize(); ++node) {
+    Eigen::Vector3d product = Eigen::Vector3d::Zero();  // (Q x) of the node, Q symmetric
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix_, node); it; ++it) {
+      product += it.value() * positions.segment<3>(3 * it.row());
+    }
+    force->segment<3>(3 * node) -= stiffness * product;
+    energy += 0.5 * product.dot(positions.segment<3>(3 * node));
+  }
+  return energy;
+}
+
+void BendingEnergy::AddHessian(double stiffness, BlockMatrix* hessian) const {
+  for (size_t i = 0; i < positions_.size(); ++i) {
+    double* diagonal = hessian->values.data() + positions_[i].start;
+    for (int c = 0; c < 3; ++c) diagonal[c * (positions_[i].stride + 1)] += stiffness * entries_[i];
+  }
 }
 
 }  // namespace clothid

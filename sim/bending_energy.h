@@ -10,7 +10,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <vector>
 
+#include "sim/block_matrix.h"
 #include "sim/mesh.h"
 
 namespace clothid {
@@ -20,17 +22,25 @@ Eigen::SparseMatrix<double> BendingMatrix(const Mesh& mesh);
 
 class BendingEnergy {
  public:
-  explicit BendingEnergy(const Mesh& mesh) : matrix_(BendingMatrix(mesh)), diagonal_(matrix_.diagonal()) {}
+  // `matrix` is Q; `pattern`, the pattern of the Hessian over the free nodes, must cover it; `free_index` [N] maps
+  // nodes to it (-1: a handle).
+  BendingEnergy(Eigen::SparseMatrix<double> matrix, const std::vector<int>& free_index, const BlockPattern& pattern);
 
-  const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
-  const Eigen::VectorXd& diagonal() const { return diagonal_; }  // of Q [N]
+  const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }  // Q [N x N]
+  const Eigen::VectorXd& diagonal() const { return diagonal_; }          // of Q [N]
 
-  // Adds stiffness * (-Q x) to `force` [3N] and returns E/k_b, 1.
+  // Adds stiffness * (-Q x) to `force` [3N] and returns E/k_b for positions [3N], 1.
   double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+
+  // Adds stiffness * Q kron I3 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`.
+  void AddHessian(double stiffness, BlockMatrix* hessian) const;
 
  private:
   Eigen::SparseMatrix<double> matrix_;
   Eigen::VectorXd diagonal_;
+  // Where the entries of Q between free nodes go, below the diagonal; those with handles on it.
+  std::vector<BlockPosition> positions_;
+  std::vector<double> entries_;  // of Q, in the same order
 };
 
 }  // namespace clothid

@@ -36,10 +36,19 @@ class BlockPattern {
   BlockPosition Position(int column, int k) const { return {9 * column_start_[column] + 3 * k, 3 * num_rows(column)}; }
   // Of a block that is in the pattern.
   BlockPosition Find(int row, int column) const;
+  // A block below the diagonal, and its transpose above it.
+  struct MirroredBlock {
+    BlockPosition lower, upper;
+  };
+  // All of them, by columns of the lower block.
+  const std::vector<MirroredBlock>& mirrored() const { return mirrored_; }
+  BlockPosition Diagonal(int column) const { return Position(column, diagonal_[column]); }
 
  private:
   std::vector<int> column_start_, rows_;  // by blocks
-  std::vector<int> outer_, inner_;        // by scalars
+  std::vector<int> diagonal_;             // per block column: the k of its diagonal block
+  std::vector<MirroredBlock> mirrored_;
+  std::vector<int> outer_, inner_;  // by scalars
 };
 
 class BlockMatrix {
@@ -58,6 +67,11 @@ class BlockMatrix {
   ConstBlock block(BlockPosition position) const {
     return ConstBlock(values.data() + position.start, Eigen::OuterStride<>(position.stride));
   }
+
+  // Makes a matrix whole that has rows of sum zero, as the Hessian of an energy that does not see translations. Below
+  // the diagonal its blocks must be there; on it, for every block column, the sum of the blocks between it and nodes
+  // that the matrix does not have; what stands above it does not matter.
+  void CompleteFromLower();
 
   // The matrix for products. Symmetric, so it may be read by rows, which is the faster product.
   Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> view() const;

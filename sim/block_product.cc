@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <memory>
 
+#include "sim/vector_clones.h"
+
 namespace clothid {
 namespace {
 
-// Columns that are multiplied at once: as many doubles as the widest vector register holds.
+// Columns that are multiplied at once.
 constexpr int kWidth = 8;
 typedef double Lanes __attribute__((vector_size(kWidth * sizeof(double))));
 
-// One block row of a product, on plain arrays, so that the compiler may make a version for every processor without
-// touching the layout of Eigen's types. The matrix is symmetric, so its column `c` is read as its row: `values` holds
-// the three columns, each with 3 `num_rows` entries; entry 3 k + r belongs to row 3 rows[k] + r of `x`.
-__attribute__((target_clones("avx512f", "fma", "default"))) void MultiplyLanes(const double* values, const int* rows,
-                                                                               int num_rows, const Lanes* x, Lanes* y) {
+// One block row of a product. The matrix is symmetric, so its column is read as its row: `values` holds its three scalar
+// columns, each with 3 `num_rows` entries; entry 3 k + r belongs to row 3 rows[k] + r of `x`.
+CLOTHID_VECTOR_CLONES void MultiplyLanes(const double* values, const int* rows, int num_rows, const Lanes* x,
+                                         Lanes* y) {
   const double* const columns[3] = {values, values + 3 * num_rows, values + 6 * num_rows};
   Lanes sum0 = {}, sum1 = {}, sum2 = {};
   for (int k = 0; k < num_rows; ++k) {

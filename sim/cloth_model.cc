@@ -1,5 +1,7 @@
 #include "sim/cloth_model.h"
 
+#include <utility>
+
 #include "sim/linear_solver.h"
 
 namespace clothid {
@@ -7,7 +9,7 @@ namespace {
 
 // Neighbours of each free node: those that share a triangle, and with bending those that share an edge's two triangles.
 std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector<int>& free_index, int num_free,
-                                             const BendingEnergy* bending) {
+                                             const Eigen::SparseMatrix<double>& bending_matrix) {
   std::vector<std::vector<int>> neighbours(num_free);
   const auto add = [&](int a, int b) {
     if (a != b && free_index[a] >= 0 && free_index[b] >= 0) neighbours[free_index[a]].push_back(free_index[b]);
@@ -17,10 +19,8 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
       for (int j = 0; j < 3; ++j) add(mesh.faces(i, f), mesh.faces(j, f));
     }
   }
-  if (bending == nullptr) return neighbours;
-  const Eigen::SparseMatrix<double>& matrix = bending->matrix();
-  for (int column = 0; column < matrix.outerSize(); ++column) {
-    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it) {
+  for (int column = 0; column < bending_matrix.outerSize(); ++column) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(bending_matrix, column); it; ++it) {
       add(static_cast<int>(it.row()), static_cast<int>(it.col()));
     }
   }
@@ -30,10 +30,12 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
 }  // namespace
 
 ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeAreas(scene.mesh)) {
-  if (scene.has_bending()) bending_.emplace(scene.mesh);
-  NumberFreeNodes();
+  Eigen::SparseMatrix<double> bending_matrix;  // empty without bending
+  if (scene.has_bending()) bending_matrix = BendingMatrix(scene.mesh);
+  NumberFreeNodes(bending_matrix);
   if (scene.has_drag()) drag_.emplace(scene);
-  pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending()));
+  pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending_matrix));
+  if (scene.has_bending()) bending_.emplace(std::move(bending_matrix), free_index_, *pattern_);
   const auto triangles =
       std::make_shared<const TriangleElements>(MakeTriangleElements(scene.mesh, free_index_, *pattern_));
   laplacian_diagonal_ = LaplacianDiagonal(*triangles, num_nodes());
@@ -42,7 +44,7 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
   if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
 }
 
-void ClothModel::NumberFreeNodes() {
+void ClothModel::NumberFreeNodes(const Eigen::SparseMatrix<double>& bending_matrix) {
   free_index_.assign(num_nodes(), 0);
   for (const int handle : scene_.handles.nodes) free_index_[handle] = -1;
   std::vector<int> ascending;
@@ -52,7 +54,7 @@ void ClothModel::NumberFreeNodes() {
     ascending.push_back(node);
   }
   const int num_free = static_cast<int>(ascending.size());
-  for (const int k : FillReducingOrder(FreeNeighbours(scene_.mesh, free_index_, num_free, bending()))) {
+  for (const int k : FillReducingOrder(FreeNeighbours(scene_.mesh, free_index_, num_free, bending_matrix))) {
     free_nodes_.push_back(ascending[k]);
   }
   for (int i = 0; i < num_free; ++i) free_index_[free_nodes_[i]] = i;

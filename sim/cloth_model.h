@@ -47,7 +47,7 @@ class ClothModel {
   double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
 
  private:
-  void NumberFreeNodes();
+  void NumberFreeNodes(const Eigen::SparseMatrix<double>& bending_matrix);
 
   const Scene& scene_;
   std::vector<int> free_nodes_, free_index_;

@@ -43,7 +43,8 @@ struct ContactRecord {
 };
 
 // `node` and its nearest obstacle in a step of size `time_step` that starts at `positions` [3N].
-ContactCandidate MakeCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double time_step);
+void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double time_step,
+                   ContactCandidate* candidate);
 
 // The candidates of a step of size `time_step` that starts at `positions` [3N], among the free nodes: in gap mode every
 // one, in velocity mode those with gap <= touch. `candidates` is overwritten.

@@ -1,31 +1,6 @@
 #include "sim/contact_law.h"
 
-#include <Eigen/Geometry>
-
 namespace clothid {
-
-ContactResponse EvaluateContactLaw(const Eigen::Vector3d& force, const Eigen::Vector3d& normal,
-                                   double friction_coefficient) {
-  ContactResponse response;
-  response.normal_force = normal.dot(force);
-  if (response.normal_force >= 0.0) return response;
-  const Eigen::Vector3d tangential = force - response.normal_force * normal;
-  response.tangential_force = tangential.norm();
-  const double friction_limit = -friction_coefficient * response.normal_force;
-  if (friction_coefficient > 0.0 && response.tangential_force <= friction_limit) {
-    response.branch = ContactBranch::kStick;
-    response.impulse = -force;
-    return response;
-  }
-  response.branch = ContactBranch::kSlip;
-  if (response.tangential_force > 0.0) {
-    response.slip_direction = tangential / response.tangential_force;
-  } else {
-    response.slip_direction = normal.unitOrthogonal();
-  }
-  response.impulse = -response.normal_force * normal - friction_limit * response.slip_direction;
-  return response;
-}
 
 double SlipRatio(const ContactResponse& response, double friction_coefficient) {
   if (friction_coefficient == 0.0) return 0.0;

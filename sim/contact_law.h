@@ -12,6 +12,7 @@
 #define CLOTHID_SIM_CONTACT_LAW_H_
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace clothid {
 
@@ -26,8 +27,29 @@ struct ContactResponse {
   Eigen::Vector3d slip_direction = Eigen::Vector3d::Zero();  // t; any tangent where f_T = 0; zero unless slipping
 };
 
-ContactResponse EvaluateContactLaw(const Eigen::Vector3d& force, const Eigen::Vector3d& normal,
-                                   double friction_coefficient);
+// At every node in every evaluation of a step: inline.
+inline ContactResponse EvaluateContactLaw(const Eigen::Vector3d& force, const Eigen::Vector3d& normal,
+                                          double friction_coefficient) {
+  ContactResponse response;
+  response.normal_force = normal.dot(force);
+  if (response.normal_force >= 0.0) return response;
+  const Eigen::Vector3d tangential = force - response.normal_force * normal;
+  response.tangential_force = tangential.norm();
+  const double friction_limit = -friction_coefficient * response.normal_force;
+  if (friction_coefficient > 0.0 && response.tangential_force <= friction_limit) {
+    response.branch = ContactBranch::kStick;
+    response.impulse = -force;
+    return response;
+  }
+  response.branch = ContactBranch::kSlip;
+  if (response.tangential_force > 0.0) {
+    response.slip_direction = tangential / response.tangential_force;
+  } else {
+    response.slip_direction = normal.unitOrthogonal();
+  }
+  response.impulse = -response.normal_force * normal - friction_limit * response.slip_direction;
+  return response;
+}
 
 // S = d(J^T r)/dF: 0 for take-off, -I for stick, -n n^T + mu t n^T + c b b^T for slip, with c = mu f_N/|f_T|, b = n x
 // t.

@@ -138,7 +138,7 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
       const Eigen::VectorXd& x = i == 1 ? positions : records->back().positions;
       const Eigen::VectorXd& v = i == 1 ? velocities : records->back().velocities;
       const double end_time = scene.start_time + ((step - 1) + static_cast<double>(i) / num_solves) * scene.time_step;
-      const StepProblem problem(simulator->model(), parameters, x, v, h, end_time);
+      const StepProblem problem(simulator->model(), parameters, x, v, h, end_time, &simulator->step_workspace());
       if (!solver.Solve(problem, parameters.friction_coefficients, &point, counts)) {
         if (halvings == 0) {
           *failure = DescribeFailure(step, solver.Tolerance(problem, point), point, "did not converge");

@@ -12,6 +12,7 @@ struct Simulator::State {
   Scene scene;
   ClothModel model;
   StepSolver solver;
+  StepWorkspace workspace;
 };
 
 namespace {
@@ -31,5 +32,6 @@ Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 const Scene& Simulator::scene() const { return state_->scene; }
 const ClothModel& Simulator::model() const { return state_->model; }
 StepSolver& Simulator::step_solver() { return state_->solver; }
+StepWorkspace& Simulator::step_workspace() { return state_->workspace; }
 
 }  // namespace clothid

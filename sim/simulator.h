@@ -13,6 +13,7 @@ namespace clothid {
 
 class ClothModel;
 class StepSolver;
+struct StepWorkspace;
 
 class Simulator {
  public:
@@ -26,6 +27,7 @@ class Simulator {
   const Scene& scene() const;
   const ClothModel& model() const;
   StepSolver& step_solver();
+  StepWorkspace& step_workspace();  // for one StepProblem at a time
 
  private:
   struct State;

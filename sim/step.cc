@@ -173,7 +173,7 @@ bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& d
 bool StepSolver::Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance,
                          double first_length, StepPoint* point, StepPoint* trial, RolloutCounts* counts) {
   std::vector<Contact> contacts;
-  if (problem.may_touch()) contacts = problem.ActiveContacts(*point);
+  if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
   Eigen::VectorXd direction;
   if (jacobian_.factor() != nullptr && !new_factor_is_due_ &&
       DirectionByFactorAtHand(problem, contacts, mu, *point, tolerance, &direction, counts) &&

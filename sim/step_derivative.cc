@@ -17,7 +17,7 @@ StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& 
       hessian_(simulator->step_solver().hessian()),
       jacobian_(simulator->step_solver().jacobian()) {
   const ScopedTimer timer(&jacobian_.seconds().assembly);
-  if (model_.damping() != nullptr) start_metrics_ = model_.damping()->Metrics(start_positions);
+  if (model_.damping() != nullptr) model_.damping()->SetMetrics(start_positions, &start_metrics_);
   AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
                       &hessian_);
   const Material& material = parameters.material;

@@ -52,10 +52,10 @@ class StepDerivative {
   const ClothModel& model_;
   BlockMatrix& hessian_;
   StepJacobian& jacobian_;
-  Eigen::VectorXd masses_;                      // M [3 Nf]
-  Eigen::VectorXd damped_masses_;               // M + h C [3 Nf]
-  std::vector<Eigen::Matrix2d> start_metrics_;  // C(x_n) per triangle; empty without damping
-  std::vector<Contact> contacts_;               // of the record
+  Eigen::VectorXd masses_;                  // M [3 Nf]
+  Eigen::VectorXd damped_masses_;           // M + h C [3 Nf]
+  std::vector<MetricBatch> start_metrics_;  // C(x_n); empty without damping
+  std::vector<Contact> contacts_;           // of the record
 };
 
 }  // namespace clothid

@@ -16,36 +16,30 @@ Eigen::VectorXd SystemDiagonal(const ClothModel& model, const Material& material
   return diagonal(model.free_nodes());
 }
 
-void AddBendingHessian(const ClothModel& model, double stiffness, BlockMatrix* hessian) {
-  const Eigen::SparseMatrix<double>& matrix = model.bending()->matrix();
-  for (int column = 0; column < matrix.outerSize(); ++column) {
-    const int free_column = model.free_index()[column];
-    if (free_column < 0) continue;
-    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it) {
-      const int free_row = model.free_index()[it.row()];
-      if (free_row < 0) continue;
-      hessian->block(hessian->pattern().Find(free_row, free_column)).diagonal().array() += stiffness * it.value();
-    }
-  }
+bool SameMaterial(const Material& a, const Material& b) {
+  static_assert(sizeof(Material) == 5 * sizeof(double), "every constant is compared");
+  return a.density == b.density && a.stretch_stiffness == b.stretch_stiffness &&
+         a.bending_stiffness == b.bending_stiffness && a.drag == b.drag && a.damping == b.damping;
 }
 
 }  // namespace
 
 void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
-                         const std::vector<Eigen::Matrix2d>& start_metrics, const Eigen::VectorXd& positions,
+                         const std::vector<MetricBatch>& start_metrics, const Eigen::VectorXd& positions,
                          BlockMatrix* hessian) {
   const Material& material = parameters.material;
   const double h = time_step;
   hessian->values.setZero();
   model.stretch().AddHessian(h * h * material.stretch_stiffness, kind, positions, hessian);
-  if (model.bending() != nullptr) AddBendingHessian(model, h * h * material.bending_stiffness, hessian);
+  if (model.bending() != nullptr) model.bending()->AddHessian(h * h * material.bending_stiffness, hessian);
   if (model.damping() != nullptr) {
     model.damping()->AddHessian(h * h * material.damping, h, kind, start_metrics, positions, hessian);
   }
+  hessian->CompleteFromLower();
   const double areal_mass = material.density + (model.drag() ? h * material.drag : 0.0);
+  const BlockPattern& pattern = hessian->pattern();
   for (int i = 0; i < model.num_free(); ++i) {
-    hessian->block(hessian->pattern().Find(i, i)).diagonal().array() +=
-        areal_mass * model.node_areas()[model.free_nodes()[i]];
+    hessian->block(pattern.Diagonal(i)).diagonal().array() += areal_mass * model.node_areas()[model.free_nodes()[i]];
   }
 }
 
@@ -66,7 +60,8 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
   std::vector<Contact> contacts;
   contacts.reserve(records.size());
   for (const ContactRecord& record : records) {
-    const ContactCandidate candidate = MakeCandidate(model, record.node, start_positions, time_step);
+    ContactCandidate candidate;
+    FindCandidate(model, record.node, start_positions, time_step, &candidate);
     const double mu = parameters.friction_coefficients[record.obstacle];
     contacts.push_back({candidate, EvaluateContactLaw(record.force, candidate.normal, mu), record.force,
                         weights[model.free_index()[record.node]]});
@@ -75,104 +70,145 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
 }
 
 StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
-                         const Eigen::VectorXd& velocities, double time_step, double end_time)
-    : model_(model),
-      parameters_(parameters),
-      time_step_(time_step),
-      end_time_(end_time),
-      start_positions_(positions),
-      end_positions_(positions),
-      start_velocities_(model.Gather(velocities)),
-      weights_(SystemDiagonal(model, parameters.material, time_step)) {
-  const Scene& scene = model.scene();
-  const Material& material = parameters.material;
-  const int num_free = model.num_free();
-  masses_.resize(3 * num_free);
-  external_impulse_.resize(3 * num_free);
-  if (model.drag() != nullptr) drag_.resize(3 * num_free);
-  for (int i = 0; i < num_free; ++i) {
-    const int node = model.free_nodes()[i];
-    const double mass = material.density * model.node_areas()[node];
-    masses_.segment<3>(3 * i).setConstant(mass);
-    external_impulse_.segment<3>(3 * i) = time_step * (mass * scene.gravity + scene.node_force);
-    if (model.drag() == nullptr) continue;
-    const double drag = time_step * material.drag * model.drag()->areas()[node];
-    drag_.segment<3>(3 * i).setConstant(drag);
-    external_impulse_.segment<3>(3 * i) += drag * model.drag()->WindAt(node, end_time);
+                         const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace)
+    : model_(model), parameters_(parameters), work_(*workspace), time_step_(time_step), end_time_(end_time) {
+  const bool changed = work_.time_step != time_step || !SameMaterial(work_.material, parameters.material);
+  if (changed) SetConstants();
+  if (changed || model.drag() != nullptr) SetExternalImpulse();
+  SetHandles();
+  work_.start_positions = positions;
+  work_.start_velocities.resize(3 * model.num_free());
+  double square = 0.0;
+  for (int i = 0; i < model.num_free(); ++i) {
+    const Eigen::Vector3d velocity = velocities.segment<3>(3 * model.free_nodes()[i]);
+    work_.start_velocities.segment<3>(3 * i) = velocity;
+    square += (work_.masses[i] * velocity).squaredNorm();
   }
-  if (scene.handles.path.num_handles() > 0) {
-    const Eigen::VectorXd path = scene.handles.path.At(end_time);
-    for (size_t i = 0; i < scene.handles.nodes.size(); ++i) {
-      end_positions_.segment<3>(3 * scene.handles.nodes[i]) = path.segment<3>(3 * static_cast<int>(i));
-    }
-  }
-  if (model.damping() != nullptr) start_metrics_ = model.damping()->Metrics(positions);
-  if (model.has_contact()) FindCandidates(model, positions, time_step, &candidates_);
+  work_.start_momentum = std::sqrt(square);
+  if (model.damping() != nullptr) model.damping()->SetMetrics(positions, &work_.start_metrics);
+  if (model.has_contact()) FindCandidates(model, positions, time_step, &work_.candidates);
 }
 
-int StepProblem::free_block(int candidate) const { return model_.free_index()[candidates_[candidate].node]; }
-double StepProblem::weight(int candidate) const { return weights_[free_block(candidate)]; }
+void StepProblem::SetConstants() {
+  work_.material = parameters_.material;
+  work_.time_step = time_step_;
+  work_.masses = parameters_.material.density * model_.node_areas()(model_.free_nodes());
+  if (model_.drag() != nullptr) {
+    work_.drag = time_step_ * parameters_.material.drag * model_.drag()->areas()(model_.free_nodes());
+  }
+  work_.weights = SystemDiagonal(model_, parameters_.material, time_step_);
+  work_.weight_norm = work_.weights.norm();
+}
+
+void StepProblem::SetExternalImpulse() {
+  const Scene& scene = model_.scene();
+  work_.external_impulse.resize(3 * model_.num_free());
+  for (int i = 0; i < model_.num_free(); ++i) {
+    auto impulse = work_.external_impulse.segment<3>(3 * i);
+    impulse = time_step_ * (work_.masses[i] * scene.gravity + scene.node_force);
+    if (model_.drag() != nullptr) impulse += work_.drag[i] * model_.drag()->WindAt(model_.free_nodes()[i], end_time_);
+  }
+  work_.external_norm = work_.external_impulse.norm();
+}
+
+void StepProblem::SetHandles() {
+  const Handles& handles = model_.scene().handles;
+  if (handles.path.num_handles() > 0) work_.handle_positions = handles.path.At(end_time_);
+}
+
+int StepProblem::free_block(int candidate) const { return model_.free_index()[work_.candidates[candidate].node]; }
+double StepProblem::weight(int candidate) const { return work_.weights[free_block(candidate)]; }
 double StepProblem::friction_coefficient(int candidate) const {
-  return parameters_.friction_coefficients[candidates_[candidate].obstacle];
+  return parameters_.friction_coefficients[work_.candidates[candidate].obstacle];
 }
 
 void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const {
-  point->velocities = velocities;
-  point->positions = end_positions_;
-  model_.Scatter(model_.Gather(start_positions_) + time_step_ * velocities, &point->positions);
-
-  const Eigen::VectorXd change = velocities - start_velocities_;
-  point->momentum_gradient = masses_.cwiseProduct(change) - external_impulse_;
-  point->potential = 0.5 * change.cwiseAbs2().dot(masses_) - external_impulse_.dot(velocities);
-  point->scale = std::max(
-      {external_impulse_.norm(), masses_.cwiseProduct(start_velocities_).norm(), std::numeric_limits<double>::min()});
+  MoveTo(velocities, point);
+  point->scale = std::max({work_.external_norm, work_.start_momentum, std::numeric_limits<double>::min()});
   AddElasticForce(point);
-  if (drag_.size() > 0) {
-    point->momentum_gradient += drag_.cwiseProduct(velocities);
-    point->potential += 0.5 * drag_.dot(velocities.cwiseAbs2());
-  }
+  if (model_.drag() != nullptr) AddDrag(point);
   if (model_.damping() != nullptr) AddViscousForce(point);
-  point->residual = point->momentum_gradient;
-  if (may_touch()) ApplyContactLaw(velocities, point->momentum_gradient, point);
+  if (may_touch()) {
+    ApplyContactLaw(velocities, point->momentum_gradient, point);
+  } else {
+    point->residual = point->momentum_gradient;
+  }
   point->relative_residual = point->residual.norm() / point->scale;
+}
+
+// One pass over the nodes for all that has no derivative: x = x_n + h v, M (v - v_n) - h f_ext and its potential.
+void StepProblem::MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const {
+  point->velocities = velocities;
+  point->positions.resize(work_.start_positions.size());
+  point->momentum_gradient.resize(velocities.size());
+  Eigen::Array3d kinetic = Eigen::Array3d::Zero(), external = Eigen::Array3d::Zero();
+  for (int i = 0; i < model_.num_free(); ++i) {
+    const int row = 3 * i, node = 3 * model_.free_nodes()[i];
+    const Eigen::Vector3d v = velocities.segment<3>(row), change = v - work_.start_velocities.segment<3>(row);
+    const Eigen::Vector3d impulse = work_.external_impulse.segment<3>(row);
+    point->positions.segment<3>(node) = work_.start_positions.segment<3>(node) + time_step_ * v;
+    point->momentum_gradient.segment<3>(row) = work_.masses[i] * change - impulse;
+    kinetic += work_.masses[i] * change.array().square();
+    external += impulse.array() * v.array();
+  }
+  point->potential = 0.5 * kinetic.sum() - external.sum();
+  const Handles& handles = model_.scene().handles;
+  const bool move = handles.path.num_handles() > 0;
+  for (size_t i = 0; i < handles.nodes.size(); ++i) {
+    const int node = 3 * handles.nodes[i], row = 3 * static_cast<int>(i);
+    point->positions.segment<3>(node) =
+        move ? work_.handle_positions.segment<3>(row) : work_.start_positions.segment<3>(node);
+  }
+}
+
+void StepProblem::AddDrag(StepPoint* point) const {
+  for (int i = 0; i < model_.num_free(); ++i) {
+    const Eigen::Vector3d v = point->velocities.segment<3>(3 * i);
+    point->momentum_gradient.segment<3>(3 * i) += work_.drag[i] * v;
+    point->potential += 0.5 * work_.drag[i] * v.squaredNorm();
+  }
 }
 
 void StepProblem::AddElasticForce(StepPoint* point) const {
   const Material& material = parameters_.material;
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(3 * model_.num_nodes());
-  double energy =
-      material.stretch_stiffness * model_.stretch().AddForce(material.stretch_stiffness, point->positions, &force);
+  work_.force.setZero(3 * model_.num_nodes());
+  double energy = material.stretch_stiffness *
+                  model_.stretch().AddForce(material.stretch_stiffness, point->positions, &work_.force);
   if (model_.bending() != nullptr) {
-    energy +=
-        material.bending_stiffness * model_.bending()->AddForce(material.bending_stiffness, point->positions, &force);
+    energy += material.bending_stiffness *
+              model_.bending()->AddForce(material.bending_stiffness, point->positions, &work_.force);
   }
-  AddInternalForce(force, energy, point);
+  AddInternalForce(energy, point);
 }
 
 void StepProblem::AddViscousForce(StepPoint* point) const {
   const double damping = parameters_.material.damping;
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(3 * model_.num_nodes());
+  work_.force.setZero(3 * model_.num_nodes());
   const double potential =
-      damping * model_.damping()->AddForce(damping, time_step_, start_metrics_, point->positions, &force);
-  AddInternalForce(force, potential, point);
+      damping * model_.damping()->AddForce(damping, time_step_, work_.start_metrics, point->positions, &work_.force);
+  AddInternalForce(potential, point);
 }
 
-void StepProblem::AddInternalForce(const Eigen::VectorXd& force, double potential, StepPoint* point) const {
-  const Eigen::VectorXd impulse = time_step_ * model_.Gather(force);
-  point->momentum_gradient -= impulse;
+void StepProblem::AddInternalForce(double potential, StepPoint* point) const {
+  Eigen::Array3d squares = Eigen::Array3d::Zero();
+  for (int i = 0; i < model_.num_free(); ++i) {
+    const Eigen::Vector3d impulse = time_step_ * work_.force.segment<3>(3 * model_.free_nodes()[i]);
+    point->momentum_gradient.segment<3>(3 * i) -= impulse;
+    squares += impulse.array().square();
+  }
   point->potential += potential;
-  point->scale = std::max(point->scale, impulse.norm());
+  point->scale = std::max(point->scale, std::sqrt(squares.sum()));
 }
 
 void StepProblem::ApplyContactLaw(const Eigen::VectorXd& velocities, const Eigen::VectorXd& gradient,
                                   StepPoint* point) const {
   point->residual = gradient;
-  point->forces.resize(candidates_.size());
-  point->responses.resize(candidates_.size());
-  for (size_t i = 0; i < candidates_.size(); ++i) {
+  point->forces.resize(work_.candidates.size());
+  point->responses.resize(work_.candidates.size());
+  for (size_t i = 0; i < work_.candidates.size(); ++i) {
     const int index = static_cast<int>(i);
     const int row = 3 * free_block(index);
-    const ContactCandidate& candidate = candidates_[i];
+    const ContactCandidate& candidate = work_.candidates[i];
     point->forces[i] = weight(index) * (velocities.segment<3>(row) + candidate.gap_speed * candidate.normal) -
                        gradient.segment<3>(row);
     point->responses[i] = EvaluateContactLaw(point->forces[i], candidate.normal, friction_coefficient(index));
@@ -181,33 +217,38 @@ void StepProblem::ApplyContactLaw(const Eigen::VectorXd& velocities, const Eigen
 }
 
 void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const {
-  AssembleStepHessian(model_, parameters_, time_step_, kind, start_metrics_, point.positions, hessian);
+  AssembleStepHessian(model_, parameters_, time_step_, kind, work_.start_metrics, point.positions, hessian);
 }
 
 double StepProblem::RoundingFloor(const StepPoint& point) const {
-  return 0.6 * std::numeric_limits<double>::epsilon() * std::sqrt(3.0) * weights_.norm() *
+  return 0.6 * std::numeric_limits<double>::epsilon() * std::sqrt(3.0) * work_.weight_norm *
          point.positions.lpNorm<Eigen::Infinity>() / (time_step_ * point.scale);
 }
 
 void StepProblem::ClipToFeasible(Eigen::VectorXd* velocities) const {
-  for (size_t i = 0; i < candidates_.size(); ++i) {
-    const Eigen::Vector3d& n = candidates_[i].normal;
+  for (size_t i = 0; i < work_.candidates.size(); ++i) {
+    const Eigen::Vector3d& n = work_.candidates[i].normal;
     auto v = velocities->segment<3>(3 * free_block(static_cast<int>(i)));
-    v += std::max(0.0, -candidates_[i].gap_speed - n.dot(v)) * n;
+    v += std::max(0.0, -work_.candidates[i].gap_speed - n.dot(v)) * n;
+  }
+}
+
+void StepProblem::FindActiveContacts(const StepPoint& point, std::vector<Contact>* contacts) const {
+  contacts->clear();
+  for (size_t i = 0; i < work_.candidates.size(); ++i) {
+    if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
+    contacts->push_back({work_.candidates[i], point.responses[i], point.forces[i], weight(static_cast<int>(i))});
   }
 }
 
 std::vector<Contact> StepProblem::ActiveContacts(const StepPoint& point) const {
   std::vector<Contact> contacts;
-  for (size_t i = 0; i < candidates_.size(); ++i) {
-    if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
-    contacts.push_back({candidates_[i], point.responses[i], point.forces[i], weight(static_cast<int>(i))});
-  }
+  FindActiveContacts(point, &contacts);
   return contacts;
 }
 
 Eigen::VectorXd StepProblem::AllVelocities(const StepPoint& point) const {
-  Eigen::VectorXd all = (point.positions - start_positions_) / time_step_;
+  Eigen::VectorXd all = (point.positions - work_.start_positions) / time_step_;
   model_.Scatter(point.velocities, &all);
   return all;
 }

@@ -32,10 +32,32 @@ struct StepPoint {
   double relative_residual = 0.0;  // |Phi| / scale
 };
 
+// Memory for the problems of one model, one at a time, and nobody's but theirs: from the second step on nothing is
+// allocated, and what material and step size alone determine is computed when they change. Results do not depend on
+// what it was used for before.
+struct StepWorkspace {
+  Material material;                 // what the next members belong to, with
+  double time_step = 0.0;            // 0: to nothing yet
+  Eigen::VectorXd masses;            // M, per free node
+  Eigen::VectorXd drag;              // h C, per free node; empty without drag
+  Eigen::VectorXd weights;           // d, per free node
+  double weight_norm = 0.0;          // |d|
+  Eigen::VectorXd external_impulse;  // h times the part of f_ext that does not depend on v
+  double external_norm = 0.0;        // its size, N s
+
+  Eigen::VectorXd start_positions;           // x_n [3N]
+  Eigen::VectorXd start_velocities;          // v_n
+  double start_momentum = 0.0;               // |M v_n|, N s
+  Eigen::VectorXd handle_positions;          // at the end, in the order of the scene's handles
+  std::vector<MetricBatch> start_metrics;    // C(x_n); empty without damping
+  std::vector<ContactCandidate> candidates;  // empty without obstacles
+  Eigen::VectorXd force;                     // [3N] scratch
+};
+
 // K at `positions` [3N] overwrites `hessian`. `start_metrics`: of x_n, see strain_rate_damping.h; unused, and so may be
 // empty, where the model has no damping.
 void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
-                         const std::vector<Eigen::Matrix2d>& start_metrics, const Eigen::VectorXd& positions,
+                         const std::vector<MetricBatch>& start_metrics, const Eigen::VectorXd& positions,
                          BlockMatrix* hessian);
 
 // What a rollout keeps of contacts.
@@ -49,15 +71,16 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
 
 class StepProblem {
  public:
-  // Both must outlive the problem. From (x_n, v_n) [3N] over `time_step` to `end_time`.
+  // From (x_n, v_n) [3N] over `time_step` to `end_time`. Model, parameters and workspace must outlive the problem,
+  // which has the workspace for itself.
   StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
-              const Eigen::VectorXd& velocities, double time_step, double end_time);
+              const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace);
 
   double time_step() const { return time_step_; }
   double end_time() const { return end_time_; }
-  const Eigen::VectorXd& start_velocities() const { return start_velocities_; }  // v_n
-  const std::vector<ContactCandidate>& candidates() const { return candidates_; }
-  bool may_touch() const { return !candidates_.empty(); }
+  const Eigen::VectorXd& start_velocities() const { return work_.start_velocities; }  // v_n
+  const std::vector<ContactCandidate>& candidates() const { return work_.candidates; }
+  bool may_touch() const { return !work_.candidates.empty(); }
   double weight(int candidate) const;                // d of its node, kg
   double friction_coefficient(int candidate) const;  // mu of its obstacle
   int free_block(int candidate) const;               // its node among the free nodes
@@ -75,30 +98,31 @@ class StepProblem {
   // v_N <- max(v_N, -gap_speed) at every candidate.
   void ClipToFeasible(Eigen::VectorXd* velocities) const;
 
-  // The sticking and slipping nodes at `point`.
+  // The sticking and slipping nodes at `point` overwrite `contacts`.
+  void FindActiveContacts(const StepPoint& point, std::vector<Contact>* contacts) const;
   std::vector<Contact> ActiveContacts(const StepPoint& point) const;
 
   // The velocities [3N] of the step, with those of the handles.
   Eigen::VectorXd AllVelocities(const StepPoint& point) const;
 
  private:
+  // Of the constructor.
+  void SetConstants();
+  void SetExternalImpulse();
+  void SetHandles();
+
+  // v, x, and the terms of g and its potential that are neither drag nor an internal force.
+  void MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const;
+  void AddDrag(StepPoint* point) const;
   // Take an internal force over the step off the gradient and add its potential and the size of its impulse.
   void AddElasticForce(StepPoint* point) const;
   void AddViscousForce(StepPoint* point) const;
-  void AddInternalForce(const Eigen::VectorXd& force, double potential, StepPoint* point) const;
+  void AddInternalForce(double potential, StepPoint* point) const;  // the one in `work_.force`
 
   const ClothModel& model_;
   const Parameters& parameters_;
+  StepWorkspace& work_;
   double time_step_, end_time_;
-  Eigen::VectorXd start_positions_;             // x_n [3N]
-  Eigen::VectorXd end_positions_;               // [3N] the handles at end_time; free entries are placeholders
-  Eigen::VectorXd start_velocities_;            // v_n
-  Eigen::VectorXd masses_;                      // M, per component
-  Eigen::VectorXd drag_;                        // h C, per component; empty without drag
-  Eigen::VectorXd external_impulse_;            // h times the part of f_ext that does not depend on v
-  Eigen::VectorXd weights_;                     // d, per free node
-  std::vector<Eigen::Matrix2d> start_metrics_;  // C(x_n) per triangle; empty without damping
-  std::vector<ContactCandidate> candidates_;    // empty without obstacles
 };
 
 }  // namespace clothid

@@ -19,19 +19,25 @@
 
 namespace clothid {
 
+// C of a batch of triangles: C_00, C_01, C_11.
+struct alignas(64) MetricBatch {
+  double values[3][kLanes];
+};
+
 class StrainRateDamping {
  public:
   explicit StrainRateDamping(std::shared_ptr<const TriangleElements> triangles) : triangles_(std::move(triangles)) {}
 
   // C of every triangle for positions [3N]: for x_n, what the functions below take as `start_metrics`.
-  std::vector<Eigen::Matrix2d> Metrics(const Eigen::VectorXd& positions) const;
+  void SetMetrics(const Eigen::VectorXd& positions, std::vector<MetricBatch>* metrics) const;
 
   // Adds damping * (-d(W/eta)/dx) to `force` [3N] and returns W/eta, m^2/s.
-  double AddForce(double damping, double time_step, const std::vector<Eigen::Matrix2d>& start_metrics,
+  double AddForce(double damping, double time_step, const std::vector<MetricBatch>& start_metrics,
                   const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
 
-  // Adds damping * d2(W/eta)/dx2 to `hessian`. Clamped: the negative eigenvalues of Edot to zero.
-  void AddHessian(double damping, double time_step, HessianKind kind, const std::vector<Eigen::Matrix2d>& start_metrics,
+  // Adds damping * d2(W/eta)/dx2 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`. Clamped: the
+  // negative eigenvalues of Edot to zero.
+  void AddHessian(double damping, double time_step, HessianKind kind, const std::vector<MetricBatch>& start_metrics,
                   const Eigen::VectorXd& positions, BlockMatrix* hessian) const;
 
   // Adds damping * d2(W/eta)/(dx dx_n) y to `product`, for columns y [3N x s]. Exchanging x and x_n transposes the

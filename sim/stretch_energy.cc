@@ -1,8 +1,8 @@
 #include "sim/stretch_energy.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace clothid {
 namespace {
@@ -10,86 +10,126 @@ namespace {
 // Below this share of tr C the area ratio s of a collapsing triangle is held, so that S stays invertible.
 constexpr double kSmallestAreaRatio = 1e-12;
 
-using Gradient = Eigen::Matrix<double, 3, 2>;  // F
-
 struct PolarFactors {
-  Gradient rotation;                // R
-  Eigen::Matrix2d inverse_stretch;  // S^-1
-  double tau;                       // tr S
+  Gradient rotation;           // R
+  Symmetric2 inverse_stretch;  // S^-1
+  double tau;                  // tr S
 };
 
-PolarFactors Polar(const Gradient& gradient) {
-  const Eigen::Matrix2d c = gradient.transpose() * gradient;
-  const double trace = c.trace();
-  const double s = std::max(std::sqrt(std::max(c.determinant(), 0.0)), kSmallestAreaRatio * trace);
+CLOTHID_ALWAYS_INLINE PolarFactors Polar(const Gradient& f) {
+  const Symmetric2 c = Metric(f);
+  const double trace = c.m00 + c.m11, determinant = c.m00 * c.m11 - c.m01 * c.m01;
+  const double s = std::max(std::sqrt(std::max(determinant, 0.0)), kSmallestAreaRatio * trace);
   PolarFactors polar;
   polar.tau = std::sqrt(trace + 2.0 * s);
-  // (C + s I)^-1 by its adjugate; det(C + s I) = s tau^2.
-  Eigen::Matrix2d adjugate;
-  adjugate << c(1, 1) + s, -c(0, 1), -c(1, 0), c(0, 0) + s;
-  polar.inverse_stretch = adjugate * (polar.tau / ((c(0, 0) + s) * (c(1, 1) + s) - c(0, 1) * c(1, 0)));
-  polar.rotation = gradient * polar.inverse_stretch;
+  // S^-1 = tau (C + s I)^-1 by the adjugate; det(C + s I) = s tau^2.
+  const double a = c.m00 + s, d = c.m11 + s;
+  const double scale = polar.tau / (a * d - c.m01 * c.m01);
+  polar.inverse_stretch = {scale * d, -scale * c.m01, scale * a};
+  for (int i = 0; i < 3; ++i) {
+    polar.rotation.column[0][i] =
+        f.column[0][i] * polar.inverse_stretch.m00 + f.column[1][i] * polar.inverse_stretch.m01;
+    polar.rotation.column[1][i] =
+        f.column[0][i] * polar.inverse_stretch.m01 + f.column[1][i] * polar.inverse_stretch.m11;
+  }
   return polar;
 }
 
-// S^-1 with its eigenvalues clamped to at most 1.
-Eigen::Matrix2d ClampToIdentity(const Eigen::Matrix2d& inverse_stretch) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
-  solver.computeDirect(inverse_stretch);
-  const Eigen::Vector2d clamped = solver.eigenvalues().cwiseMin(1.0);
-  return solver.eigenvectors() * clamped.asDiagonal() * solver.eigenvectors().transpose();
+// Adds E/k = a/2 |F - R|^2 to `energies` [kLanes]; the forces are -k a (F - R) g_i.
+CLOTHID_VECTOR_CLONES void StretchForces(const TriangleBatch& __restrict__ batch, const CornerVectors& __restrict__ x,
+                                         double stiffness, CornerVectors* __restrict__ forces,
+                                         double* __restrict__ energies) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Gradient f = DeformationGradient(batch, x, lane);
+    const PolarFactors polar = Polar(f);
+    Gradient strain;
+    double square = 0.0;
+    for (int k = 0; k < 2; ++k) {
+      for (int c = 0; c < 3; ++c) {
+        strain.column[k][c] = f.column[k][c] - polar.rotation.column[k][c];
+        square += strain.column[k][c] * strain.column[k][c];
+      }
+    }
+    energies[lane] += 0.5 * batch.area[lane] * square;
+    SetCornerForces(batch, -stiffness * batch.area[lane], strain, lane, forces);
+  }
+}
+
+// With w = k a:  B_ij = w (g_i . g_j) I - (w/tau) q_i q_j^T - w (g_i . S^-1 g_j) n n^T,
+//   q_i = R eps g_i, eps = [0 -1; 1 0], n = R_0 x R_1.
+template <HessianKind kind>
+CLOTHID_ALWAYS_INLINE void SetStretchBlocks(const TriangleBatch& batch, const CornerVectors& x, double stiffness,
+                                            int lane, CornerBlocks* blocks) {
+  const PolarFactors polar = Polar(DeformationGradient(batch, x, lane));
+  const double(&r0)[3] = polar.rotation.column[0];
+  const double(&r1)[3] = polar.rotation.column[1];
+  Symmetric2 inverse_stretch = polar.inverse_stretch;
+  double inverse_tau = 1.0 / polar.tau;
+  if (kind == HessianKind::kClamped) {
+    inverse_stretch = ClampEigenvalues(inverse_stretch, 0.0, 1.0);
+    inverse_tau = std::min(inverse_tau, 0.5);
+  }
+  const double weight = stiffness * batch.area[lane];
+  const ShapeGradients g = AllShapeGradients(batch, lane);
+  double n[3], q[3][3];
+  for (int c = 0; c < 3; ++c) {
+    n[c] = r0[(c + 1) % 3] * r1[(c + 2) % 3] - r0[(c + 2) % 3] * r1[(c + 1) % 3];
+    for (int i = 0; i < 3; ++i) q[i][c] = r1[c] * g.corner[i][0] - r0[c] * g.corner[i][1];
+  }
+  for (int pair = 0; pair < 3; ++pair) {
+    const int i = kCornerPairs[pair][0], j = kCornerPairs[pair][1];
+    const double in_plane = weight * (g.corner[i][0] * g.corner[j][0] + g.corner[i][1] * g.corner[j][1]);
+    const double out_of_plane = weight * Product(g.corner[i], inverse_stretch, g.corner[j]);
+    for (int column = 0; column < 3; ++column) {
+      for (int row = 0; row < 3; ++row) {
+        blocks->values[pair][3 * column + row][lane] = (row == column ? in_plane : 0.0) -
+                                                       weight * inverse_tau * q[i][row] * q[j][column] -
+                                                       out_of_plane * (n[row] * n[column]);
+      }
+    }
+  }
+}
+
+CLOTHID_VECTOR_CLONES void StretchBlocks(const TriangleBatch& __restrict__ batch, const CornerVectors& __restrict__ x,
+                                         double stiffness, CornerBlocks* __restrict__ blocks) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    SetStretchBlocks<HessianKind::kExact>(batch, x, stiffness, lane, blocks);
+  }
+}
+
+CLOTHID_VECTOR_CLONES void ClampedStretchBlocks(const TriangleBatch& __restrict__ batch,
+                                                const CornerVectors& __restrict__ x, double stiffness,
+                                                CornerBlocks* __restrict__ blocks) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    SetStretchBlocks<HessianKind::kClamped>(batch, x, stiffness, lane, blocks);
+  }
 }
 
 }  // namespace
 
-double StretchEnergy::Energy(const Eigen::VectorXd& positions) const {
-  double energy = 0.0;
-  for (const TriangleElement& triangle : *triangles_) {
-    const Gradient gradient = DeformationGradient(triangle, positions);
-    energy += 0.5 * triangle.area * (gradient - Polar(gradient).rotation).squaredNorm();
-  }
-  return energy;
-}
-
 double StretchEnergy::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
-  double energy = 0.0;
-  for (const TriangleElement& triangle : *triangles_) {
-    const Gradient gradient = DeformationGradient(triangle, positions);
-    const Gradient strain = gradient - Polar(gradient).rotation;
-    energy += 0.5 * triangle.area * strain.squaredNorm();
-    AddNodeForces(triangle, -stiffness * triangle.area * strain, force);
+  CornerVectors x, forces;
+  double energies[kLanes] = {};
+  for (const TriangleBatch& batch : *triangles_) {
+    GatherCorners(batch, positions.data(), &x);
+    StretchForces(batch, x, stiffness, &forces, energies);
+    AddCorners(batch, forces, force->data());
   }
-  return energy;
+  return std::accumulate(energies, energies + kLanes, 0.0);
 }
 
-// B_ij = (g_i . g_j) I - q_i q_j^T/tau - (g_i . S^-1 g_j) n n^T,   q_i = R eps g_i, eps = [0 -1; 1 0], n = R_0 x R_1.
 void StretchEnergy::AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions,
                                BlockMatrix* hessian) const {
-  for (const TriangleElement& triangle : *triangles_) {
-    const PolarFactors polar = Polar(DeformationGradient(triangle, positions));
-    const bool clamp = kind == HessianKind::kClamped;
-    const Eigen::Matrix2d inverse_stretch = clamp ? ClampToIdentity(polar.inverse_stretch) : polar.inverse_stretch;
-    const double inverse_tau = clamp ? std::min(1.0 / polar.tau, 0.5) : 1.0 / polar.tau;
-    const double weight = stiffness * triangle.area;
-    const Eigen::Vector3d normal = polar.rotation.col(0).cross(polar.rotation.col(1));
-    const Eigen::Matrix3d normal_square = normal * normal.transpose();
-
-    const Eigen::Matrix<double, 2, 3>& g = triangle.shape_gradients;
-    Eigen::Matrix<double, 2, 3> turned;
-    turned.row(0) = -g.row(1);
-    turned.row(1) = g.row(0);
-    const Eigen::Matrix3d q = polar.rotation * turned;
-    const Eigen::Matrix3d in_plane = weight * (g.transpose() * g);
-    const Eigen::Matrix3d out_of_plane = weight * (g.transpose() * inverse_stretch * g);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        if (!triangle.blocks[i][j].valid()) continue;
-        Eigen::Matrix3d block = -out_of_plane(i, j) * normal_square;
-        block.noalias() -= (weight * inverse_tau) * q.col(i) * q.col(j).transpose();
-        block.diagonal().array() += in_plane(i, j);
-        hessian->block(triangle.blocks[i][j]) += block;
-      }
+  CornerVectors x;
+  CornerBlocks blocks;
+  for (const TriangleBatch& batch : *triangles_) {
+    GatherCorners(batch, positions.data(), &x);
+    if (kind == HessianKind::kExact) {
+      StretchBlocks(batch, x, stiffness, &blocks);
+    } else {
+      ClampedStretchBlocks(batch, x, stiffness, &blocks);
     }
+    AddBlocks(batch, blocks, hessian);
   }
 }
 

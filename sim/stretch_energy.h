@@ -18,13 +18,11 @@ class StretchEnergy {
  public:
   explicit StretchEnergy(std::shared_ptr<const TriangleElements> triangles) : triangles_(std::move(triangles)) {}
 
-  // E/k for positions [3N], m^2.
-  double Energy(const Eigen::VectorXd& positions) const;
-
-  // Adds stiffness * (-d(E/k)/dx) to `force` [3N] and returns E/k.
+  // Adds stiffness * (-d(E/k)/dx) to `force` [3N] and returns E/k for positions [3N], m^2.
   double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
 
-  // Adds stiffness * d2(E/k)/dx2 to `hessian`. Clamped: 1/tau to at most 1/2, the eigenvalues of S^-1 to at most 1.
+  // Adds stiffness * d2(E/k)/dx2 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`. Clamped: 1/tau
+  // to at most 1/2, the eigenvalues of S^-1 to at most 1.
   void AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions, BlockMatrix* hessian) const;
 
  private:

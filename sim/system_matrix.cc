@@ -29,14 +29,10 @@ class TripletAssembly {
   std::vector<Eigen::Triplet<double>> triplets_;
 };
 
-void AddLaplacian(const ClothModel& model, double factor, TripletAssembly* assembly) {
-  for (const TriangleElement& triangle :
-       MakeTriangleElements(model.scene().mesh, model.free_index(), *model.pattern())) {
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const double product = triangle.shape_gradients.col(i).dot(triangle.shape_gradients.col(j));
-        assembly->Add(triangle.nodes[i], triangle.nodes[j], factor * triangle.area * product);
-      }
+void AddMatrix(double factor, const Eigen::SparseMatrix<double>& matrix, TripletAssembly* assembly) {
+  for (int column = 0; column < matrix.outerSize(); ++column) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it) {
+      assembly->Add(static_cast<int>(it.row()), column, factor * it.value());
     }
   }
 }
@@ -49,14 +45,10 @@ Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const 
   const double areal_mass = material.density + (model.drag() != nullptr ? h * material.drag : 0.0);
   for (const int node : model.free_nodes()) assembly.Add(node, node, areal_mass * model.node_areas()[node]);
   const double damping = model.damping() != nullptr ? material.damping : 0.0;
-  AddLaplacian(model, h * h * material.stretch_stiffness + h * damping, &assembly);
+  const TriangleElements triangles = MakeTriangleElements(model.scene().mesh, model.free_index(), *model.pattern());
+  AddMatrix(h * h * material.stretch_stiffness + h * damping, LaplacianMatrix(triangles, model.num_nodes()), &assembly);
   if (model.bending() != nullptr) {
-    const Eigen::SparseMatrix<double>& bending = model.bending()->matrix();
-    for (int column = 0; column < bending.outerSize(); ++column) {
-      for (Eigen::SparseMatrix<double>::InnerIterator it(bending, column); it; ++it) {
-        assembly.Add(static_cast<int>(it.row()), column, h * h * material.bending_stiffness * it.value());
-      }
-    }
+    AddMatrix(h * h * material.bending_stiffness, model.bending()->matrix(), &assembly);
   }
   return assembly.Matrix(model.num_free());
 }

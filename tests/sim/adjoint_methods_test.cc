@@ -123,11 +123,12 @@ TEST(SystemMatrixTest, HasTheTermsOfTheStep) {
   scene.material.drag = 0.3;
   scene.material.damping = 0.2;
   const double h = scene.time_step;
-  const Simulator simulator(scene);
+  Simulator simulator(scene);
   const ClothModel& model = simulator.model();
   const Eigen::SparseMatrix<double> matrix = AssembleSystemMatrix(model, scene.material, h);
   const Parameters parameters = scene.nominal_parameters();
-  const StepProblem problem(model, parameters, scene.initial_positions, scene.initial_velocities, h, h);
+  const StepProblem problem(model, parameters, scene.initial_positions, scene.initial_velocities, h, h,
+                            &simulator.step_workspace());
   ASSERT_EQ(static_cast<int>(problem.candidates().size()), model.num_nodes());
   for (int i = 0; i < model.num_nodes(); ++i) {
     const double weight = problem.weight(i);
@@ -135,7 +136,7 @@ TEST(SystemMatrixTest, HasTheTermsOfTheStep) {
   }
   const Eigen::VectorXd row_sums = matrix * Eigen::VectorXd::Ones(model.num_free());
   const double areal_mass = scene.material.density + h * scene.material.drag;
-  EXPECT_LE((row_sums - areal_mass * model.node_areas()).norm(), 1e-12 * row_sums.norm());
+  EXPECT_LE((row_sums - areal_mass * model.node_areas()(model.free_nodes())).norm(), 1e-12 * row_sums.norm());
 
   const SystemMatrixFactor factor(model, scene.material, h);
   const Eigen::MatrixXd right = Eigen::MatrixXd::Random(3 * model.num_free(), 2);

@@ -123,6 +123,18 @@ TEST(CholeskySolverTest, CountsTheWorkOfADenseMatrix) {
   EXPECT_EQ(solver.num_flops(), n * (n + 1) * (2 * n + 1) / 6);
 }
 
+TEST_F(LinearSolverTest, CompletesAMatrixFromItsLowerTriangle) {
+  BlockMatrix matrix = Matrix(0.0);
+  matrix.values.setRandom();
+  const Eigen::Matrix3d outside = matrix.block(pattern_->Diagonal(5));
+  matrix.CompleteFromLower();
+  const Eigen::MatrixXd dense = matrix.view();
+  EXPECT_EQ((dense - dense.transpose()).norm(), 0.0);
+  Eigen::Matrix3d sum = outside;
+  for (int k = 0; k < pattern_->num_rows(5); ++k) sum += matrix.block(pattern_->Position(5, k));
+  EXPECT_LT(Eigen::Matrix3d(sum.triangularView<Eigen::Lower>()).norm(), 1e-13);
+}
+
 TEST_F(LinearSolverTest, LuSolvesAndSolvesTransposed) {
   const BlockMatrix matrix = Matrix(0.5);
   LuFactor factor(pattern_);

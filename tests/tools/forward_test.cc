@@ -32,7 +32,7 @@ TEST_F(ForwardTest, CountsStepsWorkAndMemory) {
   for (const ForwardCase& result : benchmark.cases) {
     EXPECT_EQ(result.counts.steps, 4);
     EXPECT_EQ(result.counts.failed_steps, 0);
-    EXPECT_GE(result.newton_iterations(), 1.0);
+    EXPECT_GT(result.newton_iterations(), 0.0);
     EXPECT_GT(result.seconds, 0.0);
     EXPECT_LE(result.phases.sum(), result.seconds);
     EXPECT_GT(result.factor_flops, result.factor_entries);

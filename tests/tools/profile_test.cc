@@ -38,15 +38,15 @@ class ProfileTest : public ToolTest {
 TEST_F(ProfileTest, BareSceneRunsNoContactBendingDragOrDamping) {
   const std::set<std::string> files = ExecutedFiles(BareScene());
   EXPECT_EQ(files.count("stretch_energy.cc"), 1u);
-  for (const char* file : {"contact.cc", "contact_law.cc", "contact_elimination.cc", "obstacle.cc", "bending_energy.cc",
-                           "air_drag.cc", "strain_rate_damping.cc"}) {
+  for (const char* file : {"contact.cc", "contact_law.cc", "contact_law.h", "contact_elimination.cc", "obstacle.cc",
+                           "bending_energy.cc", "air_drag.cc", "strain_rate_damping.cc"}) {
     EXPECT_EQ(files.count(file), 0u) << file;
   }
 }
 
 TEST_F(ProfileTest, SphereRunsContactAlone) {
   const std::set<std::string> files = ExecutedFiles(SphereScene());
-  for (const char* file : {"contact.cc", "contact_law.cc", "contact_elimination.cc", "obstacle.cc"})
+  for (const char* file : {"contact.cc", "contact_law.cc", "contact_law.h", "contact_elimination.cc", "obstacle.cc"})
     EXPECT_EQ(files.count(file), 1u) << file;
   for (const char* file : {"bending_energy.cc", "air_drag.cc", "strain_rate_damping.cc"})
     EXPECT_EQ(files.count(file), 0u) << file;
