@@ -95,8 +95,8 @@ void Fields(Archive* archive, Values*... values) {
 // A structured binding names every field, so none can be added without its place here.
 template <typename Archive>
 void Field(Archive* archive, EvaluationKey* key) {
-  auto& [coordinates, need, active] = *key;
-  Fields(archive, &coordinates, &need, &active);
+  auto& [coordinates, precision, need, active] = *key;
+  Fields(archive, &coordinates, &precision, &need, &active);
 }
 
 template <typename Archive>
@@ -119,16 +119,16 @@ void Field(Archive* archive, ResidualRows* value) {
 
 template <typename Archive>
 void Field(Archive* archive, RolloutEvaluation* value) {
-  auto& [coordinates, failure, predicted, cost, loss_row, has_rows, rows, has_gradient, gradient, has_exact_rows,
-         exact_rows] = *value;
-  Fields(archive, &coordinates, &failure, &predicted, &cost, &loss_row, &has_rows, &rows, &has_gradient, &gradient,
-         &has_exact_rows, &exact_rows);
+  auto& [coordinates, precision, failure, predicted, cost, loss_row, has_rows, rows, has_gradient, gradient,
+         has_exact_rows, exact_rows] = *value;
+  Fields(archive, &coordinates, &precision, &failure, &predicted, &cost, &loss_row, &has_rows, &rows, &has_gradient,
+         &gradient, &has_exact_rows, &exact_rows);
 }
 
 template <typename Archive>
 void Field(Archive* archive, EvaluationOutcome* value) {
-  auto& [evaluation, statistics, rollout_coordinates] = *value;
-  Fields(archive, &evaluation, &statistics, &rollout_coordinates);
+  auto& [evaluation, statistics, rollout_coordinates, first_jacobian] = *value;
+  Fields(archive, &evaluation, &statistics, &rollout_coordinates, &first_jacobian);
 }
 
 std::string KeyBytes(EvaluationKey key) {

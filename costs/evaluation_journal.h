@@ -22,6 +22,7 @@ namespace clothid {
 // What was asked of the evaluator.
 struct EvaluationKey {
   Eigen::VectorXd coordinates;
+  Precision precision = Precision::kFull;
   RolloutEvaluator::Need need = RolloutEvaluator::Need::kCost;
   std::vector<int> active;
 };
@@ -31,6 +32,7 @@ struct EvaluationOutcome {
   RolloutEvaluation evaluation;         // `predicted` is empty where it was known before or the evaluation failed
   CostStatistics statistics;            // what it added
   Eigen::VectorXd rollout_coordinates;  // whose rollout the evaluator held afterwards; empty: none
+  Eigen::MatrixXd first_jacobian;       // J [m x q] where the evaluation took the first one; what follows needs it
 };
 
 class EvaluationJournal {

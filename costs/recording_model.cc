@@ -1,5 +1,6 @@
 #include "costs/recording_model.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace clothid {
@@ -35,6 +36,7 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       ids_(ParseIds(blocks_, motion.scene)),
       start_(StartParameters(blocks_, motion.scene)),
       observation_(motion),
+      full_precision_(motion.scene.solver),
       simulator_(SceneAtStart(motion.scene, start_)) {}
 
 Parameters RecordingModel::ParametersAt(const Eigen::VectorXd& coordinates) const {
@@ -56,6 +58,15 @@ Eigen::VectorXd RecordingModel::ValueDerivatives(const Eigen::VectorXd& coordina
     derivatives[i] = blocks_[active[i]].ValueDerivative(coordinates[active[i]]);
   }
   return derivatives;
+}
+
+void RecordingModel::SetPrecision(Precision precision) {
+  double step_tolerance = full_precision_.step_tolerance, adjoint_tolerance = full_precision_.adjoint_tolerance;
+  if (precision == Precision::kLoose) {
+    step_tolerance = std::max(step_tolerance, kLooseStepTolerance);
+    adjoint_tolerance = std::max(adjoint_tolerance, kLooseAdjointTolerance);
+  }
+  simulator_.SetTolerances(step_tolerance, adjoint_tolerance);
 }
 
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,

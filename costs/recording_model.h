@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "costs/parameter_block.h"
+#include "costs/rollout_cost_options.h"
 #include "datasets/observation.h"
 #include "datasets/recorded_motion.h"
 #include "sim/adjoint.h"
@@ -37,6 +38,9 @@ class RecordingModel {
   // `coordinates` [p], in the order of the blocks.
   Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
 
+  // Of all that follows; `kFull` until then.
+  void SetPrecision(Precision precision);
+
   // With checkpoints where the steps would take more than `memory_limit` bytes. `predicted` (may be null): the points
   // [3P x T] of every frame, as of Observation::Predict, which needs every step; valid where the rollout is ok().
   Rollout Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, std::size_t memory_limit,
@@ -63,6 +67,7 @@ class RecordingModel {
   std::vector<ParameterId> ids_;
   Parameters start_;
   Observation observation_;
+  SolverOptions full_precision_;
   Simulator simulator_;
 };
 

@@ -24,15 +24,6 @@ Eigen::MatrixXd DisplacementModes(const Observation& observation) {
   return modes;
 }
 
-Eigen::MatrixXd ResidualModes(const Observation& observation, const Eigen::VectorXd& residuals) {
-  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(observation.num_residuals(), kNumResidualModes);
-  for (int r = 0; r < observation.num_residuals(); ++r) {
-    const int window = TimeWindow(observation, r);
-    if (window < kNumResidualModes) modes(r, window) = residuals[r];
-  }
-  return modes;
-}
-
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& vectors) {
   Eigen::MatrixXd basis(vectors.rows(), vectors.cols());
   Eigen::Index rank = 0;

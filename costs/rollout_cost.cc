@@ -73,6 +73,10 @@ bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* p
   return evaluation.ok();
 }
 
+void RolloutCost::SetPrecision(Precision precision) { evaluator_->SetPrecision(precision); }
+
+void RolloutCost::Restart() { evaluator_->ForgetJacobian(); }
+
 const std::string& RolloutCost::last_failure() const { return evaluator_->last_failure(); }
 
 void RolloutCost::CheckJournal() const {

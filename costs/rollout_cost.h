@@ -5,7 +5,7 @@
 // rows r with
 //   1/2 |r|^2 = L,   (dr/dq)^T r = dL/dq   (exactly),
 // and dr/dq^T dr/dq the Gauss-Newton matrix of e (sensitivity, numeric) or its restriction to a subspace (adjoint,
-// costs/residual_basis.h). Rows of the adjoint form, 20 by default: subspace directions first, e itself last. Asked
+// costs/residual_basis.h). Rows of the adjoint form, 17 by default: subspace directions first, e itself last. Asked
 // for residuals alone, the rows are 0, .., 0, |e|. With a robust loss there is one more row, at the very end.
 //
 // Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate.
@@ -50,6 +50,12 @@ class RolloutCost : public ceres::CostFunction {
 
   // The predicted points [3P x T] m. False where the rollout failed.
   bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) const;
+
+  // Of the evaluations from now on. Points of different precision are never mistaken for each other, but differences
+  // between them serve as directions of the subspace.
+  void SetPrecision(Precision precision);
+  // A new fit starts: the adjoint's subspace starts afresh.
+  void Restart();
 
   // Why the last evaluation returned false, in one line that names the recording; empty where it did not.
   const std::string& last_failure() const;

@@ -13,6 +13,8 @@
 namespace clothid {
 namespace {
 
+// Differences that enter the subspace beside the last Jacobian, which holds the older ones.
+constexpr int kFreshDifferences = 2;
 // Forward differences do not step below this, in an internal coordinate of order one.
 constexpr double kLeastDifferenceStep = 1e-6;
 
@@ -58,7 +60,14 @@ RolloutEvaluator::RolloutEvaluator(const RecordedMotion& motion, std::vector<Par
 
 int RolloutEvaluator::num_rows() const {
   if (options_.jacobian != JacobianMethod::kAdjoint) return model_.num_blocks() + 1;
-  return 1 + options_.num_differences + kNumResidualModes + kNumDisplacementModes;
+  return 1 + options_.num_differences + std::max(kNumDisplacementModes, model_.num_blocks());
+}
+
+void RolloutEvaluator::SetPrecision(Precision precision) {
+  if (precision == precision_) return;
+  precision_ = precision;
+  model_.SetPrecision(precision);
+  rollout_coordinates_.resize(0);
 }
 
 Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) {
@@ -101,13 +110,17 @@ void RolloutEvaluator::ComputeCost(RolloutEvaluation* evaluation) {
   evaluation->loss_row = LossRow(evaluation->cost, residuals.cwiseProduct(weights).squaredNorm());
 }
 
-// Nothing of the size [m x p] is stored.
-CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active, RolloutEvaluation* evaluation) {
+// Nothing of the size [m x p] is stored unless it is asked for.
+CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active, RolloutEvaluation* evaluation,
+                                                  Eigen::MatrixXd* full_jacobian) {
   const ScopedTimer timer(&statistics_.derivative_seconds);
   const Observation& observation = model_.observation();
   CompressedJacobian compressed(static_cast<int>(active.size()));
   evaluation->predicted.resize(3 * observation.num_points(), observation.num_frames());
   evaluation->cost = 0.0;
+  if (full_jacobian != nullptr) {
+    full_jacobian->resize(observation.num_residuals(), static_cast<Eigen::Index>(active.size()));
+  }
   double weighted_squared_norm = 0.0;
   const auto add_frame = [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                              const Eigen::MatrixXd& jacobian) {
@@ -117,6 +130,7 @@ CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active
     const Eigen::VectorXd weighted = residuals.cwiseProduct(weights);
     weighted_squared_norm += weighted.squaredNorm();
     compressed.Add(weights.asDiagonal() * jacobian, weighted);
+    if (full_jacobian != nullptr) full_jacobian->middleRows(observation.first_row(frame), jacobian.rows()) = jacobian;
   };
   ++statistics_.rollouts;
   ++statistics_.sweeps;
@@ -142,9 +156,12 @@ ResidualRows RolloutEvaluator::CompressedRows(const std::vector<int>& active, in
 }
 
 void RolloutEvaluator::ComputeWithSensitivities(const std::vector<int>& active, RolloutEvaluation* evaluation) {
-  CompressedJacobian compressed = SweepForward(active, evaluation);
+  Eigen::MatrixXd jacobian;
+  const bool is_first = TakesFirstJacobian();
+  CompressedJacobian compressed = SweepForward(active, evaluation, is_first ? &jacobian : nullptr);
   evaluation->rows = CompressedRows(active, num_rows(), &compressed);
   evaluation->has_rows = true;
+  if (is_first) last_jacobian_ = std::move(jacobian);
 }
 
 void RolloutEvaluator::ComputeExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation) {
@@ -154,36 +171,56 @@ void RolloutEvaluator::ComputeExactRows(const std::vector<int>& active, RolloutE
     // The evaluation keeps the cost that it was given before, which differs in rounding.
     RolloutEvaluation sweep;
     sweep.coordinates = evaluation->coordinates;
-    CompressedJacobian compressed = SweepForward(active, &sweep);
+    CompressedJacobian compressed = SweepForward(active, &sweep, /*full_jacobian=*/nullptr);
     evaluation->exact_rows = CompressedRows(active, static_cast<int>(active.size()) + 1, &compressed);
   }
   evaluation->has_exact_rows = true;
 }
 
-// e first, so that it is in the span to rounding whatever follows; then, in the order of their worth, differences to
-// recent rollouts, parts of e, modes.
+// e first, so that it is in the span to rounding whatever follows.
 Eigen::MatrixXd RolloutEvaluator::BasisVectors(const RolloutEvaluation& evaluation) const {
   const Observation& observation = model_.observation();
-  const Eigen::VectorXd residuals = observation.Residuals(evaluation.predicted);
-  Eigen::MatrixXd vectors = Eigen::MatrixXd::Zero(residuals.size(), num_rows());
-  vectors.col(0) = residuals;
+  const bool has_jacobian = last_jacobian_.size() > 0;
+  const Eigen::MatrixXd others = has_jacobian ? last_jacobian_ : DisplacementModes(observation);
+  const int max_differences =
+      has_jacobian ? std::min(kFreshDifferences, options_.num_differences) : options_.num_differences;
+  Eigen::MatrixXd vectors = Eigen::MatrixXd::Zero(observation.num_residuals(), 1 + max_differences + others.cols());
+  vectors.col(0) = observation.Residuals(evaluation.predicted);
   Eigen::Index column = 1;
   for (const RolloutEvaluation& other : recent_) {
-    if (column > options_.num_differences) break;
-    if (&other == &evaluation || !other.ok()) continue;
+    if (column > max_differences) break;
+    if (other.coordinates == evaluation.coordinates || !other.ok()) continue;
     vectors.col(column++) = observation.Whiten(other.predicted - evaluation.predicted);
   }
-  vectors.middleCols(1 + options_.num_differences, kNumResidualModes) = ResidualModes(observation, residuals);
-  vectors.rightCols(kNumDisplacementModes) = DisplacementModes(observation);
+  vectors.rightCols(others.cols()) = others;
   return vectors;
+}
+
+Eigen::MatrixXd RolloutEvaluator::Basis(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const {
+  WeightedResiduals(evaluation, weights);
+  return OrthonormalBasis(weights->asDiagonal() * BasisVectors(evaluation));
+}
+
+void RolloutEvaluator::KeepJacobian(const Eigen::VectorXd& weights, const Eigen::MatrixXd& basis,
+                                    const ResidualRows& rows) {
+  const bool has_residual = rows.residuals[num_rows() - 1] > 0.0;
+  const Eigen::Index num_directions = basis.cols() - (has_residual ? 1 : 0);
+  last_jacobian_ = basis.rightCols(num_directions) * rows.jacobian.topRows(num_directions);
+  if (has_residual) last_jacobian_ += basis.leftCols(1) * rows.jacobian.bottomRows(1);
+  last_jacobian_ = (weights.cwiseInverse().asDiagonal() * last_jacobian_).eval();
+}
+
+bool RolloutEvaluator::TakesFirstJacobian() const {
+  return options_.jacobian == JacobianMethod::kAdjoint && options_.starts_with_sensitivities &&
+         last_jacobian_.size() == 0 && !free_blocks_.empty();
 }
 
 void RolloutEvaluator::ComputeAdjointRows(const std::vector<int>& active, RolloutEvaluation* evaluation) {
   const Rollout& rollout = RolloutAt(evaluation->coordinates);
   const ScopedTimer timer(&statistics_.derivative_seconds);
   Eigen::VectorXd weights;
-  const double norm = WeightedResiduals(*evaluation, &weights).norm();
-  const Eigen::MatrixXd basis = OrthonormalBasis(weights.asDiagonal() * BasisVectors(*evaluation));
+  const Eigen::MatrixXd basis = Basis(*evaluation, &weights);
+  const double norm = weights.cwiseProduct(model_.observation().Residuals(evaluation->predicted)).norm();
   ++statistics_.sweeps;
   // (B^T w J)^T = J^T w B: the seeds are the columns of w B.
   const Eigen::MatrixXd gradients =
@@ -199,6 +236,7 @@ void RolloutEvaluator::ComputeAdjointRows(const std::vector<int>& active, Rollou
   rows.residuals[num_rows() - 1] = norm;
   rows.jacobian.topRows(num_directions) = gradients.rightCols(num_directions).transpose();
   if (norm > 0.0) rows.jacobian.bottomRows(1) = gradients.leftCols(1).transpose();
+  KeepJacobian(weights, basis, rows);
   evaluation->rows = std::move(rows);
   evaluation->has_rows = true;
 }
@@ -249,10 +287,11 @@ void RolloutEvaluator::ComputeGradient(const std::vector<int>& active, RolloutEv
 
 RolloutEvaluation& RolloutEvaluator::FindOrAdd(const Eigen::VectorXd& coordinates) {
   for (RolloutEvaluation& evaluation : recent_) {
-    if (evaluation.coordinates == coordinates) return evaluation;
+    if (evaluation.coordinates == coordinates && evaluation.precision == precision_) return evaluation;
   }
   RolloutEvaluation evaluation;
   evaluation.coordinates = coordinates;
+  evaluation.precision = precision_;
   recent_.push_front(std::move(evaluation));
   if (static_cast<int>(recent_.size()) > options_.num_differences + 1) recent_.pop_back();
   return recent_.front();
@@ -261,6 +300,10 @@ RolloutEvaluation& RolloutEvaluator::FindOrAdd(const Eigen::VectorXd& coordinate
 void RolloutEvaluator::Complete(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation) {
   const bool is_new = evaluation->predicted.size() == 0;
   const bool lacks_rows = !evaluation->has_rows || !Covers(evaluation->rows.active, active);
+  if (is_new && TakesFirstJacobian()) {
+    ComputeWithSensitivities(free_blocks_, evaluation);
+    return Complete(need, active, evaluation);
+  }
   if (options_.jacobian == JacobianMethod::kSensitivity) {
     // Nearly every trial point is accepted and asked for its Jacobian next, so it comes along with the rollout.
     if (is_new || (need != Need::kCost && lacks_rows)) {
@@ -304,10 +347,17 @@ void RolloutEvaluator::CompleteOrFail(Need need, const std::vector<int>& active,
   }
 }
 
-void RolloutEvaluator::Restore(const EvaluationOutcome& outcome, RolloutEvaluation* evaluation) {
+void RolloutEvaluator::Restore(const EvaluationOutcome& outcome, Need need, RolloutEvaluation* evaluation) {
   Eigen::MatrixXd predicted = std::move(evaluation->predicted);
   *evaluation = outcome.evaluation;
   if (evaluation->predicted.size() == 0) evaluation->predicted = std::move(predicted);
+  if (outcome.first_jacobian.size() > 0) {
+    last_jacobian_ = outcome.first_jacobian;
+  } else if (need == Need::kRows && options_.jacobian == JacobianMethod::kAdjoint && evaluation->ok()) {
+    Eigen::VectorXd weights;
+    const Eigen::MatrixXd basis = Basis(*evaluation, &weights);
+    KeepJacobian(weights, basis, evaluation->rows);
+  }
   statistics_ += outcome.statistics;
   rollout_coordinates_ = outcome.rollout_coordinates;
   rollout_was_replayed_ = true;
@@ -318,16 +368,18 @@ void RolloutEvaluator::CompleteOrReplay(Need need, const std::vector<int>& activ
   const auto is_cancelled = [this] { return options_.cancel != nullptr && options_.cancel->load(); };
   if (journal == nullptr || is_cancelled()) return CompleteOrFail(need, active, evaluation);
   const bool was_predicted = evaluation->predicted.size() > 0;
-  const EvaluationKey key{evaluation->coordinates, need, active};
+  const EvaluationKey key{evaluation->coordinates, evaluation->precision, need, active};
   try {
     if (journal_error_) throw *journal_error_;
-    if (const std::optional<EvaluationOutcome> outcome = journal->Replay(key)) return Restore(*outcome, evaluation);
+    if (const auto outcome = journal->Replay(key)) return Restore(*outcome, need, evaluation);
+    const bool takes_first_jacobian = !was_predicted && TakesFirstJacobian();
     const CostStatistics before = std::exchange(statistics_, CostStatistics());
     CompleteOrFail(need, active, evaluation);
-    EvaluationOutcome outcome{*evaluation, statistics_, rollout_coordinates_};
+    EvaluationOutcome outcome{*evaluation, statistics_, rollout_coordinates_, {}};
     statistics_ = before;
     statistics_ += outcome.statistics;
     if (is_cancelled()) return;
+    if (takes_first_jacobian) outcome.first_jacobian = last_jacobian_;
     if (was_predicted || !evaluation->ok()) outcome.evaluation.predicted.resize(0, 0);
     journal->Append(key, std::move(outcome));
   } catch (const Error& error) {

@@ -30,6 +30,7 @@ struct ResidualRows {
 // One point of the parameter space and what is known about it.
 struct RolloutEvaluation {
   Eigen::VectorXd coordinates;
+  Precision precision = Precision::kFull;
   std::string failure;        // not empty: nothing else is valid
   Eigen::MatrixXd predicted;  // [3P x T] m
   double cost = 0.0;          // L
@@ -56,6 +57,11 @@ class RolloutEvaluator {
   // `RolloutCostOptions::cancel` is set.
   const RolloutEvaluation& At(const Eigen::VectorXd& coordinates, Need need, const std::vector<int>& active);
 
+  // Of the evaluations from now on; those of the other precision are not mistaken for them.
+  void SetPrecision(Precision precision);
+  // Forgets what the last Jacobian was: the next points are far from it.
+  void ForgetJacobian() { last_jacobian_.resize(0, 0); }
+
   int num_rows() const;                                                 // without the row of the loss
   const std::vector<int>& free_blocks() const { return free_blocks_; }  // not frozen
   const RolloutCostOptions& options() const { return options_; }
@@ -71,7 +77,7 @@ class RolloutEvaluator {
   bool Lacks(Need need, const std::vector<int>& active, const RolloutEvaluation& evaluation) const;
   // `Complete` by way of the journal, where there is one.
   void CompleteOrReplay(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
-  void Restore(const EvaluationOutcome& outcome, RolloutEvaluation* evaluation);
+  void Restore(const EvaluationOutcome& outcome, Need need, RolloutEvaluation* evaluation);
   // `Complete` whose exceptions end in `failure`.
   void CompleteOrFail(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
   // Each of these fills its part of `evaluation` or throws.
@@ -88,14 +94,23 @@ class RolloutEvaluator {
   // Residuals e and weights w of the loss at an evaluated point.
   Eigen::VectorXd WeightedResiduals(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const;
   Eigen::MatrixXd BasisVectors(const RolloutEvaluation& evaluation) const;
-  // Prediction, cost and loss row of `evaluation`, and [J e] compressed, in one forward sweep.
-  CompressedJacobian SweepForward(const std::vector<int>& active, RolloutEvaluation* evaluation);
+  // The basis B of the adjoint rows at an evaluated point, and the weights w of the loss: B^T w e are the rows.
+  Eigen::MatrixXd Basis(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const;
+  // Sets `last_jacobian_` to what adjoint rows in `basis` tell of it.
+  void KeepJacobian(const Eigen::VectorXd& weights, const Eigen::MatrixXd& basis, const ResidualRows& rows);
+  bool TakesFirstJacobian() const;
+  // Prediction, cost and loss row of `evaluation`, and [J e] compressed, in one forward sweep. `jacobian` may be null:
+  // J without the weights of the loss [m x q].
+  CompressedJacobian SweepForward(const std::vector<int>& active, RolloutEvaluation* evaluation,
+                                  Eigen::MatrixXd* jacobian);
   static ResidualRows CompressedRows(const std::vector<int>& active, int num_rows, CompressedJacobian* compressed);
 
   RolloutCostOptions options_;
+  Precision precision_ = Precision::kFull;
   RecordingModel model_;
   std::vector<int> free_blocks_;
   std::deque<RolloutEvaluation> recent_;  // the latest first; bounded
+  Eigen::MatrixXd last_jacobian_;         // [m x q] without the weights of the loss, as far as known; empty: not at all
   Rollout rollout_;                       // of `rollout_coordinates_`: trajectories are large, so there is one
   Eigen::MatrixXd rollout_predicted_;
   Eigen::VectorXd rollout_coordinates_;

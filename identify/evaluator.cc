@@ -101,7 +101,8 @@ QuadraticModel FitEvaluator::Sum(const std::vector<RecordingResult>& results,
 }
 
 void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost) {
-  if (best_.is_valid() && !(cost < best_.cost)) return;
+  if (best_.is_valid() && !best_is_superseded_ && !(cost < best_.cost)) return;
+  best_is_superseded_ = false;
   best_.coordinates = coordinates;
   best_.cost = cost;
   best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();

@@ -55,6 +55,9 @@ class FitEvaluator : public ceres::EvaluationCallback {
   const QuadraticModel& model() const { return model_; }
   const FitPoint& first() const { return first_; }  // the first point that worked
   const FitPoint& best() const { return best_; }    // the point of lowest cost
+  // The next point is the best one whatever its cost: costs of different precision do not compare.
+  void SupersedeBest() { best_is_superseded_ = true; }
+  bool best_is_superseded() const { return best_is_superseded_; }
   const std::string& last_failure() const { return last_failure_; }
   CostStatistics statistics() const;  // since the evaluator was made
   // |dL/dq| at the best point; NaN where no gradient was asked for there.
@@ -81,6 +84,7 @@ class FitEvaluator : public ceres::EvaluationCallback {
   int num_threads_;
   QuadraticModel model_;
   FitPoint first_, best_;
+  bool best_is_superseded_ = false;
   CostStatistics statistics_before_;
   std::string last_failure_;
   double best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();

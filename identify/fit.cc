@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "identify/evaluator.h"
 #include "identify/sigmoid_map.h"
@@ -19,6 +20,20 @@ namespace {
 // The first trust region of Levenberg-Marquardt: its inverse is the damping relative to the diagonal of J^T J. The
 // problems are small and their Jacobians exact, so a step may be nearly Gauss-Newton's from the start.
 constexpr double kInitialTrustRegion = 1e2;
+// Of a pass that starts near the solution, as far as the region grows on the way there.
+constexpr double kNearTrustRegion = 1e4;
+// The loose pass ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
+// what a Gauss-Newton step misses, and about what loose rollouts do.
+constexpr double kShortStep = 5e4;
+
+// What a pass of the optimiser is to reach.
+struct PassGoal {
+  Precision precision = Precision::kFull;
+  double step = 1.0;                // the next step, in resolutions of the parameters, ...
+  double function_tolerance = 0.0;  // ... or its relative decrease of the cost
+  double trust_region = kInitialTrustRegion;
+  int first_iteration = 0;  // the number of its first
+};
 
 bool IsCancelled(const FitOptions& options) { return options.cancel != nullptr && options.cancel->load(); }
 
@@ -35,22 +50,35 @@ std::vector<int> MovableBlocks(const FitProblem& problem, const QuadraticModel& 
   return movable;
 }
 
-// Whether the undamped Gauss-Newton step changes every parameter by less than its resolution, or the cost by less than
-// the function tolerance. Ceres looks at its tolerances after the rollout of a step; this looks before.
-bool NextStepIsNegligible(const FitOptions& options, const FitProblem& problem, const QuadraticModel& model) {
+// The undamped Gauss-Newton step [p], zero where nothing may move; nothing where the model is singular.
+std::optional<Eigen::VectorXd> GaussNewtonStep(const FitProblem& problem, const QuadraticModel& model) {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(model.coordinates.size());
   const std::vector<int> movable = MovableBlocks(problem, model);
-  if (movable.empty()) return true;
+  if (movable.empty()) return step;
   const Eigen::VectorXd gradient = model.gradient(movable);
   const Eigen::MatrixXd hessian = model.hessian(movable, movable);
   const Eigen::LDLT<Eigen::MatrixXd> factor(hessian);
-  const Eigen::VectorXd step = factor.solve(-gradient);
-  // A singular model has no step to judge by.
-  if (!step.allFinite() || (hessian * step + gradient).norm() > 1e-6 * gradient.norm()) return false;
-  if (-0.5 * gradient.dot(step) <= options.function_tolerance * model.cost) return true;
-  for (std::size_t i = 0; i < movable.size(); ++i) {
-    if (std::abs(step[i]) > problem.blocks()[movable[i]].Resolution(model.coordinates[movable[i]])) return false;
+  const Eigen::VectorXd solution = factor.solve(-gradient);
+  if (!solution.allFinite() || (hessian * solution + gradient).norm() > 1e-6 * gradient.norm()) return std::nullopt;
+  step(movable) = solution;
+  return step;
+}
+
+// Whether a step changes every parameter by no more than `length` resolutions.
+bool IsShort(const FitProblem& problem, const QuadraticModel& model, const Eigen::VectorXd& step, double length) {
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    if (std::abs(step[i]) > length * problem.blocks()[i].Resolution(model.coordinates[i])) return false;
   }
   return true;
+}
+
+// Whether the Gauss-Newton step is within the goal. Ceres looks at its tolerances after the rollout of a step; this
+// looks before.
+bool NextStepIsNegligible(const PassGoal& goal, const FitProblem& problem, const QuadraticModel& model) {
+  const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
+  if (!step) return false;
+  return -0.5 * model.gradient.dot(*step) <= goal.function_tolerance * model.cost ||
+         IsShort(problem, model, *step, goal.step);
 }
 
 // Records the best point after every iteration, reports it, and passes on the wish to stop.
@@ -60,18 +88,20 @@ class Recorder : public ceres::IterationCallback {
       : options_(options), problem_(problem), evaluator_(evaluator), start_(std::chrono::steady_clock::now()) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    Add(summary.iteration);
+    Add(goal_.first_iteration + summary.iteration);
     if (IsCancelled(options_)) return ceres::SOLVER_ABORT;
     const bool has_model = options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
-    return has_model && NextStepIsNegligible(options_, problem_, evaluator_.model())
-               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
-               : ceres::SOLVER_CONTINUE;
+    return has_model && NextStepIsNegligible(goal_, problem_, evaluator_.model()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                                                  : ceres::SOLVER_CONTINUE;
   }
+
+  void StartPass(const PassGoal& goal) { goal_ = goal; }
 
   // The step that ended the fit was evaluated, but its iteration was never reported.
   void AddLast() {
-    if (!evaluator_.best().is_valid()) return;
-    if (iterations_.empty() || evaluator_.best().cost < iterations_.back().cost) {
+    if (!evaluator_.best().is_valid() || evaluator_.best_is_superseded()) return;
+    if (iterations_.empty() || iterations_.back().precision != goal_.precision ||
+        evaluator_.best().cost < iterations_.back().cost) {
       Add(iterations_.empty() ? 0 : iterations_.back().iteration + 1);
     }
   }
@@ -83,6 +113,7 @@ class Recorder : public ceres::IterationCallback {
   void Add(int iteration) {
     FitIteration row;
     row.iteration = iteration;
+    row.precision = goal_.precision;
     row.seconds = seconds();
     row.cost = evaluator_.best().cost;
     row.values = problem_.Values(evaluator_.best().coordinates);
@@ -95,6 +126,7 @@ class Recorder : public ceres::IterationCallback {
   const FitOptions& options_;
   const FitProblem& problem_;
   const FitEvaluator& evaluator_;
+  PassGoal goal_;
   std::chrono::steady_clock::time_point start_;
   std::vector<FitIteration> iterations_;
 };
@@ -113,23 +145,60 @@ FitStatus StatusOf(ceres::TerminationType type) {
   return FitStatus::kFailed;
 }
 
-void RunLevenbergMarquardt(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
-                           FitEvaluator* evaluator, Recorder* recorder, FitSummary* summary) {
+void RunLevenbergMarquardt(const FitOptions& options, const PassGoal& goal, FitProblem* problem,
+                           Eigen::VectorXd* coordinates, FitEvaluator* evaluator, Recorder* recorder,
+                           FitSummary* summary) {
   const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(evaluator, coordinates);
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
   solver.linear_solver_type = ceres::DENSE_QR;
-  solver.initial_trust_region_radius = kInitialTrustRegion;
-  solver.max_num_iterations = options.max_iterations;
+  solver.initial_trust_region_radius = goal.trust_region;
+  solver.max_num_iterations = std::max(0, options.max_iterations - goal.first_iteration);
   solver.function_tolerance = options.function_tolerance;
   solver.parameter_tolerance = options.parameter_tolerance;
   solver.num_threads = 1;  // the evaluator has its own
   solver.logging_type = ceres::SILENT;
   solver.callbacks.push_back(recorder);
+  recorder->StartPass(goal);
   ceres::Solver::Summary result;
   ceres::Solve(solver, ceres_problem.get(), &result);
   summary->status = StatusOf(result.termination_type);
   summary->message = result.message;
+}
+
+bool IsAt(const QuadraticModel& model, const Eigen::VectorXd& coordinates) {
+  return model.coordinates.size() == coordinates.size() && model.coordinates == coordinates;
+}
+
+// Where the Gauss-Newton step leads, within the bounds; stays where there is none or it is not short.
+Eigen::VectorXd NextPoint(const FitProblem& problem, const QuadraticModel& model) {
+  Eigen::VectorXd next = model.coordinates;
+  const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
+  if (!step || !IsShort(problem, model, *step, kShortStep)) return next;
+  next += *step;
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    const ParameterBlock& block = problem.blocks()[i];
+    next[i] = std::clamp(next[i], block.ToCoordinate(block.lower_bound), block.ToCoordinate(block.upper_bound));
+  }
+  return next;
+}
+
+// The loose pass, and the full one from where its last step leads, so that no point is simulated with both.
+void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
+                                FitEvaluator* evaluator, Recorder* recorder, FitSummary* summary) {
+  const PassGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
+  RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
+  if (IsCancelled(options)) return;
+  const int last_iteration = recorder->iterations().empty() ? 0 : recorder->iterations().back().iteration;
+  problem->SetPrecision(Precision::kFull);
+  evaluator->SupersedeBest();
+  if (last_iteration < options.max_iterations && IsAt(evaluator->model(), *coordinates)) {
+    double cost = 0.0;
+    const Eigen::VectorXd next = NextPoint(*problem, evaluator->model());
+    if (evaluator->Evaluate(next, FitEvaluator::Derivative::kNone, &cost, nullptr)) *coordinates = next;
+  }
+  const PassGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
+  RunLevenbergMarquardt(options, full, problem, coordinates, evaluator, recorder, summary);
 }
 
 // L and dL/du of the evaluator's point. Owned by the Ceres problem.
@@ -200,14 +269,27 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
   summary->predicted = best.predicted;
 }
 
+bool IsAllFrozen(const FitProblem& problem) {
+  return std::all_of(problem.blocks().begin(), problem.blocks().end(),
+                     [](const ParameterBlock& block) { return block.frozen; });
+}
+
+// L-BFGS would lose its picture of the curvature between two passes.
+bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
+  return options.precision == FitPrecision::kAdaptive && options.method == FitMethod::kLevenbergMarquardt &&
+         options.jacobian != JacobianMethod::kNumeric && !IsAllFrozen(problem);
+}
+
 void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
                   Recorder* recorder, FitSummary* summary) {
-  const auto is_frozen = [](const ParameterBlock& block) { return block.frozen; };
-  if (std::all_of(problem->blocks().begin(), problem->blocks().end(), is_frozen)) {
+  if (IsAllFrozen(*problem)) {
     summary->status = FitStatus::kConverged;
     summary->message = "every parameter is frozen";
+  } else if (IsAdaptive(options, *problem)) {
+    RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
   } else if (options.method == FitMethod::kLevenbergMarquardt) {
-    RunLevenbergMarquardt(options, problem, coordinates, evaluator, recorder, summary);
+    const PassGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, 0};
+    RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
   } else {
     RunLbfgs(options, problem, evaluator, recorder, summary);
   }
@@ -240,6 +322,8 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   Eigen::VectorXd coordinates = problem->StartCoordinates();
   FitEvaluator evaluator(problem, &coordinates, options.num_threads);
   Recorder recorder(options, *problem, evaluator);
+  problem->Restart();
+  problem->SetPrecision(IsAdaptive(options, *problem) ? Precision::kLoose : Precision::kFull);
 
   // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
   // cached.
@@ -256,7 +340,10 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
     summary.status = FitStatus::kInterrupted;
     summary.message = "interrupted";
   }
-  if (evaluator.best().is_valid()) FillEstimate(*problem, evaluator, &summary);
+  problem->SetPrecision(Precision::kFull);
+  // A loose point is better than none only where somebody has stopped the fit there.
+  const bool has_estimate = evaluator.best().is_valid() && (!evaluator.best_is_superseded() || IsCancelled(options));
+  if (has_estimate) FillEstimate(*problem, evaluator, &summary);
   problem->CheckJournals();
   recorder.AddLast();
   summary.iterations = recorder.iterations();

@@ -32,7 +32,8 @@ struct FittedParameter {
   bool at_bound = false;
 };
 
-// Valid where has_estimate(), whatever the status: the best point that was evaluated.
+// Valid where has_estimate(), whatever the status: the best point that was evaluated, with full precision unless the
+// fit was interrupted before it came to that.
 struct FitSummary {
   FitStatus status = FitStatus::kFailed;
   std::string message = "the fit was not run";  // one line: why it ended
@@ -41,7 +42,7 @@ struct FitSummary {
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
   double cost = 0.0;
-  PredictionError start_error;             // over all recordings, at the starting values
+  PredictionError start_error;             // over all recordings, at the starting values, as they were evaluated
   PredictionError error;                   // the same at the estimate
   std::vector<Eigen::MatrixXd> predicted;  // per recording, at the estimate [3P x T] m
   std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
@@ -59,9 +60,11 @@ struct FitSummary {
 // estimate is the point of lowest cost of all that were evaluated. On the same problem it gives the same result on any
 // number of threads.
 //
-// kLevenbergMarquardt: Ceres' trust region with the bounds of the blocks. kLbfgs: `ceres::GradientProblem` has no
-// bounds, so it works on u with  q = lower + (upper - lower) sigmoid(4 u/(upper - lower) + c),  dq/du = 1 in the
-// middle, c such that u = 0 is the start; q the internal coordinate.
+// kLevenbergMarquardt: Ceres' trust region with the bounds of the blocks. With FitPrecision::kAdaptive it runs twice:
+// with loose rollouts (`Precision`) until the Gauss-Newton step changes no parameter by more than 5 %, and from where
+// that step leads with full ones, to the end. Forward differences need full precision throughout. kLbfgs:
+// `ceres::GradientProblem` has no bounds, so it works on u with  q = lower + (upper - lower) sigmoid(4 u/(upper -
+// lower) + c),  dq/du = 1 in the middle, c such that u = 0 is the start; q the internal coordinate.
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
 
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or

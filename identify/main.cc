@@ -30,6 +30,7 @@ DEFINE_string(lower, "", "lower bounds, NAME=VALUE[,...]");
 DEFINE_string(upper, "", "upper bounds, NAME=VALUE[,...]");
 DEFINE_string(jacobian, "adjoint", "adjoint, sensitivity or numeric");
 DEFINE_string(adjoint, "reduced", "how reverse sweeps solve their linear systems, METHOD[:THRESHOLD]");
+DEFINE_string(precision, "adaptive", "adaptive or full");
 DEFINE_string(method, "lm", "lm or lbfgs");
 DEFINE_string(loss, "none", "none or huber:A");
 DEFINE_bool(check_gradients, false, "compare adjoint, sensitivities and finite differences at the start");
@@ -61,6 +62,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --jacobian KIND     adjoint, sensitivity or numeric (adjoint)
   --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, sparse_lu, fixed_point or gmres, with a
                       threshold as in gmres:1e-6 (reduced, the scene's adjoint_tolerance)
+  --precision KIND    adaptive: points far from the solution are simulated loosely; full: none (adaptive)
   --method METHOD     lm: Levenberg-Marquardt; lbfgs: for many parameters (lm)
   --loss LOSS         none, or huber:A per observed point, A in standard deviations (none)
   --check_gradients   compare adjoint, sensitivities and central differences at the start
@@ -107,6 +109,7 @@ FitOptions OptionsFromFlags() {
   options.overrides.upper_bounds = ParseParameterValues(FLAGS_upper, "--upper");
   options.jacobian = ParseJacobianMethod(FLAGS_jacobian);
   options.adjoint = ParseAdjointOptions(FLAGS_adjoint);
+  options.precision = ParseFitPrecision(FLAGS_precision);
   options.method = ParseFitMethod(FLAGS_method);
   options.loss = ParseRobustLoss(FLAGS_loss);
   options.max_iterations = FLAGS_max_iterations;

@@ -58,13 +58,18 @@ AdjointOptions ParseAdjointOptions(const std::string& text) {
   if (method == methods.end() || parts.size() > 2 ||
       (parts.size() == 2 && !(options.threshold && *options.threshold > 0.0 && *options.threshold < 1.0))) {
     Fail(
-        "--adjoint: expected reduced, lu, sparse_lu, fixed_point or gmres, as it is or with a threshold in (0, 1) as "
-        "in "
+        "--adjoint: expected reduced, lu, sparse_lu, fixed_point or gmres, with or without a threshold in (0, 1) as in "
         "gmres:1e-6, got '" +
         Printable(text) + "'");
   }
   options.method = method->second;
   return options;
+}
+
+FitPrecision ParseFitPrecision(const std::string& text) {
+  if (text == "adaptive") return FitPrecision::kAdaptive;
+  if (text == "full") return FitPrecision::kFull;
+  Fail("--precision: expected adaptive or full, got '" + Printable(text) + "'");
 }
 
 std::string JacobianMethodName(JacobianMethod method) {

@@ -20,11 +20,18 @@ enum class FitMethod {
   kLbfgs,               // `ceres::GradientProblem` on the scalar gradient: for many parameters
 };
 
+// How precisely points are evaluated. What comes out of a fit is of full precision either way.
+enum class FitPrecision {
+  kAdaptive,  // kLevenbergMarquardt: loosely until the next step is short, then fully; else as kFull
+  kFull,
+};
+
 // One accepted point of the optimiser.
 struct FitIteration {
   int iteration = 0;
-  double seconds = 0.0;        // since the start of the fit
-  double cost = 0.0;           // the lowest so far
+  double seconds = 0.0;  // since the start of the fit
+  Precision precision = Precision::kFull;
+  double cost = 0.0;           // the lowest so far at this precision
   Eigen::VectorXd values;      // [p] the parameters at that cost, in their own units
   double gradient_norm = 0.0;  // |dL/dq| in the internal coordinates; NaN where it was not needed
   int rollouts = 0;            // so far
@@ -39,6 +46,7 @@ struct FitOptions {
   FitMethod method = FitMethod::kLevenbergMarquardt;
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   AdjointOptions adjoint;  // how reverse sweeps solve their linear systems
+  FitPrecision precision = FitPrecision::kAdaptive;
   RobustLoss loss;
   int max_iterations = 50;
   int num_starts = 1;      // of `FitFromStarts`
@@ -66,9 +74,10 @@ struct FitOptions {
 
 // "a,b,c". Throws `Error` (kUsage), naming `flag`, for an empty item or one given twice.
 std::vector<std::string> ParseNames(const std::string& text, const std::string& flag);
-// "lm" or "lbfgs"; "adjoint", "sensitivity" or "numeric". Throw `Error` (kUsage).
+// "lm" or "lbfgs"; "adjoint", "sensitivity" or "numeric"; "adaptive" or "full". Throw `Error` (kUsage).
 FitMethod ParseFitMethod(const std::string& text);
 JacobianMethod ParseJacobianMethod(const std::string& text);
+FitPrecision ParseFitPrecision(const std::string& text);
 std::string JacobianMethodName(JacobianMethod method);
 // METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
 AdjointOptions ParseAdjointOptions(const std::string& text);

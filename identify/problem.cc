@@ -12,6 +12,10 @@
 namespace clothid {
 namespace {
 
+// A forward sweep carries one column per parameter, and its Jacobian is kept: with more of them the adjoint starts
+// alone.
+constexpr int kMaxFirstSensitivities = 12;
+
 std::vector<std::string> FittedNames(const std::vector<RecordedMotion>& motions, const FitOptions& options) {
   if (!options.parameters.empty()) return options.parameters;
   const bool has_obstacles = std::any_of(motions.begin(), motions.end(),
@@ -85,6 +89,8 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   cost_options.adjoint = options.adjoint;
   cost_options.loss = options.loss;
   cost_options.cancel = options.cancel;
+  cost_options.starts_with_sensitivities =
+      options.method == FitMethod::kLevenbergMarquardt && num_blocks() <= kMaxFirstSensitivities;
   const bool has_journal = !options.journal_folder.empty();
   const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
   for (const RecordedMotion& motion : motions) {
@@ -123,6 +129,14 @@ Eigen::VectorXd FitProblem::Values(const Eigen::VectorXd& coordinates) const {
 
 Eigen::VectorXd FitProblem::CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const {
   return coordinates(block_indices_[recording]);
+}
+
+void FitProblem::SetPrecision(Precision precision) {
+  for (const auto& cost : costs_) cost->SetPrecision(precision);
+}
+
+void FitProblem::Restart() {
+  for (const auto& cost : costs_) cost->Restart();
 }
 
 void FitProblem::CheckJournals() const {

@@ -42,6 +42,10 @@ class FitProblem {
   // Those of the blocks of one recording.
   Eigen::VectorXd CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const;
 
+  // What every cost does of that name.
+  void SetPrecision(Precision precision);
+  void Restart();
+
   // Throws the `Error` of the first journal that could not be used: evaluations have failed for that reason alone.
   void CheckJournals() const;
 

@@ -25,6 +25,8 @@ class Simulator {
   Simulator& operator=(Simulator&&) noexcept;
 
   const Scene& scene() const;
+  // Those of the scene's solver options from now on.
+  void SetTolerances(double step_tolerance, double adjoint_tolerance);
   const ClothModel& model() const;
   StepSolver& step_solver();
   StepWorkspace& step_workspace();  // for one StepProblem at a time

@@ -76,8 +76,9 @@ void CheckMethod(const std::string& method) {
   }
 }
 
-FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, const JacobianFit& fit) {
+FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, FitPrecision precision, const JacobianFit& fit) {
   FitOptions options;
+  options.precision = precision;
   options.estimate_uncertainty = false;  // its sweep is the same for every method
   for (std::size_t i = 0; i < truth.size(); ++i) {
     options.parameters.push_back(truth[i].name);
@@ -93,9 +94,10 @@ FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, const Jacobia
   return options;
 }
 
-void RunFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, JacobianFit* fit) {
+void RunFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
+            JacobianFit* fit) {
   const double start = ThreadSeconds();
-  const FitOptions options = MakeFitOptions(truth, *fit);
+  const FitOptions options = MakeFitOptions(truth, precision, *fit);
   FitProblem problem({motion}, options);
   const FitSummary summary = Fit(options, &problem);
   fit->seconds = ThreadSeconds() - start;
@@ -117,7 +119,8 @@ void RunFits(const JacobianBenchmarkOptions& options, const std::vector<Recorded
   const int num_fits = static_cast<int>(fits->size());
   const int fits_per_recording = num_fits / static_cast<int>(recordings.size());
   ParallelFor(
-      num_fits, options.num_threads, [&](int i) { RunFit(recordings[i / fits_per_recording], truth, &(*fits)[i]); },
+      num_fits, options.num_threads,
+      [&](int i) { RunFit(recordings[i / fits_per_recording], truth, options.precision, &(*fits)[i]); },
       [&](int i, int num_done) {
         if (options.on_fit) options.on_fit((*fits)[i], num_done, num_fits);
       });

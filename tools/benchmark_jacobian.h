@@ -54,6 +54,7 @@ struct JacobianBenchmarkOptions {
   double noise = 0.01;                  // relative to the cloth's size, beside the noise-free recording; 0: only that
   int starts_per_axis = 4;              // n >= 2; even, so that no start is on the truth
   std::vector<std::string> methods = kJacobianBenchmarkMethods;
+  FitPrecision precision = FitPrecision::kAdaptive;
   std::uint64_t seed = 1;  // of the noise
   int num_threads = 1;     // fits side by side; results do not depend on it
   // After every fit, in the order in which they end; never two at a time. May be empty.

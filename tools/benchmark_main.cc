@@ -30,6 +30,7 @@ DEFINE_string(set, "", "the true values of the fitted parameters, NAME=VALUE[,..
 DEFINE_double(noise, 0.01, "standard deviation of noise, relative to the cloth's size");
 DEFINE_int32(starts, 4, "starts per parameter, even");
 DEFINE_string(methods, "", "methods to compare; empty: all");
+DEFINE_string(precision, "adaptive", "of the fits: adaptive or full");
 DEFINE_uint64(seed, 1, "seed of the noise");
 DEFINE_string(nodes, "", "nodes along the first axis of the grids; empty: see --help");
 DEFINE_string(steps, "", "discretization: divisors of the time step; else a number of steps; empty: see --help");
@@ -44,7 +45,8 @@ namespace {
 
 constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods against each other.
 
-  benchmark jacobian       --scene FILE --set LIST [--noise] [--starts] [--methods] [--seed] [--threads] [--output]
+  benchmark jacobian       --scene FILE --set LIST [--noise] [--starts] [--methods] [--precision] [--seed] [--threads]
+                           [--output]
   benchmark discretization --scene FILE --set LIST [--nodes] [--steps] [--threads] [--output]
   benchmark coverage       --scene FILE --set LIST [--seeds] [--settings] [--noise] [--seed] [--threads] [--output]
   benchmark forward        [--scene LIST] [--nodes] [--steps] [--repeats] [--output]
@@ -83,6 +85,7 @@ tools/plot_thresholds draws its CSV.
                     can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
                     backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced
                     thresholds: of fixed_point, gmres, reduced
+  --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)
   --seed S          of the noise; coverage: the first (1)
   --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
                     forward, backprop: along both axes (12,24,48); thresholds: likewise (24)
@@ -129,6 +132,7 @@ JacobianBenchmarkOptions JacobianOptionsFromFlags() {
   options.noise = FLAGS_noise;
   options.starts_per_axis = FLAGS_starts;
   if (!FLAGS_methods.empty()) options.methods = ParseNames(FLAGS_methods, "--methods");
+  options.precision = ParseFitPrecision(FLAGS_precision);
   options.seed = FLAGS_seed;
   options.num_threads = FLAGS_threads;
   return options;

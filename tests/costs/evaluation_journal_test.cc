@@ -34,13 +34,14 @@ bool SameBits(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 bool SameBits(double a, double b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
 
 EvaluationKey KeyNumber(int i) {
-  return {Eigen::Vector2d(0.25 * i, -0.0), i % 2 == 0 ? Need::kCost : Need::kRows, {1}};
+  return {Eigen::Vector2d(0.25 * i, -0.0), Precision::kLoose, i % 2 == 0 ? Need::kCost : Need::kRows, {1}};
 }
 
 // With every number that a comparison by value would get wrong.
 EvaluationOutcome OutcomeNumber(int i) {
   EvaluationOutcome outcome;
   outcome.evaluation.coordinates = KeyNumber(i).coordinates;
+  outcome.evaluation.precision = Precision::kLoose;
   outcome.evaluation.predicted = Eigen::MatrixXd::Constant(3, 2, 1.0 / 3.0 + i);
   outcome.evaluation.predicted(1, 1) = kNan;
   outcome.evaluation.cost = std::numeric_limits<double>::denorm_min();
@@ -55,6 +56,7 @@ EvaluationOutcome OutcomeNumber(int i) {
   outcome.statistics.rollout_seconds = 0.1;
   outcome.statistics.derivative_seconds = 0.2;
   outcome.rollout_coordinates = Eigen::Vector2d(kNan, i);
+  outcome.first_jacobian = Eigen::MatrixXd::Constant(3, 2, -0.0);
   return outcome;
 }
 
@@ -66,6 +68,7 @@ EvaluationOutcome FailedOutcome() {
 
 void ExpectSameEvaluation(const RolloutEvaluation& a, const RolloutEvaluation& b) {
   EXPECT_TRUE(SameBits(a.coordinates, b.coordinates));
+  EXPECT_EQ(a.precision, b.precision);
   EXPECT_EQ(a.failure, b.failure);
   EXPECT_TRUE(SameBits(a.predicted, b.predicted));
   EXPECT_TRUE(SameBits(a.cost, b.cost));
@@ -86,6 +89,7 @@ void ExpectSame(const EvaluationOutcome& a, const EvaluationOutcome& b) {
   EXPECT_TRUE(SameBits(a.statistics.rollout_seconds, b.statistics.rollout_seconds));
   EXPECT_TRUE(SameBits(a.statistics.derivative_seconds, b.statistics.derivative_seconds));
   EXPECT_TRUE(SameBits(a.rollout_coordinates, b.rollout_coordinates));
+  EXPECT_TRUE(SameBits(a.first_jacobian, b.first_jacobian));
 }
 
 class EvaluationJournalTest : public testing::Test {
@@ -205,6 +209,9 @@ TEST_F(EvaluationJournalTest, RefusesOtherQuestions) {
   expect_refused(key);
   key = KeyNumber(0);
   key.need = Need::kGradient;
+  expect_refused(key);
+  key = KeyNumber(0);
+  key.precision = Precision::kFull;
   expect_refused(key);
   key = KeyNumber(0);
   key.active = {0};

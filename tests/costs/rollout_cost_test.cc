@@ -205,6 +205,60 @@ TEST_P(RolloutCostTest, DifferencesOfRolloutsWidenTheSubspace) {
   EXPECT_LT(without.jacobian.squaredNorm(), (1.0 - 1e-4) * all);
 }
 
+TEST_P(RolloutCostTest, AFirstForwardSweepOpensTheSubspace) {
+  RolloutCostOptions options = WithJacobian(JacobianMethod::kAdjoint);
+  options.starts_with_sensitivities = true;
+  RolloutCost cost(motion_, blocks_, options);
+  const RolloutCost sensitivity(motion_, blocks_, WithJacobian(JacobianMethod::kSensitivity));
+  const Eigen::VectorXd start = StartOf(blocks_), near = start.array() + 1e-4;
+  const Rows first = EvaluateAll(cost, start);
+  ASSERT_TRUE(first.ok) << cost.last_failure();
+  const Eigen::MatrixXd hessian = first.jacobian.transpose() * first.jacobian;
+  const Rows exact = EvaluateAll(sensitivity, start);
+  EXPECT_LT((hessian - exact.jacobian.transpose() * exact.jacobian).norm(), 1e-10 * hessian.norm());
+
+  // From then on adjoint rows, in a subspace that the Jacobian of the point before has a place in.
+  const Rows second = EvaluateAll(cost, near), all = EvaluateAll(sensitivity, near);
+  EXPECT_EQ(cost.statistics().rollouts, 2);
+  EXPECT_EQ(cost.statistics().sweeps, 2);
+  ExpectNear(second.gradient(), all.gradient(), 1e-8);
+  EXPECT_GT(second.jacobian.squaredNorm(), (1.0 - 1e-5) * all.jacobian.squaredNorm());
+  cost.Restart();
+  const Eigen::VectorXd far = start.array() + 0.1;
+  ExpectNear(EvaluateAll(cost, far).gradient(), EvaluateAll(sensitivity, far).gradient(), 1e-8);
+  EXPECT_EQ(cost.statistics().sweeps, 3);
+}
+
+TEST_P(RolloutCostTest, TheLastJacobianStaysInTheSubspace) {
+  const RolloutCost cost(motion_, blocks_, WithJacobian(JacobianMethod::kAdjoint));
+  const RolloutCost modes(motion_, blocks_, WithJacobian(JacobianMethod::kAdjoint));
+  const Eigen::VectorXd start = StartOf(blocks_), near = start.array() + 1e-6;
+  const double before = EvaluateAll(cost, start).jacobian.squaredNorm();
+  const double after = EvaluateAll(cost, near).jacobian.squaredNorm();
+  EXPECT_GT(after, (1.0 - 1e-4) * before);
+  EXPECT_GT(after, (1.0 + 1e-6) * EvaluateAll(modes, near).jacobian.squaredNorm());
+}
+
+TEST_P(RolloutCostTest, PointsOfDifferentPrecisionAreKeptApart) {
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
+    RolloutCost cost(motion_, blocks_, WithJacobian(method));
+    const RolloutCost only_full(motion_, blocks_, WithJacobian(method));
+    const Eigen::VectorXd start = StartOf(blocks_);
+    cost.SetPrecision(Precision::kLoose);
+    const double loose = EvaluateAll(cost, start).cost();
+    const int loose_iterations = cost.statistics().counts.newton_iterations;
+    cost.SetPrecision(Precision::kFull);
+    const double full = EvaluateAll(cost, start).cost();
+    EXPECT_NE(loose, full);
+    EXPECT_NEAR(loose, full, 0.05 * full);
+    EXPECT_EQ(full, EvaluateAll(only_full, start).cost());
+    EXPECT_LT(loose_iterations, only_full.statistics().counts.newton_iterations);
+    cost.SetPrecision(Precision::kLoose);
+    EXPECT_EQ(EvaluateAll(cost, start).cost(), loose);
+    EXPECT_EQ(cost.statistics().rollouts, 2);
+  }
+}
+
 TEST_P(RolloutCostTest, CeresChecksTheFullJacobian) {
   const FullResidualCost cost(motion_, blocks_);
   const Eigen::VectorXd start = StartOf(blocks_);

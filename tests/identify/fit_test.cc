@@ -124,12 +124,50 @@ TEST(FitTest, NumbersOfTheSummaryFitTogether) {
   EXPECT_EQ(summary.iterations.back().cost, summary.cost);
   EXPECT_EQ(summary.iterations.back().values[0], summary.parameters[0].value);
   for (std::size_t i = 1; i < summary.iterations.size(); ++i) {
-    EXPECT_LE(summary.iterations[i].cost, summary.iterations[i - 1].cost);
+    if (summary.iterations[i].precision == summary.iterations[i - 1].precision) {
+      EXPECT_LE(summary.iterations[i].cost, summary.iterations[i - 1].cost);
+    }
     EXPECT_GT(summary.iterations[i].iteration, summary.iterations[i - 1].iteration);
   }
   EXPECT_NEAR(summary.cost, 0.5 * Observation(motion).Residuals(summary.predicted[0]).squaredNorm(), 1e-9);
   // 1 mm of noise on every coordinate is sqrt(3) mm on every point.
   EXPECT_NEAR(summary.error.rmse(), std::sqrt(3.0) * 1e-3, 1e-4);
+}
+
+TEST(FitTest, LoosePrecisionSavesWorkAndChangesNoEstimate) {
+  const MotionOptions noisy = {kSphereTruth, 1e-3, 0.0, 1e-3};
+  for (JacobianMethod jacobian : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
+    for (const RecordedMotion& motion : {SphereMotion(), MakeMotion(SphereScene(), noisy)}) {
+      FitOptions options = OptionsFor({}, FitMethod::kLevenbergMarquardt, jacobian);
+      const FitSummary adaptive = RunFit({motion}, options);
+      options.precision = FitPrecision::kFull;
+      const FitSummary full = RunFit({motion}, options);
+      ASSERT_EQ(adaptive.status, FitStatus::kConverged) << adaptive.message;
+      ASSERT_EQ(full.status, FitStatus::kConverged) << full.message;
+      EXPECT_EQ(adaptive.iterations.front().precision, Precision::kLoose);
+      EXPECT_EQ(adaptive.iterations.back().precision, Precision::kFull);
+      EXPECT_LT(adaptive.statistics.counts.newton_iterations, full.statistics.counts.newton_iterations);
+      for (std::size_t i = 0; i < full.parameters.size(); ++i) {
+        const double std = full.uncertainty->parameters[i].std;
+        EXPECT_NEAR(adaptive.parameters[i].value, full.parameters[i].value, 0.1 * std);
+        EXPECT_NEAR(adaptive.uncertainty->parameters[i].std, std, 0.01 * std);
+      }
+    }
+  }
+}
+
+// Their differences and the curvature that L-BFGS has gathered would not survive it.
+TEST(FitTest, ForwardDifferencesAndLbfgsAreNeverLoose) {
+  for (const auto& [method, jacobian] : {std::pair{FitMethod::kLevenbergMarquardt, JacobianMethod::kNumeric},
+                                         std::pair{FitMethod::kLbfgs, JacobianMethod::kAdjoint}}) {
+    FitOptions options = OptionsFor({"k_stretch"}, method, jacobian);
+    const FitSummary adaptive = RunFit({SwingMotion()}, options);
+    options.precision = FitPrecision::kFull;
+    const FitSummary full = RunFit({SwingMotion()}, options);
+    EXPECT_EQ(adaptive.parameters[0].value, full.parameters[0].value);
+    EXPECT_EQ(adaptive.cost, full.cost);
+    EXPECT_EQ(adaptive.statistics.counts.newton_iterations, full.statistics.counts.newton_iterations);
+  }
 }
 
 TEST(FitTest, RobustLossIgnoresOutliers) {

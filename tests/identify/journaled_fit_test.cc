@@ -236,6 +236,7 @@ TEST_F(JournaledFitTest, FingerprintsTellFitsApart) {
   expect_new([](Motions* motions, FitOptions*) { motions->back().scene.parameters["mu"].upper_bound = 1.0; });
   expect_new([](Motions* motions, FitOptions*) { motions->back().scene.parameters["mu"].frozen = true; });
   expect_new([](Motions*, FitOptions* options) { options->jacobian = JacobianMethod::kNumeric; });
+  expect_new([](Motions*, FitOptions* options) { options->precision = FitPrecision::kFull; });
   expect_new([](Motions*, FitOptions* options) { options->method = FitMethod::kLbfgs; });
   expect_new([](Motions*, FitOptions* options) { options->loss = ParseRobustLoss("huber:2"); });
   expect_new([](Motions*, FitOptions* options) { options->loss = ParseRobustLoss("huber:3"); });

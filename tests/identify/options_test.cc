@@ -24,6 +24,9 @@ TEST(OptionsTest, ParsesMethods) {
     EXPECT_EQ(JacobianMethodName(ParseJacobianMethod(name)), name);
   }
   ExpectError([] { ParseJacobianMethod("exact"); }, ErrorKind::kUsage, {"--jacobian", "exact"});
+  EXPECT_EQ(ParseFitPrecision("adaptive"), FitPrecision::kAdaptive);
+  EXPECT_EQ(ParseFitPrecision("full"), FitPrecision::kFull);
+  ExpectError([] { ParseFitPrecision("loose"); }, ErrorKind::kUsage, {"--precision", "loose"});
 }
 
 TEST(OptionsTest, ParsesAdjointMethodsWithTheirThresholds) {
