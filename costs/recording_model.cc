@@ -70,9 +70,10 @@ void RecordingModel::SetPrecision(Precision precision) {
 }
 
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
-                                 std::size_t memory_limit, Eigen::MatrixXd* predicted) {
+                                 std::size_t memory_limit, bool keep_factors, Eigen::MatrixXd* predicted) {
   const int num_steps = observation_.num_steps();
   RolloutOptions options;
+  if (keep_factors) options.factor_memory = memory_limit;
   options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps, memory_limit);
   FrameSampler sampler(&observation_,
                        [predicted](int frame, const Eigen::MatrixXd& points) { predicted->col(frame) = points; });

@@ -43,8 +43,9 @@ class RecordingModel {
 
   // With checkpoints where the steps would take more than `memory_limit` bytes. `predicted` (may be null): the points
   // [3P x T] of every frame, as of Observation::Predict, which needs every step; valid where the rollout is ok().
+  // `keep_factors`: for a PullBack of few seeds, up to `memory_limit` bytes more.
   Rollout Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, std::size_t memory_limit,
-                   Eigen::MatrixXd* predicted);
+                   bool keep_factors, Eigen::MatrixXd* predicted);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
   // [q].

@@ -40,6 +40,7 @@ struct RolloutCostOptions {
   // adjoint: the first rows are those of a forward sweep, whose Jacobian starts the subspace (see
   // costs/residual_basis.h).
   bool starts_with_sensitivities = false;
+  bool keep_factors = false;  // of the steps, within memory_limit: pays where only the gradient is asked for
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of a rollout's steps; beyond it they are made twice
   const std::atomic<bool>* cancel = nullptr;        // ends the rollout under way as failed; must outlive the cost
   std::shared_ptr<EvaluationJournal> journal;       // of this cost alone; null: nothing is replayed or kept

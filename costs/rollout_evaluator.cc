@@ -73,7 +73,8 @@ void RolloutEvaluator::SetPrecision(Precision precision) {
 Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) {
   const ScopedTimer timer(&statistics_.rollout_seconds);
   ++statistics_.rollouts;
-  Rollout result = model_.Simulate(coordinates, options_.cancel, options_.memory_limit, predicted);
+  Rollout result =
+      model_.Simulate(coordinates, options_.cancel, options_.memory_limit, options_.keep_factors, predicted);
   statistics_.counts += result.counts;
   if (!result.ok()) throw std::runtime_error(result.failure->ToString());
   return result;
@@ -87,7 +88,8 @@ const Rollout& RolloutEvaluator::RolloutAt(const Eigen::VectorXd& coordinates) {
     rollout_was_replayed_ = false;
   } else if (rollout_was_replayed_) {
     // Its journal has counted it already.
-    rollout_ = model_.Simulate(coordinates, options_.cancel, options_.memory_limit, &rollout_predicted_);
+    rollout_ = model_.Simulate(coordinates, options_.cancel, options_.memory_limit, options_.keep_factors,
+                               &rollout_predicted_);
     if (!rollout_.ok()) throw std::runtime_error(rollout_.failure->ToString());
     rollout_was_replayed_ = false;
   }

@@ -91,6 +91,8 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   cost_options.cancel = options.cancel;
   cost_options.starts_with_sensitivities =
       options.method == FitMethod::kLevenbergMarquardt && num_blocks() <= kMaxFirstSensitivities;
+  cost_options.keep_factors = options.method == FitMethod::kLbfgs && options.jacobian == JacobianMethod::kAdjoint &&
+                              options.adjoint.method == AdjointMethod::kReduced;
   const bool has_journal = !options.journal_folder.empty();
   const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
   for (const RecordedMotion& motion : motions) {

@@ -29,6 +29,7 @@ struct AdjointOptions {
   // Relative residual |w - A^T z|/|w| of the iterative methods; absent: `adjoint_tolerance` of the scene. It does not
   // depend on the d of the contact law, which the methods choose differently.
   std::optional<double> threshold = std::nullopt;
+  bool use_kept_factors = true;  // kReduced: those of RolloutOptions::factor_memory, as preconditioners
 };
 
 // What a sweep took. A method that misses its threshold hands over to LU: kReduced to UMFPACK, the iterations on P to

@@ -27,6 +27,7 @@ struct AdjointSolver::SparseLu {
 
 AdjointSolver::AdjointSolver(const AdjointOptions& options, const Parameters& parameters, Simulator* simulator)
     : method_(options.method),
+      use_kept_factors_(options.use_kept_factors),
       threshold_(options.threshold.value_or(simulator->scene().solver.adjoint_tolerance)),
       parameters_(parameters),
       simulator_(simulator) {}
@@ -51,7 +52,8 @@ bool AdjointSolver::SolveByMethod(const StepRecord& record, const Eigen::MatrixX
                                   Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
   switch (method_) {
     case AdjointMethod::kReduced:
-      return SolveByStepJacobian(StepJacobian::Method::kReduced, right, step, z, y, work);
+      return SolveByKeptFactor(record, right, step, z, y, work) ||
+             SolveByStepJacobian(StepJacobian::Method::kReduced, right, step, z, y, work);
     case AdjointMethod::kLu:
       return SolveByStepJacobian(StepJacobian::Method::kLu, right, step, z, y, work);
     case AdjointMethod::kSparseLu:
@@ -66,6 +68,15 @@ bool AdjointSolver::SolveByMethod(const StepRecord& record, const Eigen::MatrixX
 bool AdjointSolver::SolveByStepJacobian(StepJacobian::Method method, const Eigen::MatrixXd& right, StepDerivative* step,
                                         Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
   if (!step->Factor(method)) return false;
+  const bool solved = step->jacobian().SolveTransposed(right, threshold_, z, y);
+  work->iterations += step->jacobian().iterations();
+  return solved;
+}
+
+bool AdjointSolver::SolveByKeptFactor(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
+                                      Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
+  if (!use_kept_factors_ || record.factor == nullptr) return false;
+  step->UseFactor(record.factor);
   const bool solved = step->jacobian().SolveTransposed(right, threshold_, z, y);
   work->iterations += step->jacobian().iterations();
   return solved;

@@ -32,6 +32,8 @@ class AdjointSolver {
                      Eigen::MatrixXd* y, AdjointWork* work);
   bool SolveByStepJacobian(StepJacobian::Method method, const Eigen::MatrixXd& right, StepDerivative* step,
                            Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work);
+  bool SolveByKeptFactor(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
+                         Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work);
   bool SolveBySparseLu(const StepDerivative& step, const Eigen::MatrixXd& right, Eigen::MatrixXd* z,
                        Eigen::MatrixXd* y);
   bool SolveByIteration(const StepRecord& record, const StepDerivative& step, const Eigen::MatrixXd& right,
@@ -39,6 +41,7 @@ class AdjointSolver {
   const SystemMatrixFactor& SystemMatrixOf(double time_step);
 
   AdjointMethod method_;
+  bool use_kept_factors_;
   double threshold_;
   const Parameters& parameters_;
   Simulator* simulator_;

@@ -57,12 +57,33 @@ void Append(bool has_contact, std::vector<StepRecord> records, Rollout* rollout)
   rollout->last_record.push_back(static_cast<int>(rollout->records.size()) - 1);
 }
 
+// Drops the factors beyond so many bytes. One that several records share counts once.
+class FactorBudget {
+ public:
+  explicit FactorBudget(std::size_t bytes) : left_(bytes) {}
+
+  void Keep(std::shared_ptr<const ReducedFactor>* factor) {
+    if (*factor == nullptr || *factor == last_) return;
+    const std::size_t bytes = (*factor)->bytes();
+    if (bytes > left_) {
+      factor->reset();
+      return;
+    }
+    left_ -= bytes;
+    last_ = *factor;
+  }
+
+ private:
+  std::size_t left_;
+  std::shared_ptr<const ReducedFactor> last_;
+};
+
 // Empties the records from step `first_step` on, all but the last.
 void KeepCheckpoint(int first_step, Rollout* rollout) {
   const int first = first_step == 1 ? 0 : rollout->last_record[first_step - 2] + 1;
   for (std::size_t i = first; i + 1 < rollout->records.size(); ++i) {
     const StepRecord& record = rollout->records[i];
-    rollout->records[i] = {record.time, record.time_step, {}, {}, {}};
+    rollout->records[i] = {record.time, record.time_step, {}, {}, {}, nullptr};
   }
 }
 
@@ -98,12 +119,16 @@ const Eigen::VectorXd& Rollout::positions(int step) const {
 std::size_t Rollout::bytes() const {
   std::size_t numbers = initial_positions.size() + initial_velocities.size();
   std::size_t contacts = 0;
+  std::size_t factors = 0;
+  const ReducedFactor* last_factor = nullptr;
   for (const StepRecord& record : records) {
+    if (record.factor != nullptr && record.factor.get() != last_factor) factors += record.factor->bytes();
+    last_factor = record.factor.get();
     numbers += record.positions.size() + record.velocities.size();
     contacts += record.contacts.capacity();
   }
-  return numbers * sizeof(double) + contacts * sizeof(ContactRecord) + records.capacity() * sizeof(StepRecord) +
-         last_record.capacity() * sizeof(int) + sizeof(*this);
+  return factors + numbers * sizeof(double) + contacts * sizeof(ContactRecord) +
+         records.capacity() * sizeof(StepRecord) + last_record.capacity() * sizeof(int) + sizeof(*this);
 }
 
 void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
@@ -145,7 +170,7 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
         }
         break;
       }
-      StepRecord record{end_time, h, point.positions, problem.AllVelocities(point), {}};
+      StepRecord record{end_time, h, point.positions, problem.AllVelocities(point), {}, solver.end_factor()};
       if (problem.may_touch()) record.contacts = RecordContacts(problem.ActiveContacts(point));
       records->push_back(std::move(record));
     }
@@ -161,9 +186,10 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
 }
 
 bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step, const Eigen::VectorXd& positions,
-                    const Eigen::VectorXd& velocities, const StepVisitor& visitor, Simulator* simulator,
-                    const std::atomic<bool>* cancel, RolloutCounts* counts, std::optional<StepFailure>* failure) {
-  simulator->step_solver().Reset();
+                    const Eigen::VectorXd& velocities, bool end_with_factors, const StepVisitor& visitor,
+                    Simulator* simulator, const std::atomic<bool>* cancel, RolloutCounts* counts,
+                    std::optional<StepFailure>* failure) {
+  simulator->step_solver().Reset(end_with_factors);
   Eigen::VectorXd x = positions, v = velocities;
   std::vector<StepRecord> records;
   for (int step = first_step; step <= last_step; ++step) {
@@ -206,11 +232,14 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
   rollout.start_time = scene.start_time;
   rollout.time_step = scene.time_step;
   rollout.checkpoint_interval = options.checkpoint_interval;
+  rollout.ends_with_factors = options.factor_memory > 0;
   rollout.initial_positions = scene.initial_positions;
   rollout.initial_velocities = scene.initial_velocities;
   if (options.visitor) options.visitor(0, rollout.initial_positions);
+  FactorBudget budget(options.factor_memory);
   const StepVisitor append = [&](int step, std::vector<StepRecord> records) {
     if (options.visitor) options.visitor(step, records.back().positions);
+    for (StepRecord& record : records) budget.Keep(&record.factor);
     Append(simulator->model().has_contact(), std::move(records), &rollout);
   };
   const int interval = options.checkpoint_interval > 0 ? std::min(options.checkpoint_interval, num_steps) : num_steps;
@@ -219,7 +248,8 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
     const Eigen::VectorXd& x = first == 1 ? rollout.initial_positions : rollout.records.back().positions;
     const Eigen::VectorXd& v = first == 1 ? rollout.initial_velocities : rollout.records.back().velocities;
     const int last = std::min(first + interval - 1, num_steps);
-    if (!AdvanceSegment(parameters, first, last, x, v, append, simulator, cancel, &rollout.counts, &rollout.failure)) {
+    if (!AdvanceSegment(parameters, first, last, x, v, rollout.ends_with_factors, append, simulator, cancel,
+                        &rollout.counts, &rollout.failure)) {
       break;
     }
   }

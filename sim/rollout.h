@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ namespace clothid {
 
 class ClothModel;
 class Simulator;
+struct ReducedFactor;  // sim/step_jacobian.h
 
 // One implicit solve: a time step, or one of the substeps into which a difficult step was cut.
 struct StepRecord {
@@ -25,6 +27,9 @@ struct StepRecord {
   Eigen::VectorXd positions;            // x_{n+1} [3N] m
   Eigen::VectorXd velocities;           // v_{n+1} [3N] m/s
   std::vector<ContactRecord> contacts;  // the sticking and slipping nodes, ascending
+  // Of the step Jacobian at the end of the step, or so near to it that few iterations make up for that. Steps that did
+  // not need a factor of their own share one. Null: none is kept.
+  std::shared_ptr<const ReducedFactor> factor;
 
   bool is_kept() const { return positions.size() > 0; }
 };
@@ -65,8 +70,9 @@ struct Rollout {
   // In order of time; one per step, more where substeps were taken. With checkpoints those before the last one are
   // empty, but for the checkpoints themselves; RecordReader (sim/record_reader.h) makes them again.
   std::vector<StepRecord> records;
-  std::vector<int> last_record;  // [T] the record that ends step n + 1
-  int checkpoint_interval = 0;   // in steps; 0: none
+  std::vector<int> last_record;    // [T] the record that ends step n + 1
+  int checkpoint_interval = 0;     // in steps; 0: none
+  bool ends_with_factors = false;  // see RolloutOptions::factor_memory
   RolloutCounts counts;
   std::optional<StepFailure> failure;  // set: the rollout is not to be used
 
@@ -88,11 +94,12 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
 using StepVisitor = std::function<void(int step, std::vector<StepRecord> records)>;
 
 // Runs the steps `first_step` .. `last_step` from (x, v) [3N] at the start of the first, with a solver that was reset:
-// they do not depend on what it did before. False: a step did not converge or `cancel` (may be null) turned true, and
-// `failure` is set.
+// they do not depend on what it did before. `end_with_factors`: see RolloutOptions::factor_memory. False: a step did
+// not converge or `cancel` (may be null) turned true, and `failure` is set.
 bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step, const Eigen::VectorXd& positions,
-                    const Eigen::VectorXd& velocities, const StepVisitor& visitor, Simulator* simulator,
-                    const std::atomic<bool>* cancel, RolloutCounts* counts, std::optional<StepFailure>* failure);
+                    const Eigen::VectorXd& velocities, bool end_with_factors, const StepVisitor& visitor,
+                    Simulator* simulator, const std::atomic<bool>* cancel, RolloutCounts* counts,
+                    std::optional<StepFailure>* failure);
 
 // Adds the changes between the contacts of successive solves to `counts`.
 void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
@@ -102,6 +109,10 @@ struct RolloutOptions {
   // 0: every step is kept. c > 0: of every c steps the last one, a checkpoint, and all after the last checkpoint;
   // PullBack simulates the others again, c at a time.
   int checkpoint_interval = 0;
+  // Positive: every step ends with a factor of its Jacobian, which starts the next step, and up to so many bytes of
+  // them are kept for PullBack, which then factors hardly any. It pays for a gradient of few columns. Within the
+  // tolerance of the steps, the states are others than those without.
+  std::size_t factor_memory = 0;
   // Called with x [3N] after `step` steps, from step 0 on, kept or not. May be empty.
   std::function<void(int step, const Eigen::VectorXd& positions)> visitor;
 };

@@ -88,7 +88,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   Eigen::VectorXd positions = scene.initial_positions, velocities = scene.initial_velocities;
   std::vector<ContactRecord> contacts;
   std::vector<StepRecord> records;
-  simulator->step_solver().Reset();
+  simulator->step_solver().Reset(/*end_with_factors=*/false);
   visitor(0, positions, model.ScatterColumns(tangent.positions));
   for (int step = 1; step <= num_steps; ++step) {
     if (cancel != nullptr && cancel->load()) {

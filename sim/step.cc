@@ -13,6 +13,8 @@ constexpr double kLargestForcing = 0.1;       // tolerance of the linear system 
 constexpr double kForcing = 0.9;              // ... its share of the square of the last reduction of the residual, ...
 constexpr double kGoalShare = 0.3;            // ... and at least so much of the reduction that is left to do
 constexpr int kRefactorIterations = 10;       // a linear solve that takes more costs as much as a new factor
+constexpr int kDerivativeDigits = 8;          // that are asked of a derivative with a factor that was kept, ...
+constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr int kMaxHalvings = 14;              // of the step length in a line search
 constexpr int kMaxInnerIterations = 30;       // of the active set within a quadratic step
@@ -73,14 +75,29 @@ bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& fr
                        RolloutCounts* counts) {
   const int max_iterations = model_.scene().solver.max_newton_iterations;
   Start(problem, point);
-  if (Newton(problem, friction_coefficients, max_iterations, point, counts)) {
-    acceleration_ = (point->velocities - problem.start_velocities()) / problem.time_step();
-    return true;
-  }
   acceleration_.resize(0);
-  if (!std::isfinite(point->relative_residual)) return false;
-  ++counts->fallbacks;
-  return SequentialQuadratic(problem, friction_coefficients, max_iterations, point, counts);
+  bool solved = Newton(problem, friction_coefficients, max_iterations, point, counts);
+  if (solved) {
+    acceleration_ = (point->velocities - problem.start_velocities()) / problem.time_step();
+  } else if (std::isfinite(point->relative_residual)) {
+    ++counts->fallbacks;
+    solved = SequentialQuadratic(problem, friction_coefficients, max_iterations, point, counts);
+  }
+  if (solved && ends_with_factors_) EndWithFactor(problem, friction_coefficients, *point, counts);
+  return solved;
+}
+
+// A new one, unless the one at hand brings a derivative to full accuracy in fewer iterations than that costs.
+void StepSolver::EndWithFactor(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
+                               RolloutCounts* counts) {
+  if (jacobian_.factor() != nullptr && kDerivativeDigits * iterations_per_digit_ <= kDerivativeIterations) return;
+  std::vector<Contact> contacts;
+  if (problem.may_touch()) problem.FindActiveContacts(point, &contacts);
+  Assemble(problem, HessianKind::kExact, point);
+  ++counts->factorizations;
+  jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu);
+  iterations_per_digit_ = 0.0;
+  new_factor_is_due_ = false;
 }
 
 void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
@@ -88,9 +105,10 @@ void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& vel
   problem.Evaluate(velocities, point);
 }
 
-void StepSolver::Reset() {
+void StepSolver::Reset(bool end_with_factors) {
   jacobian_.SetFactor(nullptr);
   acceleration_.resize(0);
+  ends_with_factors_ = end_with_factors;
 }
 
 void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point) {
@@ -134,6 +152,7 @@ bool StepSolver::DirectionByFactorAtHand(const StepProblem& problem, const std::
   const bool solved = jacobian_.Solve(-point.residual, tolerance, &solution) && solution.allFinite();
   counts->linear_iterations += jacobian_.iterations();
   new_factor_is_due_ = jacobian_.iterations() > kRefactorIterations;
+  iterations_per_digit_ = -jacobian_.iterations() / std::log10(tolerance);
   if (solved) *direction = solution;
   return solved;
 }
@@ -142,6 +161,8 @@ bool StepSolver::DirectionByNewFactor(const StepProblem& problem, const std::vec
                                       const std::vector<double>& mu, const StepPoint& point, double tolerance,
                                       Eigen::VectorXd* direction, RolloutCounts* counts) {
   new_factor_is_due_ = false;
+  // Where few digits are missing, the step ends near to where the factor was made.
+  iterations_per_digit_ = 1.0 / std::max(1.0, -std::log10(point.relative_residual));
   return FactorAt(problem, contacts, mu, point, counts) &&
          SolveAt(contacts, mu, point.residual, tolerance, direction, counts);
 }

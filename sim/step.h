@@ -4,6 +4,7 @@
 #define CLOTHID_SIM_STEP_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "sim/rollout.h"
@@ -20,8 +21,11 @@ class StepSolver {
   explicit StepSolver(const ClothModel& model);
 
   // Forgets what earlier steps have left for later ones: a solver that was reset gives the same steps again, to the
-  // last bit.
-  void Reset();
+  // last bit. `end_with_factors`: every Solve ends with a factor that serves the derivative of its step.
+  void Reset(bool end_with_factors);
+
+  // After a Solve that ended with a factor: that one; null otherwise.
+  std::shared_ptr<const ReducedFactor> end_factor() const { return ends_with_factors_ ? jacobian_.factor() : nullptr; }
 
   // Solves `problem` from its start velocities. True: `point` satisfies the step to the scene's tolerance (or the
   // rounding floor, where that is larger). False: `point` is the best one met. Adds its work to `counts`.
@@ -57,6 +61,8 @@ class StepSolver {
   bool DirectionByNewFactor(const StepProblem& problem, const std::vector<Contact>& contacts,
                             const std::vector<double>& mu, const StepPoint& point, double tolerance,
                             Eigen::VectorXd* direction, RolloutCounts* counts);
+  void EndWithFactor(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
+                     RolloutCounts* counts);
   bool FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts, const std::vector<double>& mu,
                 const StepPoint& point, RolloutCounts* counts);
   bool SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu, const Eigen::VectorXd& residual,
@@ -67,8 +73,10 @@ class StepSolver {
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
-  Eigen::VectorXd acceleration_;    // of the last step, over the free nodes, m/s^2; empty: none
-  bool new_factor_is_due_ = false;  // the last solve with the one at hand took as long as a new one
+  Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
+  bool ends_with_factors_ = false;
+  double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known
+  bool new_factor_is_due_ = false;     // the last solve with the one at hand took as long as a new one
 };
 
 }  // namespace clothid

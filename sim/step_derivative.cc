@@ -1,4 +1,7 @@
 #include "sim/step_derivative.h"
+
+#include <utility>
+
 #include "sim/block_product.h"
 #include "sim/simulator.h"
 #include "sim/step.h"
@@ -32,6 +35,11 @@ StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& 
 
 bool StepDerivative::Factor(StepJacobian::Method method) {
   return jacobian_.Factor(method, hessian_, contacts_, parameters_.friction_coefficients);
+}
+
+void StepDerivative::UseFactor(std::shared_ptr<const ReducedFactor> factor) {
+  jacobian_.SetPoint(hessian_, contacts_, parameters_.friction_coefficients);
+  jacobian_.SetFactor(std::move(factor));
 }
 
 Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const {

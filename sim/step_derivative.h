@@ -7,6 +7,7 @@
 #define CLOTHID_SIM_STEP_DERIVATIVE_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "sim/parameters.h"
@@ -24,6 +25,8 @@ class StepDerivative {
 
   // Factors A. False where it fails.
   bool Factor(StepJacobian::Method method);
+  // Solves with `factor`, which was made at the end of the step or near it, in its place.
+  void UseFactor(std::shared_ptr<const ReducedFactor> factor);
   StepJacobian& jacobian() { return jacobian_; }
   const std::vector<Contact>& contacts() const { return contacts_; }  // sticking and slipping nodes
 

@@ -107,7 +107,6 @@ bool StepJacobian::SolveByConjugateGradients(const Eigen::MatrixXd& right, doubl
 
 bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance,
                                 Eigen::MatrixXd* q) {
-  iterations_ = 0;
   if (factor_is_of_point_ && !has_coupling()) {
     *q = ApplyFactor(right);
     return true;
@@ -125,6 +124,7 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
 
 bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv) {
   const ScopedTimer timer(&seconds_.solution);
+  iterations_ = 0;
   if (method_ == Method::kLu) {
     lu_->Solve(right, dv);
     return dv->allFinite();
@@ -142,6 +142,7 @@ bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::
 bool StepJacobian::SolveTransposed(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* z,
                                    Eigen::MatrixXd* y) {
   const ScopedTimer timer(&seconds_.solution);
+  iterations_ = 0;
   if (method_ == Method::kLu) {
     lu_->SolveTransposed(right, z);
     *y = *z;

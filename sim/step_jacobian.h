@@ -21,6 +21,8 @@ namespace clothid {
 struct ReducedFactor {
   std::shared_ptr<const CholeskyFactor> cholesky;
   std::vector<LocalFrame> frames;
+
+  std::size_t bytes() const { return cholesky->bytes() + frames.size() * sizeof(LocalFrame); }
 };
 
 class StepJacobian {

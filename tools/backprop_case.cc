@@ -33,8 +33,12 @@ BackpropSetting FindSetting(const std::string& name) {
                        [&name](const BackpropSetting& setting) { return setting.name == name; });
 }
 
+constexpr std::size_t kFactorMemory = std::size_t{4} << 30;  // bytes
+
 Rollout Run(const BackpropCaseName& name, int num_steps, Simulator* simulator) {
-  Rollout rollout = Simulate(simulator->scene().nominal_parameters(), num_steps, simulator);
+  RolloutOptions options;
+  options.factor_memory = kFactorMemory;
+  Rollout rollout = Simulate(simulator->scene().nominal_parameters(), num_steps, simulator, nullptr, options);
   if (!rollout.ok()) throw Error(ErrorKind::kBadData, name.ToString() + ": " + rollout.failure->ToString());
   return rollout;
 }

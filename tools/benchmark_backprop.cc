@@ -136,7 +136,8 @@ const std::vector<BackpropMethod>& BackpropMethods() {
       {"fixed_point:1e-6", {AdjointMethod::kFixedPoint, 1e-6}},
       {"gmres:1e-4", {AdjointMethod::kSystemGmres, 1e-4}},
       {"gmres:1e-6", {AdjointMethod::kSystemGmres, 1e-6}},
-      {"reduced", {AdjointMethod::kReduced}, /*with_block=*/true},
+      {"reduced", {AdjointMethod::kReduced, {}, /*use_kept_factors=*/false}, /*with_block=*/true},
+      {"kept", {AdjointMethod::kReduced}, /*with_block=*/true},
   };
   return methods;
 }

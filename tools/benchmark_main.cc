@@ -83,7 +83,8 @@ tools/plot_thresholds draws its CSV.
   --starts N        N x N starts, N even (4)
   --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric, lbfgs; the linear solver of the first and the last
                     can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
-                    backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced
+                    backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced,
+                    kept (reduced, with the factors that the rollout kept)
                     thresholds: of fixed_point, gmres, reduced
   --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)
   --seed S          of the noise; coverage: the first (1)

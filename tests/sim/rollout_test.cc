@@ -100,8 +100,8 @@ class CheckpointTest : public testing::TestWithParam<bool> {
       const Eigen::VectorXd x = first == 1 ? all.initial_positions : all.records.back().positions;
       const Eigen::VectorXd v = first == 1 ? all.initial_velocities : all.records.back().velocities;
       const int last = std::min(first + kInterval - 1, scene_.num_steps());
-      EXPECT_TRUE(
-          AdvanceSegment(parameters_, first, last, x, v, append, &simulator_, nullptr, &all.counts, &all.failure));
+      EXPECT_TRUE(AdvanceSegment(parameters_, first, last, x, v, /*end_with_factors=*/false, append, &simulator_,
+                                 nullptr, &all.counts, &all.failure));
     }
     return all;
   }
@@ -176,6 +176,78 @@ TEST_P(CheckpointTest, AnotherSimulatorIsNoticed) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, CheckpointTest, testing::Bool(),
                          [](const auto& test) { return test.param ? "WithSubsteps" : "WholeSteps"; });
+
+// Rollouts whose steps end with factors.
+class KeptFactorsTest : public testing::TestWithParam<std::string> {
+ protected:
+  static constexpr std::size_t kPlenty = std::size_t{1} << 30;  // bytes
+
+  KeptFactorsTest() : simulator_(ShippedScene(GetParam(), 8)) {}
+
+  Rollout Run(std::size_t factor_memory, int checkpoint_interval = 0) {
+    RolloutOptions options;
+    options.factor_memory = factor_memory;
+    options.checkpoint_interval = checkpoint_interval;
+    const Scene& scene = simulator_.scene();
+    Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator_, nullptr, options);
+    EXPECT_TRUE(rollout.ok()) << rollout.failure->ToString();
+    return rollout;
+  }
+
+  RolloutGradient Gradient(const Rollout& rollout, bool use_kept_factors) {
+    const auto seed = [](int step, Eigen::MatrixXd* gradient) {
+      gradient->col(0).setLinSpaced(1.0 / (1.0 + step), 2.0);
+    };
+    AdjointOptions options;
+    options.use_kept_factors = use_kept_factors;
+    // On `slope` the cloth slides without strain: nothing depends on the stiffness.
+    const ParameterId id = GetParam() == "wind" ? ParameterId{ParameterKind::kStretchStiffness}
+                                                : ParameterId{ParameterKind::kFriction, kAllObstacles};
+    return PullBack(rollout, {id}, 1, seed, &simulator_, options);
+  }
+
+  static int NumFactors(const Rollout& rollout) {
+    int num_factors = 0;
+    for (const StepRecord& record : rollout.records) num_factors += record.factor != nullptr;
+    return num_factors;
+  }
+
+  Simulator simulator_;
+};
+
+TEST_P(KeptFactorsTest, GiveTheGradientOfFactorsOfItsOwn) {
+  const Rollout rollout = Run(kPlenty);
+  EXPECT_EQ(NumFactors(rollout), static_cast<int>(rollout.records.size()));
+  const RolloutGradient kept = Gradient(rollout, true), own = Gradient(rollout, false);
+  EXPECT_EQ(kept.work.phases.factorization, 0.0);
+  EXPECT_GT(own.work.phases.factorization, 0.0);
+  EXPECT_EQ(kept.work.failed_solves, 0);
+  EXPECT_LE((kept.parameters - own.parameters).norm(), 1e-10 * own.parameters.norm());
+  EXPECT_LE((kept.initial_positions - own.initial_positions).norm(), 1e-10 * own.initial_positions.norm());
+  EXPECT_LE((kept.initial_velocities - own.initial_velocities).norm(), 1e-10 * own.initial_velocities.norm());
+}
+
+TEST_P(KeptFactorsTest, HowManyAreKeptChangesNoStep) {
+  const Rollout all = Run(kPlenty);
+  const std::size_t without_factors = Run(1).bytes();
+  const Rollout some = Run((all.bytes() - without_factors) / 2);
+  EXPECT_EQ(NumFactors(Run(1)), 0);
+  EXPECT_LT(some.bytes(), all.bytes());
+  ASSERT_EQ(some.num_steps(), all.num_steps());
+  for (int step = 0; step <= all.num_steps(); ++step) EXPECT_EQ(some.positions(step), all.positions(step));
+  const RolloutGradient expected = Gradient(all, true), actual = Gradient(some, true);
+  EXPECT_LE((actual.parameters - expected.parameters).norm(), 1e-10 * expected.parameters.norm());
+}
+
+TEST_P(KeptFactorsTest, GoWithCheckpoints) {
+  const Rollout rollout = Run(kPlenty, 7);
+  EXPECT_GT(NumFactors(rollout), 0);
+  const RolloutGradient kept = Gradient(rollout, true), own = Gradient(rollout, false);
+  EXPECT_LE((kept.parameters - own.parameters).norm(), 1e-10 * own.parameters.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, KeptFactorsTest, testing::Values("drape", "slope", "wind"),
+                         [](const auto& scene) { return scene.param; });
 
 TEST(CheckpointIntervalTest, FitsTheLimitAndRepeatsAsLittleAsItCan) {
   const Scene scene = ShippedScene("drape", 8);
