@@ -109,6 +109,8 @@ void StepSolver::Reset(bool end_with_factors) {
   jacobian_.SetFactor(nullptr);
   acceleration_.resize(0);
   ends_with_factors_ = end_with_factors;
+  iterations_per_digit_ = 0.0;
+  new_factor_is_due_ = false;
 }
 
 void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point) {

@@ -32,8 +32,10 @@ struct ForwardCase {
   double factor_flops = 0.0;  // of one factorisation
   double factor_entries = 0.0;
 
-  double newton_iterations() const { return static_cast<double>(counts.newton_iterations) / counts.steps; }  // a step
-  double factorizations() const { return static_cast<double>(counts.factorizations) / counts.steps; }        // a step
+  // Counts per step.
+  double newton_iterations() const { return static_cast<double>(counts.newton_iterations) / counts.steps; }
+  double linear_iterations() const { return static_cast<double>(counts.linear_iterations) / counts.steps; }
+  double factorizations() const { return static_cast<double>(counts.factorizations) / counts.steps; }
   // Of one Newton iteration that factorises, s.
   double iteration_seconds() const;
 };
