@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/block_product.h"
+
 namespace clothid {
 namespace {
 
@@ -46,9 +48,9 @@ Eigen::MatrixXd AdjointSystem::AddImpulseTransposed(const Eigen::MatrixXd& z) co
 }
 
 Eigen::MatrixXd AdjointSystem::Multiply(const Eigen::MatrixXd& z) const {
-  if (nodes_.empty()) return hessian_.view() * z;
+  if (nodes_.empty()) return MultiplySymmetric(hessian_, z);
   const Eigen::MatrixXd y = AddImpulseTransposed(z);
-  Eigen::MatrixXd product = hessian_.view() * y;
+  Eigen::MatrixXd product = MultiplySymmetric(hessian_, y);
   for (Eigen::Index c = 0; c < z.cols(); ++c) {
     for (const Node& node : nodes_) {
       product.col(c).segment<3>(node.row) -=

@@ -36,11 +36,10 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
   if (scene.has_drag()) drag_.emplace(scene);
   pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending_matrix));
   if (scene.has_bending()) bending_.emplace(std::move(bending_matrix), free_index_, *pattern_);
-  const auto triangles =
-      std::make_shared<const TriangleElements>(MakeTriangleElements(scene.mesh, free_index_, *pattern_));
-  laplacian_diagonal_ = LaplacianDiagonal(*triangles, num_nodes());
-  stretch_.emplace(triangles);
-  if (scene.has_damping()) damping_.emplace(triangles);
+  triangles_ = std::make_shared<const TriangleElements>(MakeTriangleElements(scene.mesh, free_index_, *pattern_));
+  laplacian_diagonal_ = LaplacianDiagonal(*triangles_, num_nodes());
+  stretch_.emplace(triangles_);
+  if (scene.has_damping()) damping_.emplace(triangles_);
   if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
 }
 

@@ -39,6 +39,7 @@ class ClothModel {
   const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
   const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2; times density: the lumped masses M
   const Eigen::VectorXd& laplacian_diagonal() const { return laplacian_diagonal_; }  // [N] of L, triangle_element.h
+  const TriangleElements& triangles() const { return *triangles_; }
   const StretchEnergy& stretch() const { return *stretch_; }
   const BendingEnergy* bending() const { return bending_ ? &*bending_ : nullptr; }      // null: the scene has none
   const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }                     // null: the scene has none
@@ -54,6 +55,7 @@ class ClothModel {
   std::shared_ptr<const BlockPattern> pattern_;
   Eigen::VectorXd node_areas_, laplacian_diagonal_;
   double touch_gap_ = 0.0;
+  std::shared_ptr<const TriangleElements> triangles_;
   std::optional<StretchEnergy> stretch_;
   std::optional<BendingEnergy> bending_;
   std::optional<AirDrag> drag_;

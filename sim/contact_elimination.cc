@@ -77,7 +77,7 @@ void ContactElimination::Reduce(const BlockMatrix& matrix, Eigen::VectorXd* valu
       row_block = (node.frame.transpose() * row_block).eval();
       row_block.topRows(eliminated).setZero();
     }
-    BlockMatrix::Block diagonal = at(pattern.Find(node.block, node.block));
+    BlockMatrix::Block diagonal = at(pattern.Diagonal(node.block));
     diagonal.diagonal().head(eliminated).setConstant(node.weight);
     if (node.branch == ContactBranch::kSlip) diagonal(2, 2) += node.slip_stiffness;
   }
@@ -189,7 +189,7 @@ void ContactElimination::FullJacobian(const BlockMatrix& matrix, Eigen::VectorXd
       BlockMatrix::Block block = at(pattern.Find(node.block, pattern.rows_begin(node.block)[k]));
       block += (node.impulse * block).eval();
     }
-    at(pattern.Find(node.block, node.block)) -= node.weight * node.impulse;
+    at(pattern.Diagonal(node.block)) -= node.weight * node.impulse;
   }
 }
 

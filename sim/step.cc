@@ -66,9 +66,8 @@ void StepSolver::Start(const StepProblem& problem, StepPoint* point) {
   if (acceleration_.size() == 0 || IsSolved(problem, *point)) return;
   start = problem.start_velocities() + problem.time_step() * acceleration_;
   if (problem.may_touch()) problem.ClipToFeasible(&start);
-  StepPoint extrapolated;
-  Evaluate(problem, start, &extrapolated);
-  if (extrapolated.residual.norm() < point->residual.norm()) std::swap(*point, extrapolated);
+  Evaluate(problem, start, &trial_);
+  if (trial_.residual.norm() < point->residual.norm()) std::swap(*point, trial_);
 }
 
 bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, StepPoint* point,
@@ -171,22 +170,22 @@ bool StepSolver::DirectionByNewFactor(const StepProblem& problem, const std::vec
 
 // Accepts the first length at which the residual or the potential decreases enough.
 bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length,
-                            StepPoint* point, StepPoint* trial) {
+                            StepPoint* point) {
   const bool may_touch = problem.may_touch();
   const double friction = may_touch ? FrictionPotential(problem, *point, point->velocities) : 0.0;
   double length = first_length;
   for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
     Eigen::VectorXd velocities = point->velocities + length * direction;
     if (may_touch) problem.ClipToFeasible(&velocities);
-    Evaluate(problem, velocities, trial);
-    if (!std::isfinite(trial->relative_residual)) continue;
+    Evaluate(problem, velocities, &trial_);
+    if (!std::isfinite(trial_.relative_residual)) continue;
     const double friction_change = may_touch ? FrictionPotential(problem, *point, velocities) - friction : 0.0;
     const double slope = point->momentum_gradient.dot(velocities - point->velocities) + friction_change;
-    const double potential_change = trial->potential - point->potential + friction_change;
+    const double potential_change = trial_.potential - point->potential + friction_change;
     const bool residual_decreases =
-        trial->residual.norm() <= (1.0 - kSufficientDecrease * length) * point->residual.norm();
+        trial_.residual.norm() <= (1.0 - kSufficientDecrease * length) * point->residual.norm();
     if (residual_decreases || (slope < 0.0 && potential_change <= kSufficientDecrease * slope)) {
-      std::swap(*point, *trial);
+      std::swap(*point, trial_);
       return true;
     }
   }
@@ -194,22 +193,22 @@ bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& d
 }
 
 bool StepSolver::Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance,
-                         double first_length, StepPoint* point, StepPoint* trial, RolloutCounts* counts) {
+                         double first_length, StepPoint* point, RolloutCounts* counts) {
   std::vector<Contact> contacts;
   if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
   Eigen::VectorXd direction;
   if (jacobian_.factor() != nullptr && !new_factor_is_due_ &&
       DirectionByFactorAtHand(problem, contacts, mu, *point, tolerance, &direction, counts) &&
-      LineSearch(problem, direction, first_length, point, trial)) {
+      LineSearch(problem, direction, first_length, point)) {
     return true;
   }
   return DirectionByNewFactor(problem, contacts, mu, *point, tolerance, &direction, counts) &&
-         LineSearch(problem, direction, first_length, point, trial);
+         LineSearch(problem, direction, first_length, point);
 }
 
 bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& mu, int max_iterations, StepPoint* point,
                         RolloutCounts* counts) {
-  StepPoint trial, best = *point;
+  StepPoint best = *point;
   double first_length = 1.0, before_last = 0.0, last = 0.0;
   for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
     ++counts->newton_iterations;
@@ -218,7 +217,7 @@ bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& m
     first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
     before_last = last;
     last = point->relative_residual;
-    if (!Iterate(problem, mu, tolerance, first_length, point, &trial, counts)) break;
+    if (!Iterate(problem, mu, tolerance, first_length, point, counts)) break;
     if (point->relative_residual < best.relative_residual) best = *point;
   }
   if (!IsSolved(problem, *point)) *point = best;
@@ -229,7 +228,7 @@ bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& m
 // then searches along the way from v to that w, which stays feasible.
 bool StepSolver::SequentialQuadratic(const StepProblem& problem, const std::vector<double>& mu, int max_iterations,
                                      StepPoint* point, RolloutCounts* counts) {
-  StepPoint trial, best = *point, inner;
+  StepPoint best = *point, inner;
   Eigen::VectorXd direction;
   for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
     ++counts->newton_iterations;
@@ -248,7 +247,7 @@ bool StepSolver::SequentialQuadratic(const StepProblem& problem, const std::vect
       problem.ApplyContactLaw(velocities, inner.momentum_gradient, &inner);
     }
     direction = inner.velocities - point->velocities;
-    if (!LineSearch(problem, direction, 1.0, point, &trial)) break;
+    if (!LineSearch(problem, direction, 1.0, point)) break;
     if (point->relative_residual < best.relative_residual) best = *point;
   }
   if (!IsSolved(problem, *point)) *point = best;

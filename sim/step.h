@@ -54,7 +54,7 @@ class StepSolver {
   // One iteration of Newton's method: along the direction that the factor at hand gives, or, where there is none or it
   // leads nowhere, along that of a new factor.
   bool Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance, double first_length,
-               StepPoint* point, StepPoint* trial, RolloutCounts* counts);
+               StepPoint* point, RolloutCounts* counts);
   bool DirectionByFactorAtHand(const StepProblem& problem, const std::vector<Contact>& contacts,
                                const std::vector<double>& mu, const StepPoint& point, double tolerance,
                                Eigen::VectorXd* direction, RolloutCounts* counts);
@@ -67,12 +67,12 @@ class StepSolver {
                 const StepPoint& point, RolloutCounts* counts);
   bool SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu, const Eigen::VectorXd& residual,
                double tolerance, Eigen::VectorXd* direction, RolloutCounts* counts);
-  bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point,
-                  StepPoint* trial);
+  bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point);
 
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
+  StepPoint trial_;               // kept for its memory
   Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
   bool ends_with_factors_ = false;
   double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known

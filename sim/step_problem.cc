@@ -7,13 +7,13 @@
 namespace clothid {
 namespace {
 
-// Diagonal of P = M + h C + h^2 (k L + k_b Q) + h eta L at the free nodes.
-Eigen::VectorXd SystemDiagonal(const ClothModel& model, const Material& material, double h) {
-  Eigen::VectorXd diagonal = (material.density + (model.drag() ? h * material.drag : 0.0)) * model.node_areas();
-  diagonal += h * h * material.stretch_stiffness * model.laplacian_diagonal();
-  if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal();
-  if (model.bending() != nullptr) diagonal += h * h * material.bending_stiffness * model.bending()->diagonal();
-  return diagonal(model.free_nodes());
+// d_j = P_jj of P = M + h C + h^2 (k L + k_b Q) + h eta L.
+double SystemDiagonal(const ClothModel& model, const Material& material, double h, int node) {
+  double diagonal = (material.density + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
+  diagonal += h * h * material.stretch_stiffness * model.laplacian_diagonal()[node];
+  if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal()[node];
+  if (model.bending() != nullptr) diagonal += h * h * material.bending_stiffness * model.bending()->diagonal()[node];
+  return diagonal;
 }
 
 bool SameMaterial(const Material& a, const Material& b) {
@@ -55,8 +55,6 @@ std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts) 
 std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
                                      const Eigen::VectorXd& start_positions, double time_step,
                                      const std::vector<ContactRecord>& records) {
-  if (records.empty()) return {};
-  const Eigen::VectorXd weights = SystemDiagonal(model, parameters.material, time_step);
   std::vector<Contact> contacts;
   contacts.reserve(records.size());
   for (const ContactRecord& record : records) {
@@ -64,7 +62,7 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
     FindCandidate(model, record.node, start_positions, time_step, &candidate);
     const double mu = parameters.friction_coefficients[record.obstacle];
     contacts.push_back({candidate, EvaluateContactLaw(record.force, candidate.normal, mu), record.force,
-                        weights[model.free_index()[record.node]]});
+                        SystemDiagonal(model, parameters.material, time_step, record.node)});
   }
   return contacts;
 }
@@ -96,7 +94,10 @@ void StepProblem::SetConstants() {
   if (model_.drag() != nullptr) {
     work_.drag = time_step_ * parameters_.material.drag * model_.drag()->areas()(model_.free_nodes());
   }
-  work_.weights = SystemDiagonal(model_, parameters_.material, time_step_);
+  work_.weights.resize(model_.num_free());
+  for (int i = 0; i < model_.num_free(); ++i) {
+    work_.weights[i] = SystemDiagonal(model_, parameters_.material, time_step_, model_.free_nodes()[i]);
+  }
   work_.weight_norm = work_.weights.norm();
 }
 
