@@ -101,8 +101,10 @@ void Field(Archive* archive, EvaluationKey* key) {
 
 template <typename Archive>
 void Field(Archive* archive, RolloutCounts* value) {
-  auto& [steps, newton, factorizations, linear, fallbacks, substeps, failed, changes, switches] = *value;
-  Fields(archive, &steps, &newton, &factorizations, &linear, &fallbacks, &substeps, &failed, &changes, &switches);
+  auto& [steps, newton, factorizations, linear, fallbacks, substeps, failed, contacts, joined, left, branches,
+         obstacles] = *value;
+  Fields(archive, &steps, &newton, &factorizations, &linear, &fallbacks, &substeps, &failed, &contacts, &joined, &left,
+         &branches, &obstacles);
 }
 
 template <typename Archive>

@@ -13,15 +13,12 @@
 namespace clothid {
 namespace {
 
-constexpr int RolloutCounts::*kCounts[] = {&RolloutCounts::steps,
-                                           &RolloutCounts::newton_iterations,
-                                           &RolloutCounts::factorizations,
-                                           &RolloutCounts::linear_iterations,
-                                           &RolloutCounts::fallbacks,
-                                           &RolloutCounts::substeps,
-                                           &RolloutCounts::failed_steps,
-                                           &RolloutCounts::contact_changes,
-                                           &RolloutCounts::obstacle_switches};
+constexpr int RolloutCounts::*kCounts[] = {&RolloutCounts::steps,           &RolloutCounts::newton_iterations,
+                                           &RolloutCounts::factorizations,  &RolloutCounts::linear_iterations,
+                                           &RolloutCounts::fallbacks,       &RolloutCounts::substeps,
+                                           &RolloutCounts::failed_steps,    &RolloutCounts::contacts,
+                                           &RolloutCounts::nodes_joined,    &RolloutCounts::nodes_left,
+                                           &RolloutCounts::branch_switches, &RolloutCounts::obstacle_switches};
 static_assert(sizeof(RolloutCounts) == sizeof(int) * std::size(kCounts), "every count is listed");
 
 StepFailure DescribeFailure(int step, double tolerance, const StepPoint& point, const std::string& reason) {
@@ -49,8 +46,9 @@ StepFailure DescribeFailure(int step, double tolerance, const StepPoint& point, 
 // Adds the solves of the next step.
 void Append(bool has_contact, std::vector<StepRecord> records, Rollout* rollout) {
   for (StepRecord& record : records) {
-    if (has_contact && !rollout->records.empty()) {
-      CountContactChanges(rollout->records.back().contacts, record.contacts, &rollout->counts);
+    if (has_contact) {
+      const auto& before = rollout->records.empty() ? record.contacts : rollout->records.back().contacts;
+      CountContactChanges(before, record.contacts, &rollout->counts);
     }
     rollout->records.push_back(std::move(record));
   }
@@ -133,16 +131,18 @@ std::size_t Rollout::bytes() const {
 
 void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
                          RolloutCounts* counts) {
-  // Both are in ascending order of nodes.
-  size_t i = 0, j = 0;
+  counts->contacts += static_cast<int>(after.size());
+  size_t i = 0, j = 0;  // both are in ascending order of nodes
   while (i < before.size() || j < after.size()) {
     const bool left = j == after.size() || (i < before.size() && before[i].node < after[j].node);
     const bool joined = i == before.size() || (j < after.size() && after[j].node < before[i].node);
-    if (left || joined) {
-      ++counts->contact_changes;
+    if (left) {
+      ++counts->nodes_left;
+    } else if (joined) {
+      ++counts->nodes_joined;
     } else {
-      if (before[i].branch != after[j].branch) ++counts->contact_changes;
-      if (before[i].obstacle != after[j].obstacle) ++counts->obstacle_switches;
+      counts->branch_switches += before[i].branch != after[j].branch;
+      counts->obstacle_switches += before[i].obstacle != after[j].obstacle;
     }
     if (!joined) ++i;
     if (!left) ++j;

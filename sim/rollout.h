@@ -43,8 +43,15 @@ struct RolloutCounts {
   int fallbacks = 0;          // steps finished by sequential quadratic steps
   int substeps = 0;           // solves beyond one per step: each makes the cost jump a little
   int failed_steps = 0;
-  int contact_changes = 0;    // nodes that joined or left the contacts, or switched branch, from one step to the next
+  int contacts = 0;  // nodes in contact at the end of a solve
+  // Contact events, from the end of one solve to the end of the next. Those that the first solve finds in contact have
+  // not joined.
+  int nodes_joined = 0;       // the contacts
+  int nodes_left = 0;         // them
+  int branch_switches = 0;    // from stick to slip or back
   int obstacle_switches = 0;  // contacts that jumped from one obstacle to another
+
+  int contact_changes() const { return nodes_joined + nodes_left + branch_switches; }
 
   RolloutCounts& operator+=(const RolloutCounts& other);
   RolloutCounts& operator-=(const RolloutCounts& other);
@@ -101,7 +108,7 @@ bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step,
                     Simulator* simulator, const std::atomic<bool>* cancel, RolloutCounts* counts,
                     std::optional<StepFailure>* failure);
 
-// Adds the changes between the contacts of successive solves to `counts`.
+// Adds the contacts `after` a solve, and their changes since the one before it, to `counts`.
 void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
                          RolloutCounts* counts);
 

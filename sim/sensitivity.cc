@@ -103,7 +103,8 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
     for (const StepRecord& record : records) {
       AdvanceTangent(record, positions, velocities, parameters, directions.parameters, simulator, &tangent);
       if (model.has_contact()) {
-        if (step > 1 || &record != &records.front()) CountContactChanges(contacts, record.contacts, &result.counts);
+        const bool is_first = step == 1 && &record == &records.front();
+        CountContactChanges(is_first ? record.contacts : contacts, record.contacts, &result.counts);
         contacts = record.contacts;
       }
       positions = record.positions;

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "datasets/motion_file.h"
@@ -86,36 +85,25 @@ SyntheticOptions OptionsFromFlags() {
   return options;
 }
 
-struct ContactSummary {
-  int num_stick = 0, num_slip = 0;  // summed over steps
-  int num_take_off = 0;             // contacts that ended
-};
-
-ContactSummary SummarizeContacts(const Rollout& rollout) {
-  ContactSummary summary;
-  std::unordered_set<int> before;
+// Nodes sticking at the end of a solve, summed over the solves.
+int CountStick(const Rollout& rollout) {
+  int num_stick = 0;
   for (const StepRecord& record : rollout.records) {
-    std::unordered_set<int> now;
-    for (const ContactRecord& contact : record.contacts) {
-      ++(contact.branch == ContactBranch::kStick ? summary.num_stick : summary.num_slip);
-      now.insert(contact.node);
-    }
-    for (const int node : before) summary.num_take_off += now.count(node) == 0;
-    before = std::move(now);
+    for (const ContactRecord& contact : record.contacts) num_stick += contact.branch == ContactBranch::kStick;
   }
-  return summary;
+  return num_stick;
 }
 
 void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
   const RolloutCounts& counts = rollout.counts;
-  const ContactSummary contacts = SummarizeContacts(rollout);
+  const int num_stick = CountStick(rollout);
   std::cout << FLAGS_output << ": " << motion.times.size() << " frames of " << motion.positions.rows() / 3
             << " points; " << counts.steps << " steps of " << rollout.time_step << " s with "
             << static_cast<double>(counts.newton_iterations) / counts.steps << " Newton iterations each, "
             << counts.fallbacks << " fallbacks, " << counts.substeps
-            << " substeps; contacts over all steps: " << contacts.num_stick << " stick, " << contacts.num_slip
-            << " slip, " << contacts.num_take_off << " take-offs, " << counts.contact_changes << " contact changes, "
-            << counts.obstacle_switches << " obstacle switches\n";
+            << " substeps; contacts over all steps: " << num_stick << " stick, " << counts.contacts - num_stick
+            << " slip, " << counts.nodes_joined << " joined, " << counts.nodes_left << " left, "
+            << counts.branch_switches << " branch switches, " << counts.obstacle_switches << " obstacle switches\n";
 }
 
 int Run(const std::vector<std::string>& arguments) {

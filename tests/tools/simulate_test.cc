@@ -58,7 +58,7 @@ TEST_F(SimulateTest, PrintsASummary) {
   const ToolResult result = Run("simulate --scene " + WriteScene(SphereScene()) + " --output out.bin");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   for (const char* part : {"out.bin: 6 frames of 16 points", "5 steps of 0.01 s", "Newton iterations", "fallbacks",
-                           "substeps", "stick", "slip", "take-offs", "contact changes"}) {
+                           "substeps", "stick", "slip", "joined", "left", "branch switches", "obstacle switches"}) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
   }
 }
