@@ -1,21 +1,19 @@
 // The expensive evaluations of one recording's cost, kept on disk while a fit runs. A fit that was killed is run again
 // from its start; what it had computed is replayed from here, so that it ends in the same bytes.
 //
-// The file: "clothid journal 1\n", the fingerprint (64 hexadecimal digits), "\n", then records: the length of the
-// payload (8 bytes), the SHA-256 of length and payload (64 digits), the payload. Numbers stand as in memory, bit by
-// bit: a journal is read by the program that wrote it.
+// The file: see datasets/record_file.h. Numbers stand as in memory, bit by bit: a journal is read by the program that
+// wrote it.
 #ifndef CLOTHID_COSTS_EVALUATION_JOURNAL_H_
 #define CLOTHID_COSTS_EVALUATION_JOURNAL_H_
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "costs/rollout_cost_options.h"
 #include "costs/rollout_evaluator.h"
+#include "datasets/record_file.h"
 
 namespace clothid {
 
@@ -37,13 +35,8 @@ struct EvaluationOutcome {
 
 class EvaluationJournal {
  public:
-  // Opens or makes the file. `fingerprint` [64 digits] stands for everything that determines the evaluations. Throws
-  // `Error`: kIo where the file cannot be opened or written or another journal has it open, kBadData where it is no
-  // journal, kUsage where it has another fingerprint.
+  // Throws what `RecordFile` throws. `fingerprint`: of everything that determines the evaluations.
   EvaluationJournal(const std::string& path, const std::string& fingerprint);
-  ~EvaluationJournal();
-  EvaluationJournal(const EvaluationJournal&) = delete;
-  EvaluationJournal& operator=(const EvaluationJournal&) = delete;
 
   // The outcome of the next record; nothing when there are none left. A record that was torn by the end of its
   // process, or damaged, is cut off with all that follow. Throws `Error`: kBadData where the record answers another
@@ -57,17 +50,7 @@ class EvaluationJournal {
   int num_records() const { return num_records_; }  // replayed or added so far
 
  private:
-  void ReadOrWriteHeader(const std::string& fingerprint);
-  std::optional<std::string> ReadPayload();
-  void ReadAt(std::uint64_t offset, std::uint64_t count, std::string* bytes) const;
-  void Write(std::string_view bytes);
-  void Truncate();
-  [[noreturn]] void FailIo(const std::string& problem) const;
-
-  std::string path_;
-  int descriptor_ = -1;
-  std::uint64_t size_ = 0;      // of the file
-  std::uint64_t position_ = 0;  // end of what was replayed or added
+  RecordFile file_;
   int num_records_ = 0;
 };
 

@@ -11,6 +11,7 @@
 #ifndef CLOTHID_DATASETS_MOTION_FILE_H_
 #define CLOTHID_DATASETS_MOTION_FILE_H_
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,8 @@ struct MotionTensors {
 struct ReadMotionOptions {
   std::string scene_path;      // a scene.json to use instead of the embedded text; empty: the embedded one
   bool smooth_handles = true;  // measured handle paths through `SmoothPath`
+  // What to read in place of the scene's text; may be empty.
+  std::function<std::string(const std::string& scene_text)> change_scene;
 };
 
 // Reads, checks every bound before anything is allocated, verifies the checksums, and interprets the scene. Throws

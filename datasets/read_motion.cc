@@ -116,6 +116,7 @@ RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& opti
   const SceneDefaults defaults = MakeDefaults(file.tensors, motion.points, options.smooth_handles);
   const bool embedded = options.scene_path.empty();
   motion.scene_text = embedded ? file.tensors.scene_text : ReadFile(options.scene_path, kMaxJsonBytes);
+  if (options.change_scene) motion.scene_text = options.change_scene(motion.scene_text);
   motion.scene = ParseScene(motion.scene_text, embedded ? path + ": scene" : options.scene_path,
                             FolderOf(embedded ? path : options.scene_path), defaults);
   motion.times = std::move(file.tensors.times);

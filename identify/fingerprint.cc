@@ -16,8 +16,14 @@ std::string Digest(const Eigen::MatrixXd& numbers) {
   return Sha256Hex({std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double))});
 }
 
-// The file decides, and what was made of it: a scene text names further files, and flags change the scene.
-void AddMotion(const RecordedMotion& motion, std::ostream* text) {
+}  // namespace
+
+void DescribeProgram(std::ostream* text) {
+  text->imbue(std::locale::classic());
+  *text << std::hexfloat << "clothid " << Version() << " " << GitHash() << "\n";
+}
+
+void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
   const Scene& scene = motion.scene;
   *text << "recording " << motion.sha256 << " " << Digest(motion.times) << " " << Digest(motion.positions) << " "
         << Digest(motion.sigma) << "\n"
@@ -30,15 +36,11 @@ void AddMotion(const RecordedMotion& motion, std::ostream* text) {
         << scene.solver.max_newton_iterations << " " << scene.solver.max_substep_halvings << "\n";
 }
 
-}  // namespace
-
 std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                            const FitOptions& options) {
   std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text << std::hexfloat;  // exact
-  text << "clothid " << Version() << " " << GitHash() << "\n";
-  for (const RecordedMotion& motion : motions) AddMotion(motion, &text);
+  DescribeProgram(&text);
+  for (const RecordedMotion& motion : motions) DescribeMotion(motion, &text);
   for (const ParameterBlock& block : blocks) {
     text << "parameter " << block.name << " " << static_cast<int>(block.scale) << " " << block.start << " "
          << block.lower_bound << " " << block.upper_bound << " " << block.frozen << "\n";

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <csignal>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -14,6 +13,7 @@
 #include "identify/fit.h"
 #include "identify/gradient_check.h"
 #include "identify/holdout.h"
+#include "identify/interrupt.h"
 #include "identify/options.h"
 #include "identify/output_folder.h"
 #include "identify/problem.h"
@@ -87,15 +87,6 @@ Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape
 )";
 
-// Set by the signal handler, which can reach nothing but a global.
-std::atomic<bool> interrupted{false};
-
-// The first signal asks the fit to end; the next one ends the process as usual.
-extern "C" void HandleSignal(int signal) {
-  interrupted.store(true);
-  std::signal(signal, SIG_DFL);
-}
-
 bool IsSet(const char* flag) {
   std::string value;
   return gflags::GetCommandLineOption(flag, &value) && value == "true";
@@ -116,7 +107,7 @@ FitOptions OptionsFromFlags() {
   options.num_threads = FLAGS_threads;
   options.num_starts = FLAGS_starts;
   options.seed = FLAGS_seed;
-  options.cancel = &interrupted;
+  options.cancel = &CatchInterrupts();
   options.Validate();
   return options;
 }
@@ -175,6 +166,7 @@ FitSummary RunFit(FitOptions options, FitProblem* problem, RunRecord* run) {
 // What was asked for beside the fit.
 void Examine(const Recordings& recordings, const FitOptions& options, FitProblem* problem, FitSummary* summary,
              RunRecord* run) {
+  const std::atomic<bool>& interrupted = *options.cancel;
   for (const std::string& name : ParseNames(FLAGS_profile, "--profile")) {
     if (!summary->uncertainty || interrupted) break;
     run->profiles.push_back(ProfileParameter(options, *summary, name, problem, &summary->statistics));
@@ -239,8 +231,6 @@ int main(int argc, char** argv) {
   }
   if (FLAGS_v > 0) FLAGS_minloglevel = google::GLOG_INFO;
   google::InitGoogleLogging(argv[0]);
-  std::signal(SIGINT, clothid::HandleSignal);
-  std::signal(SIGTERM, clothid::HandleSignal);
   try {
     if (argc > 1) {
       throw clothid::Error(clothid::ErrorKind::kUsage,

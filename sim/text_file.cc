@@ -86,6 +86,11 @@ std::optional<double> ParseNumber(std::string_view text) {
 
 std::optional<long long> ParseInteger(std::string_view text) { return ParseWhole<long long>(text); }
 
+std::string ShortestText(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof(text), value).ptr};
+}
+
 std::string Printable(std::string_view text) {
   std::string result(text.substr(0, kMaxPrintable));
   for (char& c : result) {

@@ -27,6 +27,9 @@ std::vector<std::string> Split(std::string_view text, char separator);
 std::optional<double> ParseNumber(std::string_view text);
 std::optional<long long> ParseInteger(std::string_view text);
 
+// The shortest text of which `ParseNumber` makes exactly `value`, which must be finite.
+std::string ShortestText(double value);
+
 // `text` fit for a one-line message: control characters become '?', and what is long is cut.
 std::string Printable(std::string_view text);
 

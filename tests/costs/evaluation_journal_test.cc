@@ -229,21 +229,6 @@ TEST_F(EvaluationJournalTest, HasOneUserAtATime) {
   ExpectError([&] { EvaluationJournal(path_ + "/below", kFingerprint); }, ErrorKind::kIo, {"below", "opened"});
 }
 
-// A sphere that somebody presses Ctrl-C at: sets `cancel` when it is asked for the `count`th time.
-class InterruptingSphere : public Sphere {
- public:
-  InterruptingSphere(int count, std::atomic<bool>* cancel)
-      : Sphere(Eigen::Vector3d(0.15, 0.2, -0.12), 0.1), left_(count), cancel_(cancel) {}
-  SurfacePoint Closest(const Eigen::Vector3d& position) const override {
-    if (--left_ == 0) *cancel_ = true;
-    return Sphere::Closest(position);
-  }
-
- private:
-  mutable int left_;
-  std::atomic<bool>* cancel_;
-};
-
 class JournaledCostTest : public EvaluationJournalTest {
  protected:
   JournaledCostTest() : motion_(MakeMotion(SphereScene(), {{{"k_stretch", 150.0}}, 0.0, 0.0, 0.0})) {}

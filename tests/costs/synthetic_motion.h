@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <atomic>
 #include <map>
 #include <memory>
 #include <random>
@@ -58,6 +59,22 @@ inline Scene SphereScene() {
   scene.obstacles = {ball};
   return scene;
 }
+
+// A sphere that somebody presses Ctrl-C at, the one of `SphereScene`: sets `cancel` when it is asked for the `count`th
+// time.
+class InterruptingSphere : public Sphere {
+ public:
+  InterruptingSphere(int count, std::atomic<bool>* cancel)
+      : Sphere(Eigen::Vector3d(0.15, 0.2, -0.12), 0.1), left_(count), cancel_(cancel) {}
+  SurfacePoint Closest(const Eigen::Vector3d& position) const override {
+    if (--left_ == 0) *cancel_ = true;
+    return Sphere::Closest(position);
+  }
+
+ private:
+  mutable int left_;
+  std::atomic<bool>* cancel_;
+};
 
 struct MotionOptions {
   std::map<std::string, double> true_values;  // by parameter name; the others are the scene's nominal values

@@ -1,14 +1,10 @@
 // `identify --resume` may be killed at any moment: run again, it ends in the bytes of the fit that nobody killed.
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <map>
-#include <optional>
 #include <random>
 #include <regex>
 #include <sstream>
@@ -16,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/tools/tool_process.h"
 #include "tests/tools/tool_test.h"
 
 namespace clothid {
@@ -25,41 +22,6 @@ namespace fs = std::filesystem;
 using Seconds = std::chrono::duration<double>;
 
 constexpr int kKillsPerMethod = 25;
-
-// `identify` with a process id of its own.
-class Identify {
- public:
-  Identify(const fs::path& folder, const std::vector<std::string>& flags) {
-    std::vector<std::string> words = {CLOTHID_BINARY_DIR "/identify"};
-    words.insert(words.end(), flags.begin(), flags.end());
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    process_ = ::fork();
-    if (process_ == 0) {
-      const int null = ::open("/dev/null", O_WRONLY);
-      if (null < 0 || ::dup2(null, 1) < 0 || ::dup2(null, 2) < 0 || ::chdir(folder.c_str()) != 0) ::_exit(127);
-      ::execv(arguments[0], arguments.data());
-      ::_exit(127);
-    }
-    EXPECT_GT(process_, 0);
-  }
-
-  bool IsRunning() const {
-    siginfo_t info = {};
-    return ::waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0;
-  }
-  void Signal(int signal) const { ::kill(process_, signal); }
-  // The exit code; nothing where a signal ended it.
-  std::optional<int> Wait() const {
-    int status = 0;
-    EXPECT_EQ(::waitpid(process_, &status, 0), process_);
-    return WIFEXITED(status) ? std::optional<int>(WEXITSTATUS(status)) : std::nullopt;
-  }
-
- private:
-  pid_t process_ = -1;
-};
 
 // Without the seconds, which no two runs share, and without the flags, of which --resume is one.
 std::string Lasting(const std::string& name, const std::string& content) {
@@ -100,11 +62,11 @@ class ResumeTest : public ToolTest {
 
   void ExpectRuns(const std::string& command) const { ASSERT_EQ(Run(command).exit_code, 0) << command; }
 
-  Identify Start(std::vector<std::string> flags) const {
+  ToolProcess Start(std::vector<std::string> flags) const {
     flags.insert(flags.end(), {"--target", "a.bin,b.bin", "--threads", "2", "--output", "result"});
-    return Identify(folder(), flags);
+    return ToolProcess("identify", folder(), flags);
   }
-  Identify Resume(std::vector<std::string> flags) const {
+  ToolProcess Resume(std::vector<std::string> flags) const {
     flags.push_back("--resume");
     return Start(flags);
   }
@@ -116,7 +78,7 @@ class ResumeTest : public ToolTest {
     return error ? 0 : size;
   }
   // Lets a fit go on until both journals hold some evaluations, of at least one rollout each.
-  void WaitForEvaluations(const Identify& identify) const {
+  void WaitForEvaluations(const ToolProcess& identify) const {
     const std::uintmax_t some = 4 * fs::file_size(folder() / "a.bin");
     while (identify.IsRunning() && std::min(JournalSize(1), JournalSize(2)) < some) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -129,7 +91,7 @@ class KillTest : public ResumeTest, public testing::WithParamInterface<std::vect
   // Starts a fit and kills it at a random moment within the seconds that a fit takes. Whether it was still running.
   bool Kill(std::mt19937* random) {
     const auto start = std::chrono::steady_clock::now();
-    const Identify identify = Resume(GetParam());
+    const ToolProcess identify = Resume(GetParam());
     std::this_thread::sleep_for(std::uniform_real_distribution<double>(0.0, 1.0)(*random) * duration_);
     identify.Signal(SIGKILL);
     const bool was_running = !identify.Wait().has_value();
@@ -181,7 +143,7 @@ TEST_F(ResumeTest, AnInterruptedFitGoesOn) {
   const std::map<std::string, std::string> expected = ReadResult(result());
   fs::remove_all(result());
 
-  const Identify interrupted = Resume(flags);
+  const ToolProcess interrupted = Resume(flags);
   WaitForEvaluations(interrupted);
   interrupted.Signal(SIGINT);
   EXPECT_EQ(interrupted.Wait(), 130);
@@ -194,7 +156,7 @@ TEST_F(ResumeTest, AnInterruptedFitGoesOn) {
 }
 
 TEST_F(ResumeTest, RefusesTheJournalOfAnotherFit) {
-  const Identify killed = Resume({"--method", "lbfgs"});
+  const ToolProcess killed = Resume({"--method", "lbfgs"});
   WaitForEvaluations(killed);
   killed.Signal(SIGKILL);
   EXPECT_FALSE(killed.Wait().has_value());
