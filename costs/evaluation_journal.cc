@@ -109,10 +109,10 @@ void Field(Archive* archive, ResidualRows* value) {
 
 template <typename Archive>
 void Field(Archive* archive, RolloutEvaluation* value) {
-  auto& [coordinates, precision, failure, predicted, cost, loss_row, has_rows, rows, has_gradient, gradient,
+  auto& [coordinates, precision, failure, predicted, counts, cost, loss_row, has_rows, rows, has_gradient, gradient,
          has_exact_rows, exact_rows] = *value;
-  Fields(archive, &coordinates, &precision, &failure, &predicted, &cost, &loss_row, &has_rows, &rows, &has_gradient,
-         &gradient, &has_exact_rows, &exact_rows);
+  Fields(archive, &coordinates, &precision, &failure, &predicted, &counts, &cost, &loss_row, &has_rows, &rows,
+         &has_gradient, &gradient, &has_exact_rows, &exact_rows);
 }
 
 template <typename Archive>

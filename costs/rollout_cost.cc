@@ -67,10 +67,12 @@ bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd*
   return true;
 }
 
-bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) const {
+bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts) const {
   const RolloutEvaluation& evaluation = evaluator_->At(coordinates, Need::kCost, {});
-  if (evaluation.ok()) *predicted = evaluation.predicted;
-  return evaluation.ok();
+  if (!evaluation.ok()) return false;
+  *predicted = evaluation.predicted;
+  if (counts != nullptr) *counts = evaluation.counts;
+  return true;
 }
 
 void RolloutCost::SetPrecision(Precision precision) { evaluator_->SetPrecision(precision); }

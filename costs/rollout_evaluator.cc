@@ -104,7 +104,7 @@ Eigen::VectorXd RolloutEvaluator::WeightedResiduals(const RolloutEvaluation& eva
 }
 
 void RolloutEvaluator::ComputeCost(RolloutEvaluation* evaluation) {
-  RolloutAt(evaluation->coordinates);
+  evaluation->counts = RolloutAt(evaluation->coordinates).counts;
   evaluation->predicted = rollout_predicted_;
   const Eigen::VectorXd residuals = model_.observation().Residuals(evaluation->predicted);
   Eigen::VectorXd weights;
@@ -138,6 +138,7 @@ CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active
   ++statistics_.sweeps;
   const SensitivityResult result = model_.PushForward(evaluation->coordinates, active, add_frame, options_.cancel);
   statistics_.counts += result.counts;
+  evaluation->counts = result.counts;
   if (result.failure) throw std::runtime_error(result.failure->ToString());
   evaluation->loss_row = LossRow(evaluation->cost, weighted_squared_norm);
   return compressed;

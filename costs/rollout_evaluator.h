@@ -33,6 +33,7 @@ struct RolloutEvaluation {
   Precision precision = Precision::kFull;
   std::string failure;        // not empty: nothing else is valid
   Eigen::MatrixXd predicted;  // [3P x T] m
+  RolloutCounts counts;       // of the rollout
   double cost = 0.0;          // L
   double loss_row = 0.0;      // sqrt(2 L - |w e|^2), see costs/robust_loss.h
   bool has_rows = false;

@@ -8,6 +8,7 @@
 
 #include "datasets/motion_container.h"
 #include "datasets/motion_file.h"
+#include "datasets/scene_text.h"
 #include "sim/json_document.h"
 #include "sim/scene_json.h"
 #include "sim/text_file.h"
@@ -119,6 +120,7 @@ RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& opti
   if (options.change_scene) motion.scene_text = options.change_scene(motion.scene_text);
   motion.scene = ParseScene(motion.scene_text, embedded ? path + ": scene" : options.scene_path,
                             FolderOf(embedded ? path : options.scene_path), defaults);
+  motion.scene_text = WithInlineSurfaces(motion.scene_text, motion.scene);
   motion.times = std::move(file.tensors.times);
   motion.positions = std::move(file.tensors.positions);
   motion.sigma = std::move(file.tensors.sigma);

@@ -24,7 +24,7 @@ struct RecordedMotion {
   std::vector<ObservedPoint> points;  // [P]
   Eigen::VectorXd sigma;              // [P] m, standard deviation of a coordinate; empty: not known
   Scene scene;                        // with mesh, start state and duration of this recording
-  std::string scene_text;             // the JSON that the scene was read from
+  std::string scene_text;             // the JSON that the scene was read from, with the surfaces of obstacles in it
   std::string provenance;
   std::string sha256;  // of the file
 

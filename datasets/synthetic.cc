@@ -10,6 +10,7 @@
 #include <sstream>
 #include <vector>
 
+#include "datasets/scene_text.h"
 #include "sim/error.h"
 
 namespace clothid {
@@ -117,9 +118,9 @@ void SampleHandles(const Scene& scene, MotionTensors* motion) {
   }
 }
 
-// The text of a recording: every value of the original, without the names of files and with an explicit start. A start
-// read from a file goes: the first frame takes its place.
-std::string SelfContainedText(const std::string& scene_text, const SyntheticOptions& options) {
+// The text of a recording: every value of the original, without the names of files and with an explicit start. Surfaces
+// come into it. A start read from a file goes: the first frame takes its place.
+std::string SelfContainedText(const Scene& original, const std::string& scene_text, const SyntheticOptions& options) {
   nlohmann::ordered_json scene = nlohmann::ordered_json::parse(scene_text, nullptr, /*allow_exceptions=*/false);
   if (!scene.is_object()) throw Error(ErrorKind::kBadData, "scene: expected a JSON object");
   if (scene.contains("mesh") && scene["mesh"].contains("obj")) scene.erase("mesh");
@@ -135,7 +136,7 @@ std::string SelfContainedText(const std::string& scene_text, const SyntheticOpti
     initial.erase("positions");
     if (initial.empty()) scene.erase("initial");
   }
-  return scene.dump(2);
+  return WithInlineSurfaces(scene.dump(2), original);
 }
 
 std::string Provenance(const SyntheticOptions& options) {
@@ -183,7 +184,7 @@ MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const st
   motion.single_precision = options.single_precision;
   motion.mesh = scene.mesh;
   motion.node_index = ChooseMarkers(scene, options);
-  motion.scene_text = SelfContainedText(scene_text, options);
+  motion.scene_text = SelfContainedText(scene, scene_text, options);
   motion.provenance = Provenance(options);
   SamplePositions(rollout, frame_steps, &motion);
   SampleHandles(scene, &motion);

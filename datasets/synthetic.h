@@ -31,10 +31,10 @@ Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps);
 
 // What the sensor saw of `rollout`, which must be ok() and come from `scene`; positions between steps are interpolated
 // linearly. Same arguments, same result. `scene_text` is the JSON that `scene` was read from. The recording is
-// self-contained: what the text takes from files is in its tensors, and the text in it no longer mentions the files.
-// Paths of moving handles are sampled at the frames, without noise.
-// Throws `Error` (kUsage) for options out of range, and where a start read from a file would have to come from a first
-// frame that noise, markers, drops or F32 have spoiled.
+// self-contained: what the text takes from files is in its tensors or, the surfaces of obstacles, in the text in it,
+// which no longer mentions the files. Paths of moving handles are sampled at the frames, without noise. Throws `Error`:
+// kUsage for options out of range, and where a start read from a file would have to come from a first frame that noise,
+// markers, drops or F32 have spoiled; kBadData where the surfaces are too large for a scene's text.
 MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const std::string& scene_text,
                             const SyntheticOptions& options);
 

@@ -107,8 +107,11 @@ void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost) {
   best_.cost = cost;
   best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();
   best_.predicted.resize(static_cast<std::size_t>(problem_->num_recordings()));
+  best_.counts = RolloutCounts();
   for (int r = 0; r < problem_->num_recordings(); ++r) {
-    problem_->cost(r).Predict(problem_->CoordinatesOf(r, coordinates), &best_.predicted[r]);
+    RolloutCounts counts;
+    problem_->cost(r).Predict(problem_->CoordinatesOf(r, coordinates), &best_.predicted[r], &counts);
+    best_.counts += counts;
   }
   if (!first_.is_valid()) first_ = best_;
 }

@@ -267,6 +267,7 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
   summary->start_error = Compare(problem, evaluator.first());
   summary->error = Compare(problem, best);
   summary->predicted = best.predicted;
+  summary->counts = best.counts;
 }
 
 bool IsAllFrozen(const FitProblem& problem) {

@@ -133,6 +133,14 @@ Json GradientCheckJson(const std::optional<GradientCheck>& check) {
   return {{"adjoint_vs_sensitivity", check->adjoint_vs_sensitivity}, {"adjoint_vs_fd", check->adjoint_vs_fd}};
 }
 
+Json ContactEventsJson(const RolloutCounts& counts) {
+  return {{"contacts", counts.contacts},
+          {"nodes_joined", counts.nodes_joined},
+          {"nodes_left", counts.nodes_left},
+          {"branch_switches", counts.branch_switches},
+          {"obstacle_switches", counts.obstacle_switches}};
+}
+
 Json ProvenanceJson(const RunRecord& run, const std::vector<RecordedMotion>& motions) {
   std::string sha256;
   for (const RecordedMotion& motion : motions) sha256 += (sha256.empty() ? "" : ",") + motion.sha256;
@@ -162,6 +170,7 @@ std::string ResultJson(const FitSummary& summary, const RunRecord& run, const st
   json["rollouts"] = summary.statistics.rollouts;
   json["sweeps"] = summary.statistics.sweeps;
   json["failed_steps"] = summary.statistics.counts.failed_steps;
+  json["contact_events"] = ContactEventsJson(summary.counts);
   json["gradient_check"] = GradientCheckJson(run.gradient_check);
   json["seconds"] = {{"total", summary.total_seconds},
                      {"rollout", summary.statistics.rollout_seconds},

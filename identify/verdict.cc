@@ -152,6 +152,16 @@ void AddStepCheck(const FitSummary& summary, const StepCheck& check, std::vector
   lines->push_back(line);
 }
 
+// A node takes normal and friction of the nearest obstacle, so at equal distances of two both change at once.
+void AddObstacleSwitches(const FitSummary& summary, std::vector<std::string>* lines) {
+  const int num_switches = summary.counts.obstacle_switches;
+  if (num_switches == 0) return;
+  lines->push_back("at the estimate " + std::to_string(num_switches) +
+                   (num_switches == 1 ? " contact jumps" : " contacts jump") +
+                   " from one obstacle to another: the cost has small jumps there that no derivative shows, and a fit "
+                   "may end at one; compare with --starts and look at the landscape");
+}
+
 void AddHoldout(const Holdout& holdout, std::vector<std::string>* lines) {
   if (!holdout.failure.empty()) lines->push_back("held out: " + holdout.failure);
   if (std::isnan(holdout.rmse) || std::isnan(holdout.nominal_rmse)) return;
@@ -188,6 +198,7 @@ std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run
   if (run.starts) AddStarts(summary, *run.starts, &lines);
   AddProfiles(summary, run, &lines);
   if (run.step_check) AddStepCheck(summary, *run.step_check, &lines);
+  AddObstacleSwitches(summary, &lines);
   if (run.holdout) AddHoldout(*run.holdout, &lines);
   if (summary.status == FitStatus::kConverged && FitExitCode(summary, run) == kExitSuccess) {
     lines.insert(lines.begin(), "every fitted parameter is identifiable");

@@ -39,7 +39,8 @@ std::optional<bool> IsIdentifiable(const FitSummary& summary, const RunRecord& r
 ExitCode FitExitCode(const FitSummary& summary, const RunRecord& run);
 
 // One line each: how the fit ended, what is not identifiable and why, what stands at its bound, where the other starts
-// ended and why the first minimum is preferred, what the time step and the held-out measurements say.
+// ended and why the first minimum is preferred, what the time step and the held-out measurements say, where the cost
+// jumps.
 std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run);
 
 }  // namespace clothid

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -262,6 +263,11 @@ bool JsonNode::Boolean() const {
 const std::string& JsonNode::String() const {
   Expect(Kind::kString, "a string");
   return value_->text;
+}
+
+std::string JsonNode::Path(const std::string& folder) const {
+  if (String().empty()) Fail("expected the name of a file");
+  return (std::filesystem::path(folder) / String()).string();
 }
 
 Eigen::Vector3d JsonNode::Vector3() const {

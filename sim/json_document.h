@@ -58,6 +58,7 @@ class JsonNode {
   long long LongInteger(long long minimum, long long maximum) const;
   bool Boolean() const;
   const std::string& String() const;
+  std::string Path(const std::string& folder) const;  // of the file that the value names, relative to `folder`
   Eigen::Vector3d Vector3() const;
 
  private:

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "sim/error.h"
+#include "sim/mesh.h"
 #include "sim/obstacle.h"
 #include "sim/text_file.h"
+#include "sim/triangulated_surface.h"
 
 namespace clothid {
 namespace {
@@ -37,39 +39,75 @@ Eigen::Vector3d RequireVector(const JsonNode& node, const char* key) {
 
 double RequireRadius(const JsonNode& node) { return node.Require("radius", "a number > 0 (m)").PositiveNumber(); }
 
-// A constructor that refuses its arguments knows no key: `node` gives it.
+// A constructor that refuses its arguments knows no key: `node` gives it, and `source`, where it is not empty, a file.
 template <typename Shape, typename... Arguments>
-std::shared_ptr<const Obstacle> MakeShape(const JsonNode& node, const Arguments&... arguments) {
+std::shared_ptr<const Obstacle> MakeShape(const JsonNode& node, const std::string& source,
+                                          const Arguments&... arguments) {
   std::string problem;
   try {
     return std::make_shared<Shape>(arguments...);
   } catch (const Error& error) {
     problem = error.what();
   }
-  node.Fail(problem);
+  node.Fail(source + problem);
 }
 
-std::shared_ptr<const Obstacle> ReadShape(const JsonNode& node) {
-  const std::string types = "\"plane\", \"sphere\" or \"capsule\"";
+Eigen::Matrix3Xd ReadVertices(const JsonNode& list) {
+  const std::vector<JsonNode> items = list.items();
+  Eigen::Matrix3Xd vertices(3, static_cast<Eigen::Index>(items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i) vertices.col(i) = items[i].Vector3();
+  return vertices;
+}
+
+Eigen::Matrix3Xi ReadFaces(const JsonNode& list, int num_vertices) {
+  const std::vector<JsonNode> items = list.items();
+  Eigen::Matrix3Xi faces(3, static_cast<Eigen::Index>(items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::vector<JsonNode> corners = items[i].items();
+    if (corners.size() != 3) items[i].Fail("expected an array of three vertices");
+    for (std::size_t k = 0; k < 3; ++k) faces(k, i) = corners[k].Integer(0, num_vertices - 1);
+  }
+  return faces;
+}
+
+std::shared_ptr<const Obstacle> ReadSurface(const JsonNode& node, const std::string& folder) {
+  node.ExpectKeys({"name", "type", "obj", "vertices", "faces", "mu", "contact_distance"});
+  const auto obj = node.Find("obj");
+  if (obj.has_value() == (node.Find("vertices") || node.Find("faces"))) {
+    node.Fail("expected either \"obj\" or \"vertices\" and \"faces\"");
+  }
+  if (obj) {
+    const std::string path = obj->Path(folder);
+    const Mesh mesh = ReadObj(path);
+    return MakeShape<TriangulatedSurface>(*obj, path + ": ", mesh.rest_positions, mesh.faces);
+  }
+  const Eigen::Matrix3Xd vertices = ReadVertices(node.Require("vertices", "a list of [x, y, z] (m)"));
+  const JsonNode faces = node.Require("faces", "a list of [i, j, k]");
+  return MakeShape<TriangulatedSurface>(faces, "", vertices, ReadFaces(faces, static_cast<int>(vertices.cols())));
+}
+
+std::shared_ptr<const Obstacle> ReadShape(const JsonNode& node, const std::string& folder) {
+  const std::string types = "\"plane\", \"sphere\", \"capsule\" or \"mesh\"";
   const JsonNode type = node.Require("type", types);
   if (type.String() == "plane") {
     node.ExpectKeys({"name", "type", "point", "normal", "mu", "contact_distance"});
-    return MakeShape<Plane>(node, RequireVector(node, "point"), RequireVector(node, "normal"));
+    return MakeShape<Plane>(node, "", RequireVector(node, "point"), RequireVector(node, "normal"));
   }
   if (type.String() == "sphere") {
     node.ExpectKeys({"name", "type", "center", "radius", "mu", "contact_distance"});
-    return MakeShape<Sphere>(node, RequireVector(node, "center"), RequireRadius(node));
+    return MakeShape<Sphere>(node, "", RequireVector(node, "center"), RequireRadius(node));
   }
   if (type.String() == "capsule") {
     node.ExpectKeys({"name", "type", "from", "to", "radius", "mu", "contact_distance"});
-    return MakeShape<Capsule>(node, RequireVector(node, "from"), RequireVector(node, "to"), RequireRadius(node));
+    return MakeShape<Capsule>(node, "", RequireVector(node, "from"), RequireVector(node, "to"), RequireRadius(node));
   }
+  if (type.String() == "mesh") return ReadSurface(node, folder);
   type.Fail("obstacles of type '" + Printable(type.String()) + "' are not supported; expected " + types);
 }
 
 }  // namespace
 
-std::vector<SceneObstacle> ReadObstacles(const JsonNode& list) {
+std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const std::string& folder) {
   std::set<std::string> names;
   for (const JsonNode& node : list.items()) {
     if (const auto name = node.Find("name")) CheckName(*name, &names);
@@ -77,7 +115,7 @@ std::vector<SceneObstacle> ReadObstacles(const JsonNode& list) {
   std::vector<SceneObstacle> obstacles;
   for (const JsonNode& node : list.items()) {
     SceneObstacle obstacle;
-    obstacle.shape = ReadShape(node);
+    obstacle.shape = ReadShape(node, folder);
     if (const auto mu = node.Find("mu")) obstacle.friction_coefficient = mu->NonNegativeNumber();
     if (const auto distance = node.Find("contact_distance")) obstacle.contact_distance = distance->NonNegativeNumber();
     const auto name = node.Find("name");

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_SIM_OBSTACLE_JSON_H_
 #define CLOTHID_SIM_OBSTACLE_JSON_H_
 
+#include <string>
 #include <vector>
 
 #include "sim/json_document.h"
@@ -9,9 +10,10 @@
 
 namespace clothid {
 
-// Reads the array `list`. Obstacles without a name get that of their type, made unique: "sphere", "sphere2", ... Throws
-// `Error` (kBadData) naming key and line.
-std::vector<SceneObstacle> ReadObstacles(const JsonNode& list);
+// Reads the array `list`. Relative names of files in it start at `folder`. Obstacles without a name get that of their
+// type, made unique: "sphere", "sphere2", ... Throws `Error` naming key and line (kBadData) or a file that cannot be
+// read (kIo).
+std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const std::string& folder);
 
 }  // namespace clothid
 

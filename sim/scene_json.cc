@@ -38,7 +38,7 @@ class SceneReader {
     ReadMesh();
     ReadHandles();
     ReadInitial();
-    if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles);
+    if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles, folder_);
     ReadMaterials();
     ReadParameters();
     ReadSolver();
@@ -46,11 +46,6 @@ class SceneReader {
   }
 
  private:
-  std::string Resolve(const JsonNode& name) const {
-    if (name.String().empty()) name.Fail("expected the name of a file");
-    return (std::filesystem::path(folder_) / name.String()).string();
-  }
-
   static void ReadVector(const JsonNode& object, const char* key, Eigen::Vector3d* value) {
     if (const auto node = object.Find(key)) *value = node->Vector3();
   }
@@ -115,7 +110,7 @@ class SceneReader {
                    std::to_string(nodes));
       }
     } else {
-      const std::string path = Resolve(*obj);
+      const std::string path = obj->Path(folder_);
       if (defaults_.has_mesh) return;
       scene_.mesh = ReadObj(path);
       ValidateMesh(scene_.mesh, path);
@@ -165,7 +160,7 @@ class SceneReader {
       nodes = ReadHandleNodes(*handles);
     }
     const auto path = handles->is(Kind::kObject) ? handles->Find("path") : std::nullopt;
-    const std::string file = path ? Resolve(*path) : "";
+    const std::string file = path ? path->Path(folder_) : "";
     if (defaults_.handles.nodes.empty()) {
       scene_.handles.nodes = nodes;
       if (path) scene_.handles.path = ReadHandleCsv(file, static_cast<int>(nodes.size()));
@@ -225,7 +220,7 @@ class SceneReader {
 
   Eigen::VectorXd ReadInitialPositions(const JsonNode& node) const {
     if (node.String() == "rest") return scene_.mesh.rest_positions.reshaped();
-    const std::string path = Resolve(node);
+    const std::string path = node.Path(folder_);
     const NpyArray array = ReadNpy(path);
     const int num_nodes = scene_.mesh.num_nodes();
     if (array.shape != std::vector<long long>{num_nodes, 3}) {

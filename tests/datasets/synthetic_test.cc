@@ -3,12 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <iomanip>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "sim/error.h"
 #include "sim/scene_json.h"
+#include "sim/simulator.h"
+#include "sim/triangulated_surface.h"
+#include "tests/expect_error.h"
+#include "tests/sim/triangle_meshes.h"
+#include "tests/temporary_folder.h"
 
 namespace clothid {
 namespace {
@@ -144,6 +153,56 @@ TEST_F(SyntheticTest, TheTextOfARecordingNamesNoFiles) {
   const auto recorded = nlohmann::json::parse(RecordRollout(rollout_, scene_, text, {}).scene_text);
   EXPECT_EQ(recorded, nlohmann::json::parse(R"({"clothid_scene": 1, "time_step": 0.01, "duration": 0.2,
                                                 "initial": {"velocity": [1, 0, 0]}, "handles": [0, 1, 2]})"));
+}
+
+// An icosphere whose coordinates need every digit, as a file.
+std::string WriteObj(const TemporaryFolder& folder, const TriangleMesh& mesh) {
+  std::ostringstream obj;
+  obj << std::setprecision(17);
+  for (const auto& vertex : mesh.vertices.colwise()) obj << "v " << vertex.transpose() << "\n";
+  for (const auto& face : mesh.faces.colwise()) obj << "f " << (face.array() + 1).transpose() << "\n";
+  return folder.Write("ball.obj", obj.str());
+}
+
+TEST(SyntheticOnASurfaceTest, ARecordingSimulatesToTheSameBits) {
+  const TemporaryFolder folder;
+  const std::string obj = WriteObj(folder, IcosphereMesh(1, 0.1));
+  const std::string text = R"({"clothid_scene": 1, "time_step": 0.01, "duration": 0.2,
+      "mesh": {"grid": {"nodes": [5, 5], "size": [0.2, 0.2], "origin": [-0.1, -0.1, 0.11]}},
+      "obstacles": [{"type": "plane", "point": [0, 0, -1], "normal": [0, 0, 1]},
+                    {"name": "ball", "type": "mesh", "obj": "ball.obj", "mu": 0.4, "contact_distance": 1e-3}]})";
+  const Scene scene = ParseScene(text, "scene.json", folder.path());
+  Simulator simulator(scene);
+  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator);
+  ASSERT_TRUE(rollout.ok());
+  ASSERT_GT(rollout.counts.contacts, 0);
+  const std::string path = folder.File("motion.bin");
+  WriteMotion(RecordRollout(rollout, scene, text, {}), path);
+  ReadMotionOptions with_scene;
+  with_scene.scene_path = folder.Write("scene.json", text);
+  EXPECT_EQ(ReadMotion(path, with_scene).scene_text.find("ball.obj"), std::string::npos);
+  std::filesystem::remove(obj);
+  const RecordedMotion motion = ReadMotion(path);
+  EXPECT_EQ(motion.scene_text.find("ball.obj"), std::string::npos);
+  EXPECT_EQ(motion.scene.obstacle_names(), scene.obstacle_names());
+  Simulator again(motion.scene);
+  const Rollout recorded = Simulate(motion.scene.nominal_parameters(), motion.scene.num_steps(), &again);
+  ASSERT_EQ(recorded.num_steps(), rollout.num_steps());
+  for (int step = 0; step <= rollout.num_steps(); ++step) {
+    EXPECT_EQ(recorded.positions(step), rollout.positions(step)) << step;
+  }
+}
+
+TEST_F(SyntheticTest, SurfacesTooLargeForATextAreAnError) {
+  const TriangleMesh mesh = IcosphereMesh(5, 0.1);
+  const auto shape = std::make_shared<TriangulatedSurface>(mesh.vertices, mesh.faces);
+  nlohmann::json text = nlohmann::json::parse(kSceneText);
+  for (int i = 0; i < 9; ++i) {
+    text["obstacles"].push_back({{"type", "mesh"}, {"obj", "ball.obj"}});
+    scene_.obstacles.push_back({"ball" + std::to_string(i), shape});
+  }
+  ExpectError([&] { RecordRollout(rollout_, scene_, text.dump(), {}); }, ErrorKind::kBadData,
+              {"surfaces of its obstacles", "more than 1000000 values"});
 }
 
 // Without a start of its own the text would leave it to the first frame, which may be noisy.

@@ -56,10 +56,11 @@ TEST(ReportTest, ResultHasItsSchema) {
   run.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "nominal: failed"};
   const Json json = Json::parse(ResultJson(summary, run, motions));
   EXPECT_EQ(Keys(json),
-            (std::vector<std::string>{
-                "schema",     "status",      "exit_code", "verdict",      "parameters",     "rmse_m",  "fit_percent",
-                "holdout",    "uncertainty", "starts",    "profiles",     "step_check",     "cost",    "jacobian",
-                "iterations", "rollouts",    "sweeps",    "failed_steps", "gradient_check", "seconds", "provenance"}));
+            (std::vector<std::string>{"schema",   "status",      "exit_code",    "verdict",        "parameters",
+                                      "rmse_m",   "fit_percent", "holdout",      "uncertainty",    "starts",
+                                      "profiles", "step_check",  "cost",         "jacobian",       "iterations",
+                                      "rollouts", "sweeps",      "failed_steps", "contact_events", "gradient_check",
+                                      "seconds",  "provenance"}));
   EXPECT_EQ(json["schema"], "clothid.result/1");
   EXPECT_EQ(json["status"], "converged");
   EXPECT_EQ(json["exit_code"], 0);
@@ -77,12 +78,36 @@ TEST(ReportTest, ResultHasItsSchema) {
   EXPECT_TRUE(json["uncertainty"]["hidden_directions"].empty());
   EXPECT_EQ(json["rmse_m"].get<double>(), summary.error.rmse());
   EXPECT_TRUE(json["holdout"]["nominal_rmse_m"].is_null());
+  EXPECT_EQ(json["contact_events"], Json({{"contacts", summary.counts.contacts},
+                                          {"nodes_joined", summary.counts.nodes_joined},
+                                          {"nodes_left", summary.counts.nodes_left},
+                                          {"branch_switches", summary.counts.branch_switches},
+                                          {"obstacle_switches", 0}}));
   EXPECT_EQ(json["gradient_check"]["adjoint_vs_fd"], 1e-7);
   EXPECT_EQ(Keys(json["seconds"]), (std::vector<std::string>{"total", "rollout", "derivative", "solver"}));
   EXPECT_EQ(Keys(json["provenance"]),
             (std::vector<std::string>{"version", "git", "input_sha256", "flags", "seed", "threads"}));
   EXPECT_EQ(json["provenance"]["input_sha256"], "0123,0123");
   EXPECT_TRUE(Json::parse(ResultJson(summary, RunRecord(), motions))["holdout"].is_null());
+}
+
+TEST(ReportTest, ContactsAreCountedAtTheEstimate) {
+  const std::vector<RecordedMotion> motions = TwoMotions();
+  const FitSummary summary = RunFit(motions, 1);
+  RolloutCounts counts;
+  for (const RecordedMotion& motion : motions) {
+    Parameters parameters = motion.scene.nominal_parameters();
+    for (double& mu : parameters.friction_coefficients) mu = summary.parameters[0].value;
+    parameters.material.stretch_stiffness = summary.parameters[1].value;
+    Simulator simulator(motion.scene);
+    counts += Simulate(parameters, motion.scene.num_steps(), &simulator).counts;
+  }
+  EXPECT_GT(counts.nodes_joined, 0);
+  EXPECT_EQ(summary.counts.steps, counts.steps);
+  EXPECT_EQ(summary.counts.contacts, counts.contacts);
+  EXPECT_EQ(summary.counts.nodes_joined, counts.nodes_joined);
+  EXPECT_EQ(summary.counts.nodes_left, counts.nodes_left);
+  EXPECT_EQ(summary.counts.branch_switches, counts.branch_switches);
 }
 
 TEST(ReportTest, SameBytesOnEveryRunAndOnTwoThreads) {

@@ -133,6 +133,17 @@ TEST(VerdictTest, MinimaThatFitEquallyWellMakeAParameterUnidentifiable) {
   EXPECT_TRUE(Says(Converged(), run, "cannot tell it from the preferred one"));
 }
 
+TEST(VerdictTest, SaysWhereContactsJumpBetweenObstacles) {
+  FitSummary summary = Converged();
+  summary.counts.branch_switches = 7;
+  EXPECT_FALSE(Says(summary, {}, "obstacle"));
+  summary.counts.obstacle_switches = 1;
+  EXPECT_TRUE(Says(summary, {}, "at the estimate 1 contact jumps from one obstacle to another"));
+  summary.counts.obstacle_switches = 12;
+  EXPECT_TRUE(Says(summary, {}, "at the estimate 12 contacts jump from one obstacle to another: the cost has small"));
+  EXPECT_EQ(FitExitCode(summary, {}), 0);
+}
+
 TEST(VerdictTest, SaysHowFarHalfTheStepMovesIt) {
   RunRecord run;
   run.step_check.emplace();

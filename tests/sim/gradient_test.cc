@@ -1,6 +1,7 @@
 // adjoint = sensitivity = central finite differences, for every parameter, in every shipped scene and contact mode.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -11,7 +12,9 @@
 #include "sim/adjoint.h"
 #include "sim/sensitivity.h"
 #include "sim/simulator.h"
+#include "sim/triangulated_surface.h"
 #include "tests/sim/shipped_scenes.h"
+#include "tests/sim/triangle_meshes.h"
 
 namespace clothid {
 namespace {
@@ -32,6 +35,7 @@ class GradientCase {
   }
 
   int num_directions() const { return static_cast<int>(adjoint_.size()); }
+  const Rollout& rollout() const { return rollout_; }
   int num_substeps() const { return rollout_.counts.substeps; }
   double adjoint(int i) const { return adjoint_[i]; }
   double sensitivity(int i) const { return sensitivity_[i]; }
@@ -257,6 +261,44 @@ TEST(GradientOfSeveralObstaclesTest, EachFrictionCoefficientHasItsOwnDerivative)
               1e-10 * std::abs(gradient.adjoint(0)));
   ExpectAgreement(gradient, 1e-5);
 }
+
+// `drape` on a tilted cube, whose edges and vertices the contact distance rounds off: nodes slide over them without a
+// jump of their normals.
+Scene OnCube(ContactMode mode) {
+  Scene scene = ShippedScene("drape", 12);
+  scene.contact_mode = mode;
+  TriangleMesh cube = CubeMesh(0.14);
+  cube.vertices =
+      Eigen::AngleAxisd(0.4, Eigen::Vector3d(0.6, 0.8, 0.1).normalized()).toRotationMatrix() * cube.vertices;
+  cube.vertices.colwise() += Eigen::Vector3d(0.03, 0.25, -0.35);
+  SceneObstacle& obstacle = scene.obstacles[0];
+  obstacle.shape = std::make_shared<TriangulatedSurface>(cube.vertices, cube.faces);
+  obstacle.contact_distance = 0.02;
+  return scene;
+}
+
+class GradientOnTrianglesTest : public ::testing::TestWithParam<ContactMode> {};
+
+TEST_P(GradientOnTrianglesTest, AdjointEqualsSensitivityEqualsDifferences) {
+  const Scene scene = OnCube(GetParam());
+  const GradientCase gradient(scene);
+  const Rollout& rollout = gradient.rollout();
+  int on_faces = 0, off_faces = 0;
+  for (int step = 1; step < rollout.num_steps(); ++step) {
+    for (const ContactRecord& contact : rollout.records[rollout.last_record[step]].contacts) {
+      const Eigen::Vector3d start = rollout.positions(step).segment<3>(3 * contact.node);
+      const bool is_flat = scene.obstacles[0].shape->Closest(start).normal_gradient.isZero(0.0);
+      ++(is_flat ? on_faces : off_faces);
+    }
+  }
+  EXPECT_GT(on_faces, 100);
+  EXPECT_GT(off_faces, 100);
+  EXPECT_TRUE(gradient.HasInfluence("mu"));
+  ExpectAgreement(gradient, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, GradientOnTrianglesTest, ::testing::Values(ContactMode::kGap, ContactMode::kVelocity),
+                         [](const auto& test) { return test.param == ContactMode::kGap ? "Gap" : "Velocity"; });
 
 TEST(GradientOfSubstepsTest, SubstepsAreDifferentiatedThrough) {
   Scene scene = ShippedScene("drape", 6);

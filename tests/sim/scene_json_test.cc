@@ -135,6 +135,59 @@ TEST(Scene, CountsTheStepsThatCoverTheDuration) {
   EXPECT_EQ(steps(0.1, 0.01), 1);
 }
 
+constexpr char kTetrahedron[] = R"({"type": "mesh", "mu": 0.2,
+  "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+  "faces": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]})";
+
+std::string SceneWithObstacle(const std::string& obstacle) { return SmallScene("\"obstacles\": [" + obstacle + "]"); }
+
+TEST(ParseScene, ReadsSurfacesFromTheTextAndFromFiles) {
+  const TemporaryFolder folder;
+  folder.Write("tetrahedron.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string from_file = R"({"type": "mesh", "obj": "tetrahedron.obj", "mu": 0.2})";
+  for (const std::string& text : {SceneWithObstacle(kTetrahedron), SceneWithObstacle(from_file)}) {
+    const Scene scene = ParseScene(text, "scene.json", folder.path());
+    EXPECT_EQ(scene.obstacle_names(), std::vector<std::string>{"mesh"});
+    EXPECT_EQ(scene.obstacles[0].friction_coefficient, 0.2);
+    EXPECT_DOUBLE_EQ(scene.obstacles[0].shape->Closest({0.1, 0.1, -0.5}).gap, 0.5);
+    EXPECT_DOUBLE_EQ(scene.obstacles[0].shape->Closest({0.1, 0.1, 0.02}).gap, -0.02);
+  }
+}
+
+TEST(ParseScene, NamesWhatIsWrongWithASurface) {
+  const auto expect = [](const std::string& before, const std::string& after,
+                         std::initializer_list<const char*> fragments) {
+    std::string obstacle = kTetrahedron;
+    obstacle.replace(obstacle.find(before), before.size(), after);
+    ExpectBad(SceneWithObstacle(obstacle), fragments);
+  };
+  expect("[0, 0, 1]", "[0, 0]", {"scene.json:3: key 'obstacles[0].vertices[3]': expected an array of three numbers"});
+  expect("[0, 0, 1]", "[0, 0, 0]",
+         {"scene.json:4: key 'obstacles[0].faces': triangulated surface: triangle 1 has no area"});
+  expect("1, 3]", "1, 4]", {"scene.json:4: key 'obstacles[0].faces[1][2]': expected an integer from 0 to 3"});
+  expect("1, 3]", "1, 3, 2]", {"scene.json:4: key 'obstacles[0].faces[1]': expected an array of three vertices"});
+  expect(", [1, 2, 3]", "", {"key 'obstacles[0].faces': ", "expected a closed surface"});
+  expect("\"faces\"", "\"obj\"", {"scene.json:2: key 'obstacles[0]': expected either \"obj\" or \"vertices\" and"});
+  expect("\"faces\"", "\"sides\"", {"key 'obstacles[0].sides': unknown key"});
+  ExpectBad(SceneWithObstacle(R"({"type": "mesh", "vertices": []})"), {"key 'obstacles[0].faces': is missing"});
+  ExpectBad(SceneWithObstacle(R"({"type": "mesh"})"), {"key 'obstacles[0]': expected either"});
+}
+
+TEST(ParseScene, NamesTheFileOfASurface) {
+  const TemporaryFolder folder;
+  folder.Write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  folder.Write("torn.obj", "v 0 0 0\nv 1 0\n");
+  const auto parse = [&](const std::string& file) {
+    const std::string text = SceneWithObstacle(R"({"type": "mesh", "obj": ")" + file + "\"}");
+    return [text, &folder] { ParseScene(text, "scene.json", folder.path()); };
+  };
+  ExpectError(parse("sheet.obj"), kBadData,
+              {"scene.json:2: key 'obstacles[0].obj': ", "sheet.obj: ", "closed surface"});
+  ExpectError(parse("torn.obj"), kBadData, {"torn.obj:2: expected three finite numbers"});
+  ExpectError(parse("none.obj"), ErrorKind::kIo, {"none.obj"});
+  ExpectError(parse(""), kBadData, {"key 'obstacles[0].obj': expected the name of a file"});
+}
+
 TEST(ParseScene, NamesUnknownKeysAndTheirLine) {
   ExpectBadMember("\"gravty\": [0, 0, 1]", {"scene.json:2: key 'gravty': unknown key", "gravity"});
   ExpectBadMember("\"wind\": {\n\"men\": 1}",
@@ -205,8 +258,8 @@ TEST(ParseScene, NamesWrongObstacles) {
     ExpectBadMember("\"obstacles\": [" + list + "]", fragments);
   };
   expect("{" + sphere + ", \"mu\": -0.1}", {"scene.json:2: key 'obstacles[0].mu': expected a number >= 0"});
-  expect("{\"type\": \"mesh\", \"obj\": \"hand.obj\"}",
-         {"key 'obstacles[0].type'", "'mesh' are not supported; expected \"plane\", \"sphere\" or \"capsule\""});
+  expect("{\"type\": \"cone\"}",
+         {"key 'obstacles[0].type'", "'cone' are not supported; expected \"plane\", \"sphere\","});
   expect("{\"center\": [0, 0, 0]}", {"key 'obstacles[0].type': is missing"});
   expect("{\"type\": \"sphere\", \"radius\": 1}", {"key 'obstacles[0].center': is missing"});
   expect("{\"type\": \"sphere\", \"radius\": 0, \"center\": [0, 0, 0]}",
