@@ -18,6 +18,7 @@
 #include "sim/parameters.h"
 #include "sim/text_file.h"
 #include "tools/benchmark_backprop.h"
+#include "tools/benchmark_continuity.h"
 #include "tools/benchmark_coverage.h"
 #include "tools/benchmark_discretization.h"
 #include "tools/benchmark_forward.h"
@@ -37,6 +38,9 @@ DEFINE_string(steps, "", "discretization: divisors of the time step; else a numb
 DEFINE_int32(repeats, 3, "repetitions, of which the table gives medians");
 DEFINE_int32(seeds, 40, "noisy recordings per setting");
 DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
+DEFINE_int32(cells, 512, "continuity: steps of friction");
+DEFINE_string(contact, "gap", "continuity: gap or velocity");
+DEFINE_int32(lines, 8, "continuity: lines of start states");
 DEFINE_string(output, "", "folder for a CSV with one row per fit; empty: none");
 DEFINE_int32(threads, 1, "fits side by side");
 
@@ -52,6 +56,7 @@ constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods ag
   benchmark forward        [--scene LIST] [--nodes] [--steps] [--repeats] [--output]
   benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
   benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
+  benchmark continuity     [--nodes] [--cells] [--contact] [--lines] [--seed] [--threads] [--output]
 
 jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
 0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
@@ -76,6 +81,12 @@ than the direct solvers; 8 right-hand sides relative to one; relative to the rol
 thresholds: errors of the gradient, parameter by parameter, for thresholds of the iterative solvers from 1e-1 to 1e-9.
 tools/plot_thresholds draws its CSV.
 
+continuity: what makes the motion of a cloth jump. A cloth slides, or stays, on a sphere and on triangulated ones, for
+200 steps each with friction from 0 to 0.35: the velocities of a corner, an edge's centre and the centre at steps 50 and
+200, their largest jump between successive values of friction and at half the step, and the jumps of more than 1 % that
+are left when looked at closer. And one step along random lines of start states, through all branches of the contact
+law, in both contact modes: how the largest jump goes with the distance of the points. tools/plot_continuity draws it.
+
   --scene FILE      scene.json; parameters that are not set have its nominal values
                     forward: of wind, slope, sphere (wind,slope); backprop, thresholds: likewise (all)
   --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
@@ -87,16 +98,21 @@ tools/plot_thresholds draws its CSV.
                     kept (reduced, with the factors that the rollout kept)
                     thresholds: of fixed_point, gmres, reduced
   --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)
-  --seed S          of the noise; coverage: the first (1)
+  --seed S          of the noise; coverage: the first; continuity: of the lines (1)
   --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
-                    forward, backprop: along both axes (12,24,48); thresholds: likewise (24)
+                    forward, backprop: along both axes (12,24,48); thresholds: likewise (24); continuity: one odd
+                    number (9)
   --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4)
                     forward: the number of steps (100); backprop, thresholds: likewise (20 on 12 x 12 nodes, down to 4)
   --repeats N       repetitions, of which the table gives medians (3)
   --seeds N         recordings per setting (40)
   --settings LIST   of full, half, third; backprop, thresholds: of soft, realistic (all)
-  --threads N       fits side by side; only the seconds depend on it (1)
-  --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size
+  --cells N         steps of friction; also run with twice as many (512)
+  --contact MODE    of the cloth that slides: gap or velocity (gap)
+  --lines N         lines of start states (8)
+  --threads N       fits, rollouts or lines side by side; only the seconds depend on it (1)
+  --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size; continuity: one per surface and value
+                    of friction, and continuity_lines.csv
   --help, --version
 
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content.
@@ -107,6 +123,7 @@ Examples:
   benchmark coverage --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --threads 2
   benchmark forward --nodes 24,48,96,192 --steps 10
   benchmark backprop --scene wind,slope --nodes 48 --output /tmp/backprop
+  benchmark continuity --threads 2 --output /tmp/continuity
 )";
 
 // Throws `Error` (kUsage) naming `flag`.
@@ -198,6 +215,17 @@ ThresholdOptions ThresholdOptionsFromFlags() {
   return options;
 }
 
+ContinuityOptions ContinuityOptionsFromFlags() {
+  ContinuityOptions options;
+  if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
+  options.num_cells = FLAGS_cells;
+  options.contact = FLAGS_contact;
+  options.num_lines = FLAGS_lines;
+  options.seed = FLAGS_seed;
+  options.num_threads = FLAGS_threads;
+  return options;
+}
+
 std::string Describe(const JacobianFit& fit) {
   std::ostringstream text;
   text << fit.method << ", noise " << fit.noise << ", start " << fit.start[0] << " " << fit.start[1] << ": "
@@ -256,6 +284,17 @@ void ReportCases(BackpropCaseOptions* options) {
 void ReportProgress(BackpropOptions* options) { ReportCases(&options->cases); }
 void ReportProgress(ThresholdOptions* options) { ReportCases(&options->cases); }
 
+void ReportProgress(ContinuityOptions* options) {
+  const auto start = std::chrono::steady_clock::now();
+  options->on_scan = [start](const std::string& scan, int num_done, int num_scans) {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    std::ostringstream line;
+    line << "scan " << num_done << " of " << num_scans << ": " << scan << "; " << std::fixed << std::setprecision(0)
+         << seconds.count() << " s so far\n";
+    std::cerr << line.str();
+  };
+}
+
 // Runs the benchmark `run`, prints its table and, on request, writes its CSV `name`.csv.
 template <typename Options, typename Benchmark>
 int RunBenchmark(const std::string& name, Options options, Benchmark (*run)(const Options&),
@@ -273,9 +312,26 @@ int RunBenchmark(const std::string& name, Options options, Benchmark (*run)(cons
   return kExitSuccess;
 }
 
+// Like RunBenchmark, with a CSV for each of the two scans.
+int RunContinuity() {
+  ContinuityOptions options = ContinuityOptionsFromFlags();
+  options.Validate();
+  std::optional<OutputFolder> folder;
+  if (!FLAGS_output.empty()) folder.emplace(FLAGS_output);
+  ReportProgress(&options);
+  const ContinuityBenchmark benchmark = RunContinuityBenchmark(options);
+  if (folder) {
+    folder->Write("continuity.csv", ContinuityCsv(benchmark));
+    folder->Write("continuity_lines.csv", ContinuityLinesCsv(benchmark));
+    folder->Commit();
+  }
+  std::cout << ContinuityTable(benchmark);
+  return kExitSuccess;
+}
+
 int Run(const std::vector<std::string>& arguments) {
   const std::string known =
-      "; there is: jacobian, discretization, coverage, forward, backprop, thresholds; see benchmark --help";
+      "; there is: jacobian, discretization, coverage, forward, backprop, thresholds, continuity; see benchmark --help";
   if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing" + known);
   if (arguments.size() > 1) throw Error(ErrorKind::kUsage, "'" + arguments[1] + "': unexpected argument");
   const std::string& name = arguments[0];
@@ -298,6 +354,7 @@ int Run(const std::vector<std::string>& arguments) {
   if (name == "thresholds") {
     return RunBenchmark(name, ThresholdOptionsFromFlags(), RunThresholdBenchmark, ThresholdTable, ThresholdCsv);
   }
+  if (name == "continuity") return RunContinuity();
   throw Error(ErrorKind::kUsage, "'" + name + "': unknown command" + known);
 }
 
