@@ -15,6 +15,7 @@
 #include "sim/text_file.h"
 #include "tools/landscape_row.h"
 #include "tools/landscape_store.h"
+#include "tools/landscape_summary.h"
 
 namespace clothid {
 namespace {
@@ -162,6 +163,7 @@ void WriteLandscape(const Landscape& landscape, const LandscapeOrigin& origin, O
   folder->Write(kLandscapeCsv, csv);
   folder->Write(kTimingCsv, timing);
   folder->Write(kPlanJson, PlanJson(landscape.plan, origin, csv).dump(2) + "\n");
+  if (origin.shard.is_whole()) folder->Write(kSummaryJson, SummaryJson(Summarize(landscape)));
 }
 
 bool HasLandscape(const std::string& folder) {

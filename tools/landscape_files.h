@@ -1,4 +1,4 @@
-// The output folder of a scan: plan.json, landscape.csv and timing.csv.
+// The output folder of a scan: plan.json, landscape.csv and timing.csv, and of a whole scan summary.json.
 //
 // landscape.csv has a row per cell, in the order of the cells (tools/landscape_row.h); equal landscapes are equal
 // files.
@@ -17,6 +17,7 @@ namespace clothid {
 inline constexpr char kLandscapeCsv[] = "landscape.csv";
 inline constexpr char kTimingCsv[] = "timing.csv";
 inline constexpr char kPlanJson[] = "plan.json";
+inline constexpr char kSummaryJson[] = "summary.json";  // tools/landscape_summary.h
 
 // What a landscape was made of, and which part of it this is.
 struct LandscapeOrigin {

@@ -2,9 +2,7 @@
 #include <gflags/gflags.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <filesystem>
-#include <iomanip>
 #include <iostream>
 #include <string>
 #include <system_error>
@@ -22,9 +20,11 @@
 #include "tools/landscape_files.h"
 #include "tools/landscape_merge.h"
 #include "tools/landscape_plan.h"
+#include "tools/landscape_plot.h"
 #include "tools/landscape_progress.h"
 #include "tools/landscape_run.h"
 #include "tools/landscape_store.h"
+#include "tools/landscape_summary.h"
 #include "tools/scene_variant.h"
 
 DEFINE_string(target, "", "recording");
@@ -50,6 +50,7 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
 
   landscape --target FILE --x AXIS --y AXIS [flags]
   landscape merge DIR... --output DIR      the shards of a scan as one, in the bytes of a scan that was not divided
+  landscape plot DIR                       landscape.html, a page for any browser; landscape.png, needs matplotlib
 
   --target FILE       motion.bin recording
   --scene FILE        scene.json to use instead of the one in the recording
@@ -67,7 +68,8 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
   --shard I/N         only the cells I, I + N, I + 2 N, .., 0 <= I < N
   --resume            continue a scan that was stopped, ending in the same bytes; starts one that was not
   --threads N         cells side by side; the result does not depend on it (1)
-  --output DIR        landscape.csv, a row per cell; timing.csv; plan.json (landscape_result)
+  --output DIR        landscape.csv, a row per cell; timing.csv; plan.json; summary.json: minimum, roughness and
+                      contact events of every window (landscape_result)
   --help, --version
 
 Every cell is on disk once it is done: Ctrl-C or kill lose no more than the cells under way. Exit codes: 0 done, even
@@ -124,28 +126,7 @@ LandscapeRunOptions OptionsFromFlags() {
   return options;
 }
 
-// The lowest cost of a window of a setting, among the cells of the shard.
-void PrintMinimum(const LandscapePart& part, int setting, int window) {
-  const LandscapePlan& plan = part.landscape.plan;
-  const std::vector<LandscapeCell>& cells = part.landscape.cells;
-  const int first = plan.FirstCell(setting, window);
-  int lowest = -1;
-  for (int cell = first; cell < first + plan.cells_per_window(); ++cell) {
-    if (!std::isnan(cells[cell].cost) && (lowest < 0 || cells[cell].cost < cells[lowest].cost)) lowest = cell;
-  }
-  const LandscapeWindow& axes = plan.windows[window];
-  const std::string& name = plan.settings[setting].name;
-  std::cout << (name.empty() ? "" : name + ", ") << ContactModeName(plan.settings[setting].contact_mode) << ", zoom "
-            << axes.zoom << ": ";
-  if (lowest < 0) {
-    std::cout << "no cost\n";
-    return;
-  }
-  const LandscapePlace place = plan.PlaceOf(lowest);
-  std::cout << "minimum " << cells[lowest].cost << " at " << axes.x.parameter << " " << axes.x.Value(place.ix) << ", "
-            << axes.y.parameter << " " << axes.y.Value(place.iy) << "\n";
-}
-
+// How many cells there are and, of a whole landscape, what it looks like.
 void PrintSummary(const LandscapePart& part) {
   const LandscapePlan& plan = part.landscape.plan;
   const LandscapeShard& shard = part.origin.shard;
@@ -159,10 +140,8 @@ void PrintSummary(const LandscapePart& part) {
   }
   std::cout << FLAGS_output << ": " << cells.size() << " cells";
   if (!shard.is_whole()) std::cout << " of shard " << shard.index << " of " << shard.count;
-  std::cout << ", " << num_failed << " failed" << failure << "\n" << std::setprecision(6);
-  for (int setting = 0; setting < static_cast<int>(plan.settings.size()); ++setting) {
-    for (int window = 0; window < static_cast<int>(plan.windows.size()); ++window) PrintMinimum(part, setting, window);
-  }
+  std::cout << ", " << num_failed << " failed" << failure << "\n";
+  if (shard.is_whole()) std::cout << SummaryTable(Summarize(part.landscape));
 }
 
 int Scan() {
@@ -207,12 +186,25 @@ int Merge(const std::vector<std::string>& folders) {
   return kExitSuccess;
 }
 
+int Plot(const std::vector<std::string>& folders) {
+  if (folders.size() != 1) throw Error(ErrorKind::kUsage, "plot: expected one folder; see landscape --help");
+  const Landscape landscape = ReadLandscape(folders.front());
+  const LandscapePictures pictures = PlotLandscape(landscape, Summarize(landscape), folders.front());
+  std::cout << pictures.html << "\n";
+  if (pictures.note.empty()) {
+    std::cout << pictures.png << "\n";
+  } else {
+    std::cerr << "landscape: " << pictures.note << "\n";
+  }
+  return kExitSuccess;
+}
+
 struct Subcommand {
   const char* name;
   int (*run)(const std::vector<std::string>& arguments);
 };
 
-constexpr Subcommand kSubcommands[] = {{"merge", Merge}};
+constexpr Subcommand kSubcommands[] = {{"merge", Merge}, {"plot", Plot}};
 
 int Run(const std::vector<std::string>& arguments) {
   if (arguments.empty()) return Scan();
