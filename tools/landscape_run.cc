@@ -20,14 +20,19 @@ void DescribeAxis(const LandscapeAxis& axis, std::ostream* text) {
         << axis.num_cells;
 }
 
-// What the finished files in the folder hold, where they are those of this shard of this scan.
+// What the finished files in the folder hold, where there are any. Throws `Error` (kUsage) unless they are those of
+// this shard of this scan.
 std::vector<int> TakeOverFiles(const LandscapeRunOptions& options, Landscape* landscape) {
   if (!HasLandscape(options.folder)) return {};
   LandscapePart part = ReadLandscapePart(options.folder);
   const LandscapeShard &found = part.origin.shard, &wanted = options.origin.shard;
   const bool is_same = part.origin.fingerprint == options.origin.fingerprint && found.index == wanted.index &&
                        found.count == wanted.count;
-  if (!is_same) return {};
+  if (!is_same) {
+    throw Error(ErrorKind::kUsage, "--output: " + options.folder +
+                                       ": holds the landscape of another scan or shard; leave out --resume to replace "
+                                       "it, or choose another folder");
+  }
   *landscape = std::move(part.landscape);
   return wanted.Cells(landscape->plan);
 }

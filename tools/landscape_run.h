@@ -38,9 +38,9 @@ struct LandscapeRunResult {
 };
 
 // Scans a shard and writes its files, all or none. Where it is cancelled or fails, its finished cells stay in the
-// folder for `resume`. Throws `Error` where `ScanLandscape`, `OutputFolder` and `LandscapeStore` do, and (kUsage,
-// naming
-// --output) where the folder holds the cells of a scan that was stopped and is not to be resumed.
+// folder for `resume`. Throws `Error` where `ScanLandscape`, `OutputFolder` and `LandscapeStore` do, and (kUsage)
+// naming --output where the folder holds the cells of a scan that was stopped and is not to be resumed, or where what
+// is to be resumed is another scan.
 LandscapeRunResult RunLandscape(LandscapeRunOptions options);
 
 }  // namespace clothid

@@ -142,6 +142,15 @@ TEST_F(LandscapeTest, PlotsNothingElse) {
   ExpectRefused("landscape plot part part", 1, "plot: expected one folder");
 }
 
+TEST_F(LandscapeTest, ResumingDoesNotReplaceAFinishedScanByAnother) {
+  ExpectScan(Scan("--shard 0/7 --output part"));
+  const std::string before = File("part", "landscape.csv");
+  const ToolResult result = Run(Scan("--shard 1/7 --resume --output part"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("part: holds the landscape of another scan or shard"), std::string::npos) << result.err;
+  EXPECT_EQ(File("part", "landscape.csv"), before);
+}
+
 TEST_F(LandscapeTest, AnInterruptedScanGoesOn) {
   ExpectScan(Scan("--output whole"));
   for (const int signal : {SIGINT, SIGTERM}) {
