@@ -94,25 +94,6 @@ FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, FitPrecision 
   return options;
 }
 
-void RunFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
-            JacobianFit* fit) {
-  const double start = ThreadSeconds();
-  const FitOptions options = MakeFitOptions(truth, precision, *fit);
-  FitProblem problem({motion}, options);
-  const FitSummary summary = Fit(options, &problem);
-  fit->seconds = ThreadSeconds() - start;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    fit->value[i] = summary.has_estimate() ? summary.parameters[i].value : kNaN;
-  }
-  fit->cost = summary.has_estimate() ? summary.cost : kInfinity;
-  fit->num_iterations = summary.num_iterations();
-  fit->rollouts = summary.statistics.rollouts;
-  fit->sweeps = summary.statistics.sweeps;
-  fit->failed_steps = summary.statistics.counts.failed_steps;
-  fit->status = summary.status;
-  fit->message = summary.message;
-}
-
 // Runs fits[i] against recordings[i / fits_per_recording]. Each fit has memory of its own.
 void RunFits(const JacobianBenchmarkOptions& options, const std::vector<RecordedMotion>& recordings,
              const std::vector<TrueParameter>& truth, std::vector<JacobianFit>* fits) {
@@ -120,7 +101,7 @@ void RunFits(const JacobianBenchmarkOptions& options, const std::vector<Recorded
   const int fits_per_recording = num_fits / static_cast<int>(recordings.size());
   ParallelFor(
       num_fits, options.num_threads,
-      [&](int i) { RunFit(recordings[i / fits_per_recording], truth, options.precision, &(*fits)[i]); },
+      [&](int i) { RunJacobianFit(recordings[i / fits_per_recording], truth, options.precision, &(*fits)[i]); },
       [&](int i, int num_done) {
         if (options.on_fit) options.on_fit((*fits)[i], num_done, num_fits);
       });
@@ -131,21 +112,6 @@ bool IsNear(const std::array<double, 2>& value, const std::array<double, 2>& exp
     if (!(std::abs(value[i] - expected[i]) <= tolerance * std::abs(expected[i]))) return false;
   }
   return true;
-}
-
-// `begin` .. `end`: all fits to one recording.
-void JudgeFits(const std::vector<TrueParameter>& truth, std::vector<JacobianFit>::iterator begin,
-               std::vector<JacobianFit>::iterator end) {
-  const JacobianFit best =
-      *std::min_element(begin, end, [](const JacobianFit& a, const JacobianFit& b) { return a.cost < b.cost; });
-  for (auto fit = begin; fit != end; ++fit) {
-    if (fit->noise == 0.0) {
-      fit->reached = IsNear(fit->value, {truth[0].value, truth[1].value}, kTruthTolerance);
-    } else {
-      fit->reached =
-          fit->cost - best.cost <= kCostTolerance * best.cost && IsNear(fit->value, best.value, kParameterTolerance);
-    }
-  }
 }
 
 // The fits of one noise and method, in the order of the starts.
@@ -201,6 +167,39 @@ void JacobianBenchmarkOptions::Validate() const {
   Require(num_threads >= 1, "--threads: expected a number >= 1");
   Require(!methods.empty(), "--methods: expected at least one method");
   for (const std::string& method : methods) CheckMethod(method);
+}
+
+void RunJacobianFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
+                    JacobianFit* fit) {
+  const double start = ThreadSeconds();
+  const FitOptions options = MakeFitOptions(truth, precision, *fit);
+  FitProblem problem({motion}, options);
+  const FitSummary summary = Fit(options, &problem);
+  fit->seconds = ThreadSeconds() - start;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    fit->value[i] = summary.has_estimate() ? summary.parameters[i].value : kNaN;
+  }
+  fit->cost = summary.has_estimate() ? summary.cost : kInfinity;
+  fit->num_iterations = summary.num_iterations();
+  fit->rollouts = summary.statistics.rollouts;
+  fit->sweeps = summary.statistics.sweeps;
+  fit->failed_steps = summary.statistics.counts.failed_steps;
+  fit->status = summary.status;
+  fit->message = summary.message;
+}
+
+void JudgeFits(const std::vector<TrueParameter>& truth, std::vector<JacobianFit>::iterator begin,
+               std::vector<JacobianFit>::iterator end) {
+  const JacobianFit best =
+      *std::min_element(begin, end, [](const JacobianFit& a, const JacobianFit& b) { return a.cost < b.cost; });
+  for (auto fit = begin; fit != end; ++fit) {
+    if (fit->noise == 0.0) {
+      fit->reached = IsNear(fit->value, {truth[0].value, truth[1].value}, kTruthTolerance);
+    } else {
+      fit->reached =
+          fit->cost - best.cost <= kCostTolerance * best.cost && IsNear(fit->value, best.value, kParameterTolerance);
+    }
+  }
 }
 
 JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options) {

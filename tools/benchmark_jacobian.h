@@ -13,7 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "datasets/recorded_motion.h"
 #include "identify/fit.h"
+#include "tools/true_recording.h"
 
 namespace clothid {
 
@@ -69,6 +71,14 @@ struct JacobianBenchmark {
   std::vector<std::string> methods;
   std::vector<JacobianFit> fits;  // by noise, then start, then method: methods take turns, so that times compare
 };
+
+// Runs the fit that start and method of `fit` describe; fills in the rest, but for `reached`.
+void RunJacobianFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
+                    JacobianFit* fit);
+
+// Sets `reached` of [begin, end), all the fits to one recording.
+void JudgeFits(const std::vector<TrueParameter>& truth, std::vector<JacobianFit>::iterator begin,
+               std::vector<JacobianFit>::iterator end);
 
 // Throws `Error` for options and scenes that cannot be used and where the rollout with the true parameters fails.
 JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options);

@@ -2,47 +2,20 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
-#include <charconv>
 #include <chrono>
 #include <iomanip>
 #include <iostream>
 #include <optional>
 #include <sstream>
 #include <string>
-#include <system_error>
 #include <vector>
 
-#include "identify/options.h"
 #include "identify/output_folder.h"
 #include "sim/error.h"
-#include "sim/parameters.h"
-#include "sim/text_file.h"
-#include "tools/benchmark_backprop.h"
-#include "tools/benchmark_continuity.h"
-#include "tools/benchmark_coverage.h"
-#include "tools/benchmark_discretization.h"
-#include "tools/benchmark_forward.h"
-#include "tools/benchmark_jacobian.h"
-#include "tools/benchmark_thresholds.h"
+#include "tools/benchmark_flags.h"
 #include "tools/command_line.h"
 
-DEFINE_string(scene, "", "scene.json; backprop, thresholds, forward: of wind, slope, sphere");
-DEFINE_string(set, "", "the true values of the fitted parameters, NAME=VALUE[,...]");
-DEFINE_double(noise, 0.01, "standard deviation of noise, relative to the cloth's size");
-DEFINE_int32(starts, 4, "starts per parameter, even");
-DEFINE_string(methods, "", "methods to compare; empty: all");
-DEFINE_string(precision, "adaptive", "of the fits: adaptive or full");
-DEFINE_uint64(seed, 1, "seed of the noise");
-DEFINE_string(nodes, "", "nodes along the first axis of the grids; empty: see --help");
-DEFINE_string(steps, "", "discretization: divisors of the time step; else a number of steps; empty: see --help");
-DEFINE_int32(repeats, 3, "repetitions, of which the table gives medians");
-DEFINE_int32(seeds, 40, "noisy recordings per setting");
-DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
-DEFINE_int32(cells, 512, "continuity: steps of friction");
-DEFINE_string(contact, "gap", "continuity: gap or velocity");
-DEFINE_int32(lines, 8, "continuity: lines of start states");
-DEFINE_string(output, "", "folder for a CSV with one row per fit; empty: none");
-DEFINE_int32(threads, 1, "fits side by side");
+DECLARE_string(output);
 
 namespace clothid {
 namespace {
@@ -57,6 +30,7 @@ constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods ag
   benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
   benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
   benchmark continuity     [--nodes] [--cells] [--contact] [--lines] [--seed] [--threads] [--output]
+  benchmark figure3        [--offsets] [--touch] [--zoom] [--cells] [--starts] [--noise] [--seed] [--threads] [--output]
 
 jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
 0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
@@ -87,11 +61,17 @@ continuity: what makes the motion of a cloth jump. A cloth slides, or stays, on 
 are left when looked at closer. And one step along random lines of start states, through all branches of the contact
 law, in both contact modes: how the largest jump goes with the distance of the points. tools/plot_continuity draws it.
 
+figure3: how the rate of contact events and the contact mode shape the landscape of a fit. A cloth hung by one edge falls
+on a sphere at several offsets; the cost over friction and stiffness, as a whole and in zooms around the truth: how
+rough it is, contact events, and how many fits from a grid of starts find the truth, in gap mode and in velocity mode.
+With --output it goes on where a run that was killed has stopped. tools/plot_figure3 draws it, and landscape plot its
+folder `landscape`.
+
   --scene FILE      scene.json; parameters that are not set have its nominal values
                     forward: of wind, slope, sphere (wind,slope); backprop, thresholds: likewise (all)
   --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
   --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
-  --starts N        N x N starts, N even (4)
+  --starts N        N x N starts, N even (4); figure3: any N (5)
   --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric, lbfgs; the linear solver of the first and the last
                     can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
                     backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced,
@@ -107,12 +87,16 @@ law, in both contact modes: how the largest jump goes with the distance of the p
   --repeats N       repetitions, of which the table gives medians (3)
   --seeds N         recordings per setting (40)
   --settings LIST   of full, half, third; backprop, thresholds: of soft, realistic (all)
-  --cells N         steps of friction; also run with twice as many (512)
+  --cells N         continuity: steps of friction; also run with twice as many (512); figure3: cells per axis (33)
+  --offsets LIST    of the sphere along the edge that holds the cloth, m (0,0.05,0.1,0.15,0.2,0.25,0.3,0.35)
+  --touch LIST      gaps that count as contact in velocity mode, relative to the cloth's size (1e-5,1e-3)
+  --zoom LIST       shares of both axes, falling (0.03,0.01,0.003)
   --contact MODE    of the cloth that slides: gap or velocity (gap)
   --lines N         lines of start states (8)
-  --threads N       fits, rollouts or lines side by side; only the seconds depend on it (1)
+  --threads N       fits, rollouts, cells or lines side by side; only the seconds depend on it (1)
   --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size; continuity: one per surface and value
-                    of friction, and continuity_lines.csv
+                    of friction, and continuity_lines.csv; figure3: one per window, figure3_fits.csv and the files of
+                    the landscape
   --help, --version
 
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content.
@@ -125,106 +109,6 @@ Examples:
   benchmark backprop --scene wind,slope --nodes 48 --output /tmp/backprop
   benchmark continuity --threads 2 --output /tmp/continuity
 )";
-
-// Throws `Error` (kUsage) naming `flag`.
-int ParseInteger(const std::string& text, const std::string& flag) {
-  int number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw Error(ErrorKind::kUsage, flag + ": '" + Printable(text) + "': expected an integer");
-  }
-  return number;
-}
-
-// "8,16" -> {8, 16}.
-std::vector<int> ParseIntegers(const std::string& text, const std::string& flag) {
-  std::vector<int> numbers;
-  for (const std::string& item : ParseNames(text, flag)) numbers.push_back(ParseInteger(item, flag));
-  return numbers;
-}
-
-JacobianBenchmarkOptions JacobianOptionsFromFlags() {
-  JacobianBenchmarkOptions options;
-  options.scene_path = FLAGS_scene;
-  options.truth = ParseParameterValues(FLAGS_set, "--set");
-  options.noise = FLAGS_noise;
-  options.starts_per_axis = FLAGS_starts;
-  if (!FLAGS_methods.empty()) options.methods = ParseNames(FLAGS_methods, "--methods");
-  options.precision = ParseFitPrecision(FLAGS_precision);
-  options.seed = FLAGS_seed;
-  options.num_threads = FLAGS_threads;
-  return options;
-}
-
-DiscretizationOptions DiscretizationOptionsFromFlags() {
-  DiscretizationOptions options;
-  options.scene_path = FLAGS_scene;
-  options.truth = ParseParameterValues(FLAGS_set, "--set");
-  options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
-  if (!FLAGS_steps.empty()) options.step_divisors = ParseIntegers(FLAGS_steps, "--steps");
-  options.num_threads = FLAGS_threads;
-  return options;
-}
-
-CoverageOptions CoverageOptionsFromFlags() {
-  CoverageOptions options;
-  options.scene_path = FLAGS_scene;
-  options.truth = ParseParameterValues(FLAGS_set, "--set");
-  if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
-  options.noise = FLAGS_noise;
-  options.num_seeds = FLAGS_seeds;
-  options.seed = FLAGS_seed;
-  options.num_threads = FLAGS_threads;
-  return options;
-}
-
-ForwardBenchmarkOptions ForwardOptionsFromFlags() {
-  ForwardBenchmarkOptions options;
-  if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
-  if (!FLAGS_nodes.empty()) options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
-  if (!FLAGS_steps.empty()) options.num_steps = ParseInteger(FLAGS_steps, "--steps");
-  options.repeats = FLAGS_repeats;
-  return options;
-}
-
-// `nodes` where the flag is not given.
-BackpropCaseOptions CasesFromFlags(const std::vector<int>& nodes) {
-  BackpropCaseOptions options;
-  options.nodes = FLAGS_nodes.empty() ? nodes : ParseIntegers(FLAGS_nodes, "--nodes");
-  if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
-  if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
-  if (!FLAGS_steps.empty()) {
-    options.num_steps = ParseInteger(FLAGS_steps, "--steps");
-    if (options.num_steps < 1) throw Error(ErrorKind::kUsage, "--steps: expected one number >= 1");
-  }
-  return options;
-}
-
-BackpropOptions BackpropOptionsFromFlags() {
-  BackpropOptions options;
-  options.cases = CasesFromFlags({12, 24, 48});
-  options.methods = ParseNames(FLAGS_methods, "--methods");
-  options.num_repeats = FLAGS_repeats;
-  return options;
-}
-
-ThresholdOptions ThresholdOptionsFromFlags() {
-  ThresholdOptions options;
-  options.cases = CasesFromFlags({24});
-  options.methods = ParseNames(FLAGS_methods, "--methods");
-  return options;
-}
-
-ContinuityOptions ContinuityOptionsFromFlags() {
-  ContinuityOptions options;
-  if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
-  options.num_cells = FLAGS_cells;
-  options.contact = FLAGS_contact;
-  options.num_lines = FLAGS_lines;
-  options.seed = FLAGS_seed;
-  options.num_threads = FLAGS_threads;
-  return options;
-}
 
 std::string Describe(const JacobianFit& fit) {
   std::ostringstream text;
@@ -295,67 +179,105 @@ void ReportProgress(ContinuityOptions* options) {
   };
 }
 
-// Runs the benchmark `run`, prints its table and, on request, writes its CSV `name`.csv.
+// Reports every thousandth cell and every fiftieth fit: "cell 3000 of 104544; 1834 s left".
+void ReportProgress(Figure3Options* options) {
+  auto start = std::chrono::steady_clock::now();
+  options->on_progress = [start](const std::string& what, int num_done, int num_items) mutable {
+    const auto now = std::chrono::steady_clock::now();
+    if (num_done == 1) start = now;
+    if (num_done % (what == "fit" ? 50 : 1000) != 0 && num_done != num_items) return;
+    const std::chrono::duration<double> seconds = now - start;
+    std::ostringstream line;
+    line << what << " " << num_done << " of " << num_items << "; " << std::fixed << std::setprecision(0)
+         << seconds.count() / num_done * (num_items - num_done) << " s left\n";
+    std::cerr << line.str();
+  };
+}
+
+template <typename Benchmark>
+struct CsvFile {
+  std::string name;
+  std::string (*text)(const Benchmark&);
+};
+
+// Runs the benchmark `run`, prints its table and, on request, writes its files.
 template <typename Options, typename Benchmark>
-int RunBenchmark(const std::string& name, Options options, Benchmark (*run)(const Options&),
-                 std::string (*table)(const Benchmark&), std::string (*csv)(const Benchmark&)) {
+int RunBenchmark(Options options, Benchmark (*run)(const Options&), std::string (*table)(const Benchmark&),
+                 const std::vector<CsvFile<Benchmark>>& files) {
   options.Validate();
   std::optional<OutputFolder> folder;  // before the fits, so that they do not run in vain
   if (!FLAGS_output.empty()) folder.emplace(FLAGS_output);
   ReportProgress(&options);
   const Benchmark benchmark = run(options);
   if (folder) {
-    folder->Write(name + ".csv", csv(benchmark));
+    for (const CsvFile<Benchmark>& file : files) folder->Write(file.name, file.text(benchmark));
     folder->Commit();
   }
   std::cout << table(benchmark);
   return kExitSuccess;
 }
 
-// Like RunBenchmark, with a CSV for each of the two scans.
-int RunContinuity() {
-  ContinuityOptions options = ContinuityOptionsFromFlags();
-  options.Validate();
-  std::optional<OutputFolder> folder;
-  if (!FLAGS_output.empty()) folder.emplace(FLAGS_output);
-  ReportProgress(&options);
-  const ContinuityBenchmark benchmark = RunContinuityBenchmark(options);
-  if (folder) {
-    folder->Write("continuity.csv", ContinuityCsv(benchmark));
-    folder->Write("continuity_lines.csv", ContinuityLinesCsv(benchmark));
-    folder->Commit();
-  }
-  std::cout << ContinuityTable(benchmark);
-  return kExitSuccess;
-}
+struct Subcommand {
+  const char* name;
+  int (*run)();
+};
+
+constexpr Subcommand kSubcommands[] = {
+    {"jacobian",
+     [] {
+       return RunBenchmark<JacobianBenchmarkOptions, JacobianBenchmark>(
+           JacobianOptionsFromFlags(), RunJacobianBenchmark, JacobianTable, {{"jacobian.csv", JacobianCsv}});
+     }},
+    {"discretization",
+     [] {
+       return RunBenchmark<DiscretizationOptions, DiscretizationBenchmark>(
+           DiscretizationOptionsFromFlags(), RunDiscretizationBenchmark, DiscretizationTable,
+           {{"discretization.csv", DiscretizationCsv}});
+     }},
+    {"coverage",
+     [] {
+       return RunBenchmark<CoverageOptions, CoverageBenchmark>(CoverageOptionsFromFlags(), RunCoverageBenchmark,
+                                                               CoverageTable, {{"coverage.csv", CoverageCsv}});
+     }},
+    {"forward",
+     [] {
+       return RunBenchmark<ForwardBenchmarkOptions, ForwardBenchmark>(ForwardOptionsFromFlags(), RunForwardBenchmark,
+                                                                      ForwardTable, {{"forward.csv", ForwardCsv}});
+     }},
+    {"backprop",
+     [] {
+       return RunBenchmark<BackpropOptions, BackpropBenchmark>(BackpropOptionsFromFlags(), RunBackpropBenchmark,
+                                                               BackpropTable, {{"backprop.csv", BackpropCsv}});
+     }},
+    {"thresholds",
+     [] {
+       return RunBenchmark<ThresholdOptions, ThresholdBenchmark>(ThresholdOptionsFromFlags(), RunThresholdBenchmark,
+                                                                 ThresholdTable, {{"thresholds.csv", ThresholdCsv}});
+     }},
+    {"continuity",
+     [] {
+       return RunBenchmark<ContinuityOptions, ContinuityBenchmark>(
+           ContinuityOptionsFromFlags(), RunContinuityBenchmark, ContinuityTable,
+           {{"continuity.csv", ContinuityCsv}, {"continuity_lines.csv", ContinuityLinesCsv}});
+     }},
+    {"figure3",
+     [] {
+       return RunBenchmark<Figure3Options, Figure3>(
+           Figure3OptionsFromFlags(), RunFigure3, Figure3Table,
+           {{"figure3.csv", Figure3Csv}, {"figure3_fits.csv", Figure3FitsCsv}});
+     }},
+};
 
 int Run(const std::vector<std::string>& arguments) {
-  const std::string known =
-      "; there is: jacobian, discretization, coverage, forward, backprop, thresholds, continuity; see benchmark --help";
+  std::string known;
+  for (const Subcommand& command : kSubcommands) known += (known.empty() ? "" : ", ") + std::string(command.name);
+  known = "; there is: " + known + "; see benchmark --help";
   if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing" + known);
   if (arguments.size() > 1) throw Error(ErrorKind::kUsage, "'" + arguments[1] + "': unexpected argument");
-  const std::string& name = arguments[0];
-  if (name == "jacobian") {
-    return RunBenchmark(name, JacobianOptionsFromFlags(), RunJacobianBenchmark, JacobianTable, JacobianCsv);
+  for (const Subcommand& command : kSubcommands) {
+    if (arguments[0] == command.name) return command.run();
   }
-  if (name == "discretization") {
-    return RunBenchmark(name, DiscretizationOptionsFromFlags(), RunDiscretizationBenchmark, DiscretizationTable,
-                        DiscretizationCsv);
-  }
-  if (name == "coverage") {
-    return RunBenchmark(name, CoverageOptionsFromFlags(), RunCoverageBenchmark, CoverageTable, CoverageCsv);
-  }
-  if (name == "forward") {
-    return RunBenchmark(name, ForwardOptionsFromFlags(), RunForwardBenchmark, ForwardTable, ForwardCsv);
-  }
-  if (name == "backprop") {
-    return RunBenchmark(name, BackpropOptionsFromFlags(), RunBackpropBenchmark, BackpropTable, BackpropCsv);
-  }
-  if (name == "thresholds") {
-    return RunBenchmark(name, ThresholdOptionsFromFlags(), RunThresholdBenchmark, ThresholdTable, ThresholdCsv);
-  }
-  if (name == "continuity") return RunContinuity();
-  throw Error(ErrorKind::kUsage, "'" + name + "': unknown command" + known);
+  throw Error(ErrorKind::kUsage, "'" + arguments[0] + "': unknown command" + known);
 }
 
 }  // namespace
