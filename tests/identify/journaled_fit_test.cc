@@ -77,7 +77,7 @@ std::vector<std::size_t> RecordEnds(const std::string& journal) {
   while (ends.back() < journal.size()) {
     std::uint64_t length = 0;
     std::memcpy(&length, journal.data() + ends.back(), sizeof(length));
-    ends.push_back(ends.back() + sizeof(length) + 64 + length);
+    ends.push_back(ends.back() + 2 * sizeof(length) + 64 + length);
   }
   EXPECT_EQ(ends.back(), journal.size());
   return ends;
