@@ -67,7 +67,8 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
   --gradients         the adjoint gradient at every cell, on a log axis by the logarithm
   --shard I/N         only the cells I, I + N, I + 2 N, .., 0 <= I < N
   --resume            continue a scan that was stopped, ending in the same bytes; starts one that was not
-  --threads N         cells side by side; the result does not depend on it (1)
+  --threads N         cells side by side; the result does not depend on it (1). Threads take turns in Debian's serial
+                      OpenBLAS: shards side by side are faster
   --output DIR        landscape.csv, a row per cell; timing.csv; plan.json; summary.json: minimum, roughness and
                       contact events of every window (landscape_result)
   --help, --version
