@@ -9,6 +9,7 @@
 
 #include "sim/error.h"
 #include "sim/text_file.h"
+#include "tools/landscape_plan.h"
 
 namespace clothid {
 namespace {
@@ -19,12 +20,7 @@ constexpr int kLineCells = 64;  // of the coarsest scan of a line
 constexpr int kLineHalvings = 3;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-struct ContactName {
-  const char* name;
-  ContactMode mode;
-};
-
-constexpr ContactName kContacts[] = {{"gap", ContactMode::kGap}, {"velocity", ContactMode::kVelocity}};
+constexpr ContactMode kContactModes[] = {ContactMode::kGap, ContactMode::kVelocity};
 
 void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
@@ -194,12 +190,13 @@ ContinuityBenchmark RunContinuityBenchmark(const ContinuityOptions& options) {
   ContinuityBenchmark benchmark;
   benchmark.options = options;
   const int num_surfaces = static_cast<int>(kSlideSurfaces.size());
-  const int num_scans = num_surfaces * (1 + static_cast<int>(std::size(kContacts)));
+  const int num_scans = num_surfaces * (1 + static_cast<int>(std::size(kContactModes)));
   int num_done = 0;
   const auto report = [&](const std::string& scan) {
     if (options.on_scan) options.on_scan(scan, ++num_done, num_scans);
   };
-  const ContactMode mode = options.contact == kContacts[0].name ? kContacts[0].mode : kContacts[1].mode;
+  const ContactMode mode =
+      options.contact == ContactModeName(ContactMode::kGap) ? ContactMode::kGap : ContactMode::kVelocity;
   for (const SlideSurface& surface : kSlideSurfaces) {
     const SphereSlide slide = MakeSphereSlide(surface, options.nodes, mode);
     benchmark.surfaces.push_back(AnalyzeSurface(
@@ -209,11 +206,12 @@ ContinuityBenchmark RunContinuityBenchmark(const ContinuityOptions& options) {
   }
   const LineScanOptions line_options = {options.num_lines, kLineCells, kLineHalvings, options.seed,
                                         options.num_threads};
-  for (const ContactName& contact : kContacts) {
+  for (const ContactMode line_mode : kContactModes) {
+    const std::string contact = ContactModeName(line_mode);
     for (const SlideSurface& surface : kSlideSurfaces) {
-      const SphereSlide slide = MakeSphereSlide(surface, options.nodes, contact.mode);
-      benchmark.lines.push_back({contact.name, surface.name, ScanLines(slide, line_options)});
-      report(surface.name + ", " + contact.name + " mode, " + std::to_string(options.num_lines) + " lines");
+      const SphereSlide slide = MakeSphereSlide(surface, options.nodes, line_mode);
+      benchmark.lines.push_back({contact, surface.name, ScanLines(slide, line_options)});
+      report(surface.name + ", " + contact + " mode, " + std::to_string(options.num_lines) + " lines");
     }
   }
   return benchmark;

@@ -5,7 +5,6 @@
 #include <iomanip>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include "tools/landscape_axis.h"
 #include "tools/landscape_plan.h"
 #include "tools/landscape_run.h"
+#include "tools/scene_variant.h"
 #include "tools/true_recording.h"
 
 namespace clothid {
@@ -48,21 +48,18 @@ void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
 }
 
-std::string SceneText(const Figure3Setting& setting) {
-  nlohmann::ordered_json scene = nlohmann::ordered_json::parse(kScene);
-  scene["obstacles"][0]["center"][0] = setting.offset;
-  if (setting.contact_mode == ContactMode::kVelocity) {
-    scene["contact"] = "velocity";
-    scene["touch"] = setting.touch;
-  }
-  return scene.dump(1);
+SceneVariant VariantOf(const Figure3Setting& setting) {
+  SceneVariant variant = {{"ball.center.x", setting.offset}};
+  if (setting.contact_mode == ContactMode::kVelocity) variant.push_back({"touch", setting.touch});
+  return variant;
 }
 
 // One recording for each of `noises`, relative to the cloth's size.
 std::vector<RecordedMotion> MakeRecordings(const Figure3Setting& setting, const std::vector<double>& noises,
                                            std::uint64_t seed) {
-  const std::string text = SceneText(setting);
-  const Scene scene = ParseScene(text, setting.Name(), "");
+  const std::string text = ChangeScene(kScene, {"ball"}, VariantOf(setting));
+  Scene scene = ParseScene(text, setting.Name(), "");
+  scene.contact_mode = setting.contact_mode;
   const Rollout rollout = SimulateTruth(MakeTrueParameters(kTruth, scene), setting.Name(), scene);
   std::vector<RecordedMotion> recordings;
   for (const double noise : noises) {
@@ -265,12 +262,7 @@ void WriteSettingCsv(const Figure3Setting& setting, std::ostream& out) {
 
 }  // namespace
 
-std::string Figure3Setting::Name() const {
-  std::ostringstream name;
-  name << "ball.center.x=" << offset;
-  if (contact_mode == ContactMode::kVelocity) name << ";touch=" << touch;
-  return name.str();
-}
+std::string Figure3Setting::Name() const { return VariantName(VariantOf(*this)); }
 
 void Figure3Options::Validate() const {
   Require(!offsets.empty(), "--offsets: expected at least one number (m)");
