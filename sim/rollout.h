@@ -40,7 +40,7 @@ struct RolloutCounts {
   int newton_iterations = 0;
   int factorizations = 0;
   int linear_iterations = 0;  // of the linear solves of steps, with friction or with the factor of an earlier point
-  int fallbacks = 0;          // steps finished by sequential quadratic steps
+  int fallbacks = 0;          // solves handed to continuation in the friction
   int substeps = 0;           // solves beyond one per step: each makes the cost jump a little
   int failed_steps = 0;
   int contacts = 0;  // nodes in contact at the end of a solve

@@ -8,7 +8,6 @@
 namespace clothid {
 namespace {
 
-constexpr double kLinearTolerance = 1e-8;     // of the linear systems within a quadratic step
 constexpr double kLargestForcing = 0.1;       // tolerance of the linear system of a Newton iteration, ...
 constexpr double kForcing = 0.9;              // ... its share of the square of the last reduction of the residual, ...
 constexpr double kGoalShare = 0.3;            // ... and at least so much of the reduction that is left to do
@@ -17,10 +16,12 @@ constexpr int kDerivativeDigits = 8;          // that are asked of a derivative 
 constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr int kMaxHalvings = 14;              // of the step length in a line search
-constexpr int kMaxInnerIterations = 30;       // of the active set within a quadratic step
-constexpr double kInnerTolerance = 1e-4;      // residual of a quadratic step, relative to the outer one
 constexpr double kSlowProgress = 0.9;         // a residual above this share of the one before last: a cycle
+constexpr double kReversal = 0.25;            // an iteration this far against the one before, as a cosine: likewise
 constexpr double kShortestFirstLength = 0.125;
+constexpr int kPatience = 30;                // iterations without progress before Newton's method gives up
+constexpr double kProgress = 0.8;            // a residual below this share of the lowest one is progress
+constexpr double kSmallestIncrement = 1e-2;  // of the share of friction in its continuation
 
 // The tolerance of Newton's linear system at relative residual `residual`, `last` before the last iteration (0: none):
 // the forcing term of Eisenstat and Walker 1996, choice 2, but no more accurate than a residual below `goal` needs.
@@ -28,6 +29,25 @@ double ForcingTerm(double residual, double last, double goal) {
   const double ratio = last > 0.0 ? residual / last : 1.0;
   return std::max(std::min(kLargestForcing, kForcing * ratio * ratio), kGoalShare * goal / residual);
 }
+
+// Whether Newton's method gets on. In a stiff cloth the residual stays where it is for dozens of iterations, set by
+// elastic forces far larger than those of the solution, while the potential falls; in a cycle neither does.
+class Progress {
+ public:
+  explicit Progress(const StepPoint& start) : residual_(start.relative_residual), potential_(start.potential) {}
+
+  bool Continues(const StepPoint& point) {
+    const bool gets_on = point.relative_residual < kProgress * residual_ || point.potential < potential_;
+    if (point.relative_residual < kProgress * residual_) residual_ = point.relative_residual;
+    potential_ = std::min(potential_, point.potential);
+    idle_ = gets_on ? 0 : idle_ + 1;
+    return idle_ < kPatience;
+  }
+
+ private:
+  double residual_, potential_;  // the lowest, for progress
+  int idle_ = 0;                 // iterations
+};
 
 double TangentialSpeed(const ContactCandidate& candidate, const Eigen::Vector3d& velocity) {
   return (velocity - candidate.normal.dot(velocity) * candidate.normal).norm();
@@ -72,15 +92,14 @@ void StepSolver::Start(const StepProblem& problem, StepPoint* point) {
 
 bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, StepPoint* point,
                        RolloutCounts* counts) {
-  const int max_iterations = model_.scene().solver.max_newton_iterations;
   Start(problem, point);
   acceleration_.resize(0);
-  bool solved = Newton(problem, friction_coefficients, max_iterations, point, counts);
+  bool solved = Newton(problem, friction_coefficients, point, counts);
   if (solved) {
     acceleration_ = (point->velocities - problem.start_velocities()) / problem.time_step();
   } else if (std::isfinite(point->relative_residual)) {
     ++counts->fallbacks;
-    solved = SequentialQuadratic(problem, friction_coefficients, max_iterations, point, counts);
+    solved = ContinueInFriction(problem, friction_coefficients, point, counts);
   }
   if (solved && ends_with_factors_) EndWithFactor(problem, friction_coefficients, *point, counts);
   return solved;
@@ -206,52 +225,62 @@ bool StepSolver::Iterate(const StepProblem& problem, const std::vector<double>& 
          LineSearch(problem, direction, first_length, point);
 }
 
-bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& mu, int max_iterations, StepPoint* point,
+// The length of the first trial is halved where an iteration undoes the one before it: a cycle between branches.
+bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
                         RolloutCounts* counts) {
   StepPoint best = *point;
+  Progress progress(*point);
+  Eigen::VectorXd change, last_change;  // of the velocities
   double first_length = 1.0, before_last = 0.0, last = 0.0;
+  const int max_iterations = model_.scene().solver.max_newton_iterations;
   for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
     ++counts->newton_iterations;
     const double tolerance = ForcingTerm(point->relative_residual, last, Tolerance(problem, *point));
-    const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last;
+    const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last &&
+                        change.dot(last_change) < -kReversal * change.norm() * last_change.norm();
     first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
     before_last = last;
     last = point->relative_residual;
+    last_change.swap(change);
+    change = -point->velocities;
     if (!Iterate(problem, mu, tolerance, first_length, point, counts)) break;
+    change += point->velocities;
     if (point->relative_residual < best.relative_residual) best = *point;
+    if (!progress.Continues(*point)) break;
   }
   if (!IsSolved(problem, *point)) *point = best;
   return IsSolved(problem, *point);
 }
 
-// Each outer iteration solves the contact problem of the linearised gradient g + K (w - v) by an inner active set, and
-// then searches along the way from v to that w, which stays feasible.
-bool StepSolver::SequentialQuadratic(const StepProblem& problem, const std::vector<double>& mu, int max_iterations,
-                                     StepPoint* point, RolloutCounts* counts) {
-  StepPoint best = *point, inner;
-  Eigen::VectorXd direction;
-  for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
-    ++counts->newton_iterations;
-    if (!FactorAt(problem, problem.ActiveContacts(*point), mu, *point, counts)) break;
-    inner = *point;
-    const double goal = kInnerTolerance * point->residual.norm();
-    for (int i = 0; i < kMaxInnerIterations && inner.residual.norm() > goal; ++i) {
-      ++counts->factorizations;
-      const std::vector<Contact> contacts = problem.ActiveContacts(inner);
-      if (!jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu)) break;
-      if (!SolveAt(contacts, mu, inner.residual, kLinearTolerance, &direction, counts)) break;
-      Eigen::VectorXd velocities = inner.velocities + direction;
-      problem.ClipToFeasible(&velocities);
-      inner.velocities = velocities;
-      inner.momentum_gradient = point->momentum_gradient + MultiplySymmetric(hessian_, velocities - point->velocities);
-      problem.ApplyContactLaw(velocities, inner.momentum_gradient, &inner);
+bool StepSolver::ContinueInFriction(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
+                                    RolloutCounts* counts) {
+  if (std::all_of(mu.begin(), mu.end(), [](double coefficient) { return coefficient == 0.0; })) return false;
+  StepPoint reached, next;
+  const auto solve = [&](double share) {
+    const StepProblem eased = problem.WithFriction(share);
+    std::vector<double> eased_mu = mu;
+    for (double& coefficient : eased_mu) coefficient *= share;
+    if (share == 0.0) {
+      Start(eased, &next);
+    } else {
+      Evaluate(eased, reached.velocities, &next);
     }
-    direction = inner.velocities - point->velocities;
-    if (!LineSearch(problem, direction, 1.0, point)) break;
-    if (point->relative_residual < best.relative_residual) best = *point;
+    return Newton(eased, eased_mu, &next, counts);
+  };
+  if (!solve(0.0)) return false;
+  std::swap(reached, next);
+  for (double share = 0.0, increment = 1.0; share < 1.0;) {
+    if (solve(std::min(1.0, share + increment))) {
+      std::swap(reached, next);
+      share = std::min(1.0, share + increment);
+      increment *= 2.0;
+    } else {
+      increment *= 0.5;
+      if (increment < kSmallestIncrement) return false;
+    }
   }
-  if (!IsSolved(problem, *point)) *point = best;
-  return IsSolved(problem, *point);
+  *point = reached;
+  return true;
 }
 
 }  // namespace clothid

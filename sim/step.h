@@ -1,5 +1,6 @@
-// The solver of one implicit step: projected semismooth Newton with a line search, and its fallback (design: section
-// 4).
+// The solver of one implicit step: projected semismooth Newton with a line search (design: section 4), and its
+// fallback, continuation in the friction coefficients, of which the step is a continuous function (section 5.1 of the
+// DiffCloth paper) as long as it stays on one solution.
 #ifndef CLOTHID_SIM_STEP_H_
 #define CLOTHID_SIM_STEP_H_
 
@@ -47,10 +48,11 @@ class StepSolver {
   void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
   bool IsSolved(const StepProblem& problem, const StepPoint& point) const;
   void Start(const StepProblem& problem, StepPoint* point);
-  bool Newton(const StepProblem& problem, const std::vector<double>& mu, int max_iterations, StepPoint* point,
-              RolloutCounts* counts);
-  bool SequentialQuadratic(const StepProblem& problem, const std::vector<double>& mu, int max_iterations,
-                           StepPoint* point, RolloutCounts* counts);
+  bool Newton(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point, RolloutCounts* counts);
+  // The frictionless step first, which minimises a potential, and from there growing shares of the friction
+  // coefficients, each from the solution of the last. Leaves `point` alone where that leads nowhere.
+  bool ContinueInFriction(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
+                          RolloutCounts* counts);
   // One iteration of Newton's method: along the direction that the factor at hand gives, or, where there is none or it
   // leads nowhere, along that of a new factor.
   bool Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance, double first_length,

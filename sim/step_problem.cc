@@ -87,6 +87,12 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
   if (model.has_contact()) FindCandidates(model, positions, time_step, &work_.candidates);
 }
 
+StepProblem StepProblem::WithFriction(double share) const {
+  StepProblem other = *this;
+  other.friction_share_ = share;
+  return other;
+}
+
 void StepProblem::SetConstants() {
   work_.material = parameters_.material;
   work_.time_step = time_step_;
@@ -120,7 +126,7 @@ void StepProblem::SetHandles() {
 int StepProblem::free_block(int candidate) const { return model_.free_index()[work_.candidates[candidate].node]; }
 double StepProblem::weight(int candidate) const { return work_.weights[free_block(candidate)]; }
 double StepProblem::friction_coefficient(int candidate) const {
-  return parameters_.friction_coefficients[work_.candidates[candidate].obstacle];
+  return friction_share_ * parameters_.friction_coefficients[work_.candidates[candidate].obstacle];
 }
 
 void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const {

@@ -76,6 +76,9 @@ class StepProblem {
   StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
               const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace);
 
+  // The same step with every friction coefficient times `share`, on the same workspace.
+  StepProblem WithFriction(double share) const;
+
   double time_step() const { return time_step_; }
   double end_time() const { return end_time_; }
   const Eigen::VectorXd& start_velocities() const { return work_.start_velocities; }  // v_n
@@ -123,6 +126,7 @@ class StepProblem {
   const Parameters& parameters_;
   StepWorkspace& work_;
   double time_step_, end_time_;
+  double friction_share_ = 1.0;
 };
 
 }  // namespace clothid
