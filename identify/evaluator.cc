@@ -1,5 +1,6 @@
 #include "identify/evaluator.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "identify/parallel_for.h"
@@ -59,11 +60,11 @@ bool FitEvaluator::ForEachRecording(const std::function<bool(int recording)>& wo
   std::vector<char> ok(static_cast<std::size_t>(num_recordings));
   ParallelFor(num_recordings, num_threads_, [&](int recording) { ok[recording] = work(recording) ? 1 : 0; });
   seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  last_failure_.clear();
-  for (int r = 0; r < num_recordings; ++r) {
-    if (ok[r] == 0 && last_failure_.empty()) last_failure_ = problem_->cost(r).last_failure();
-  }
-  return last_failure_.empty();
+  const auto failed = std::find(ok.begin(), ok.end(), 0);
+  if (failed == ok.end()) return true;
+  ++num_failures_;
+  last_failure_ = problem_->cost(static_cast<int>(failed - ok.begin())).last_failure();
+  return false;
 }
 
 bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost,

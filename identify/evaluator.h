@@ -59,8 +59,9 @@ class FitEvaluator : public ceres::EvaluationCallback {
   // The next point is the best one whatever its cost: costs of different precision do not compare.
   void SupersedeBest() { best_is_superseded_ = true; }
   bool best_is_superseded() const { return best_is_superseded_; }
-  const std::string& last_failure() const { return last_failure_; }
-  CostStatistics statistics() const;  // since the evaluator was made
+  int num_failures() const { return num_failures_; }                 // evaluations that did not work
+  const std::string& last_failure() const { return last_failure_; }  // the reason of the last of them
+  CostStatistics statistics() const;                                 // since the evaluator was made
   // |dL/dq| at the best point; NaN where no gradient was asked for there.
   double best_gradient_norm() const { return best_gradient_norm_; }
   double seconds() const { return seconds_; }  // wall time of all evaluations
@@ -88,6 +89,7 @@ class FitEvaluator : public ceres::EvaluationCallback {
   bool best_is_superseded_ = false;
   CostStatistics statistics_before_;
   std::string last_failure_;
+  int num_failures_ = 0;
   double best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();
   double seconds_ = 0.0;
 };

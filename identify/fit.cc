@@ -88,6 +88,7 @@ class Recorder : public ceres::IterationCallback {
       : options_(options), problem_(problem), evaluator_(evaluator), start_(std::chrono::steady_clock::now()) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    num_failures_ = evaluator_.num_failures();
     Add(goal_.first_iteration + summary.iteration);
     if (IsCancelled(options_)) return ceres::SOLVER_ABORT;
     const bool has_model = options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
@@ -95,7 +96,15 @@ class Recorder : public ceres::IterationCallback {
                                                                                   : ceres::SOLVER_CONTINUE;
   }
 
-  void StartPass(const PassGoal& goal) { goal_ = goal; }
+  void StartPass(const PassGoal& goal) {
+    goal_ = goal;
+    num_failures_ = evaluator_.num_failures();
+  }
+
+  // Why a point has failed since the last iteration was reported; empty where none has.
+  std::string failure() const {
+    return evaluator_.num_failures() > num_failures_ ? evaluator_.last_failure() : std::string();
+  }
 
   // The step that ended the fit was evaluated, but its iteration was never reported.
   void AddLast() {
@@ -127,6 +136,7 @@ class Recorder : public ceres::IterationCallback {
   const FitProblem& problem_;
   const FitEvaluator& evaluator_;
   PassGoal goal_;
+  int num_failures_ = 0;  // until the last iteration
   std::chrono::steady_clock::time_point start_;
   std::vector<FitIteration> iterations_;
 };
@@ -143,6 +153,18 @@ FitStatus StatusOf(ceres::TerminationType type) {
       break;
   }
   return FitStatus::kFailed;
+}
+
+// Steps that lead to points that fail are cut until they meet the tolerances. That is no minimum.
+void SetStatus(ceres::TerminationType type, const std::string& message, const Recorder& recorder, FitSummary* summary) {
+  summary->status = StatusOf(type);
+  summary->message = message;
+  if (recorder.failure().empty()) return;
+  if (summary->status == FitStatus::kFailed) summary->message = recorder.failure();
+  if (summary->status == FitStatus::kConverged) {
+    summary->status = FitStatus::kNotConverged;
+    summary->message = "stopped where the points ahead fail: " + recorder.failure();
+  }
 }
 
 void RunLevenbergMarquardt(const FitOptions& options, const PassGoal& goal, FitProblem* problem,
@@ -162,8 +184,7 @@ void RunLevenbergMarquardt(const FitOptions& options, const PassGoal& goal, FitP
   recorder->StartPass(goal);
   ceres::Solver::Summary result;
   ceres::Solve(solver, ceres_problem.get(), &result);
-  summary->status = StatusOf(result.termination_type);
-  summary->message = result.message;
+  SetStatus(result.termination_type, result.message, *recorder, summary);
 }
 
 bool IsAt(const QuadraticModel& model, const Eigen::VectorXd& coordinates) {
@@ -183,7 +204,17 @@ Eigen::VectorXd NextPoint(const FitProblem& problem, const QuadraticModel& model
   return next;
 }
 
-// The loose pass, and the full one from where its last step leads, so that no point is simulated with both.
+// Moves to `point` where that works.
+bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, Eigen::VectorXd* coordinates,
+            FitEvaluator* evaluator) {
+  double cost = 0.0;
+  if (!evaluator->Evaluate(point, derivative, &cost, nullptr)) return false;
+  *coordinates = point;
+  return true;
+}
+
+// The loose pass, and the full one from where its last step leads, so that no point is simulated with both. Points that
+// work loosely may fail with full precision; where these do, the full pass starts where the fit did.
 void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
                                 FitEvaluator* evaluator, Recorder* recorder, FitSummary* summary) {
   const PassGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
@@ -192,12 +223,14 @@ void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, 
   const int last_iteration = recorder->iterations().empty() ? 0 : recorder->iterations().back().iteration;
   problem->SetPrecision(Precision::kFull);
   evaluator->SupersedeBest();
-  if (last_iteration < options.max_iterations && IsAt(evaluator->model(), *coordinates)) {
-    double cost = 0.0;
-    const Eigen::VectorXd next = NextPoint(*problem, evaluator->model());
-    if (evaluator->Evaluate(next, FitEvaluator::Derivative::kNone, &cost, nullptr)) *coordinates = next;
-  }
-  const PassGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
+  const Eigen::VectorXd last = *coordinates;
+  const bool has_next = last_iteration < options.max_iterations && IsAt(evaluator->model(), last);
+  const bool is_near = (has_next && MoveTo(NextPoint(*problem, evaluator->model()), FitEvaluator::Derivative::kNone,
+                                           coordinates, evaluator)) ||
+                       MoveTo(last, FitEvaluator::Derivative::kRows, coordinates, evaluator);
+  if (!is_near) *coordinates = problem->StartCoordinates();
+  PassGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
+  if (!is_near) full.trust_region = kInitialTrustRegion;
   RunLevenbergMarquardt(options, full, problem, coordinates, evaluator, recorder, summary);
 }
 
@@ -237,8 +270,7 @@ void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* eval
   std::vector<double> u(static_cast<std::size_t>(map.num_free()), 0.0);
   ceres::GradientProblemSolver::Summary result;
   ceres::Solve(solver, gradient_problem, u.data(), &result);
-  summary->status = StatusOf(result.termination_type);
-  summary->message = result.message;
+  SetStatus(result.termination_type, result.message, *recorder, summary);
 }
 
 PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
@@ -333,9 +365,6 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
   } else {
     RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
-  }
-  if (summary.status == FitStatus::kFailed && !evaluator.last_failure().empty() && evaluator.best().is_valid()) {
-    summary.message = evaluator.last_failure();
   }
   if (IsCancelled(options)) {
     summary.status = FitStatus::kInterrupted;

@@ -18,7 +18,7 @@ namespace clothid {
 
 enum class FitStatus {
   kConverged,
-  kNotConverged,  // stopped at max_iterations
+  kNotConverged,  // stopped at max_iterations, or where the points ahead fail
   kFailed,        // a rollout or derivative failed where the fit could not go on
   kInterrupted,   // FitOptions::cancel
 };

@@ -13,6 +13,7 @@
 #include "sim/sensitivity.h"
 #include "sim/simulator.h"
 #include "sim/triangulated_surface.h"
+#include "tests/sim/same_branches.h"
 #include "tests/sim/shipped_scenes.h"
 #include "tests/sim/triangle_meshes.h"
 
@@ -61,7 +62,7 @@ class GradientCase {
     for (const double relative_step : {1e-4, 1e-5, 1e-3, 1e-2, 1e-6}) {
       const double step = relative_step * Magnitude(i);
       const Rollout plus = Perturbed(i, step), minus = Perturbed(i, -step);
-      if (!SameBranches(plus) || !SameBranches(minus)) continue;
+      if (!HaveSameBranches(rollout_, plus) || !HaveSameBranches(rollout_, minus)) continue;
       const double difference = (Cost(plus) - Cost(minus)) / (2.0 * step);
       best = std::min(best, std::abs(difference - adjoint_[i]) / std::abs(adjoint_[i]));
       if (best < 1e-8) break;
@@ -145,20 +146,6 @@ class GradientCase {
     }
     Simulator simulator(scene);
     return Simulate(parameters, scene.num_steps(), &simulator);
-  }
-
-  bool SameBranches(const Rollout& other) const {
-    if (!other.ok() || other.records.size() != rollout_.records.size()) return false;
-    for (size_t i = 0; i < rollout_.records.size(); ++i) {
-      const std::vector<ContactRecord>&a = rollout_.records[i].contacts, &b = other.records[i].contacts;
-      if (a.size() != b.size()) return false;
-      for (size_t j = 0; j < a.size(); ++j) {
-        if (a[j].node != b[j].node || a[j].obstacle != b[j].obstacle || a[j].branch != b[j].branch) {
-          return false;
-        }
-      }
-    }
-    return true;
   }
 
   double Cost(const Rollout& rollout) const {
