@@ -32,7 +32,10 @@ RecordFile::RecordFile(const std::string& path, const Kind& kind, const std::str
   if (descriptor_ < 0) FailIo(std::string("cannot be opened: ") + std::strerror(errno));
   try {
     // The lock ends with its process, however that ends.
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) FailIo("another process uses this file");
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      FailIo(errno == EWOULDBLOCK ? "another process uses this file"
+                                  : std::string("cannot be locked: ") + std::strerror(errno));
+    }
     ReadOrWriteHeader(kind, fingerprint);
   } catch (...) {
     ::close(descriptor_);
@@ -69,7 +72,7 @@ RecordFile::Next RecordFile::Read(std::string* payload) {
   ReadAt(position_, kFrameSize, &frame);
   std::uint64_t lengths[2] = {};
   std::memcpy(lengths, frame.data(), kLengthsSize);
-  if (lengths[0] != ~lengths[1]) return Next::kDamaged;
+  if (lengths[0] != ~lengths[1]) return IsZeroToTheEnd() ? Next::kTorn : Next::kDamaged;
   if (lengths[0] > left - kFrameSize) return Next::kTorn;
   ReadAt(position_ + kFrameSize, lengths[0], payload);
   if (frame != MakeFrame(*payload)) return lengths[0] == left - kFrameSize ? Next::kTorn : Next::kDamaged;
@@ -80,6 +83,17 @@ RecordFile::Next RecordFile::Read(std::string* payload) {
 void RecordFile::Append(std::string_view payload) {
   Truncate();
   Write(MakeFrame(payload).append(payload));
+}
+
+// What a file system leaves where a power cut came between the size of the file and its bytes.
+bool RecordFile::IsZeroToTheEnd() const {
+  constexpr std::uint64_t kChunk = 1 << 16;
+  std::string bytes;
+  for (std::uint64_t offset = position_; offset < size_; offset += bytes.size()) {
+    ReadAt(offset, std::min(kChunk, size_ - offset), &bytes);
+    if (bytes.find_first_not_of('\0') != std::string::npos) return false;
+  }
+  return true;
 }
 
 void RecordFile::ReadAt(std::uint64_t offset, std::uint64_t count, std::string* bytes) const {

@@ -32,14 +32,15 @@ class RecordFile {
   enum class Next {
     kRecord,   // `payload` holds it
     kEnd,      // there is none left
-    kTorn,     // the last record is not whole: the process that wrote it, or its machine, came to an end
+    kTorn,     // the last record is not whole, or zeros to the end: its process, or the machine, came to an end
     kDamaged,  // a record is not what was written, and others may follow
   };
   // Reads the next record. Throws `Error` (kIo).
   Next Read(std::string* payload);
 
   // Adds a record behind those that were read, with one write(), which the end of the process cannot undo; whatever
-  // stood there is cut off. Throws `Error` (kIo).
+  // stood there is cut off. The end of the machine may take the records of the last half minute: to flush each to the
+  // disk would take longer than to make a small one again. Throws `Error` (kIo).
   void Append(std::string_view payload);
   // Cuts off what stands behind the records that were read or added. Throws `Error` (kIo).
   void Truncate();
@@ -48,6 +49,7 @@ class RecordFile {
 
  private:
   void ReadOrWriteHeader(const Kind& kind, const std::string& fingerprint);
+  bool IsZeroToTheEnd() const;
   void ReadAt(std::uint64_t offset, std::uint64_t count, std::string* bytes) const;
   void Write(std::string_view bytes);
   [[noreturn]] void FailIo(const std::string& problem) const;

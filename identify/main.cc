@@ -13,7 +13,6 @@
 #include "identify/fit.h"
 #include "identify/gradient_check.h"
 #include "identify/holdout.h"
-#include "identify/interrupt.h"
 #include "identify/options.h"
 #include "identify/output_folder.h"
 #include "identify/problem.h"
@@ -21,6 +20,7 @@
 #include "identify/report.h"
 #include "identify/version.h"
 #include "sim/error.h"
+#include "sim/program.h"
 
 DEFINE_string(target, "", "recordings to fit, separated by commas");
 DEFINE_string(scene, "", "scene.json to use instead of the one in each recording");
@@ -212,36 +212,40 @@ int Identify(const std::string& flags) {
   return FitExitCode(summary, run);
 }
 
+int Run(int argc, char** argv, const std::string& flags) {
+  if (IsSet("help") || IsSet("helpfull") || IsSet("helpshort")) {
+    std::cout << kHelp;
+    return kExitSuccess;
+  }
+  if (IsSet("version")) {
+    std::cout << "identify (clothid) " << Version() << " git " << GitHash() << "\n";
+    return kExitSuccess;
+  }
+  try {
+    if (argc > 1) {
+      throw Error(ErrorKind::kUsage, std::string("'") + argv[1] + "': expected flags only; see --help");
+    }
+    return Identify(flags);
+  } catch (const Error& error) {
+    std::cerr << "identify: " << error.what() << "\n";
+    return ExitCodeOf(error.kind());
+  } catch (const std::exception& error) {
+    std::cerr << "identify: " << error.what() << "\n";
+    return kExitNotConverged;
+  }
+}
+
 }  // namespace
 }  // namespace clothid
 
 int main(int argc, char** argv) {
   const std::string flags = clothid::CommandLine(argc, argv);
+  clothid::CatchFileSizeLimit();
   // Ceres logs through glog: to stderr, and only what is fatal unless -v asks for more.
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_FATAL;
   gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
-  if (clothid::IsSet("help") || clothid::IsSet("helpfull") || clothid::IsSet("helpshort")) {
-    std::cout << clothid::kHelp;
-    return clothid::kExitSuccess;
-  }
-  if (clothid::IsSet("version")) {
-    std::cout << "identify (clothid) " << clothid::Version() << " git " << clothid::GitHash() << "\n";
-    return clothid::kExitSuccess;
-  }
   if (FLAGS_v > 0) FLAGS_minloglevel = google::GLOG_INFO;
   google::InitGoogleLogging(argv[0]);
-  try {
-    if (argc > 1) {
-      throw clothid::Error(clothid::ErrorKind::kUsage,
-                           std::string("'") + argv[1] + "': expected flags only; see --help");
-    }
-    return clothid::Identify(flags);
-  } catch (const clothid::Error& error) {
-    std::cerr << "identify: " << error.what() << "\n";
-    return clothid::ExitCodeOf(error.kind());
-  } catch (const std::exception& error) {
-    std::cerr << "identify: " << error.what() << "\n";
-    return clothid::kExitNotConverged;
-  }
+  return clothid::FinishOutput("identify", clothid::Run(argc, argv, flags));
 }

@@ -1,9 +1,16 @@
 #include "identify/output_folder.h"
 
-#include <algorithm>
-#include <fstream>
-#include <system_error>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "datasets/atomic_file.h"
 #include "identify/options.h"
 #include "sim/error.h"
 
@@ -33,51 +40,78 @@ OutputFolder::OutputFolder(const std::string& path) {
   if (path.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
   path_ = fs::absolute(path).lexically_normal();
   if (!path_.has_filename()) path_ = path_.parent_path();
-  old_journals_ = Find(kJournalPrefix);
-  const char probe[] = "probe";
+  hidden_ = path_ / ".clothid_part";
   try {
-    for (const fs::path& folder : MissingFolders(path_)) {
-      std::error_code error;
-      if (!fs::create_directory(folder, error)) Fail(folder, "cannot make the folder: " + error.message());
-      made_.push_back(folder);
-    }
-    if (!fs::is_directory(path_)) Fail(path_, "is not a folder");
-    Write(probe, "");
+    MakeFolders();
+    Lock();
+    old_journals_ = Journals();
+    std::error_code error;
+    fs::remove_all(hidden_, error);
+    if (!error) fs::create_directory(hidden_, error);
+    if (!error) fs::remove(hidden_, error);
+    if (error) Fail(path_, "cannot be written to: " + error.message());
   } catch (...) {
     RemoveAll();
     throw;
   }
-  std::error_code ignored;
-  fs::remove(TemporaryPath(probe), ignored);
-  names_.clear();
 }
 
 OutputFolder::~OutputFolder() { RemoveAll(); }
 
+void OutputFolder::MakeFolders() {
+  for (const fs::path& folder : MissingFolders(path_)) {
+    std::error_code error;
+    const bool is_made = fs::create_directory(folder, error);  // not where another process was faster
+    if (error) Fail(folder, "cannot make the folder: " + error.message());
+    if (is_made) made_.push_back(folder);
+  }
+  std::error_code ignored;
+  if (!fs::is_directory(path_, ignored)) Fail(path_, "is not a folder");
+}
+
+void OutputFolder::Lock() {
+  lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0) Fail(path_, std::string("cannot be opened: ") + std::strerror(errno));
+  // The lock ends with its process, however that ends, and leaves no file. Not every file system has locks.
+  if (::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(std::exchange(lock_, -1));
+  made_.clear();  // the process that has the lock writes there
+  Fail(path_, "another process is writing its results there");
+}
+
 std::string OutputFolder::TemporaryPath(const std::string& name) {
+  std::error_code error;
+  if (fs::create_directory(hidden_, error)) old_journals_ = Journals();
+  if (error) Fail(hidden_, "cannot make the folder: " + error.message());
   if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
-  return (path_ / ("." + name + ".part")).string();
+  return (hidden_ / name).string();
 }
 
 void OutputFolder::Write(const std::string& name, const std::string& content) {
-  const std::string temporary = TemporaryPath(name);
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file << content;
-  file.close();
-  if (!file) Fail(path_ / name, "cannot be written");
+  WriteFileAtomically(TemporaryPath(name), {content});
+}
+
+void OutputFolder::CheckPlaces() const {
+  std::error_code ignored;
+  for (const std::string& name : names_) {
+    if (!FlushToDisk((hidden_ / name).string())) {
+      Fail(path_ / name, std::string("cannot be written: ") + std::strerror(errno));
+    }
+    if (fs::is_directory(path_ / name, ignored)) Fail(path_ / name, "cannot be written: is a folder");
+  }
 }
 
 void OutputFolder::Commit() {
+  CheckPlaces();
   for (const std::string& name : names_) {
     std::error_code error;
-    fs::rename(TemporaryPath(name), path_ / name, error);
+    fs::rename(hidden_ / name, path_ / name, error);
     if (error) Fail(path_ / name, "cannot be written: " + error.message());
   }
+  FlushToDisk(path_.string());  // best effort: not every file system can
   std::error_code ignored;
-  for (const std::string& name : names_) {
-    for (const fs::path& leftover : Find("." + name + ".part")) fs::remove(leftover, ignored);
-  }
-  old_journals_ = Find(kJournalPrefix);
+  fs::remove_all(hidden_, ignored);
+  old_journals_ = Journals();
   if (!keep_journals_) {
     for (const fs::path& journal : old_journals_) fs::remove(journal, ignored);
   }
@@ -85,24 +119,27 @@ void OutputFolder::Commit() {
   made_.clear();
 }
 
-std::vector<fs::path> OutputFolder::Find(const std::string& prefix) const {
+std::vector<fs::path> OutputFolder::Journals() const {
   std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator entry(path_, error); !error && entry != fs::directory_iterator();
        entry.increment(error)) {
-    if (entry->path().filename().string().rfind(prefix, 0) == 0) found.push_back(entry->path());
+    if (entry->path().filename().string().rfind(kJournalPrefix, 0) == 0) found.push_back(entry->path());
   }
   return found;
 }
 
 void OutputFolder::RemoveAll() noexcept {
   std::error_code ignored;
-  for (const std::string& name : names_) fs::remove(path_ / ("." + name + ".part"), ignored);
-  for (const fs::path& journal : Find(kJournalPrefix)) {
-    const bool is_old = std::find(old_journals_.begin(), old_journals_.end(), journal) != old_journals_.end();
-    if (!is_old) fs::remove(journal, ignored);
+  if (lock_ >= 0) {
+    fs::remove_all(hidden_, ignored);
+    for (const fs::path& journal : Journals()) {
+      const bool is_old = std::find(old_journals_.begin(), old_journals_.end(), journal) != old_journals_.end();
+      if (!is_old) fs::remove(journal, ignored);
+    }
   }
   for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 }  // namespace clothid

@@ -12,6 +12,7 @@
 
 #include "identify/output_folder.h"
 #include "sim/error.h"
+#include "sim/program.h"
 #include "tools/benchmark_flags.h"
 #include "tools/command_line.h"
 
@@ -99,7 +100,8 @@ folder `landscape`.
                     the landscape
   --help, --version
 
-Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content.
+Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content;
+130 interrupted.
 
 Examples:
   benchmark jacobian --scene datasets/drape.scene.json --set mu=0.3,k_stretch=100 --output /tmp/jacobian
@@ -133,6 +135,14 @@ std::string Describe(const ForwardCase& result) {
   return result.scene + ", " + std::to_string(result.nodes) + " x " + std::to_string(result.nodes) + " nodes";
 }
 
+struct Interrupted {};
+
+// Prints a line of progress. Throws `Interrupted` after a signal: a benchmark ends with the item that it is at.
+void Report(const std::string& line) {
+  std::cerr << line;
+  if (IsInterrupted()) throw Interrupted();
+}
+
 // Reports every item: "fit 3 of 128: adjoint, noise 0.01, start 0.02 7: converged, 7 rollouts; 310 s left".
 auto ProgressReporter(const std::string& what) {
   const auto start = std::chrono::steady_clock::now();
@@ -141,7 +151,7 @@ auto ProgressReporter(const std::string& what) {
     std::ostringstream line;
     line << what << " " << num_done << " of " << num_items << ": " << Describe(item) << "; " << std::fixed
          << std::setprecision(0) << seconds.count() / num_done * (num_items - num_done) << " s left\n";
-    std::cerr << line.str();
+    Report(line.str());
   };
 }
 
@@ -161,7 +171,7 @@ void ReportCases(BackpropCaseOptions* options) {
     std::ostringstream line;
     line << "case " << num_done << " of " << num_cases << ": " << name.ToString() << "; " << std::fixed
          << std::setprecision(0) << seconds.count() << " s so far\n";
-    std::cerr << line.str();
+    Report(line.str());
   };
 }
 
@@ -175,7 +185,7 @@ void ReportProgress(ContinuityOptions* options) {
     std::ostringstream line;
     line << "scan " << num_done << " of " << num_scans << ": " << scan << "; " << std::fixed << std::setprecision(0)
          << seconds.count() << " s so far\n";
-    std::cerr << line.str();
+    Report(line.str());
   };
 }
 
@@ -185,12 +195,13 @@ void ReportProgress(Figure3Options* options) {
   options->on_progress = [start](const std::string& what, int num_done, int num_items) mutable {
     const auto now = std::chrono::steady_clock::now();
     if (num_done == 1) start = now;
+    if (IsInterrupted()) throw Interrupted();
     if (num_done % (what == "fit" ? 50 : 1000) != 0 && num_done != num_items) return;
     const std::chrono::duration<double> seconds = now - start;
     std::ostringstream line;
     line << what << " " << num_done << " of " << num_items << "; " << std::fixed << std::setprecision(0)
          << seconds.count() / num_done * (num_items - num_done) << " s left\n";
-    std::cerr << line.str();
+    Report(line.str());
   };
 }
 
@@ -205,6 +216,7 @@ template <typename Options, typename Benchmark>
 int RunBenchmark(Options options, Benchmark (*run)(const Options&), std::string (*table)(const Benchmark&),
                  const std::vector<CsvFile<Benchmark>>& files) {
   options.Validate();
+  CatchInterrupts();
   std::optional<OutputFolder> folder;  // before the fits, so that they do not run in vain
   if (!FLAGS_output.empty()) folder.emplace(FLAGS_output);
   ReportProgress(&options);
@@ -275,7 +287,13 @@ int Run(const std::vector<std::string>& arguments) {
   if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing" + known);
   if (arguments.size() > 1) throw Error(ErrorKind::kUsage, "'" + arguments[1] + "': unexpected argument");
   for (const Subcommand& command : kSubcommands) {
-    if (arguments[0] == command.name) return command.run();
+    if (arguments[0] != command.name) continue;
+    try {
+      return command.run();
+    } catch (const Interrupted&) {
+      std::cerr << "benchmark: interrupted, nothing is written but the cells of figure3, which goes on from them\n";
+      return kExitInterrupted;
+    }
   }
   throw Error(ErrorKind::kUsage, "'" + arguments[0] + "': unknown command" + known);
 }

@@ -5,6 +5,8 @@
 #include <exception>
 #include <iostream>
 
+#include "sim/program.h"
+
 namespace clothid {
 namespace {
 
@@ -14,10 +16,8 @@ bool IsSet(const char* flag) {
   return gflags::GetCommandLineOption(flag, &value) && value == "true";
 }
 
-}  // namespace
-
-int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command) {
-  gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
+int Answer(const std::string& name, const std::string& help, const std::vector<std::string>& arguments,
+           const Command& command) {
   if (IsSet("help") || IsSet("helpfull") || IsSet("helpshort")) {
     std::cout << help;
     return kExitSuccess;
@@ -27,7 +27,7 @@ int RunCommand(const std::string& name, const std::string& help, int argc, char*
     return kExitSuccess;
   }
   try {
-    return command(std::vector<std::string>(argv + 1, argv + argc));
+    return command(arguments);
   } catch (const Error& error) {
     std::cerr << name << ": " << error.what() << "\n";
     return ExitCodeOf(error.kind());
@@ -35,6 +35,14 @@ int RunCommand(const std::string& name, const std::string& help, int argc, char*
     std::cerr << name << ": internal error: " << error.what() << "\n";
     return kExitUsageOrIo;
   }
+}
+
+}  // namespace
+
+int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command) {
+  CatchFileSizeLimit();
+  gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
+  return FinishOutput(name, Answer(name, help, std::vector<std::string>(argv + 1, argv + argc), command));
 }
 
 }  // namespace clothid

@@ -14,8 +14,8 @@ namespace clothid {
 using Command = std::function<int(const std::vector<std::string>& arguments)>;
 
 // Binds gflags to the command line, answers --help with `help` and --version, else runs `command` and returns its exit
-// code. Whatever `command` throws ends as one line on stderr, led by `name`, and as an exit code. An unknown flag ends
-// the process with exit code 1 and one line from gflags.
+// code. Whatever `command` throws ends as one line on stderr, led by `name`, and as an exit code; so does stdout that
+// cannot be written (sim/program.h). An unknown flag ends the process with exit code 1 and one line from gflags.
 int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command);
 
 }  // namespace clothid

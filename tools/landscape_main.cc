@@ -2,6 +2,7 @@
 #include <gflags/gflags.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -10,11 +11,11 @@
 #include <vector>
 
 #include "datasets/recorded_motion.h"
-#include "identify/interrupt.h"
 #include "identify/output_folder.h"
 #include "identify/version.h"
 #include "sim/error.h"
 #include "sim/parameters.h"
+#include "sim/program.h"
 #include "sim/text_file.h"
 #include "tools/command_line.h"
 #include "tools/landscape_files.h"
@@ -170,6 +171,7 @@ int Scan() {
 }
 
 int Merge(const std::vector<std::string>& folders) {
+  CatchInterrupts();
   for (const std::string& folder : folders) {
     std::error_code ignored;
     if (std::filesystem::equivalent(folder, FLAGS_output, ignored)) {
@@ -188,6 +190,7 @@ int Merge(const std::vector<std::string>& folders) {
 }
 
 int Plot(const std::vector<std::string>& folders) {
+  const std::atomic<bool>& interrupted = CatchInterrupts();
   if (folders.size() != 1) throw Error(ErrorKind::kUsage, "plot: expected one folder; see landscape --help");
   const Landscape landscape = ReadLandscape(folders.front());
   const LandscapePictures pictures = PlotLandscape(landscape, Summarize(landscape), folders.front());
@@ -197,7 +200,7 @@ int Plot(const std::vector<std::string>& folders) {
   } else {
     std::cerr << "landscape: " << pictures.note << "\n";
   }
-  return kExitSuccess;
+  return interrupted ? kExitInterrupted : kExitSuccess;
 }
 
 struct Subcommand {

@@ -104,18 +104,16 @@ std::string LastLine(std::string text) {
 }
 
 // Why there is none, or an empty text.
-std::string WritePng(const std::string& folder) {
+std::string WritePng(const std::string& folder, OutputFolder* output) {
   const std::string name = "landscape.png";
   std::error_code ignored;
   std::filesystem::remove(std::filesystem::path(folder) / name, ignored);
-  OutputFolder output(folder);
-  output.KeepJournals();
   std::string reason;
   for (const char* python : {"python3", "/usr/bin/python3"}) {
     const ProgramResult result =
-        RunProgram({python, "-c", std::string(LandscapeScript()), folder, output.TemporaryPath(name)});
+        RunProgram({python, "-c", std::string(LandscapeScript()), folder, output->TemporaryPath(name)});
     if (result.exit_code == 0) {
-      output.Commit();
+      output->Commit();
       return "";
     }
     if (reason.empty()) reason = result.exit_code == 127 ? "there is no python3" : LastLine(result.err);
@@ -143,7 +141,7 @@ LandscapePictures PlotLandscape(const Landscape& landscape, const LandscapeSumma
   output.Commit();
   LandscapePictures pictures;
   pictures.html = (std::filesystem::path(folder) / "landscape.html").string();
-  pictures.note = WritePng(folder);
+  pictures.note = WritePng(folder, &output);
   if (pictures.note.empty()) pictures.png = (std::filesystem::path(folder) / "landscape.png").string();
   return pictures;
 }

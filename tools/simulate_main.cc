@@ -1,15 +1,18 @@
 // simulate: makes a recording with known parameters from a scene.
 #include <gflags/gflags.h>
 
+#include <atomic>
 #include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "datasets/atomic_file.h"
 #include "datasets/motion_file.h"
 #include "datasets/synthetic.h"
 #include "sim/json_document.h"
 #include "sim/parameters.h"
+#include "sim/program.h"
 #include "sim/rollout.h"
 #include "sim/scene_json.h"
 #include "sim/simulator.h"
@@ -47,7 +50,8 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   --threads N        accepted; one rollout runs on one thread (1)
   --help, --version
 
-Exit codes: 0 written; 1 usage, file cannot be opened; 2 bad content; 3 a time step did not converge, nothing written.
+Exit codes: 0 written; 1 usage, or a file that cannot be opened or written; 2 bad content; 3 a time step did not
+converge, 130 interrupted: nothing is written.
 
 Example:
   simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 --noise 0.001 --output /tmp/drape.motion.bin
@@ -113,8 +117,14 @@ int Run(const std::vector<std::string>& arguments) {
   const std::string scene_text = ReadFile(FLAGS_scene, kMaxJsonBytes);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
+  const std::atomic<bool>& interrupted = CatchInterrupts();
+  CheckFileCanBeWritten(FLAGS_output);
   Simulator simulator(scene);
-  const Rollout rollout = Simulate(truth, scene.num_steps(), &simulator);
+  const Rollout rollout = Simulate(truth, scene.num_steps(), &simulator, &interrupted);
+  if (interrupted) {
+    std::cerr << "simulate: interrupted, nothing is written\n";
+    return kExitInterrupted;
+  }
   if (!rollout.ok()) {
     std::cerr << "simulate: " << rollout.failure->ToString() << "\n";
     return kExitNotConverged;

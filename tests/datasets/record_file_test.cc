@@ -91,6 +91,23 @@ TEST_F(RecordFileTest, TellsDamageFromATornTail) {
   }
 }
 
+// What a power cut may leave of a file that has grown.
+TEST_F(RecordFileTest, GoesOnFromZeros) {
+  for (const std::size_t num_zeros : {1, 79, 80, 200, 200000}) {
+    folder_.Write("records", whole_ + std::string(num_zeros, '\0'));
+    std::vector<std::string> records;
+    RecordFile file(path_, kKind, kFingerprint);
+    ASSERT_EQ(ReadAll(&file, &records), Next::kTorn) << num_zeros;
+    EXPECT_EQ(records, kRecords);
+    file.Append("four");
+    EXPECT_EQ(Bytes().size(), whole_.size() + 80 + 4);
+  }
+  folder_.Write("records", whole_ + std::string(200000, '\0') + "x");
+  std::vector<std::string> records;
+  RecordFile file(path_, kKind, kFingerprint);
+  EXPECT_EQ(ReadAll(&file, &records), Next::kDamaged);
+}
+
 TEST_F(RecordFileTest, RefusesOtherFiles) {
   ExpectError([&] { RecordFile(path_, kKind, std::string(64, 'b')); }, ErrorKind::kUsage, {"records", "another test"});
   ExpectError(

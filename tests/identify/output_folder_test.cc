@@ -68,9 +68,15 @@ TEST_F(OutputFolderTest, KeepsWhatWasThere) {
   EXPECT_EQ(Read(root_ / "x.txt"), "old");
 }
 
-TEST_F(OutputFolderTest, CommitRemovesLeftoversAndJournals) {
-  for (const char* name : {".x.txt.part.tmp17", ".y.txt.part.tmp17", ".journal_1.bin"})
-    std::ofstream(root_ / name) << "old";
+TEST_F(OutputFolderTest, RemovesWhatAKilledRunLeft) {
+  fs::create_directory(root_ / ".clothid_part");
+  std::ofstream(root_ / ".clothid_part" / "y.txt") << "half of";
+  OutputFolder folder(root_.string());
+  EXPECT_EQ(NumEntries(root_), 0);
+}
+
+TEST_F(OutputFolderTest, CommitRemovesJournals) {
+  std::ofstream(root_ / ".journal_1.bin") << "old";
   {
     OutputFolder folder(root_.string());
     folder.Write("x.txt", "new");
@@ -78,9 +84,44 @@ TEST_F(OutputFolderTest, CommitRemovesLeftoversAndJournals) {
     EXPECT_TRUE(fs::exists(root_ / ".journal_1.bin"));
     folder.Commit();
   }
-  EXPECT_EQ(NumEntries(root_), 2);
+  EXPECT_EQ(NumEntries(root_), 1);
   EXPECT_EQ(Read(root_ / "x.txt"), "new");
-  EXPECT_TRUE(fs::exists(root_ / ".y.txt.part.tmp17")) << "of a file that was not written";
+}
+
+TEST_F(OutputFolderTest, OneAtATime) {
+  const std::string path = (root_ / "a").string();
+  {
+    OutputFolder first(path);
+    first.Write("x.txt", "first");
+    ExpectError([&] { OutputFolder second(path); }, ErrorKind::kIo, {"--output", "a: another process"});
+    first.Commit();
+    ExpectError([&] { OutputFolder second(path); }, ErrorKind::kIo, {"--output", "a: another process"});
+  }
+  EXPECT_EQ(Read(root_ / "a" / "x.txt"), "first");
+  OutputFolder second(path);
+}
+
+TEST_F(OutputFolderTest, AFitWhoseResultsCannotBeWrittenKeepsItsJournals) {
+  fs::create_directory(root_ / "x.txt");
+  {
+    OutputFolder folder(root_.string());
+    std::ofstream(root_ / ".journal_1.bin") << "new";
+    folder.Write("x.txt", "new");
+    ExpectError([&] { folder.Commit(); }, ErrorKind::kIo, {"x.txt: cannot be written"});
+  }
+  EXPECT_EQ(NumEntries(root_), 2);
+  EXPECT_EQ(Read(root_ / ".journal_1.bin"), "new");
+}
+
+TEST_F(OutputFolderTest, CommitsAllOrNothing) {
+  fs::create_directory(root_ / "y.txt");
+  {
+    OutputFolder folder(root_.string());
+    folder.Write("x.txt", "new");
+    folder.Write("y.txt", "new");
+    ExpectError([&] { folder.Commit(); }, ErrorKind::kIo, {"--output", "y.txt: cannot be written", "folder"});
+  }
+  EXPECT_EQ(NumEntries(root_), 1);
 }
 
 TEST_F(OutputFolderTest, KeepsJournalsOnRequest) {

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,6 +38,14 @@ class ToolProcess {
   bool IsRunning() const {
     siginfo_t info = {};
     return ::waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0;
+  }
+  // Whether it has a handler of its own for `signal` (SigCgt of proc(5)).
+  bool Catches(int signal) const {
+    std::ifstream status("/proc/" + std::to_string(process_) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      if (line.rfind("SigCgt:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
+    }
+    return false;
   }
   void Signal(int signal) const { ::kill(process_, signal); }
   // The exit code; nothing where a signal ended it.
