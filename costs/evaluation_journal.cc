@@ -1,5 +1,6 @@
 #include "costs/evaluation_journal.h"
 
+#include <algorithm>
 #include <cstring>
 #include <string_view>
 #include <type_traits>
@@ -16,7 +17,7 @@ struct RecordTooShort {};
 class Writer {
  public:
   void Bytes(const void* bytes, std::size_t count) { text_.append(static_cast<const char*>(bytes), count); }
-  Eigen::Index Size(Eigen::Index size) {
+  Eigen::Index Size(Eigen::Index size, std::size_t /*item_bytes*/) {
     Bytes(&size, sizeof(size));
     return size;
   }
@@ -34,10 +35,12 @@ class Reader {
     if (count > 0) std::memcpy(bytes, text_.data(), count);
     text_.remove_prefix(count);
   }
-  Eigen::Index Size(Eigen::Index /*size*/) {
+  // A size of which as many items, of `item_bytes` each, may follow.
+  Eigen::Index Size(Eigen::Index /*size*/, std::size_t item_bytes) {
     Eigen::Index size = 0;
     Bytes(&size, sizeof(size));
-    if (size < 0 || static_cast<std::size_t>(size) > text_.size()) throw RecordTooShort();
+    const std::size_t most = text_.size() / std::max<std::size_t>(item_bytes, 1);
+    if (size < 0 || static_cast<std::size_t>(size) > most) throw RecordTooShort();
     return size;
   }
 
@@ -50,28 +53,36 @@ void Field(Archive* archive, Number* number) {
   archive->Bytes(number, sizeof(Number));
 }
 
+// Any byte, for no other than 0 and 1 may stand in a bool.
+template <typename Archive>
+void Field(Archive* archive, bool* flag) {
+  char byte = *flag ? 1 : 0;
+  archive->Bytes(&byte, sizeof(byte));
+  *flag = byte != 0;
+}
+
 template <typename Archive>
 void Field(Archive* archive, std::string* text) {
-  text->resize(archive->Size(text->size()));
+  text->resize(archive->Size(text->size(), 1));
   archive->Bytes(text->data(), text->size());
 }
 
 template <typename Archive>
 void Field(Archive* archive, std::vector<int>* numbers) {
-  numbers->resize(archive->Size(numbers->size()));
+  numbers->resize(archive->Size(numbers->size(), sizeof(int)));
   archive->Bytes(numbers->data(), numbers->size() * sizeof(int));
 }
 
 template <typename Archive>
 void Field(Archive* archive, Eigen::VectorXd* vector) {
-  vector->resize(archive->Size(vector->size()));
+  vector->resize(archive->Size(vector->size(), sizeof(double)));
   archive->Bytes(vector->data(), vector->size() * sizeof(double));
 }
 
 template <typename Archive>
 void Field(Archive* archive, Eigen::MatrixXd* matrix) {
-  const Eigen::Index rows = archive->Size(matrix->rows());
-  matrix->resize(rows, archive->Size(matrix->cols()));
+  const Eigen::Index rows = archive->Size(matrix->rows(), 1);
+  matrix->resize(rows, archive->Size(matrix->cols(), static_cast<std::size_t>(rows) * sizeof(double)));
   archive->Bytes(matrix->data(), matrix->size() * sizeof(double));
 }
 

@@ -9,6 +9,7 @@
 #include "datasets/motion_container.h"
 #include "datasets/motion_file.h"
 #include "datasets/scene_text.h"
+#include "sim/error.h"
 #include "sim/json_document.h"
 #include "sim/scene_json.h"
 #include "sim/text_file.h"
@@ -85,23 +86,28 @@ Eigen::VectorXd StartPositions(const MotionTensors& tensors, const std::vector<O
   return first.reshaped();
 }
 
-Handles MakeHandles(const MotionTensors& tensors, bool smooth) {
+Handles MakeHandles(const MotionTensors& tensors, bool smooth, const std::string& path) {
   Handles handles;
   handles.nodes = tensors.handle_index;
   if (handles.nodes.empty()) return handles;
-  handles.path = HandlePath(tensors.times,
-                            smooth ? SmoothPath(tensors.times, tensors.handle_positions) : tensors.handle_positions);
+  try {
+    handles.path = HandlePath(tensors.times,
+                              smooth ? SmoothPath(tensors.times, tensors.handle_positions) : tensors.handle_positions);
+  } catch (const Error& error) {
+    throw Error(error.kind(), path + ": " + error.what());
+  }
   return handles;
 }
 
-SceneDefaults MakeDefaults(const MotionTensors& tensors, const std::vector<ObservedPoint>& points, bool smooth) {
+SceneDefaults MakeDefaults(const MotionTensors& tensors, const std::vector<ObservedPoint>& points, bool smooth,
+                           const std::string& path) {
   SceneDefaults defaults;
   defaults.has_mesh = true;
   defaults.mesh = tensors.mesh;
   defaults.initial_positions = StartPositions(tensors, points);
   defaults.start_time = tensors.times[0];
   defaults.duration = tensors.times[tensors.times.size() - 1] - tensors.times[0];
-  defaults.handles = MakeHandles(tensors, smooth);
+  defaults.handles = MakeHandles(tensors, smooth, path);
   return defaults;
 }
 
@@ -114,7 +120,7 @@ RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& opti
   RecordedMotion motion;
   motion.name = path;
   motion.points = MakePoints(file.tensors);
-  const SceneDefaults defaults = MakeDefaults(file.tensors, motion.points, options.smooth_handles);
+  const SceneDefaults defaults = MakeDefaults(file.tensors, motion.points, options.smooth_handles, path);
   const bool embedded = options.scene_path.empty();
   motion.scene_text = embedded ? file.tensors.scene_text : ReadFile(options.scene_path, kMaxJsonBytes);
   if (options.change_scene) motion.scene_text = options.change_scene(motion.scene_text);

@@ -73,6 +73,7 @@ RecordFile::Next RecordFile::Read(std::string* payload) {
   std::uint64_t lengths[2] = {};
   std::memcpy(lengths, frame.data(), kLengthsSize);
   if (lengths[0] != ~lengths[1]) return IsZeroToTheEnd() ? Next::kTorn : Next::kDamaged;
+  if (lengths[0] > kMaxRecordBytes) return Next::kDamaged;
   if (lengths[0] > left - kFrameSize) return Next::kTorn;
   ReadAt(position_ + kFrameSize, lengths[0], payload);
   if (frame != MakeFrame(*payload)) return lengths[0] == left - kFrameSize ? Next::kTorn : Next::kDamaged;

@@ -12,6 +12,9 @@
 
 namespace clothid {
 
+// The longest payload. A record that claims more counts as damaged.
+inline constexpr std::uint64_t kMaxRecordBytes = std::uint64_t{1} << 30;
+
 class RecordFile {
  public:
   // What the file is for, in words for messages.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +20,6 @@ namespace clothid {
 namespace {
 
 constexpr std::size_t kLengthSize = 8;
-constexpr std::uint64_t kMaxHeader = 100'000'000;  // bytes, the limit of the reference implementation
 
 struct TypeName {
   TensorType type;
@@ -62,7 +60,7 @@ std::string ReadBytes(std::ifstream* file, const std::string& path, std::uint64_
 std::uint64_t HeaderLength(const std::string& bytes, const std::string& path, std::uint64_t file_size) {
   std::uint64_t length = 0;
   std::memcpy(&length, bytes.data(), kLengthSize);
-  const std::uint64_t limit = std::min(file_size - kLengthSize, kMaxHeader);
+  const std::uint64_t limit = std::min(file_size - kLengthSize, kMaxHeaderBytes);
   if (length > limit) {
     Fail(path, "its header claims " + std::to_string(length) + " bytes; expected at most " + std::to_string(limit) +
                    " in this file");
@@ -109,11 +107,17 @@ TensorInfo ReadTensorInfo(const JsonNode& node, std::size_t data_size) {
   return tensor;
 }
 
+// Of an object, not too many of them.
+const std::vector<std::string>& CheckedKeys(const JsonNode& node) {
+  if (node.keys().size() > kMaxHeaderKeys) node.Fail("expected at most " + std::to_string(kMaxHeaderKeys) + " keys");
+  return node.keys();
+}
+
 void ReadHeader(const JsonNode& root, std::size_t data_size, Safetensors* result) {
-  for (const std::string& name : root.keys()) {
+  for (const std::string& name : CheckedKeys(root)) {
     const JsonNode node = *root.Find(name);
     if (name == "__metadata__") {
-      for (const std::string& key : node.keys()) result->metadata[key] = node.Find(key)->String();
+      for (const std::string& key : CheckedKeys(node)) result->metadata[key] = node.Find(key)->String();
     } else {
       result->tensors[name] = ReadTensorInfo(node, data_size);
     }
@@ -148,6 +152,9 @@ Safetensors ReadSafetensors(const std::string& path) {
   const std::uint64_t file_size = FileSize(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read: " + std::strerror(errno));
+  if (file_size > kMaxContainerBytes) {
+    Fail(path, "is larger than " + std::to_string(kMaxContainerBytes) + " bytes");
+  }
   if (file_size < kLengthSize) Fail(path, "is shorter than the 8 bytes of a header length");
   Safetensors result;
   result.length_bytes = ReadBytes(&file, path, kLengthSize);
@@ -155,7 +162,7 @@ Safetensors ReadSafetensors(const std::string& path) {
   result.header = ReadBytes(&file, path, header_size);
   const std::size_t data_size = file_size - kLengthSize - header_size;
   const std::string source = path + ": header";
-  const JsonValue document = ParseJson(result.header, source, kMaxHeader);
+  const JsonValue document = ParseJson(result.header, source, kMaxHeaderBytes);
   ReadHeader(JsonNode(document, source), data_size, &result);
   ExpectFullCover(result, data_size, path);
   result.data = ReadBytes(&file, path, data_size);

@@ -7,6 +7,7 @@
 #define CLOTHID_DATASETS_SAFETENSORS_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -39,6 +40,10 @@ struct Safetensors {
     return std::string_view(data).substr(tensor.begin, tensor.end - tensor.begin);
   }
 };
+
+inline constexpr std::uint64_t kMaxContainerBytes = std::uint64_t{1} << 32;
+inline constexpr std::uint64_t kMaxHeaderBytes = 100'000'000;  // the limit of the reference implementation
+inline constexpr std::size_t kMaxHeaderKeys = 1000;            // tensors, and strings of the metadata
 
 // Checks every bound before anything of the size that the file claims is allocated. Throws `Error`: kIo where the file
 // cannot be read, else kBadData naming file and key.

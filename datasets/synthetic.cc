@@ -165,6 +165,8 @@ Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps) {
   const double stride = frame_rate > 0.0 ? 1.0 / (frame_rate * time_step) : 1.0;
   Require(stride <= num_steps, "frame_rate " + ToString(frame_rate) + ": expected at least two frames in " +
                                    ToString(num_steps * time_step) + " s");
+  Require(num_steps / stride < kMaxFrames,
+          "frame_rate " + ToString(frame_rate) + ": expected at most " + std::to_string(kMaxFrames) + " frames");
   const auto num_frames = static_cast<Eigen::Index>(std::floor(num_steps / stride + kSameStep)) + 1;
   Eigen::VectorXd steps(num_frames);
   for (Eigen::Index frame = 0; frame < num_frames; ++frame) {

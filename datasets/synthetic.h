@@ -15,6 +15,8 @@
 
 namespace clothid {
 
+inline constexpr int kMaxFrames = 10000000;
+
 struct SyntheticOptions {
   double noise_sigma = 0.0;    // m, standard deviation of Gaussian noise on every coordinate
   double frame_rate = 0.0;     // Hz; 0: one frame per step
@@ -26,7 +28,8 @@ struct SyntheticOptions {
 };
 
 // The times of the frames, relative to the start, in units of the time step: multiples of 1/(frame_rate h), rounded to
-// a whole number of steps where that is meant. The last one is at most `num_steps`.
+// a whole number of steps where that is meant. The last one is at most `num_steps`. Throws `Error` (kUsage) for less
+// than two frames or more than kMaxFrames.
 Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps);
 
 // What the sensor saw of `rollout`, which must be ok() and come from `scene`; positions between steps are interpolated

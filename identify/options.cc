@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "identify/parallel_for.h"
 #include "sim/error.h"
 #include "sim/text_file.h"
 
@@ -16,7 +17,9 @@ namespace {
 void FitOptions::Validate() const {
   if (max_iterations < 1) Fail("--max_iterations: expected a number >= 1");
   if (num_starts < 1) Fail("--starts: expected a number >= 1");
-  if (num_threads < 1) Fail("--threads: expected a number >= 1");
+  if (num_threads < 1 || num_threads > kMaxThreads) {
+    Fail("--threads: expected a number from 1 to " + std::to_string(kMaxThreads));
+  }
   if (!(function_tolerance > 0.0)) Fail("function_tolerance: expected a number > 0");
   if (!(parameter_tolerance > 0.0)) Fail("parameter_tolerance: expected a number > 0");
 }

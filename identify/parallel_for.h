@@ -6,6 +6,9 @@
 
 namespace clothid {
 
+// A bound for flags: no machine has as many cores.
+inline constexpr int kMaxThreads = 4096;
+
 // Calls work(i) for every i in [0, num_tasks) on up to `num_threads` threads. After each of them done(i, n) follows, n
 // the number of tasks done so far: never two at a time. `done` may be empty. Rethrows what a task has thrown once all
 // threads have ended.

@@ -16,13 +16,23 @@ enum class ErrorKind {
   kBadData,  // a file that was read and whose content cannot be used
 };
 
-// `what()` is one line: it names the file, the key or line, and what was expected.
+// `what()` is one line: it names the file, the key or line, and what was expected. Names that stand in it may be those
+// of hostile input, so control characters become '?', and of a message beyond any use the middle is left out.
 class Error : public std::runtime_error {
  public:
-  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  Error(ErrorKind kind, const std::string& message) : std::runtime_error(OneLine(message)), kind_(kind) {}
   ErrorKind kind() const { return kind_; }
 
  private:
+  static std::string OneLine(std::string message) {
+    constexpr std::size_t kHalf = 1000;  // bytes, of the longest message
+    if (message.size() > 2 * kHalf) message.replace(kHalf, message.size() - 2 * kHalf, " [..] ");
+    for (char& c : message) {
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    }
+    return message;
+  }
+
   ErrorKind kind_;
 };
 

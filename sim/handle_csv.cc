@@ -1,6 +1,5 @@
 #include "sim/handle_csv.h"
 
-#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -10,8 +9,6 @@
 
 namespace clothid {
 namespace {
-
-constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
 
 std::string Header(int num_handles) {
   std::string header = "time";
@@ -45,7 +42,7 @@ bool AppendRow(std::string_view line, std::size_t count, std::vector<double>* va
 }  // namespace
 
 HandlePath ReadHandleCsv(const std::string& path, int num_handles) {
-  const std::string text = ReadFile(path, kMaxBytes);
+  const std::string text = ReadFile(path, kMaxHandleCsvBytes);
   const std::size_t columns = 1 + 3 * static_cast<std::size_t>(num_handles);
   std::string_view rest = text;
   std::vector<double> values;
@@ -60,6 +57,7 @@ HandlePath ReadHandleCsv(const std::string& path, int num_handles) {
       fail(std::to_string(columns) + " finite numbers");
     }
   }
+  if (values.empty()) throw Error(ErrorKind::kBadData, path + ": expected a header and at least one row of numbers");
   const Eigen::Index num_times = static_cast<Eigen::Index>(values.size() / columns);
   const Eigen::Map<const Eigen::MatrixXd> table(values.data(), static_cast<Eigen::Index>(columns), num_times);
   try {

@@ -12,7 +12,8 @@ namespace clothid {
 class HandlePath {
  public:
   HandlePath() = default;
-  // times [T] s, strictly increasing; positions [3H x T] m, finite. Throws `Error` (kBadData) otherwise.
+  // times [T] s, strictly increasing; positions [3H x T] m, finite, as the slopes between them have to be. Throws
+  // `Error` (kBadData) otherwise.
   HandlePath(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions);
 
   int num_handles() const { return static_cast<int>(positions_.rows() / 3); }

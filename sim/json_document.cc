@@ -16,9 +16,6 @@ namespace {
 
 using Kind = JsonValue::Kind;
 
-constexpr std::size_t kMaxDepth = 64;
-constexpr std::size_t kMaxValues = 1000000;
-
 std::string Place(const std::string& source, int line) { return source + ":" + std::to_string(line) + ": "; }
 
 // Where the parser stands in the text. Its lexer takes one character beyond a number, so a line end counts only when
@@ -117,8 +114,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 
  private:
   JsonValue* Add(Kind kind) {
-    if (++num_values_ > kMaxValues) {
-      throw Error(ErrorKind::kBadData, Place(source_, cursor_->line) + "more than " + std::to_string(kMaxValues) +
+    if (++num_values_ > kMaxJsonValues) {
+      throw Error(ErrorKind::kBadData, Place(source_, cursor_->line) + "more than " + std::to_string(kMaxJsonValues) +
                                            " values in one JSON text");
     }
     JsonValue* value = &root_;
@@ -136,9 +133,9 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 
   // Items of an open value are never moved: its parent grows only after it is closed.
   bool Open(Kind kind) {
-    if (open_.size() == kMaxDepth) {
+    if (open_.size() == kMaxJsonDepth) {
       throw Error(ErrorKind::kBadData,
-                  Place(source_, cursor_->line) + "nested deeper than " + std::to_string(kMaxDepth) + " levels");
+                  Place(source_, cursor_->line) + "nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
     }
     open_.push_back(Add(kind));
     return true;

@@ -26,9 +26,11 @@ struct JsonValue {
 };
 
 inline constexpr std::size_t kMaxJsonBytes = std::size_t{16} << 20;
+inline constexpr std::size_t kMaxJsonDepth = 64;  // levels of arrays and objects
+inline constexpr std::size_t kMaxJsonValues = 1000000;
 
 // Throws `Error` (kBadData) of the form "SOURCE:LINE: ..." for text that is not JSON, holds a key twice or a number
-// that no double can hold, is longer than `max_bytes`, deeper than 64 levels or of more than a million values.
+// that no double can hold, is longer than `max_bytes`, deeper than kMaxJsonDepth or of more than kMaxJsonValues.
 JsonValue ParseJson(const std::string& text, const std::string& source, std::size_t max_bytes = kMaxJsonBytes);
 
 // A value of a document together with the path of its key. Does not own the value. Every accessor throws `Error`

@@ -14,8 +14,6 @@
 namespace clothid {
 namespace {
 
-constexpr std::uint64_t kMaxObjBytes = std::uint64_t{1} << 30;
-
 // Twice the area of a triangle that counts as having none, relative to its longest side squared: the rounding of
 // coordinates given to seven digits.
 constexpr double kDegenerate = 1e-7;
@@ -166,6 +164,8 @@ class ObjReader {
       corners.push_back(ReadCorner(word));
     }
     if (corners.size() < 3) FailHere("expected at least three corners after 'f'");
+    const std::size_t num_faces = indices_.size() / 3 + corners.size() - 2;
+    if (num_faces > kMaxFaces) FailHere("more than " + std::to_string(kMaxFaces) + " triangles");
     for (std::size_t k = 2; k < corners.size(); ++k) {
       indices_.insert(indices_.end(), {corners[0], corners[k - 1], corners[k]});
     }
@@ -207,6 +207,8 @@ Mesh ReadObj(const std::string& path) { return ObjReader(path).Read(); }
 
 void ValidateMesh(const Mesh& mesh, const std::string& source) {
   if (mesh.num_nodes() == 0 || mesh.num_faces() == 0) Fail(source, "the mesh has no triangle");
+  if (mesh.num_nodes() > kMaxNodes) Fail(source, "more than " + std::to_string(kMaxNodes) + " nodes");
+  if (mesh.num_faces() > kMaxFaces) Fail(source, "more than " + std::to_string(kMaxFaces) + " triangles");
   for (int i = 0; i < mesh.num_nodes(); ++i) {
     if (!mesh.rest_positions.col(i).allFinite()) {
       Fail(source, "the rest position of node " + std::to_string(i) + " is not finite");

@@ -4,12 +4,15 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <string>
 
 namespace clothid {
 
-// The most nodes that a mesh read from a file or made by a scene may have: a bound to check before memory is asked for.
+// The most that a mesh may have, and a file of one: bounds to check before memory is asked for.
 inline constexpr int kMaxNodes = 4000000;
+inline constexpr int kMaxFaces = 2 * kMaxNodes;
+inline constexpr std::uint64_t kMaxObjBytes = std::uint64_t{1} << 29;
 
 struct Mesh {
   Eigen::Matrix3Xd rest_positions;  // [3 x N] m
@@ -34,7 +37,8 @@ Mesh MakeGrid(const GridOptions& options);
 // line.
 Mesh ReadObj(const std::string& path);
 
-// Throws `Error` (kBadData), prefixed by `source`, unless: positions are finite; indices are in range and distinct
+// Throws `Error` (kBadData), prefixed by `source`, unless: there are at most kMaxNodes nodes and kMaxFaces triangles;
+// positions are finite; indices are in range and distinct
 // within a face; every triangle has area; every edge has one or two triangles, which run along it in opposite
 // directions (otherwise one of them is inverted); every node belongs to a triangle. Messages count nodes and triangles
 // from 0.

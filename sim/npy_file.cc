@@ -11,7 +11,6 @@
 namespace clothid {
 namespace {
 
-constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 31;
 constexpr std::string_view kMagic = "\x93NUMPY";
 
 // The magic string and the two bytes of the version, then the length of the header in 2 bytes (version 1) or 4.
@@ -120,7 +119,7 @@ class NpyReader {
 }  // namespace
 
 NpyArray ReadNpy(const std::string& path) {
-  const std::string bytes = ReadFile(path, kMaxBytes);
+  const std::string bytes = ReadFile(path, kMaxNpyBytes);
   return NpyReader(path, bytes).Read();
 }
 

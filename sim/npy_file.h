@@ -2,10 +2,13 @@
 #ifndef CLOTHID_SIM_NPY_FILE_H_
 #define CLOTHID_SIM_NPY_FILE_H_
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace clothid {
+
+inline constexpr std::uint64_t kMaxNpyBytes = std::uint64_t{1} << 30;
 
 struct NpyArray {
   std::vector<long long> shape;
@@ -13,7 +16,7 @@ struct NpyArray {
 };
 
 // Reads an array of little-endian float32 or float64 in C order (format versions 1 to 3). Throws `Error`: kIo where the
-// file cannot be read, kBadData naming file and fault where it is anything else.
+// file cannot be read, kBadData naming file and fault where it is anything else or has more than kMaxNpyBytes.
 NpyArray ReadNpy(const std::string& path);
 
 }  // namespace clothid

@@ -108,6 +108,9 @@ std::shared_ptr<const Obstacle> ReadShape(const JsonNode& node, const std::strin
 }  // namespace
 
 std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const std::string& folder) {
+  if (list.items().size() > kMaxObstacles) {
+    list.Fail("expected at most " + std::to_string(kMaxObstacles) + " obstacles");
+  }
   std::set<std::string> names;
   for (const JsonNode& node : list.items()) {
     if (const auto name = node.Find("name")) CheckName(*name, &names);

@@ -11,7 +11,6 @@ namespace {
 
 // A duration of a whole number of steps, computed in floating point, must not gain a step by rounding.
 constexpr double kStepRounding = 1e-9;
-constexpr double kMaxSteps = 1e7;  // a bound that keeps a slip of the unit from asking for all memory
 
 // Collects the prefix of the messages of one scene.
 class Checker {
@@ -38,8 +37,9 @@ class Checker {
 void ValidateNumbers(const Scene& scene, const Checker& check) {
   check.ExpectPositive(scene.time_step, "time_step");
   check.ExpectPositive(scene.duration, "duration");
-  check.Expect(scene.duration / scene.time_step <= kMaxSteps, "duration",
-               "at most " + std::to_string(static_cast<int>(kMaxSteps)) + " time steps");
+  check.Expect(scene.duration / scene.time_step <= kMaxSceneSteps, "duration",
+               "at most " + std::to_string(kMaxSceneSteps) + " time steps");
+  check.Expect(scene.num_steps() > 0, "duration", "at least a billionth of a time step");
   check.Expect(std::isfinite(scene.start_time), "start_time", "a finite number");
   check.ExpectFinite(scene.gravity, "gravity");
   check.ExpectFinite(scene.node_force, "node_force");
@@ -85,6 +85,7 @@ void ValidateHandles(const Scene& scene, const Checker& check) {
 }
 
 void ValidateObstacles(const Scene& scene, const Checker& check) {
+  check.Expect(scene.obstacles.size() <= kMaxObstacles, "obstacles", "at most " + std::to_string(kMaxObstacles));
   std::set<std::string> names;
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const SceneObstacle& obstacle = scene.obstacles[i];

@@ -4,6 +4,7 @@
 #define CLOTHID_SIM_SCENE_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <limits>
 #include <map>
 #include <memory>
@@ -16,6 +17,10 @@
 #include "sim/parameters.h"
 
 namespace clothid {
+
+// Bounds that keep a slip of the pen from asking for all memory or time.
+inline constexpr int kMaxSceneSteps = 10000000;
+inline constexpr std::size_t kMaxObstacles = 1000;
 
 // How a node enters the contact set (design: section 3).
 enum class ContactMode {

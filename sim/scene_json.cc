@@ -164,8 +164,8 @@ class SceneReader {
     if (defaults_.handles.nodes.empty()) {
       scene_.handles.nodes = nodes;
       if (path) scene_.handles.path = ReadHandleCsv(file, static_cast<int>(nodes.size()));
-    } else if (!std::is_permutation(nodes.begin(), nodes.end(), defaults_.handles.nodes.begin(),
-                                    defaults_.handles.nodes.end())) {
+    } else if (std::set<int>(nodes.begin(), nodes.end()) !=
+               std::set<int>(defaults_.handles.nodes.begin(), defaults_.handles.nodes.end())) {
       handles->Fail("expected the handles of the recording: " + List(defaults_.handles.nodes));
     }
   }

@@ -2,7 +2,6 @@
 #ifndef CLOTHID_TESTS_TEMPORARY_FOLDER_H_
 #define CLOTHID_TESTS_TEMPORARY_FOLDER_H_
 
-#include <gtest/gtest.h>
 #include <stdlib.h>
 
 #include <filesystem>
@@ -14,7 +13,7 @@ namespace clothid {
 
 class TemporaryFolder {
  public:
-  TemporaryFolder() : path_(::testing::TempDir() + "clothid_XXXXXX") {
+  TemporaryFolder() : path_(std::filesystem::temp_directory_path() / "clothid_XXXXXX") {
     if (!::mkdtemp(path_.data())) throw std::runtime_error("no temporary folder");
   }
   TemporaryFolder(const TemporaryFolder&) = delete;

@@ -1,6 +1,7 @@
 #include "tools/landscape_files.h"
 
-#include <cstdint>
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -21,7 +22,6 @@ namespace clothid {
 namespace {
 
 constexpr char kSchema[] = "clothid.landscape/1";
-constexpr std::uint64_t kMaxCsvBytes = std::uint64_t{16} << 30;
 
 std::string PathOf(const std::string& folder, const char* name) {
   return (std::filesystem::path(folder) / name).string();
@@ -98,7 +98,7 @@ LandscapePlan ReadPlan(const JsonNode& root) {
   if (plan.settings.empty()) settings.Fail("expected at least one setting");
   const double num_cells =
       static_cast<double>(x.num_cells) * y.num_cells * static_cast<double>(plan.windows.size() * plan.settings.size());
-  if (num_cells > kMaxLandscapeCells) axes.Fail("expected fewer cells");
+  if (num_cells > kMaxLandscapeCells) axes.Fail("expected at most " + std::to_string(kMaxLandscapeCells) + " cells");
   plan.has_gradients = root.Require("has_gradients", "true or false").Boolean();
   return plan;
 }
@@ -120,19 +120,22 @@ LandscapeOrigin ReadOrigin(const JsonNode& root) {
   return origin;
 }
 
-// One cell per line after the header, those of the shard in their order.
+// One cell per line after the header, those of the shard in their order. Cells are made once there are lines for them.
 void ReadCells(const std::string& folder, const std::string& sha256, LandscapePart* part) {
   const std::string path = PathOf(folder, kLandscapeCsv), text = ReadFile(path, kMaxCsvBytes);
   if (Sha256Hex({text}) != sha256) Fail(path, std::string("is not the file that ") + kPlanJson + " is of");
   const LandscapePlan& plan = part->landscape.plan;
   std::string_view rest = text;
   if (TakeLine(&rest) != RowHeader(plan)) Fail(path + ":1", "expected the header '" + RowHeader(plan) + "'");
+  const std::vector<int> cells = part->origin.shard.Cells(plan);
+  if (std::count(rest.begin(), rest.end(), '\n') < static_cast<std::ptrdiff_t>(cells.size())) {
+    Fail(path, "expected a row for each of " + std::to_string(cells.size()) + " cells");
+  }
+  part->landscape.cells.resize(static_cast<std::size_t>(plan.num_cells()));
   int line = 1;
-  for (const int cell : part->origin.shard.Cells(plan)) {
+  for (const int cell : cells) {
     const std::string source = path + ":" + std::to_string(++line);
-    const std::optional<std::string_view> row = TakeLine(&rest);
-    if (!row) Fail(source, "expected the row of another cell");
-    part->landscape.cells[cell] = ParseRow(plan, cell, *row, source);
+    part->landscape.cells[cell] = ParseRow(plan, cell, *TakeLine(&rest), source);
   }
   if (!rest.empty()) Fail(path + ":" + std::to_string(line + 1), "expected no further row");
 }
@@ -182,7 +185,6 @@ LandscapePart ReadLandscapePart(const std::string& folder) {
   if (schema.String() != kSchema) schema.Fail(std::string("expected \"") + kSchema + "\"");
   LandscapePart part;
   part.landscape.plan = ReadPlan(root);
-  part.landscape.cells.resize(static_cast<std::size_t>(part.landscape.plan.num_cells()));
   part.origin = ReadOrigin(root);
   ReadCells(folder, root.Require("landscape_sha256", "a text").String(), &part);
   ReadTiming(folder, &part);

@@ -5,6 +5,7 @@
 #ifndef CLOTHID_TOOLS_LANDSCAPE_FILES_H_
 #define CLOTHID_TOOLS_LANDSCAPE_FILES_H_
 
+#include <cstdint>
 #include <map>
 #include <string>
 
@@ -14,6 +15,7 @@
 
 namespace clothid {
 
+inline constexpr std::uint64_t kMaxCsvBytes = std::uint64_t{4} << 30;
 inline constexpr char kLandscapeCsv[] = "landscape.csv";
 inline constexpr char kTimingCsv[] = "timing.csv";
 inline constexpr char kPlanJson[] = "plan.json";

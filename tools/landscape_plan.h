@@ -10,8 +10,8 @@
 
 namespace clothid {
 
-// More cells than a scan may have are a slip of the hand.
-inline constexpr int kMaxLandscapeCells = 10'000'000;
+// More cells than a scan may have are a slip of the hand. In memory they take half a gigabyte.
+inline constexpr int kMaxLandscapeCells = 4'000'000;
 
 // The text of the flags of these names; empty: not given.
 struct LandscapeFlags {

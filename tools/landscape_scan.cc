@@ -249,7 +249,7 @@ void LandscapeScanOptions::Validate() const {
   const auto expect = [](bool condition, const std::string& expected) {
     if (!condition) throw Error(ErrorKind::kUsage, "landscape: expected " + expected);
   };
-  expect(num_threads >= 1, "at least one thread");
+  expect(num_threads >= 1 && num_threads <= kMaxThreads, "1 to " + std::to_string(kMaxThreads) + " threads");
   expect(!plan.windows.empty() && !plan.settings.empty(), "at least one window and one setting");
   expect(motions.size() == plan.settings.size(), "one recording per setting");
   for (std::size_t i = 0; i < motions.size(); ++i) {

@@ -32,7 +32,7 @@ struct Coverage {
   double median_interval = 0.0;   // s
   double longest_interval = 0.0;  // s
   std::vector<int> gaps;          // the frames before them
-  int num_missing = 0;            // points over all frames
+  long long num_missing = 0;      // points over all frames
   int num_never_seen = 0;         // points
 };
 
@@ -55,13 +55,15 @@ Coverage Measure(const RecordedMotion& motion) {
   }
   for (int point = 0; point < motion.num_points(); ++point) {
     const auto num_unseen = motion.positions.middleRows<3>(3 * point).colwise().sum().array().isNaN().count();
-    coverage.num_missing += static_cast<int>(num_unseen);
+    coverage.num_missing += num_unseen;
     coverage.num_never_seen += num_unseen == motion.num_frames();
   }
   return coverage;
 }
 
-double Percent(int part, int whole) { return whole > 0 ? 100.0 * part / whole : 0.0; }
+double Percent(long long part, long long whole) {
+  return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
 
 void PrintTensor(const char* name, const char* type, Eigen::Index frames, Eigen::Index rows, Eigen::Index width) {
   if (rows == 0) return;
@@ -89,7 +91,7 @@ void PrintTensors(const MotionTensors& tensors) {
 
 void PrintCoverage(const RecordedMotion& motion) {
   const Coverage coverage = Measure(motion);
-  const int num_seen_at_most = motion.num_points() * motion.num_frames();
+  const long long num_seen_at_most = static_cast<long long>(motion.num_points()) * motion.num_frames();
   std::cout << "frames " << motion.num_frames() << ", from " << motion.times[0] << " s to "
             << motion.times[motion.num_frames() - 1] << " s";
   if (motion.num_frames() > 1) {

@@ -18,7 +18,6 @@ using Json = nlohmann::ordered_json;
 
 // Numbers up to here are integers exactly; a key that wants an integer accepts no fraction in its text.
 constexpr double kMaxInteger = 9007199254740992.0;  // 2^53
-constexpr std::size_t kMaxVariants = 10000;
 
 [[noreturn]] void Fail(const std::string& text, const std::string& problem) {
   throw Error(ErrorKind::kUsage, "--sweep: '" + Printable(text) + "': " + problem);
@@ -94,6 +93,7 @@ std::vector<SceneVariant> ParseSweep(const std::string& text) {
   for (const std::string& item : Split(text, ';')) {
     const std::vector<SceneChange> changes = ParseChanges(item);
     if (!keys.insert(changes.front().key).second) Fail(changes.front().key, "is there twice");
+    if (keys.size() > kMaxSweepKeys) Fail(text, "more than " + std::to_string(kMaxSweepKeys) + " keys");
     if (variants.size() * changes.size() > kMaxVariants) {
       Fail(text, "more than " + std::to_string(kMaxVariants) + " combinations");
     }
@@ -123,6 +123,8 @@ std::string ChangeScene(const std::string& scene_text, const std::vector<std::st
   Json scene = Json::parse(scene_text);
   for (const SceneChange& change : variant) {
     const std::vector<std::string> segments = Split(change.key, '.');
+    if (segments.size() > kMaxKeyParts)
+      Fail(change.key, "more than " + std::to_string(kMaxKeyParts) + " parts of a key");
     const auto obstacle = std::find(obstacle_names.begin(), obstacle_names.end(), segments.front());
     const bool is_obstacle = obstacle != obstacle_names.end() && segments.size() > 1;
     Json* root = is_obstacle ? &scene["obstacles"][obstacle - obstacle_names.begin()] : &scene;
@@ -130,7 +132,8 @@ std::string ChangeScene(const std::string& scene_text, const std::vector<std::st
     if (!value->is_null() && !value->is_number()) Fail(change.key, "expected the key of a number");
     *value = NumberOf(change.value);
   }
-  return scene.dump();
+  // A key that is no UTF-8 becomes one that no scene has.
+  return scene.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 RecordedMotion ReadMotionVariant(const std::string& path, const std::string& scene_path, const SceneVariant& variant) {

@@ -286,6 +286,16 @@ TEST_F(MotionFile, RejectsAnOversizedHeaderBeforeItAllocates) {
   ExpectRejected(std::string(8, '\0'), {"not valid JSON"});
 }
 
+TEST_F(MotionFile, RejectsMoreThanItsLimits) {
+  RawMotion raw = Raw();
+  for (int i = 0; i < 1000; ++i) raw.header["__metadata__"][std::to_string(i)] = "";
+  ExpectRejected(raw.Bytes(), {"key '__metadata__': expected at most 1000 keys"});
+  const std::string sparse = folder_.Write("sparse.motion.bin", std::string(8, '\0'));
+  std::filesystem::resize_file(sparse, (std::uint64_t{1} << 32) + 1);
+  ExpectError([&] { ReadMotionTensors(sparse); }, ErrorKind::kBadData,
+              {"sparse.motion.bin: is larger than 4294967296"});
+}
+
 TEST_F(MotionFile, RejectsWrongOffsets) {
   const RawMotion raw = Raw();
   const auto expect = [&](const Json& offsets, std::initializer_list<const char*> fragments) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <vector>
@@ -106,6 +107,15 @@ TEST_F(RecordFileTest, GoesOnFromZeros) {
   std::vector<std::string> records;
   RecordFile file(path_, kKind, kFingerprint);
   EXPECT_EQ(ReadAll(&file, &records), Next::kDamaged);
+}
+
+TEST_F(RecordFileTest, ARecordBeyondTheLimitIsDamaged) {
+  const std::uint64_t lengths[] = {kMaxRecordBytes + 1, ~(kMaxRecordBytes + 1)};
+  folder_.Write("records", whole_.substr(0, ends_[0]) + std::string(reinterpret_cast<const char*>(lengths), 16));
+  std::filesystem::resize_file(path_, kMaxRecordBytes << 1);  // sparse
+  std::string payload;
+  EXPECT_EQ(RecordFile(path_, kKind, kFingerprint).Read(&payload), Next::kDamaged);
+  EXPECT_LT(payload.capacity(), kMaxRecordBytes);
 }
 
 TEST_F(RecordFileTest, RefusesOtherFiles) {

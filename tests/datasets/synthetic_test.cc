@@ -73,6 +73,9 @@ TEST_F(SyntheticTest, FrameRatesThatDivideTheStepRateFallOnSteps) {
   EXPECT_EQ(FrameSteps(30.0, 0.0166666667, 7), Eigen::Vector4d(0, 2, 4, 6));
   EXPECT_EQ(FrameSteps(40.0, 0.01, 5), Eigen::Vector3d(0, 2.5, 5));
   EXPECT_EQ(FrameSteps(200.0, 0.01, 1), Eigen::Vector3d(0, 0.5, 1));
+  for (const double rate : {1e12, 1e308}) {
+    ExpectError([&] { FrameSteps(rate, 0.01, 100); }, ErrorKind::kUsage, {"frame_rate", "at most 10000000 frames"});
+  }
 }
 
 TEST_F(SyntheticTest, FramesBetweenStepsAreLinear) {

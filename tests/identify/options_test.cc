@@ -46,8 +46,10 @@ TEST(OptionsTest, ValidatesItself) {
   options.max_iterations = 0;
   ExpectError([&] { options.Validate(); }, ErrorKind::kUsage, {"--max_iterations"});
   options = FitOptions();
-  options.num_threads = 0;
-  ExpectError([&] { options.Validate(); }, ErrorKind::kUsage, {"--threads"});
+  for (const int num_threads : {0, 1000000000}) {
+    options.num_threads = num_threads;
+    ExpectError([&] { options.Validate(); }, ErrorKind::kUsage, {"--threads", "from 1 to 4096"});
+  }
   options = FitOptions();
   options.function_tolerance = 0.0;
   ExpectError([&] { options.Validate(); }, ErrorKind::kUsage, {"function_tolerance"});

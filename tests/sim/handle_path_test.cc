@@ -98,6 +98,8 @@ TEST(HandlePath, RefusesWhatIsNoPath) {
   expect(times, Eigen::MatrixXd::Zero(3, 2));
   expect(times, Eigen::MatrixXd::Zero(4, 3));
   expect(Eigen::VectorXd(), Eigen::MatrixXd(3, 0));
+  positions(1, 1) = 1e308;
+  expect(1e-300 * times, positions);
   positions(1, 1) = HUGE_VAL;
   expect(times, positions);
 }
@@ -171,7 +173,7 @@ TEST(ReadHandleCsv, NamesFileAndLine) {
   expect("time,x0,y0,z0\n0,1,,3\n", {"h.csv:2: ", "4 finite numbers"});
   expect("time,x0,y0,z0\n0,1,nan,3\n", {"h.csv:2: ", "4 finite numbers"});
   expect("time,x0,y0,z0\n1,1,2,3\n0,1,2,3\n", {"h.csv: handle path: time 1"});
-  expect("time,x0,y0,z0\n", {"h.csv: handle path"});
+  expect("time,x0,y0,z0\n", {"h.csv: expected a header and at least one row"});
   ExpectError([&] { ReadHandleCsv(folder.File("none.csv"), 1); }, ErrorKind::kIo, {"none.csv"});
 }
 

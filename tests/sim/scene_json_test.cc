@@ -207,7 +207,8 @@ TEST(ParseScene, NamesTheLineOfAValueBehindLineEnds) {
 
 TEST(ParseScene, NamesWrongTypesAndValues) {
   ExpectBadMember("\"time_step\": 0", {"key 'time_step': expected a number > 0"});
-  ExpectBadMember("\"time_step\": 1e-9", {"key 'duration': expected at most"});
+  ExpectBadMember("\"time_step\": 1e-9", {"key 'duration': expected at most 10000000 time steps"});
+  ExpectBadMember("\"time_step\": 1e10", {"key 'duration': expected at least a billionth of a time step"});
   ExpectBadMember("\"gravity\": [0, 0]", {"key 'gravity': expected an array of three numbers"});
   ExpectBadMember("\"gravity\": -9.81", {"key 'gravity': expected an array of three numbers"});
   ExpectBadMember("\"contact\": \"soft\"", {"key 'contact': expected \"gap\" or \"velocity\""});
@@ -258,6 +259,9 @@ TEST(ParseScene, NamesWrongObstacles) {
     ExpectBadMember("\"obstacles\": [" + list + "]", fragments);
   };
   expect("{" + sphere + ", \"mu\": -0.1}", {"scene.json:2: key 'obstacles[0].mu': expected a number >= 0"});
+  std::string many = "0";
+  for (int i = 0; i < 1000; ++i) many += ", 0";
+  expect(many, {"key 'obstacles': expected at most 1000 obstacles"});
   expect("{\"type\": \"cone\"}",
          {"key 'obstacles[0].type'", "'cone' are not supported; expected \"plane\", \"sphere\","});
   expect("{\"center\": [0, 0, 0]}", {"key 'obstacles[0].type': is missing"});

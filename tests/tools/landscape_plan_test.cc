@@ -82,10 +82,10 @@ TEST(LandscapePlan, NamesTheWrongFlag) {
   flags = Flags();
   flags.x = "mu=0:1:5000";
   flags.y = "k_stretch=1:2:5000";
-  expect_refused(flags, "--x, --y", "at most 10000000 cells");
+  expect_refused(flags, "--x, --y", "at most 4000000 cells");
   flags.x = "mu=0:1:2147483647";
   flags.y = "k_stretch=1:2:9000000000";
-  expect_refused(flags, "--x, --y", "at most 10000000 cells");
+  expect_refused(flags, "--x, --y", "at most 4000000 cells");
 }
 
 TEST(LandscapePlan, NamesTheWrongZoom) {

@@ -50,6 +50,9 @@ TEST(SceneVariant, RefusesWhatIsNoSweep) {
   std::string many = "a=0";
   for (int i = 1; i < 200; ++i) many += "," + std::to_string(i);
   ExpectError([&] { ParseSweep(many + ";b" + many.substr(1)); }, ErrorKind::kUsage, {"--sweep", "10000"});
+  std::string keys = "a=0";
+  for (int i = 1; i <= 16; ++i) keys += ";a" + std::to_string(i) + "=0";
+  ExpectError([&] { ParseSweep(keys); }, ErrorKind::kUsage, {"--sweep", "more than 16 keys"});
 }
 
 TEST(SceneVariant, ChangesTheNumberThatIsMeant) {
@@ -88,6 +91,8 @@ TEST(SceneVariant, RefusesKeysThatLeadNowhere) {
   expect_refused("mesh=1", "the key of a number");
   expect_refused("time_step.x=1", "nothing below 'time_step'");
   expect_refused("obstacles.2.mu=1", "'2'");
+  expect_refused("a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q=1", "more than 16 parts");
+  EXPECT_EQ(Change("\xff=1"), Change("\xEF\xBF\xBD=1")) << "text, whatever the key";
 }
 
 class VariantOfARecordingTest : public testing::Test {

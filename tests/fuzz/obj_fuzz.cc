@@ -1,0 +1,37 @@
+// OBJ: as the cloth, and as an obstacle.
+#include <cmath>
+
+#include "sim/mesh.h"
+#include "sim/triangulated_surface.h"
+#include "tests/fuzz/fuzz_target.h"
+
+namespace clothid {
+namespace {
+
+void CheckFinite(const SurfacePoint& point) {
+  Check(std::isfinite(point.gap) && point.normal.allFinite() && point.normal_gradient.allFinite(),
+        "a finite distance, normal and curvature");
+}
+
+void CheckSurface(const Mesh& mesh) {
+  const TriangulatedSurface surface(mesh.rest_positions, mesh.faces);
+  const Eigen::Vector3d vertex = mesh.rest_positions.col(0);
+  for (const Eigen::Vector3d& position : {Eigen::Vector3d(0.1, 0.2, 0.3), vertex, Eigen::Vector3d(2.0 * vertex),
+                                          Eigen::Vector3d(mesh.rest_positions.rowwise().mean())}) {
+    CheckFinite(surface.Closest(position));
+  }
+}
+
+}  // namespace
+}  // namespace clothid
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clothid;
+  static const MemoryFile file;
+  file.Write(AsText(data, size));
+  Mesh mesh;
+  if (!Accepts([&] { mesh = ReadObj(file.path()); }, file.path())) return 0;
+  if (Accepts([&] { ValidateMesh(mesh, "cloth"); }, "cloth")) Check(ClothSize(mesh) > 0.0, "a cloth with an area");
+  Accepts([&] { CheckSurface(mesh); }, "triangulated surface");
+  return 0;
+}
