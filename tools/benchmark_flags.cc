@@ -29,7 +29,10 @@ DEFINE_int32(cells, 0, "continuity: steps of friction; figure3: cells per axis; 
 DEFINE_string(offsets, "", "figure3: offsets of the sphere, m; empty: see --help");
 DEFINE_string(touch, "", "figure3: gaps that count as contact in velocity mode; empty: see --help");
 DEFINE_string(zoom, "", "figure3: shares of both axes, falling; empty: see --help");
-DEFINE_string(contact, "gap", "continuity: gap or velocity");
+DEFINE_string(contact, "gap", "continuity: gap or velocity; stability: of both");
+DEFINE_string(k_stretch, "", "stability: stretch stiffness, N/m; empty: see --help");
+DEFINE_bool(gradients, true, "stability: check gradients, too");
+DEFINE_string(mu, "", "stability: friction coefficients; empty: see --help");
 DEFINE_int32(lines, 8, "continuity: lines of start states");
 DEFINE_string(output, "", "folder for a CSV with one row per fit; empty: none");
 DEFINE_int32(threads, 1, "fits side by side");
@@ -162,6 +165,21 @@ Figure3Options Figure3OptionsFromFlags() {
   options.seed = FLAGS_seed;
   options.num_threads = FLAGS_threads;
   if (!FLAGS_output.empty()) options.folder = FLAGS_output + "/landscape";
+  return options;
+}
+
+StabilityOptions StabilityOptionsFromFlags() {
+  StabilityOptions options;
+  if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
+  if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
+  if (IsGiven("contact")) options.contacts = ParseNames(FLAGS_contact, "--contact");
+  if (!FLAGS_k_stretch.empty()) options.stretch_stiffness = ParseNumbers(FLAGS_k_stretch, "--k_stretch");
+  if (!FLAGS_mu.empty()) options.friction_coefficients = ParseNumbers(FLAGS_mu, "--mu");
+  if (!FLAGS_steps.empty()) options.step_rates = ParseIntegers(FLAGS_steps, "--steps");
+  if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
+  options.check_gradients = FLAGS_gradients;
+  options.seed = FLAGS_seed;
+  options.num_threads = FLAGS_threads;
   return options;
 }
 

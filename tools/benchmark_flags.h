@@ -9,6 +9,7 @@
 #include "tools/benchmark_figure3.h"
 #include "tools/benchmark_forward.h"
 #include "tools/benchmark_jacobian.h"
+#include "tools/benchmark_stability.h"
 #include "tools/benchmark_thresholds.h"
 
 namespace clothid {
@@ -23,6 +24,7 @@ BackpropOptions BackpropOptionsFromFlags();
 ThresholdOptions ThresholdOptionsFromFlags();
 ContinuityOptions ContinuityOptionsFromFlags();
 Figure3Options Figure3OptionsFromFlags();
+StabilityOptions StabilityOptionsFromFlags();
 
 }  // namespace clothid
 

@@ -32,6 +32,8 @@ constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods ag
   benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
   benchmark continuity     [--nodes] [--cells] [--contact] [--lines] [--seed] [--threads] [--output]
   benchmark figure3        [--offsets] [--touch] [--zoom] [--cells] [--starts] [--noise] [--seed] [--threads] [--output]
+  benchmark stability      [--settings] [--scene LIST] [--contact] [--k_stretch] [--steps] [--mu] [--nodes]
+                           [--nogradients] [--seed] [--threads] [--output]
 
 jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
 0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
@@ -68,8 +70,16 @@ rough it is, contact events, and how many fits from a grid of starts find the tr
 With --output it goes on where a run that was killed has stopped. tools/plot_figure3 draws it, and landscape plot its
 folder `landscape`.
 
+stability: where the simulation fails, gains energy or has a wrong gradient: a cloth dropped on a sphere, on a slope, in
+a gusty wind for 0.3 s over stiffness, time step, friction and contact mode (the wind, without an obstacle, over
+stiffness and time step alone), and extreme scenes one at a time. Every solve is evaluated again from what the rollout
+recorded: one that does not meet its tolerance, the contact law or the balance of energy although it says so is a silent
+failure. Gradients of the adjoint sweep beside central differences where both sides take the same contact branches and
+the differences settle. tools/plot_stability draws its CSV.
+
   --scene FILE      scene.json; parameters that are not set have its nominal values
                     forward: of wind, slope, sphere (wind,slope); backprop, thresholds: likewise (all)
+                    stability: of drape, slope, wind (all)
   --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
   --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
   --starts N        N x N starts, N even (4); figure3: any N (5)
@@ -79,25 +89,31 @@ folder `landscape`.
                     kept (reduced, with the factors that the rollout kept)
                     thresholds: of fixed_point, gmres, reduced
   --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)
-  --seed S          of the noise; coverage: the first; continuity: of the lines (1)
+  --seed S          of the noise; coverage: the first; continuity: of the lines; stability: of the scalars whose
+                    gradients are checked (1)
   --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
                     forward, backprop: along both axes (12,24,48); thresholds: likewise (24); continuity: one odd
-                    number (9)
+                    number (9); stability: one number (12)
   --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4)
                     forward: the number of steps (100); backprop, thresholds: likewise (20 on 12 x 12 nodes, down to 4)
+                    stability: steps per second (1000,200,60,30)
   --repeats N       repetitions, of which the table gives medians (3)
   --seeds N         recordings per setting (40)
   --settings LIST   of full, half, third; backprop, thresholds: of soft, realistic (all)
+                    stability: of grid, extremes, and names of extremes (grid,extremes)
   --cells N         continuity: steps of friction; also run with twice as many (512); figure3: cells per axis (33)
   --offsets LIST    of the sphere along the edge that holds the cloth, m (0,0.05,0.1,0.15,0.2,0.25,0.3,0.35)
   --touch LIST      gaps that count as contact in velocity mode, relative to the cloth's size (1e-5,1e-3)
   --zoom LIST       shares of both axes, falling (0.03,0.01,0.003)
-  --contact MODE    of the cloth that slides: gap or velocity (gap)
+  --contact MODE    of the cloth that slides: gap or velocity (gap); stability: LIST of these (both)
+  --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)
+  --mu LIST         friction coefficients (0,0.1,0.35,0.8,2)
+  --nogradients     leaves out the check of gradients, most of the time
   --lines N         lines of start states (8)
   --threads N       fits, rollouts, cells or lines side by side; only the seconds depend on it (1)
   --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size; continuity: one per surface and value
                     of friction, and continuity_lines.csv; figure3: one per window, figure3_fits.csv and the files of
-                    the landscape
+                    the landscape; stability: one row per cell, and stability_extremes.csv
   --help, --version
 
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content;
@@ -110,6 +126,7 @@ Examples:
   benchmark forward --nodes 24,48,96,192 --steps 10
   benchmark backprop --scene wind,slope --nodes 48 --output /tmp/backprop
   benchmark continuity --threads 2 --output /tmp/continuity
+  benchmark stability --scene drape --contact gap --k_stretch 1e4,1e5 --mu 0.35 --output /tmp/stability
 )";
 
 std::string Describe(const JacobianFit& fit) {
@@ -143,6 +160,13 @@ void Report(const std::string& line) {
   if (IsInterrupted()) throw Interrupted();
 }
 
+std::string Describe(const StabilityRow& row) {
+  std::ostringstream text;
+  text << row.name << ", " << row.contact << ", k " << row.stretch_stiffness << ", h " << row.time_step << ", mu "
+       << row.friction_coefficient << ": " << (row.ok() ? "ok" : row.error);
+  return text.str();
+}
+
 // Reports every item: "fit 3 of 128: adjoint, noise 0.01, start 0.02 7: converged, 7 rollouts; 310 s left".
 auto ProgressReporter(const std::string& what) {
   const auto start = std::chrono::steady_clock::now();
@@ -160,6 +184,7 @@ void ReportProgress(Options* options) {
   options->on_fit = ProgressReporter("fit");
 }
 
+void ReportProgress(StabilityOptions* options) { options->on_row = ProgressReporter("row"); }
 void ReportProgress(ForwardBenchmarkOptions* options) { options->on_rollout = ProgressReporter("rollout"); }
 
 // Reports every case: "case 3 of 18: wind, realistic, 24 x 24 nodes; 12 s so far". Cases differ too much in size to say
@@ -277,6 +302,12 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<Figure3Options, Figure3>(
            Figure3OptionsFromFlags(), RunFigure3, Figure3Table,
            {{"figure3.csv", Figure3Csv}, {"figure3_fits.csv", Figure3FitsCsv}});
+     }},
+    {"stability",
+     [] {
+       return RunBenchmark<StabilityOptions, StabilityBenchmark>(
+           StabilityOptionsFromFlags(), RunStabilityBenchmark, StabilityTable,
+           {{"stability.csv", StabilityCsv}, {"stability_extremes.csv", StabilityExtremesCsv}});
      }},
 };
 
