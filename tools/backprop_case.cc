@@ -21,18 +21,6 @@ void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
 }
 
-std::vector<std::string> SettingNames() {
-  std::vector<std::string> names;
-  for (const BackpropSetting& setting : kBackpropSettings) names.push_back(setting.name);
-  return names;
-}
-
-BackpropSetting FindSetting(const std::string& name) {
-  RequireKnown({name}, SettingNames(), "--settings");
-  return *std::find_if(kBackpropSettings.begin(), kBackpropSettings.end(),
-                       [&name](const BackpropSetting& setting) { return setting.name == name; });
-}
-
 constexpr std::size_t kFactorMemory = std::size_t{4} << 30;  // bytes
 
 Rollout Run(const BackpropCaseName& name, int num_steps, Simulator* simulator) {
@@ -44,7 +32,7 @@ Rollout Run(const BackpropCaseName& name, int num_steps, Simulator* simulator) {
 }
 
 Scene WarmScene(const BackpropCaseName& name) {
-  const BackpropSetting setting = FindSetting(name.setting);
+  const BackpropSetting setting = FindBackpropSetting(name.setting);
   Scene scene = MakeBenchmarkScene(name.scene, name.nodes, setting.stretch_stiffness, setting.time_step);
   Simulator simulator(scene);
   const int num_steps = static_cast<int>(std::lround(kWarmUpSeconds / setting.time_step));
@@ -56,6 +44,18 @@ Scene WarmScene(const BackpropCaseName& name) {
 }
 
 }  // namespace
+
+std::vector<std::string> BackpropSettingNames() {
+  std::vector<std::string> names;
+  for (const BackpropSetting& setting : kBackpropSettings) names.push_back(setting.name);
+  return names;
+}
+
+BackpropSetting FindBackpropSetting(const std::string& name) {
+  RequireKnown({name}, BackpropSettingNames(), "--settings");
+  return *std::find_if(kBackpropSettings.begin(), kBackpropSettings.end(),
+                       [&name](const BackpropSetting& setting) { return setting.name == name; });
+}
 
 std::string BackpropCaseName::ToString() const {
   return scene + ", " + setting + ", " + std::to_string(nodes) + " x " + std::to_string(nodes) + " nodes";
@@ -76,15 +76,25 @@ double GradientErrors::Worst() const {
 BackpropCase::BackpropCase(BackpropCaseName name)
     : name_(std::move(name)),
       simulator_(WarmScene(name_)),
-      rollout_(Run(name_, name_.num_steps, &simulator_)),
       ids_({{ParameterKind::kStretchStiffness}, {ParameterKind::kDensity}}) {
   if (!simulator_.scene().obstacles.empty()) ids_.push_back({ParameterKind::kFriction});
+  SetRollout(Run(name_, name_.num_steps, &simulator_));
+}
+
+void BackpropCase::SetRollout(Rollout rollout) {
+  rollout_ = std::move(rollout);
+  cost_ = 0.0;
   for (int step = 1; step <= name_.num_steps; ++step) {
     cost_ += 0.5 * (rollout_.positions(step) - rollout_.initial_positions).squaredNorm();
   }
 }
 
 void BackpropCase::SimulateAgain() { Run(name_, name_.num_steps, &simulator_); }
+
+void BackpropCase::SetStepTolerance(double tolerance) {
+  simulator_.SetTolerances(tolerance, simulator_.scene().solver.adjoint_tolerance);
+  SetRollout(Run(name_, name_.num_steps, &simulator_));
+}
 
 RolloutGradient BackpropCase::Differentiate(const AdjointOptions& options, int num_columns) {
   const auto seed = [this](int step, Eigen::MatrixXd* gradient) {
@@ -115,7 +125,7 @@ GradientErrors BackpropCase::Compare(const RolloutGradient& gradient, const Roll
 
 void BackpropCaseOptions::Validate() const {
   RequireKnown(scenes, kBenchmarkScenes, "--scene");
-  RequireKnown(settings, SettingNames(), "--settings");
+  RequireKnown(settings, BackpropSettingNames(), "--settings");
   Require(!nodes.empty(), "--nodes: expected at least one number");
   for (const int n : nodes) Require(n >= 2, "--nodes: expected numbers >= 2");
   Require(num_steps >= 0, "--steps: expected a number >= 1");

@@ -24,8 +24,13 @@ struct BackpropSetting {
   double time_step = 0.0;          // s
 };
 
-// On `wind` and `slope` the paper's fixed point converges in the first; in the second it fails on many or all steps.
-inline const std::vector<BackpropSetting> kBackpropSettings = {{"soft", 20.0, 0.005}, {"realistic", 1000.0, 0.01}};
+// On `wind` and `slope` the paper's fixed point converges in the first; in the others it fails on many or all steps.
+inline const std::vector<BackpropSetting> kBackpropSettings = {
+    {"soft", 20.0, 0.005}, {"realistic", 1000.0, 0.01}, {"stiff", 1e5, 0.005}};
+
+// Throws `Error` (kUsage), naming --settings, for a name that is none of them.
+BackpropSetting FindBackpropSetting(const std::string& name);
+std::vector<std::string> BackpropSettingNames();
 
 struct BackpropCaseName {
   std::string scene, setting;
@@ -55,6 +60,9 @@ class BackpropCase {
   // Repeats the rollout, to be timed.
   void SimulateAgain();
 
+  // From now on the rollout is the one from the same start with this tolerance of its steps. Throws as the constructor.
+  void SetStepTolerance(double tolerance);
+
   // Column j is the gradient of C with the term of step n times cos(j n): column 0 that of C.
   RolloutGradient Differentiate(const AdjointOptions& options, int num_columns = 1);
 
@@ -62,6 +70,7 @@ class BackpropCase {
   GradientErrors Compare(const RolloutGradient& gradient, const RolloutGradient& reference) const;
 
  private:
+  void SetRollout(Rollout rollout);
   double ParameterError(int index, const RolloutGradient& gradient, const RolloutGradient& reference) const;
 
   BackpropCaseName name_;

@@ -25,6 +25,7 @@ DEFINE_string(steps, "", "discretization: divisors of the time step; else a numb
 DEFINE_int32(repeats, 3, "repetitions, of which the table gives medians");
 DEFINE_int32(seeds, 40, "noisy recordings per setting");
 DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
+DEFINE_string(quantities, "", "accuracy: of forward, gradient, fit; empty: all");
 DEFINE_int32(cells, 0, "continuity: steps of friction; figure3: cells per axis; 0: see --help");
 DEFINE_string(offsets, "", "figure3: offsets of the sphere, m; empty: see --help");
 DEFINE_string(touch, "", "figure3: gaps that count as contact in velocity mode; empty: see --help");
@@ -140,6 +141,16 @@ ThresholdOptions ThresholdOptionsFromFlags() {
   ThresholdOptions options;
   options.cases = CasesFromFlags({24});
   options.methods = ParseNames(FLAGS_methods, "--methods");
+  return options;
+}
+
+AccuracyOptions AccuracyOptionsFromFlags() {
+  AccuracyOptions options;
+  if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
+  if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
+  if (!FLAGS_quantities.empty()) options.quantities = ParseNames(FLAGS_quantities, "--quantities");
+  if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
+  options.repeats = FLAGS_repeats;
   return options;
 }
 

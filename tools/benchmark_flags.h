@@ -2,6 +2,7 @@
 #ifndef CLOTHID_TOOLS_BENCHMARK_FLAGS_H_
 #define CLOTHID_TOOLS_BENCHMARK_FLAGS_H_
 
+#include "tools/benchmark_accuracy.h"
 #include "tools/benchmark_backprop.h"
 #include "tools/benchmark_continuity.h"
 #include "tools/benchmark_coverage.h"
@@ -22,6 +23,7 @@ CoverageOptions CoverageOptionsFromFlags();
 ForwardBenchmarkOptions ForwardOptionsFromFlags();
 BackpropOptions BackpropOptionsFromFlags();
 ThresholdOptions ThresholdOptionsFromFlags();
+AccuracyOptions AccuracyOptionsFromFlags();
 ContinuityOptions ContinuityOptionsFromFlags();
 Figure3Options Figure3OptionsFromFlags();
 StabilityOptions StabilityOptionsFromFlags();

@@ -170,9 +170,10 @@ void JacobianBenchmarkOptions::Validate() const {
 }
 
 void RunJacobianFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
-                    JacobianFit* fit) {
+                    JacobianFit* fit, const std::function<void(const FitIteration&)>& on_iteration) {
   const double start = ThreadSeconds();
-  const FitOptions options = MakeFitOptions(truth, precision, *fit);
+  FitOptions options = MakeFitOptions(truth, precision, *fit);
+  options.on_iteration = on_iteration;
   FitProblem problem({motion}, options);
   const FitSummary summary = Fit(options, &problem);
   fit->seconds = ThreadSeconds() - start;

@@ -72,9 +72,10 @@ struct JacobianBenchmark {
   std::vector<JacobianFit> fits;  // by noise, then start, then method: methods take turns, so that times compare
 };
 
-// Runs the fit that start and method of `fit` describe; fills in the rest, but for `reached`.
+// Runs the fit that start and method of `fit` describe; fills in the rest, but for `reached`. `on_iteration`: see
+// FitOptions.
 void RunJacobianFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
-                    JacobianFit* fit);
+                    JacobianFit* fit, const std::function<void(const FitIteration&)>& on_iteration = {});
 
 // Sets `reached` of [begin, end), all the fits to one recording.
 void JudgeFits(const std::vector<TrueParameter>& truth, std::vector<JacobianFit>::iterator begin,

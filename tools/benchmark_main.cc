@@ -30,6 +30,7 @@ constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods ag
   benchmark forward        [--scene LIST] [--nodes] [--steps] [--repeats] [--output]
   benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
   benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
+  benchmark accuracy       [--scene] [--settings] [--quantities] [--nodes] [--repeats] [--output]
   benchmark continuity     [--nodes] [--cells] [--contact] [--lines] [--seed] [--threads] [--output]
   benchmark figure3        [--offsets] [--touch] [--zoom] [--cells] [--starts] [--noise] [--seed] [--threads] [--output]
   benchmark stability      [--settings] [--scene LIST] [--contact] [--k_stretch] [--steps] [--mu] [--nodes]
@@ -58,6 +59,11 @@ than the direct solvers; 8 right-hand sides relative to one; relative to the rol
 thresholds: errors of the gradient, parameter by parameter, for thresholds of the iterative solvers from 1e-1 to 1e-9.
 tools/plot_thresholds draws its CSV.
 
+accuracy: error against run time. Trajectories over time step and step tolerance, and over the mesh; gradients over the
+linear solver of the reverse sweep and its threshold, and over the step tolerance; fits, iteration by iteration, with
+each Jacobian. On the scenes of `backprop`, from soft to stiff (k = 1e5 N/m). Prints the curves and what is cheapest for
+an error of at most 0.1, 0.01, ..; tools/plot_accuracy draws curve.csv.
+
 continuity: what makes the motion of a cloth jump. A cloth slides, or stays, on a sphere and on triangulated ones, for
 200 steps each with friction from 0 to 0.35: the velocities of a corner, an edge's centre and the centre at steps 50 and
 200, their largest jump between successive values of friction and at half the step, and the jumps of more than 1 % that
@@ -78,8 +84,8 @@ failure. Gradients of the adjoint sweep beside central differences where both si
 the differences settle. tools/plot_stability draws its CSV.
 
   --scene FILE      scene.json; parameters that are not set have its nominal values
-                    forward: of wind, slope, sphere (wind,slope); backprop, thresholds: likewise (all)
-                    stability: of drape, slope, wind (all)
+                    forward: of wind, slope, sphere (wind,slope); backprop, thresholds, accuracy: likewise
+                    (all); stability: of drape, slope, wind (all)
   --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
   --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
   --starts N        N x N starts, N even (4); figure3: any N (5)
@@ -93,14 +99,15 @@ the differences settle. tools/plot_stability draws its CSV.
                     gradients are checked (1)
   --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
                     forward, backprop: along both axes (12,24,48); thresholds: likewise (24); continuity: one odd
-                    number (9); stability: one number (12)
+                    number (9); accuracy: one of 5, 9, 13, .. (17); stability: one number (12)
   --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4)
                     forward: the number of steps (100); backprop, thresholds: likewise (20 on 12 x 12 nodes, down to 4)
                     stability: steps per second (1000,200,60,30)
   --repeats N       repetitions, of which the table gives medians (3)
   --seeds N         recordings per setting (40)
-  --settings LIST   of full, half, third; backprop, thresholds: of soft, realistic (all)
-                    stability: of grid, extremes, and names of extremes (grid,extremes)
+  --settings LIST   of full, half, third (all); backprop, thresholds: of soft, realistic, stiff (soft,realistic);
+                    accuracy: likewise (all); stability: of grid, extremes, and names of extremes (grid,extremes)
+  --quantities LIST of forward, gradient, fit (all)
   --cells N         continuity: steps of friction; also run with twice as many (512); figure3: cells per axis (33)
   --offsets LIST    of the sphere along the edge that holds the cloth, m (0,0.05,0.1,0.15,0.2,0.25,0.3,0.35)
   --touch LIST      gaps that count as contact in velocity mode, relative to the cloth's size (1e-5,1e-3)
@@ -111,9 +118,10 @@ the differences settle. tools/plot_stability draws its CSV.
   --nogradients     leaves out the check of gradients, most of the time
   --lines N         lines of start states (8)
   --threads N       fits, rollouts, cells or lines side by side; only the seconds depend on it (1)
-  --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size; continuity: one per surface and value
-                    of friction, and continuity_lines.csv; figure3: one per window, figure3_fits.csv and the files of
-                    the landscape; stability: one row per cell, and stability_extremes.csv
+  --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size; accuracy: curve.csv, one per point;
+                    continuity: one per surface and value of friction, and continuity_lines.csv; figure3: one per
+                    window, figure3_fits.csv and the files of the landscape; stability: one per cell, and
+                    stability_extremes.csv
   --help, --version
 
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content;
@@ -125,6 +133,7 @@ Examples:
   benchmark coverage --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --threads 2
   benchmark forward --nodes 24,48,96,192 --steps 10
   benchmark backprop --scene wind,slope --nodes 48 --output /tmp/backprop
+  benchmark accuracy --scene sphere --settings realistic --output /tmp/accuracy
   benchmark continuity --threads 2 --output /tmp/continuity
   benchmark stability --scene drape --contact gap --k_stretch 1e4,1e5 --mu 0.35 --output /tmp/stability
 )";
@@ -187,32 +196,29 @@ void ReportProgress(Options* options) {
 void ReportProgress(StabilityOptions* options) { options->on_row = ProgressReporter("row"); }
 void ReportProgress(ForwardBenchmarkOptions* options) { options->on_rollout = ProgressReporter("rollout"); }
 
-// Reports every case: "case 3 of 18: wind, realistic, 24 x 24 nodes; 12 s so far". Cases differ too much in size to say
-// how long the rest takes.
-void ReportCases(BackpropCaseOptions* options) {
+// Reports every item by its name: "case 3 of 18: wind, realistic, 24 x 24 nodes; 12 s so far". They differ too much in
+// size to say how long the rest takes.
+auto NameReporter(const std::string& what) {
   const auto start = std::chrono::steady_clock::now();
-  options->on_case = [start](const BackpropCaseName& name, int num_done, int num_cases) {
+  return [start, what](const std::string& name, int num_done, int num_items) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     std::ostringstream line;
-    line << "case " << num_done << " of " << num_cases << ": " << name.ToString() << "; " << std::fixed
-         << std::setprecision(0) << seconds.count() << " s so far\n";
+    line << what << " " << num_done << " of " << num_items << ": " << name << "; " << std::fixed << std::setprecision(0)
+         << seconds.count() << " s so far\n";
     Report(line.str());
+  };
+}
+
+void ReportCases(BackpropCaseOptions* options) {
+  options->on_case = [report = NameReporter("case")](const BackpropCaseName& name, int num_done, int num_cases) {
+    report(name.ToString(), num_done, num_cases);
   };
 }
 
 void ReportProgress(BackpropOptions* options) { ReportCases(&options->cases); }
 void ReportProgress(ThresholdOptions* options) { ReportCases(&options->cases); }
-
-void ReportProgress(ContinuityOptions* options) {
-  const auto start = std::chrono::steady_clock::now();
-  options->on_scan = [start](const std::string& scan, int num_done, int num_scans) {
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    std::ostringstream line;
-    line << "scan " << num_done << " of " << num_scans << ": " << scan << "; " << std::fixed << std::setprecision(0)
-         << seconds.count() << " s so far\n";
-    Report(line.str());
-  };
-}
+void ReportProgress(ContinuityOptions* options) { options->on_scan = NameReporter("scan"); }
+void ReportProgress(AccuracyOptions* options) { options->on_measured = NameReporter("part"); }
 
 // Reports every thousandth cell and every fiftieth fit: "cell 3000 of 104544; 1834 s left".
 void ReportProgress(Figure3Options* options) {
@@ -290,6 +296,11 @@ constexpr Subcommand kSubcommands[] = {
      [] {
        return RunBenchmark<ThresholdOptions, ThresholdBenchmark>(ThresholdOptionsFromFlags(), RunThresholdBenchmark,
                                                                  ThresholdTable, {{"thresholds.csv", ThresholdCsv}});
+     }},
+    {"accuracy",
+     [] {
+       return RunBenchmark<AccuracyOptions, AccuracyBenchmark>(AccuracyOptionsFromFlags(), RunAccuracyBenchmark,
+                                                               AccuracyTable, {{"curve.csv", AccuracyCsv}});
      }},
     {"continuity",
      [] {

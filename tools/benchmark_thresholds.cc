@@ -11,21 +11,6 @@
 namespace clothid {
 namespace {
 
-ThresholdResult Measure(const ThresholdMethod& method, double threshold, const RolloutGradient& reference,
-                        BackpropCase* backprop) {
-  const double start = ThreadSeconds();
-  const RolloutGradient gradient = backprop->Differentiate({method.method, threshold});
-  ThresholdResult result;
-  result.seconds = ThreadSeconds() - start;
-  result.name = backprop->name();
-  result.method = method.name;
-  result.threshold = threshold;
-  result.errors = backprop->Compare(gradient, reference);
-  result.iterations = static_cast<double>(gradient.work.iterations) / gradient.work.solves;
-  result.failed_share = static_cast<double>(gradient.work.failed_solves) / gradient.work.solves;
-  return result;
-}
-
 std::string Scientific(double value) {
   if (std::isnan(value)) return "-";
   std::ostringstream text;
@@ -42,6 +27,22 @@ void ThresholdOptions::Validate() const {
   if (!methods.empty()) RequireKnown(methods, known, "--methods");
 }
 
+ThresholdResult MeasureThreshold(const ThresholdMethod& method, double threshold, const RolloutGradient& reference,
+                                 BackpropCase* backprop) {
+  const double start = ThreadSeconds();
+  const RolloutGradient gradient = backprop->Differentiate({method.method, threshold, method.use_kept_factors});
+  ThresholdResult result;
+  result.seconds = ThreadSeconds() - start;
+  result.name = backprop->name();
+  result.method = method.name;
+  result.threshold = threshold;
+  result.errors = backprop->Compare(gradient, reference);
+  result.iterations = static_cast<double>(gradient.work.iterations) / gradient.work.solves;
+  result.failed_solves = gradient.work.failed_solves;
+  result.failed_share = static_cast<double>(gradient.work.failed_solves) / gradient.work.solves;
+  return result;
+}
+
 ThresholdBenchmark RunThresholdBenchmark(const ThresholdOptions& options) {
   options.Validate();
   ThresholdBenchmark benchmark;
@@ -51,7 +52,7 @@ ThresholdBenchmark RunThresholdBenchmark(const ThresholdOptions& options) {
       const std::vector<std::string>& wanted = options.methods;
       if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), method.name) == wanted.end()) continue;
       for (const double threshold : kThresholds) {
-        benchmark.results.push_back(Measure(method, threshold, reference, backprop));
+        benchmark.results.push_back(MeasureThreshold(method, threshold, reference, backprop));
       }
     }
   });

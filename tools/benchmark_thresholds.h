@@ -16,6 +16,7 @@ namespace clothid {
 struct ThresholdMethod {
   std::string name;
   AdjointMethod method;
+  bool use_kept_factors = true;  // see AdjointOptions
 };
 
 inline const std::vector<ThresholdMethod> kThresholdMethods = {
@@ -34,7 +35,8 @@ struct ThresholdResult {
   double threshold = 0.0;
   GradientErrors errors;      // against UMFPACK
   double iterations = 0.0;    // per linear system; there is one per step, and more where substeps were taken
-  double failed_share = 0.0;  // of the systems: LU stepped in, which makes them exact
+  int failed_solves = 0;      // systems in which LU stepped in, which makes them exact
+  double failed_share = 0.0;  // of all systems
   double seconds = 0.0;       // processor time of the sweep
 };
 
@@ -49,6 +51,10 @@ struct ThresholdOptions {
 struct ThresholdBenchmark {
   std::vector<ThresholdResult> results;  // by case, then method, then threshold
 };
+
+// One sweep over the rollout of `backprop`. The threshold means nothing to a direct method.
+ThresholdResult MeasureThreshold(const ThresholdMethod& method, double threshold, const RolloutGradient& reference,
+                                 BackpropCase* backprop);
 
 // Throws `Error` for options that cannot be used and where a rollout fails.
 ThresholdBenchmark RunThresholdBenchmark(const ThresholdOptions& options);

@@ -143,7 +143,7 @@ TEST_F(BackpropTest, PrintTablesAndWriteCsv) {
 TEST_F(BackpropTest, RefusesWhatItCannotRun) {
   for (const std::string command : {"benchmark backprop ", "benchmark thresholds "}) {
     ExpectRefused(command + "--scene drape", 1, "--scene: 'drape'");
-    ExpectRefused(command + "--settings stiff", 1, "--settings: 'stiff'");
+    ExpectRefused(command + "--settings hard", 1, "--settings: 'hard'");
     ExpectRefused(command + "--nodes 1", 1, "--nodes");
     ExpectRefused(command + "--nodes many", 1, "--nodes");
     ExpectRefused(command + "--steps 0", 1, "--steps");
