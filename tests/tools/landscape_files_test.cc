@@ -105,7 +105,7 @@ TEST_F(LandscapeFilesTest, RefusesDamagedPlans) {
   };
   expect_refused("clothid.landscape/1", "clothid.landscape/2", "schema");
   expect_refused("\"cells\": 4", "\"cells\": 1", "cells");
-  expect_refused("\"cells\": 4", "\"cells\": 9999999", "fewer cells");
+  expect_refused("\"cells\": 4", "\"cells\": 2000001", "at most");
   expect_refused("\"log\"", "\"cubic\"", "scale");
   expect_refused("\"velocity\"", "\"both\"", "contact");
   expect_refused("0.75", "-1", "increasing");

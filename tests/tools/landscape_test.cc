@@ -200,7 +200,7 @@ TEST_F(LandscapeTest, AFailedRolloutIsNoNumber) {
   WriteScene(scene, "hopeless.json");
   const ToolResult result =
       ExpectScan("landscape --target a.bin --scene hopeless.json --x mu=0:0.6:2 --y k_stretch=20:500:2");
-  EXPECT_NE(result.out.find("4 cells, 4 failed; the first, cell 0: step 2 did not converge"), std::string::npos)
+  EXPECT_NE(result.out.find("4 cells, 4 failed; the first, cell 0: step 1 did not converge"), std::string::npos)
       << result.out;
   EXPECT_NE(result.out.find("\nscene as it is, gap, zoom 1: every cell failed\n"), std::string::npos) << result.out;
   EXPECT_NE(File("landscape_result", "landscape.csv").find("\n0,20,,gap,,0,"), std::string::npos);

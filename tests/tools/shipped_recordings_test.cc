@@ -175,7 +175,7 @@ TEST_F(ShippedRecordingsTest, AnInterruptSavesWhatIsThere) {
   const ToolResult result =
       Run("sh -c 'identify --output result " + target +
           " --jacobian numeric 2> progress & pid=$!; "
-          "while ! grep -q iteration progress && kill -0 $pid; do sleep 0.05; done; kill -INT $pid; wait $pid'");
+          "while ! grep -q iteration progress && kill -0 $pid; do sleep 0.05; done; kill -TERM $pid; wait $pid'");
   EXPECT_EQ(result.exit_code, 130) << result.err;
   const nlohmann::json written = nlohmann::json::parse(ReadBytes(folder() / "result" / "result.json"));
   EXPECT_EQ(written["status"], "interrupted");
