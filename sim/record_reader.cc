@@ -40,8 +40,8 @@ void RecordReader::SimulateSegmentOf(int i) {
   RolloutCounts counts;
   std::optional<StepFailure> failure;
   const bool ok = AdvanceSegment(rollout_.parameters, num_steps_before + 1, last_step, start_positions(first_record_),
-                                 start_velocities(first_record_), rollout_.ends_with_factors, append, simulator_,
-                                 nullptr, &counts, &failure);
+                                 start_velocities(first_record_), rollout_.ends_with_factors, /*followed=*/nullptr,
+                                 append, simulator_, nullptr, &counts, &failure);
   const StepRecord& checkpoint = rollout_.records[last_record[last_step - 1]];
   if (!ok || segment_.back().positions != checkpoint.positions || segment_.back().velocities != checkpoint.velocities) {
     throw std::runtime_error("the steps before the checkpoint at step " + std::to_string(last_step) +

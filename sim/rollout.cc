@@ -76,6 +76,18 @@ class FactorBudget {
   std::shared_ptr<const ReducedFactor> last_;
 };
 
+// The velocities [3 Nf] of the solves of `step` in `followed`; none where it is null or does not keep them.
+std::vector<Eigen::VectorXd> Guesses(const ClothModel& model, const Rollout* followed, int step) {
+  std::vector<Eigen::VectorXd> guesses;
+  if (followed == nullptr || step > followed->num_steps()) return guesses;
+  const int first = step == 1 ? 0 : followed->last_record[step - 2] + 1;
+  for (int i = first; i <= followed->last_record[step - 1]; ++i) {
+    if (!followed->records[i].is_kept()) return {};
+    guesses.push_back(model.Gather(followed->records[i].velocities));
+  }
+  return guesses;
+}
+
 // Empties the records from step `first_step` on, all but the last.
 void KeepCheckpoint(int first_step, Rollout* rollout) {
   const int first = first_step == 1 ? 0 : rollout->last_record[first_step - 2] + 1;
@@ -150,13 +162,14 @@ void CountContactChanges(const std::vector<ContactRecord>& before, const std::ve
 }
 
 bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& positions,
-                 const Eigen::VectorXd& velocities, Simulator* simulator, std::vector<StepRecord>* records,
-                 RolloutCounts* counts, std::optional<StepFailure>* failure) {
+                 const Eigen::VectorXd& velocities, const Rollout* followed, Simulator* simulator,
+                 std::vector<StepRecord>* records, RolloutCounts* counts, std::optional<StepFailure>* failure) {
   const Scene& scene = simulator->scene();
   StepSolver& solver = simulator->step_solver();
   StepPoint point;
-  for (int halvings = 0; halvings <= scene.solver.max_substep_halvings; ++halvings) {
-    const int num_solves = 1 << halvings;
+  const std::vector<Eigen::VectorXd> guesses = Guesses(simulator->model(), followed, step);
+  const int first_num_solves = std::max(1, static_cast<int>(guesses.size()));
+  for (int num_solves = first_num_solves; num_solves <= 1 << scene.solver.max_substep_halvings; num_solves *= 2) {
     const double h = scene.time_step / num_solves;
     records->clear();
     for (int i = 1; i <= num_solves; ++i) {
@@ -164,8 +177,9 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
       const Eigen::VectorXd& v = i == 1 ? velocities : records->back().velocities;
       const double end_time = scene.start_time + ((step - 1) + static_cast<double>(i) / num_solves) * scene.time_step;
       const StepProblem problem(simulator->model(), parameters, x, v, h, end_time, &simulator->step_workspace());
-      if (!solver.Solve(problem, parameters.friction_coefficients, &point, counts)) {
-        if (halvings == 0) {
+      const Eigen::VectorXd* guess = num_solves == static_cast<int>(guesses.size()) ? &guesses[i - 1] : nullptr;
+      if (!solver.Solve(problem, parameters.friction_coefficients, guess, &point, counts)) {
+        if (num_solves == first_num_solves) {
           *failure = DescribeFailure(step, solver.Tolerance(problem, point), point, "did not converge");
         }
         break;
@@ -186,9 +200,9 @@ bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& 
 }
 
 bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step, const Eigen::VectorXd& positions,
-                    const Eigen::VectorXd& velocities, bool end_with_factors, const StepVisitor& visitor,
-                    Simulator* simulator, const std::atomic<bool>* cancel, RolloutCounts* counts,
-                    std::optional<StepFailure>* failure) {
+                    const Eigen::VectorXd& velocities, bool end_with_factors, const Rollout* followed,
+                    const StepVisitor& visitor, Simulator* simulator, const std::atomic<bool>* cancel,
+                    RolloutCounts* counts, std::optional<StepFailure>* failure) {
   simulator->step_solver().Reset(end_with_factors);
   Eigen::VectorXd x = positions, v = velocities;
   std::vector<StepRecord> records;
@@ -199,7 +213,7 @@ bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step,
       (*failure)->reason = "was cancelled";
       return false;
     }
-    if (!AdvanceStep(parameters, step, x, v, simulator, &records, counts, failure)) return false;
+    if (!AdvanceStep(parameters, step, x, v, followed, simulator, &records, counts, failure)) return false;
     x = records.back().positions;
     v = records.back().velocities;
     visitor(step, std::move(records));
@@ -227,6 +241,9 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
                  const RolloutOptions& options) {
   const Scene& scene = simulator->scene();
   ValidateParameters(parameters, scene, "parameters");
+  if (options.followed != nullptr && options.checkpoint_interval > 0) {
+    throw std::logic_error("a rollout that follows another one cannot be made again from checkpoints");
+  }
   Rollout rollout;
   rollout.parameters = parameters;
   rollout.start_time = scene.start_time;
@@ -248,8 +265,8 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
     const Eigen::VectorXd& x = first == 1 ? rollout.initial_positions : rollout.records.back().positions;
     const Eigen::VectorXd& v = first == 1 ? rollout.initial_velocities : rollout.records.back().velocities;
     const int last = std::min(first + interval - 1, num_steps);
-    if (!AdvanceSegment(parameters, first, last, x, v, rollout.ends_with_factors, append, simulator, cancel,
-                        &rollout.counts, &rollout.failure)) {
+    if (!AdvanceSegment(parameters, first, last, x, v, rollout.ends_with_factors, options.followed, append, simulator,
+                        cancel, &rollout.counts, &rollout.failure)) {
       break;
     }
   }

@@ -91,22 +91,22 @@ struct Rollout {
 };
 
 // Advances the state (x_n, v_n) [3N] by step number `step` (1-based) of the scene's time step, in one solve or, where
-// that does not converge, in 2, 4, .. substeps. On success `records` holds the solves; otherwise false and `failure` is
-// set.
+// that does not converge, in 2, 4, .. substeps. `followed` (may be null): see RolloutOptions. On success `records`
+// holds the solves; otherwise false and `failure` is set.
 bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& positions,
-                 const Eigen::VectorXd& velocities, Simulator* simulator, std::vector<StepRecord>* records,
-                 RolloutCounts* counts, std::optional<StepFailure>* failure);
+                 const Eigen::VectorXd& velocities, const Rollout* followed, Simulator* simulator,
+                 std::vector<StepRecord>* records, RolloutCounts* counts, std::optional<StepFailure>* failure);
 
 // Takes the solves of step number `step`.
 using StepVisitor = std::function<void(int step, std::vector<StepRecord> records)>;
 
 // Runs the steps `first_step` .. `last_step` from (x, v) [3N] at the start of the first, with a solver that was reset:
-// they do not depend on what it did before. `end_with_factors`: see RolloutOptions::factor_memory. False: a step did
-// not converge or `cancel` (may be null) turned true, and `failure` is set.
+// they do not depend on what it did before. `end_with_factors`, `followed`: see RolloutOptions. False: a step did not
+// converge or `cancel` (may be null) turned true, and `failure` is set.
 bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step, const Eigen::VectorXd& positions,
-                    const Eigen::VectorXd& velocities, bool end_with_factors, const StepVisitor& visitor,
-                    Simulator* simulator, const std::atomic<bool>* cancel, RolloutCounts* counts,
-                    std::optional<StepFailure>* failure);
+                    const Eigen::VectorXd& velocities, bool end_with_factors, const Rollout* followed,
+                    const StepVisitor& visitor, Simulator* simulator, const std::atomic<bool>* cancel,
+                    RolloutCounts* counts, std::optional<StepFailure>* failure);
 
 // Adds the contacts `after` a solve, and their changes since the one before it, to `counts`.
 void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
@@ -122,6 +122,10 @@ struct RolloutOptions {
   std::size_t factor_memory = 0;
   // Called with x [3N] after `step` steps, from step 0 on, kept or not. May be empty.
   std::function<void(int step, const Eigen::VectorXd& positions)> visitor;
+  // A rollout of the same scene with other parameters: every step is cut into substeps as there and starts from its
+  // velocities. A stiff step may have several solutions; near by the parameters this finds the one that goes over into
+  // that of `followed`. May be null; not with checkpoints.
+  const Rollout* followed = nullptr;
 };
 
 // The checkpoint interval with which a rollout of `num_steps` steps and its PullBack hold at most `memory_limit` bytes

@@ -97,7 +97,8 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
       result.failure->reason = "was cancelled";
       return result;
     }
-    if (!AdvanceStep(parameters, step, positions, velocities, simulator, &records, &result.counts, &result.failure)) {
+    if (!AdvanceStep(parameters, step, positions, velocities, /*followed=*/nullptr, simulator, &records, &result.counts,
+                     &result.failure)) {
       return result;
     }
     for (const StepRecord& record : records) {

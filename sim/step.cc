@@ -14,6 +14,7 @@ constexpr double kGoalShare = 0.3;            // ... and at least so much of the
 constexpr int kRefactorIterations = 10;       // a linear solve that takes more costs as much as a new factor
 constexpr int kDerivativeDigits = 8;          // that are asked of a derivative with a factor that was kept, ...
 constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
+constexpr double kGuessTolerance = 1e-8;      // of the linear system of the iteration that a guess gets at any rate
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr int kMaxHalvings = 14;              // of the step length in a line search
 constexpr double kSlowProgress = 0.9;         // a residual above this share of the one before last: a cycle
@@ -80,19 +81,27 @@ bool StepSolver::IsSolved(const StepProblem& problem, const StepPoint& point) co
 
 // From v_n, or from where the acceleration of the last step leads, whichever has the smaller residual.
 void StepSolver::Start(const StepProblem& problem, StepPoint* point) {
-  Eigen::VectorXd start = problem.start_velocities();
-  if (problem.may_touch()) problem.ClipToFeasible(&start);
-  Evaluate(problem, start, point);
+  StartAt(problem, problem.start_velocities(), point);
   if (acceleration_.size() == 0 || IsSolved(problem, *point)) return;
-  start = problem.start_velocities() + problem.time_step() * acceleration_;
-  if (problem.may_touch()) problem.ClipToFeasible(&start);
-  Evaluate(problem, start, &trial_);
+  StartAt(problem, problem.start_velocities() + problem.time_step() * acceleration_, &trial_);
   if (trial_.residual.norm() < point->residual.norm()) std::swap(*point, trial_);
 }
 
-bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, StepPoint* point,
-                       RolloutCounts* counts) {
-  Start(problem, point);
+void StepSolver::StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
+  Eigen::VectorXd start = velocities;
+  if (problem.may_touch()) problem.ClipToFeasible(&start);
+  Evaluate(problem, start, point);
+}
+
+bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients,
+                       const Eigen::VectorXd* guess, StepPoint* point, RolloutCounts* counts) {
+  if (guess != nullptr) {
+    StartAt(problem, *guess, point);
+    ++counts->newton_iterations;
+    Iterate(problem, friction_coefficients, kGuessTolerance, 1.0, point, counts);
+  } else {
+    Start(problem, point);
+  }
   acceleration_.resize(0);
   bool solved = Newton(problem, friction_coefficients, point, counts);
   if (solved) {

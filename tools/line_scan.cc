@@ -87,7 +87,7 @@ class LineScanner {
     std::optional<StepFailure> failure;
     end.ok = AdvanceSegment(
         parameters_, 1, 1, origin_.positions + s * direction_.positions, origin_.velocities + s * direction_.velocities,
-        false,
+        false, nullptr,
         [&](int, std::vector<StepRecord> records) {
           StepRecord& record = records.back();
           end.branches.assign(record.positions.size() / 3, ContactBranch::kTakeOff);

@@ -118,7 +118,9 @@ class Differences {
     for (int side = 0; side < 2; ++side) {
       Parameters parameters = middle_.parameters;
       SetParameter(id, GetParameter(parameters, id) * (1.0 + (side == 0 ? step : -step)), &parameters);
-      sides[side] = Simulate(parameters, middle_.num_steps(), simulator_);
+      RolloutOptions options;
+      options.followed = &middle_;
+      sides[side] = Simulate(parameters, middle_.num_steps(), simulator_, nullptr, options);
       const std::string difference = WhatDiffers(sides[side], step);
       if (difference.empty()) continue;
       *reason = difference;

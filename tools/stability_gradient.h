@@ -4,8 +4,9 @@
 // all of them, with random weights w_s in [-1, 1]. Components are scaled: p dC/dp. The central difference D(e) =
 // (C(p (1 + e)) - C(p (1 - e)))/(2 e) is a derivative only where both rollouts have
 //   the contact branches and substeps of the one between them: across these C has kinks and jumps;
-//   the same solution of every step: a stiff step of cloth that buckles has several, and a rollout that meets another
-//   one is off by more than sqrt(e) of the cloth's size.
+//   the same solution of every step: a stiff step of cloth that buckles has several. They follow the one between them
+//   (RolloutOptions::followed); one that meets another solution all the same is off by more than sqrt(e) of the cloth's
+//   size.
 // And it must have settled: D(e) and D(e/10) agree to 1e-5 for some e from 1e-6 to 1e-3, or at least, for the best of
 // these, to 1e-4. Steps are solved to 1e-12, or to what rounding allows where that is more.
 #ifndef CLOTHID_TOOLS_STABILITY_GRADIENT_H_

@@ -122,8 +122,8 @@ class CheckpointTest : public testing::TestWithParam<bool> {
       const Eigen::VectorXd x = first == 1 ? all.initial_positions : all.records.back().positions;
       const Eigen::VectorXd v = first == 1 ? all.initial_velocities : all.records.back().velocities;
       const int last = std::min(first + kInterval - 1, scene_.num_steps());
-      EXPECT_TRUE(AdvanceSegment(parameters_, first, last, x, v, /*end_with_factors=*/false, append, &simulator_,
-                                 nullptr, &all.counts, &all.failure));
+      EXPECT_TRUE(AdvanceSegment(parameters_, first, last, x, v, /*end_with_factors=*/false, /*followed=*/nullptr,
+                                 append, &simulator_, nullptr, &all.counts, &all.failure));
     }
     return all;
   }
@@ -202,6 +202,33 @@ TEST_P(CheckpointTest, AnotherSimulatorIsNoticed) {
 INSTANTIATE_TEST_SUITE_P(Scenes, WholeStepsTest, testing::Values(false));
 INSTANTIATE_TEST_SUITE_P(Scenes, CheckpointTest, testing::Bool(),
                          [](const auto& test) { return test.param ? "WithSubsteps" : "WholeSteps"; });
+
+// With other parameters the steps start where the solution is not, with the same ones where it is.
+TEST(FollowedRolloutTest, KeepsSolutionsAndSubsteps) {
+  Scene scene = ShippedScene("drape", 8);
+  scene.solver.max_newton_iterations = 3;  // too few for some steps, which are then cut
+  Simulator simulator(scene);
+  Parameters parameters = scene.nominal_parameters();
+  const Rollout first = Simulate(parameters, scene.num_steps(), &simulator);
+  ASSERT_TRUE(first.ok()) << first.failure->ToString();
+  ASSERT_GT(first.counts.substeps, 0);
+  RolloutOptions options;
+  options.followed = &first;
+  const Rollout same = Simulate(parameters, scene.num_steps(), &simulator, nullptr, options);
+  EXPECT_EQ(same.counts.newton_iterations, static_cast<int>(first.records.size()));
+  EXPECT_EQ(same.last_record, first.last_record);
+  EXPECT_LE((same.records.back().positions - first.records.back().positions).norm(), 1e-7 * ClothSize(scene.mesh));
+
+  parameters.material.stretch_stiffness *= 1.0 + 1e-6;
+  const Rollout other = Simulate(parameters, scene.num_steps(), &simulator, nullptr, options);
+  EXPECT_EQ(other.last_record, first.last_record);
+  const double change = (other.records.back().positions - first.records.back().positions).norm();
+  EXPECT_GT(change, 0.0);
+  EXPECT_LE(change, 1e-4 * ClothSize(scene.mesh));
+
+  options.checkpoint_interval = 9;
+  EXPECT_THROW(Simulate(parameters, scene.num_steps(), &simulator, nullptr, options), std::logic_error);
+}
 
 // Rollouts whose steps end with factors.
 class KeptFactorsTest : public testing::TestWithParam<std::string> {

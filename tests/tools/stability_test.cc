@@ -237,8 +237,8 @@ TEST(GradientCheckTest, AgreesWhereDifferencesSettle) {
 
 TEST(GradientCheckTest, SaysWhyItCannotCheck) {
   EXPECT_EQ(CheckGradient(Extreme("touching"), 1).Reasons(), "k_stretch: nothing depends on it");
-  EXPECT_EQ(CheckGradient(Extreme("cone_boundary"), 1).Reasons(),
-            "k_stretch: nothing depends on it; mu: branches differ");
+  const std::string on_boundary = CheckGradient(Extreme("cone_boundary"), 1).Reasons();
+  EXPECT_NE(on_boundary.find("mu: branches differ"), std::string::npos) << on_boundary;
   Scene impossible = Cell("drape", 1000.0, 30, 0.35);
   impossible.solver.max_newton_iterations = 1;
   impossible.solver.max_substep_halvings = 0;
