@@ -14,7 +14,7 @@ constexpr double kGoalShare = 0.3;            // ... and at least so much of the
 constexpr int kRefactorIterations = 10;       // a linear solve that takes more costs as much as a new factor
 constexpr int kDerivativeDigits = 8;          // that are asked of a derivative with a factor that was kept, ...
 constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
-constexpr double kGuessTolerance = 1e-8;      // of the linear system of the iteration that a guess gets at any rate
+constexpr double kRefineTolerance = 1e-8;     // of the linear system of an iteration beyond the tolerance
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr int kMaxHalvings = 14;              // of the step length in a line search
 constexpr double kSlowProgress = 0.9;         // a residual above this share of the one before last: a cycle
@@ -97,8 +97,6 @@ bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& fr
                        const Eigen::VectorXd* guess, StepPoint* point, RolloutCounts* counts) {
   if (guess != nullptr) {
     StartAt(problem, *guess, point);
-    ++counts->newton_iterations;
-    Iterate(problem, friction_coefficients, kGuessTolerance, 1.0, point, counts);
   } else {
     Start(problem, point);
   }
@@ -110,8 +108,20 @@ bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& fr
     ++counts->fallbacks;
     solved = ContinueInFriction(problem, friction_coefficients, point, counts);
   }
+  if (solved && guess != nullptr) Refine(problem, friction_coefficients, point, counts);
   if (solved && ends_with_factors_) EndWithFactor(problem, friction_coefficients, *point, counts);
   return solved;
+}
+
+void StepSolver::Refine(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
+                        RolloutCounts* counts) {
+  ++counts->newton_iterations;
+  std::vector<Contact> contacts;
+  if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
+  Eigen::VectorXd direction;
+  if (!DirectionByNewFactor(problem, contacts, mu, *point, kRefineTolerance, &direction, counts)) return;
+  StartAt(problem, point->velocities + direction, &trial_);
+  if (IsSolved(problem, trial_)) std::swap(*point, trial_);
 }
 
 // A new one, unless the one at hand brings a derivative to full accuracy in fewer iterations than that costs.

@@ -28,8 +28,8 @@ class StepSolver {
   // After a Solve that ended with a factor: that one; null otherwise.
   std::shared_ptr<const ReducedFactor> end_factor() const { return ends_with_factors_ ? jacobian_.factor() : nullptr; }
 
-  // Solves `problem` from its start velocities, or from `guess` [3 Nf], which may be null and else gets one iteration
-  // even where it meets the tolerance: how the solution differs from it may be what is asked for. True: `point`
+  // Solves `problem` from its start velocities, or from `guess` [3 Nf], which may be null; with a guess, one iteration
+  // beyond the tolerance, because how the solution differs from the guess may be what is asked for. True: `point`
   // satisfies the step to the scene's tolerance (or the rounding floor, where that is larger). False: `point` is the
   // best one met. Adds its work to `counts`.
   bool Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, const Eigen::VectorXd* guess,
@@ -51,6 +51,8 @@ class StepSolver {
   bool IsSolved(const StepProblem& problem, const StepPoint& point) const;
   void Start(const StepProblem& problem, StepPoint* point);
   void StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
+  // A full Newton iteration from a solution, kept where it is one, too.
+  void Refine(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point, RolloutCounts* counts);
   bool Newton(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point, RolloutCounts* counts);
   // The frictionless step first, which minimises a potential, and from there growing shares of the friction
   // coefficients, each from the solution of the last. Leaves `point` alone where that leads nowhere.

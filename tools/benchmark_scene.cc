@@ -27,15 +27,6 @@ void SetGrid(int nodes, double size, const Eigen::Vector3d& origin, const Eigen:
   scene->initial_velocities = Eigen::VectorXd::Zero(scene->initial_positions.size());
 }
 
-void AddObstacle(const std::string& name, std::shared_ptr<const Obstacle> shape, double friction_coefficient,
-                 Scene* scene) {
-  SceneObstacle obstacle;
-  obstacle.name = name;
-  obstacle.shape = std::move(shape);
-  obstacle.friction_coefficient = friction_coefficient;
-  scene->obstacles.push_back(std::move(obstacle));
-}
-
 void MakeWind(int nodes, Scene* scene) {
   SetGrid(nodes, 6.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ(), scene);
   scene->handles.nodes = {0, nodes - 1};
@@ -64,6 +55,15 @@ void MakeSphere(int nodes, Scene* scene) {
 }
 
 }  // namespace
+
+void AddObstacle(const std::string& name, std::shared_ptr<const Obstacle> shape, double friction_coefficient,
+                 Scene* scene) {
+  SceneObstacle obstacle;
+  obstacle.name = name;
+  obstacle.shape = std::move(shape);
+  obstacle.friction_coefficient = friction_coefficient;
+  scene->obstacles.push_back(std::move(obstacle));
+}
 
 Scene MakeBenchmarkScene(const std::string& name, int nodes, double stretch_stiffness, double time_step) {
   if (nodes < 2) throw Error(ErrorKind::kUsage, "--nodes: expected at least 2 nodes along an axis");

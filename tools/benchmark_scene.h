@@ -9,6 +9,7 @@
 #ifndef CLOTHID_TOOLS_BENCHMARK_SCENE_H_
 #define CLOTHID_TOOLS_BENCHMARK_SCENE_H_
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ inline const std::vector<std::string> kBenchmarkScenes = {"wind", "slope", "sphe
 // Scene `name` with nodes x nodes nodes, gravity along -z, lengths in m. Throws `Error` (kUsage), naming --scene or
 // --nodes, for an unknown name and fewer than 2 nodes.
 Scene MakeBenchmarkScene(const std::string& name, int nodes, double stretch_stiffness, double time_step);
+
+void AddObstacle(const std::string& name, std::shared_ptr<const Obstacle> shape, double friction_coefficient,
+                 Scene* scene);
 
 }  // namespace clothid
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sim/mesh.h"
+#include "tools/benchmark_scene.h"
 #include "tools/stability_scene.h"
 
 namespace clothid {

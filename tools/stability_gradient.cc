@@ -17,13 +17,13 @@ namespace clothid {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTolerance = 1e-12;                                      // of steps and of the adjoint's linear solves
-constexpr int kMaxSteps = 60;                                             // of the rollouts
-constexpr std::array<double, 5> kSteps = {1e-7, 1e-6, 1e-5, 1e-4, 1e-3};  // e
-constexpr double kSettled = 1e-5;                                         // good enough to stop looking
-constexpr double kLargestSettled = 1e-4;                                  // of a derivative that counts as checked
-constexpr double kNegligible = 1e-13;    // derivatives that are rounding, relative to what |w_s . x_s| may be
-constexpr double kSmallestShare = 1e-3;  // of the gradient that a component's error is relative to
+constexpr double kTolerance = 1e-12;  // of steps and of the adjoint's linear solves
+constexpr int kMaxSteps = 60;         // of the rollouts
+constexpr std::array<double, 6> kSteps = {1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3};  // e
+constexpr double kSettled = 1e-5;                                               // good enough to stop looking
+constexpr double kLargestSettled = 1e-4;  // of a derivative that counts as checked
+constexpr double kNegligible = 1e-13;     // derivatives that are rounding, relative to what |w_s . x_s| may be
+constexpr double kSmallestShare = 1e-3;   // of the gradient that a component's error is relative to
 
 // C of a rollout, and what makes its gradient.
 class RandomFunctional {
@@ -61,6 +61,13 @@ class RandomFunctional {
   std::array<int, 3> steps_;
   std::array<Eigen::VectorXd, 3> weights_;  // [3N]
 };
+
+// One Newton iteration per solve beyond `rollout`, which makes up for its tolerance.
+Rollout Refine(const Rollout& rollout, Simulator* simulator) {
+  RolloutOptions options;
+  options.followed = &rollout;
+  return Simulate(rollout.parameters, rollout.num_steps(), simulator, nullptr, options);
+}
 
 // Whether both took the same substeps.
 bool SameSolves(const Rollout& a, const Rollout& b) {
@@ -213,7 +220,8 @@ GradientCheck CheckGradient(Scene scene, std::uint64_t seed) {
   Simulator simulator(std::move(scene));
   GradientCheck check;
   const int num_steps = std::min(simulator.scene().num_steps(), kMaxSteps);
-  const Rollout rollout = Simulate(simulator.scene().nominal_parameters(), num_steps, &simulator);
+  Rollout rollout = Simulate(simulator.scene().nominal_parameters(), num_steps, &simulator);
+  if (rollout.ok()) rollout = Refine(rollout, &simulator);
   if (!rollout.ok()) {
     check.reason = "the rollout failed: " + rollout.failure->ToString();
     return check;

@@ -7,8 +7,9 @@
 //   the same solution of every step: a stiff step of cloth that buckles has several. They follow the one between them
 //   (RolloutOptions::followed); one that meets another solution all the same is off by more than sqrt(e) of the cloth's
 //   size.
-// And it must have settled: D(e) and D(e/10) agree to 1e-5 for some e from 1e-6 to 1e-3, or at least, for the best of
-// these, to 1e-4. Steps are solved to 1e-12, or to what rounding allows where that is more.
+// And it must have settled: D(e) and D(e/10) agree to 1e-5 for some e from 1e-7 to 1e-3, or at least, for the best of
+// these, to 1e-4. Steps are solved to 1e-12, or to what rounding allows where that is more, and one iteration
+// beyond.
 #ifndef CLOTHID_TOOLS_STABILITY_GRADIENT_H_
 #define CLOTHID_TOOLS_STABILITY_GRADIENT_H_
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 
 #include "sim/error.h"
 #include "sim/text_file.h"
+#include "tools/benchmark_scene.h"
 
 namespace clothid {
 namespace {
@@ -90,15 +90,6 @@ void StartAtRestShape(const Eigen::Vector3d& velocity, Scene* scene) {
   const Eigen::Matrix3Xd& rest = scene->mesh.rest_positions;
   scene->initial_positions = Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size());
   scene->initial_velocities = velocity.replicate(scene->mesh.num_nodes(), 1);
-}
-
-void AddObstacle(const std::string& name, std::shared_ptr<const Obstacle> shape, double friction_coefficient,
-                 Scene* scene) {
-  SceneObstacle obstacle;
-  obstacle.name = name;
-  obstacle.shape = std::move(shape);
-  obstacle.friction_coefficient = friction_coefficient;
-  scene->obstacles.push_back(std::move(obstacle));
 }
 
 bool StabilitySceneHasObstacle(const std::string& name) {

@@ -9,7 +9,6 @@
 #define CLOTHID_TOOLS_STABILITY_SCENE_H_
 
 #include <Eigen/Core>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -41,9 +40,6 @@ Scene MakeStabilityCloth(int nodes, const Eigen::Vector3d& center, const Eigen::
 
 // Lets the cloth start where `scene->mesh` is at rest, every node with the same velocity [m/s].
 void StartAtRestShape(const Eigen::Vector3d& velocity, Scene* scene);
-
-void AddObstacle(const std::string& name, std::shared_ptr<const Obstacle> shape, double friction_coefficient,
-                 Scene* scene);
 
 }  // namespace clothid
 
