@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/block_product.h"
-
 namespace clothid {
 namespace {
 
@@ -105,7 +103,6 @@ bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& fr
   if (solved) {
     acceleration_ = (point->velocities - problem.start_velocities()) / problem.time_step();
   } else if (std::isfinite(point->relative_residual)) {
-    ++counts->fallbacks;
     solved = ContinueInFriction(problem, friction_coefficients, point, counts);
   }
   if (solved && guess != nullptr) Refine(problem, friction_coefficients, point, counts);
@@ -274,6 +271,7 @@ bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& m
 bool StepSolver::ContinueInFriction(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
                                     RolloutCounts* counts) {
   if (std::all_of(mu.begin(), mu.end(), [](double coefficient) { return coefficient == 0.0; })) return false;
+  ++counts->fallbacks;
   StepPoint reached, next;
   const auto solve = [&](double share) {
     const StepProblem eased = problem.WithFriction(share);

@@ -136,7 +136,7 @@ void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) 
   if (model_.drag() != nullptr) AddDrag(point);
   if (model_.damping() != nullptr) AddViscousForce(point);
   if (may_touch()) {
-    ApplyContactLaw(velocities, point->momentum_gradient, point);
+    ApplyContactLaw(point);
   } else {
     point->residual = point->momentum_gradient;
   }
@@ -207,17 +207,16 @@ void StepProblem::AddInternalForce(double potential, StepPoint* point) const {
   point->scale = std::max(point->scale, std::sqrt(squares.sum()));
 }
 
-void StepProblem::ApplyContactLaw(const Eigen::VectorXd& velocities, const Eigen::VectorXd& gradient,
-                                  StepPoint* point) const {
-  point->residual = gradient;
+void StepProblem::ApplyContactLaw(StepPoint* point) const {
+  point->residual = point->momentum_gradient;
   point->forces.resize(work_.candidates.size());
   point->responses.resize(work_.candidates.size());
   for (size_t i = 0; i < work_.candidates.size(); ++i) {
     const int index = static_cast<int>(i);
     const int row = 3 * free_block(index);
     const ContactCandidate& candidate = work_.candidates[i];
-    point->forces[i] = weight(index) * (velocities.segment<3>(row) + candidate.gap_speed * candidate.normal) -
-                       gradient.segment<3>(row);
+    point->forces[i] = weight(index) * (point->velocities.segment<3>(row) + candidate.gap_speed * candidate.normal) -
+                       point->momentum_gradient.segment<3>(row);
     point->responses[i] = EvaluateContactLaw(point->forces[i], candidate.normal, friction_coefficient(index));
     point->residual.segment<3>(row) -= point->responses[i].impulse;
   }

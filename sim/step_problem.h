@@ -90,9 +90,6 @@ class StepProblem {
 
   void Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const;
 
-  // Phi and the responses for a given gradient g at v; used by Evaluate, and with a linearised g by the fallback.
-  void ApplyContactLaw(const Eigen::VectorXd& velocities, const Eigen::VectorXd& gradient, StepPoint* point) const;
-
   void AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const;
 
   // Smallest relative residual that rounding allows at `point`: 0.6 eps sqrt(3) |d| |x|_max/(h scale).
@@ -121,6 +118,8 @@ class StepProblem {
   void AddElasticForce(StepPoint* point) const;
   void AddViscousForce(StepPoint* point) const;
   void AddInternalForce(double potential, StepPoint* point) const;  // the one in `work_.force`
+  // Phi and the responses, from v and g.
+  void ApplyContactLaw(StepPoint* point) const;
 
   const ClothModel& model_;
   const Parameters& parameters_;
