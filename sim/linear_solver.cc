@@ -3,6 +3,7 @@
 #include <cholmod.h>
 #include <dlfcn.h>
 #include <omp.h>
+#include <signal.h>
 #include <umfpack.h>
 
 #include <Eigen/Jacobi>
@@ -22,6 +23,18 @@ bool BlasNeedsLock() {
   using GetParallel = int (*)();
   const auto get_parallel = reinterpret_cast<GetParallel>(dlsym(RTLD_DEFAULT, "openblas_get_parallel"));
   return get_parallel != nullptr && get_parallel() == 0;
+}
+
+// METIS takes SIGTERM and SIGABRT for its own while it orders a matrix, and a SIGTERM of anybody else is lost. Held
+// back in this thread, it arrives when METIS is done.
+cholmod_factor* Analyze(cholmod_sparse* matrix, cholmod_common* common) {
+  sigset_t held, before;
+  sigemptyset(&held);
+  sigaddset(&held, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &held, &before);
+  cholmod_factor* factor = cholmod_analyze(matrix, common);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return factor;
 }
 
 // Around every call that ends in BLAS.
@@ -130,7 +143,7 @@ CholeskySolver::CholeskySolver(std::shared_ptr<const BlockPattern> pattern)
   common.final_ll = 1;
   const FactorizationScope scope;
   cholmod_sparse matrix = state_->View(nullptr);
-  state_->symbolic = cholmod_analyze(&matrix, &common);
+  state_->symbolic = Analyze(&matrix, &common);
   if (state_->symbolic == nullptr) throw std::runtime_error("CHOLMOD could not analyse the pattern of the Hessian");
 }
 
@@ -186,7 +199,7 @@ std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbou
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_METIS;
   common.postorder = 1;
-  cholmod_factor* factor = cholmod_analyze(&graph, &common);
+  cholmod_factor* factor = Analyze(&graph, &common);
   std::vector<int> order;
   if (factor != nullptr) order.assign(static_cast<int*>(factor->Perm), static_cast<int*>(factor->Perm) + n);
   cholmod_free_factor(&factor, &common);
