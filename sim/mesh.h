@@ -38,10 +38,9 @@ Mesh MakeGrid(const GridOptions& options);
 Mesh ReadObj(const std::string& path);
 
 // Throws `Error` (kBadData), prefixed by `source`, unless: there are at most kMaxNodes nodes and kMaxFaces triangles;
-// positions are finite; indices are in range and distinct
-// within a face; every triangle has area; every edge has one or two triangles, which run along it in opposite
-// directions (otherwise one of them is inverted); every node belongs to a triangle. Messages count nodes and triangles
-// from 0.
+// positions are finite; indices are in range and distinct within a face; every triangle has area; every edge has one or
+// two triangles, which run along it in opposite directions (otherwise one of them is inverted); every node belongs to a
+// triangle. Messages count nodes and triangles from 0.
 void ValidateMesh(const Mesh& mesh, const std::string& source);
 
 // Area of every triangle at rest [F], m^2.
