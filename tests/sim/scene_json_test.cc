@@ -359,7 +359,7 @@ TEST(ReadScene, NamesWrongNpyFiles) {
   expect("hello", {"start.npy: is not a .npy file"});
   expect(NpyBytes("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 9), }", data),
          {"scene.json:2: key 'initial.positions'", "(9, 3)"});
-  expect(NpyBytes("{'descr': '<f8', 'fortran_order': True, 'shape': (9, 3), }", data), {"start.npy: expected C order"});
+  expect(NpyBytes("{'descr': '<f8', 'fortran_order': 0, 'shape': (9, 3), }", data), {"start.npy", "True or False"});
   expect(NpyBytes("{'descr': '<i8', 'fortran_order': False, 'shape': (9, 3), }", data), {"start.npy", "'<i8'"});
   expect(NpyBytes("{'descr': '<f8', 'fortran_order': False, 'shape': (9, 3), }", data.substr(1)),
          {"start.npy", "216 bytes"});

@@ -1,0 +1,9 @@
+// Point caches.
+#include "datasets/pc2_file.h"
+#include "tests/fuzz/track_round_trip.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clothid;
+  CheckRoundTrip(AsText(data, size), &ReadPc2, &Pc2Bytes);
+  return 0;
+}

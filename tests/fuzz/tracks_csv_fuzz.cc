@@ -1,0 +1,9 @@
+// Tables with a row per time and point.
+#include "datasets/tracks_csv.h"
+#include "tests/fuzz/track_round_trip.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clothid;
+  CheckRoundTrip(AsText(data, size), &ReadTracksCsv, &TracksCsvText);
+  return 0;
+}
