@@ -67,4 +67,14 @@ HandlePath ReadHandleCsv(const std::string& path, int num_handles) {
   }
 }
 
+std::string HandleCsv(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions) {
+  std::string text = Header(static_cast<int>(positions.rows() / 3)) + "\n";
+  for (Eigen::Index i = 0; i < times.size(); ++i) {
+    text += ShortestText(times[i]);
+    for (const double coordinate : positions.col(i)) text += "," + ShortestText(coordinate);
+    text += "\n";
+  }
+  return text;
+}
+
 }  // namespace clothid

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_SIM_HANDLE_CSV_H_
 #define CLOTHID_SIM_HANDLE_CSV_H_
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <string>
 
@@ -15,6 +16,9 @@ inline constexpr std::uint64_t kMaxHandleCsvBytes = std::uint64_t{1} << 28;
 // each of `num_handles` handles, in the order of the scene's list. Throws `Error`: kIo where the file cannot be read,
 // else kBadData naming file and line, also for a file of more than kMaxHandleCsvBytes.
 HandlePath ReadHandleCsv(const std::string& path, int num_handles);
+
+// The text of such a file, whose numbers read back exactly. times [T] s, positions [3H x T] m.
+std::string HandleCsv(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions);
 
 }  // namespace clothid
 

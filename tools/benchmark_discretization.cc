@@ -8,6 +8,7 @@
 #include "identify/parallel_for.h"
 #include "identify/problem.h"
 #include "sim/error.h"
+#include "tools/fine_truth.h"
 #include "tools/regrid.h"
 
 namespace clothid {
@@ -30,21 +31,18 @@ std::array<int, 2> GridOf(int nodes, const std::array<int, 2>& scene_nodes) {
   return {nodes, static_cast<int>(other)};
 }
 
-// What is seen of the truth at the nodes of the scene's grid, once per step of the scene.
-RecordedMotion RecordTruth(const GridScene& grid_scene, const DiscretizationBenchmark& benchmark) {
+// What is seen of the truth once per step of the scene.
+RecordedMotion RecordTruth(const GridScene& grid_scene, const std::vector<TrueParameter>& truth) {
+  const FineTruth fine = SimulateFineTruth(grid_scene, truth);
   const int num_frames = grid_scene.scene.num_steps() + 1;
   RecordedMotion motion;
   motion.name = "recording";
-  motion.scene = Regrid(grid_scene, benchmark.true_nodes);
-  motion.scene.time_step = benchmark.true_time_step;
-  motion.scene.duration = (num_frames - 1) * grid_scene.scene.time_step;
-  motion.points = PlaceOnMesh(motion.scene.mesh, grid_scene.scene.mesh.rest_positions);
-  const Rollout rollout = SimulateTruth(benchmark.truth, grid_scene.path, motion.scene);
+  motion.points = fine.points;
   motion.times.resize(num_frames);
   motion.positions.resize(3 * motion.num_points(), num_frames);
   for (int frame = 0; frame < num_frames; ++frame) {
-    motion.times[frame] = motion.scene.start_time + frame * grid_scene.scene.time_step;
-    motion.positions.col(frame) = Interpolate(motion.points, rollout.positions(kTrueStepDivisor * frame));
+    motion.times[frame] = fine.start_time() + frame * grid_scene.scene.time_step;
+    motion.positions.col(frame) = fine.PointsAt(motion.times[frame]);
   }
   return motion;
 }
@@ -109,7 +107,7 @@ DiscretizationBenchmark RunDiscretizationBenchmark(const DiscretizationOptions& 
   benchmark.fits = PlanFits(options, grid_scene);
   std::vector<Scene> models;  // before the fits, so that they do not run in vain
   for (const DiscretizationFit& fit : benchmark.fits) models.push_back(Regrid(grid_scene, fit.nodes));
-  const RecordedMotion recording = RecordTruth(grid_scene, benchmark);
+  const RecordedMotion recording = RecordTruth(grid_scene, benchmark.truth);
   const int num_fits = static_cast<int>(benchmark.fits.size());
   ParallelFor(
       num_fits, options.num_threads,

@@ -1,8 +1,7 @@
 // benchmark discretization: what the grid and the time step of the fitted model do to its estimates.
 //
-// The truth is simulated elsewhere: with known parameters on a grid of twice the density (2n - 1 x 2m - 1 nodes for
-// n x m) at a quarter of the scene's time step h, seen without noise at the nodes of the scene's own grid and at
-// multiples of h, which all models share. Models on several grids, at several time steps that divide h, are fitted to
+// The truth is that of tools/fine_truth.h, seen without noise at the nodes of the scene's own grid and at multiples of
+// its time step h, which all models share. Models on several grids, at several time steps that divide h, are fitted to
 // it. A point that is no node of a coarse grid is a fixed point of one of its triangles.
 #ifndef CLOTHID_TOOLS_BENCHMARK_DISCRETIZATION_H_
 #define CLOTHID_TOOLS_BENCHMARK_DISCRETIZATION_H_
@@ -14,11 +13,10 @@
 #include <vector>
 
 #include "identify/fit.h"
+#include "tools/fine_truth.h"
 #include "tools/true_recording.h"
 
 namespace clothid {
-
-inline constexpr int kTrueStepDivisor = 4;  // the truth's time step is h over this
 
 // One fit. Depends on the options alone.
 struct DiscretizationFit {

@@ -9,14 +9,18 @@
 
 #include "datasets/atomic_file.h"
 #include "datasets/motion_file.h"
+#include "datasets/sensor.h"
 #include "datasets/synthetic.h"
+#include "datasets/track_file.h"
 #include "sim/json_document.h"
 #include "sim/parameters.h"
 #include "sim/program.h"
 #include "sim/rollout.h"
 #include "sim/scene_json.h"
 #include "sim/simulator.h"
+#include "sim/handle_csv.h"
 #include "sim/text_file.h"
+#include "tools/capture.h"
 #include "tools/command_line.h"
 
 DEFINE_string(scene, "", "scene.json to simulate");
@@ -28,6 +32,8 @@ DEFINE_int32(markers, 0, "number of free nodes seen, chosen by --seed; 0: every 
 DEFINE_uint64(seed, 1, "seed of markers, noise and drops");
 DEFINE_bool(float32, false, "store positions in single precision");
 DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...]");
+DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
+DEFINE_string(handles_output, "", "with --sensor: CSV file for the path of the gripper");
 DEFINE_int32(threads, 1, "accepted for symmetry with the other tools: one rollout runs on one thread");
 
 namespace clothid {
@@ -47,14 +53,21 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   --markers N        N free nodes are seen, chosen by the seed; 0: every node (0)
   --seed S           seed of markers, noise and drops (1)
   --float32          positions in single precision: half the size, truth recoverable to about 1e-7 m
+  --sensor FILE      writes what a laboratory's camera would have seen instead of a recording: the cloth simulated on a
+                     grid of twice the density at a quarter of the time step, with the frames, noise, faults, clock and
+                     frame of reference of sensor.json (datasets/README.md). The name of --output gives the format, as
+                     for `motion convert`. Without --noise, --frame_rate, --drop, --markers, --float32
+  --handles_output F with --sensor: the path of the handles as the gripper tells it, CSV
   --threads N        accepted; one rollout runs on one thread (1)
   --help, --version
 
 Exit codes: 0 written; 1 usage, or a file that cannot be opened or written; 2 bad content; 3 a time step did not
 converge, 130 interrupted: nothing is written.
 
-Example:
+Examples:
   simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 --noise 0.001 --output /tmp/drape.motion.bin
+  simulate --scene datasets/capture.scene.json --sensor datasets/capture.sensor.json --set mu=0.3,k_stretch=30 \
+    --output /tmp/points.csv --handles_output /tmp/gripper.csv
 )";
 
 // The scene's nominal parameters with the assignments of --set, in alphabetical order: "mu.NAME" overrides "mu". A
@@ -110,10 +123,40 @@ void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
             << counts.branch_switches << " branch switches, " << counts.obstacle_switches << " obstacle switches\n";
 }
 
+// The files of a laboratory.
+int RunSensor() {
+  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "float32"}) {
+    gflags::CommandLineFlagInfo info;
+    if (gflags::GetCommandLineFlagInfo(flag, &info) && !info.is_default) {
+      throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected without --sensor, which tells it");
+    }
+  }
+  const GridScene grid_scene = ReadGridScene(FLAGS_scene);
+  const bool has_path = grid_scene.scene.handles.path.num_handles() > 0;
+  if (has_path == FLAGS_handles_output.empty()) {
+    throw Error(ErrorKind::kUsage, has_path ? "--handles_output is missing: the scene moves its handles"
+                                            : "--handles_output: the scene moves no handles");
+  }
+  const Sensor sensor = ParseSensor(ReadFile(FLAGS_sensor, kMaxJsonBytes), FLAGS_sensor);
+  const std::vector<TrueParameter> truth =
+      MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
+  CheckFileCanBeWritten(FLAGS_output);
+  const Capture capture = TakeCapture(grid_scene, SimulateFineTruth(grid_scene, truth), sensor, FLAGS_seed);
+  if (has_path) {
+    WriteFileAtomically(FLAGS_handles_output, {HandleCsv(capture.handles.times, capture.handles.positions)});
+  }
+  WriteTracks(capture.points, FLAGS_output);
+  std::cout << FLAGS_output << ": " << capture.points.num_frames() << " frames of " << capture.points.num_points()
+            << " points\n";
+  return kExitSuccess;
+}
+
 int Run(const std::vector<std::string>& arguments) {
   if (!arguments.empty()) throw Error(ErrorKind::kUsage, "unexpected argument '" + arguments.front() + "'");
   if (FLAGS_scene.empty()) throw Error(ErrorKind::kUsage, "--scene is missing; see simulate --help");
   if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output is missing; see simulate --help");
+  if (!FLAGS_sensor.empty()) return RunSensor();
+  if (!FLAGS_handles_output.empty()) throw Error(ErrorKind::kUsage, "--handles_output: expected with --sensor");
   const std::string scene_text = ReadFile(FLAGS_scene, kMaxJsonBytes);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
