@@ -118,10 +118,11 @@ void Field(Archive* archive, ResidualRows* value) {
   Fields(archive, &active, &residuals, &jacobian);
 }
 
+// Without the residuals, which the prediction gives again.
 template <typename Archive>
 void Field(Archive* archive, RolloutEvaluation* value) {
-  auto& [coordinates, precision, failure, predicted, counts, cost, loss_row, has_rows, rows, has_gradient, gradient,
-         has_exact_rows, exact_rows] = *value;
+  auto& [coordinates, precision, failure, predicted, residuals, counts, cost, loss_row, has_rows, rows, has_gradient,
+         gradient, has_exact_rows, exact_rows] = *value;
   Fields(archive, &coordinates, &precision, &failure, &predicted, &counts, &cost, &loss_row, &has_rows, &rows,
          &has_gradient, &gradient, &has_exact_rows, &exact_rows);
 }

@@ -78,16 +78,19 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::
   FrameSampler sampler(&observation_,
                        [predicted](int frame, const Eigen::MatrixXd& points) { predicted->col(frame) = points; });
   if (predicted != nullptr) {
-    predicted->resize(3 * observation_.num_points(), observation_.num_frames());
+    predicted->resize(observation_.num_predicted(), observation_.num_frames());
     options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
   }
   return clothid::Simulate(ParametersAt(coordinates), num_steps, &simulator_, cancel, options);
 }
 
-Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::VectorXd& coordinates,
-                                         const std::vector<int>& active, const Eigen::MatrixXd& seeds,
-                                         const AdjointOptions& options) {
-  const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) { observation_.AddSeeds(step, seeds, gradient); };
+Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
+                                         const Eigen::VectorXd& coordinates, const std::vector<int>& active,
+                                         const Eigen::MatrixXd& seeds, const AdjointOptions& options) {
+  const std::vector<CloudRows> cloud_rows = observation_.LinearizeClouds(predicted);
+  const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
+    observation_.AddSeeds(step, seeds, gradient, cloud_rows);
+  };
   const RolloutGradient gradient =
       clothid::PullBack(rollout, Ids(active), static_cast<int>(seeds.cols()), add_seeds, &simulator_, options);
   return ValueDerivatives(coordinates, active).asDiagonal() * gradient.parameters;
@@ -98,11 +101,10 @@ SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates
   const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
   const Eigen::Index num_active = derivatives.size();
   FrameSampler sampler(&observation_, [&](int frame, const Eigen::MatrixXd& points) {
-    const Eigen::MatrixXd whitened = observation_.WhitenFrame(frame, points);
-    const Eigen::VectorXd measured =
-        observation_.whitened_measured().segment(observation_.first_row(frame), whitened.rows());
-    visitor(frame, points.col(0), whitened.col(0) - measured,
-            whitened.rightCols(num_active) * derivatives.asDiagonal());
+    Eigen::VectorXd residuals;
+    Eigen::MatrixXd jacobian;
+    observation_.LinearizeFrame(frame, points, &residuals, &jacobian);
+    visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
   });
   SensitivityDirections directions;
   directions.parameters = Ids(active);

@@ -42,17 +42,17 @@ class RecordingModel {
   void SetPrecision(Precision precision);
 
   // With checkpoints where the steps would take more than `memory_limit` bytes. `predicted` (may be null): the points
-  // [3P x T] of every frame, as of Observation::Predict, which needs every step; valid where the rollout is ok().
+  // [R x T] of every frame, as of Observation::Predict, which needs every step; valid where the rollout is ok().
   // `keep_factors`: for a PullBack of few seeds, up to `memory_limit` bytes more.
   Rollout Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, std::size_t memory_limit,
                    bool keep_factors, Eigen::MatrixXd* predicted);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
-  // [q].
-  Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                           const Eigen::MatrixXd& seeds, const AdjointOptions& options);
+  // [q]. `predicted`: of the rollout, where clouds take their derivatives.
+  Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::VectorXd& coordinates,
+                           const std::vector<int>& active, const Eigen::MatrixXd& seeds, const AdjointOptions& options);
 
-  // Called per frame with the predicted points [3P], whitened residuals [r] of the frame and their derivatives with
+  // Called per frame with the prediction [R], whitened residuals [r] of the frame and their derivatives with
   // respect to the coordinates of the blocks `active`, [r x q].
   using FrameVisitor = std::function<void(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                                           const Eigen::MatrixXd& jacobian)>;

@@ -48,7 +48,8 @@ class RolloutCost : public ceres::CostFunction {
   // columns of frozen blocks are zero. For the covariance at a solution. Returns as `Evaluate` does.
   bool Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals) const;
 
-  // The predicted points [3P x T] m, and the counts of their rollout (may be null). False where the rollout failed.
+  // The prediction [R x T] m (see Observation), and the counts of their rollout (may be null). False where the rollout
+  // failed.
   bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts = nullptr) const;
 
   // Of the evaluations from now on. Points of different precision are never mistaken for each other, but differences

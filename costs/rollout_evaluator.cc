@@ -98,15 +98,15 @@ const Rollout& RolloutEvaluator::RolloutAt(const Eigen::VectorXd& coordinates) {
 
 Eigen::VectorXd RolloutEvaluator::WeightedResiduals(const RolloutEvaluation& evaluation,
                                                     Eigen::VectorXd* weights) const {
-  const Eigen::VectorXd residuals = model_.observation().Residuals(evaluation.predicted);
-  LossWeights(options_.loss, model_.observation(), 0, residuals, weights);
-  return weights->cwiseProduct(residuals);
+  LossWeights(options_.loss, model_.observation(), 0, evaluation.residuals, weights);
+  return weights->cwiseProduct(evaluation.residuals);
 }
 
 void RolloutEvaluator::ComputeCost(RolloutEvaluation* evaluation) {
   evaluation->counts = RolloutAt(evaluation->coordinates).counts;
   evaluation->predicted = rollout_predicted_;
-  const Eigen::VectorXd residuals = model_.observation().Residuals(evaluation->predicted);
+  evaluation->residuals = model_.observation().Residuals(evaluation->predicted);
+  const Eigen::VectorXd& residuals = evaluation->residuals;
   Eigen::VectorXd weights;
   evaluation->cost = LossWeights(options_.loss, model_.observation(), 0, residuals, &weights);
   evaluation->loss_row = LossRow(evaluation->cost, residuals.cwiseProduct(weights).squaredNorm());
@@ -118,7 +118,8 @@ CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active
   const ScopedTimer timer(&statistics_.derivative_seconds);
   const Observation& observation = model_.observation();
   CompressedJacobian compressed(static_cast<int>(active.size()));
-  evaluation->predicted.resize(3 * observation.num_points(), observation.num_frames());
+  evaluation->predicted.resize(observation.num_predicted(), observation.num_frames());
+  evaluation->residuals.resize(observation.num_residuals());
   evaluation->cost = 0.0;
   if (full_jacobian != nullptr) {
     full_jacobian->resize(observation.num_residuals(), static_cast<Eigen::Index>(active.size()));
@@ -127,6 +128,7 @@ CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active
   const auto add_frame = [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                              const Eigen::MatrixXd& jacobian) {
     evaluation->predicted.col(frame) = points;
+    evaluation->residuals.segment(observation.first_row(frame), residuals.size()) = residuals;
     Eigen::VectorXd weights;
     evaluation->cost += LossWeights(options_.loss, observation, observation.first_row(frame), residuals, &weights);
     const Eigen::VectorXd weighted = residuals.cwiseProduct(weights);
@@ -180,20 +182,28 @@ void RolloutEvaluator::ComputeExactRows(const std::vector<int>& active, RolloutE
   evaluation->has_exact_rows = true;
 }
 
+// Distances of clouds are not linear in the prediction.
+Eigen::VectorXd RolloutEvaluator::ResidualChange(const RolloutEvaluation& from, const Eigen::MatrixXd& to) const {
+  const Observation& observation = model_.observation();
+  if (observation.has_clouds()) return observation.Residuals(to) - from.residuals;
+  return observation.Whiten(to - from.predicted);
+}
+
 // e first, so that it is in the span to rounding whatever follows.
 Eigen::MatrixXd RolloutEvaluator::BasisVectors(const RolloutEvaluation& evaluation) const {
   const Observation& observation = model_.observation();
   const bool has_jacobian = last_jacobian_.size() > 0;
-  const Eigen::MatrixXd others = has_jacobian ? last_jacobian_ : DisplacementModes(observation);
+  const Eigen::MatrixXd others =
+      has_jacobian ? last_jacobian_ : DisplacementModes(observation, observation.LinearizeClouds(evaluation.predicted));
   const int max_differences =
       has_jacobian ? std::min(kFreshDifferences, options_.num_differences) : options_.num_differences;
   Eigen::MatrixXd vectors = Eigen::MatrixXd::Zero(observation.num_residuals(), 1 + max_differences + others.cols());
-  vectors.col(0) = observation.Residuals(evaluation.predicted);
+  vectors.col(0) = evaluation.residuals;
   Eigen::Index column = 1;
   for (const RolloutEvaluation& other : recent_) {
     if (column > max_differences) break;
     if (other.coordinates == evaluation.coordinates || !other.ok()) continue;
-    vectors.col(column++) = observation.Whiten(other.predicted - evaluation.predicted);
+    vectors.col(column++) = ResidualChange(evaluation, other.predicted);
   }
   vectors.rightCols(others.cols()) = others;
   return vectors;
@@ -223,11 +233,11 @@ void RolloutEvaluator::ComputeAdjointRows(const std::vector<int>& active, Rollou
   const ScopedTimer timer(&statistics_.derivative_seconds);
   Eigen::VectorXd weights;
   const Eigen::MatrixXd basis = Basis(*evaluation, &weights);
-  const double norm = weights.cwiseProduct(model_.observation().Residuals(evaluation->predicted)).norm();
+  const double norm = weights.cwiseProduct(evaluation->residuals).norm();
   ++statistics_.sweeps;
   // (B^T w J)^T = J^T w B: the seeds are the columns of w B.
-  const Eigen::MatrixXd gradients =
-      model_.PullBack(rollout, evaluation->coordinates, active, weights.asDiagonal() * basis, options_.adjoint);
+  const Eigen::MatrixXd gradients = model_.PullBack(rollout, evaluation->predicted, evaluation->coordinates, active,
+                                                    weights.asDiagonal() * basis, options_.adjoint);
   if (!gradients.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
 
   // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.
@@ -253,7 +263,7 @@ void RolloutEvaluator::ComputeNumericRows(const std::vector<int>& active, Rollou
     shifted[active[i]] += step;
     Eigen::MatrixXd predicted;
     Run(shifted, &predicted);
-    jacobian.col(i) = observation.Whiten(predicted - evaluation->predicted) / step;
+    jacobian.col(i) = ResidualChange(*evaluation, predicted) / step;
   }
   Eigen::VectorXd weights;
   const Eigen::VectorXd weighted = WeightedResiduals(*evaluation, &weights);
@@ -271,8 +281,8 @@ void RolloutEvaluator::ComputeGradient(const std::vector<int>& active, RolloutEv
     Eigen::VectorXd weights;
     const Eigen::VectorXd weighted = WeightedResiduals(*evaluation, &weights);
     ++statistics_.sweeps;
-    gradient =
-        model_.PullBack(rollout, evaluation->coordinates, active, weights.cwiseProduct(weighted), options_.adjoint);
+    gradient = model_.PullBack(rollout, evaluation->predicted, evaluation->coordinates, active,
+                               weights.cwiseProduct(weighted), options_.adjoint);
   } else {
     Complete(Need::kRows, active, evaluation);
     gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(active.size()));
@@ -354,6 +364,7 @@ void RolloutEvaluator::Restore(const EvaluationOutcome& outcome, Need need, Roll
   Eigen::MatrixXd predicted = std::move(evaluation->predicted);
   *evaluation = outcome.evaluation;
   if (evaluation->predicted.size() == 0) evaluation->predicted = std::move(predicted);
+  if (evaluation->predicted.size() > 0) evaluation->residuals = model_.observation().Residuals(evaluation->predicted);
   if (outcome.first_jacobian.size() > 0) {
     last_jacobian_ = outcome.first_jacobian;
   } else if (need == Need::kRows && options_.jacobian == JacobianMethod::kAdjoint && evaluation->ok()) {

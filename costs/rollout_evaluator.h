@@ -32,7 +32,8 @@ struct RolloutEvaluation {
   Eigen::VectorXd coordinates;
   Precision precision = Precision::kFull;
   std::string failure;        // not empty: nothing else is valid
-  Eigen::MatrixXd predicted;  // [3P x T] m
+  Eigen::MatrixXd predicted;  // [R x T] m, see Observation
+  Eigen::VectorXd residuals;  // [m] e of the prediction
   RolloutCounts counts;       // of the rollout
   double cost = 0.0;          // L
   double loss_row = 0.0;      // sqrt(2 L - |w e|^2), see costs/robust_loss.h
@@ -92,9 +93,11 @@ class RolloutEvaluator {
 
   Rollout Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted);
   const Rollout& RolloutAt(const Eigen::VectorXd& coordinates);
-  // Residuals e and weights w of the loss at an evaluated point.
+  // Weighted residuals w e and weights w of the loss at an evaluated point.
   Eigen::VectorXd WeightedResiduals(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const;
   Eigen::MatrixXd BasisVectors(const RolloutEvaluation& evaluation) const;
+  // The change of the residual from an evaluated point to another prediction: [m].
+  Eigen::VectorXd ResidualChange(const RolloutEvaluation& from, const Eigen::MatrixXd& to) const;
   // The basis B of the adjoint rows at an evaluated point, and the weights w of the loss: B^T w e are the rows.
   Eigen::MatrixXd Basis(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const;
   // Sets `last_jacobian_` to what adjoint rows in `basis` tell of it.

@@ -26,7 +26,8 @@ constexpr long long kAny = -1;  // a size that the shape leaves open
 constexpr std::string_view kMetadataKeys[] = {"format", "version", "scene", "provenance", "sha256", "header_sha256"};
 constexpr std::string_view kTensorNames[] = {"positions",        "times",      "rest_positions", "faces",
                                              "node_index",       "face_index", "barycentric",    "handle_index",
-                                             "handle_positions", "sigma"};
+                                             "handle_positions", "sigma",      "cloud_offsets",  "cloud_positions",
+                                             "cloud_sigma"};
 
 template <std::size_t kSize>
 bool Contains(const std::string_view (&names)[kSize], std::string_view name) {
@@ -102,7 +103,7 @@ class TensorReader {
   bool Has(const std::string& name) const { return file_.tensors.count(name) > 0; }
 
   const TensorInfo& Require(const std::string& name, const std::vector<TensorType>& types,
-                            const std::vector<long long>& shape) const {
+                            const std::vector<long long>& shape, long long least_size = 1) const {
     const auto found = file_.tensors.find(name);
     if (found == file_.tensors.end()) Fail(path_, "tensor '" + name + "' is missing");
     const TensorInfo& tensor = found->second;
@@ -113,7 +114,8 @@ class TensorReader {
     bool fits = tensor.shape.size() == shape.size();
     for (std::size_t k = 0; fits && k < shape.size(); ++k) {
       const long long size = tensor.shape[k];
-      fits = size > 0 && size <= std::numeric_limits<int>::max() / 3 && (shape[k] == kAny || size == shape[k]);
+      fits =
+          size >= least_size && size <= std::numeric_limits<int>::max() / 3 && (shape[k] == kAny || size == shape[k]);
     }
     if (!fits)
       Fail(path_, "tensor '" + name + "': expected shape " + ToString(shape) + ", found " + ToString(tensor.shape));
@@ -144,7 +146,7 @@ class TensorReader {
   template <typename Stored, typename T>
   Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> Copy(const TensorInfo& tensor, Eigen::Index rows) const {
     const Eigen::Index count = static_cast<Eigen::Index>(tensor.num_elements());
-    Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> result(rows, count / rows);
+    Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> result(rows, rows > 0 ? count / rows : tensor.shape[0]);
     const char* bytes = file_.bytes(tensor).data();
     for (Eigen::Index i = 0; i < count; ++i) {
       Stored value;
@@ -164,6 +166,34 @@ void RejectUnknownTensors(const Safetensors& file, const std::string& path) {
   }
 }
 
+// Offsets that do not ascend from 0 to the number of points are errors, before anything is cut by them.
+std::vector<Eigen::Matrix3Xd> ReadClouds(const TensorReader& reader, const TensorInfo& positions, long long num_times,
+                                         const std::string& path) {
+  const std::vector<int> offsets = reader.Indices("cloud_offsets", num_times + 1);
+  const Eigen::Matrix3Xd all = reader.Doubles(positions, 3);
+  bool ascends = offsets.front() == 0 && offsets.back() == all.cols();
+  for (std::size_t i = 1; i < offsets.size(); ++i) ascends &= offsets[i] >= offsets[i - 1];
+  if (!ascends) {
+    Fail(path, "tensor 'cloud_offsets': expected numbers that ascend from 0 to the " + std::to_string(all.cols()) +
+                   " points of 'cloud_positions'");
+  }
+  std::vector<Eigen::Matrix3Xd> clouds;
+  for (std::size_t i = 1; i < offsets.size(); ++i) {
+    clouds.emplace_back(all.middleCols(offsets[i - 1], offsets[i] - offsets[i - 1]));
+  }
+  return clouds;
+}
+
+void ReadClouds(const TensorReader& reader, const std::string& path, MotionTensors* tensors) {
+  if (!reader.Has("cloud_positions") && !reader.Has("cloud_offsets") && !reader.Has("cloud_sigma")) return;
+  const TensorInfo& positions = reader.Require("cloud_positions", {TensorType::kF32, TensorType::kF64}, {kAny, 3});
+  tensors->single_precision_clouds = positions.type == TensorType::kF32;
+  tensors->clouds = ReadClouds(reader, positions, tensors->times.size(), path);
+  if (!reader.Has("cloud_sigma")) return;
+  tensors->cloud_sigma = reader.Doubles(reader.Require("cloud_sigma", {TensorType::kF64}, {1}), 1)(0);
+  if (!(tensors->cloud_sigma > 0.0)) Fail(path, "tensor 'cloud_sigma': is not a number > 0");
+}
+
 MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) {
   RejectUnknownTensors(file, path);
   const TensorReader reader(file, path);
@@ -171,7 +201,9 @@ MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) 
   MotionTensors tensors;
   tensors.times = reader.Doubles(reader.Require("times", f64, {kAny}), 1).transpose();
   const long long num_times = tensors.times.size();
-  const TensorInfo& positions = reader.Require("positions", {TensorType::kF32, TensorType::kF64}, {num_times, kAny, 3});
+  ReadClouds(reader, path, &tensors);
+  const TensorInfo& positions = reader.Require("positions", {TensorType::kF32, TensorType::kF64}, {num_times, kAny, 3},
+                                               /*least_size=*/tensors.clouds.empty() ? 1 : 0);
   const long long num_points = positions.shape[1];
   tensors.single_precision = positions.type == TensorType::kF32;
   tensors.positions = reader.Doubles(positions, 3 * num_points);
@@ -210,6 +242,15 @@ std::string ToBytes(const std::vector<int>& values) {
       Eigen::Map<const Eigen::VectorXi>(values.data(), static_cast<Eigen::Index>(values.size())));
 }
 
+// [M x 3] of all frames, as columns.
+Eigen::Matrix3Xd JoinClouds(const std::vector<Eigen::Matrix3Xd>& clouds, std::vector<int>* offsets) {
+  offsets->assign(1, 0);
+  for (const Eigen::Matrix3Xd& cloud : clouds) offsets->push_back(offsets->back() + static_cast<int>(cloud.cols()));
+  Eigen::Matrix3Xd all(3, offsets->back());
+  for (std::size_t i = 0; i < clouds.size(); ++i) all.middleCols((*offsets)[i], clouds[i].cols()) = clouds[i];
+  return all;
+}
+
 // The doubles come first, so that every tensor stands on a multiple of its element size.
 std::vector<TensorBytes> ToContainer(const MotionTensors& tensors) {
   const TensorType f64 = TensorType::kF64, i32 = TensorType::kI32;
@@ -229,10 +270,24 @@ std::vector<TensorBytes> ToContainer(const MotionTensors& tensors) {
     result.push_back({"handle_positions", f64, {num_times, num_handles, 3}, ToBytes<double>(tensors.handle_positions)});
   }
   if (tensors.sigma.size() > 0) result.push_back({"sigma", f64, {num_points}, ToBytes<double>(tensors.sigma)});
+  std::vector<int> offsets;
+  const Eigen::Matrix3Xd cloud = JoinClouds(tensors.clouds, &offsets);
+  if (tensors.cloud_sigma > 0.0) {
+    result.push_back({"cloud_sigma", f64, {1}, ToBytes<double>(Eigen::VectorXd::Constant(1, tensors.cloud_sigma))});
+  }
+  if (!tensors.clouds.empty() && !tensors.single_precision_clouds) {
+    result.push_back({"cloud_positions", f64, {cloud.cols(), 3}, ToBytes<double>(cloud)});
+  }
   result.push_back({"positions",
                     tensors.single_precision ? TensorType::kF32 : f64,
                     {num_times, num_points, 3},
                     tensors.single_precision ? ToBytes<float>(positions) : ToBytes<double>(positions)});
+  if (!tensors.clouds.empty()) {
+    if (tensors.single_precision_clouds) {
+      result.push_back({"cloud_positions", TensorType::kF32, {cloud.cols(), 3}, ToBytes<float>(cloud)});
+    }
+    result.push_back({"cloud_offsets", i32, {num_times + 1}, ToBytes(offsets)});
+  }
   result.push_back({"faces", i32, {tensors.mesh.num_faces(), 3}, ToBytes<std::int32_t>(tensors.mesh.faces)});
   if (!tensors.node_index.empty()) result.push_back({"node_index", i32, {num_points}, ToBytes(tensors.node_index)});
   if (!tensors.face_index.empty()) result.push_back({"face_index", i32, {num_points}, ToBytes(tensors.face_index)});

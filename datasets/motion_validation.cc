@@ -3,12 +3,16 @@
 #include <set>
 
 #include "datasets/motion_container.h"
+#include "datasets/safetensors.h"
 #include "sim/error.h"
 
 namespace clothid {
 namespace {
 
 constexpr double kBarycentricTolerance = 1e-6;
+
+// Of all frames: more do not fit into a container.
+constexpr long long kMaxCloudPoints = static_cast<long long>(kMaxContainerBytes / (3 * sizeof(float)));
 
 class Validator {
  public:
@@ -24,6 +28,7 @@ class Validator {
     ValidateIndices(tensors_.handle_index, tensors_.mesh.num_nodes(), "handle_index");
     ValidateBarycentric();
     ValidateHandles();
+    ValidateClouds();
     for (Eigen::Index i = 0; i < tensors_.sigma.size(); ++i) {
       const double sigma = tensors_.sigma[i];
       if (!std::isfinite(sigma) || !(sigma > 0.0)) Fail("sigma", "entry " + std::to_string(i) + " is not a number > 0");
@@ -57,7 +62,8 @@ class Validator {
     const Eigen::Index num_times = tensors_.times.size();
     const Eigen::Index num_handles = static_cast<Eigen::Index>(tensors_.handle_index.size());
     ExpectSize("positions", tensors_.positions.size(), 3 * num_points() * num_times);
-    if (num_points() == 0) Fail("positions", "expected at least one point");
+    if (num_points() == 0 && tensors_.clouds.empty()) Fail("positions", "expected at least one point");
+    ExpectSize("positions", tensors_.positions.cols(), num_times);
     if (!tensors_.node_index.empty() && !tensors_.face_index.empty()) {
       Fail("face_index", "expected either node_index or face_index");
     }
@@ -68,7 +74,8 @@ class Validator {
       ExpectSize("face_index", static_cast<Eigen::Index>(tensors_.face_index.size()), num_points());
     }
     ExpectSize("barycentric", tensors_.barycentric.size(), tensors_.face_index.empty() ? 0 : 3 * num_points());
-    if (tensors_.node_index.empty() && tensors_.face_index.empty() && num_points() != tensors_.mesh.num_nodes()) {
+    if (tensors_.node_index.empty() && tensors_.face_index.empty() && num_points() != tensors_.mesh.num_nodes() &&
+        num_points() > 0) {
       Fail("positions", "expected the " + std::to_string(tensors_.mesh.num_nodes()) + " nodes of the mesh, found " +
                             std::to_string(num_points()) + " points and neither node_index nor face_index");
     }
@@ -110,6 +117,31 @@ class Validator {
       if (!tensors_.handle_positions.col(t).allFinite()) {
         Fail("handle_positions", "frame " + std::to_string(t) + " is not finite; a handle's path must have no gap");
       }
+    }
+  }
+
+  void ValidateClouds() const {
+    const double limit = tensors_.single_precision_clouds ? static_cast<double>(FLT_MAX) : DBL_MAX;
+    if (!std::isfinite(tensors_.cloud_sigma) || tensors_.cloud_sigma < 0.0) {
+      Fail("cloud_sigma", "is not a number > 0");
+    }
+    if (tensors_.clouds.empty()) {
+      if (tensors_.cloud_sigma > 0.0) Fail("cloud_positions", "is missing; expected beside cloud_sigma");
+      return;
+    }
+    if (static_cast<Eigen::Index>(tensors_.clouds.size()) != tensors_.times.size()) {
+      Fail("cloud_offsets", "expected a cloud for each of the " + std::to_string(tensors_.times.size()) +
+                                " times, found " + std::to_string(tensors_.clouds.size()));
+    }
+    long long num_points = 0;
+    for (std::size_t i = 0; i < tensors_.clouds.size(); ++i) {
+      num_points += tensors_.clouds[i].cols();
+      if ((tensors_.clouds[i].array().abs() <= limit).all()) continue;
+      Fail("cloud_positions", "the cloud of frame " + std::to_string(i) + " holds a coordinate that is not finite");
+    }
+    if (num_points == 0) Fail("cloud_positions", "expected at least one point");
+    if (num_points > kMaxCloudPoints) {
+      Fail("cloud_positions", "expected at most " + std::to_string(kMaxCloudPoints) + " points");
     }
   }
 

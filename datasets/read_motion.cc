@@ -130,6 +130,8 @@ RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& opti
   motion.times = std::move(file.tensors.times);
   motion.positions = std::move(file.tensors.positions);
   motion.sigma = std::move(file.tensors.sigma);
+  motion.clouds = std::move(file.tensors.clouds);
+  motion.cloud_sigma = file.tensors.cloud_sigma;
   motion.provenance = std::move(file.tensors.provenance);
   motion.sha256 = std::move(file.sha256);
   return motion;

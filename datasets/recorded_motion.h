@@ -23,8 +23,12 @@ struct RecordedMotion {
   Eigen::MatrixXd positions;          // [3P x T] m; NaN: not seen
   std::vector<ObservedPoint> points;  // [P]
   Eigen::VectorXd sigma;              // [P] m, standard deviation of a coordinate; empty: not known
-  Scene scene;                        // with mesh, start state and duration of this recording
-  std::string scene_text;             // the JSON that the scene was read from, with the surfaces of obstacles in it
+  // [T], or empty: unordered points of the cloth's surface seen in every frame [3 x M_i] m, beside the tracked ones
+  // (of which there may be none).
+  std::vector<Eigen::Matrix3Xd> clouds;
+  double cloud_sigma = 0.0;  // m, standard deviation of a coordinate of theirs; 0: not known
+  Scene scene;               // with mesh, start state and duration of this recording
+  std::string scene_text;    // the JSON that the scene was read from, with the surfaces of obstacles in it
   std::string provenance;
   std::string sha256;  // of the file
 

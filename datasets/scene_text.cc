@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "sim/error.h"
 #include "sim/json_document.h"
 #include "sim/triangulated_surface.h"
 
@@ -48,6 +49,22 @@ std::string WithInlineSurfaces(const std::string& scene_text, const Scene& scene
   }
   ParseJson(text, "scene with the surfaces of its obstacles");  // for its limits
   return text;
+}
+
+std::string SelfContainedText(const Scene& original, const std::string& scene_text, bool* start_is_first_frame) {
+  Json scene = Json::parse(scene_text, nullptr, /*allow_exceptions=*/false);
+  if (!scene.is_object()) throw Error(ErrorKind::kBadData, "scene: expected a JSON object");
+  if (scene.contains("mesh") && scene["mesh"].contains("obj")) scene.erase("mesh");
+  if (scene.contains("handles") && scene["handles"].is_object()) scene["handles"] = scene["handles"]["nodes"];
+  Json& initial = scene["initial"];
+  *start_is_first_frame = initial.contains("positions") && initial["positions"] != "rest";
+  if (!*start_is_first_frame) {
+    initial["positions"] = "rest";
+  } else {
+    initial.erase("positions");
+    if (initial.empty()) scene.erase("initial");
+  }
+  return WithInlineSurfaces(scene.dump(2), original);
 }
 
 }  // namespace clothid

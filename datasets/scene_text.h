@@ -13,6 +13,13 @@ namespace clothid {
 // same. Throws `Error` (kBadData) where they are too large for one JSON text.
 std::string WithInlineSurfaces(const std::string& scene_text, const Scene& scene);
 
+// The text of a recording of `scene`, which was read from `scene_text`: every value of the original, without the names
+// of files and with an explicit start. Surfaces come into it as by WithInlineSurfaces; mesh and handle paths go into
+// the recording's tensors. A start read from a file goes: the first frame has to take its place, and
+// `*start_is_first_frame` says so. Throws `Error` (kBadData) where WithInlineSurfaces does and where the text is no
+// JSON object.
+std::string SelfContainedText(const Scene& scene, const std::string& scene_text, bool* start_is_first_frame);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_DATASETS_SCENE_TEXT_H_

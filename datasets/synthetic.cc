@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <random>
 #include <sstream>
@@ -19,7 +18,7 @@ namespace {
 // A frame whose time is this close to a step's, in steps, is taken at the step: 1/rate and h are both rounded numbers.
 constexpr double kSameStep = 1e-6;
 
-enum class Stream : std::uint32_t { kMarkers, kNoise, kDrops };
+enum class Stream : std::uint32_t { kMarkers, kNoise, kDrops, kCloud };
 
 std::mt19937_64 MakeGenerator(std::uint64_t seed, Stream stream) {
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
@@ -46,6 +45,11 @@ std::vector<int> FreeNodes(const Scene& scene) {
   return free;
 }
 
+bool HasCloud(const SyntheticOptions& options) { return options.num_cloud_points > 0; }
+
+// Clouds take the place of the nodes, not of markers.
+bool SeesNoNodes(const SyntheticOptions& options) { return options.num_markers == 0 && HasCloud(options); }
+
 void CheckOptions(const SyntheticOptions& options, const Scene& scene) {
   Require(std::isfinite(options.noise_sigma) && options.noise_sigma >= 0.0,
           "noise " + ToString(options.noise_sigma) + ": expected a standard deviation >= 0 in m");
@@ -55,6 +59,9 @@ void CheckOptions(const SyntheticOptions& options, const Scene& scene) {
   Require(options.num_markers >= 0 && options.num_markers <= num_free,
           "markers " + std::to_string(options.num_markers) + ": expected 0 to " + std::to_string(num_free) +
               ", the number of free nodes");
+  Require(options.num_cloud_points >= 0 && options.num_cloud_points <= kMaxCloudPointsPerFrame,
+          "cloud " + std::to_string(options.num_cloud_points) + ": expected 0 to " +
+              std::to_string(kMaxCloudPointsPerFrame) + " points per frame");
 }
 
 // [P], ascending; empty: every node.
@@ -75,7 +82,12 @@ Eigen::VectorXd PositionsAt(const Rollout& rollout, double steps) {
   return (1.0 - fraction) * rollout.positions(before) + fraction * rollout.positions(before + 1);
 }
 
-void SamplePositions(const Rollout& rollout, const Eigen::VectorXd& frame_steps, MotionTensors* motion) {
+void SamplePositions(const Rollout& rollout, const Eigen::VectorXd& frame_steps, const SyntheticOptions& options,
+                     MotionTensors* motion) {
+  if (SeesNoNodes(options)) {
+    motion->positions.resize(0, frame_steps.size());
+    return;
+  }
   const std::vector<int>& markers = motion->node_index;
   const Eigen::Index num_coordinates =
       markers.empty() ? rollout.initial_positions.size() : 3 * static_cast<Eigen::Index>(markers.size());
@@ -92,8 +104,41 @@ void SamplePositions(const Rollout& rollout, const Eigen::VectorXd& frame_steps,
   }
 }
 
+// Points anywhere on the surface, as many per rest area everywhere; with noise, some left out.
+Eigen::Matrix3Xd SeeCloud(const Scene& scene, const Eigen::VectorXd& nodes, const SyntheticOptions& options,
+                          std::discrete_distribution<int>* faces, std::mt19937_64* generator) {
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  std::bernoulli_distribution drop(options.drop_fraction);
+  Eigen::Matrix3Xd cloud(3, options.num_cloud_points);
+  Eigen::Index num_seen = 0;
+  for (int i = 0; i < options.num_cloud_points; ++i) {
+    const Eigen::Vector3i corners = scene.mesh.faces.col((*faces)(*generator));
+    const double root = std::sqrt(uniform(*generator)), along = uniform(*generator);
+    const Eigen::Vector3d weights(1.0 - root, root * (1.0 - along), root * along);
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) point += weights[k] * nodes.segment<3>(3 * corners[k]);
+    for (double& coordinate : point) coordinate += options.noise_sigma * noise(*generator);
+    if (!drop(*generator)) cloud.col(num_seen++) = point;
+  }
+  return cloud.leftCols(num_seen);
+}
+
+void AddClouds(const Rollout& rollout, const Scene& scene, const Eigen::VectorXd& frame_steps,
+               const SyntheticOptions& options, MotionTensors* motion) {
+  if (!HasCloud(options)) return;
+  const Eigen::VectorXd areas = TriangleAreas(scene.mesh);
+  std::discrete_distribution<int> faces(areas.begin(), areas.end());
+  std::mt19937_64 generator = MakeGenerator(options.seed, Stream::kCloud);
+  for (const double steps : frame_steps) {
+    motion->clouds.push_back(SeeCloud(scene, PositionsAt(rollout, steps), options, &faces, &generator));
+  }
+  motion->cloud_sigma = options.noise_sigma;
+  motion->single_precision_clouds = options.single_precision;
+}
+
 void AddNoise(const SyntheticOptions& options, MotionTensors* motion) {
-  if (options.noise_sigma == 0.0) return;
+  if (options.noise_sigma == 0.0 || motion->positions.size() == 0) return;
   std::mt19937_64 generator = MakeGenerator(options.seed, Stream::kNoise);
   std::normal_distribution<double> noise(0.0, options.noise_sigma);
   for (double& coordinate : motion->positions.reshaped()) coordinate += noise(generator);
@@ -118,25 +163,14 @@ void SampleHandles(const Scene& scene, MotionTensors* motion) {
   }
 }
 
-// The text of a recording: every value of the original, without the names of files and with an explicit start. Surfaces
-// come into it. A start read from a file goes: the first frame takes its place.
-std::string SelfContainedText(const Scene& original, const std::string& scene_text, const SyntheticOptions& options) {
-  nlohmann::ordered_json scene = nlohmann::ordered_json::parse(scene_text, nullptr, /*allow_exceptions=*/false);
-  if (!scene.is_object()) throw Error(ErrorKind::kBadData, "scene: expected a JSON object");
-  if (scene.contains("mesh") && scene["mesh"].contains("obj")) scene.erase("mesh");
-  if (scene.contains("handles") && scene["handles"].is_object()) scene["handles"] = scene["handles"]["nodes"];
-  nlohmann::ordered_json& initial = scene["initial"];
-  if (!initial.contains("positions")) {
-    initial["positions"] = "rest";
-  } else if (initial["positions"] != "rest") {
-    Require(options.noise_sigma == 0.0 && options.num_markers == 0 && options.drop_fraction == 0.0 &&
-                !options.single_precision,
-            "scene: key 'initial.positions': a start read from a file needs an exact first frame, so neither noise, "
-            "markers, drops nor single precision");
-    initial.erase("positions");
-    if (initial.empty()) scene.erase("initial");
-  }
-  return WithInlineSurfaces(scene.dump(2), original);
+std::string RecordingText(const Scene& scene, const std::string& scene_text, const SyntheticOptions& options) {
+  bool start_is_first_frame = false;
+  const std::string text = SelfContainedText(scene, scene_text, &start_is_first_frame);
+  Require(!start_is_first_frame || (options.noise_sigma == 0.0 && options.num_markers == 0 && !HasCloud(options) &&
+                                    options.drop_fraction == 0.0 && !options.single_precision),
+          "scene: key 'initial.positions': a start read from a file needs an exact first frame, so neither noise, "
+          "markers, clouds, drops nor single precision");
+  return text;
 }
 
 std::string Provenance(const SyntheticOptions& options) {
@@ -151,8 +185,9 @@ std::string Provenance(const SyntheticOptions& options) {
   if (options.num_markers > 0) {
     text << options.num_markers;
   } else {
-    text << "at all nodes";
+    text << (SeesNoNodes(options) ? "none" : "at all nodes");
   }
+  if (HasCloud(options)) text << ", clouds of " << options.num_cloud_points << " points";
   text << ", seed " << options.seed;
   return text.str();
 }
@@ -186,9 +221,10 @@ MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const st
   motion.single_precision = options.single_precision;
   motion.mesh = scene.mesh;
   motion.node_index = ChooseMarkers(scene, options);
-  motion.scene_text = SelfContainedText(scene, scene_text, options);
+  motion.scene_text = RecordingText(scene, scene_text, options);
   motion.provenance = Provenance(options);
-  SamplePositions(rollout, frame_steps, &motion);
+  SamplePositions(rollout, frame_steps, options, &motion);
+  AddClouds(rollout, scene, frame_steps, options, &motion);
   SampleHandles(scene, &motion);
   AddNoise(options, &motion);
   DropPoints(options, &motion);

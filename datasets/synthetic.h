@@ -16,13 +16,15 @@
 namespace clothid {
 
 inline constexpr int kMaxFrames = 10000000;
+inline constexpr int kMaxCloudPointsPerFrame = 1000000;
 
 struct SyntheticOptions {
   double noise_sigma = 0.0;    // m, standard deviation of Gaussian noise on every coordinate
   double frame_rate = 0.0;     // Hz; 0: one frame per step
   double drop_fraction = 0.0;  // in [0, 1): the chance of a point to be missing in a frame
-  int num_markers = 0;         // free nodes seen, chosen by `seed`; 0: every node
-  std::uint64_t seed = 1;      // markers, noise and drops have streams of their own
+  int num_markers = 0;         // free nodes seen, chosen by `seed`; 0: every node, or none where there are clouds
+  int num_cloud_points = 0;    // per frame, unordered, anywhere on the surface; 0: no clouds
+  std::uint64_t seed = 1;      // markers, noise, drops and clouds have streams of their own
   bool single_precision =
       false;  // store positions as F32, which limits how well a truth can be recovered (about 1e-7 m)
 };

@@ -20,7 +20,7 @@ namespace clothid {
 struct FitPoint {
   Eigen::VectorXd coordinates;  // [p]; empty: no point was evaluated yet
   double cost = std::numeric_limits<double>::infinity();
-  std::vector<Eigen::MatrixXd> predicted;  // per recording [3P x T] m
+  std::vector<Eigen::MatrixXd> predicted;  // per recording [R x T] m, see Observation
   RolloutCounts counts;                    // of its rollouts, summed over the recordings
 
   bool is_valid() const { return coordinates.size() > 0; }

@@ -16,6 +16,12 @@ std::string Digest(const Eigen::MatrixXd& numbers) {
   return Sha256Hex({std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double))});
 }
 
+// Nothing where there are no clouds.
+void DescribeClouds(const RecordedMotion& motion, std::ostream* text) {
+  for (const Eigen::Matrix3Xd& cloud : motion.clouds) *text << "cloud " << cloud.cols() << " " << Digest(cloud) << "\n";
+  if (!motion.clouds.empty()) *text << "cloud sigma " << motion.cloud_sigma << "\n";
+}
+
 }  // namespace
 
 void DescribeProgram(std::ostream* text) {
@@ -34,6 +40,7 @@ void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
         << "handles " << Digest(scene.handles.path.times()) << " " << Digest(scene.handles.path.positions()) << "\n"
         << "solver " << scene.solver.step_tolerance << " " << scene.solver.adjoint_tolerance << " "
         << scene.solver.max_newton_iterations << " " << scene.solver.max_substep_halvings << "\n";
+  DescribeClouds(motion, text);
 }
 
 std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,

@@ -44,7 +44,7 @@ struct FitSummary {
   double cost = 0.0;
   PredictionError start_error;             // over all recordings, at the starting values, as they were evaluated
   PredictionError error;                   // the same at the estimate
-  std::vector<Eigen::MatrixXd> predicted;  // per recording, at the estimate [3P x T] m
+  std::vector<Eigen::MatrixXd> predicted;  // per recording, at the estimate [R x T] m, see Observation
   RolloutCounts counts;                    // of the rollouts at the estimate, summed over the recordings
   std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
   CostStatistics statistics;

@@ -88,6 +88,10 @@ std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<R
     held.back().positions.leftCols(range.begin).setConstant(kUnseen);
     held.back().positions.rightCols(motion.num_frames() - range.end).setConstant(kUnseen);
     motion.positions.middleCols(range.begin, count).setConstant(kUnseen);
+    for (int i = 0; i < static_cast<int>(motion.clouds.size()); ++i) {
+      const bool is_held = i >= range.begin && i < range.end;
+      (is_held ? motion : held.back()).clouds[i].resize(3, 0);
+    }
   }
   return held;
 }

@@ -50,6 +50,16 @@ void SetPoints(const RecordedMotion& motion, MotionTensors* tensors) {
   }
 }
 
+// A recording with clouds is predicted by its nodes, below the tracked points.
+void SetPrediction(const RecordedMotion& motion, const Eigen::MatrixXd& predicted, MotionTensors* tensors) {
+  if (!motion.clouds.empty()) {
+    tensors->positions = predicted.bottomRows(3 * motion.scene.mesh.num_nodes());
+    return;
+  }
+  tensors->positions = predicted;
+  SetPoints(motion, tensors);
+}
+
 void SetHandles(const RecordedMotion& motion, MotionTensors* tensors) {
   const Handles& handles = motion.scene.handles;
   if (handles.nodes.empty() || handles.path.num_handles() == 0) return;
@@ -65,6 +75,14 @@ std::string ShortNumber(double value, int digits) {
 }
 
 std::string Millimetres(double metres) { return ShortNumber(1e3 * metres, 4) + " mm"; }
+
+std::string CloudRow(const CloudError& error, const CloudError& start) {
+  const auto percent = [](const CloudError& of) { return ShortNumber(100.0 * of.num_far / of.num_points, 3) + " %"; };
+  return "cloud           " + Millimetres(error.rmse()) +
+         " from points to the surface (root mean square), at the start " + Millimetres(start.rmse()) +
+         "; farther than " + ShortNumber(kFarFromSurface, 2) + " sigma " + percent(error) + ", at the start " +
+         percent(start) + "\n";
+}
 
 std::string Remark(const FitSummary& summary, const RunRecord& run, int index) {
   if (summary.parameters[index].frozen) return "frozen";
@@ -119,10 +137,9 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
                               const std::vector<FittedParameter>& parameters) {
   MotionTensors tensors;
   tensors.times = motion.times;
-  tensors.positions = predicted;
   tensors.single_precision = false;
   tensors.mesh = motion.scene.mesh;
-  SetPoints(motion, &tensors);
+  SetPrediction(motion, predicted, &tensors);
   SetHandles(motion, &tensors);
   tensors.scene_text = motion.scene_text;
   tensors.provenance = "predicted by identify " + Version() + " (git " + GitHash() +
@@ -160,6 +177,7 @@ std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
   }
   table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
         << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
+  if (summary.error.cloud.num_points > 0.0) table << CloudRow(summary.error.cloud, summary.start_error.cloud);
   if (std::isfinite(summary.error.fit_percent())) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
           << summary.start_error.fit_percent() << " %\n";

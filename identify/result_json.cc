@@ -77,6 +77,14 @@ Json UncertaintyJson(const FitSummary& summary) {
           {"interval_check", IntervalCheckJson(summary)}};
 }
 
+// Of point clouds: distances from points to the predicted surface.
+Json CloudJson(const CloudError& error) {
+  return {{"rmse_m", error.rmse()},
+          {"num_points", static_cast<long long>(error.num_points)},
+          {"far_share", error.num_far / error.num_points},
+          {"far_sigmas", kFarFromSurface}};
+}
+
 Json StartsJson(const FitSummary& summary, const RunRecord& run) {
   if (!run.starts) return nullptr;
   Json starts = Json::array(), minima = Json::array();
@@ -159,6 +167,7 @@ std::string ResultJson(const FitSummary& summary, const RunRecord& run, const st
   json["parameters"] = ParametersJson(summary, run);
   json["rmse_m"] = summary.error.rmse();
   json["fit_percent"] = summary.error.fit_percent();
+  if (summary.error.cloud.num_points > 0.0) json["cloud"] = CloudJson(summary.error.cloud);
   json["holdout"] = HoldoutJson(run.holdout);
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, run);

@@ -69,6 +69,15 @@ void AddCorrelation(const FitSummary& summary, std::vector<std::string>* lines) 
                    Number(std::sqrt((1.0 + correlation) / (1.0 - correlation)), 2));
 }
 
+void AddFarPoints(const FitSummary& summary, std::vector<std::string>* lines) {
+  constexpr double kManyFar = 0.2;  // above what a robust loss is for
+  const CloudError& cloud = summary.error.cloud;
+  if (!(cloud.num_far > kManyFar * cloud.num_points)) return;
+  lines->push_back(Number(100.0 * cloud.num_far / cloud.num_points, 3) +
+                   " % of the points of clouds are farther than " + Number(kFarFromSurface, 2) +
+                   " sigma from the predicted surface: the model misses what they show, and the estimates with it");
+}
+
 void AddDistance(const FitSummary& summary, std::vector<std::string>* lines) {
   if (!summary.uncertainty) return;
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
@@ -193,6 +202,7 @@ std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run
   if (summary.status != FitStatus::kConverged) lines.push_back(FitStatusName(summary.status) + ": " + summary.message);
   AddIdentifiability(summary, &lines);
   AddCorrelation(summary, &lines);
+  AddFarPoints(summary, &lines);
   AddIntervalCheck(summary, &lines);
   AddDistance(summary, &lines);
   if (run.starts) AddStarts(summary, *run.starts, &lines);

@@ -5,24 +5,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string>
-#include <unsupported/Eigen/BVH>
 #include <utility>
 #include <vector>
 
 #include "sim/error.h"
 #include "sim/mesh.h"
+#include "sim/triangle_tree.h"
 
 namespace clothid {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-// Other libraries have trees of triangles, too: Embree's is in single precision, CGAL's comes under the GPL.
-using Tree = Eigen::KdBVH<double, 3, int>;
 
 // The angle, in rad, below which normals count as equal: the rounding of coordinates given to seven digits.
 constexpr double kFlat = 1e-7;
@@ -44,73 +40,6 @@ struct Feature {
   Vector3d normal = Vector3d::Zero();  // pseudonormal, a unit vector
   Vector3d along = Vector3d::Zero();   // of a crease, a unit vector
 };
-
-// A face as the search needs it. Side k runs from corner k to corner k + 1 and is opposite to corner k + 2 (mod 3).
-struct Triangle {
-  std::array<Vector3d, 3> corners, sides;
-  std::array<Vector3d, 2> gradients;  // of the barycentric coordinates of corners 1 and 2, 1/m
-  Vector3d normal;
-  int feature;
-  std::array<int, 3> side_features, corner_features;
-};
-
-// The nearest feature so far; the lowest one where several are equally near. (Beyond 1e154 m all are.)
-struct Nearest {
-  double squared_distance = std::numeric_limits<double>::infinity();
-  int feature = 0;
-
-  void Consider(double candidate, int candidate_feature) {
-    if (candidate > squared_distance || (candidate == squared_distance && candidate_feature > feature)) return;
-    squared_distance = candidate;
-    feature = candidate_feature;
-  }
-};
-
-// Where it is not within the face, the closest point lies on a side that does not have x on its inner side.
-void VisitTriangle(const Triangle& triangle, const Vector3d& x, Nearest* nearest) {
-  const Vector3d offset = x - triangle.corners[0];
-  const double height = triangle.normal.dot(offset);
-  if (height * height > nearest->squared_distance) return;
-  const double at_1 = triangle.gradients[0].dot(offset), at_2 = triangle.gradients[1].dot(offset);
-  const std::array<double, 3> opposite = {at_2, 1.0 - at_1 - at_2, at_1};  // to the sides
-  if (opposite[0] > 0.0 && opposite[1] > 0.0 && opposite[2] > 0.0) {
-    nearest->Consider(height * height, triangle.feature);
-    return;
-  }
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (opposite[k] > 0.0) continue;
-    const Vector3d from_corner = x - triangle.corners[k];
-    const double along = triangle.sides[k].dot(from_corner), length = triangle.sides[k].squaredNorm();
-    if (along <= 0.0) {
-      nearest->Consider(from_corner.squaredNorm(), triangle.corner_features[k]);
-    } else if (along >= length) {
-      const std::size_t next = (k + 1) % 3;
-      nearest->Consider((x - triangle.corners[next]).squaredNorm(), triangle.corner_features[next]);
-    } else {
-      nearest->Consider((from_corner - (along / length) * triangle.sides[k]).squaredNorm(), triangle.side_features[k]);
-    }
-  }
-}
-
-double SquaredDistance(const Tree::Volume& box, const Vector3d& x) {
-  return (box.min() - x).cwiseMax(x - box.max()).cwiseMax(0.0).squaredNorm();
-}
-
-// Goes down the tree, nearer boxes first. (Eigen::BVMinimize would allocate a queue for every point.)
-void VisitTree(const Tree& tree, const std::vector<Triangle>& triangles, int node, const Vector3d& x,
-               Nearest* nearest) {
-  Tree::VolumeIterator box = nullptr, box_end = nullptr;
-  Tree::ObjectIterator face = nullptr, face_end = nullptr;
-  tree.getChildren(node, box, box_end, face, face_end);
-  for (; face != face_end; ++face) VisitTriangle(triangles[*face], x, nearest);
-  std::array<std::pair<double, int>, 2> boxes;
-  std::size_t num_boxes = 0;
-  for (; box != box_end; ++box) boxes[num_boxes++] = {SquaredDistance(tree.getVolume(*box), x), *box};
-  if (num_boxes == 2 && boxes[1].first < boxes[0].first) std::swap(boxes[0], boxes[1]);
-  for (std::size_t i = 0; i < num_boxes; ++i) {
-    if (boxes[i].first <= nearest->squared_distance) VisitTree(tree, triangles, boxes[i].second, x, nearest);
-  }
-}
 
 // phi, n and dn/dx of points whose closest point is on `feature`. `least_distance` (m) is that of a direction.
 SurfacePoint Evaluate(const Feature& feature, const Vector3d& x, double least_distance) {
@@ -142,22 +71,15 @@ class FeatureBuilder {
     AddVertices();
   }
 
-  std::vector<Triangle> TakeTriangles() { return std::move(triangles_); }
+  std::vector<SearchTriangle> TakeTriangles() { return std::move(triangles_); }
   std::vector<Feature> TakeFeatures() { return std::move(features_); }
 
  private:
   Vector3d Position(int vertex) const { return mesh_.rest_positions.col(vertex); }
 
   void AddFace(int face) {
-    Triangle& triangle = triangles_[face];
-    for (int k = 0; k < 3; ++k) {
-      triangle.corners[k] = Position(mesh_.faces(k, face));
-      triangle.sides[k] = Position(mesh_.faces((k + 1) % 3, face)) - triangle.corners[k];
-    }
-    const Vector3d area = triangle.sides[0].cross(triangle.sides[1]);
-    triangle.normal = area.normalized();
-    triangle.gradients[0] = triangle.normal.cross(triangle.sides[2]) / area.norm();
-    triangle.gradients[1] = triangle.normal.cross(triangle.sides[0]) / area.norm();
+    SearchTriangle& triangle = triangles_[face];
+    triangle.Place(Position(mesh_.faces(0, face)), Position(mesh_.faces(1, face)), Position(mesh_.faces(2, face)));
     triangle.feature = face;
     features_.push_back({Feature::Kind::kPlane, triangle.corners[0], triangle.normal, Vector3d::Zero()});
   }
@@ -181,8 +103,8 @@ class FeatureBuilder {
   }
 
   void AddEdge(const std::pair<int, int>& side, const std::pair<int, int>& twin, const std::string& name) {
-    Triangle& one = triangles_[side.first];
-    Triangle& other = triangles_[twin.first];
+    SearchTriangle& one = triangles_[side.first];
+    SearchTriangle& other = triangles_[twin.first];
     Feature edge;
     edge.point = one.corners[side.second];
     edge.normal = one.normal + other.normal;
@@ -202,7 +124,7 @@ class FeatureBuilder {
     std::vector<Matrix3d> spans(sums.size(), Matrix3d::Zero());       // of the normals
     const int first_feature = static_cast<int>(features_.size());
     for (int face = 0; face < mesh_.num_faces(); ++face) {
-      Triangle& triangle = triangles_[face];
+      SearchTriangle& triangle = triangles_[face];
       for (std::size_t k = 0; k < 3; ++k) {
         const int vertex = mesh_.faces(static_cast<int>(k), face);
         const Vector3d& ahead = triangle.sides[k];
@@ -233,7 +155,7 @@ class FeatureBuilder {
   }
 
   const Mesh& mesh_;
-  std::vector<Triangle> triangles_;
+  std::vector<SearchTriangle> triangles_;
   std::vector<Feature> features_;
 };
 
@@ -253,24 +175,12 @@ void Validate(const Mesh& mesh) {
   ValidateMesh(mesh, "triangulated surface");
 }
 
-Tree BuildTree(const std::vector<Triangle>& triangles) {
-  std::vector<int> faces;
-  std::vector<Tree::Volume> boxes;
-  for (const Triangle& triangle : triangles) {
-    faces.push_back(triangle.feature);
-    boxes.emplace_back(triangle.corners[0]);
-    boxes.back().extend(triangle.corners[1]).extend(triangle.corners[2]);
-  }
-  return Tree(faces.begin(), faces.end(), boxes.begin(), boxes.end());
-}
-
 }  // namespace
 
 struct TriangulatedSurface::Data {
   Mesh mesh;
-  std::vector<Triangle> triangles;
+  TriangleTree tree;
   std::vector<Feature> features;
-  Tree tree;
   double least_distance = 0.0;  // m, see Evaluate
 };
 
@@ -283,17 +193,14 @@ TriangulatedSurface::TriangulatedSurface(Eigen::Matrix3Xd vertices, Eigen::Matri
   if (!(Volume(data->mesh) > 0.0)) {
     Fail("encloses no positive volume; expected triangles that run counter-clockwise seen from outside");
   }
-  data->triangles = builder.TakeTriangles();
   data->features = builder.TakeFeatures();
-  data->tree = BuildTree(data->triangles);
+  data->tree = TriangleTree(builder.TakeTriangles());
   data->least_distance = kSingular * data->mesh.rest_positions.cwiseAbs().maxCoeff();
   data_ = std::move(data);
 }
 
 SurfacePoint TriangulatedSurface::Closest(const Eigen::Vector3d& position) const {
-  Nearest nearest;
-  VisitTree(data_->tree, data_->triangles, data_->tree.getRootIndex(), position, &nearest);
-  return Evaluate(data_->features[nearest.feature], position, data_->least_distance);
+  return Evaluate(data_->features[data_->tree.ClosestFeature(position)], position, data_->least_distance);
 }
 
 const Eigen::Matrix3Xd& TriangulatedSurface::vertices() const { return data_->mesh.rest_positions; }

@@ -63,6 +63,15 @@ class CellModel {
     return model_.Simulate(Coordinates(x, y), cancel, memory_limit_, /*keep_factors=*/false, predicted);
   }
 
+  // Puts every point of the recording's clouds onto the predicted surface, where that is nearest.
+  void MoveCloudsTo(const Eigen::MatrixXd& predicted, RecordedMotion* motion) const {
+    const Eigen::Index num_rows = 3 * model_.observation().num_nodes();
+    for (std::size_t i = 0; i < motion->clouds.size(); ++i) {
+      const Eigen::VectorXd nodes = predicted.col(static_cast<Eigen::Index>(i)).tail(num_rows);
+      motion->clouds[i] = model_.observation().clouds().ClosestPoints(static_cast<int>(i), nodes);
+    }
+  }
+
   // Fills `cell`; a failure of any kind leaves neither cost nor gradient.
   void Evaluate(const LandscapeWindow& window, double x, double y, bool has_gradients, const std::atomic<bool>* cancel,
                 LandscapeCell* cell) {
@@ -76,7 +85,7 @@ class CellModel {
       Eigen::VectorXd weights;
       const double cost = LossWeights(RobustLoss(), model_.observation(), 0, residuals, &weights);
       if (!std::isfinite(cost)) throw std::runtime_error("the cost is not finite");
-      if (has_gradients) PullBackCost(window, rollout, residuals, Coordinates(x, y), cell);
+      if (has_gradients) PullBackCost(window, rollout, predicted, residuals, Coordinates(x, y), cell);
       cell->cost = cost;
     } catch (const std::runtime_error& error) {
       cell->failure = error.what();
@@ -84,10 +93,11 @@ class CellModel {
   }
 
  private:
-  void PullBackCost(const LandscapeWindow& window, const Rollout& rollout, const Eigen::VectorXd& residuals,
-                    const Eigen::VectorXd& coordinates, LandscapeCell* cell) {
+  void PullBackCost(const LandscapeWindow& window, const Rollout& rollout, const Eigen::MatrixXd& predicted,
+                    const Eigen::VectorXd& residuals, const Eigen::VectorXd& coordinates, LandscapeCell* cell) {
     const int x = model_.num_blocks() - 2, y = x + 1;
-    const Eigen::VectorXd gradient = model_.PullBack(rollout, coordinates, {x, y}, residuals, AdjointOptions());
+    const Eigen::VectorXd gradient =
+        model_.PullBack(rollout, predicted, coordinates, {x, y}, residuals, AdjointOptions());
     if (!gradient.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
     // d/d log value = value d/d value.
     cell->gradient_x = gradient[0] * (window.x.scale == ParameterScale::kLog ? coordinates[x] : 1.0);
@@ -290,7 +300,9 @@ void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptio
                                                                     : options->plan.settings[setting].name + ": ") +
                       rollout.failure->ToString());
     }
-    motion.positions = motion.positions.array().isNaN().select(motion.positions, predicted);
+    motion.positions =
+        motion.positions.array().isNaN().select(motion.positions, predicted.topRows(motion.positions.rows()));
+    model.MoveCloudsTo(predicted, &motion);
   });
 }
 

@@ -8,14 +8,24 @@
 
 #include "datasets/motion_file.h"
 #include "tools/command_line.h"
+#include "tools/motion_clouds.h"
 
 namespace clothid {
 namespace {
 
-constexpr char kHelp[] = R"(motion: looks at recordings and validates them.
+constexpr char kHelp[] = R"(motion: looks at recordings, validates and converts them.
 
   motion info FILE     tensors, times, points, scene, provenance
   motion check FILE    reads everything, verifies the checksums; reports gaps in time and missing points
+  motion convert_clouds FOLDER FILE --scene SCENE (--frame_rate HZ | --times T.npy) [flags]
+                       writes FILE from point clouds: every .npy of shape (M, 3) in FOLDER, or of a pattern, is a frame,
+                       in the order of the names. SCENE gives mesh, start, handles and obstacles.
+    --scale S          m per unit of the files (1)
+    --voxel SIZE       keeps the mean of the points in every cube of this side, m (0: all points)
+    --max_points N     keeps N points per frame, chosen by --seed S (0: all; S = 1)
+    --sigma S          standard deviation of a coordinate, m (0: not known)
+    --fit_pose         moves the mesh as a rigid body onto the first cloud, from where the scene has it
+    --float64          clouds in double precision
   --help, --version
 
 Exit codes: 0 valid; 1 usage, file cannot be opened; 2 bad content.
@@ -87,6 +97,12 @@ void PrintTensors(const MotionTensors& tensors) {
   PrintTensor("handle_index", "I32", 0, static_cast<Eigen::Index>(tensors.handle_index.size()), 1);
   PrintTensor("handle_positions", "F64", num_frames, tensors.handle_positions.rows() / 3, 3);
   PrintTensor("sigma", "F64", 0, tensors.sigma.size(), 1);
+  if (tensors.clouds.empty()) return;
+  Eigen::Index num_cloud_points = 0;
+  for (const Eigen::Matrix3Xd& cloud : tensors.clouds) num_cloud_points += cloud.cols();
+  PrintTensor("cloud_positions", tensors.single_precision_clouds ? "F32" : "F64", 0, num_cloud_points, 3);
+  PrintTensor("cloud_offsets", "I32", 0, num_frames + 1, 1);
+  if (tensors.cloud_sigma > 0.0) PrintTensor("cloud_sigma", "F64", 0, 1, 1);
 }
 
 void PrintCoverage(const RecordedMotion& motion) {
@@ -98,7 +114,9 @@ void PrintCoverage(const RecordedMotion& motion) {
     std::cout << ", rate " << 1.0 / coverage.median_interval << " Hz (median), longest interval "
               << coverage.longest_interval << " s";
   }
-  std::cout << "\npoints " << motion.num_points() << ", missing " << coverage.num_missing << " of " << num_seen_at_most
+  std::cout << "\n";
+  PrintClouds(motion);
+  std::cout << "points " << motion.num_points() << ", missing " << coverage.num_missing << " of " << num_seen_at_most
             << " (" << Percent(coverage.num_missing, num_seen_at_most) << " %), never seen " << coverage.num_never_seen
             << "\ngaps " << coverage.gaps.size() << " (intervals over " << kGapFactor << " times the median)";
   for (const int frame : coverage.gaps)
@@ -142,8 +160,9 @@ int Check(const std::string& path) {
 int Run(const std::vector<std::string>& arguments) {
   if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing: info or check; see motion --help");
   const std::string& command = arguments.front();
+  if (command == "convert_clouds") return ConvertClouds({arguments.begin() + 1, arguments.end()});
   if (command != "info" && command != "check") {
-    throw Error(ErrorKind::kUsage, "unknown command '" + command + "': expected info or check");
+    throw Error(ErrorKind::kUsage, "unknown command '" + command + "': expected info, check or convert_clouds");
   }
   if (arguments.size() != 2) throw Error(ErrorKind::kUsage, command + ": expected one file");
   return command == "info" ? Info(arguments[1]) : Check(arguments[1]);

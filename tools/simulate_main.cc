@@ -29,7 +29,8 @@ DEFINE_double(noise, 0.0, "standard deviation of Gaussian noise on every coordin
 DEFINE_double(frame_rate, 0.0, "frames per second; 0: one per time step");
 DEFINE_double(drop, 0.0, "fraction of points missing in a frame, [0, 1)");
 DEFINE_int32(markers, 0, "number of free nodes seen, chosen by --seed; 0: every node");
-DEFINE_uint64(seed, 1, "seed of markers, noise and drops");
+DEFINE_int32(cloud, 0, "points per frame of an unordered cloud on the surface, in place of the nodes; 0: none");
+DEFINE_uint64(seed, 1, "seed of markers, noise, drops and clouds");
 DEFINE_bool(float32, false, "store positions in single precision");
 DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...]");
 DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
@@ -51,12 +52,14 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   --frame_rate HZ    frames per second; 0: one per time step (0)
   --drop FRACTION    chance of a point to be missing in a frame, [0, 1) (0)
   --markers N        N free nodes are seen, chosen by the seed; 0: every node (0)
-  --seed S           seed of markers, noise and drops (1)
+  --cloud N          an unordered cloud of N points per frame anywhere on the surface is seen in place of the nodes;
+                     with --markers, both (0)
+  --seed S           seed of markers, noise, drops and clouds (1)
   --float32          positions in single precision: half the size, truth recoverable to about 1e-7 m
   --sensor FILE      writes what a laboratory's camera would have seen instead of a recording: the cloth simulated on a
                      grid of twice the density at a quarter of the time step, with the frames, noise, faults, clock and
                      frame of reference of sensor.json (datasets/README.md). The name of --output gives the format, as
-                     for `motion convert`. Without --noise, --frame_rate, --drop, --markers, --float32
+                     for `motion convert`. Without --noise, --frame_rate, --drop, --markers, --cloud, --float32
   --handles_output F with --sensor: the path of the handles as the gripper tells it, CSV
   --threads N        accepted; one rollout runs on one thread (1)
   --help, --version
@@ -97,6 +100,7 @@ SyntheticOptions OptionsFromFlags() {
   options.frame_rate = FLAGS_frame_rate;
   options.drop_fraction = FLAGS_drop;
   options.num_markers = FLAGS_markers;
+  options.num_cloud_points = FLAGS_cloud;
   options.seed = FLAGS_seed;
   options.single_precision = FLAGS_float32;
   return options;
@@ -114,8 +118,9 @@ int CountStick(const Rollout& rollout) {
 void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
   const RolloutCounts& counts = rollout.counts;
   const int num_stick = CountStick(rollout);
-  std::cout << FLAGS_output << ": " << motion.times.size() << " frames of " << motion.positions.rows() / 3
-            << " points; " << counts.steps << " steps of " << rollout.time_step << " s with "
+  std::cout << FLAGS_output << ": " << motion.times.size() << " frames of " << motion.positions.rows() / 3 << " points"
+            << (FLAGS_cloud > 0 ? " and clouds of up to " + std::to_string(FLAGS_cloud) : "") << "; " << counts.steps
+            << " steps of " << rollout.time_step << " s with "
             << static_cast<double>(counts.newton_iterations) / counts.steps << " Newton iterations each, "
             << counts.fallbacks << " fallbacks, " << counts.substeps
             << " substeps; contacts over all steps: " << num_stick << " stick, " << counts.contacts - num_stick
@@ -125,7 +130,7 @@ void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
 
 // The files of a laboratory.
 int RunSensor() {
-  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "float32"}) {
+  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32"}) {
     gflags::CommandLineFlagInfo info;
     if (gflags::GetCommandLineFlagInfo(flag, &info) && !info.is_default) {
       throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected without --sensor, which tells it");

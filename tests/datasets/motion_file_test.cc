@@ -9,8 +9,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "datasets/sha256.h"
 #include "tests/expect_error.h"
@@ -160,6 +162,109 @@ TEST_F(MotionFile, RoundTripsPointsOnNodesAndTriangles) {
   rounded.provenance.clear();
   Written(rounded);
   ExpectSame(ReadMotionTensors(Path()), rounded);
+}
+
+// Beside the tracked points; the second frame has no cloud.
+void AddClouds(MotionTensors* tensors) {
+  std::srand(3);
+  for (const int count : {5, 0, 3, 7}) tensors->clouds.push_back(Eigen::Matrix3Xd::Random(3, count));
+  tensors->cloud_sigma = 0.002;
+}
+
+TEST_F(MotionFile, RoundTripsCloudsBesideTrackedPointsAndAlone) {
+  MotionTensors tensors = SmallMotion();
+  AddClouds(&tensors);
+  const auto expect_clouds = [](const MotionTensors& read, const MotionTensors& written) {
+    ASSERT_EQ(read.clouds.size(), written.clouds.size());
+    for (std::size_t i = 0; i < read.clouds.size(); ++i) EXPECT_TRUE(SameNumbers(read.clouds[i], written.clouds[i]));
+    EXPECT_EQ(read.cloud_sigma, written.cloud_sigma);
+    EXPECT_EQ(read.single_precision_clouds, written.single_precision_clouds);
+  };
+  for (const bool single_precision : {true, false}) {
+    tensors.single_precision_clouds = single_precision;
+    MotionTensors rounded = tensors;
+    for (Eigen::Matrix3Xd& cloud : rounded.clouds) {
+      if (single_precision) cloud = cloud.cast<float>().cast<double>().eval();
+    }
+    Written(tensors);
+    expect_clouds(ReadMotionTensors(Path()), rounded);
+    EXPECT_EQ(ReadMotionTensors(Path()).positions.rows(), 27);
+
+    MotionTensors alone = rounded;
+    alone.positions.resize(0, 4);
+    alone.sigma.resize(0);
+    alone.cloud_sigma = 0.0;
+    Written(alone);
+    const MotionTensors read = ReadMotionTensors(Path());
+    expect_clouds(read, alone);
+    EXPECT_EQ(read.positions.rows(), 0);
+    EXPECT_EQ(read.positions.cols(), 4);
+  }
+}
+
+TEST_F(MotionFile, CloudsBecomePartOfARecording) {
+  MotionTensors tensors = SmallMotion();
+  AddClouds(&tensors);
+  tensors.positions.resize(0, 4);
+  tensors.sigma.resize(0);
+  tensors.scene_text = R"({"clothid_scene": 1, "handles": [0, 6], "initial": {"positions": "rest"}})";
+  const RecordedMotion motion = Read(tensors);
+  EXPECT_EQ(motion.num_points(), 0);
+  ASSERT_EQ(motion.clouds.size(), 4U);
+  EXPECT_EQ(motion.clouds[3].cols(), 7);
+  EXPECT_EQ(motion.cloud_sigma, 0.002);
+  EXPECT_EQ(motion.scene.initial_positions.segment<3>(3), tensors.mesh.rest_positions.col(1));
+  // Nothing else says where the cloth starts.
+  tensors.scene_text = R"({"clothid_scene": 1, "handles": [0, 6]})";
+  ExpectError([&] { Read(tensors); }, kBadData, {"cloth.motion.bin", "initial"});
+}
+
+TEST_F(MotionFile, RejectsCloudsThatDoNotFitTogether) {
+  MotionTensors tensors = SmallMotion();
+  AddClouds(&tensors);
+  const RawMotion good(Written(tensors));
+  for (const auto& [index, value] : {std::pair<std::size_t, int>{0, 1}, {2, 4}, {4, 14}, {4, 16}, {1, -1}}) {
+    RawMotion raw = good;
+    raw.Set<std::int32_t>("cloud_offsets", index, value);
+    ExpectRejected(raw.Bytes(), {"cloud_offsets", "15 points"});
+  }
+  RawMotion raw = good;
+  raw.Set<float>("cloud_positions", 4, std::numeric_limits<float>::quiet_NaN());
+  ExpectRejected(raw.Bytes(), {"cloud_positions", "frame 0"});
+  for (const double sigma : {0.0, -1.0, kNaN}) {
+    raw = good;
+    raw.Set<double>("cloud_sigma", 0, sigma);
+    ExpectRejected(raw.Bytes(), {"cloud_sigma"});
+  }
+  raw = good;
+  raw.header["cloud_offsets"]["shape"] = {5, 1};
+  ExpectRejected(raw.Bytes(), {"cloud_offsets", "expected shape [5]"});
+  raw = good;
+  raw.header["cloud_positions"]["shape"] = {3, 15};
+  ExpectRejected(raw.Bytes(), {"cloud_positions", "expected shape [any, 3]"});
+  raw = good;
+  raw.header["cloud_positions"]["dtype"] = "I32";
+  ExpectRejected(raw.Bytes(), {"cloud_positions", "expected dtype F32"});
+}
+
+TEST_F(MotionFile, RefusesToWriteCloudsThatItWouldNotRead) {
+  const auto refuses = [&](const std::function<void(MotionTensors*)>& spoil, const char* tensor) {
+    MotionTensors tensors = SmallMotion();
+    AddClouds(&tensors);
+    spoil(&tensors);
+    ExpectError([&] { WriteMotion(tensors, Path()); }, kBadData, {tensor});
+    EXPECT_FALSE(std::filesystem::exists(Path()));
+  };
+  refuses([](MotionTensors* t) { t->clouds.pop_back(); }, "cloud_offsets");
+  refuses([](MotionTensors* t) { t->clouds[2](0, 0) = kNaN; }, "cloud_positions");
+  refuses([](MotionTensors* t) { t->clouds[2](0, 0) = 1e39; }, "cloud_positions");
+  refuses([](MotionTensors* t) { t->cloud_sigma = -1.0; }, "cloud_sigma");
+  refuses([](MotionTensors* t) { t->clouds.clear(); }, "cloud_positions");
+  refuses(
+      [](MotionTensors* t) {
+        for (auto& cloud : t->clouds) cloud.resize(3, 0);
+      },
+      "cloud_positions");
 }
 
 TEST_F(MotionFile, HasTheSameBytesEveryTime) {

@@ -137,6 +137,50 @@ TEST_F(SyntheticTest, StreamsAreIndependent) {
   EXPECT_TRUE((seen.select(dropped.positions, whole.positions).array() == whole.positions.array()).all());
 }
 
+TEST_F(SyntheticTest, CloudsAreOnTheSurfaceAndTakeThePlaceOfTheNodes) {
+  SyntheticOptions options;
+  options.num_cloud_points = 200;
+  const MotionTensors motion = Record(options);
+  EXPECT_EQ(motion.positions.rows(), 0);
+  EXPECT_EQ(motion.cloud_sigma, 0.0);
+  ASSERT_EQ(motion.clouds.size(), 21U);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (int frame = 0; frame < 21; ++frame) {
+    const Eigen::Matrix3Xd points = motion.clouds[frame].colwise() - Eigen::Vector3d(frame * frame, 0.0, 0.0);
+    ASSERT_EQ(points.cols(), 200);
+    EXPECT_LT(points.row(2).norm(), 1e-15);
+    EXPECT_GE(points.minCoeff(), -1e-12);
+    EXPECT_LE(points.maxCoeff(), 0.2 + 1e-12);
+    mean += points.rowwise().mean() / 21.0;
+  }
+  EXPECT_NEAR(mean.x(), 0.1, 4.0 * 0.2 / std::sqrt(12.0 * 21.0 * 200.0));
+  EXPECT_NEAR(mean.y(), 0.1, 4.0 * 0.2 / std::sqrt(12.0 * 21.0 * 200.0));
+  options.seed = 2;
+  EXPECT_NE(Record(options).clouds[0], motion.clouds[0]);
+}
+
+TEST_F(SyntheticTest, CloudsHaveNoiseAndGapsAndLeaveMarkersAsTheyAre) {
+  SyntheticOptions options;
+  options.noise_sigma = 0.01;
+  options.num_markers = 3;
+  options.drop_fraction = 0.25;
+  const MotionTensors without = Record(options);
+  options.num_cloud_points = 500;
+  const MotionTensors motion = Record(options);
+  EXPECT_EQ(motion.node_index, without.node_index);
+  EXPECT_TRUE((motion.positions.array() == without.positions.array() || motion.positions.array().isNaN()).all());
+  EXPECT_EQ(motion.cloud_sigma, 0.01);
+  double num_points = 0.0, squares = 0.0;
+  for (const Eigen::Matrix3Xd& cloud : motion.clouds) {
+    num_points += static_cast<double>(cloud.cols());
+    squares += cloud.row(2).squaredNorm();
+  }
+  EXPECT_NEAR(num_points, 0.75 * 21 * 500, 200.0);
+  EXPECT_NEAR(std::sqrt(squares / num_points), 0.01, 5e-4);
+  options.num_cloud_points = -1;
+  ExpectError([&] { Record(options); }, ErrorKind::kUsage, {"cloud -1"});
+}
+
 TEST_F(SyntheticTest, MovingHandlesAreRecorded) {
   Eigen::MatrixXd path(9, 2);
   path.col(0) = scene_.initial_positions.head<9>();
