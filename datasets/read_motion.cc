@@ -115,8 +115,7 @@ std::string FolderOf(const std::string& path) { return std::filesystem::path(pat
 
 }  // namespace
 
-RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& options) {
-  VerifiedMotion file = ReadVerifiedMotion(path);
+RecordedMotion InterpretMotion(VerifiedMotion file, const std::string& path, const ReadMotionOptions& options) {
   RecordedMotion motion;
   motion.name = path;
   motion.points = MakePoints(file.tensors);
@@ -135,6 +134,10 @@ RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& opti
   motion.provenance = std::move(file.tensors.provenance);
   motion.sha256 = std::move(file.sha256);
   return motion;
+}
+
+RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& options) {
+  return InterpretMotion(ReadVerifiedMotion(path), path, options);
 }
 
 }  // namespace clothid

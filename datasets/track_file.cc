@@ -13,6 +13,7 @@
 #include "datasets/npy_tracks.h"
 #include "datasets/pc2_file.h"
 #include "datasets/ply_file.h"
+#include "datasets/ros_csv.h"
 #include "datasets/track_checks.h"
 #include "datasets/tracks_csv.h"
 #include "datasets/trc_file.h"
@@ -105,7 +106,7 @@ PointTracks ReadTracks(const std::string& path) {
     case TrackFormat::kTidyCsv:
       return ReadTracksCsv(path);
     case TrackFormat::kRosCsv:
-      throw Error(ErrorKind::kUsage, path + ": rows of ROS messages cannot be read as points");
+      return ReadRosGrid(path);
     case TrackFormat::kTrc:
       return ReadTrc(path);
     case TrackFormat::kObjSequence:

@@ -1,171 +1,86 @@
-// motion: looks at recordings and validates them.
-#include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
-#include <iostream>
+// motion: looks at recordings, checks and converts them.
 #include <string>
 #include <vector>
 
-#include "datasets/motion_file.h"
+#include "sim/error.h"
 #include "tools/command_line.h"
 #include "tools/motion_clouds.h"
+#include "tools/motion_commands.h"
 
 namespace clothid {
 namespace {
 
-constexpr char kHelp[] = R"(motion: looks at recordings, validates and converts them.
+constexpr char kHelp[] = R"(motion: looks at recordings, checks and converts them.
 
-  motion info FILE     tensors, times, points, scene, provenance
-  motion check FILE    reads everything, verifies the checksums; reports gaps in time and missing points
-  motion convert_clouds FOLDER FILE --scene SCENE (--frame_rate HZ | --times T.npy) [flags]
-                       writes FILE from point clouds: every .npy of shape (M, 3) in FOLDER, or of a pattern, is a frame,
-                       in the order of the names. SCENE gives mesh, start, handles and obstacles.
-    --scale S          m per unit of the files (1)
-    --voxel SIZE       keeps the mean of the points in every cube of this side, m (0: all points)
-    --max_points N     keeps N points per frame, chosen by --seed S (0: all; S = 1)
-    --sigma S          standard deviation of a coordinate, m (0: not known)
-    --fit_pose         moves the mesh as a rigid body onto the first cloud, from where the scene has it
-    --float64          clouds in double precision
+  motion info FILE                  tensors, times, points, scene, provenance
+  motion check FILE [--json]        what is wrong or doubtful before any fit: gaps, missing, jumping and reordered
+                                    points, noise, unit, handles, contact, frame of reference; a verdict and a hint each
+  motion convert IN OUT [flags]     from a file of another program or a motion.bin (a name ending in .bin) to another
+
+  convert, points and clock:
+  --scale S            multiplies positions: 0.001 from mm (1)
+  --transform FILE     rigid, applied after --scale: JSON {"matrix": 4 x 4} or {"rotation": [qx, qy, qz, qw],
+                       "translation": [x, y, z]} in m, or a ROS CSV of poses, of which the last row counts
+  --invert_transform   the inverse of it
+  --times FILE         times of the frames in s: one per line, or .npy
+  --frame_rate HZ      the same for frames at equal intervals
+  --time_scale S       multiplies times: 0.001 from ms (1)
+  --start_at T         puts the first frame kept at T s
+  --frames A:B         frames A to B - 1 alone
+  --skip_frames LIST   without these, as `motion check` names them
+
+  convert, cloth; a motion.bin from another program needs --scene and a mesh, in the scene or by one of these:
+  --scene FILE         scene.json (every key: datasets/README.md)
+  --faces OBJ          the mesh at rest, m
+  --grid NXxNY:WxH     a flat mesh of NX x NY nodes and W x H m, the nodes in the order of the points: along x first
+  --transpose          along y first
+  --map HOW            nodes: point i is node i; nearest: the nearest node, or markers: the nearest place on a triangle,
+                       of a rest shape that lies near the points; FILE: CSV id,node or id,face,b0,b1,b2 (nodes)
+  --map_distance D     m: how far a point may be off its place (half an edge)
+  --sigma S            standard deviation of a coordinate, m (not known)
+
+  convert, handles:
+  --handle_nodes LIST  nodes with a prescribed path: that of their measured points, gaps filled, or of a file
+  --handles FILE       CSV time,x0,y0,z0,x1,.. (s, m) or ROS poses of a tool, resampled to the frames
+  --handle_offsets FILE   JSON {"NODE": [x, y, z], ..}: where the tool holds each node, m, in its own axes
+  --handle_transform FILE   of the handles' frame of reference, as --transform
+  --handle_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
+
+  motion convert_clouds FOLDER OUT --scene FILE (--frame_rate HZ | --times FILE) [--scale S] [--sigma S] [flags]
+                       from point clouds: every .npy of shape (M, 3) in FOLDER, or of a pattern, is a frame, in the order
+                       of the names; the scene gives mesh, start, handles and obstacles
+  --voxel SIZE         keeps the mean of the points in every cube of this side, m (all points)
+  --max_points N       keeps N points per frame, chosen by --seed S (all; 1)
+  --fit_pose           moves the mesh as a rigid body onto the first cloud, from where the scene has it
+  --float64            clouds in double precision
   --help, --version
 
-Exit codes: 0 valid; 1 usage, file cannot be opened; 2 bad content.
+Exit codes: 0 valid or written; 1 usage, file cannot be opened or written; 2 bad content, or a recording that cannot be
+fitted as it is.
 
-Example:
-  motion info datasets/drape.motion.bin
+Example: a cloth seen by a camera, its 8 x 8 points down the columns, held at two corners
+  motion convert mesh.csv cloth.bin --scene scene.json --grid 8x8:0.3x0.3 --transpose --transform camera_pose.csv \
+      --start_at 0 --handle_nodes 0,56 --sigma 0.004
+  motion check cloth.bin
 )";
 
-// An interval between frames is a gap where it exceeds the median by this factor.
-constexpr double kGapFactor = 3.0;
-
-// How a motion covers time and points.
-struct Coverage {
-  double median_interval = 0.0;   // s
-  double longest_interval = 0.0;  // s
-  std::vector<int> gaps;          // the frames before them
-  long long num_missing = 0;      // points over all frames
-  int num_never_seen = 0;         // points
-};
-
-Eigen::VectorXd Intervals(const Eigen::VectorXd& times) {
-  return times.tail(times.size() - 1) - times.head(times.size() - 1);
-}
-
-Coverage Measure(const RecordedMotion& motion) {
-  Coverage coverage;
-  if (motion.num_frames() > 1) {
-    const Eigen::VectorXd intervals = Intervals(motion.times);
-    std::vector<double> sorted(intervals.begin(), intervals.end());
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    coverage.median_interval = *middle;
-    coverage.longest_interval = intervals.maxCoeff();
-    for (int frame = 0; frame < intervals.size(); ++frame) {
-      if (intervals[frame] > kGapFactor * coverage.median_interval) coverage.gaps.push_back(frame);
-    }
-  }
-  for (int point = 0; point < motion.num_points(); ++point) {
-    const auto num_unseen = motion.positions.middleRows<3>(3 * point).colwise().sum().array().isNaN().count();
-    coverage.num_missing += num_unseen;
-    coverage.num_never_seen += num_unseen == motion.num_frames();
-  }
-  return coverage;
-}
-
-double Percent(long long part, long long whole) {
-  return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
-}
-
-void PrintTensor(const char* name, const char* type, Eigen::Index frames, Eigen::Index rows, Eigen::Index width) {
-  if (rows == 0) return;
-  std::cout << "  " << name << " " << type << " [";
-  if (frames > 0) std::cout << frames << ", ";
-  std::cout << rows;
-  if (width > 1) std::cout << ", " << width;
-  std::cout << "]\n";
-}
-
-void PrintTensors(const MotionTensors& tensors) {
-  const Eigen::Index num_frames = tensors.times.size();
-  std::cout << "tensors\n";
-  PrintTensor("positions", tensors.single_precision ? "F32" : "F64", num_frames, tensors.positions.rows() / 3, 3);
-  PrintTensor("times", "F64", 0, num_frames, 1);
-  PrintTensor("rest_positions", "F64", 0, tensors.mesh.num_nodes(), 3);
-  PrintTensor("faces", "I32", 0, tensors.mesh.num_faces(), 3);
-  PrintTensor("node_index", "I32", 0, static_cast<Eigen::Index>(tensors.node_index.size()), 1);
-  PrintTensor("face_index", "I32", 0, static_cast<Eigen::Index>(tensors.face_index.size()), 1);
-  PrintTensor("barycentric", "F64", 0, tensors.barycentric.cols(), 3);
-  PrintTensor("handle_index", "I32", 0, static_cast<Eigen::Index>(tensors.handle_index.size()), 1);
-  PrintTensor("handle_positions", "F64", num_frames, tensors.handle_positions.rows() / 3, 3);
-  PrintTensor("sigma", "F64", 0, tensors.sigma.size(), 1);
-  if (tensors.clouds.empty()) return;
-  Eigen::Index num_cloud_points = 0;
-  for (const Eigen::Matrix3Xd& cloud : tensors.clouds) num_cloud_points += cloud.cols();
-  PrintTensor("cloud_positions", tensors.single_precision_clouds ? "F32" : "F64", 0, num_cloud_points, 3);
-  PrintTensor("cloud_offsets", "I32", 0, num_frames + 1, 1);
-  if (tensors.cloud_sigma > 0.0) PrintTensor("cloud_sigma", "F64", 0, 1, 1);
-}
-
-void PrintCoverage(const RecordedMotion& motion) {
-  const Coverage coverage = Measure(motion);
-  const long long num_seen_at_most = static_cast<long long>(motion.num_points()) * motion.num_frames();
-  std::cout << "frames " << motion.num_frames() << ", from " << motion.times[0] << " s to "
-            << motion.times[motion.num_frames() - 1] << " s";
-  if (motion.num_frames() > 1) {
-    std::cout << ", rate " << 1.0 / coverage.median_interval << " Hz (median), longest interval "
-              << coverage.longest_interval << " s";
-  }
-  std::cout << "\n";
-  PrintClouds(motion);
-  std::cout << "points " << motion.num_points() << ", missing " << coverage.num_missing << " of " << num_seen_at_most
-            << " (" << Percent(coverage.num_missing, num_seen_at_most) << " %), never seen " << coverage.num_never_seen
-            << "\ngaps " << coverage.gaps.size() << " (intervals over " << kGapFactor << " times the median)";
-  for (const int frame : coverage.gaps)
-    std::cout << (frame == coverage.gaps.front() ? ": after frame " : ", ") << frame;
-  std::cout << "\n";
-}
-
-void PrintScene(const Scene& scene) {
-  const Parameters nominal = scene.nominal_parameters();
-  std::cout << "scene\n  nodes " << scene.mesh.num_nodes() << ", faces " << scene.mesh.num_faces() << ", handles "
-            << scene.handles.nodes.size() << (scene.handles.path.num_handles() > 0 ? " (moving)" : "")
-            << "\n  time step " << scene.time_step << " s, " << scene.num_steps() << " steps, contact mode "
-            << (scene.contact_mode == ContactMode::kGap ? "gap" : "velocity") << "\n  nominal: density "
-            << nominal.material.density << " kg/m^2, k_stretch " << nominal.material.stretch_stiffness
-            << " N/m, k_bend " << nominal.material.bending_stiffness << " N m, drag " << nominal.material.drag
-            << " kg/(m^2 s), damping " << nominal.material.damping << " N s/m\n";
-  for (size_t i = 0; i < scene.obstacles.size(); ++i) {
-    std::cout << "  obstacle " << scene.obstacles[i].name << ": mu " << nominal.friction_coefficients[i]
-              << ", contact distance " << scene.obstacles[i].contact_distance << " m\n";
-  }
-}
-
-int Info(const std::string& path) {
-  const MotionTensors tensors = ReadMotionTensors(path);
-  const RecordedMotion motion = ReadMotion(path);
-  std::cout << path << "\n";
-  PrintTensors(tensors);
-  PrintCoverage(motion);
-  PrintScene(motion.scene);
-  std::cout << "provenance " << motion.provenance << "\nsha256 " << motion.sha256 << "\n";
-  return kExitSuccess;
-}
-
-int Check(const std::string& path) {
-  const RecordedMotion motion = ReadMotion(path);
-  std::cout << path << ": valid\n";
-  PrintCoverage(motion);
-  return kExitSuccess;
-}
-
 int Run(const std::vector<std::string>& arguments) {
-  if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing: info or check; see motion --help");
+  if (arguments.empty()) {
+    throw Error(ErrorKind::kUsage, "a command is missing: info, check, convert or convert_clouds; see motion --help");
+  }
   const std::string& command = arguments.front();
+  if (command == "convert") {
+    if (arguments.size() != 3) throw Error(ErrorKind::kUsage, "convert: expected a file to read and one to write");
+    return MotionConvert(arguments[1], arguments[2]);
+  }
   if (command == "convert_clouds") return ConvertClouds({arguments.begin() + 1, arguments.end()});
   if (command != "info" && command != "check") {
-    throw Error(ErrorKind::kUsage, "unknown command '" + command + "': expected info, check or convert_clouds");
+    throw Error(ErrorKind::kUsage,
+                "unknown command '" + command + "': expected info, check, convert or convert_clouds");
   }
   if (arguments.size() != 2) throw Error(ErrorKind::kUsage, command + ": expected one file");
-  return command == "info" ? Info(arguments[1]) : Check(arguments[1]);
+  RejectConvertFlags(command);
+  return command == "info" ? MotionInfo(arguments[1]) : MotionCheck(arguments[1]);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // motion.bin: container, tensors, and the scene inside it. Checksums are made right.
 #include <cstring>
 
+#include "datasets/motion_check.h"
 #include "datasets/motion_file.h"
 #include "datasets/sha256.h"
 #include "sim/text_file.h"
@@ -48,5 +49,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   RecordedMotion motion;
   if (!Accepts([&] { motion = ReadMotion(file.path()); }, "")) return 0;
   Check(motion.num_frames() >= 2 && motion.scene.num_steps() >= 1, "two frames and a step between them");
+  const std::vector<Finding> findings = CheckMotion(motion);
+  Check(!FindingsTable(findings).empty() && !FindingsJson(findings, "motion.bin").empty(), "findings in words");
   return 0;
 }

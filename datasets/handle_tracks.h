@@ -1,0 +1,37 @@
+// The paths of handles for a recording: from a second file at another rate and clock, or from the measured points.
+#ifndef CLOTHID_DATASETS_HANDLE_TRACKS_H_
+#define CLOTHID_DATASETS_HANDLE_TRACKS_H_
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+namespace clothid {
+
+// A file of handle paths: `time,x0,y0,z0,..` (sim/handle_csv.h), or ROS poses of a tool that holds the nodes
+// (datasets/ros_csv.h). In m and s.
+struct HandleFile {
+  std::string path;
+  double time_offset = 0.0;  // s: its clock minus that of the recording
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  // Poses alone: JSON {"0": [x, y, z], "56": [..]} by node: where the tool holds it, m, in the tool's axes. Empty: one
+  // node, at the tool's origin.
+  std::string offsets_path;
+};
+
+// The positions [3H x T] m of `nodes` at `times` [T] s of the recording, whose clock was shifted by `time_shift` s;
+// between the times of the file by the C1 cubics of `HandlePath`. Throws `Error`: kIo or kBadData for the files, and
+// kBadData where a time lies outside of the file's by more than its longest interval: a wrong clock.
+Eigen::MatrixXd ReadHandlePositions(const HandleFile& file, const std::vector<int>& nodes, const Eigen::VectorXd& times,
+                                    double time_shift);
+
+// The measured positions [3H x T] of the points `points` [H] out of `positions` [3P x T] m. Frames in which a point is
+// not seen are filled by the same cubics, before its first and after its last by standing still. Throws `Error`
+// (kBadData), prefixed by `source`, for a point that is never seen.
+Eigen::MatrixXd MeasuredHandlePositions(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions,
+                                        const std::vector<int>& points, const std::string& source);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_HANDLE_TRACKS_H_
