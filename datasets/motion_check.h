@@ -33,9 +33,8 @@ struct Finding {
 
 // In this order, where they apply (with a wrong unit, which makes every other length void, time and edge lengths
 // alone): frame rate, gaps, missing points, noise, order of points, jumps of the cloth, jumps of points, edge lengths,
-// handles, start, contact, direction of gravity, time step. Of point clouds
-// without tracked points only the times are checked. `motion` should be read without smoothing the paths of its
-// handles.
+// handles, start, contact, direction of gravity, time step. Of point clouds without tracked points only the times are
+// checked. `motion` should be read without smoothing the paths of its handles.
 std::vector<Finding> CheckMotion(const RecordedMotion& motion);
 
 // The gravest verdict among them.
