@@ -70,11 +70,12 @@ void RolloutEvaluator::SetPrecision(Precision precision) {
   rollout_coordinates_.resize(0);
 }
 
-Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted) {
+Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted,
+                              Eigen::MatrixXd* velocities) {
   const ScopedTimer timer(&statistics_.rollout_seconds);
   ++statistics_.rollouts;
-  Rollout result =
-      model_.Simulate(coordinates, options_.cancel, options_.memory_limit, options_.keep_factors, predicted);
+  Rollout result = model_.Simulate(coordinates, options_.cancel, options_.memory_limit, options_.keep_factors,
+                                   predicted, velocities);
   statistics_.counts += result.counts;
   if (!result.ok()) throw std::runtime_error(result.failure->ToString());
   return result;
@@ -83,13 +84,13 @@ Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates, Eigen::MatrixX
 const Rollout& RolloutEvaluator::RolloutAt(const Eigen::VectorXd& coordinates) {
   if (rollout_coordinates_.size() == 0 || rollout_coordinates_ != coordinates) {
     rollout_coordinates_.resize(0);
-    rollout_ = Run(coordinates, &rollout_predicted_);
+    rollout_ = Run(coordinates, &rollout_predicted_, &rollout_velocities_);
     rollout_coordinates_ = coordinates;
     rollout_was_replayed_ = false;
   } else if (rollout_was_replayed_) {
     // Its journal has counted it already.
     rollout_ = model_.Simulate(coordinates, options_.cancel, options_.memory_limit, options_.keep_factors,
-                               &rollout_predicted_);
+                               &rollout_predicted_, &rollout_velocities_);
     if (!rollout_.ok()) throw std::runtime_error(rollout_.failure->ToString());
     rollout_was_replayed_ = false;
   }
@@ -236,8 +237,9 @@ void RolloutEvaluator::ComputeAdjointRows(const std::vector<int>& active, Rollou
   const double norm = weights.cwiseProduct(evaluation->residuals).norm();
   ++statistics_.sweeps;
   // (B^T w J)^T = J^T w B: the seeds are the columns of w B.
-  const Eigen::MatrixXd gradients = model_.PullBack(rollout, evaluation->predicted, evaluation->coordinates, active,
-                                                    weights.asDiagonal() * basis, options_.adjoint);
+  const Eigen::MatrixXd gradients =
+      model_.PullBack(rollout, evaluation->predicted, evaluation->coordinates, active, weights.asDiagonal() * basis,
+                      options_.adjoint, &rollout_velocities_);
   if (!gradients.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
 
   // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.
@@ -282,7 +284,7 @@ void RolloutEvaluator::ComputeGradient(const std::vector<int>& active, RolloutEv
     const Eigen::VectorXd weighted = WeightedResiduals(*evaluation, &weights);
     ++statistics_.sweeps;
     gradient = model_.PullBack(rollout, evaluation->predicted, evaluation->coordinates, active,
-                               weights.cwiseProduct(weighted), options_.adjoint);
+                               weights.cwiseProduct(weighted), options_.adjoint, &rollout_velocities_);
   } else {
     Complete(Need::kRows, active, evaluation);
     gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(active.size()));

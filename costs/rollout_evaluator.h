@@ -91,7 +91,7 @@ class RolloutEvaluator {
   void ComputeNumericRows(const std::vector<int>& active, RolloutEvaluation* evaluation);
   void ComputeGradient(const std::vector<int>& active, RolloutEvaluation* evaluation);
 
-  Rollout Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted);
+  Rollout Run(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
   const Rollout& RolloutAt(const Eigen::VectorXd& coordinates);
   // Weighted residuals w e and weights w of the loss at an evaluated point.
   Eigen::VectorXd WeightedResiduals(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const;
@@ -117,6 +117,7 @@ class RolloutEvaluator {
   Eigen::MatrixXd last_jacobian_;         // [m x q] without the weights of the loss, as far as known; empty: not at all
   Rollout rollout_;                       // of `rollout_coordinates_`: trajectories are large, so there is one
   Eigen::MatrixXd rollout_predicted_;
+  Eigen::MatrixXd rollout_velocities_;  // see RecordingModel::Simulate
   Eigen::VectorXd rollout_coordinates_;
   bool rollout_was_replayed_ = false;  // so `rollout_` has yet to be made
   std::string last_failure_;

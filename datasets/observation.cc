@@ -147,6 +147,17 @@ Eigen::MatrixXd Observation::PointsAt(int frame, const Eigen::MatrixXd& from, co
   return points;
 }
 
+Eigen::MatrixXd Observation::PointsOf(const Eigen::MatrixXd& nodes) const {
+  Eigen::MatrixXd points = Eigen::MatrixXd::Zero(num_predicted(), nodes.cols());
+  for (int p = 0; p < num_points(); ++p) {
+    for (int k = 0; k < points_[p].num_nodes; ++k) {
+      points.middleRows<3>(3 * p) += points_[p].weights[k] * nodes.middleRows<3>(3 * points_[p].nodes[k]);
+    }
+  }
+  if (has_clouds()) points.bottomRows(nodes.rows()) = nodes;
+  return points;
+}
+
 Eigen::MatrixXd Observation::Predict(const Rollout& rollout) const {
   Eigen::MatrixXd predicted(num_predicted(), num_frames());
   for (int i = 0; i < num_frames(); ++i) {
@@ -189,6 +200,21 @@ std::vector<CloudRows> Observation::LinearizeClouds(const Eigen::MatrixXd& predi
     rows.push_back(clouds_.Linearize(i, Nodes(predicted).col(i)));
   }
   return rows;
+}
+
+Eigen::VectorXd Observation::ResidualDerivative(const Eigen::MatrixXd& derivative,
+                                                const std::vector<CloudRows>& cloud_rows) const {
+  Eigen::VectorXd result = Whiten(derivative);
+  for (int i = 0; has_clouds() && i < num_frames(); ++i) {
+    int row = first_cloud_row(i);
+    for (const SurfaceDistance& distance : cloud_rows[i]) {
+      for (int k = 0; k < distance.num_nodes; ++k) {
+        result[row] += distance.gradient.col(k).dot(Nodes(derivative).col(i).segment<3>(3 * distance.nodes[k]));
+      }
+      ++row;
+    }
+  }
+  return result;
 }
 
 void Observation::LinearizeFrame(int frame, const Eigen::MatrixXd& points, Eigen::VectorXd* residuals,

@@ -93,6 +93,9 @@ class Observation {
   // The rows of every frame's cloud at `predicted` [R x T]: what the derivative of the residual needs beside the linear
   // map. Empty without clouds.
   std::vector<CloudRows> LinearizeClouds(const Eigen::MatrixXd& predicted) const;
+  // What the derivative of the prediction along one parameter [R x T] is of the residual [m]; `cloud_rows` of
+  // LinearizeClouds at the prediction.
+  Eigen::VectorXd ResidualDerivative(const Eigen::MatrixXd& derivative, const std::vector<CloudRows>& cloud_rows) const;
   // One frame with derivatives: the first column of `points` [R x (1 + q)] is the prediction, the others are its
   // derivatives; to residuals [r] and theirs [r x q].
   void LinearizeFrame(int frame, const Eigen::MatrixXd& points, Eigen::VectorXd* residuals,
@@ -108,6 +111,14 @@ class Observation {
   // The step a before frame i; a + 1 is needed too where needs_next(i).
   int step(int frame) const { return brackets_[frame].step; }
   bool needs_next(int frame) const { return brackets_[frame].fraction > 0.0; }
+  double fraction(int frame) const { return brackets_[frame].fraction; }  // c, in [0, 1)
+
+  // The same in two: columns of the nodes' states at the time of a frame, [3N x c], to rows of predictions [R x c]; and
+  // the transpose, which adds  weight (d residual of the frame/d nodes)^T seeds,  seeds [m x s], to `gradient` [3N x
+  // s].
+  Eigen::MatrixXd PointsOf(const Eigen::MatrixXd& nodes) const;
+  void AddFrameSeeds(int frame, double weight, const Eigen::MatrixXd& seeds, const std::vector<CloudRows>& cloud_rows,
+                     Eigen::MatrixXd* gradient) const;
 
  private:
   struct Bracket {
@@ -117,8 +128,6 @@ class Observation {
 
   void PlaceFrames(const RecordedMotion& motion);
   void FindSeenCoordinates(const RecordedMotion& motion);
-  void AddFrameSeeds(int frame, double weight, const Eigen::MatrixXd& seeds, const std::vector<CloudRows>& cloud_rows,
-                     Eigen::MatrixXd* gradient) const;
   int first_cloud_row(int frame) const { return first_row_[frame + 1] - clouds_.num_points(frame); }
   // Of a prediction: the nodes [3N x ..].
   auto Nodes(const Eigen::MatrixXd& predicted) const { return predicted.bottomRows(3 * num_nodes_); }

@@ -3,6 +3,7 @@
 #define CLOTHID_DATASETS_RECORDED_MOTION_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,10 @@ struct RecordedMotion {
   // (of which there may be none).
   std::vector<Eigen::Matrix3Xd> clouds;
   double cloud_sigma = 0.0;  // m, standard deviation of a coordinate of theirs; 0: not known
-  Scene scene;               // with mesh, start state and duration of this recording
-  std::string scene_text;    // the JSON that the scene was read from, with the surfaces of obstacles in it
+  // m, of the measured points as they were before some of them were held out; absent: none were.
+  std::optional<Eigen::Vector3d> centroid;
+  Scene scene;             // with mesh, start state and duration of this recording
+  std::string scene_text;  // the JSON that the scene was read from, with the surfaces of obstacles in it
   std::string provenance;
   std::string sha256;  // of the file
 

@@ -32,7 +32,7 @@ void DescribeProgram(std::ostream* text) {
 void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
   const Scene& scene = motion.scene;
   *text << "recording " << motion.sha256 << " " << Digest(motion.times) << " " << Digest(motion.positions) << " "
-        << Digest(motion.sigma) << "\n"
+        << Digest(motion.sigma) << (motion.centroid ? " " + Digest(*motion.centroid) : "") << "\n"
         << "scene " << Sha256Hex({motion.scene_text}) << " " << scene.time_step << " " << scene.start_time << " "
         << scene.duration << "\n"
         << "mesh " << Digest(scene.mesh.rest_positions) << " " << Digest(scene.mesh.faces.cast<double>()) << "\n"
@@ -50,7 +50,7 @@ std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std
   for (const RecordedMotion& motion : motions) DescribeMotion(motion, &text);
   for (const ParameterBlock& block : blocks) {
     text << "parameter " << block.name << " " << static_cast<int>(block.scale) << " " << block.start << " "
-         << block.lower_bound << " " << block.upper_bound << " " << block.frozen << "\n";
+         << block.unit << " " << block.lower_bound << " " << block.upper_bound << " " << block.frozen << "\n";
   }
   text << "adjoint " << static_cast<int>(options.adjoint.method) << " " << options.adjoint.threshold.value_or(0.0)
        << "\n";

@@ -60,7 +60,8 @@ double CentralDifference(int block, Differentiator* differentiator) {
   below[block] -= kDifferenceStep;
   // A friction coefficient at zero has no other side.
   const ParameterBlock& parameter = differentiator->problem().blocks()[block];
-  if (parameter.scale == ParameterScale::kLinear && below[block] < 0.0) below[block] = 0.0;
+  const bool has_no_other_side = parameter.scale == ParameterScale::kLinear && !parameter.is_signed;
+  if (has_no_other_side && below[block] < 0.0) below[block] = 0.0;
   return (differentiator->Cost(above) - differentiator->Cost(below)) / (above[block] - below[block]);
 }
 

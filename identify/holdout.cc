@@ -25,12 +25,13 @@ void AddError(const Eigen::VectorXd& coordinates, RecordingModel* model, Predict
   }
 }
 
-void AddEstimateError(const RecordedMotion& motion, const std::vector<ParameterBlock>& blocks,
+// `recording`: its index among the fitted ones; -1: none of them.
+void AddEstimateError(const RecordedMotion& motion, int recording, const std::vector<ParameterBlock>& blocks,
                       const Eigen::VectorXd& values, PredictionError* sum, std::string* failure) {
   std::vector<ParameterBlock> own;
   std::vector<double> coordinates;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (!HasParameter(motion.scene, blocks[i].name)) continue;
+    if (!Concerns(blocks[i], motion, recording)) continue;
     own.push_back(blocks[i]);
     coordinates.push_back(blocks[i].ToCoordinate(values[i]));
   }
@@ -49,13 +50,15 @@ std::optional<int> ParseFrame(std::string_view text) {
 }  // namespace
 
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
-                        const Eigen::VectorXd& values) {
+                        const Eigen::VectorXd& values, HeldOut held_out) {
   PredictionError at_nominal, at_estimate;
   std::string nominal_failure, estimate_failure;
-  for (const RecordedMotion& motion : motions) {
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    const RecordedMotion& motion = motions[r];
     RecordingModel nominal(motion, {});
     AddError(Eigen::VectorXd(), &nominal, &at_nominal, &nominal_failure);
-    AddEstimateError(motion, blocks, values, &at_estimate, &estimate_failure);
+    const int recording = held_out == HeldOut::kFrames ? static_cast<int>(r) : -1;
+    AddEstimateError(motion, recording, blocks, values, &at_estimate, &estimate_failure);
   }
   Holdout holdout;
   if (nominal_failure.empty()) holdout.nominal_rmse = at_nominal.rmse();
@@ -84,6 +87,7 @@ std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<R
                                          std::to_string(motion.num_frames() - 1));
     }
     const int count = range.end - range.begin;
+    motion.centroid = TurnCenter(motion);
     held.push_back(motion);
     held.back().positions.leftCols(range.begin).setConstant(kUnseen);
     held.back().positions.rightCols(motion.num_frames() - range.end).setConstant(kUnseen);

@@ -21,10 +21,16 @@ struct Holdout {
   bool has_failed() const { return !(rmse <= nominal_rmse) && !(rmse == rmse && nominal_rmse != nominal_rmse); }
 };
 
+enum class HeldOut {
+  kRecordings,  // others than the fitted ones: parameters of one recording alone do not concern them
+  kFrames,      // of the fitted recordings, in their order
+};
+
 // Over all of `motions`. `values` [p] are the estimates of `blocks`; parameters that the scene of a recording does not
-// have are left out, all others stay at its nominal values. Throws `Error` where `RecordingModel` does.
+// have are left out, all others stay at its nominal values, those of the recording itself (costs/alignment.h) at zero.
+// Throws `Error` where `RecordingModel` does.
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
-                        const Eigen::VectorXd& values);
+                        const Eigen::VectorXd& values, HeldOut held_out = HeldOut::kRecordings);
 
 // Frames by number: begin, begin + 1, .., end - 1.
 struct FrameRange {
@@ -35,7 +41,8 @@ struct FrameRange {
 FrameRange ParseFrameRange(const std::string& text, const std::string& flag);
 
 // Cuts the frames of `range` out of every recording of `motions`, where they become unseen, and returns recordings in
-// which they alone are seen. Throws `Error` (kUsage), naming the recording, where it has fewer frames.
+// which they alone are seen. The centroid of both is that of all frames. Throws `Error` (kUsage), naming the recording,
+// where it has fewer frames.
 std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<RecordedMotion>* motions);
 
 }  // namespace clothid

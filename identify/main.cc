@@ -25,6 +25,7 @@
 DEFINE_string(target, "", "recordings to fit, separated by commas");
 DEFINE_string(scene, "", "scene.json to use instead of the one in each recording");
 DEFINE_string(fit, "", "parameters to fit; empty: mu,k_stretch, or k_stretch where there are no obstacles");
+DEFINE_string(each, "", "parameters to fit of which every recording has its own");
 DEFINE_string(start, "", "starting values, NAME=VALUE[,...]");
 DEFINE_string(lower, "", "lower bounds, NAME=VALUE[,...]");
 DEFINE_string(upper, "", "upper bounds, NAME=VALUE[,...]");
@@ -56,9 +57,17 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --target FILES      motion.bin recordings, fitted jointly
   --scene FILE        scene.json to use instead of the one in each recording
   --fit NAMES         of mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping (mu,k_stretch; k_stretch without
-                      obstacles)
-  --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values)
-  --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, the others start/1e4..start*1e4)
+                      obstacles), and of the parameters of a recording itself:
+                      time_offset  s, added to the recording's times to meet the clock of the scene and its handles
+                      shift, turn  m and rad about the centroid of the measured points, added to the prediction to
+                                   meet the recording: what its frame of reference is off (align: both)
+                      v0           m/s, added to the velocity of every free node at the start
+                      each of the last three is x, y and z, as shift.x. predicted.bin is in the recording's frame
+  --each NAMES        to fit as well, but one per recording: drag becomes drag@1, drag@2, ... in the order of --target
+  --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values; of a recording's own parameters 0)
+  --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
+                      cloth's size, turn +-0.2, v0 +-2, the others start/1e4..start*1e4); drag is that of every
+                      recording, drag@2 goes before it, shift stands for x, y and z
   --jacobian KIND     adjoint, sensitivity or numeric (adjoint)
   --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, sparse_lu, fixed_point or gmres, with a
                       threshold as in gmres:1e-6 (reduced, the scene's adjoint_tolerance)
@@ -72,7 +81,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --seed S            of the starting points (0)
   --profile NAMES     profile likelihood of these parameters: intervals of costs that are not quadratic
   --check_step        repeat the fit at half the time step, say by how much each parameter moves
-  --holdout FILES     recordings that are not fitted: their error at the estimates and at the nominal parameters
+  --holdout FILES     recordings that are not fitted: their error at the estimates and at the nominal parameters; of
+                      --each they take none, their own parameters stay nominal and those of a recording zero
   --holdout_frames A:B  the same for frames A to B - 1 of every recording
   --step_tolerance X  relative residual of a time step (the scene's)
   --resume            continue a fit that was killed, ending in the same bytes: keeps a journal in DIR while it runs
@@ -95,6 +105,7 @@ bool IsSet(const char* flag) {
 FitOptions OptionsFromFlags() {
   FitOptions options;
   options.parameters = ParseNames(FLAGS_fit, "--fit");
+  options.each = ParseNames(FLAGS_each, "--each");
   options.overrides.start = ParseParameterValues(FLAGS_start, "--start");
   options.overrides.lower_bounds = ParseParameterValues(FLAGS_lower, "--lower");
   options.overrides.upper_bounds = ParseParameterValues(FLAGS_upper, "--upper");
@@ -176,7 +187,8 @@ void Examine(const Recordings& recordings, const FitOptions& options, FitProblem
     summary->statistics += run->step_check->statistics;
   }
   if (!recordings.held_out.empty()) {
-    run->holdout = EvaluateHoldout(recordings.held_out, problem->blocks(), summary->values());
+    const HeldOut held_out = FLAGS_holdout_frames.empty() ? HeldOut::kRecordings : HeldOut::kFrames;
+    run->holdout = EvaluateHoldout(recordings.held_out, problem->blocks(), summary->values(), held_out);
   }
   if (interrupted) {
     summary->status = FitStatus::kInterrupted;

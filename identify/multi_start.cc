@@ -10,11 +10,18 @@ namespace clothid {
 namespace {
 
 constexpr double kStartFactor = 10.0;      // from the own start to the farthest other one, in logarithmic coordinates
+constexpr double kShareOfBounds = 0.5;     // of the way to the bounds of a recording's own parameter
 constexpr double kMaxStartFriction = 1.0;  // beyond it most cloth sticks at once, and the cost is a plateau
 constexpr double kSameMinimum = 1e-3;      // in an internal coordinate
 
 // The coordinates between which block `block` may start.
 std::pair<double, double> StartRange(const ParameterBlock& block) {
+  if (block.is_signed) {
+    const auto toward = [&](double bound) {
+      return block.ToCoordinate(block.start + kShareOfBounds * (bound - block.start));
+    };
+    return {toward(block.lower_bound), toward(block.upper_bound)};
+  }
   const bool is_log = block.scale == ParameterScale::kLog;
   const double low = is_log ? block.start / kStartFactor : 0.0;
   const double high = is_log ? block.start * kStartFactor : std::max(kMaxStartFriction, block.start);

@@ -41,7 +41,12 @@ struct FitIteration {
 inline constexpr char kJournalPrefix[] = ".journal_";
 
 struct FitOptions {
-  std::vector<std::string> parameters;  // names to fit; empty: mu and k_stretch, without obstacles k_stretch
+  // Names to fit; empty: mu and k_stretch, without obstacles k_stretch. Here and in `each` shift, turn, v0 and align
+  // stand for several (costs/alignment.h).
+  std::vector<std::string> parameters;
+  // Names that are fitted, too, and that every recording has for itself: "drag" becomes "drag@1", "drag@2", .. in the
+  // order of the recordings; with one recording it stays "drag".
+  std::vector<std::string> each;
   ParameterOverrides overrides;
   FitMethod method = FitMethod::kLevenbergMarquardt;
   JacobianMethod jacobian = JacobianMethod::kAdjoint;

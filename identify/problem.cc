@@ -8,6 +8,7 @@
 #include "costs/evaluation_journal.h"
 #include "identify/fingerprint.h"
 #include "sim/error.h"
+#include "sim/text_file.h"
 
 namespace clothid {
 namespace {
@@ -23,22 +24,17 @@ std::vector<std::string> FittedNames(const std::vector<RecordedMotion>& motions,
   return has_obstacles ? std::vector<std::string>{"mu", "k_stretch"} : std::vector<std::string>{"k_stretch"};
 }
 
-// The scene that gives start and bounds of `name`: the first that has it; for "mu" the first with an obstacle. Where
-// none has it, the first scene, whose error message lists the names it knows.
-const Scene& SceneOf(const std::string& name, const std::vector<RecordedMotion>& motions) {
-  for (const RecordedMotion& motion : motions) {
-    if (HasParameter(motion.scene, name) && (name != "mu" || !motion.scene.obstacles.empty())) return motion.scene;
-  }
-  return motions.front().scene;
+// "mu" is in every scene, but says something only where there are obstacles.
+bool TellsOf(const RecordedMotion& motion, const std::string& name) {
+  return HasParameter(motion.scene, name) && (name != "mu" || !motion.scene.obstacles.empty());
 }
 
-void CheckOverrides(const std::map<std::string, double>& values, const std::vector<std::string>& names,
-                    const std::string& flag) {
-  for (const auto& [name, value] : values) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      throw Error(ErrorKind::kUsage, flag + ": '" + name + "' is not among the fitted parameters");
-    }
-  }
+// The recording that gives start and bounds of `name`: the first that has it. Where none has it, the first one, whose
+// error message lists the names it knows.
+const RecordedMotion& RecordingOf(const std::string& name, const std::vector<RecordedMotion>& motions) {
+  const auto found =
+      std::find_if(motions.begin(), motions.end(), [&](const RecordedMotion& motion) { return TellsOf(motion, name); });
+  return found == motions.end() ? motions.front() : *found;
 }
 
 // "mu" is the friction of every obstacle, so it cannot be fitted beside the friction of one of them.
@@ -48,6 +44,69 @@ void CheckOverlap(const std::vector<std::string>& names) {
     if (name.rfind("mu.", 0) == 0) {
       throw Error(ErrorKind::kUsage,
                   "--fit: 'mu' sets the friction of every obstacle, so '" + name + "' cannot be fitted beside it");
+    }
+  }
+}
+
+// Expands groups of names, and refuses names that would not come out.
+std::vector<std::string> Expand(const std::vector<std::string>& names, const std::string& flag) {
+  const std::vector<std::string> expanded = ExpandAlignmentNames(names);
+  for (const std::string& name : expanded) {
+    if (BaseName(name) != name) {
+      throw Error(ErrorKind::kUsage, flag + ": '" + Printable(name) +
+                                         "': expected a name without '@'; --each makes one parameter per recording");
+    }
+    if (std::count(expanded.begin(), expanded.end(), name) > 1) {
+      throw Error(ErrorKind::kUsage, flag + ": '" + Printable(name) + "' is given twice");
+    }
+  }
+  return expanded;
+}
+
+// One block per recording that has the parameter. Where none has it, that of the first, or its error message.
+std::vector<ParameterBlock> BlocksOfEach(const std::string& name, const std::vector<RecordedMotion>& motions,
+                                         const ParameterOverrides& overrides) {
+  std::vector<ParameterBlock> blocks;
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    if (!TellsOf(motions[r], name) && &RecordingOf(name, motions) != &motions[r]) continue;
+    const std::string suffix = motions.size() > 1 ? "@" + std::to_string(r + 1) : "";
+    blocks.push_back(MakeParameterBlock(name + suffix, motions[r], overrides));
+    blocks.back().recording = static_cast<int>(r);
+  }
+  return blocks;
+}
+
+std::vector<ParameterBlock> MakeBlocks(const std::vector<RecordedMotion>& motions, const FitOptions& options) {
+  std::vector<std::string> names = Expand(FittedNames(motions, options), "--fit");
+  const std::vector<std::string> each = Expand(options.each, "--each");
+  const auto contains = [](const std::vector<std::string>& list, const std::string& name) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+  };
+  for (const std::string& name : each) {
+    if (!contains(names, name)) names.push_back(name);
+  }
+  CheckOverlap(names);
+  std::vector<ParameterBlock> blocks;
+  for (const std::string& name : names) {
+    if (!contains(each, name)) {
+      blocks.push_back(MakeParameterBlock(name, RecordingOf(name, motions), options.overrides));
+      continue;
+    }
+    const std::vector<ParameterBlock> own = BlocksOfEach(name, motions, options.overrides);
+    blocks.insert(blocks.end(), own.begin(), own.end());
+  }
+  return blocks;
+}
+
+void CheckOverrides(const std::map<std::string, double>& values, const std::vector<ParameterBlock>& blocks,
+                    const std::string& flag) {
+  for (const auto& [name, value] : values) {
+    const bool is_known = std::any_of(blocks.begin(), blocks.end(), [&given = name](const ParameterBlock& block) {
+      const std::vector<std::string> names = OverrideNames(block.name);
+      return std::find(names.begin(), names.end(), given) != names.end();
+    });
+    if (!is_known) {
+      throw Error(ErrorKind::kUsage, flag + ": '" + name + "' is not among the fitted parameters");
     }
   }
 }
@@ -63,23 +122,23 @@ std::shared_ptr<EvaluationJournal> OpenJournal(const FitOptions& options, const 
 }  // namespace
 
 bool HasParameter(const Scene& scene, const std::string& name) {
-  const std::string prefix = "mu.";
-  if (name.rfind(prefix, 0) != 0) return true;
+  const std::string prefix = "mu.", base = BaseName(name);
+  if (base.rfind(prefix, 0) != 0) return true;
   const std::vector<std::string> names = scene.obstacle_names();
-  return std::find(names.begin(), names.end(), name.substr(prefix.size())) != names.end();
+  return std::find(names.begin(), names.end(), base.substr(prefix.size())) != names.end();
+}
+
+bool Concerns(const ParameterBlock& block, const RecordedMotion& motion, int recording) {
+  return (block.recording == kEveryRecording || block.recording == recording) && HasParameter(motion.scene, block.name);
 }
 
 FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options) {
   if (motions.empty()) throw Error(ErrorKind::kUsage, "--target: expected at least one recording");
   options.Validate();
-  const std::vector<std::string> names = FittedNames(motions, options);
-  CheckOverlap(names);
-  CheckOverrides(options.overrides.start, names, "--start");
-  CheckOverrides(options.overrides.lower_bounds, names, "--lower");
-  CheckOverrides(options.overrides.upper_bounds, names, "--upper");
-  for (const std::string& name : names) {
-    blocks_.push_back(MakeParameterBlock(name, SceneOf(name, motions), options.overrides));
-  }
+  blocks_ = MakeBlocks(motions, options);
+  CheckOverrides(options.overrides.start, blocks_, "--start");
+  CheckOverrides(options.overrides.lower_bounds, blocks_, "--lower");
+  CheckOverrides(options.overrides.upper_bounds, blocks_, "--upper");
   if (std::all_of(blocks_.begin(), blocks_.end(), [](const ParameterBlock& block) { return block.frozen; })) {
     throw Error(ErrorKind::kUsage, "--fit: every parameter is frozen by the scene");
   }
@@ -89,8 +148,6 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   cost_options.adjoint = options.adjoint;
   cost_options.loss = options.loss;
   cost_options.cancel = options.cancel;
-  cost_options.starts_with_sensitivities =
-      options.method == FitMethod::kLevenbergMarquardt && num_blocks() <= kMaxFirstSensitivities;
   cost_options.keep_factors = options.method == FitMethod::kLbfgs && options.jacobian == JacobianMethod::kAdjoint &&
                               options.adjoint.method == AdjointMethod::kReduced;
   const bool has_journal = !options.journal_folder.empty();
@@ -99,10 +156,12 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
     std::vector<int> indices;
     std::vector<ParameterBlock> blocks;
     for (int i = 0; i < num_blocks(); ++i) {
-      if (!HasParameter(motion.scene, blocks_[i].name)) continue;
+      if (!Concerns(blocks_[i], motion, num_recordings())) continue;
       indices.push_back(i);
       blocks.push_back(blocks_[i]);
     }
+    cost_options.starts_with_sensitivities =
+        options.method == FitMethod::kLevenbergMarquardt && static_cast<int>(indices.size()) <= kMaxFirstSensitivities;
     if (has_journal) cost_options.journal = OpenJournal(options, fingerprint, num_recordings());
     costs_.push_back(std::make_unique<RolloutCost>(motion, std::move(blocks), cost_options));
     block_indices_.push_back(std::move(indices));

@@ -17,10 +17,10 @@
 namespace clothid {
 
 // One `RolloutCost` per recording; a parameter is one block, shared by every recording whose scene has it (`mu.NAME`
-// may be in some scenes only).
+// may be in some scenes only), or, of `FitOptions::each`, one block per recording that has it.
 class FitProblem {
  public:
-  // Starting values and bounds come from the first recording that has the parameter. Throws `Error` for what
+  // Starting values and bounds of a shared parameter come from the first recording that has it. Throws `Error` for what
   // `MakeParameterBlock`, `RecordingModel` and `EvaluationJournal` reject, for overrides of parameters that are not
   // fitted, and where every parameter is frozen.
   FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options);
@@ -59,8 +59,11 @@ class FitProblem {
   std::vector<std::vector<int>> block_indices_;
 };
 
-// Whether parameter `name` exists in `scene`: all but `mu.NAME` always do.
+// Whether parameter `name`, with or without the suffix of a recording, exists in `scene`: all but `mu.NAME` always do.
 bool HasParameter(const Scene& scene, const std::string& name);
+
+// Whether `block` is a parameter of `motion`, which is recording number `recording`, counted from 0.
+bool Concerns(const ParameterBlock& block, const RecordedMotion& motion, int recording);
 
 // The index of the block `name`. Throws `Error` (kUsage), naming `flag`, where it is not fitted or frozen.
 int FindFreeBlock(const FitProblem& problem, const std::string& name, const std::string& flag);

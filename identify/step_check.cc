@@ -25,7 +25,9 @@ StepCheck CheckStep(const std::vector<RecordedMotion>& motions, const FitOptions
   check.rmse = half.error.rmse();
   check.changes = half.coordinates - summary.coordinates;
   for (int i = 0; i < problem.num_blocks(); ++i) {
-    if (problem.blocks()[i].scale == ParameterScale::kLog) check.changes[i] = std::expm1(check.changes[i]);
+    const ParameterBlock& block = problem.blocks()[i];
+    check.changes[i] =
+        block.scale == ParameterScale::kLog ? std::expm1(check.changes[i]) : block.unit * check.changes[i];
   }
   return check;
 }

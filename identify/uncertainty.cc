@@ -113,7 +113,7 @@ std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const E
     if (blocks[i].scale == ParameterScale::kLog) {
       move << " times " << std::exp2(direction[i]);
     } else {
-      move << (direction[i] < 0.0 ? " minus " : " plus ") << std::abs(direction[i]) * std::log(2.0);
+      move << (direction[i] < 0.0 ? " minus " : " plus ") << blocks[i].unit * std::abs(direction[i]) * std::log(2.0);
     }
     moves.push_back(move.str());
   }

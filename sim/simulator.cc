@@ -34,6 +34,9 @@ void Simulator::SetTolerances(double step_tolerance, double adjoint_tolerance) {
   state_->scene.solver.step_tolerance = step_tolerance;
   state_->scene.solver.adjoint_tolerance = adjoint_tolerance;
 }
+void Simulator::SetInitialVelocities(const Eigen::VectorXd& velocities) {
+  state_->scene.initial_velocities = velocities;
+}
 const ClothModel& Simulator::model() const { return state_->model; }
 StepSolver& Simulator::step_solver() { return state_->solver; }
 StepWorkspace& Simulator::step_workspace() { return state_->workspace; }

@@ -4,6 +4,7 @@
 #ifndef CLOTHID_SIM_SIMULATOR_H_
 #define CLOTHID_SIM_SIMULATOR_H_
 
+#include <Eigen/Core>
 #include <memory>
 
 #include "sim/rollout.h"
@@ -27,6 +28,8 @@ class Simulator {
   const Scene& scene() const;
   // Those of the scene's solver options from now on.
   void SetTolerances(double step_tolerance, double adjoint_tolerance);
+  // Start velocities [3N] m/s of the rollouts from now on, in place of the scene's.
+  void SetInitialVelocities(const Eigen::VectorXd& velocities);
   const ClothModel& model() const;
   StepSolver& step_solver();
   StepWorkspace& step_workspace();  // for one StepProblem at a time

@@ -2,6 +2,7 @@
 #include <array>
 #include <functional>
 
+#include "costs/parameter_block.h"
 #include "costs/robust_loss.h"
 #include "identify/options.h"
 #include "sim/scene_json.h"
@@ -41,6 +42,19 @@ void ReadParameter(const std::string& text) {
   Check(ParameterName(ParseParameter(text, names), names) == text, "the same name");
 }
 
+// Names of a recording's own parameters, groups of them and suffixes; a block has the name that it was made of.
+void ReadRecordingParameter(const std::string& text) {
+  RecordedMotion motion;
+  motion.scene = OwnScene();
+  motion.times = Eigen::Vector2d(0.0, 0.1);
+  for (const std::string& name : ExpandAlignmentNames(ParseNames(text, "parameter"))) {
+    const std::vector<std::string> names = OverrideNames(name);
+    Check(names.front() == name && names.size() <= 4, "the name itself first");
+    const ParameterBlock block = MakeParameterBlock(name, motion, {});
+    Check(block.name == name && block.lower_bound < block.upper_bound, "a block of that name");
+  }
+}
+
 void ReadPlan(const std::string& text) {
   const std::vector<std::string> parts = Split(text, ' ');
   LandscapeFlags flags;
@@ -67,6 +81,7 @@ const std::array kFlags = {
     Flag{[](const std::string& text) { ParseFitMethod(text); }, "--method"},
     Flag{[](const std::string& text) { ParseJacobianMethod(text); }, "--jacobian"},
     Flag{[](const std::string& text) { ParseFitPrecision(text); }, "--precision"},
+    Flag{ReadRecordingParameter, "parameter"},
 };
 
 }  // namespace

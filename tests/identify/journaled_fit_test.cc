@@ -182,6 +182,25 @@ TEST_F(JournaledFitTest, AnInterruptedFitGoesOn) {
   }
 }
 
+// Their derivatives need more of a rollout than its journal keeps.
+TEST_F(JournaledFitTest, AFitOfTheRecordingsOwnParametersGoesOn) {
+  options_.each = {"time_offset", "turn.y", "v0.x"};
+  for (FitMethod method : {FitMethod::kLevenbergMarquardt, FitMethod::kLbfgs}) {
+    options_.method = method;
+    options_.journal_tag = method == FitMethod::kLbfgs ? "lbfgs" : "lm";
+    const FitSummary uninterrupted = RunWithoutJournal();
+    ASSERT_EQ(uninterrupted.status, FitStatus::kConverged) << uninterrupted.message;
+    ExpectSame(RunFit(), uninterrupted);
+    const std::string journals[] = {Read(0), Read(1)};
+    const std::vector<std::size_t> ends[] = {RecordEnds(journals[0]), RecordEnds(journals[1])};
+    for (const std::size_t part : {1, 2}) {
+      for (int r : {0, 1}) Write(r, journals[r].substr(0, ends[r][part * (ends[r].size() - 1) / 3]));
+      ExpectSame(RunFit(), uninterrupted);
+      for (int r : {0, 1}) EXPECT_EQ(RecordEnds(Read(r)), ends[r]);
+    }
+  }
+}
+
 TEST_F(JournaledFitTest, FailedRolloutsAreReplayed) {
   motions_[1].scene.solver.max_newton_iterations = 1;
   motions_[1].scene.solver.max_substep_halvings = 0;
@@ -228,6 +247,7 @@ TEST_F(JournaledFitTest, FingerprintsTellFitsApart) {
   expect_new([](Motions* motions, FitOptions*) { motions->back().sha256 = "4567"; });
   expect_new([](Motions* motions, FitOptions*) { motions->back().scene_text = "{ }"; });
   expect_new([](Motions* motions, FitOptions*) { motions->back().positions(0, 0) += 1e-15; });
+  expect_new([](Motions* motions, FitOptions*) { motions->back().centroid = Eigen::Vector3d::Zero(); });
   expect_new([](Motions* motions, FitOptions*) { motions->back().scene.time_step /= 2; });
   expect_new([](Motions* motions, FitOptions*) { motions->back().scene.initial_velocities[0] = 1e-9; });
   expect_new([](Motions* motions, FitOptions*) { motions->back().scene.solver.step_tolerance = 1e-7; });

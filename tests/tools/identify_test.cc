@@ -42,6 +42,42 @@ TEST_F(IdentifyTest, RefusesWrongParameters) {
   ExpectFlagsRefused("--lower k_stretch=nan", "k_stretch");
 }
 
+TEST_F(IdentifyTest, RefusesWrongParametersOfARecording) {
+  ExpectFlagsRefused("--fit mu,shift.w", "'shift.w'");
+  ExpectFlagsRefused("--fit shift,shift.x", "--fit: 'shift.x' is given twice");
+  ExpectFlagsRefused("--fit mu,drag@1", "--fit: 'drag@1'");
+  ExpectFlagsRefused("--each weight", "weight");
+  ExpectFlagsRefused("--each mu,,drag", "--each");
+  ExpectFlagsRefused("--start shift=0.1", "--start: 'shift'");
+  ExpectFlagsRefused("--fit mu,time_offset --start time_offset=1", "time_offset");
+  ExpectFlagsRefused("--fit mu,time_offset --upper time_offset=1", "time_offset");  // longer than the recording
+  ExpectFlagsRefused("--fit mu,turn --lower turn=-4", "turn.x");
+  ExpectFlagsRefused("--each drag --lower drag@1=0.1 --start drag=1", "drag@1");  // one recording has no suffix
+  ExpectFlagsRefused("--fit k_stretch,align --profile shift", "--profile: 'shift'");
+}
+
+TEST_F(IdentifyTest, ParametersOfARecordingAreInTheResult) {
+  ExpectSuccess("simulate --scene " + WriteScene(SphereScene()) + " --set k_stretch=120 --output a.bin");
+  ExpectSuccess("simulate --scene " + WriteScene(SphereScene()) + " --set k_stretch=120 --output b.bin");
+  const ToolResult fit = Run(
+      "identify --target a.bin,b.bin --fit k_stretch,shift --each time_offset --start shift=0.001,time_offset@2=0.002 "
+      "--lower time_offset=-0.01 --output result");
+  EXPECT_EQ(fit.exit_code, 0) << fit.err << fit.out;
+  const auto result = nlohmann::json::parse(ReadBytes(folder() / "result/result.json"));
+  const auto& parameters = result["parameters"];
+  EXPECT_EQ(parameters.size(), 6u);
+  EXPECT_NEAR(parameters["k_stretch"]["value"].get<double>(), 120.0, 1e-2);
+  EXPECT_EQ(parameters["shift.y"]["start"], 0.001);
+  EXPECT_EQ(parameters["time_offset@1"]["start"], 0.0);
+  EXPECT_EQ(parameters["time_offset@2"]["start"], 0.002);
+  for (const char* name : {"shift.x", "shift.y", "shift.z", "time_offset@1", "time_offset@2"}) {
+    EXPECT_NEAR(parameters[name]["value"].get<double>(), 0.0, 1e-5) << name;
+  }
+  EXPECT_NE(fit.out.find("time_offset@2   "), std::string::npos) << fit.out;
+  const std::string convergence = ReadBytes(folder() / "result/convergence.csv");
+  EXPECT_NE(convergence.find(",shift.x,shift.y,shift.z,time_offset@1,time_offset@2,"), std::string::npos);
+}
+
 TEST_F(IdentifyTest, RefusesFilesThatCannotBeOpenedOrWritten) {
   ExpectRefused("identify --target absent.bin --output result", 1, "absent.bin");
   ExpectRefused("identify --target good.bin --scene absent.json --output result", 1, "absent.json");
