@@ -81,6 +81,32 @@ TEST_P(CloudCostTest, AdjointIsSensitivityIsCentralDifferences) {
   }
 }
 
+// The rigid correction and the time offset act on the nodes that a cloud is measured against.
+TEST_P(CloudCostTest, ParametersOfTheRecordingHaveTheirDerivatives) {
+  const std::vector<std::string> names = {"k_stretch", "time_offset", "shift.x", "turn.y", "v0.z"};
+  std::vector<ParameterBlock> blocks;
+  for (const std::string& name : names) blocks.push_back(MakeParameterBlock(name, motion_, {}));
+  Eigen::VectorXd point(5);
+  point << blocks[0].ToCoordinate(blocks[0].start), 0.1, 0.01, -0.05, 0.02;
+  RolloutCostOptions options;
+  const RolloutCost adjoint(motion_, blocks, options);
+  options.jacobian = JacobianMethod::kSensitivity;
+  const RolloutCost sensitivity(motion_, blocks, options);
+  double adjoint_value = 0.0, value = 0.0;
+  const Eigen::VectorXd by_adjoint = GradientOf(adjoint, point, &adjoint_value),
+                        by_sensitivity = GradientOf(sensitivity, point, &value);
+  EXPECT_NEAR(adjoint_value, value, 1e-12 * value);
+  for (Eigen::Index i = 0; i < point.size(); ++i) {
+    EXPECT_NEAR(by_adjoint[i], by_sensitivity[i], 1e-10 * by_sensitivity.norm()) << names[i];
+    const double step = 1e-5;
+    Eigen::VectorXd above = point, below = point;
+    above[i] += step;
+    below[i] -= step;
+    const double difference = (CostAt(adjoint, above) - CostAt(adjoint, below)) / (2.0 * step);
+    EXPECT_NEAR(by_adjoint[i], difference, 2e-6 * std::abs(difference) + 1e-7 * by_sensitivity.norm()) << names[i];
+  }
+}
+
 TEST_P(CloudCostTest, EveryMethodHasTheGaussNewtonMatrixOfTheFullJacobian) {
   const FullResidualCost full(motion_, blocks_);
   const Eigen::VectorXd start = StartOf(blocks_);

@@ -223,8 +223,8 @@ TEST(RecordingModelTest, AtZeroNothingIsCorrected) {
   ASSERT_TRUE(aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted).ok());
   EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-15);
   const Rollout rollout = aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted);
-  EXPECT_THROW(aligned.PullBack(rollout, coordinates, {0}, Eigen::VectorXd::Ones(Observation(motion).num_residuals()),
-                                AdjointOptions()),
+  EXPECT_THROW(aligned.PullBack(rollout, predicted, coordinates, {0},
+                                Eigen::VectorXd::Ones(Observation(motion).num_residuals()), AdjointOptions()),
                std::logic_error);
 }
 
