@@ -132,6 +132,10 @@ Eigen::Vector3d TurnCenter(const RecordedMotion& motion) {
       count[row % 3] += 1.0;
     }
   }
+  for (const Eigen::Matrix3Xd& cloud : motion.clouds) {
+    sum += cloud.rowwise().sum();
+    count.array() += static_cast<double>(cloud.cols());
+  }
   return sum.cwiseQuotient(count.cwiseMax(1.0));
 }
 

@@ -298,6 +298,7 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
   summary->cost = best.cost;
   summary->start_error = Compare(problem, evaluator.first());
   summary->error = Compare(problem, best);
+  summary->start_predicted = evaluator.first().predicted;
   summary->predicted = best.predicted;
   summary->counts = best.counts;
 }

@@ -42,9 +42,11 @@ struct FitSummary {
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
   double cost = 0.0;
-  PredictionError start_error;             // over all recordings, at the starting values, as they were evaluated
-  PredictionError error;                   // the same at the estimate
-  std::vector<Eigen::MatrixXd> predicted;  // per recording, at the estimate [R x T] m, see Observation
+  PredictionError start_error;  // over all recordings, at the starting values, as they were evaluated
+  PredictionError error;        // the same at the estimate
+  std::vector<Eigen::MatrixXd>
+      start_predicted;                     // per recording, at the start as it was evaluated [R x T] m, see Observation
+  std::vector<Eigen::MatrixXd> predicted;  // the same at the estimate
   RolloutCounts counts;                    // of the rollouts at the estimate, summed over the recordings
   std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
   CostStatistics statistics;

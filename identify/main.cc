@@ -13,6 +13,7 @@
 #include "identify/fit.h"
 #include "identify/gradient_check.h"
 #include "identify/holdout.h"
+#include "identify/node_prediction.h"
 #include "identify/options.h"
 #include "identify/output_folder.h"
 #include "identify/problem.h"
@@ -45,6 +46,7 @@ DEFINE_bool(check_step, false, "repeat the fit at half the time step");
 DEFINE_string(holdout, "", "recordings that are not fitted, to judge the estimates on");
 DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fitted, to judge the estimates on");
 DEFINE_bool(resume, false, "continue a fit that was killed: replays the evaluations journaled in --output");
+DEFINE_bool(report, true, "write report.html");
 DEFINE_double(step_tolerance, 0.0, "relative residual of a time step; 0: the scene's");
 
 namespace clothid {
@@ -86,7 +88,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --holdout_frames A:B  the same for frames A to B - 1 of every recording
   --step_tolerance X  relative residual of a time step (the scene's)
   --resume            continue a fit that was killed, ending in the same bytes: keeps a journal in DIR while it runs
-  --output DIR        result.json, convergence.csv, predicted.bin, profile.csv (clothid_result)
+  --output DIR        result.json, convergence.csv, predicted.bin, profile.csv, report.html (clothid_result)
+  --report=false      no report.html, a page that any browser shows, with a 3D replay
   --help, --version
 
 Ctrl-C saves the best point so far. Exit codes: 0 fitted; 1 usage, or a file that cannot be opened or written;
@@ -219,7 +222,10 @@ int Identify(const std::string& flags) {
   if (summary.status != FitStatus::kConverged) std::cerr << "identify: " << summary.message << "\n";
   if (summary.status == FitStatus::kInterrupted) folder.KeepJournals();
   problem.CheckJournals();
-  WriteReport(summary, run, recordings.fitted, &folder);
+  ReportOptions report;
+  report.page = FLAGS_report;
+  if (report.page) run.predicted_nodes = PredictNodes(recordings.fitted, problem, summary);
+  WriteReport(summary, run, recordings.fitted, &folder, report);
   std::cout << ResultTable(summary, run);
   return FitExitCode(summary, run);
 }

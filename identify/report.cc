@@ -3,19 +3,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <iomanip>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <system_error>
 
+#include "identify/report_page.h"
 #include "identify/result_json.h"
 #include "identify/version.h"
 #include "sim/error.h"
 
 namespace clothid {
 namespace {
+
+constexpr char kReportName[] = "report.html";
 
 // A number in its shortest form that reads back exactly.
 std::string ExactNumber(double value) { return std::isfinite(value) ? nlohmann::json(value).dump() : std::string(); }
@@ -151,7 +156,7 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
 }
 
 void WriteReport(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions,
-                 OutputFolder* folder) {
+                 OutputFolder* folder, const ReportOptions& options) {
   folder->Write("result.json", ResultJson(summary, run, motions));
   folder->Write("convergence.csv", ConvergenceCsv(summary));
   if (!run.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, run));
@@ -159,7 +164,11 @@ void WriteReport(const FitSummary& summary, const RunRecord& run, const std::vec
     const std::string name = r == 0 ? "predicted.bin" : "predicted_" + std::to_string(r + 1) + ".bin";
     WriteMotion(PredictedMotion(motions[r], summary.predicted[r], summary.parameters), folder->TemporaryPath(name));
   }
+  if (options.page) folder->Write(kReportName, ReportHtml(summary, run, motions));
   folder->Commit();
+  // That of another fit would be taken for one of this.
+  std::error_code ignored;
+  if (!options.page) std::filesystem::remove(std::filesystem::path(folder->path()) / kReportName, ignored);
 }
 
 std::string ResultTable(const FitSummary& summary, const RunRecord& run) {

@@ -1,4 +1,4 @@
-// What comes out of a fit: result.json, convergence.csv, predicted.bin, profile.csv, a table for people.
+// What comes out of a fit: result.json, convergence.csv, predicted.bin, profile.csv, report.html, a table for people.
 #ifndef CLOTHID_IDENTIFY_REPORT_H_
 #define CLOTHID_IDENTIFY_REPORT_H_
 
@@ -23,10 +23,15 @@ std::string ProfileCsv(const FitSummary& summary, const RunRecord& run);
 MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixXd& predicted,
                               const std::vector<FittedParameter>& parameters);
 
-// Writes and commits result.json, convergence.csv, profile.csv where profiles were asked for, and predicted.bin of the
-// first recording, predicted_2.bin of the second and so on. The fit must have an estimate. Throws `Error` (kIo).
+struct ReportOptions {
+  bool page = true;  // report.html
+};
+
+// Writes and commits result.json, convergence.csv, profile.csv where profiles were asked for, predicted.bin of the
+// first recording, predicted_2.bin of the second and so on, and report.html. An older report.html is replaced, or
+// removed where none is asked for. The fit must have an estimate. Throws `Error` (kIo).
 void WriteReport(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions,
-                 OutputFolder* folder);
+                 OutputFolder* folder, const ReportOptions& options = {});
 
 // The estimates as a small table, with errors in metres, and the verdict.
 std::string ResultTable(const FitSummary& summary, const RunRecord& run);

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_IDENTIFY_VERDICT_H_
 #define CLOTHID_IDENTIFY_VERDICT_H_
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,7 +27,8 @@ struct RunRecord {
   std::vector<Profile> profiles;
   std::optional<StepCheck> step_check;
   std::optional<Holdout> holdout;
-  std::string flags;  // the command line
+  std::vector<Eigen::MatrixXd> predicted_nodes;  // see identify/node_prediction.h
+  std::string flags;                             // the command line
   std::uint64_t seed = 0;
   int num_threads = 1;
 };

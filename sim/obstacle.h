@@ -29,6 +29,9 @@ class Plane : public Obstacle {
   Plane(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
   SurfacePoint Closest(const Eigen::Vector3d& position) const override;
 
+  const Eigen::Vector3d& point() const { return point_; }
+  const Eigen::Vector3d& normal() const { return normal_; }
+
  private:
   Eigen::Vector3d point_, normal_;
 };
@@ -38,6 +41,9 @@ class Sphere : public Obstacle {
  public:
   Sphere(const Eigen::Vector3d& center, double radius);
   SurfacePoint Closest(const Eigen::Vector3d& position) const override;
+
+  const Eigen::Vector3d& center() const { return center_; }
+  double radius() const { return radius_; }
 
  private:
   Eigen::Vector3d center_;
@@ -50,6 +56,10 @@ class Capsule : public Obstacle {
  public:
   Capsule(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius);
   SurfacePoint Closest(const Eigen::Vector3d& position) const override;
+
+  const Eigen::Vector3d& from() const { return from_; }
+  Eigen::Vector3d to() const { return from_ + length_ * axis_; }
+  double radius() const { return radius_; }
 
  private:
   Eigen::Vector3d from_, axis_;

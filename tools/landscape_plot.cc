@@ -1,9 +1,5 @@
 #include "tools/landscape_plot.h"
 
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -11,8 +7,9 @@
 #include <vector>
 
 #include "identify/output_folder.h"
+#include "identify/page_template.h"
+#include "identify/vendor/plotly.h"
 #include "tools/run_program.h"
-#include "tools/vendor/plotly.h"
 
 namespace clothid {
 
@@ -23,14 +20,6 @@ std::string_view LandscapeScript();  // plot_landscape
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Enough to look at, and a third shorter than all digits.
-Json RoundedJson(double value, int digits) {
-  if (!std::isfinite(value)) return nullptr;
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
-  return std::strtod(text.data(), nullptr);
-}
 
 Json ValuesJson(const LandscapeAxis& axis) {
   Json values = Json::array();
@@ -59,19 +48,6 @@ Json CellsJson(const Landscape& landscape, int setting, int window) {
   return json;
 }
 
-// JSON that can stand inside of a <script>: in JSON "<" occurs in strings alone, and there it may be written otherwise.
-std::string ScriptText(const Json& json) {
-  std::string text;
-  for (const char letter : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    if (letter == '<') {
-      text += "\\u003c";
-    } else {
-      text += letter;
-    }
-  }
-  return text;
-}
-
 std::string DataText(const Landscape& landscape, const LandscapeSummary& summary) {
   Json json = {{"summary", Json::parse(SummaryJson(summary))},
                {"x", Json::array()},
@@ -87,14 +63,6 @@ std::string DataText(const Landscape& landscape, const LandscapeSummary& summary
     }
   }
   return ScriptText(json);
-}
-
-// `page` up to `mark`; moves the start of `page` behind it.
-std::string_view TakeUpTo(std::string_view mark, std::string_view* page) {
-  const std::size_t end = page->find(mark);
-  const std::string_view taken = page->substr(0, end);
-  *page = page->substr(end + mark.size());
-  return taken;
 }
 
 std::string LastLine(std::string text) {
@@ -124,13 +92,8 @@ std::string WritePng(const std::string& folder, OutputFolder* output) {
 }  // namespace
 
 std::string LandscapeHtml(const Landscape& landscape, const LandscapeSummary& summary) {
-  std::string_view page = LandscapePage();
-  std::string html(TakeUpTo("{{data}}", &page));
-  html += DataText(landscape, summary);
-  html += TakeUpTo("{{plotly}}", &page);
-  html += PlotlyLibrary();
-  html += page;
-  return html;
+  const std::string data = DataText(landscape, summary);
+  return FillPage(LandscapePage(), {{"{{data}}", data}, {"{{plotly}}", PlotlyLibrary()}});
 }
 
 LandscapePictures PlotLandscape(const Landscape& landscape, const LandscapeSummary& summary,

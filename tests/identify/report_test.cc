@@ -165,6 +165,16 @@ TEST(ReportTest, WritesItsFiles) {
   EXPECT_EQ(ReadMotionTensors(root + "/result/predicted_2.bin").positions, summary.predicted[1]);
   std::ifstream result(root + "/result/result.json");
   EXPECT_EQ(Json::parse(result)["status"], "converged");
+  EXPECT_GT(std::filesystem::file_size(root + "/result/report.html"), 1000000u);
+  {
+    // An older page would be taken for one of this fit.
+    OutputFolder folder(root + "/result");
+    ReportOptions options;
+    options.page = false;
+    WriteReport(summary, RunRecord(), motions, &folder, options);
+  }
+  EXPECT_FALSE(std::filesystem::exists(root + "/result/report.html"));
+  EXPECT_TRUE(std::filesystem::exists(root + "/result/result.json"));
   std::filesystem::remove_all(root);
 }
 

@@ -53,7 +53,7 @@ const Writer kSimulate = {"simulate",
                           ""};
 const Writer kIdentify = {"identify",
                           {"identify", "--target", "a.bin", "--fit", "k_stretch", "--output", "out"},
-                          {"result.json", "convergence.csv", "predicted.bin"},
+                          {"result.json", "convergence.csv", "predicted.bin", "report.html"},
                           {"--starts", "10000"},
                           ""};
 const Writer kLandscapeScan = {

@@ -16,7 +16,7 @@ class IdentifiabilityTest : public ToolTest {
     const ToolResult result = Run("identify --target '" CLOTHID_SOURCE_DIR "/datasets/" + recording +
                                   "' --jacobian sensitivity --output result " + flags);
     EXPECT_EQ(result.exit_code, 4) << result.err;
-    for (const char* file : {"result.json", "convergence.csv", "predicted.bin"}) {
+    for (const char* file : {"result.json", "convergence.csv", "predicted.bin", "report.html"}) {
       EXPECT_TRUE(std::filesystem::exists(folder() / "result" / file)) << file;
     }
     return nlohmann::json::parse(ReadBytes(folder() / "result" / "result.json"));

@@ -11,11 +11,11 @@
 #include <regex>
 #include <string>
 
+#include "identify/vendor/plotly.h"
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/bumpy_landscape.h"
 #include "tools/run_program.h"
-#include "tools/vendor/plotly.h"
 
 namespace clothid {
 namespace {

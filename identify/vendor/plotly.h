@@ -1,6 +1,6 @@
 // The plotting library for pages that a browser opens.
-#ifndef CLOTHID_TOOLS_VENDOR_PLOTLY_H_
-#define CLOTHID_TOOLS_VENDOR_PLOTLY_H_
+#ifndef CLOTHID_IDENTIFY_VENDOR_PLOTLY_H_
+#define CLOTHID_IDENTIFY_VENDOR_PLOTLY_H_
 
 #include <string_view>
 
@@ -10,6 +10,9 @@ namespace clothid {
 // scatter, heatmap, contour, surface, mesh3d, scatter3d.
 std::string_view PlotlyLibrary();
 
+// The text of plotly.LICENSES.txt: what a copy of the library has to carry along.
+std::string_view PlotlyLicences();
+
 }  // namespace clothid
 
-#endif  // CLOTHID_TOOLS_VENDOR_PLOTLY_H_
+#endif  // CLOTHID_IDENTIFY_VENDOR_PLOTLY_H_

@@ -1,0 +1,438 @@
+'use strict';
+// The 3D replay: unpacks the arrays of identify/packed_array.h and draws cloth, points and obstacles with WebGL.
+
+const UNSEEN = 65535;
+
+async function unpackBytes(text) {
+  const letters = atob(text), packed = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; ++i) packed[i] = letters.charCodeAt(i);
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// [frames x rows] of 16 bits; UNSEEN where a coordinate was not seen.
+async function unpackPositions(text, rows) {
+  const bytes = await unpackBytes(text), count = bytes.length / 2;
+  const values = new Uint16Array(count), last = new Uint16Array(rows);
+  for (let i = 0; i < count; ++i) {
+    const code = bytes[i] | bytes[count + i] << 8, row = i % rows;
+    if (code === UNSEEN) {
+      values[i] = UNSEEN;
+    } else {
+      last[row] += (code >> 1) ^ (code & 1 ? 0xffff : 0);
+      values[i] = last[row];
+    }
+  }
+  return values;
+}
+
+// Errors in m; NaN: none.
+async function unpackErrors(text, largest) {
+  const table = Float32Array.from({length: 256}, (_, q) => largest * 10 ** (-6 * (1 - q / 254)));
+  table[0] = 0;
+  table[255] = NaN;
+  return Float32Array.from(await unpackBytes(text), (q) => table[q]);
+}
+
+// What a replay holds, ready to be drawn.
+async function unpackReplay(replay) {
+  const made = {...replay, frames: replay.times.length};
+  made.recordedGrid = await unpackPositions(replay.recorded, 3 * replay.points);
+  made.predictedGrid = await unpackPositions(replay.predicted, 3 * replay.points);
+  made.hasNodes = replay.points_are_nodes || replay.nodes !== undefined;
+  made.nodesGrid = replay.points_are_nodes ? made.predictedGrid
+    : replay.nodes ? await unpackPositions(replay.nodes, 3 * replay.node_count) : new Uint16Array(0);
+  made.errors = await unpackErrors(replay.errors, replay.largest_error);
+  made.faces = new Int32Array((await unpackBytes(replay.face_list)).buffer);
+  made.edges = edgesOf(made.faces);
+  made.shapes = [];
+  for (const obstacle of replay.obstacles) {
+    if (obstacle.type !== 'mesh') continue;
+    obstacle.positions = new Float32Array((await unpackBytes(obstacle.vertices)).buffer);
+    obstacle.indices = new Int32Array((await unpackBytes(obstacle.faces)).buffer);
+  }
+  return made;
+}
+
+// Float positions of one frame; NaN where a point was not seen.
+function positionsAt(replay, grid, frame) {
+  const count = grid.length / replay.frames, made = new Float32Array(count);
+  for (let i = 0; i < count; ++i) {
+    const q = grid[frame * count + i];
+    made[i] = q === UNSEEN ? NaN : replay.origin[i % 3] + replay.step * q;
+  }
+  return made;
+}
+
+function edgesOf(faces) {
+  const seen = new Set(), edges = [];
+  for (let f = 0; f < faces.length; f += 3) {
+    for (let k = 0; k < 3; ++k) {
+      const a = faces[f + k], b = faces[f + (k + 1) % 3], key = Math.min(a, b) * 4194304 + Math.max(a, b);
+      if (seen.has(key)) continue;
+      seen.add(key);
+      edges.push(a, b);
+    }
+  }
+  return Int32Array.from(edges);
+}
+
+// Those of `indices`, `size` at a time, all of whose points were seen.
+function seenOnly(indices, size, positions) {
+  if (!positions.some(Number.isNaN)) return indices;
+  const kept = [];
+  for (let i = 0; i < indices.length; i += size) {
+    const group = indices.subarray(i, i + size);
+    if (group.every((point) => !Number.isNaN(positions[3 * point]))) kept.push(...group);
+  }
+  return Int32Array.from(kept);
+}
+
+const add = (a, b, scale = 1) => [a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => add([0, 0, 0], a, 1 / (Math.hypot(...a) || 1));
+
+// A direction across `axis`.
+const across = (axis) => unit(cross(axis, Math.abs(axis[0]) < 0.9 * Math.hypot(...axis) ? [1, 0, 0] : [0, 1, 0]));
+
+// Vertex normals, weighted by area.
+function normalsOf(positions, faces) {
+  const normals = new Float32Array(positions.length);
+  for (let f = 0; f < faces.length; f += 3) {
+    const a = 3 * faces[f], b = 3 * faces[f + 1], c = 3 * faces[f + 2];
+    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1],
+      uz = positions[b + 2] - positions[a + 2];
+    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1],
+      vz = positions[c + 2] - positions[a + 2];
+    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    for (const i of [a, b, c]) {
+      normals[i] += nx;
+      normals[i + 1] += ny;
+      normals[i + 2] += nz;
+    }
+  }
+  return normals;
+}
+
+// A capsule, or with from = to a sphere, of rings around its axis.
+function capsuleShape(from, to, radius) {
+  const along = add(to, from, -1), axis = Math.hypot(...along) > 0 ? unit(along) : [0, 0, 1];
+  const u = across(axis), v = cross(axis, u), rings = 24, sectors = 36, positions = [], indices = [];
+  for (let ring = 0; ring <= rings; ++ring) {
+    const angle = Math.PI * (ring / rings - 0.5), center = ring <= rings / 2 ? from : to;
+    for (let sector = 0; sector <= sectors; ++sector) {
+      const turn = 2 * Math.PI * sector / sectors;
+      const side = add(add([0, 0, 0], u, Math.cos(turn)), v, Math.sin(turn));
+      positions.push(...add(add(center, axis, radius * Math.sin(angle)), side, radius * Math.cos(angle)));
+      if (ring === rings || sector === sectors) continue;
+      const i = ring * (sectors + 1) + sector, above = i + sectors + 1;
+      indices.push(i, i + 1, above, i + 1, above + 1, above);
+    }
+  }
+  return {positions: Float32Array.from(positions), indices: Int32Array.from(indices)};
+}
+
+// A piece of a plane below `center`, as large as the scene, with lines on it.
+function planeShape(plane, center, size) {
+  const normal = plane.normal, height = dot(add(center, plane.point, -1), normal);
+  const middle = add(center, normal, -height), u = across(normal), v = cross(normal, u), cells = 10, lines = [];
+  const corner = (i, j) => add(add(middle, u, size * (2 * i / cells - 1)), v, size * (2 * j / cells - 1));
+  for (let i = 0; i <= cells; ++i) lines.push(...corner(i, 0), ...corner(i, cells), ...corner(0, i), ...corner(cells, i));
+  return {positions: Float32Array.from([corner(0, 0), corner(cells, 0), corner(cells, cells), corner(0, cells)].flat()),
+    indices: Int32Array.from([0, 1, 2, 0, 2, 3]), lines: Float32Array.from(lines)};
+}
+
+// From small to large errors.
+const SCALE = [[59, 111, 182], [127, 194, 201], [244, 226, 133], [240, 140, 58], [192, 38, 45]];
+function errorColour(share) {
+  if (Number.isNaN(share)) return [0.72, 0.74, 0.77];
+  const x = Math.min(Math.max(share, 0), 1) * (SCALE.length - 1), i = Math.min(Math.floor(x), SCALE.length - 2);
+  return [0, 1, 2].map((k) => (SCALE[i][k] + (x - i) * (SCALE[i + 1][k] - SCALE[i][k])) / 255);
+}
+
+function errorColours(replay, frame) {
+  const colours = new Float32Array(3 * replay.points);
+  for (let p = 0; p < replay.points; ++p) {
+    colours.set(errorColour(replay.errors[frame * replay.points + p] / (replay.largest_error || 1)), 3 * p);
+  }
+  return colours;
+}
+
+function uniformColours(count, colour) {
+  const colours = new Float32Array(3 * count);
+  for (let i = 0; i < count; ++i) colours.set(colour, 3 * i);
+  return colours;
+}
+
+// Depth alone is moved by `push` along the view: a cloth that lies on an obstacle is not cut by it.
+const VERTEX = `#version 300 es
+  in vec3 position, normal, colour;
+  uniform mat4 camera;
+  uniform vec3 view;
+  uniform float push, pointSize;
+  out vec3 shade, across;
+  void main() {
+    vec4 moved = camera * vec4(position + push * view, 1.0);
+    gl_Position = camera * vec4(position, 1.0);
+    gl_Position.z = moved.z / moved.w * gl_Position.w;
+    gl_PointSize = pointSize;
+    shade = colour;
+    across = normal;
+  }`;
+const FRAGMENT = `#version 300 es
+  precision highp float;
+  in vec3 shade, across;
+  uniform vec3 view, light;
+  uniform float lit, alpha, isPoint;
+  out vec4 result;
+  void main() {
+    if (isPoint > 0.5 && length(gl_PointCoord - 0.5) > 0.5) discard;
+    vec3 n = normalize(across + vec3(1e-9));
+    if (dot(n, view) > 0.0) n = -n;
+    float bright = mix(1.0, 0.52 + 0.48 * max(dot(n, light), 0.0) + 0.12 * abs(dot(n, view)), lit);
+    result = vec4(shade * bright * alpha, alpha);
+  }`;
+
+const RECORDED = [0.176, 0.373, 0.604], RECORDED_CLOTH = [0.42, 0.62, 0.83], PREDICTED = [0.949, 0.631, 0.345], OBSTACLE = [0.80, 0.84, 0.88];
+const HANDLE = [0.13, 0.15, 0.19];
+
+// Draws into `canvas`; null where the browser has no WebGL.
+function makeViewer(canvas) {
+  const gl = canvas.getContext('webgl2', {antialias: true, preserveDrawingBuffer: true});
+  if (!gl) return null;
+  const program = gl.createProgram();
+  for (const [type, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+    const shader = gl.createShader(type);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  gl.useProgram(program);
+  const uniform = {};
+  for (const name of ['camera', 'view', 'push', 'pointSize', 'light', 'lit', 'alpha', 'isPoint']) {
+    uniform[name] = gl.getUniformLocation(program, name);
+  }
+  const attributes = ['position', 'normal', 'colour'].map((name) => {
+    const made = {location: gl.getAttribLocation(program, name), buffer: gl.createBuffer()};
+    gl.bindBuffer(gl.ARRAY_BUFFER, made.buffer);
+    gl.enableVertexAttribArray(made.location);
+    gl.vertexAttribPointer(made.location, 3, gl.FLOAT, false, 0, 0);
+    return made;
+  });
+  const indexBuffer = gl.createBuffer();
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indexBuffer);
+  gl.enable(gl.DEPTH_TEST);
+  gl.enable(gl.BLEND);
+  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  let replay = null, center = [0, 0, 0], radius = 1, yaw = 0, pitch = 0, distance = 1, shift = [0, 0, 0], planes = [];
+
+  function draw(mode, positions, indices, colours, {normals, push = 0, size = 1, alpha = 1} = {}) {
+    [positions, normals || positions, colours].forEach((values, i) => {
+      gl.bindBuffer(gl.ARRAY_BUFFER, attributes[i].buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, values, gl.DYNAMIC_DRAW);
+    });
+    gl.uniform1f(uniform.push, push * radius);
+    gl.uniform1f(uniform.pointSize, size * (window.devicePixelRatio || 1));
+    gl.uniform1f(uniform.lit, normals ? 1 : 0);
+    gl.uniform1f(uniform.alpha, alpha);
+    gl.uniform1f(uniform.isPoint, mode === gl.POINTS ? 1 : 0);
+    if (!indices) {
+      gl.drawArrays(mode, 0, positions.length / 3);
+      return;
+    }
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.DYNAMIC_DRAW);
+    gl.drawElements(mode, indices.length, gl.UNSIGNED_INT, 0);
+  }
+
+  // Edges make the shape of a cloth plain.
+  function drawEdges(positions, colour, alpha) {
+    const colours = uniformColours(positions.length / 3, colour);
+    draw(gl.LINES, positions, seenOnly(replay.edges, 2, positions), colours, {push: -0.006, alpha});
+  }
+
+  function drawSurface(positions, indices, colours, options) {
+    draw(gl.TRIANGLES, positions, indices, colours, {...options, normals: normalsOf(positions, indices)});
+  }
+
+  function drawPoints(positions, points, colours, size) {
+    const shownPositions = new Float32Array(3 * points.length), shownColours = new Float32Array(3 * points.length);
+    let count = 0;
+    for (const point of points) {
+      if (Number.isNaN(positions[3 * point])) continue;
+      for (let axis = 0; axis < 3; ++axis, ++count) {
+        shownPositions[count] = positions[3 * point + axis];
+        shownColours[count] = colours[3 * point + axis];
+      }
+    }
+    if (count === 0) return;
+    draw(gl.POINTS, shownPositions.subarray(0, count), null, shownColours.subarray(0, count), {push: -0.012, size});
+  }
+
+  function drawObstacles() {
+    gl.depthMask(false);
+    for (const plane of planes) {
+      draw(gl.TRIANGLES, plane.positions, plane.indices, uniformColours(4, [0.86, 0.89, 0.92]), {alpha: 0.8});
+      draw(gl.LINES, plane.lines, null, uniformColours(plane.lines.length / 3, [0.70, 0.75, 0.80]), {alpha: 0.6});
+    }
+    gl.depthMask(true);
+    for (const shape of replay.shapes) {
+      drawSurface(shape.positions, shape.indices, uniformColours(shape.positions.length / 3, OBSTACLE), {push: 0.02});
+    }
+  }
+
+  const allPoints = () => Array.from({length: replay.points}, (_, p) => p);
+
+  function drawPredicted(frame, withErrors) {
+    const nodes = positionsAt(replay, replay.nodesGrid, frame);
+    if (replay.hasNodes) {
+      const colours = withErrors && replay.points_are_nodes ? errorColours(replay, frame)
+        : uniformColours(nodes.length / 3, PREDICTED);
+      drawSurface(nodes, replay.faces, colours);
+      drawEdges(nodes, HANDLE, 0.16);
+      const handles = replay.handles.filter((node) => node < replay.node_count);
+      drawPoints(nodes, handles, uniformColours(nodes.length / 3, HANDLE), 7);
+    } else {
+      const points = positionsAt(replay, replay.predictedGrid, frame);
+      drawPoints(points, allPoints(), uniformColours(replay.points, PREDICTED), 5);
+    }
+  }
+
+  // Over the prediction: edges, and points; or where points are no nodes, the markers with a line to where they should be.
+  function drawRecordedOver(frame, withErrors) {
+    const recorded = positionsAt(replay, replay.recordedGrid, frame);
+    const colours = withErrors && !replay.points_are_nodes ? errorColours(replay, frame)
+      : uniformColours(replay.points, RECORDED);
+    if (replay.points_are_nodes) {
+      drawEdges(recorded, RECORDED, 0.4);
+      drawPoints(recorded, allPoints(), colours, replay.points > 2500 ? 2.5 : 4);
+      return;
+    }
+    const predicted = positionsAt(replay, replay.predictedGrid, frame), lines = new Float32Array(6 * replay.points);
+    let count = 0;
+    for (let p = 0; p < replay.points; ++p) {
+      if (Number.isNaN(recorded[3 * p]) || Number.isNaN(predicted[3 * p])) continue;
+      lines.set(recorded.subarray(3 * p, 3 * p + 3), count);
+      lines.set(predicted.subarray(3 * p, 3 * p + 3), count + 3);
+      count += 6;
+    }
+    draw(gl.LINES, lines.subarray(0, count), null, uniformColours(count / 3, RECORDED), {push: -0.008, alpha: 0.8});
+    drawPoints(recorded, allPoints(), colours, 8);
+  }
+
+  // By itself: a cloth, or markers.
+  function drawRecordedAlone(frame) {
+    const recorded = positionsAt(replay, replay.recordedGrid, frame);
+    if (replay.points_are_nodes) {
+      drawSurface(recorded, seenOnly(replay.faces, 3, recorded), uniformColours(replay.points, RECORDED_CLOTH));
+      drawEdges(recorded, HANDLE, 0.16);
+    } else {
+      drawPoints(recorded, allPoints(), uniformColours(replay.points, RECORDED), 8);
+    }
+  }
+
+  function axes() {
+    const up = replay.up, right = across(up), front = cross(up, right);
+    const level = add(add([0, 0, 0], right, Math.cos(yaw)), front, Math.sin(yaw));
+    const back = unit(add(add([0, 0, 0], level, Math.cos(pitch)), up, Math.sin(pitch)));
+    const side = unit(cross(up, back));
+    return {back, side, above: cross(back, side)};
+  }
+
+  // Column by column: perspective times view.
+  function cameraMatrix(aspect) {
+    const {back, side, above} = axes(), target = add(center, shift), eye = add(target, back, distance);
+    const near = Math.max(distance - 6 * radius, 0.02 * radius), far = distance + 8 * radius;
+    const focal = 2.6, fx = focal / Math.max(aspect, 1e-3) * Math.min(aspect, 1), fy = focal * Math.min(aspect, 1);
+    const a = (far + near) / (near - far), b = 2 * far * near / (near - far);
+    const tx = -dot(side, eye), ty = -dot(above, eye), tz = -dot(back, eye);
+    return Float32Array.from([0, 1, 2].flatMap((i) => [fx * side[i], fy * above[i], a * back[i], -back[i]])
+      .concat([fx * tx, fy * ty, a * tz + b, -tz]));
+  }
+
+  function drawView(x, width, drawCloth) {
+    gl.viewport(x, 0, width, canvas.height);
+    const {back, side, above} = axes();
+    gl.uniformMatrix4fv(uniform.camera, false, cameraMatrix(width / canvas.height));
+    gl.uniform3fv(uniform.view, add([0, 0, 0], back, -1));
+    gl.uniform3fv(uniform.light, unit(add(add(add([0, 0, 0], back, 0.6), above, 0.7), side, -0.35)));
+    drawObstacles();
+    drawCloth();
+  }
+
+  function frameScene() {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    const extend = (point, margin) => point.forEach((value, axis) => {
+      low[axis] = Math.min(low[axis], value - margin);
+      high[axis] = Math.max(high[axis], value + margin);
+    });
+    for (const grid of [replay.hasNodes ? replay.nodesGrid : replay.predictedGrid]) {
+      for (let frame = 0; frame < replay.frames; frame += Math.max(1, Math.floor(replay.frames / 50))) {
+        const positions = positionsAt(replay, grid, frame);
+        for (let i = 0; i < positions.length; i += 3) {
+          if (!Number.isNaN(positions[i])) extend([...positions.subarray(i, i + 3)], 0);
+        }
+      }
+    }
+    const cloth = 0.5 * Math.hypot(...add(high, low, -1)) || 1;
+    for (const obstacle of replay.obstacles) {
+      if (obstacle.type === 'sphere' && obstacle.radius < cloth) extend(obstacle.center, obstacle.radius);
+      if (obstacle.type === 'capsule' && obstacle.radius < cloth) {
+        for (const end of [obstacle.from, obstacle.to]) {
+          if (Math.hypot(...add(end, low, -1)) < 4 * cloth) extend(end, obstacle.radius);
+        }
+      }
+    }
+    center = add(low, add(high, low, -1), 0.5);
+    radius = 0.5 * Math.hypot(...add(high, low, -1)) || 1;
+  }
+
+  const viewer = {
+    load(unpacked) {
+      replay = unpacked;
+      frameScene();
+      planes = replay.obstacles.filter(({type}) => type === 'plane').map((plane) => planeShape(plane, center, 1.6 * radius));
+      replay.shapes = replay.obstacles.map((obstacle) => {
+        if (obstacle.type === 'sphere') return capsuleShape(obstacle.center, obstacle.center, obstacle.radius);
+        if (obstacle.type === 'capsule') return capsuleShape(obstacle.from, obstacle.to, obstacle.radius);
+        return obstacle.type === 'mesh' ? obstacle : null;
+      }).filter(Boolean);
+      viewer.reset();
+    },
+    reset() {
+      yaw = -0.85;
+      pitch = 0.32;
+      distance = 2.5 * radius;
+      shift = [0, 0, 0];
+    },
+    turn(dx, dy) {
+      yaw -= 0.008 * dx;
+      pitch = Math.min(Math.max(pitch + 0.008 * dy, -1.5), 1.5);
+    },
+    move(dx, dy) {
+      const {side, above} = axes(), scale = 0.8 * distance / canvas.clientHeight;
+      shift = add(add(shift, side, -scale * dx), above, scale * dy);
+    },
+    zoom(factor) { distance = Math.min(Math.max(distance * factor, 0.2 * radius), 30 * radius); },
+    draw(frame, {sideBySide, withErrors}) {
+      const ratio = window.devicePixelRatio || 1;
+      const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
+      if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+      gl.clearColor(0.933, 0.949, 0.965, 1);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+      if (sideBySide) {
+        const half = Math.floor(width / 2);
+        drawView(0, half, () => drawRecordedAlone(frame));
+        drawView(half, width - half, () => drawPredicted(frame, withErrors));
+        return;
+      }
+      drawView(0, width, () => {
+        drawPredicted(frame, withErrors);
+        drawRecordedOver(frame, withErrors);
+      });
+    },
+  };
+  return viewer;
+}
