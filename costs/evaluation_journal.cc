@@ -114,8 +114,8 @@ void Field(Archive* archive, CostStatistics* value) {
 
 template <typename Archive>
 void Field(Archive* archive, ResidualRows* value) {
-  auto& [active, residuals, jacobian] = *value;
-  Fields(archive, &active, &residuals, &jacobian);
+  auto& [active, residuals, jacobian, frame_scores] = *value;
+  Fields(archive, &active, &residuals, &jacobian, &frame_scores);
 }
 
 // Without the residuals, which the prediction gives again.
@@ -140,7 +140,7 @@ std::string KeyBytes(EvaluationKey key) {
 }
 
 RecordFile::Kind JournalKind() {
-  return {"clothid journal 2", "a journal of evaluations, version 2",
+  return {"clothid journal 3", "a journal of evaluations, version 3",
           "is the journal of a fit with other recordings, flags or program; remove it, or use another --output"};
 }
 

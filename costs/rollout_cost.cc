@@ -56,14 +56,18 @@ bool RolloutCost::EvaluateGradient(const Eigen::VectorXd& coordinates, double* c
   return true;
 }
 
-bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian,
-                            Eigen::VectorXd* residuals) const {
+bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
+                            Eigen::MatrixXd* frame_scores) const {
   const RolloutEvaluation& evaluation = evaluator_->At(coordinates, Need::kExactRows, evaluator_->free_blocks());
   if (!evaluation.ok()) return false;
   const ResidualRows& rows = evaluation.exact_rows;
   *jacobian = Eigen::MatrixXd::Zero(rows.jacobian.rows(), coordinates.size());
   (*jacobian)(Eigen::all, rows.active) = rows.jacobian;
   *residuals = rows.residuals;
+  if (frame_scores != nullptr) {
+    *frame_scores = Eigen::MatrixXd::Zero(coordinates.size(), rows.frame_scores.cols());
+    (*frame_scores)(rows.active, Eigen::all) = rows.frame_scores;
+  }
   return true;
 }
 

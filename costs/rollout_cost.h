@@ -45,8 +45,10 @@ class RolloutCost : public ceres::CostFunction {
 
   // e [m] with its full Jacobian, weighted by the loss and compressed to r rows, whatever `JacobianMethod` the cost
   // has: |residuals| = |e|, and `jacobian` [r x p] has the same products with itself and with `residuals` as de/dq;
-  // columns of frozen blocks are zero. For the covariance at a solution. Returns as `Evaluate` does.
-  bool Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals) const;
+  // columns of frozen blocks are zero. `frame_scores` (may be null) [p x T]: the parts of the gradient of L that the
+  // frames have, J_i^T e_i. For the covariance at a solution. Returns as `Evaluate` does.
+  bool Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
+                 Eigen::MatrixXd* frame_scores = nullptr) const;
 
   // The prediction [R x T] m (see Observation), and the counts of their rollout (may be null). False where the rollout
   // failed.

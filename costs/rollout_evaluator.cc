@@ -115,13 +115,14 @@ void RolloutEvaluator::ComputeCost(RolloutEvaluation* evaluation) {
 
 // Nothing of the size [m x p] is stored unless it is asked for.
 CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active, RolloutEvaluation* evaluation,
-                                                  Eigen::MatrixXd* full_jacobian) {
+                                                  Eigen::MatrixXd* full_jacobian, Eigen::MatrixXd* frame_scores) {
   const ScopedTimer timer(&statistics_.derivative_seconds);
   const Observation& observation = model_.observation();
   CompressedJacobian compressed(static_cast<int>(active.size()));
   evaluation->predicted.resize(observation.num_predicted(), observation.num_frames());
   evaluation->residuals.resize(observation.num_residuals());
   evaluation->cost = 0.0;
+  frame_scores->setZero(static_cast<Eigen::Index>(active.size()), observation.num_frames());
   if (full_jacobian != nullptr) {
     full_jacobian->resize(observation.num_residuals(), static_cast<Eigen::Index>(active.size()));
   }
@@ -135,6 +136,7 @@ CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active
     const Eigen::VectorXd weighted = residuals.cwiseProduct(weights);
     weighted_squared_norm += weighted.squaredNorm();
     compressed.Add(weights.asDiagonal() * jacobian, weighted);
+    frame_scores->col(frame) = jacobian.transpose() * weights.cwiseProduct(weighted);
     if (full_jacobian != nullptr) full_jacobian->middleRows(observation.first_row(frame), jacobian.rows()) = jacobian;
   };
   ++statistics_.rollouts;
@@ -164,8 +166,10 @@ ResidualRows RolloutEvaluator::CompressedRows(const std::vector<int>& active, in
 void RolloutEvaluator::ComputeWithSensitivities(const std::vector<int>& active, RolloutEvaluation* evaluation) {
   Eigen::MatrixXd jacobian;
   const bool is_first = TakesFirstJacobian();
-  CompressedJacobian compressed = SweepForward(active, evaluation, is_first ? &jacobian : nullptr);
+  Eigen::MatrixXd frame_scores;
+  CompressedJacobian compressed = SweepForward(active, evaluation, is_first ? &jacobian : nullptr, &frame_scores);
   evaluation->rows = CompressedRows(active, num_rows(), &compressed);
+  evaluation->rows.frame_scores = std::move(frame_scores);
   evaluation->has_rows = true;
   if (is_first) last_jacobian_ = std::move(jacobian);
 }
@@ -177,8 +181,10 @@ void RolloutEvaluator::ComputeExactRows(const std::vector<int>& active, RolloutE
     // The evaluation keeps the cost that it was given before, which differs in rounding.
     RolloutEvaluation sweep;
     sweep.coordinates = evaluation->coordinates;
-    CompressedJacobian compressed = SweepForward(active, &sweep, /*full_jacobian=*/nullptr);
+    Eigen::MatrixXd frame_scores;
+    CompressedJacobian compressed = SweepForward(active, &sweep, /*full_jacobian=*/nullptr, &frame_scores);
     evaluation->exact_rows = CompressedRows(active, static_cast<int>(active.size()) + 1, &compressed);
+    evaluation->exact_rows.frame_scores = std::move(frame_scores);
   }
   evaluation->has_exact_rows = true;
 }

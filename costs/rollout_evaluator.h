@@ -25,6 +25,9 @@ struct ResidualRows {
   std::vector<int> active;    // the blocks that were differentiated, increasing
   Eigen::VectorXd residuals;  // [r]
   Eigen::MatrixXd jacobian;   // [r x q]
+  // [q x T] J_i^T e_i over the rows of frame i, weighted by the loss: their sum is the gradient. Of forward sweeps
+  // alone.
+  Eigen::MatrixXd frame_scores;
 };
 
 // One point of the parameter space and what is known about it.
@@ -104,9 +107,9 @@ class RolloutEvaluator {
   void KeepJacobian(const Eigen::VectorXd& weights, const Eigen::MatrixXd& basis, const ResidualRows& rows);
   bool TakesFirstJacobian() const;
   // Prediction, cost and loss row of `evaluation`, and [J e] compressed, in one forward sweep. `jacobian` may be null:
-  // J without the weights of the loss [m x q].
+  // J without the weights of the loss [m x q]. `frame_scores`: see `ResidualRows`.
   CompressedJacobian SweepForward(const std::vector<int>& active, RolloutEvaluation* evaluation,
-                                  Eigen::MatrixXd* jacobian);
+                                  Eigen::MatrixXd* jacobian, Eigen::MatrixXd* frame_scores);
   static ResidualRows CompressedRows(const std::vector<int>& active, int num_rows, CompressedJacobian* compressed);
 
   RolloutCostOptions options_;

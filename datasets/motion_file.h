@@ -42,7 +42,13 @@ struct MotionTensors {
 };
 
 struct ReadMotionOptions {
-  std::string scene_path;      // a scene.json to use instead of the embedded text; empty: the embedded one
+  std::string scene_path;  // a scene.json to use instead of the embedded text; empty: the embedded one
+  // Where the scene gives no start: `kFirstFrame`, or `kSmoothed`, which needs no sigma but is better with it.
+  StartSource start = StartSource::kFirstFrame;
+  // What sigma the recording has: `kRecorded`, its own, if any; `kEstimated` where it has none; `kGiven`: `sigma` of
+  // all points in any case.
+  SigmaSource sigma_source = SigmaSource::kRecorded;
+  double sigma = 0.0;          // m
   bool smooth_handles = true;  // measured handle paths through `SmoothPath`
   // What to read in place of the scene's text; may be empty.
   std::function<std::string(const std::string& scene_text)> change_scene;

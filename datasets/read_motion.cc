@@ -8,7 +8,9 @@
 
 #include "datasets/motion_container.h"
 #include "datasets/motion_file.h"
+#include "datasets/noise_estimate.h"
 #include "datasets/scene_text.h"
+#include "datasets/start_state.h"
 #include "sim/error.h"
 #include "sim/json_document.h"
 #include "sim/scene_json.h"
@@ -19,6 +21,8 @@ namespace {
 
 // Points whose second extent is less than this share of their first lie on a line, which leaves a rotation open.
 constexpr double kCollinear = 1e-3;
+// The least sigma that is estimated, relative to the cloth's size: a recording without noise has rounding.
+constexpr double kLeastRelativeSigma = 1e-7;
 
 std::vector<ObservedPoint> MakePoints(const MotionTensors& tensors) {
   std::vector<ObservedPoint> points(static_cast<std::size_t>(tensors.positions.rows() / 3));
@@ -49,13 +53,14 @@ bool IsCollinear(const Eigen::Matrix3Xd& points) {
   return !(extents[1] > kCollinear * extents[0]);
 }
 
-// The rest shape, moved as a rigid body to where it is closest to the points seen in the first frame; empty where these
+// The rest shape, moved as a rigid body to where it is closest to the points seen in `frame` [3 x P]; empty where these
 // leave its place open.
-Eigen::Matrix3Xd FitRestShape(const MotionTensors& tensors, const std::vector<ObservedPoint>& points) {
+Eigen::Matrix3Xd FitRestShape(const MotionTensors& tensors, const std::vector<ObservedPoint>& points,
+                              const Eigen::MatrixXd& frame) {
   Eigen::Matrix3Xd rest(3, tensors.positions.rows() / 3), measured = rest;
   Eigen::Index num_seen = 0;
   for (std::size_t p = 0; p < points.size(); ++p) {
-    const Eigen::Vector3d position = tensors.positions.col(0).segment<3>(3 * static_cast<Eigen::Index>(p));
+    const Eigen::Vector3d position = frame.col(static_cast<Eigen::Index>(p));
     if (!position.allFinite()) continue;
     rest.col(num_seen) = RestPosition(points[p], tensors.mesh);
     measured.col(num_seen++) = position;
@@ -69,16 +74,17 @@ Eigen::Matrix3Xd FitRestShape(const MotionTensors& tensors, const std::vector<Ob
 // The first frame where its points are the nodes; its gaps come from the fitted rest shape. Where the points are
 // others, all comes from that: a cloth measured in places and guessed between them would start torn. Empty where the
 // frame shows too little.
-Eigen::VectorXd StartPositions(const MotionTensors& tensors, const std::vector<ObservedPoint>& points) {
+Eigen::VectorXd StartPositions(const MotionTensors& tensors, const std::vector<ObservedPoint>& points,
+                               const Eigen::MatrixXd& frame) {
   const Eigen::Index num_nodes = tensors.mesh.num_nodes();
   const bool points_are_nodes = tensors.face_index.empty() && static_cast<Eigen::Index>(points.size()) == num_nodes;
-  if (!points_are_nodes) return FitRestShape(tensors, points).reshaped();
+  if (!points_are_nodes) return FitRestShape(tensors, points, frame).reshaped();
   Eigen::Matrix3Xd first = Eigen::Matrix3Xd::Constant(3, num_nodes, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t p = 0; p < points.size(); ++p) {
-    first.col(points[p].nodes[0]) = tensors.positions.col(0).segment<3>(3 * static_cast<Eigen::Index>(p));
+    first.col(points[p].nodes[0]) = frame.col(static_cast<Eigen::Index>(p));
   }
   if (first.allFinite()) return first.reshaped();
-  const Eigen::Matrix3Xd fitted = FitRestShape(tensors, points);
+  const Eigen::Matrix3Xd fitted = FitRestShape(tensors, points, frame);
   if (fitted.size() == 0) return {};
   for (Eigen::Index i = 0; i < num_nodes; ++i) {
     if (!first.col(i).allFinite()) first.col(i) = fitted.col(i);
@@ -99,12 +105,48 @@ Handles MakeHandles(const MotionTensors& tensors, bool smooth, const std::string
   return handles;
 }
 
-SceneDefaults MakeDefaults(const MotionTensors& tensors, const std::vector<ObservedPoint>& points, bool smooth,
-                           const std::string& path) {
+// The sigma that the recording is to have; empty: not known.
+Eigen::VectorXd ChooseSigma(const MotionTensors& tensors, const ReadMotionOptions& options, SigmaSource* source) {
+  const Eigen::Index num_points = tensors.positions.rows() / 3;
+  *source = tensors.sigma.size() > 0 ? SigmaSource::kRecorded : SigmaSource::kUnknown;
+  if (options.sigma_source == SigmaSource::kGiven) {
+    *source = SigmaSource::kGiven;
+    return Eigen::VectorXd::Constant(num_points, options.sigma);
+  }
+  if (tensors.sigma.size() > 0 || options.sigma_source != SigmaSource::kEstimated) return tensors.sigma;
+  const double least = kLeastRelativeSigma * ClothSize(tensors.mesh);
+  const Eigen::VectorXd sigma = EstimateSigma(tensors.times, tensors.positions, least);
+  if (sigma.size() > 0) *source = SigmaSource::kEstimated;
+  return sigma;
+}
+
+// The trend of the first frames, with an estimate in place of a sigma that is not known.
+FrameTrend StartTrend(const MotionTensors& tensors, Eigen::VectorXd sigma) {
+  const double least = kLeastRelativeSigma * ClothSize(tensors.mesh);
+  if (sigma.size() == 0) sigma = EstimateSigma(tensors.times, tensors.positions, least);
+  // Too few frames for an estimate: a thousandth of the cloth, as for residuals.
+  if (sigma.size() == 0) sigma.setConstant(tensors.positions.rows() / 3, 1e-3 * ClothSize(tensors.mesh));
+  return FitFrameTrend(tensors.times, tensors.positions, sigma);
+}
+
+// Whether the scene leaves the start to the recording, and which of its parts.
+struct OpenStart {
+  bool positions = true, velocity = true;
+};
+
+OpenStart FindOpenStart(const std::string& scene_text, const std::string& source) {
+  const JsonValue document = ParseJson(scene_text, source);
+  const auto initial = JsonNode(document, source).Find("initial");
+  if (!initial) return {};
+  return {!initial->Find("positions"), !initial->Find("velocity")};
+}
+
+SceneDefaults MakeDefaults(const MotionTensors& tensors, const std::vector<ObservedPoint>& points,
+                           const Eigen::MatrixXd& first_frame, bool smooth, const std::string& path) {
   SceneDefaults defaults;
   defaults.has_mesh = true;
   defaults.mesh = tensors.mesh;
-  defaults.initial_positions = StartPositions(tensors, points);
+  defaults.initial_positions = StartPositions(tensors, points, first_frame);
   defaults.start_time = tensors.times[0];
   defaults.duration = tensors.times[tensors.times.size() - 1] - tensors.times[0];
   defaults.handles = MakeHandles(tensors, smooth, path);
@@ -119,18 +161,29 @@ RecordedMotion InterpretMotion(VerifiedMotion file, const std::string& path, con
   RecordedMotion motion;
   motion.name = path;
   motion.points = MakePoints(file.tensors);
-  const SceneDefaults defaults = MakeDefaults(file.tensors, motion.points, options.smooth_handles, path);
+  motion.sigma = ChooseSigma(file.tensors, options, &motion.sigma_source);
+  FrameTrend trend;
+  trend.positions = file.tensors.positions.col(0).reshaped(3, motion.num_points());
+  if (options.start == StartSource::kSmoothed) trend = StartTrend(file.tensors, motion.sigma);
+  const SceneDefaults defaults =
+      MakeDefaults(file.tensors, motion.points, trend.positions, options.smooth_handles, path);
   const bool embedded = options.scene_path.empty();
   motion.scene_text = embedded ? file.tensors.scene_text : ReadFile(options.scene_path, kMaxJsonBytes);
   if (options.change_scene) motion.scene_text = options.change_scene(motion.scene_text);
   motion.scene = ParseScene(motion.scene_text, embedded ? path + ": scene" : options.scene_path,
                             FolderOf(embedded ? path : options.scene_path), defaults);
+  const OpenStart open = FindOpenStart(motion.scene_text, motion.name);
+  motion.start_source = open.positions ? options.start : StartSource::kScene;
+  if (motion.start_source == StartSource::kSmoothed) {
+    motion.scene.initial_positions = SmoothStartPositions(motion.scene, motion.points, trend);
+    if (open.velocity) motion.scene.initial_velocities = SmoothStartVelocities(motion.scene, motion.points, trend);
+  }
   motion.scene_text = WithInlineSurfaces(motion.scene_text, motion.scene);
   motion.times = std::move(file.tensors.times);
   motion.positions = std::move(file.tensors.positions);
-  motion.sigma = std::move(file.tensors.sigma);
   motion.clouds = std::move(file.tensors.clouds);
-  motion.cloud_sigma = file.tensors.cloud_sigma;
+  const bool is_given = options.sigma_source == SigmaSource::kGiven;
+  motion.cloud_sigma = is_given ? options.sigma : file.tensors.cloud_sigma;
   motion.provenance = std::move(file.tensors.provenance);
   motion.sha256 = std::move(file.sha256);
   return motion;

@@ -19,7 +19,7 @@ class RecordFile {
  public:
   // What the file is for, in words for messages.
   struct Kind {
-    std::string title;     // "clothid journal 2"
+    std::string title;     // "clothid journal 3"
     std::string expected;  // "a journal of evaluations, version 2"
     std::string mismatch;  // completes "FILE: " where the fingerprint is another one
   };

@@ -18,6 +18,21 @@ struct ObservedPoint {
   double weights[3] = {1.0, 0.0, 0.0};
 };
 
+// Where a recording's sigma comes from.
+enum class SigmaSource {
+  kUnknown,    // nobody knows it: residuals are whitened by a guess (datasets/observation.h)
+  kRecorded,   // the recording
+  kGiven,      // the user
+  kEstimated,  // the recording's own scatter in time (datasets/noise_estimate.h)
+};
+
+// Where the start of a rollout comes from.
+enum class StartSource {
+  kScene,       // `initial` of the scene
+  kFirstFrame,  // the first frame
+  kSmoothed,    // the first frames, made a shape that the cloth can have (datasets/start_state.h)
+};
+
 struct RecordedMotion {
   std::string name;                   // for messages: the file it came from
   Eigen::VectorXd times;              // [T] s, strictly increasing
@@ -30,7 +45,9 @@ struct RecordedMotion {
   double cloud_sigma = 0.0;  // m, standard deviation of a coordinate of theirs; 0: not known
   // m, of the measured points as they were before some of them were held out; absent: none were.
   std::optional<Eigen::Vector3d> centroid;
-  Scene scene;             // with mesh, start state and duration of this recording
+  Scene scene;  // with mesh, start state and duration of this recording
+  SigmaSource sigma_source = SigmaSource::kUnknown;
+  StartSource start_source = StartSource::kScene;
   std::string scene_text;  // the JSON that the scene was read from, with the surfaces of obstacles in it
   std::string provenance;
   std::string sha256;  // of the file

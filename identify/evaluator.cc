@@ -121,9 +121,10 @@ bool FitEvaluator::Linearize(const Eigen::VectorXd& coordinates, Linearization* 
   const int num_recordings = problem_->num_recordings();
   std::vector<Eigen::MatrixXd> jacobians(static_cast<std::size_t>(num_recordings));
   std::vector<Eigen::VectorXd> residuals(static_cast<std::size_t>(num_recordings));
+  std::vector<Eigen::MatrixXd> scores(static_cast<std::size_t>(num_recordings));
   const bool ok = ForEachRecording([&](int recording) {
     return problem_->cost(recording).Linearize(problem_->CoordinatesOf(recording, coordinates), &jacobians[recording],
-                                               &residuals[recording]);
+                                               &residuals[recording], &scores[recording]);
   });
   if (!ok) return false;
   *linearization = Linearization();
@@ -135,6 +136,9 @@ bool FitEvaluator::Linearize(const Eigen::VectorXd& coordinates, Linearization* 
     all.bottomRows(jacobians[r].rows()).setZero();
     all.bottomRows(jacobians[r].rows())(Eigen::all, problem_->block_indices(r)) = jacobians[r];
     linearization->gradient(problem_->block_indices(r)) += jacobians[r].transpose() * residuals[r];
+    Eigen::MatrixXd& own = linearization->frame_scores.emplace_back();
+    own.setZero(coordinates.size(), scores[r].cols());
+    own(problem_->block_indices(r), Eigen::all) = scores[r];
     linearization->squared_residual += residuals[r].squaredNorm();
     linearization->num_measurements += problem_->cost(r).model().observation().num_residuals();
     linearization->sigma_is_known &= problem_->cost(r).model().observation().sigma_is_known();

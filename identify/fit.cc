@@ -281,6 +281,26 @@ PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
   return error;
 }
 
+// That of the residuals as the loss weighs them: gross errors, which come and go, hide how the others are correlated.
+double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary) {
+  if (!loss.is_robust()) return summary.error.autocorrelation();
+  PredictionError error;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    const Observation& observation = problem.cost(r).model().observation();
+    const Eigen::VectorXd residuals = observation.Residuals(summary.predicted[r]);
+    Eigen::VectorXd weights;
+    LossWeights(loss, observation, 0, residuals, &weights);
+    Eigen::MatrixXd predicted = summary.predicted[r];
+    for (int row = 0; row < observation.num_residuals(); ++row) {
+      const SeenCoordinate& seen = observation.coordinates()[row];
+      predicted(3 * seen.point + seen.axis, seen.frame) +=
+          (weights[row] - 1.0) * residuals[row] * observation.sigma(seen.point);
+    }
+    error += observation.Compare(predicted);
+  }
+  return error.autocorrelation();
+}
+
 void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitSummary* summary) {
   const FitPoint& best = evaluator.best();
   const Eigen::VectorXd values = problem.Values(best.coordinates);
@@ -390,6 +410,7 @@ void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSum
   FitEvaluator evaluator(&problem, &summary->coordinates, options.num_threads);
   Linearization linearization;
   if (evaluator.Linearize(summary->coordinates, &linearization)) {
+    linearization.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);
     summary->uncertainty = EstimateUncertainty(problem.blocks(), summary->coordinates, linearization);
     if (options.check_interval) {
       summary->interval_check =

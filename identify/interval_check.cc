@@ -32,6 +32,24 @@ int WidestInterval(const std::vector<ParameterBlock>& blocks, const Uncertainty&
   return widest;
 }
 
+// The least costly way to move a parameter by its interval [p]. What it costs is what the covariance of independent
+// residuals says, also where the interval is wider than theirs.
+Eigen::VectorXd LeastCostlyStep(const Uncertainty& uncertainty, int parameter) {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(uncertainty.parameters.size()));
+  const ParameterUncertainty& moved = uncertainty.parameters[parameter];
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    const ParameterUncertainty& other = uncertainty.parameters[i];
+    if (std::isnan(uncertainty.correlation(i, parameter))) continue;
+    if (uncertainty.is_widened) {
+      const double share = uncertainty.independent_correlation(i, parameter) * other.independent_std;
+      step[i] = uncertainty.quantile95 * moved.coordinate_std * share / moved.independent_std;
+    } else {
+      step[i] = kNormal95 * uncertainty.correlation(i, parameter) * other.coordinate_std;
+    }
+  }
+  return step;
+}
+
 }  // namespace
 
 bool IntervalCheck::is_quadratic() const {
@@ -47,13 +65,8 @@ std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& bl
   if (check.parameter < 0) return std::nullopt;
   const double std = uncertainty.parameters[check.parameter].coordinate_std;
   if (IsResolution(blocks[check.parameter], coordinates[check.parameter], std)) return std::nullopt;
-  // The least costly way to move the parameter by its interval.
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(coordinates.size());
-  for (Eigen::Index i = 0; i < step.size(); ++i) {
-    const double correlation = uncertainty.correlation(i, check.parameter);
-    if (!std::isnan(correlation)) step[i] = kNormal95 * correlation * uncertainty.parameters[i].coordinate_std;
-  }
-  const double scale = uncertainty.residual_scale;
+  const Eigen::VectorXd step = LeastCostlyStep(uncertainty, check.parameter);
+  const double scale = uncertainty.residual_scale * uncertainty.parameters[check.parameter].widening;
   const auto rise_at = [&](const Eigen::VectorXd& end) {
     double end_cost = 0.0;
     if (!IsInside(blocks, end) ||

@@ -20,8 +20,8 @@ class FitEvaluator;
 
 struct IntervalCheck {
   int parameter = 0;
-  // 2 (L - L at the estimate)/s^2 at the two ends; 3.84 where the cost is quadratic. NaN: the rollout failed, or the
-  // end lies outside the bounds.
+  // 2 (L - L at the estimate)/(s w)^2 at the two ends, w the widening of the interval; 3.84 where the cost is
+  // quadratic. NaN: the rollout failed, or the end lies outside the bounds.
   double rise_below = std::numeric_limits<double>::quiet_NaN();
   double rise_above = std::numeric_limits<double>::quiet_NaN();
 

@@ -34,7 +34,9 @@ DEFINE_string(jacobian, "adjoint", "adjoint, sensitivity or numeric");
 DEFINE_string(adjoint, "reduced", "how reverse sweeps solve their linear systems, METHOD[:THRESHOLD]");
 DEFINE_string(precision, "adaptive", "adaptive or full");
 DEFINE_string(method, "lm", "lm or lbfgs");
-DEFINE_string(loss, "none", "none or huber:A");
+DEFINE_string(loss, "none", "none, huber:A or cauchy:A");
+DEFINE_string(sigma, "recorded", "standard deviation of a coordinate: recorded, auto or a number in m");
+DEFINE_string(initial, "first", "where the cloth starts if the scene does not say: first or smoothed");
 DEFINE_bool(check_gradients, false, "compare adjoint, sensitivities and finite differences at the start");
 DEFINE_int32(max_iterations, 50, "iterations before the fit counts as not converged");
 DEFINE_int32(threads, 1, "recordings simulated side by side");
@@ -75,7 +77,13 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       threshold as in gmres:1e-6 (reduced, the scene's adjoint_tolerance)
   --precision KIND    adaptive: points far from the solution are simulated loosely; full: none (adaptive)
   --method METHOD     lm: Levenberg-Marquardt; lbfgs: for many parameters (lm)
-  --loss LOSS         none, or huber:A per observed point, A in standard deviations (none)
+  --loss LOSS         none, huber:A or cauchy:A per observed point, A in standard deviations (none). Where sigma is not
+                      known, one is taken as 1e-3 of the cloth's size: see --sigma
+  --sigma SIGMA       standard deviation of a measured coordinate: recorded: that of the recording, if it has one;
+                      auto: where it has none, estimated from the scatter of its points in time; a number in m:
+                      that of every point of every recording (recorded)
+  --initial START     where the cloth starts if the scene does not say: first: at the first frame; smoothed: at a
+                      shape without noise, near the first frames and outside of obstacles, with their velocity (first)
   --check_gradients   compare adjoint, sensitivities and central differences at the start
   --max_iterations N  (50)
   --threads N         recordings simulated side by side; the result does not depend on it (1)
@@ -129,6 +137,8 @@ FitOptions OptionsFromFlags() {
 RecordedMotion Read(const std::string& path) {
   ReadMotionOptions options;
   options.scene_path = FLAGS_scene;
+  options.start = ParseStartSource(FLAGS_initial);
+  ParseSigma(FLAGS_sigma, &options);
   RecordedMotion motion = ReadMotion(path, options);
   if (FLAGS_step_tolerance > 0.0) motion.scene.solver.step_tolerance = FLAGS_step_tolerance;
   return motion;

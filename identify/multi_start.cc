@@ -69,7 +69,7 @@ void FindMinima(const std::vector<ParameterBlock>& blocks, const FitSummary& bes
   }
   std::stable_sort(by_cost.begin(), by_cost.end(),
                    [](const StartResult* a, const StartResult* b) { return a->cost < b->cost; });
-  const double scale = best.uncertainty ? best.uncertainty->residual_scale : 1.0;
+  const double scale = best.uncertainty ? best.uncertainty->residual_scale * best.uncertainty->largest_widening() : 1.0;
   for (StartResult* start : by_cost) {
     std::vector<Minimum>& minima = result->minima;
     const auto found = std::find_if(minima.begin(), minima.end(), [&](const Minimum& minimum) {

@@ -1,7 +1,9 @@
 #include "identify/options.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <optional>
 
 #include "identify/parallel_for.h"
 #include "sim/error.h"
@@ -73,6 +75,26 @@ FitPrecision ParseFitPrecision(const std::string& text) {
   if (text == "adaptive") return FitPrecision::kAdaptive;
   if (text == "full") return FitPrecision::kFull;
   Fail("--precision: expected adaptive or full, got '" + Printable(text) + "'");
+}
+
+void ParseSigma(const std::string& text, ReadMotionOptions* options) {
+  const std::optional<double> sigma = ParseNumber(text);
+  if (text == "recorded") {
+    options->sigma_source = SigmaSource::kRecorded;
+  } else if (text == "auto") {
+    options->sigma_source = SigmaSource::kEstimated;
+  } else if (sigma && *sigma > 0.0 && std::isfinite(*sigma)) {
+    options->sigma_source = SigmaSource::kGiven;
+    options->sigma = *sigma;
+  } else {
+    Fail("--sigma: expected recorded, auto or a number > 0 in m, got '" + Printable(text) + "'");
+  }
+}
+
+StartSource ParseStartSource(const std::string& text) {
+  if (text == "first") return StartSource::kFirstFrame;
+  if (text == "smoothed") return StartSource::kSmoothed;
+  Fail("--initial: expected first or smoothed, got '" + Printable(text) + "'");
 }
 
 std::string JacobianMethodName(JacobianMethod method) {

@@ -12,6 +12,7 @@
 #include "costs/parameter_block.h"
 #include "costs/robust_loss.h"
 #include "costs/rollout_cost.h"
+#include "datasets/motion_file.h"
 
 namespace clothid {
 
@@ -84,6 +85,10 @@ FitMethod ParseFitMethod(const std::string& text);
 JacobianMethod ParseJacobianMethod(const std::string& text);
 FitPrecision ParseFitPrecision(const std::string& text);
 std::string JacobianMethodName(JacobianMethod method);
+// "recorded", "auto" or a number > 0 in m: what `ReadMotionOptions` is to do about sigma; "first" or "smoothed": about
+// the start. Throw `Error` (kUsage).
+void ParseSigma(const std::string& text, ReadMotionOptions* options);
+StartSource ParseStartSource(const std::string& text);
 // METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
 AdjointOptions ParseAdjointOptions(const std::string& text);
 

@@ -1,6 +1,8 @@
 #include "identify/result_json.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -54,10 +56,12 @@ Json UncertaintyJson(const FitSummary& summary) {
   if (!summary.uncertainty) return nullptr;
   const Uncertainty& uncertainty = *summary.uncertainty;
   Json correlation = Json::object(), directions = Json::array(), visible = Json::object(), distance = Json::object();
+  Json widening = Json::object();
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const Eigen::Index row = static_cast<Eigen::Index>(i);
     correlation[summary.parameters[i].name] = NamedJson(summary.parameters, uncertainty.correlation.row(row));
     visible[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].visible_change);
+    widening[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].widening);
     distance[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].distance);
   }
   for (const HiddenDirection& direction : uncertainty.hidden_directions) {
@@ -67,14 +71,16 @@ Json UncertaintyJson(const FitSummary& summary) {
   }
   Json singular_values = Json::array();
   for (const double value : uncertainty.singular_values) singular_values.push_back(NumberJson(value));
-  return {{"residual_scale", NumberJson(uncertainty.residual_scale)},
-          {"residual_autocorrelation", NumberJson(summary.error.autocorrelation())},
-          {"visible_change", visible},
-          {"distance_to_minimum", distance},
-          {"singular_values", singular_values},
-          {"correlation", correlation},
-          {"hidden_directions", directions},
-          {"interval_check", IntervalCheckJson(summary)}};
+  Json json = {{"residual_scale", NumberJson(uncertainty.residual_scale)},
+               {"residual_autocorrelation", NumberJson(summary.error.autocorrelation())},
+               {"visible_change", visible},
+               {"distance_to_minimum", distance},
+               {"singular_values", singular_values},
+               {"correlation", correlation},
+               {"hidden_directions", directions},
+               {"interval_check", IntervalCheckJson(summary)}};
+  if (uncertainty.is_widened) json["widening"] = {{"quantile95", uncertainty.quantile95}, {"parameters", widening}};
+  return json;
 }
 
 // Of point clouds: distances from points to the predicted surface.
@@ -149,6 +155,52 @@ Json ContactEventsJson(const RolloutCounts& counts) {
           {"obstacle_switches", counts.obstacle_switches}};
 }
 
+std::string SourceName(SigmaSource source) {
+  switch (source) {
+    case SigmaSource::kUnknown:
+      return "unknown";
+    case SigmaSource::kRecorded:
+      return "recorded";
+    case SigmaSource::kGiven:
+      return "given";
+    case SigmaSource::kEstimated:
+      return "estimated";
+  }
+  return "unknown";
+}
+
+std::string SourceName(StartSource source) {
+  switch (source) {
+    case StartSource::kScene:
+      return "scene";
+    case StartSource::kFirstFrame:
+      return "first";
+    case StartSource::kSmoothed:
+      return "smoothed";
+  }
+  return "unknown";
+}
+
+// Whether the user had a say in what is assumed about a recording.
+bool IsToldMore(const std::vector<RecordedMotion>& motions) {
+  return std::any_of(motions.begin(), motions.end(), [](const RecordedMotion& motion) {
+    return motion.sigma_source == SigmaSource::kGiven || motion.sigma_source == SigmaSource::kEstimated ||
+           motion.start_source == StartSource::kSmoothed;
+  });
+}
+
+// What was assumed about every recording: the mean over its points of the sigma of residuals, and the start.
+Json RecordingsJson(const std::vector<RecordedMotion>& motions) {
+  Json json = Json::array();
+  for (const RecordedMotion& motion : motions) {
+    const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : std::numeric_limits<double>::quiet_NaN();
+    json.push_back({{"sigma_source", SourceName(motion.sigma_source)},
+                    {"sigma_m", NumberJson(sigma)},
+                    {"initial", SourceName(motion.start_source)}});
+  }
+  return json;
+}
+
 Json ProvenanceJson(const RunRecord& run, const std::vector<RecordedMotion>& motions) {
   std::string sha256;
   for (const RecordedMotion& motion : motions) sha256 += (sha256.empty() ? "" : ",") + motion.sha256;
@@ -185,6 +237,7 @@ std::string ResultJson(const FitSummary& summary, const RunRecord& run, const st
                      {"rollout", summary.statistics.rollout_seconds},
                      {"derivative", summary.statistics.derivative_seconds},
                      {"solver", summary.solver_seconds}};
+  if (IsToldMore(motions)) json["recordings"] = RecordingsJson(motions);
   json["provenance"] = ProvenanceJson(run, motions);
   return json.dump(2) + "\n";
 }

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "identify/correlated_scores.h"
+
 namespace clothid {
 namespace {
 
@@ -18,6 +20,8 @@ constexpr double kVisible = 2.0;
 constexpr double kVectorRounding = 1e-6;
 // Entries of a direction below this share of its largest are left out of its words.
 constexpr double kNegligibleShare = 0.01;
+// Correlations of successive residuals are taken as at most this: a recording would have to be long to tell more.
+constexpr double kHighest = 0.97;
 // Logarithmic entries that differ by less than this share are one common factor.
 constexpr double kCommonFactor = 0.02;
 
@@ -62,6 +66,12 @@ class ScaledJacobian {
   double Solve(Eigen::Index i, const Eigen::VectorXd& vector) const {
     double sum = 0.0;
     for (Eigen::Index j = 0; j < size(); ++j) sum += ranges_[i] * Inverse(i, j) * ranges_[j] * vector[indices_[j]];
+    return sum;
+  }
+  // The same of every column of `vectors` [p x T]: [1 x T].
+  Eigen::RowVectorXd SolveRow(Eigen::Index i, const Eigen::MatrixXd& vectors) const {
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(vectors.cols());
+    for (Eigen::Index j = 0; j < size(); ++j) sum += ranges_[i] * Inverse(i, j) * ranges_[j] * vectors.row(indices_[j]);
     return sum;
   }
   double VisibleChange(Eigen::Index i) const { return 1.0 / std::sqrt(Inverse(i, i)); }
@@ -134,6 +144,7 @@ void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::Vecto
     const double q = coordinates[index];
     const double std = std::hypot(scale * jacobian.CoordinateStd(i), block.Resolution(q));
     parameter.coordinate_std = std;
+    parameter.independent_std = std;
     parameter.std = block.ValueDerivative(q) * std;
     parameter.lower95 = std::max(block.lower_bound, block.ToValue(q - kNormal95 * std));
     parameter.upper95 = std::min(block.upper_bound, block.ToValue(q + kNormal95 * std));
@@ -144,6 +155,67 @@ void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::Vecto
           i == j ? 1.0 : jacobian.Inverse(i, j) / std::sqrt(jacobian.Inverse(i, i) * jacobian.Inverse(j, j));
     }
   }
+  uncertainty->independent_correlation = uncertainty->correlation;
+}
+
+// The intervals of the rows `rows` of `jacobian` again, with the covariance of q over them where it is larger.
+void WidenIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                    const ScaledJacobian& jacobian, const std::vector<Eigen::Index>& rows,
+                    const Eigen::MatrixXd& covariance, Uncertainty* uncertainty) {
+  const double quantile = uncertainty->quantile95;
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const int index = jacobian.indices()[rows[a]];
+    const ParameterBlock& block = blocks[index];
+    ParameterUncertainty& parameter = uncertainty->parameters[index];
+    const double q = coordinates[index];
+    const auto own = static_cast<Eigen::Index>(a);
+    const double std =
+        std::max(parameter.independent_std, std::hypot(std::sqrt(covariance(own, own)), block.Resolution(q)));
+    parameter.coordinate_std = std;
+    parameter.widening = quantile * std / (kNormal95 * parameter.independent_std);
+    parameter.std = block.ValueDerivative(q) * std;
+    parameter.lower95 = std::max(block.lower_bound, block.ToValue(q - quantile * std));
+    parameter.upper95 = std::min(block.upper_bound, block.ToValue(q + quantile * std));
+    for (std::size_t b = 0; b < rows.size(); ++b) {
+      const auto other = static_cast<Eigen::Index>(b);
+      uncertainty->correlation(index, jacobian.indices()[rows[b]]) =
+          a == b ? 1.0 : covariance(own, other) / std::sqrt(covariance(own, own) * covariance(other, other));
+    }
+  }
+}
+
+// Looks whether residuals are correlated, and widens the intervals where they are. `fitted_scale`: the root mean square
+// of the residuals.
+void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                           const Linearization& linearization, const ScaledJacobian& jacobian, double fitted_scale,
+                           Uncertainty* uncertainty) {
+  if (linearization.frame_scores.empty() || fitted_scale < kRoundingResiduals) return;
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
+    if (uncertainty->parameters[jacobian.indices()[i]].identifiable) rows.push_back(i);
+  }
+  if (rows.empty()) return;
+  FrameSeries influences;
+  for (const Eigen::MatrixXd& scores : WithoutEmptyFrames(linearization.frame_scores)) {
+    Eigen::MatrixXd& influence = influences.emplace_back(static_cast<Eigen::Index>(rows.size()), scores.cols());
+    for (std::size_t a = 0; a < rows.size(); ++a) {
+      influence.row(static_cast<Eigen::Index>(a)) = jacobian.SolveRow(rows[a], scores);
+    }
+  }
+  Eigen::VectorXd independent(static_cast<Eigen::Index>(rows.size()));
+  for (Eigen::Index a = 0; a < independent.size(); ++a) {
+    independent[a] = std::pow(fitted_scale * jacobian.CoordinateStd(rows[a]), 2);
+  }
+  if (!(linearization.autocorrelation > kCorrelatedResiduals) && !IsCorrelatedWithinFrames(influences, independent)) {
+    return;
+  }
+  const double correlation =
+      std::isnan(linearization.autocorrelation) ? 0.0 : std::clamp(linearization.autocorrelation, 0.0, kHighest);
+  const Eigen::MatrixXd covariance = CovarianceOfSum(influences, correlation);
+  if (!((covariance.diagonal().array() > 0.0).all() && covariance.allFinite())) return;
+  uncertainty->is_widened = true;
+  uncertainty->quantile95 = Student95(ScoreDegreesOfFreedom(influences, correlation));
+  WidenIntervals(blocks, coordinates, jacobian, rows, covariance, uncertainty);
 }
 
 }  // namespace
@@ -177,6 +249,12 @@ bool Uncertainty::all_identifiable(const std::vector<ParameterBlock>& blocks) co
     if (!blocks[i].frozen && !parameters[i].identifiable) return false;
   }
   return true;
+}
+
+double Uncertainty::largest_widening() const {
+  double largest = 1.0;
+  for (const ParameterUncertainty& parameter : parameters) largest = std::max(largest, parameter.widening);
+  return largest;
 }
 
 bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std) {
@@ -213,8 +291,9 @@ Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const
     direction.words = DescribeDirection(blocks, direction.coordinates);
     uncertainty.hidden_directions.push_back(direction);
   }
-  FillIntervals(blocks, coordinates, linearization.gradient, ScaledJacobian(blocks, linearization.jacobian, off_bounds),
-                uncertainty.residual_scale, &uncertainty);
+  const ScaledJacobian inner(blocks, linearization.jacobian, off_bounds);
+  FillIntervals(blocks, coordinates, linearization.gradient, inner, uncertainty.residual_scale, &uncertainty);
+  AccountForCorrelation(blocks, coordinates, linearization, inner, fitted_scale, &uncertainty);
   return uncertainty;
 }
 

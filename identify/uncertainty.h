@@ -7,6 +7,11 @@
 //                     an estimate is no better than the steps at which the optimiser stops
 //   95 % interval   = value(q -+ 1.96 std(q)), cut at the bounds;   std of the value = dvalue/dq std(q)
 //
+// That takes residuals as independent. Where they are not, because successive ones have a correlation above 0.3 or
+// those of one frame belong together (identify/correlated_scores.h), the covariance of q is the sandwich over frames of
+// that room, nowhere less than the one above, and Student's t takes the place of 1.96. A correlation within frames
+// alone is looked for where the residuals are not the rounding of a recording without noise.
+//
 // Identifiability asks how much the prediction can tell. With D = diag(range of q_i between its bounds), the parameter
 // i moved from bound to bound, while all others move so as to hide it as well as they can, changes the whitened
 // prediction by
@@ -40,6 +45,10 @@ struct Linearization {
   double squared_residual = 0.0;  // |e|^2, twice the cost
   int num_measurements = 0;       // m
   bool sigma_is_known = true;     // false: residuals are whitened by a guess
+  // Per recording [p x T] J_i^T e_i, what each frame adds to the gradient, and the correlation of a coordinate's
+  // residuals from frame to frame. Without them residuals count as independent.
+  std::vector<Eigen::MatrixXd> frame_scores;
+  double autocorrelation = std::numeric_limits<double>::quiet_NaN();
 };
 
 // That of a Ceres problem with rollouts beside residuals of the user's own. `coordinates` [p] are its parameter blocks,
@@ -56,9 +65,11 @@ struct ParameterUncertainty {
   double std = std::numeric_limits<double>::quiet_NaN();
   double lower95 = std::numeric_limits<double>::quiet_NaN();
   double upper95 = std::numeric_limits<double>::quiet_NaN();
-  double coordinate_std = std::numeric_limits<double>::quiet_NaN();  // of q
-  // From the estimate to the minimum of the quadratic model |e + J dq|^2/2 there, in standard deviations: large where a
-  // fit stopped early, or at a kink of the cost. NaN without a std.
+  double coordinate_std = std::numeric_limits<double>::quiet_NaN();   // of q
+  double independent_std = std::numeric_limits<double>::quiet_NaN();  // the same if residuals were independent
+  double widening = 1.0;  // the interval of q over the one that it would have then, at least 1
+  // From the estimate to the minimum of the quadratic model |e + J dq|^2/2 there, in standard deviations as of
+  // independent residuals: large where a fit stopped early, or at a kink of the cost. NaN without a std.
   double distance = std::numeric_limits<double>::quiet_NaN();
   double visible_change = 0.0;  // c_i, in standard deviations of the measurements; 0 where frozen
   bool at_bound = false;        // within 1e-3 of the range from one of its bounds
@@ -79,6 +90,12 @@ struct Uncertainty {
   std::vector<HiddenDirection> hidden_directions;  // the most hidden first
   double residual_scale = 0.0;                     // s
 
+  // Residuals are not independent, and intervals are those of the sandwich.
+  bool is_widened = false;
+  double quantile95 = kNormal95;            // the half-width of an interval in standard deviations
+  Eigen::MatrixXd independent_correlation;  // as `correlation` would be if they were
+
+  double largest_widening() const;
   bool all_identifiable(const std::vector<ParameterBlock>& blocks) const;  // all that are not frozen
 };
 
@@ -86,6 +103,11 @@ struct Uncertainty {
 // is held there while the others get their standard deviations.
 Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                                 const Linearization& linearization);
+
+// Successive residuals with a higher correlation than this are not the noise of a sensor.
+inline constexpr double kCorrelatedResiduals = 0.3;
+// Residuals below this share of sigma are the rounding of a recording without noise.
+inline constexpr double kRoundingResiduals = 1e-3;
 
 // Whether a standard deviation of q is that of the optimiser rather than that of noise: below two resolutions.
 bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std);

@@ -24,14 +24,10 @@ bool IsAnyUnidentifiable(const FitSummary& summary, const RunRecord& run) {
   return false;
 }
 
-// Residuals this correlated from frame to frame are not the noise of a sensor.
-constexpr double kCorrelated = 0.3;
 // Standard deviations between an estimate and the minimum of the quadratic model there; converged fits stay below it.
 constexpr double kFarFromMinimum = 1.0;
 // A profile that falls below the estimate by more than this was not the minimum.
 constexpr double kProfileRounding = 1e-3;
-// Residuals below this share of sigma are the rounding of a recording without noise.
-constexpr double kRounding = 1e-3;
 
 // "mu 0.3, k_stretch 50"
 std::string Values(const FitSummary& summary, const Eigen::VectorXd& values) {
@@ -58,12 +54,33 @@ void AddIdentifiability(const FitSummary& summary, std::vector<std::string>* lin
   }
 }
 
-// Intervals take residuals as independent. With the correlation c from frame to frame, m of them say as much as
+// "mu 2.1, k_stretch 3": by how much intervals are wider than those of independent residuals.
+std::string Widenings(const FitSummary& summary) {
+  std::string text;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const ParameterUncertainty& parameter = summary.uncertainty->parameters[i];
+    if (std::isnan(parameter.std)) continue;
+    text += (text.empty() ? "" : ", ") + summary.parameters[i].name + " " + Number(parameter.widening, 2);
+  }
+  return text;
+}
+
+// Where no interval could be widened: with the correlation c from frame to frame, m residuals say as much as
 // m (1 - c)/(1 + c) independent ones.
 void AddCorrelation(const FitSummary& summary, std::vector<std::string>* lines) {
   constexpr double kHighest = 0.99;
   const double correlation = std::min(summary.error.autocorrelation(), kHighest);
-  if (!summary.uncertainty || summary.uncertainty->residual_scale < kRounding || !(correlation > kCorrelated)) return;
+  if (!summary.uncertainty) return;
+  if (summary.uncertainty->is_widened) {
+    const bool in_time = correlation > kCorrelatedResiduals;
+    lines->push_back((in_time ? "residuals are correlated from frame to frame (" + Number(correlation, 2) +
+                                    "): the model misses something that lasts"
+                              : std::string("residuals of one frame are correlated: an error of the whole frame")) +
+                     "; the intervals count with that and are wider than those of independent residuals by " +
+                     Widenings(summary));
+    return;
+  }
+  if (summary.uncertainty->residual_scale < kRoundingResiduals || !(correlation > kCorrelatedResiduals)) return;
   lines->push_back("residuals are correlated from frame to frame (" + Number(correlation, 2) +
                    "): the model misses something that lasts, and the intervals are too narrow by a factor of about " +
                    Number(std::sqrt((1.0 + correlation) / (1.0 - correlation)), 2));

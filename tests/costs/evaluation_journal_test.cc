@@ -47,7 +47,10 @@ EvaluationOutcome OutcomeNumber(int i) {
   outcome.evaluation.cost = std::numeric_limits<double>::denorm_min();
   outcome.evaluation.loss_row = -0.0;
   outcome.evaluation.has_rows = true;
-  outcome.evaluation.rows = {{0, 1}, Eigen::Vector2d(kInfinity, -kInfinity), Eigen::MatrixXd::Constant(2, 2, -kNan)};
+  outcome.evaluation.rows = {{0, 1},
+                             Eigen::Vector2d(kInfinity, -kInfinity),
+                             Eigen::MatrixXd::Constant(2, 2, -kNan),
+                             Eigen::MatrixXd::Constant(2, 3, kNan)};
   outcome.evaluation.has_gradient = i % 2 == 1;
   outcome.evaluation.gradient = Eigen::Vector2d(1e300, i);
   outcome.statistics.rollouts = 3 + i;
@@ -77,6 +80,7 @@ void ExpectSameEvaluation(const RolloutEvaluation& a, const RolloutEvaluation& b
   EXPECT_EQ(a.rows.active, b.rows.active);
   EXPECT_TRUE(SameBits(a.rows.residuals, b.rows.residuals));
   EXPECT_TRUE(SameBits(a.rows.jacobian, b.rows.jacobian));
+  EXPECT_TRUE(SameBits(a.rows.frame_scores, b.rows.frame_scores));
   EXPECT_EQ(a.has_gradient, b.has_gradient);
   EXPECT_TRUE(SameBits(a.gradient, b.gradient));
 }

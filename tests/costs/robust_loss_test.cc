@@ -17,7 +17,11 @@ RobustLoss Huber(double scale) { return ParseRobustLoss("huber:" + std::to_strin
 TEST(RobustLossTest, ParsesItsNames) {
   EXPECT_FALSE(ParseRobustLoss("none").is_robust());
   EXPECT_EQ(ParseRobustLoss("huber:2.5").scale, 2.5);
-  for (const char* text : {"", "huber", "huber:", "huber:0", "huber:-1", "huber:nan", "huber:2x", "cauchy:1"}) {
+  EXPECT_EQ(ParseRobustLoss("huber:2.5").kind, RobustLoss::Kind::kHuber);
+  EXPECT_EQ(ParseRobustLoss("cauchy:3").scale, 3.0);
+  EXPECT_EQ(ParseRobustLoss("cauchy:3").kind, RobustLoss::Kind::kCauchy);
+  for (const char* text : {"", "huber", "huber:", "huber:0", "huber:-1", "huber:nan", "huber:2x", "cauchy:0",
+                           "cauchy:", "cauchy", "cauchy:1e-200", "tukey:1"}) {
     ExpectError([&] { ParseRobustLoss(text); }, ErrorKind::kUsage, {"loss", text});
   }
 }
@@ -36,11 +40,25 @@ TEST(RobustLossTest, WeighsWholePoints) {
   EXPECT_TRUE(weights.tail(weights.size() - 5).isOnes());
 }
 
-TEST(RobustLossTest, WeightsGiveTheGradient) {
+TEST(RobustLossTest, CauchyForgetsWhatIsFarAway) {
+  const Observation observation(MakeMotion(SwingScene(), {}));
+  Eigen::VectorXd e = Eigen::VectorXd::Zero(observation.num_residuals());
+  e.head(6) << 0.3, 0.4, 0.0, 3e3, 0.0, 4e3;  // |e| = 0.5 and 5000
+  Eigen::VectorXd weights;
+  const double cost = LossWeights(ParseRobustLoss("cauchy:2"), observation, 0, e, &weights);
+  EXPECT_NEAR(cost, 0.5 * 4.0 * (std::log(1.0 + 0.25 / 4.0) + std::log(1.0 + 25e6 / 4.0)), 1e-12);
+  EXPECT_TRUE(weights.head(3).isApproxToConstant(std::sqrt(1.0 / (1.0 + 0.25 / 4.0)), 1e-14));
+  EXPECT_LT(weights[3] * weights[3] * 5e3, 1e-3) << "its pull";
+}
+
+class RobustLossGradientTest : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Losses, RobustLossGradientTest, testing::Values("huber:2", "cauchy:2", "cauchy:0.1"));
+
+TEST_P(RobustLossGradientTest, WeightsGiveTheGradient) {
   const Observation observation(MakeMotion(SwingScene(), {}));
   std::srand(8);
   const Eigen::VectorXd e = 3.0 * Eigen::VectorXd::Random(30), direction = Eigen::VectorXd::Random(30);
-  const RobustLoss loss = Huber(2.0);
+  const RobustLoss loss = ParseRobustLoss(GetParam());
   Eigen::VectorXd weights, unused;
   LossWeights(loss, observation, 0, e, &weights);
   const double step = 1e-6;
@@ -48,6 +66,17 @@ TEST(RobustLossTest, WeightsGiveTheGradient) {
                              LossWeights(loss, observation, 0, e - step * direction, &unused)) /
                             (2.0 * step);
   EXPECT_NEAR(weights.cwiseAbs2().cwiseProduct(e).dot(direction), difference, 1e-7 * std::abs(difference));
+}
+
+// 2 L - |w e|^2 is what the row of the loss is the root of.
+TEST_P(RobustLossGradientTest, TheWeightedRowsNeverExceedTheLoss) {
+  const Observation observation(MakeMotion(SwingScene(), {}));
+  Eigen::VectorXd weights;
+  for (const double size : {1e-12, 1e-6, 1e-3, 1.0, 1e3, 1e9}) {
+    const Eigen::VectorXd e = Eigen::VectorXd::Constant(30, size);
+    const double cost = LossWeights(ParseRobustLoss(GetParam()), observation, 0, e, &weights);
+    EXPECT_GE(2.0 * cost, (1.0 - 1e-15) * weights.cwiseProduct(e).squaredNorm()) << size;
+  }
 }
 
 TEST(RobustLossTest, WithoutLossIsLeastSquares) {

@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RolloutCostTest,
                          [](const auto& test) { return test.param.name; });
 
 TEST_P(RolloutCostTest, GradientsAgreeWithCentralDifferences) {
-  for (const char* loss : {"none", "huber:2"}) {
+  for (const char* loss : {"none", "huber:2", "cauchy:2"}) {
     for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
       RolloutCostOptions options = WithJacobian(method);
       options.loss = ParseRobustLoss(loss);
@@ -124,7 +124,7 @@ TEST_P(RolloutCostTest, GradientsAgreeWithCentralDifferences) {
 }
 
 TEST_P(RolloutCostTest, AdjointAgreesWithSensitivities) {
-  for (const char* loss : {"none", "huber:2"}) {
+  for (const char* loss : {"none", "huber:2", "cauchy:2"}) {
     RolloutCostOptions options = WithJacobian(JacobianMethod::kAdjoint);
     options.loss = ParseRobustLoss(loss);
     const RolloutCost adjoint(motion_, blocks_, options);
@@ -401,7 +401,11 @@ TEST(RolloutCostTest, LinearizationIsThatOfTheFullResidualWithEveryMethod) {
     const RolloutCost cost(motion, blocks, options);
     Eigen::MatrixXd jacobian;
     Eigen::VectorXd residuals;
-    ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals)) << cost.last_failure();
+    Eigen::MatrixXd scores;
+    ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals, &scores)) << cost.last_failure();
+    ASSERT_EQ(scores.cols(), motion.num_frames());
+    EXPECT_LT((scores.rowwise().sum() - full.gradient()).norm(), 1e-10 * full.gradient().norm());
+    EXPECT_TRUE(scores.col(0).isZero()) << "the first frame is the start, whatever the parameters";
     EXPECT_LT((jacobian.transpose() * jacobian - hessian).norm(), 1e-12 * hessian.norm());
     EXPECT_NEAR(residuals.squaredNorm(), 2.0 * full.cost(), 1e-12 * full.cost());
     EXPECT_LT((jacobian.transpose() * residuals - full.gradient()).norm(), 1e-10 * full.gradient().norm());

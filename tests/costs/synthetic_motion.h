@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <random>
@@ -114,6 +115,18 @@ inline RecordedMotion MakeMotion(const Scene& scene, const MotionOptions& option
   std::normal_distribution<double> normal(0.0, 1.0);
   for (double& position : motion.positions.reshaped()) position += options.noise * normal(generator);
   return motion;
+}
+
+// Adds noise that lasts: of the standard deviation `sigma` m, with the correlation `in_time` from frame to frame.
+inline void AddLastingNoise(double sigma, double in_time, unsigned seed, RecordedMotion* motion) {
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal(0.0, sigma);
+  Eigen::VectorXd noise(motion->positions.rows());
+  for (double& value : noise) value = normal(generator);
+  for (int i = 0; i < motion->num_frames(); ++i) {
+    motion->positions.col(i) += noise;
+    for (double& value : noise) value = in_time * value + std::sqrt(1.0 - in_time * in_time) * normal(generator);
+  }
 }
 
 inline std::vector<ParameterBlock> MakeBlocks(const Scene& scene, const std::vector<std::string>& names) {

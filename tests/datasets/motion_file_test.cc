@@ -12,6 +12,7 @@
 #include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <utility>
 
 #include "datasets/sha256.h"
@@ -604,6 +605,49 @@ TEST_F(MotionFile, SmoothsHandlePathsOnRequest) {
   const RecordedMotion raw = Read(tensors, options);
   EXPECT_EQ(raw.scene.handles.path.positions(), tensors.handle_positions);
   EXPECT_EQ(raw.scene.initial_positions.head<3>(), tensors.handle_positions.col(0).head<3>());
+}
+
+// 60 frames of a cloth that hangs still, with noise of 2 mm.
+TEST_F(MotionFile, EstimatesSigmaAndSmoothsTheStartOnRequest) {
+  MotionTensors tensors = SmallMotion();
+  tensors.scene_text = "{\"clothid_scene\": 1}";
+  tensors.handle_index.clear();
+  tensors.handle_positions.resize(0, 0);
+  tensors.sigma.resize(0);
+  tensors.times = Eigen::VectorXd::LinSpaced(60, 0.0, 6.0);
+  tensors.positions = tensors.mesh.rest_positions.reshaped().replicate(1, 60);
+  std::mt19937_64 generator(1);
+  std::normal_distribution<double> normal(0.0, 2e-3);
+  for (double& position : tensors.positions.reshaped()) position += normal(generator);
+
+  RecordedMotion motion = Read(tensors);
+  EXPECT_EQ(motion.sigma_source, SigmaSource::kUnknown);
+  EXPECT_EQ(motion.sigma.size(), 0);
+  EXPECT_EQ(motion.start_source, StartSource::kFirstFrame);
+  const auto error = [&] { return (motion.scene.initial_positions - tensors.mesh.rest_positions.reshaped()).norm(); };
+  const double first_error = error();
+
+  ReadMotionOptions options;
+  options.start = StartSource::kSmoothed;
+  options.sigma_source = SigmaSource::kEstimated;
+  motion = Read(tensors, options);
+  EXPECT_EQ(motion.sigma_source, SigmaSource::kEstimated);
+  EXPECT_NEAR(motion.sigma.mean(), 2e-3, 3e-4);
+  EXPECT_EQ(motion.start_source, StartSource::kSmoothed);
+  EXPECT_LT(error(), 0.6 * first_error);
+  EXPECT_TRUE(motion.scene.initial_velocities.isZero());
+
+  options.sigma_source = SigmaSource::kGiven;
+  options.sigma = 5e-3;
+  EXPECT_TRUE((Read(tensors, options).sigma.array() == 5e-3).all());
+  tensors.sigma = Eigen::VectorXd::Constant(9, 1e-3);
+  EXPECT_EQ(Read(tensors, options).sigma_source, SigmaSource::kGiven);
+  options.sigma_source = SigmaSource::kEstimated;
+  EXPECT_EQ(Read(tensors, options).sigma, tensors.sigma) << "what a recording knows is not estimated";
+  tensors.scene_text = R"({"clothid_scene": 1, "initial": {"positions": "rest"}})";
+  motion = Read(tensors, options);
+  EXPECT_EQ(motion.start_source, StartSource::kScene);
+  EXPECT_EQ(error(), 0.0) << "what the scene says stays";
 }
 
 TEST_F(MotionFile, TakesAnotherSceneOnRequest) {

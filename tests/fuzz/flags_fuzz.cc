@@ -64,6 +64,12 @@ void ReadPlan(const std::string& text) {
   Check(plan.num_cells() > 0 && plan.num_cells() <= kMaxLandscapeCells, "a number of cells within its limit");
 }
 
+void ReadSigma(const std::string& text) {
+  ReadMotionOptions options;
+  ParseSigma(text, &options);
+  Check(options.sigma_source != SigmaSource::kGiven || options.sigma > 0.0, "a sigma that is positive");
+}
+
 struct Flag {
   std::function<void(const std::string& text)> read;
   const char* name;  // in every message
@@ -82,6 +88,8 @@ const std::array kFlags = {
     Flag{[](const std::string& text) { ParseJacobianMethod(text); }, "--jacobian"},
     Flag{[](const std::string& text) { ParseFitPrecision(text); }, "--precision"},
     Flag{ReadRecordingParameter, "parameter"},
+    Flag{ReadSigma, "--sigma"},
+    Flag{[](const std::string& text) { ParseStartSource(text); }, "--initial"},
 };
 
 }  // namespace

@@ -55,6 +55,7 @@ void ExpectSame(const FitSummary& a, const FitSummary& b) {
   ASSERT_EQ(a.uncertainty.has_value(), b.uncertainty.has_value());
   for (std::size_t i = 0; a.uncertainty && i < a.parameters.size(); ++i) {
     EXPECT_TRUE(SameBits(a.uncertainty->parameters[i].coordinate_std, b.uncertainty->parameters[i].coordinate_std));
+    EXPECT_TRUE(SameBits(a.uncertainty->parameters[i].widening, b.uncertainty->parameters[i].widening));
   }
   ASSERT_EQ(a.interval_check.has_value(), b.interval_check.has_value());
   if (a.interval_check) {
@@ -129,6 +130,17 @@ class JournaledFitTest : public testing::Test {
   std::vector<RecordedMotion> motions_;
   FitOptions options_;
 };
+
+TEST_F(JournaledFitTest, ReplaysIntervalsThatWereWidened) {
+  for (RecordedMotion& motion : motions_) AddLastingNoise(3e-3, 0.9, 5, &motion);
+  for (const JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
+    options_.jacobian = method;
+    options_.journal_tag = JacobianMethodName(method);
+    const FitSummary first = RunFit();
+    ASSERT_TRUE(first.uncertainty && first.uncertainty->is_widened);
+    ExpectSame(RunFit(), first);
+  }
+}
 
 class PrefixTest : public JournaledFitTest,
                    public testing::WithParamInterface<std::tuple<FitMethod, JacobianMethod, int>> {};

@@ -40,6 +40,23 @@ TEST(OptionsTest, ParsesAdjointMethodsWithTheirThresholds) {
   }
 }
 
+TEST(OptionsTest, ParsesWhatIsAssumedAboutNoiseAndStart) {
+  ReadMotionOptions options;
+  ParseSigma("auto", &options);
+  EXPECT_EQ(options.sigma_source, SigmaSource::kEstimated);
+  ParseSigma("recorded", &options);
+  EXPECT_EQ(options.sigma_source, SigmaSource::kRecorded);
+  ParseSigma("0.004", &options);
+  EXPECT_EQ(options.sigma_source, SigmaSource::kGiven);
+  EXPECT_EQ(options.sigma, 0.004);
+  for (const char* text : {"", "0", "-1", "nan", "inf", "4mm", "estimated"}) {
+    ExpectError([&] { ParseSigma(text, &options); }, ErrorKind::kUsage, {"--sigma", text});
+  }
+  EXPECT_EQ(ParseStartSource("first"), StartSource::kFirstFrame);
+  EXPECT_EQ(ParseStartSource("smoothed"), StartSource::kSmoothed);
+  ExpectError([] { ParseStartSource("scene"); }, ErrorKind::kUsage, {"--initial", "scene"});
+}
+
 TEST(OptionsTest, ValidatesItself) {
   EXPECT_NO_THROW(FitOptions().Validate());
   FitOptions options;

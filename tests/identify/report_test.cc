@@ -91,6 +91,24 @@ TEST(ReportTest, ResultHasItsSchema) {
   EXPECT_TRUE(Json::parse(ResultJson(summary, RunRecord(), motions))["holdout"].is_null());
 }
 
+TEST(ReportTest, ResultSaysWhatWasAssumedAndByHowMuchIntervalsWereWidened) {
+  std::vector<RecordedMotion> motions = TwoMotions();
+  FitSummary summary = RunFit(motions, 1);
+  motions[0].sigma = Eigen::VectorXd::Constant(motions[0].num_points(), 2e-3);
+  motions[0].sigma_source = SigmaSource::kEstimated;
+  motions[1].start_source = StartSource::kSmoothed;
+  summary.uncertainty->is_widened = true;
+  summary.uncertainty->quantile95 = 2.5;
+  summary.uncertainty->parameters[1].widening = 3.0;
+  const Json json = Json::parse(ResultJson(summary, RunRecord(), motions));
+  EXPECT_EQ(json["recordings"][0]["sigma_source"], "estimated");
+  EXPECT_NEAR(json["recordings"][0]["sigma_m"].get<double>(), 2e-3, 1e-15);
+  EXPECT_EQ(json["recordings"][0]["initial"], "scene");
+  EXPECT_EQ(json["recordings"][1]["initial"], "smoothed");
+  EXPECT_EQ(json["uncertainty"]["widening"]["quantile95"], 2.5);
+  EXPECT_EQ(json["uncertainty"]["widening"]["parameters"]["k_stretch"], 3.0);
+}
+
 TEST(ReportTest, ContactsAreCountedAtTheEstimate) {
   const std::vector<RecordedMotion> motions = TwoMotions();
   const FitSummary summary = RunFit(motions, 1);

@@ -100,6 +100,32 @@ TEST(IntervalCheckTest, FindsTheRiseOfAQuadraticCost) {
   EXPECT_TRUE(summary.interval_check->is_quadratic());
 }
 
+// The covariance of independent residuals would say less than half of it.
+TEST(LastingNoiseTest, WidensTheIntervalsAndWhatIsJudgedByThem) {
+  MotionOptions truth;
+  truth.true_values = {{"k_stretch", 150.0}};
+  Scene scene = SwingScene();
+  scene.duration *= 4.0;
+  RecordedMotion motion = MakeMotion(scene, truth);
+  AddLastingNoise(1e-3, 0.8, 3, &motion);
+  const FitOptions options = OptionsFor({"k_stretch"});
+  FitProblem problem({motion}, options);
+  const FitSummary summary = Fit(options, &problem);
+  ASSERT_TRUE(summary.uncertainty.has_value());
+  EXPECT_TRUE(summary.uncertainty->is_widened);
+  const ParameterUncertainty& k = summary.uncertainty->parameters[0];
+  EXPECT_GT(k.widening, 1.5);
+  EXPECT_LT(k.lower95, 150.0);
+  EXPECT_GT(k.upper95, 150.0);
+  EXPECT_NEAR(std::log(k.upper95 / k.lower95), 2.0 * kNormal95 * k.widening * k.independent_std, 1e-9);
+  // The ends of the wider interval are where the cost is looked at, and where a profile ends.
+  ASSERT_TRUE(summary.interval_check.has_value());
+  EXPECT_TRUE(summary.interval_check->is_quadratic()) << summary.interval_check->rise_above;
+  CostStatistics statistics;
+  const Profile profile = ProfileParameter(options, summary, "k_stretch", &problem, &statistics);
+  EXPECT_NEAR(profile.lower95, k.lower95, 0.1 * (k.upper95 - k.lower95));
+}
+
 TEST(IntervalCheckTest, FindsACostThatIsNot) {
   FitOptions options = OptionsFor({"k_stretch"});
   FitProblem problem({NoisySwing()}, options);

@@ -87,6 +87,21 @@ TEST(VerdictTest, SaysWhereResidualsAreNotIndependent) {
   EXPECT_FALSE(Says(summary, {}, "correlated"));
 }
 
+TEST(VerdictTest, SaysByHowMuchIntervalsWereWidened) {
+  FitSummary summary = Converged();
+  summary.uncertainty->residual_scale = 1.0;
+  summary.uncertainty->is_widened = true;
+  summary.uncertainty->parameters[0].std = 0.1;
+  summary.uncertainty->parameters[0].widening = 2.5;
+  summary.error.successive_squares = 1.0;
+  summary.error.successive_products = 0.6;
+  EXPECT_TRUE(Says(summary, {}, "correlated from frame to frame (0.6)"));
+  EXPECT_TRUE(Says(summary, {}, "wider than those of independent residuals by mu 2.5"));
+  EXPECT_FALSE(Says(summary, {}, "too narrow"));
+  summary.error.successive_products = 0.1;
+  EXPECT_TRUE(Says(summary, {}, "residuals of one frame are correlated"));
+}
+
 TEST(VerdictTest, SaysWhereTheCostIsNotQuadratic) {
   FitSummary summary = Converged();
   summary.interval_check = IntervalCheck{0, 3.7, 4.0};
