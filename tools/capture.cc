@@ -10,7 +10,6 @@ Capture TakeCapture(const GridScene& grid_scene, const FineTruth& truth, const S
   motion.points_at = [&truth](double time) { return truth.PointsAt(time); };
   Capture capture;
   capture.points = SeePoints(sensor, motion, seed);
-  capture.points.faces = grid_scene.scene.mesh.faces;
   const HandlePath& path = grid_scene.scene.handles.path;
   if (path.num_handles() > 0) capture.handles = SeeHandles(sensor, path, motion.start, motion.end, seed);
   return capture;

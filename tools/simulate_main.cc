@@ -69,7 +69,7 @@ converge, 130 interrupted: nothing is written.
 
 Examples:
   simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 --noise 0.001 --output /tmp/drape.motion.bin
-  simulate --scene datasets/capture.scene.json --sensor datasets/capture.sensor.json --set mu=0.3,k_stretch=30 \
+  simulate --scene datasets/capture/scene.json --sensor datasets/capture/sensor.json --set mu=0.3,k_stretch=30 \
     --output /tmp/points.csv --handles_output /tmp/gripper.csv
 )";
 

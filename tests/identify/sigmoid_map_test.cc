@@ -8,11 +8,21 @@
 namespace clothid {
 namespace {
 
+ParameterBlock MakeBlock(const std::string& name, ParameterScale scale, double start, double lower, double upper) {
+  ParameterBlock block;
+  block.name = name;
+  block.scale = scale;
+  block.start = start;
+  block.lower_bound = lower;
+  block.upper_bound = upper;
+  return block;
+}
+
 std::vector<ParameterBlock> MakeBlocks() {
-  ParameterBlock friction{"mu", ParameterScale::kLinear, 0.5, 0.0, 2.0, false};
-  ParameterBlock frozen{"density", ParameterScale::kLog, 0.2, 0.1, 0.4, true};
-  ParameterBlock stretch{"k_stretch", ParameterScale::kLog, 100.0, 1.0, 1e5, false};
-  return {friction, frozen, stretch};
+  ParameterBlock frozen = MakeBlock("density", ParameterScale::kLog, 0.2, 0.1, 0.4);
+  frozen.frozen = true;
+  return {MakeBlock("mu", ParameterScale::kLinear, 0.5, 0.0, 2.0), frozen,
+          MakeBlock("k_stretch", ParameterScale::kLog, 100.0, 1.0, 1e5)};
 }
 
 TEST(SigmoidMapTest, StartsAtTheStartAndStaysInside) {
