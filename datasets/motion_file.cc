@@ -233,7 +233,7 @@ template <typename Stored, typename Derived>
 std::string ToBytes(const Eigen::DenseBase<Derived>& values) {
   const Eigen::Array<Stored, Eigen::Dynamic, Eigen::Dynamic> stored = values.derived().array().template cast<Stored>();
   std::string bytes(static_cast<std::size_t>(stored.size()) * sizeof(Stored), '\0');
-  std::memcpy(bytes.data(), stored.data(), bytes.size());
+  if (!bytes.empty()) std::memcpy(bytes.data(), stored.data(), bytes.size());
   return bytes;
 }
 

@@ -282,6 +282,7 @@ PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
 }
 
 // That of the residuals as the loss weighs them: gross errors, which come and go, hide how the others are correlated.
+// Points of clouds count as they are.
 double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary) {
   if (!loss.is_robust()) return summary.error.autocorrelation();
   PredictionError error;
@@ -293,6 +294,7 @@ double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem
     Eigen::MatrixXd predicted = summary.predicted[r];
     for (int row = 0; row < observation.num_residuals(); ++row) {
       const SeenCoordinate& seen = observation.coordinates()[row];
+      if (seen.point >= observation.num_points()) continue;
       predicted(3 * seen.point + seen.axis, seen.frame) +=
           (weights[row] - 1.0) * residuals[row] * observation.sigma(seen.point);
     }

@@ -38,8 +38,9 @@ class CaptureTest : public ToolTest {
 
 TEST_F(CaptureTest, CheckNamesItsFaults) {
   ExpectSuccess(kConvert);
-  ExpectSuccess("motion check capture.bin --json > check.json");
-  const nlohmann::json check = Json("check.json");
+  const ToolResult result = Run("motion check capture.bin --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json check = nlohmann::json::parse(result.out);
   EXPECT_EQ(FindingOf(check, "order of points")["frames"], (std::vector<int>{21, 22}));
   EXPECT_EQ(FindingOf(check, "gaps")["frames"], std::vector<int>{18});
   EXPECT_EQ(FindingOf(check, "missing points")["verdict"], "note");
@@ -72,8 +73,9 @@ TEST_F(CaptureTest, SimulateGivesTheRawFiles) {
 }
 
 TEST_F(CaptureTest, TheTruthIsInsideTheIntervals) {
-  ExpectSuccess(std::string("identify --target ") + kShipped +
-                " --fit mu,k_stretch,time_offset --sigma auto --output result --report=false");
+  const ToolResult result = Run(std::string("identify --target ") + kShipped +
+                                " --fit mu,k_stretch,time_offset --sigma auto --output result --report=false");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json parameters = Json("result/result.json")["parameters"];
   const auto expect_inside = [&](const char* name, double truth) {
     EXPECT_LE(parameters[name]["lower95"].get<double>(), truth) << name;

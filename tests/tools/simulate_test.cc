@@ -66,7 +66,7 @@ TEST_F(SimulateTest, PrintsASummary) {
 TEST_F(SimulateTest, AnswersHelpAndVersion) {
   const ToolResult help = Run("simulate --help");
   EXPECT_EQ(help.exit_code, 0);
-  EXPECT_NE(help.out.find("Example:"), std::string::npos);
+  EXPECT_NE(help.out.find("Examples:"), std::string::npos);
   const ToolResult version = Run("simulate --version");
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.out.rfind("simulate (clothid) ", 0), 0u) << version.out;
