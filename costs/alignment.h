@@ -6,10 +6,9 @@
 //
 // x: the rollout of the scene, started with v0 added to the velocity of every free node; its handles, obstacles and
 // wind stay on the scene's clock and in the scene's frame, and so does its start, also where that is the first frame as
-// it was recorded. R(turn): the rotation about the direction of `turn` by
-// |turn|. c: the centroid of the measured points. So `shift` and `turn` are what must be added to the prediction to
-// meet the recording, `time_offset` what must be added to the times of the recording to meet the scene: positive where
-// its clock is behind.
+// it was recorded. R(turn): the rotation about the direction of `turn` by |turn|. c: the centroid of the measured
+// points. So `shift` and `turn` are what must be added to the prediction to meet the recording, `time_offset` what must
+// be added to the times of the recording to meet the scene: positive where its clock is behind.
 #ifndef CLOTHID_COSTS_ALIGNMENT_H_
 #define CLOTHID_COSTS_ALIGNMENT_H_
 

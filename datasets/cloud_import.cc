@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -17,6 +16,8 @@
 #include <utility>
 
 #include "datasets/cloth_surface.h"
+#include "datasets/frame_names.h"
+#include "datasets/handle_tracks.h"
 #include "datasets/scene_text.h"
 #include "sim/error.h"
 #include "sim/json_document.h"
@@ -42,31 +43,6 @@ constexpr double kMaxVoxels = 1e15;
 
 void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
-}
-
-bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-// "2.npy" before "10.npy": runs of digits count by their value.
-bool ComesBefore(const std::string& a, const std::string& b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!IsDigit(a[i]) || !IsDigit(b[j])) {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-      continue;
-    }
-    const auto run = [](const std::string& text, std::size_t* at) {
-      while (*at < text.size() && text[*at] == '0') ++*at;
-      const std::size_t begin = *at;
-      while (*at < text.size() && IsDigit(text[*at])) ++*at;
-      return text.substr(begin, *at - begin);
-    };
-    const std::string number = run(a, &i), other = run(b, &j);
-    if (number.size() != other.size()) return number.size() < other.size();
-    if (number != other) return number < other;
-  }
-  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
 }
 
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
@@ -108,15 +84,6 @@ Eigen::VectorXd Times(const CloudImportOptions& options, std::size_t num_frames)
                                          std::to_string(num_frames));
   }
   return options.times;
-}
-
-void SampleHandles(const Scene& scene, MotionTensors* motion) {
-  if (scene.handles.nodes.empty() || scene.handles.path.num_handles() == 0) return;
-  motion->handle_index = scene.handles.nodes;
-  motion->handle_positions.resize(3 * static_cast<Eigen::Index>(scene.handles.nodes.size()), motion->times.size());
-  for (Eigen::Index frame = 0; frame < motion->times.size(); ++frame) {
-    motion->handle_positions.col(frame) = scene.handles.path.At(motion->times[frame]);
-  }
 }
 
 // Every node at its start in the first frame, and not seen afterwards.
@@ -176,7 +143,7 @@ std::vector<std::string> ListCloudFiles(const std::string& input) {
   if (files.size() > kMaxCloudFiles) {
     throw Error(ErrorKind::kBadData, input + ": expected at most " + std::to_string(kMaxCloudFiles) + " files");
   }
-  std::sort(files.begin(), files.end(), ComesBefore);
+  std::sort(files.begin(), files.end(), &NaturalLess);
   return files;
 }
 
@@ -261,7 +228,7 @@ MotionTensors ImportClouds(const CloudImportOptions& options) {
     motion.mesh.rest_positions = FitPose(scene.mesh, motion.clouds.front());
   }
   if (start_is_first_frame) TrackStart(scene, &motion);
-  SampleHandles(scene, &motion);
+  SetHandlePaths(scene.handles, &motion);
   motion.provenance = "point clouds: " + std::to_string(files.size()) + " files";
   return motion;
 }

@@ -64,7 +64,20 @@ void ExpectCovered(const HandlePath& path, const Eigen::VectorXd& times, const s
                                        " s; expected another time offset");
 }
 
+// [3H x T] m.
+Eigen::MatrixXd SamplePath(const HandlePath& path, const Eigen::VectorXd& times) {
+  Eigen::MatrixXd positions(3 * static_cast<Eigen::Index>(path.num_handles()), times.size());
+  for (Eigen::Index frame = 0; frame < times.size(); ++frame) positions.col(frame) = path.At(times[frame]);
+  return positions;
+}
+
 }  // namespace
+
+void SetHandlePaths(const Handles& handles, MotionTensors* motion) {
+  if (handles.nodes.empty() || handles.path.num_handles() == 0) return;
+  motion->handle_index = handles.nodes;
+  motion->handle_positions = SamplePath(handles.path, motion->times);
+}
 
 Eigen::MatrixXd ReadHandlePositions(const HandleFile& file, const std::vector<int>& nodes, const Eigen::VectorXd& times,
                                     double time_shift) {
@@ -79,9 +92,7 @@ Eigen::MatrixXd ReadHandlePositions(const HandleFile& file, const std::vector<in
   }
   const HandlePath path((own.times().array() - file.time_offset) + time_shift, positions);
   ExpectCovered(path, times, file.path);
-  Eigen::MatrixXd result(positions.rows(), times.size());
-  for (Eigen::Index frame = 0; frame < times.size(); ++frame) result.col(frame) = path.At(times[frame]);
-  return result;
+  return SamplePath(path, times);
 }
 
 Eigen::MatrixXd MeasuredHandlePositions(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions,

@@ -1,4 +1,5 @@
-// The paths of handles for a recording: from a second file at another rate and clock, or from the measured points.
+// The paths of handles for a recording: those of a scene, from a second file at another rate and clock, or from the
+// measured points.
 #ifndef CLOTHID_DATASETS_HANDLE_TRACKS_H_
 #define CLOTHID_DATASETS_HANDLE_TRACKS_H_
 
@@ -7,7 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "datasets/motion_file.h"
+#include "sim/scene.h"
+
 namespace clothid {
+
+// Gives `motion` the handles of a scene with their path at its times; none where they do not move.
+void SetHandlePaths(const Handles& handles, MotionTensors* motion);
 
 // A file of handle paths: `time,x0,y0,z0,..` (sim/handle_csv.h), or ROS poses of a tool that holds the nodes
 // (datasets/ros_csv.h). In m and s.

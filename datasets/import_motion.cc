@@ -125,14 +125,7 @@ void SetScene(const ImportOptions& options, const std::string& source, MotionTen
   read.scene_path = options.scene_path;
   read.smooth_handles = false;
   const RecordedMotion motion = InterpretMotion({*tensors, ""}, source, read);
-  const Handles& handles = motion.scene.handles;
-  if (tensors->handle_index.empty() && handles.path.num_handles() > 0) {
-    tensors->handle_index = handles.nodes;
-    tensors->handle_positions.resize(3 * static_cast<Eigen::Index>(handles.nodes.size()), tensors->times.size());
-    for (Eigen::Index frame = 0; frame < tensors->times.size(); ++frame) {
-      tensors->handle_positions.col(frame) = handles.path.At(tensors->times[frame]);
-    }
-  }
+  if (tensors->handle_index.empty()) SetHandlePaths(motion.scene.handles, tensors);
   tensors->scene_text = WithoutFiles(motion.scene_text, options.scene_path, options.mesh.has_value());
 }
 

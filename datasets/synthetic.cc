@@ -9,6 +9,7 @@
 #include <sstream>
 #include <vector>
 
+#include "datasets/handle_tracks.h"
 #include "datasets/scene_text.h"
 #include "sim/error.h"
 
@@ -154,15 +155,6 @@ void DropPoints(const SyntheticOptions& options, MotionTensors* motion) {
   }
 }
 
-void SampleHandles(const Scene& scene, MotionTensors* motion) {
-  if (scene.handles.nodes.empty() || scene.handles.path.num_handles() == 0) return;
-  motion->handle_index = scene.handles.nodes;
-  motion->handle_positions.resize(3 * static_cast<Eigen::Index>(scene.handles.nodes.size()), motion->times.size());
-  for (Eigen::Index frame = 0; frame < motion->times.size(); ++frame) {
-    motion->handle_positions.col(frame) = scene.handles.path.At(motion->times[frame]);
-  }
-}
-
 std::string RecordingText(const Scene& scene, const std::string& scene_text, const SyntheticOptions& options) {
   bool start_is_first_frame = false;
   const std::string text = SelfContainedText(scene, scene_text, &start_is_first_frame);
@@ -225,7 +217,7 @@ MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const st
   motion.provenance = Provenance(options);
   SamplePositions(rollout, frame_steps, options, &motion);
   AddClouds(rollout, scene, frame_steps, options, &motion);
-  SampleHandles(scene, &motion);
+  SetHandlePaths(scene.handles, &motion);
   AddNoise(options, &motion);
   DropPoints(options, &motion);
   return motion;

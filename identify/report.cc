@@ -12,6 +12,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "datasets/handle_tracks.h"
 #include "identify/report_page.h"
 #include "identify/result_json.h"
 #include "identify/version.h"
@@ -63,14 +64,6 @@ void SetPrediction(const RecordedMotion& motion, const Eigen::MatrixXd& predicte
   }
   tensors->positions = predicted;
   SetPoints(motion, tensors);
-}
-
-void SetHandles(const RecordedMotion& motion, MotionTensors* tensors) {
-  const Handles& handles = motion.scene.handles;
-  if (handles.nodes.empty() || handles.path.num_handles() == 0) return;
-  tensors->handle_index = handles.nodes;
-  tensors->handle_positions.resize(3 * handles.path.num_handles(), motion.num_frames());
-  for (int i = 0; i < motion.num_frames(); ++i) tensors->handle_positions.col(i) = handles.path.At(motion.times[i]);
 }
 
 std::string ShortNumber(double value, int digits) {
@@ -145,7 +138,7 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
   tensors.single_precision = false;
   tensors.mesh = motion.scene.mesh;
   SetPrediction(motion, predicted, &tensors);
-  SetHandles(motion, &tensors);
+  SetHandlePaths(motion.scene.handles, &tensors);
   tensors.scene_text = motion.scene_text;
   tensors.provenance = "predicted by identify " + Version() + " (git " + GitHash() +
                        ") for the recording with sha256 " + motion.sha256 + " at";
