@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <numeric>
 #include <set>
 
 #include "datasets/check_rooms.h"
@@ -16,7 +16,7 @@ constexpr double kCoarse = 0.3;       // noise over spacing from which neighbour
 constexpr Eigen::Index kMaxOrderPoints = 20000;
 constexpr double kLongEdge = 1.6;     // a pair over its own median length and that of its frame: torn apart
 constexpr double kTornShare = 0.04;   // of the pairs: from here a frame counts as out of order
-constexpr double kLoneShare = 0.03;   // of the points: so many may jump in a frame without its order being wrong
+constexpr double kStrayShare = 0.15;  // of the points: so many may be far off in a frame without its order being wrong
 constexpr double kJump = 0.1;         // of the spacing: less is no jump of the cloth
 constexpr double kPointJump = 0.3;    // likewise of a point
 constexpr double kNoiseJump = 8.0;    // standard deviations: less is no jump of a point
@@ -44,34 +44,76 @@ double PointJumpFloor(const CheckedMotion& checked) {
   return std::max(kPointJump * checked.spacing, kNoiseJump * checked.noise.rms());
 }
 
-// The positions [3P x T] without points that jump alone or with few others.
-Eigen::MatrixXd WithoutLoneJumps(const CheckedMotion& checked) {
-  Eigen::MatrixXd positions = checked.motion.positions;
-  std::map<int, std::vector<int>> jumps;  // points by frame
-  for (const auto& [frame, point] : PointJumps(checked.motion.times, positions, PointJumpFloor(checked))) {
-    jumps[frame].push_back(point);
-  }
-  for (const auto& [frame, points] : jumps) {
-    if (static_cast<double>(points.size()) > std::max(1.0, kLoneShare * checked.motion.num_points())) continue;
-    for (const int point : points) {
-      positions.col(frame).segment<3>(3 * point).setConstant(std::numeric_limits<double>::quiet_NaN());
+// The pairs of a frame, of which some are long, and points that are left out together with their pairs.
+class TornPairs {
+ public:
+  TornPairs(const std::vector<PointPair>& pairs, const std::vector<bool>& is_long, int num_points)
+      : pairs_(pairs), is_long_(is_long), is_left_(pairs.size(), true) {
+    pairs_of_.resize(static_cast<std::size_t>(num_points));
+    num_left_.resize(pairs_of_.size());
+    num_long_.resize(pairs_of_.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      for (const int point : {pairs[i].first, pairs[i].second}) {
+        pairs_of_[point].push_back(i);
+        ++num_left_[point];
+        num_long_[point] += is_long[i];
+      }
     }
   }
-  return positions;
+
+  int num_left() const { return std::accumulate(num_left_.begin(), num_left_.end(), 0) / 2; }
+  int num_long() const { return std::accumulate(num_long_.begin(), num_long_.end(), 0) / 2; }
+  double LongShare(int point) const { return static_cast<double>(num_long_[point]) / std::max(1, num_left_[point]); }
+  // The point with the largest share of long pairs.
+  int Worst() const {
+    int worst = 0;
+    for (int point = 1; point < static_cast<int>(pairs_of_.size()); ++point) {
+      if (LongShare(point) > LongShare(worst)) worst = point;
+    }
+    return worst;
+  }
+  void LeaveOut(int stray) {
+    for (const std::size_t i : pairs_of_[stray]) {
+      if (!is_left_[i]) continue;
+      is_left_[i] = false;
+      for (const int point : {pairs_[i].first, pairs_[i].second}) {
+        --num_left_[point];
+        num_long_[point] -= is_long_[i];
+      }
+    }
+  }
+
+ private:
+  const std::vector<PointPair>& pairs_;
+  const std::vector<bool>& is_long_;
+  std::vector<bool> is_left_;
+  std::vector<std::vector<std::size_t>> pairs_of_;  // by point
+  std::vector<int> num_left_, num_long_;            // by point
+};
+
+// Whether many pairs of a frame are torn. A few points that strayed from all around them are no matter of order: the
+// worst is left out, and so on until none has lost half of its neighbours.
+bool IsTorn(const std::vector<PointPair>& pairs, const std::vector<bool>& is_long, int num_points) {
+  TornPairs torn(pairs, is_long, num_points);
+  for (int k = 0; k < std::max(1.0, kStrayShare * num_points); ++k) {
+    const int worst = torn.Worst();
+    if (torn.LongShare(worst) < 0.5) break;
+    torn.LeaveOut(worst);
+  }
+  return torn.num_long() > std::max(2.0, kTornShare * torn.num_left());
 }
 
 // Frames in which many pairs are much longer than they and their frame are otherwise.
 std::vector<int> TornFrames(const CheckedMotion& checked) {
   std::vector<int> frames;
   if (checked.pairs.empty() || checked.motion.num_frames() < 3) return frames;
-  Eigen::MatrixXd ratios = LengthRatios(checked.pairs, WithoutLoneJumps(checked));
+  Eigen::MatrixXd ratios = LengthRatios(checked.pairs, checked.motion.positions);
   for (Eigen::Index i = 0; i < ratios.rows(); ++i) ratios.row(i) /= Median(ratios.row(i).transpose());
   for (Eigen::Index frame = 0; frame < ratios.cols(); ++frame) {
     const double usual = std::max(1.0, Median(ratios.col(frame)));
-    const auto num_long = (ratios.col(frame).array() > kLongEdge * usual).count();
-    if (static_cast<double>(num_long) > std::max(2.0, kTornShare * static_cast<double>(ratios.rows()))) {
-      frames.push_back(static_cast<int>(frame));
-    }
+    std::vector<bool> is_long;
+    for (const double ratio : ratios.col(frame)) is_long.push_back(ratio > kLongEdge * usual);
+    if (IsTorn(checked.pairs, is_long, checked.motion.num_points())) frames.push_back(static_cast<int>(frame));
   }
   return frames;
 }
