@@ -45,7 +45,12 @@ Finding CheckGaps(const CheckedMotion& checked) {
                       : "after " + Named("frame", finding.frames) + ", up to " + Rounded(longest) + " s";
   if (!finding.frames.empty()) {
     finding.verdict = Verdict::kNote;
-    finding.hint = "nothing is compared within a gap, and paths of handles are guessed there by a smooth curve";
+    finding.hint = "nothing is compared within a gap";
+    // Handles that are known where the cloth was seen, and nowhere else.
+    const HandlePath& path = checked.motion.scene.handles.path;
+    if (path.num_handles() > 0 && path.times().size() == times.size() && path.times() == times) {
+      finding.hint += ", and paths of handles are guessed there by a smooth curve";
+    }
   }
   return finding;
 }

@@ -64,23 +64,40 @@ void ExpectCovered(const HandlePath& path, const Eigen::VectorXd& times, const s
                                        " s; expected another time offset");
 }
 
-// [3H x T] m.
-Eigen::MatrixXd SamplePath(const HandlePath& path, const Eigen::VectorXd& times) {
-  Eigen::MatrixXd positions(3 * static_cast<Eigen::Index>(path.num_handles()), times.size());
-  for (Eigen::Index frame = 0; frame < times.size(); ++frame) positions.col(frame) = path.At(times[frame]);
-  return positions;
+// The knots that the path between `first` and `last` s depends on: those between, and two on either side, for slopes
+// are those of parabolas through three.
+auto NeededKnots(const Eigen::VectorXd& knots, double first, double last) {
+  constexpr Eigen::Index kBeside = 2;
+  const double *begin = knots.data(), *end = begin + knots.size();
+  const Eigen::Index from = std::lower_bound(begin, end, first) - begin,
+                     to = std::upper_bound(begin, end, last) - begin;
+  return Eigen::seq(std::max<Eigen::Index>(0, from - kBeside), std::min(knots.size(), to + kBeside) - 1);
 }
 
 }  // namespace
 
 void SetHandlePaths(const Handles& handles, MotionTensors* motion) {
   if (handles.nodes.empty() || handles.path.num_handles() == 0) return;
+  const Eigen::VectorXd& times = motion->times;
   motion->handle_index = handles.nodes;
-  motion->handle_positions = SamplePath(handles.path, motion->times);
+  motion->handle_times.resize(0);
+  motion->handle_positions.resize(3 * static_cast<Eigen::Index>(handles.nodes.size()), times.size());
+  for (Eigen::Index frame = 0; frame < times.size(); ++frame) {
+    motion->handle_positions.col(frame) = handles.path.At(times[frame]);
+  }
 }
 
-Eigen::MatrixXd ReadHandlePositions(const HandleFile& file, const std::vector<int>& nodes, const Eigen::VectorXd& times,
-                                    double time_shift) {
+void KeepHandlePaths(const Handles& handles, MotionTensors* motion) {
+  if (handles.nodes.empty() || handles.path.num_handles() == 0) return;
+  const Eigen::VectorXd &knots = handles.path.times(), &times = motion->times;
+  const auto needed = NeededKnots(knots, times[0], times[times.size() - 1]);
+  motion->handle_index = handles.nodes;
+  motion->handle_times = knots(needed);
+  motion->handle_positions = handles.path.positions()(Eigen::all, needed);
+}
+
+HandlePath ReadHandlePath(const HandleFile& file, const std::vector<int>& nodes, const Eigen::VectorXd& times,
+                          double time_shift) {
   const HandlePath own =
       IsRosCsv(file.path) ? PathOfTool(file, nodes) : ReadHandleCsv(file.path, static_cast<int>(nodes.size()));
   Eigen::MatrixXd positions = own.positions();
@@ -90,9 +107,9 @@ Eigen::MatrixXd ReadHandlePositions(const HandleFile& file, const std::vector<in
       positions.col(t).segment<3>(i) = file.transform * position;
     }
   }
-  const HandlePath path((own.times().array() - file.time_offset) + time_shift, positions);
+  HandlePath path((own.times().array() - file.time_offset) + time_shift, positions);
   ExpectCovered(path, times, file.path);
-  return SamplePath(path, times);
+  return path;
 }
 
 Eigen::MatrixXd MeasuredHandlePositions(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions,

@@ -9,12 +9,17 @@
 #include <vector>
 
 #include "datasets/motion_file.h"
+#include "sim/handle_path.h"
 #include "sim/scene.h"
 
 namespace clothid {
 
 // Gives `motion` the handles of a scene with their path at its times; none where they do not move.
 void SetHandlePaths(const Handles& handles, MotionTensors* motion);
+
+// The same, with the path as it is known, at times of its own: nothing is lost where frames are missing. What is not
+// needed between the first and the last frame is left out.
+void KeepHandlePaths(const Handles& handles, MotionTensors* motion);
 
 // A file of handle paths: `time,x0,y0,z0,..` (sim/handle_csv.h), or ROS poses of a tool that holds the nodes
 // (datasets/ros_csv.h). In m and s.
@@ -27,11 +32,11 @@ struct HandleFile {
   std::string offsets_path;
 };
 
-// The positions [3H x T] m of `nodes` at `times` [T] s of the recording, whose clock was shifted by `time_shift` s;
-// between the times of the file by the C1 cubics of `HandlePath`. Throws `Error`: kIo or kBadData for the files, and
-// kBadData where a time lies outside of the file's by more than its longest interval: a wrong clock.
-Eigen::MatrixXd ReadHandlePositions(const HandleFile& file, const std::vector<int>& nodes, const Eigen::VectorXd& times,
-                                    double time_shift);
+// The path of `nodes` on the clock of the recording, which has frames at `times` [T] s and was shifted by `time_shift`
+// s. Throws `Error`: kIo or kBadData for the files, and kBadData where a frame lies outside of the file's times by more
+// than its longest interval: a wrong clock.
+HandlePath ReadHandlePath(const HandleFile& file, const std::vector<int>& nodes, const Eigen::VectorXd& times,
+                          double time_shift);
 
 // The measured positions [3H x T] of the points `points` [H] out of `positions` [3P x T] m. Frames in which a point is
 // not seen are filled by the same cubics, before its first and after its last by standing still. Throws `Error`

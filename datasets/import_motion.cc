@@ -102,12 +102,13 @@ void SetHandles(const ImportOptions& options, double time_shift, const std::stri
       std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
     FailUsage("handles: expected different nodes from 0 to " + std::to_string(tensors->mesh.num_nodes() - 1));
   }
-  tensors->handle_index = options.handle_nodes;
   if (options.handle_file) {
-    tensors->handle_positions =
-        ReadHandlePositions(*options.handle_file, options.handle_nodes, tensors->times, time_shift);
+    const HandlePath path = ReadHandlePath(*options.handle_file, options.handle_nodes, tensors->times, time_shift);
+    KeepHandlePaths({options.handle_nodes, path}, tensors);
     return;
   }
+  tensors->handle_index = options.handle_nodes;
+  tensors->handle_times.resize(0);
   std::vector<int> points;
   for (const int node : options.handle_nodes) points.push_back(PointAt(*tensors, node, source));
   tensors->handle_positions = MeasuredHandlePositions(tensors->times, tensors->positions, points, source);
@@ -124,15 +125,43 @@ void SetScene(const ImportOptions& options, const std::string& source, MotionTen
   ReadMotionOptions read;
   read.scene_path = options.scene_path;
   read.smooth_handles = false;
-  const RecordedMotion motion = InterpretMotion({*tensors, ""}, source, read);
-  if (tensors->handle_index.empty()) SetHandlePaths(motion.scene.handles, tensors);
+  const RecordedMotion motion = InterpretMotion(*tensors, source, read);
+  if (tensors->handle_index.empty()) KeepHandlePaths(motion.scene.handles, tensors);
   tensors->scene_text = WithoutFiles(motion.scene_text, options.scene_path, options.mesh.has_value());
 }
 
 // Whatever cannot be read back is found here.
 void Verify(const MotionTensors& tensors, const std::string& source) {
   ValidateMotionTensors(tensors, source);
-  InterpretMotion({tensors, ""}, source, {});
+  InterpretMotion(tensors, source);
+}
+
+// The paths of the handles of a recording go with its points: frame by frame, or, with times of their own, on its
+// clock.
+void EditHandles(double time_shift, const std::string& name, const ImportOptions& options, MotionTensors* tensors) {
+  const bool has_own_times = tensors->handle_times.size() > 0;
+  if (tensors->handle_index.empty() || !options.handle_nodes.empty()) return;
+  TrackEdit edit = options.edit;
+  PointTracks handles;
+  handles.name = name + ": handles";
+  handles.positions = tensors->handle_positions;
+  if (!has_own_times) {
+    // Frames are chosen; what their times become does not matter.
+    handles.times = Eigen::VectorXd::LinSpaced(handles.num_frames(), 0.0, handles.num_frames() - 1.0);
+    tensors->handle_positions = EditTracks(handles, edit).tracks.positions;
+    return;
+  }
+  if (edit.times.size() > 0 || edit.frame_rate > 0.0) {
+    FailUsage(name + ": its handles have times of their own; expected no new times for its frames alone");
+  }
+  TrackEdit own;
+  own.scale = edit.scale;
+  own.transform = edit.transform;
+  own.time_scale = edit.time_scale;
+  handles.times = tensors->handle_times;
+  const PointTracks edited = EditTracks(handles, own).tracks;
+  tensors->handle_times = edited.times.array() + time_shift;
+  tensors->handle_positions = edited.positions;
 }
 
 Eigen::Matrix3Xd TransformedCloud(const Eigen::Matrix3Xd& cloud, const TrackEdit& edit) {
@@ -170,13 +199,7 @@ MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& nam
     if (!tensors.clouds.empty()) result.clouds.push_back(TransformedCloud(tensors.clouds[frame], options.edit));
   }
   result.cloud_sigma *= options.edit.scale;
-  if (!tensors.handle_index.empty()) {
-    PointTracks handles;
-    handles.name = name + ": handles";
-    handles.times = tensors.times;
-    handles.positions = tensors.handle_positions;
-    result.handle_positions = EditTracks(handles, options.edit).tracks.positions;
-  }
+  EditHandles(edited.time_shift, name, options, &result);
   if (options.mesh) {
     result.mesh = *options.mesh;
     ValidateMesh(result.mesh, name + ": mesh");

@@ -16,10 +16,6 @@ struct VerifiedMotion {
 // ReadMotionTensors together with the checksum of the file.
 VerifiedMotion ReadVerifiedMotion(const std::string& path);
 
-// What `ReadMotion` makes of a file: the recording and its scene. `path` names it in errors, and relative file names in
-// the embedded scene start at its folder. The tensors must be valid.
-RecordedMotion InterpretMotion(VerifiedMotion file, const std::string& path, const ReadMotionOptions& options);
-
 // Throws `Error` (kBadData), prefixed by `path`, unless sizes agree, indices are in range and numbers are usable: at
 // least two times, strictly increasing; a valid mesh; positions finite or NaN; points given by at most one of
 // node_index and face_index + barycentric (rows that sum to 1 within 1e-6), by neither only where P = N; handles

@@ -24,10 +24,10 @@ constexpr std::size_t kDigestLength = 64;
 constexpr long long kAny = -1;  // a size that the shape leaves open
 
 constexpr std::string_view kMetadataKeys[] = {"format", "version", "scene", "provenance", "sha256", "header_sha256"};
-constexpr std::string_view kTensorNames[] = {"positions",        "times",      "rest_positions", "faces",
-                                             "node_index",       "face_index", "barycentric",    "handle_index",
-                                             "handle_positions", "sigma",      "cloud_offsets",  "cloud_positions",
-                                             "cloud_sigma"};
+constexpr std::string_view kTensorNames[] = {"positions",        "times",       "rest_positions", "faces",
+                                             "node_index",       "face_index",  "barycentric",    "handle_index",
+                                             "handle_positions", "sigma",       "cloud_offsets",  "cloud_positions",
+                                             "cloud_sigma",      "handle_times"};
 
 template <std::size_t kSize>
 bool Contains(const std::string_view (&names)[kSize], std::string_view name) {
@@ -215,10 +215,14 @@ MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) 
     tensors.barycentric = reader.Doubles(reader.Require("barycentric", f64, {num_points, 3}), 3);
   }
   if (reader.Has("handle_index")) tensors.handle_index = reader.Indices("handle_index", kAny);
+  if (reader.Has("handle_times")) {
+    tensors.handle_times = reader.Doubles(reader.Require("handle_times", f64, {kAny}), 1).transpose();
+  }
   if (reader.Has("handle_positions")) {
     const long long num_handles = static_cast<long long>(tensors.handle_index.size());
+    const long long num_knots = tensors.handle_times.size() > 0 ? tensors.handle_times.size() : num_times;
     tensors.handle_positions =
-        reader.Doubles(reader.Require("handle_positions", f64, {num_times, num_handles, 3}), 3 * num_handles);
+        reader.Doubles(reader.Require("handle_positions", f64, {num_knots, num_handles, 3}), 3 * num_handles);
   }
   if (reader.Has("sigma")) tensors.sigma = reader.Doubles(reader.Require("sigma", f64, {num_points}), 1).transpose();
   tensors.scene_text = RequireMetadata(file, path, "scene");
@@ -267,7 +271,11 @@ std::vector<TensorBytes> ToContainer(const MotionTensors& tensors) {
     result.push_back({"barycentric", f64, {num_points, 3}, ToBytes<double>(tensors.barycentric)});
   }
   if (num_handles > 0) {
-    result.push_back({"handle_positions", f64, {num_times, num_handles, 3}, ToBytes<double>(tensors.handle_positions)});
+    const long long num_knots = tensors.handle_positions.cols();
+    result.push_back({"handle_positions", f64, {num_knots, num_handles, 3}, ToBytes<double>(tensors.handle_positions)});
+  }
+  if (tensors.handle_times.size() > 0) {
+    result.push_back({"handle_times", f64, {tensors.handle_times.size()}, ToBytes<double>(tensors.handle_times)});
   }
   if (tensors.sigma.size() > 0) result.push_back({"sigma", f64, {num_points}, ToBytes<double>(tensors.sigma)});
   std::vector<int> offsets;

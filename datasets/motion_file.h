@@ -2,9 +2,11 @@
 //
 // Tensors: `positions` F32|F64 [T, P, 3] m, NaN = missing; `times` F64 [T] s, strictly increasing; `rest_positions` F64
 // [N, 3]; `faces` I32 [F, 3]; optional `node_index` I32 [P], or `face_index` I32 [P] + `barycentric` F64 [P, 3];
-// optional `handle_index` I32 [H] + `handle_positions` F64 [T, H, 3]; optional `sigma` F64 [P] m; optional
-// `cloud_positions` F32|F64 [M, 3] m with `cloud_offsets` I32 [T + 1], unordered points of the surface, of which frame
-// i has the rows offsets[i] .. offsets[i + 1] - 1, and `cloud_sigma` F64 [1] m. With them P may be 0.
+// optional `handle_index` I32 [H] + `handle_positions` F64 [T, H, 3], or [K, H, 3] with `handle_times` F64 [K] s,
+// strictly increasing: what moves the handles is often known at other times than the cloth is seen; optional `sigma`
+// F64 [P] m; optional `cloud_positions` F32|F64 [M, 3] m with `cloud_offsets` I32 [T + 1], unordered points of the
+// surface, of which frame i has the rows offsets[i] .. offsets[i + 1] - 1, and `cloud_sigma` F64 [1] m. With them P may
+// be 0.
 // `__metadata__` (strings): `format` = "clothid.motion", `version` = "1", `scene` = JSON text, `provenance`, `sha256`
 // of the tensor bytes, and `header_sha256` (optional on reading) of the header with that field's value blank: the
 // SHA-256 of all header bytes after the length, padding included, in which the 64 digits of that value are replaced by
@@ -32,7 +34,8 @@ struct MotionTensors {
   std::vector<int> face_index;           // [P] or empty
   Eigen::Matrix3Xd barycentric;          // [3 x P] or empty
   std::vector<int> handle_index;         // [H] or empty
-  Eigen::MatrixXd handle_positions;      // [3H x T] or empty
+  Eigen::MatrixXd handle_positions;      // [3H x T], [3H x K] or empty
+  Eigen::VectorXd handle_times;          // [K], or empty: the times of the frames
   Eigen::VectorXd sigma;                 // [P] or empty
   std::vector<Eigen::Matrix3Xd> clouds;  // [T] or empty
   bool single_precision_clouds = true;   // they are stored as F32
@@ -57,6 +60,10 @@ struct ReadMotionOptions {
 // Reads, checks every bound before anything is allocated, verifies the checksums, and interprets the scene. Throws
 // `Error`: kIo where the file cannot be opened, else kBadData, naming file, tensor or key and what was expected.
 RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& options = {});
+
+// What `ReadMotion` makes of the tensors of a file: the recording and its scene. `path` names it in errors, and
+// relative file names in the embedded scene start at its folder. The tensors must be those that `WriteMotion` accepts.
+RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, const ReadMotionOptions& options = {});
 
 // Only the container, for `motion info` and converters. Same errors.
 MotionTensors ReadMotionTensors(const std::string& path);

@@ -43,12 +43,17 @@ class Validator {
   Eigen::Index num_points() const { return tensors_.positions.rows() / 3; }
 
   void ValidateTimes() const {
-    const Eigen::VectorXd& times = tensors_.times;
-    if (times.size() < 2) Fail("times", "expected at least two frames, found " + std::to_string(times.size()));
+    const Eigen::Index num_times = tensors_.times.size();
+    if (num_times < 2) Fail("times", "expected at least two frames, found " + std::to_string(num_times));
+    ExpectIncreasing(tensors_.times, "times");
+    ExpectIncreasing(tensors_.handle_times, "handle_times");
+  }
+
+  void ExpectIncreasing(const Eigen::VectorXd& times, const std::string& tensor) const {
     for (Eigen::Index i = 0; i < times.size(); ++i) {
-      if (!std::isfinite(times[i])) Fail("times", "entry " + std::to_string(i) + " is not finite");
+      if (!std::isfinite(times[i])) Fail(tensor, "entry " + std::to_string(i) + " is not finite");
       if (i > 0 && !(times[i] > times[i - 1])) {
-        Fail("times", "entry " + std::to_string(i) + " is not above the one before it");
+        Fail(tensor, "entry " + std::to_string(i) + " is not above the one before it");
       }
     }
   }
@@ -79,7 +84,10 @@ class Validator {
       Fail("positions", "expected the " + std::to_string(tensors_.mesh.num_nodes()) + " nodes of the mesh, found " +
                             std::to_string(num_points()) + " points and neither node_index nor face_index");
     }
-    ExpectSize("handle_positions", tensors_.handle_positions.size(), 3 * num_handles * num_times);
+    if (num_handles == 0) ExpectSize("handle_times", tensors_.handle_times.size(), 0);
+    const Eigen::Index num_knots = tensors_.handle_times.size() > 0 ? tensors_.handle_times.size() : num_times;
+    ExpectSize("handle_positions", tensors_.handle_positions.size(), 3 * num_handles * num_knots);
+    if (num_handles > 0) ExpectSize("handle_positions", tensors_.handle_positions.cols(), num_knots);
     if (tensors_.sigma.size() > 0) ExpectSize("sigma", tensors_.sigma.size(), num_points());
   }
 
@@ -115,7 +123,8 @@ class Validator {
     }
     for (Eigen::Index t = 0; t < tensors_.handle_positions.cols(); ++t) {
       if (!tensors_.handle_positions.col(t).allFinite()) {
-        Fail("handle_positions", "frame " + std::to_string(t) + " is not finite; a handle's path must have no gap");
+        Fail("handle_positions", (tensors_.handle_times.size() > 0 ? "time " : "frame ") + std::to_string(t) +
+                                     " is not finite; a handle's path must have no gap");
       }
     }
   }

@@ -96,9 +96,9 @@ Handles MakeHandles(const MotionTensors& tensors, bool smooth, const std::string
   Handles handles;
   handles.nodes = tensors.handle_index;
   if (handles.nodes.empty()) return handles;
+  const Eigen::VectorXd& times = tensors.handle_times.size() > 0 ? tensors.handle_times : tensors.times;
   try {
-    handles.path = HandlePath(tensors.times,
-                              smooth ? SmoothPath(tensors.times, tensors.handle_positions) : tensors.handle_positions);
+    handles.path = HandlePath(times, smooth ? SmoothPath(times, tensors.handle_positions) : tensors.handle_positions);
   } catch (const Error& error) {
     throw Error(error.kind(), path + ": " + error.what());
   }
@@ -157,18 +157,17 @@ std::string FolderOf(const std::string& path) { return std::filesystem::path(pat
 
 }  // namespace
 
-RecordedMotion InterpretMotion(VerifiedMotion file, const std::string& path, const ReadMotionOptions& options) {
+RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, const ReadMotionOptions& options) {
   RecordedMotion motion;
   motion.name = path;
-  motion.points = MakePoints(file.tensors);
-  motion.sigma = ChooseSigma(file.tensors, options, &motion.sigma_source);
+  motion.points = MakePoints(tensors);
+  motion.sigma = ChooseSigma(tensors, options, &motion.sigma_source);
   FrameTrend trend;
-  trend.positions = file.tensors.positions.col(0).reshaped(3, motion.num_points());
-  if (options.start == StartSource::kSmoothed) trend = StartTrend(file.tensors, motion.sigma);
-  const SceneDefaults defaults =
-      MakeDefaults(file.tensors, motion.points, trend.positions, options.smooth_handles, path);
+  trend.positions = tensors.positions.col(0).reshaped(3, motion.num_points());
+  if (options.start == StartSource::kSmoothed) trend = StartTrend(tensors, motion.sigma);
+  const SceneDefaults defaults = MakeDefaults(tensors, motion.points, trend.positions, options.smooth_handles, path);
   const bool embedded = options.scene_path.empty();
-  motion.scene_text = embedded ? file.tensors.scene_text : ReadFile(options.scene_path, kMaxJsonBytes);
+  motion.scene_text = embedded ? tensors.scene_text : ReadFile(options.scene_path, kMaxJsonBytes);
   if (options.change_scene) motion.scene_text = options.change_scene(motion.scene_text);
   motion.scene = ParseScene(motion.scene_text, embedded ? path + ": scene" : options.scene_path,
                             FolderOf(embedded ? path : options.scene_path), defaults);
@@ -179,18 +178,20 @@ RecordedMotion InterpretMotion(VerifiedMotion file, const std::string& path, con
     if (open.velocity) motion.scene.initial_velocities = SmoothStartVelocities(motion.scene, motion.points, trend);
   }
   motion.scene_text = WithInlineSurfaces(motion.scene_text, motion.scene);
-  motion.times = std::move(file.tensors.times);
-  motion.positions = std::move(file.tensors.positions);
-  motion.clouds = std::move(file.tensors.clouds);
+  motion.times = std::move(tensors.times);
+  motion.positions = std::move(tensors.positions);
+  motion.clouds = std::move(tensors.clouds);
   const bool is_given = options.sigma_source == SigmaSource::kGiven;
-  motion.cloud_sigma = is_given ? options.sigma : file.tensors.cloud_sigma;
-  motion.provenance = std::move(file.tensors.provenance);
-  motion.sha256 = std::move(file.sha256);
+  motion.cloud_sigma = is_given ? options.sigma : tensors.cloud_sigma;
+  motion.provenance = std::move(tensors.provenance);
   return motion;
 }
 
 RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& options) {
-  return InterpretMotion(ReadVerifiedMotion(path), path, options);
+  VerifiedMotion file = ReadVerifiedMotion(path);
+  RecordedMotion motion = InterpretMotion(std::move(file.tensors), path, options);
+  motion.sha256 = std::move(file.sha256);
+  return motion;
 }
 
 }  // namespace clothid

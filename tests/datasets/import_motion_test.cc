@@ -131,7 +131,13 @@ TEST_F(ImportTest, ResamplesHandlesOfAnotherClock) {
   options_.handle_file = HandleFile{folder_.Write("handles.csv", csv), 100.0, Eigen::Isometry3d::Identity(), ""};
   options_.handle_file->transform.translation().setOnes();
   const MotionTensors motion = ImportMotion(tracks_, options_);
-  EXPECT_LT((motion.handle_positions - capture_.handle_positions).cwiseAbs().maxCoeff(), 1e-5);
+  const HandlePath path(motion.handle_times, motion.handle_positions);
+  for (int frame = 0; frame < kCaptureFrames; ++frame) {
+    EXPECT_LT((path.At(motion.times[frame]) - capture_.handle_positions.col(frame)).cwiseAbs().maxCoeff(), 1e-5);
+  }
+  // What lies beyond the last frame, at 1.97 s, and is not needed there is left out.
+  EXPECT_NEAR(motion.handle_times[0], -0.04, 1e-9);
+  EXPECT_NEAR(motion.handle_times[motion.handle_times.size() - 1], 2.0, 1e-9);
   options_.handle_file->time_offset = 0.0;
   ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"handles.csv", "time offset"});
   options_.handle_nodes.clear();
@@ -157,7 +163,8 @@ TEST_F(ImportTest, LetsAToolHoldNodes) {
   options_.edit.times = Eigen::VectorXd::LinSpaced(kCaptureFrames, 0.0, 3.0);
   const MotionTensors motion = ImportMotion(tracks_, options_);
   EXPECT_TRUE(motion.handle_positions.col(0).isApprox((Eigen::VectorXd(6) << 1, 0.1, 0, 1.2, 0, 0).finished(), 1e-12));
-  EXPECT_TRUE(motion.handle_positions.col(59).isApprox((Eigen::VectorXd(6) << 0.9, 0, 0, 1, 0.2, 0).finished(), 1e-12));
+  EXPECT_EQ(motion.handle_times, Eigen::Vector2d(0, 3));
+  EXPECT_TRUE(motion.handle_positions.col(1).isApprox((Eigen::VectorXd(6) << 0.9, 0, 0, 1, 0.2, 0).finished(), 1e-12));
 }
 
 // The points in another order, a little off and turned.
@@ -248,7 +255,8 @@ TEST_F(ImportTest, TakesMeshAndHandlesFromAScene) {
   const MotionTensors motion = ImportMotion(tracks_, options_);
   EXPECT_TRUE(motion.mesh.rest_positions.isApprox(capture_.mesh.rest_positions, 1e-14));
   EXPECT_EQ(motion.handle_index, std::vector<int>{7});
-  EXPECT_NEAR(motion.handle_positions(0, 30), 2.0, 1e-12);  // halfway at 1 s
+  EXPECT_EQ(motion.handle_times, Eigen::Vector2d(0, 2));
+  EXPECT_EQ(motion.handle_positions.row(0), Eigen::RowVector2d(1, 3));
   const nlohmann::json scene = nlohmann::json::parse(motion.scene_text);
   EXPECT_EQ(scene["handles"], nlohmann::json::array({7}));
   EXPECT_EQ(scene["obstacles"][0]["vertices"].size(), 4U);
@@ -302,6 +310,24 @@ TEST_F(ImportTest, ConvertsARecording) {
   options.map = PointMapKind::kFile;
   options.map_path = folder_.Write("map.csv", "id,node\n3,3\n");
   EXPECT_EQ(ConvertMotion(capture_, "capture.bin", options).positions, capture_.positions.middleRows(9, 3));
+}
+
+// A path with times of its own keeps all of them where frames are left out.
+TEST_F(ImportTest, HandlesKeepTheirOwnTimes) {
+  capture_.handle_times = Eigen::VectorXd::LinSpaced(5, -1.0, 3.0);
+  capture_.handle_positions = capture_.handle_positions.leftCols(5).eval();
+  ImportOptions options;
+  options.edit.scale = 2.0;
+  options.edit.time_scale = 0.5;
+  options.edit.start_at = 10.0;
+  options.edit.skipped_frames = {3, 4};
+  const MotionTensors motion = ConvertMotion(capture_, "capture.bin", options);
+  EXPECT_TRUE(motion.handle_times.isApprox(Eigen::VectorXd::LinSpaced(5, 9.5, 11.5)));
+  EXPECT_EQ(motion.handle_positions, 2.0 * capture_.handle_positions);
+  options.edit.frame_rate = 30.0;
+  ExpectError([&] { ConvertMotion(capture_, "capture.bin", options); }, kUsage, {"capture.bin", "handles have times"});
+  options.handle_nodes = {0, 7};
+  EXPECT_EQ(ConvertMotion(capture_, "capture.bin", options).handle_times.size(), 0);  // those of the measured points
 }
 
 TEST_F(ImportTest, HandsOutTracks) {

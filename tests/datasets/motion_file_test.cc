@@ -62,6 +62,7 @@ void ExpectSame(const MotionTensors& a, const MotionTensors& b) {
   EXPECT_TRUE(SameNumbers(a.barycentric, b.barycentric));
   EXPECT_EQ(a.handle_index, b.handle_index);
   EXPECT_TRUE(SameNumbers(a.handle_positions, b.handle_positions));
+  EXPECT_TRUE(SameNumbers(a.handle_times, b.handle_times));
   EXPECT_TRUE(SameNumbers(a.sigma, b.sigma));
   EXPECT_EQ(a.scene_text, b.scene_text);
   EXPECT_EQ(a.provenance, b.provenance);
@@ -506,6 +507,19 @@ TEST_F(MotionFile, RefusesToWriteWhatItWouldNotRead) {
       {"tensor 'barycentric': row 0 does not sum to 1"});
   expect([](MotionTensors* t) { t->handle_index.clear(); }, {"tensor 'handle_positions': expected 0 numbers"});
   expect([](MotionTensors* t) { t->sigma.resize(3); }, {"tensor 'sigma': expected 9 numbers"});
+  expect([](MotionTensors* t) { t->handle_times = Eigen::Vector3d(0, 1, 2); },
+         {"tensor 'handle_positions': expected 18 numbers, found 24"});
+  expect([](MotionTensors* t) { t->handle_times = Eigen::Vector4d(0, 1, 1, 2); },
+         {"tensor 'handle_times': entry 2 is not above"});
+  expect([](MotionTensors* t) { t->handle_times = Eigen::Vector4d(0, 1, kNaN, 2); },
+         {"tensor 'handle_times': entry 2 is not finite"});
+  expect(
+      [](MotionTensors* t) {
+        t->handle_index.clear();
+        t->handle_positions.resize(0, 0);
+        t->handle_times = Eigen::Vector4d(0, 1, 2, 3);
+      },
+      {"tensor 'handle_times': expected 0 numbers, found 4"});
 }
 
 TEST_F(MotionFile, LeavesNothingBehindWhereItCannotWrite) {
@@ -591,6 +605,19 @@ TEST_F(MotionFile, PlacesTheRestShapeUnderMarkers) {
   EXPECT_EQ(recording.points[1].num_nodes, 3);
   EXPECT_EQ(recording.points[1].nodes[2], tensors.mesh.faces(2, 5));
   EXPECT_EQ(recording.points[1].weights[2], 0.375);
+}
+
+// What moves the handles is known at other times than the cloth is seen.
+TEST_F(MotionFile, HandlesMayHaveTimesOfTheirOwn) {
+  MotionTensors tensors = SmallMotion();
+  tensors.single_precision = false;
+  tensors.handle_times = Eigen::Vector3d(0.5, 1.2, 2.0);
+  tensors.handle_positions = Eigen::MatrixXd::Random(6, 3);
+  WriteMotion(tensors, Path());
+  ExpectSame(tensors, ReadMotionTensors(Path()));
+  const HandlePath path = ReadMotion(Path()).scene.handles.path;
+  EXPECT_EQ(path.times(), tensors.handle_times);
+  EXPECT_EQ(path.positions(), tensors.handle_positions);
 }
 
 TEST_F(MotionFile, SmoothsHandlePathsOnRequest) {

@@ -53,6 +53,8 @@ TEST_F(CaptureTest, ConvertGivesTheShippedRecording) {
   const MotionTensors made = ReadMotionTensors((folder() / "capture.bin").string());
   const MotionTensors shipped = ReadMotionTensors(kShipped);
   EXPECT_LT((made.times - shipped.times).cwiseAbs().maxCoeff(), 1e-12);
+  ASSERT_EQ(made.handle_times.size(), shipped.handle_times.size());
+  EXPECT_LT((made.handle_times - shipped.handle_times).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LT((made.handle_positions - shipped.handle_positions).cwiseAbs().maxCoeff(), 1e-9);
   ASSERT_EQ(made.positions.size(), shipped.positions.size());
   for (Eigen::Index i = 0; i < made.positions.size(); ++i) {
