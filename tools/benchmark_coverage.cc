@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iomanip>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 #include "identify/parallel_for.h"
@@ -14,14 +15,20 @@
 #include "sim/json_document.h"
 #include "sim/scene_json.h"
 #include "sim/text_file.h"
+#include "tools/sensor_case.h"
 
 namespace clothid {
 namespace {
 
+constexpr char kTimeOffset[] = "time_offset";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
+}
+
+const std::vector<std::string>& KnownSettings(const CoverageOptions& options) {
+  return options.sensor_path.empty() ? kCoverageSettings : kSensorSettings;
 }
 
 SyntheticOptions SensorOptions(const CoverageOptions& options, const CoverageFit& fit, const Scene& scene) {
@@ -33,13 +40,40 @@ SyntheticOptions SensorOptions(const CoverageOptions& options, const CoverageFit
   return synthetic;
 }
 
+// Makes the recording of a fit: of a rollout of the scene, with white noise, or of a finer one, by a sensor.
+class Recorder {
+ public:
+  Recorder(const CoverageOptions& options, const std::vector<TrueParameter>& truth, const Scene& scene,
+           const std::string& scene_text)
+      : options_(options), scene_(scene), scene_text_(scene_text) {
+    if (options.sensor_path.empty()) {
+      rollout_ = SimulateTruth(truth, options.scene_path, scene);
+    } else {
+      sensor_case_ = ReadSensorCase(options.scene_path, options.sensor_path, truth);
+    }
+  }
+
+  RecordedMotion Record(const CoverageFit& fit) const {
+    if (sensor_case_) return RecordSensorCase(*sensor_case_, fit.setting, fit.seed);
+    return MakeRecording(rollout_, scene_, scene_text_, SensorOptions(options_, fit, scene_));
+  }
+
+ private:
+  const CoverageOptions& options_;
+  const Scene& scene_;
+  const std::string& scene_text_;
+  Rollout rollout_;
+  std::optional<SensorCase> sensor_case_;
+};
+
 void RunFit(const std::vector<TrueParameter>& truth, const RecordedMotion& recording, CoverageFit* fit) {
   FitOptions options;
   options.jacobian = JacobianMethod::kSensitivity;
   options.check_interval = false;
+  options.loss = LossOfSetting(fit->setting);
   for (const TrueParameter& parameter : truth) {
     options.parameters.push_back(parameter.name);
-    options.overrides.start[parameter.name] = kStartFactor * parameter.value;
+    if (parameter.name != kTimeOffset) options.overrides.start[parameter.name] = kStartFactor * parameter.value;
   }
   FitProblem problem({recording}, options);
   const FitSummary summary = Fit(options, &problem);
@@ -66,6 +100,7 @@ CoverageSummary Summarize(const std::vector<CoverageFit>& fits, const TrueParame
   for (const CoverageFit& fit : fits) {
     mean += fit.value[i] / summary.num_fits;
     summary.mean_std += fit.std[i] / summary.num_fits;
+    summary.mean_width += (fit.upper95[i] - fit.lower95[i]) / summary.num_fits;
     summary.num_covered += fit.lower95[i] <= parameter.value && parameter.value <= fit.upper95[i];
   }
   for (const CoverageFit& fit : fits) squares += std::pow(fit.value[i] - mean, 2);
@@ -82,10 +117,11 @@ void CoverageOptions::Validate() const {
   Require(std::isfinite(noise) && noise > 0.0, "--noise: expected a number > 0, relative to the cloth's size");
   Require(num_seeds >= 2, "--seeds: expected a number >= 2");
   Require(num_threads >= 1, "--threads: expected a number >= 1");
-  Require(!settings.empty(), "--settings: expected at least one setting");
+  const std::vector<std::string>& known = KnownSettings(*this);
   for (const std::string& setting : settings) {
-    Require(std::find(kCoverageSettings.begin(), kCoverageSettings.end(), setting) != kCoverageSettings.end(),
-            "--settings: '" + Printable(setting) + "': expected full, half or third");
+    Require(std::find(known.begin(), known.end(), setting) != known.end(),
+            "--settings: '" + Printable(setting) + "': expected " +
+                (sensor_path.empty() ? "full, half or third" : "clean, faults, huber, outliers or markers"));
   }
 }
 
@@ -96,8 +132,9 @@ CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
   const Scene scene = ParseScene(scene_text, options.scene_path, folder);
   CoverageBenchmark benchmark;
   benchmark.truth = MakeTrueParameters(options.truth, scene);
-  const Rollout rollout = SimulateTruth(benchmark.truth, options.scene_path, scene);
-  for (const std::string& setting : options.settings) {
+  const Recorder recorder(options, benchmark.truth, scene, scene_text);
+  if (!options.sensor_path.empty()) benchmark.truth.push_back({kTimeOffset, kClockError, false});
+  for (const std::string& setting : options.settings.empty() ? KnownSettings(options) : options.settings) {
     for (int i = 0; i < options.num_seeds; ++i) {
       CoverageFit fit;
       fit.setting = setting;
@@ -110,7 +147,7 @@ CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
       num_fits, options.num_threads,
       [&](int i) {
         CoverageFit* fit = &benchmark.fits[i];
-        RunFit(benchmark.truth, MakeRecording(rollout, scene, scene_text, SensorOptions(options, *fit, scene)), fit);
+        RunFit(benchmark.truth, recorder.Record(*fit), fit);
       },
       [&](int i, int num_done) {
         if (options.on_fit) options.on_fit(benchmark.fits[i], num_done, num_fits);
@@ -133,12 +170,15 @@ std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmar
 
 std::string CoverageTable(const CoverageBenchmark& benchmark) {
   std::ostringstream out;
-  out << "setting  parameter      covered   reported std  empirical std  ratio  bias, std\n";
-  for (const CoverageSummary& summary : SummarizeCoverage(benchmark)) {
+  out << "setting  parameter      covered  width   reported std  empirical std  ratio  bias, std\n";
+  const std::vector<CoverageSummary> summaries = SummarizeCoverage(benchmark);
+  for (std::size_t i = 0; i < summaries.size(); ++i) {
+    const CoverageSummary &summary = summaries[i], &first = summaries[i % benchmark.truth.size()];
     std::ostringstream covered;
     covered << summary.num_covered << " of " << summary.num_fits;
     out << std::left << std::setw(9) << summary.setting << std::setw(12) << summary.name << std::right << std::setw(10)
-        << covered.str() << std::setprecision(4) << std::setw(15) << summary.mean_std << std::setw(15)
+        << covered.str() << std::fixed << std::setprecision(2) << std::setw(7) << summary.mean_width / first.mean_width
+        << std::defaultfloat << std::setprecision(4) << std::setw(15) << summary.mean_std << std::setw(15)
         << summary.empirical_std << std::fixed << std::setprecision(2) << std::setw(7) << summary.std_ratio()
         << std::setw(11) << summary.bias / summary.empirical_std << std::defaultfloat << "\n";
   }

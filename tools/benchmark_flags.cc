@@ -24,6 +24,7 @@ DEFINE_string(nodes, "", "nodes along the first axis of the grids; empty: see --
 DEFINE_string(steps, "", "discretization: divisors of the time step; else a number of steps; empty: see --help");
 DEFINE_int32(repeats, 3, "repetitions, of which the table gives medians");
 DEFINE_int32(seeds, 40, "noisy recordings per setting");
+DEFINE_string(sensor, "", "coverage: sensor.json of a camera and a gripper; empty: white noise");
 DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
 DEFINE_string(quantities, "", "accuracy: of forward, gradient, fit; empty: all");
 DEFINE_int32(cells, 0, "continuity: steps of friction; figure3: cells per axis; 0: see --help");
@@ -113,6 +114,7 @@ CoverageOptions CoverageOptionsFromFlags() {
   options.scene_path = FLAGS_scene;
   options.truth = ParseParameterValues(FLAGS_set, "--set");
   if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
+  options.sensor_path = FLAGS_sensor;
   options.noise = FLAGS_noise;
   options.num_seeds = FLAGS_seeds;
   options.seed = FLAGS_seed;

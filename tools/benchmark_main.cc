@@ -26,7 +26,8 @@ constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods ag
   benchmark jacobian       --scene FILE --set LIST [--noise] [--starts] [--methods] [--precision] [--seed] [--threads]
                            [--output]
   benchmark discretization --scene FILE --set LIST [--nodes] [--steps] [--threads] [--output]
-  benchmark coverage       --scene FILE --set LIST [--seeds] [--settings] [--noise] [--seed] [--threads] [--output]
+  benchmark coverage       --scene FILE --set LIST [--sensor] [--seeds] [--settings] [--noise] [--seed] [--threads]
+                           [--output]
   benchmark forward        [--scene LIST] [--nodes] [--steps] [--repeats] [--output]
   benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
   benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
@@ -45,7 +46,10 @@ several grids and time steps to what is seen of it at the scene's own nodes and 
 
 coverage: fits recordings that differ by their noise and prints how many 95 % intervals contain the truth, and the
 reported standard deviation beside that of the estimates: with every point in every frame (full), with half the points
-missing (half), with every third frame (third).
+missing (half), with every third frame (third). With --sensor the truth is simulated on a grid of twice the density at a
+quarter of the time step and seen by that camera and gripper, imported, checked, and fitted together with the clock, which
+is 10 ms off: without the sensor's faults (clean), with them (faults), with 5 % of the points far off and the loss huber:2
+(huber), the same without a loss (outliers), with 5 % of the nodes seen, as markers (markers).
 
 forward: simulates the scenes wind, slope and sphere on square grids and prints the time of a step and its phases, the
 factorisation beside its floating-point operations at the speed of dgemm, the growth with the number of nodes, and the
@@ -105,8 +109,9 @@ the differences settle. tools/plot_stability draws its CSV.
                     stability: steps per second (1000,200,60,30)
   --repeats N       repetitions, of which the table gives medians (3)
   --seeds N         recordings per setting (40)
-  --settings LIST   of full, half, third (all); backprop, thresholds: of soft, realistic, stiff (soft,realistic);
-                    accuracy: likewise (all); stability: of grid, extremes, and names of extremes (grid,extremes)
+  --sensor FILE     sensor.json (datasets/README.md)
+  --settings LIST   of full, half, third, with --sensor of clean, faults, huber, outliers, markers (all);
+                    backprop, thresholds: of soft, realistic, stiff (soft,realistic); accuracy: likewise (all); stability: of grid, extremes, and names of extremes (grid,extremes)
   --quantities LIST of forward, gradient, fit (all)
   --cells N         continuity: steps of friction; also run with twice as many (512); figure3: cells per axis (33)
   --offsets LIST    of the sphere along the edge that holds the cloth, m (0,0.05,0.1,0.15,0.2,0.25,0.3,0.35)

@@ -102,6 +102,24 @@ TEST_F(CoverageTest, PrintsATableAndWritesEveryFit) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3) << csv;
 }
 
+// A sensor in place of white noise: the clock is fitted, too.
+TEST_F(CoverageTest, RecordingsOfASensor) {
+  CoverageOptions options = SmallOptions();
+  WriteBytes(folder() / "sensor.json",
+             R"({"clothid_sensor": 1, "interval": [0.03, 0.03], "noise": [1e-3, 1e-3, 1e-3]})");
+  options.sensor_path = (folder() / "sensor.json").string();
+  options.settings = {"faults"};
+  const CoverageBenchmark benchmark = RunCoverageBenchmark(options);
+  ASSERT_EQ(benchmark.truth.size(), 3u);
+  EXPECT_EQ(benchmark.truth[2].name, "time_offset");
+  for (const CoverageFit& fit : benchmark.fits) {
+    EXPECT_EQ(fit.status, FitStatus::kConverged);
+    EXPECT_LT(fit.lower95[2], fit.upper95[2]);
+  }
+  options.num_threads = 2;
+  EXPECT_EQ(CoverageCsv(RunCoverageBenchmark(options)), CoverageCsv(benchmark));
+}
+
 TEST_F(CoverageTest, RefusesWhatItCannotRun) {
   WriteBytes(folder() / "scene.json", SmallDrape(6));
   const std::string valid = "benchmark coverage --scene scene.json --set mu=0.24,k_stretch=70 ";
@@ -111,6 +129,8 @@ TEST_F(CoverageTest, RefusesWhatItCannotRun) {
   ExpectRefused(valid + "--noise 0", 1, "--noise");
   ExpectRefused(valid + "--settings none", 1, "'none'");
   ExpectRefused(valid + "--threads 0", 1, "--threads");
+  ExpectRefused(valid + "--sensor absent.json", 1, "absent.json");
+  ExpectRefused(valid + "--sensor absent.json --settings full", 1, "'full'");
 }
 
 }  // namespace
