@@ -158,7 +158,8 @@ FitStatus StatusOf(ceres::TerminationType type) {
 // Steps that lead to points that fail are cut until they meet the tolerances. That is no minimum.
 void SetStatus(ceres::TerminationType type, const std::string& message, const Recorder& recorder, FitSummary* summary) {
   summary->status = StatusOf(type);
-  summary->message = message;
+  // Ceres says it of the last pass alone.
+  summary->message = type == ceres::NO_CONVERGENCE ? "stopped at max_iterations" : message;
   if (recorder.failure().empty()) return;
   if (summary->status == FitStatus::kFailed) summary->message = recorder.failure();
   if (summary->status == FitStatus::kConverged) {

@@ -11,6 +11,7 @@
 
 #include "datasets/motion_file.h"
 #include "identify/fit.h"
+#include "identify/fit_landscape.h"
 #include "identify/gradient_check.h"
 #include "identify/holdout.h"
 #include "identify/node_prediction.h"
@@ -44,6 +45,7 @@ DEFINE_string(output, "clothid_result", "folder for the results");
 DEFINE_int32(starts, 1, "number of starting points");
 DEFINE_uint64(seed, 0, "seed of the starting points");
 DEFINE_string(profile, "", "parameters whose profile likelihood is wanted");
+DEFINE_string(landscape, "", "folders that `landscape` wrote, to show in report.html");
 DEFINE_bool(check_step, false, "repeat the fit at half the time step");
 DEFINE_string(holdout, "", "recordings that are not fitted, to judge the estimates on");
 DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fitted, to judge the estimates on");
@@ -90,6 +92,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --starts N          fit from N starting points: the own one and a Latin hypercube around it (1)
   --seed S            of the starting points (0)
   --profile NAMES     profile likelihood of these parameters: intervals of costs that are not quadratic
+  --landscape DIRS    folders that `landscape` wrote of a recording of --target, over two parameters of the fit:
+                      report.html shows them as maps, with the estimate and the way to it
   --check_step        repeat the fit at half the time step, say by how much each parameter moves
   --holdout FILES     recordings that are not fitted: their error at the estimates and at the nominal parameters; of
                       --each they take none, their own parameters stay nominal and those of a recording zero
@@ -156,9 +160,10 @@ std::vector<RecordedMotion> ReadAll(const std::string& paths, const std::string&
   return motions;
 }
 
-// The recordings to fit and those, or their frames, to judge on.
+// The recordings to fit and those, or their frames, to judge on, and landscapes of the first.
 struct Recordings {
   std::vector<RecordedMotion> fitted, held_out;
+  std::vector<FitLandscape> landscapes;
 };
 
 Recordings ReadRecordings() {
@@ -167,9 +172,15 @@ Recordings ReadRecordings() {
   if (!FLAGS_holdout.empty() && !FLAGS_holdout_frames.empty()) {
     throw Error(ErrorKind::kUsage, "--holdout_frames: expected without --holdout");
   }
+  if (!FLAGS_landscape.empty() && !FLAGS_report) {
+    throw Error(ErrorKind::kUsage, "--landscape: is shown in report.html; expected without --report=false");
+  }
   Recordings recordings;
   recordings.fitted = ReadAll(FLAGS_target, "--target");
   recordings.held_out = ReadAll(FLAGS_holdout, "--holdout");
+  for (const std::string& folder : ParseNames(FLAGS_landscape, "--landscape")) {
+    recordings.landscapes.push_back(ReadFitLandscape(folder, recordings.fitted));
+  }
   if (!FLAGS_holdout_frames.empty()) {
     const FrameRange range = ParseFrameRange(FLAGS_holdout_frames, "--holdout_frames");
     recordings.held_out = HoldOutFrames(range, &recordings.fitted);
@@ -217,6 +228,8 @@ int Identify(const std::string& flags) {
   FitProblem problem(recordings.fitted, options);
   for (const std::string& name : ParseNames(FLAGS_profile, "--profile")) FindFreeBlock(problem, name, "--profile");
   RunRecord run;
+  run.landscapes = recordings.landscapes;
+  for (FitLandscape& landscape : run.landscapes) MatchLandscape(problem.blocks(), &landscape);
   run.jacobian = options.jacobian;
   run.flags = flags;
   run.seed = options.seed;

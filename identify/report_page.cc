@@ -9,16 +9,18 @@
 #include "identify/cloud_points.h"
 #include "identify/fit_quality.h"
 #include "identify/page_template.h"
+#include "identify/report_landscape.h"
 #include "identify/report_replay.h"
 #include "identify/result_json.h"
 #include "identify/vendor/plotly.h"
 
 namespace clothid {
 
-// The files of these names, embedded by CMake.
-std::string_view ReportPage();    // report_page.html
-std::string_view ReportScript();  // report_page.js
-std::string_view ReplayScript();  // report_replay.js
+// Files embedded by CMake.
+std::string_view ReportPage();             // report_page.html
+std::string_view ReplayScript();           // the scripts that draw a replay
+std::string_view ReportScript();           // those of all else
+std::string_view ReportLandscapeScript();  // report_landscape.js
 
 namespace {
 
@@ -26,6 +28,8 @@ using Json = nlohmann::ordered_json;
 
 // Of all that is not library or replay; curves are thinned to fit.
 constexpr std::size_t kMaxCurveBytes = 400000;
+// Of all landscapes together.
+constexpr std::size_t kMaxLandscapeBytes = 400000;
 constexpr int kDigits = 6;
 constexpr int kNumBins = 61;
 // The width of a histogram to both sides of zero, in root mean squares of a coordinate.
@@ -180,6 +184,10 @@ Json DataJson(const FitSummary& summary, const RunRecord& run, const std::vector
                {"convergence", ConvergenceJson(summary)},
                {"profiles", ProfilesJson(run)},
                {"recordings", Json::array()}};
+  for (const FitLandscape& landscape : run.landscapes) {
+    json["landscapes"].push_back(
+        LandscapeJson(landscape, summary, run, motions, kMaxLandscapeBytes / run.landscapes.size()));
+  }
   const std::size_t used = library_bytes + ScriptText(json).size() + kMaxCurveBytes;
   const std::size_t left = used < kMaxReportBytes ? kMaxReportBytes - used : 0;
   const Room room = {left / motions.size(), kMaxCurveBytes / motions.size()};
@@ -192,14 +200,17 @@ Json DataJson(const FitSummary& summary, const RunRecord& run, const std::vector
 }  // namespace
 
 std::string ReportHtml(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions) {
-  const std::size_t library_bytes = ReportPage().size() + ReportScript().size() + ReplayScript().size() +
-                                    PlotlyLibrary().size() + PlotlyLicences().size();
+  std::string landscape;  // a page without one has nothing of it
+  if (!run.landscapes.empty()) landscape = "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
+  const std::size_t library_bytes = ReportPage().size() + ReplayScript().size() + ReportScript().size() +
+                                    landscape.size() + PlotlyLibrary().size() + PlotlyLicences().size();
   const std::string data = ScriptText(DataJson(summary, run, motions, library_bytes));
   return FillPage(ReportPage(), {{"{{data}}", data},
                                  {"{{licences}}", PlotlyLicences()},
                                  {"{{plotly}}", PlotlyLibrary()},
                                  {"{{replay}}", ReplayScript()},
-                                 {"{{script}}", ReportScript()}});
+                                 {"{{script}}", ReportScript()},
+                                 {"{{landscape}}", landscape}});
 }
 
 }  // namespace clothid

@@ -216,7 +216,11 @@ ExitCode FitExitCode(const FitSummary& summary, const RunRecord& run) {
 
 std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run) {
   std::vector<std::string> lines;
-  if (summary.status != FitStatus::kConverged) lines.push_back(FitStatusName(summary.status) + ": " + summary.message);
+  if (summary.status != FitStatus::kConverged) {
+    std::string status = FitStatusName(summary.status);
+    std::replace(status.begin(), status.end(), '_', ' ');
+    lines.push_back(status + ": " + summary.message);
+  }
   AddIdentifiability(summary, &lines);
   AddCorrelation(summary, &lines);
   AddFarPoints(summary, &lines);

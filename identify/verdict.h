@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "identify/fit.h"
+#include "identify/fit_landscape.h"
 #include "identify/gradient_check.h"
 #include "identify/holdout.h"
 #include "identify/multi_start.h"
@@ -25,6 +26,7 @@ struct RunRecord {
   std::optional<GradientCheck> gradient_check;
   std::optional<MultiStart> starts;
   std::vector<Profile> profiles;
+  std::vector<FitLandscape> landscapes;  // which `MatchLandscape` has seen
   std::optional<StepCheck> step_check;
   std::optional<Holdout> holdout;
   std::vector<Eigen::MatrixXd> predicted_nodes;  // see identify/node_prediction.h

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "identify/landscape.h"
 #include "sim/parameters.h"
-#include "tools/landscape.h"
 
 namespace clothid {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/landscape_files.h"
+#include "identify/landscape_folder.h"
 
 namespace clothid {
 

@@ -117,14 +117,6 @@ LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene)
   return plan;
 }
 
-std::string ContactModeName(ContactMode mode) { return mode == ContactMode::kGap ? "gap" : "velocity"; }
-
-std::vector<int> LandscapeShard::Cells(const LandscapePlan& plan) const {
-  std::vector<int> cells;
-  for (int cell = index; cell < plan.num_cells(); cell += count) cells.push_back(cell);
-  return cells;
-}
-
 LandscapeShard ParseShard(const std::string& text) {
   if (text.empty()) return {};
   const std::vector<std::string> items = Split(text, '/');

@@ -5,13 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "identify/landscape.h"
 #include "sim/scene.h"
-#include "tools/landscape.h"
 
 namespace clothid {
-
-// More cells than a scan may have are a slip of the hand. In memory they take half a gigabyte.
-inline constexpr int kMaxLandscapeCells = 4'000'000;
 
 // The text of the flags of these names; empty: not given.
 struct LandscapeFlags {
@@ -27,18 +24,6 @@ struct LandscapeFlags {
 // Windows by falling zoom. Settings: every variant of the sweep in every contact mode, the mode fastest. Throws `Error`
 // (kUsage), naming the flag, also where an axis is part of the other.
 LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene);
-
-// "gap" or "velocity".
-std::string ContactModeName(ContactMode mode);
-
-// The part of a scan that one process does: the cells `index`, `index` + `count`, ..
-struct LandscapeShard {
-  int index = 0;
-  int count = 1;
-
-  bool is_whole() const { return count == 1; }
-  std::vector<int> Cells(const LandscapePlan& plan) const;  // in their order
-};
 
 // "I/N" with 0 <= I < N; empty: the whole. Throws `Error` (kUsage), naming --shard.
 LandscapeShard ParseShard(const std::string& text);

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "tools/landscape.h"
+#include "identify/landscape.h"
 #include "tools/landscape_summary.h"
 
 namespace clothid {

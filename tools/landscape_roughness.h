@@ -26,7 +26,7 @@
 #include <limits>
 #include <string>
 
-#include "tools/landscape.h"
+#include "identify/landscape.h"
 
 namespace clothid {
 

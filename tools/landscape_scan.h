@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "datasets/recorded_motion.h"
-#include "tools/landscape.h"
+#include "identify/landscape.h"
 
 namespace clothid {
 

@@ -8,16 +8,16 @@
 #include <system_error>
 
 #include "datasets/sha256.h"
+#include "identify/landscape_row.h"
 #include "sim/error.h"
 #include "sim/text_file.h"
-#include "tools/landscape_row.h"
 
 namespace clothid {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path PathIn(const std::string& folder) { return fs::path(folder) / ".landscape_cells"; }
+fs::path PathIn(const std::string& folder) { return fs::path(folder) / kCellStore; }
 
 RecordFile::Kind StoreKind() {
   return {"clothid landscape cells 1", "the cells of a landscape, version 1",

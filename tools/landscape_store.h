@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "datasets/record_file.h"
-#include "tools/landscape.h"
-#include "tools/landscape_files.h"
+#include "identify/landscape_folder.h"
 
 namespace clothid {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/landscape.h"
+#include "identify/landscape.h"
 #include "tools/landscape_roughness.h"
 
 namespace clothid {

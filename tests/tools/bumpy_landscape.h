@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/landscape.h"
+#include "identify/landscape.h"
 
 namespace clothid {
 

@@ -9,11 +9,11 @@
 #include <iterator>
 
 #include "datasets/sha256.h"
+#include "identify/landscape_row.h"
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/made_up_landscape.h"
 #include "tools/landscape_merge.h"
-#include "tools/landscape_row.h"
 #include "tools/landscape_store.h"
 
 namespace clothid {
@@ -109,6 +109,8 @@ TEST_F(LandscapeFilesTest, RefusesDamagedPlans) {
   expect_refused("\"log\"", "\"cubic\"", "scale");
   expect_refused("\"velocity\"", "\"both\"", "contact");
   expect_refused("0.75", "-1", "increasing");
+  expect_refused("10.0", "-10.0", "log axis");
+  expect_refused("\"k_stretch\"", "\"mu\"", "two parameters");
   expect_refused("\"fingerprint\"", "\"thumbprint\"", "fingerprint");
   const std::string folder = Write(MadeUpLandscape(false), MadeUpOrigin({}), "damaged");
   Replace(folder, kTimingCsv, "\n3,", "\n4,");

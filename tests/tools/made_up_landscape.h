@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string>
 
-#include "tools/landscape_files.h"
+#include "identify/landscape_folder.h"
 
 namespace clothid {
 

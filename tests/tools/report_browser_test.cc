@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/sha256.h"
 #include "tests/tools/browser.h"
 #include "tests/tools/tool_test.h"
 
@@ -49,17 +50,18 @@ class ReportBrowserTest : public ToolTest {
   Browser& browser() { return *browser_; }
   Json Text(const std::string& id) { return browser_->Evaluate("document.getElementById('" + id + "').textContent"); }
 
-  // What the screen shows of the replay: pixels that differ from the one in a corner, and their number of colours.
+  // What the screen shows of an element: pixels that differ from the one in a corner, and their number of colours.
   struct Look {
     double drawn = 0.0;  // share of the pixels
     int colours = 0;
     std::string picture;
   };
-  Look LookAtReplay() {
+  Look LookAtReplay() { return LookAt("canvas"); }
+  Look LookAt(const std::string& id) {
     // Two frames of the browser later, all that was asked for has been drawn.
     browser_->Evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))");
     Look look;
-    look.picture = browser_->Picture("canvas");
+    look.picture = browser_->Picture(id);
     const Json counts = browser_->Evaluate(
         "(async () => { const image = new Image(); image.src = 'data:image/png;base64," + look.picture +
         "'; await image.decode(); const canvas = document.createElement('canvas'); canvas.width = image.width; "
@@ -69,6 +71,20 @@ class ReportBrowserTest : public ToolTest {
     look.drawn = counts[0];
     look.colours = counts[1];
     return look;
+  }
+
+  // `landscape` of the markers, with one cell as if its rollout had failed.
+  void Scan() {
+    ASSERT_EQ(
+        Run("landscape --target markers.bin --x mu=0.05:0.6:4 --y k_stretch=30:480:4:log --output cost").exit_code, 0);
+    const fs::path csv = folder() / "cost" / "landscape.csv", plan = folder() / "cost" / "plan.json";
+    std::string cells = ReadBytes(csv), text = ReadBytes(plan);
+    const std::string before = Sha256Hex({cells});
+    const std::size_t row = cells.find('\n') + 1, end = cells.find('\n', row), cost = cells.find("gap,", row) + 4;
+    cells.insert(end, "\"<b onclick=x>step 3\"");
+    cells.erase(cost, cells.find(',', cost) - cost);
+    WriteBytes(csv, cells);
+    WriteBytes(plan, text.replace(text.find(before), before.size(), Sha256Hex({cells})));
   }
 
   void ExpectPeace() {
@@ -174,6 +190,53 @@ TEST_F(ReportBrowserTest, LooksInEveryWay) {
   expect_new("turned");
   browser().Click("reset");
   EXPECT_FALSE(pictures.insert(LookAtReplay().picture).second) << "back where it was";
+  ExpectPeace();
+}
+
+TEST_F(ReportBrowserTest, ShowsTheLandscape) {
+  Scan();
+  ASSERT_EQ(Run("identify --target markers.bin --fit mu,k_stretch --landscape cost --output map").exit_code, 0);
+  browser().Open((folder() / "map" / "report.html").string(), "document.querySelector('#landscape-0 .contour path')");
+  const std::string plot = "document.querySelector('#landscape-0 .plot')";
+  const auto trace = [&](const std::string& name, const std::string& of) {
+    return browser().Evaluate(plot + ".data.find(t => (t.name || t.type) === '" + name + "')." + of);
+  };
+  // Cells by value, the failed one as a mark and never as a number.
+  EXPECT_EQ(trace("contour", "z.flat().filter(z => z === null).length"), 1);
+  EXPECT_EQ(trace("contour", "z[0][0]"), Json());
+  EXPECT_EQ(trace("failed", "x"), Json({0.05}));
+  EXPECT_EQ(trace("failed", "y"), Json({30.0}));
+  EXPECT_NE(trace("failed", "text[0]").get<std::string>().find("failed: &lt;b onclick=x&gt;step 3"), std::string::npos);
+  const std::string caption = browser().Evaluate("document.querySelector('#landscape-0').textContent");
+  EXPECT_NE(caption.find("1 of 16 cells failed"), std::string::npos) << caption;
+  EXPECT_NE(caption.find("Lowest cell: "), std::string::npos) << caption;
+
+  // The estimate with its intervals, the region around it, and the way there.
+  const Json result = Json::parse(ReadBytes(folder() / "map" / "result.json"))["parameters"];
+  EXPECT_EQ(trace("estimate", "x[0]"), result["mu"]["value"]);
+  EXPECT_EQ(trace("estimate", "y[0]"), result["k_stretch"]["value"]);
+  EXPECT_NEAR(trace("estimate", "error_x.array[0]"),
+              result["mu"]["upper95"].get<double>() - result["mu"]["value"].get<double>(), 1e-12);
+  EXPECT_GT(trace("95 % region", "x.length"), 30);
+  EXPECT_EQ(trace("start", "x[0]"), result["mu"]["start"]);
+  EXPECT_EQ(trace("way of the fit", "x.length"), browser().Evaluate("data.convergence.iteration.length"));
+
+  // Axes as they were scanned, with units, and round marks.
+  EXPECT_EQ(browser().Evaluate(plot + "._fullLayout.xaxis.type"), "linear");
+  EXPECT_EQ(browser().Evaluate(plot + "._fullLayout.yaxis.type"), "log");
+  EXPECT_EQ(browser().Evaluate(plot + "._fullLayout.yaxis.title.text"), "k_stretch, N/m");
+  EXPECT_EQ(browser().Evaluate(plot + "._fullLayout.yaxis.ticktext.join()"), "50,100,200");
+  EXPECT_EQ(trace("contour", "colorbar.title.text"), "rmse, mm");
+  // The rmse of a cell is that of the fit, had it stayed there.
+  const double lowest = browser().Evaluate("Math.min(..." + plot +
+                                           ".data[0].text.flat().filter(t => t).map("
+                                           "t => Number(/rmse ([^ ]*) mm/.exec(t)[1])))");
+  const double estimate = 1e3 * browser().Evaluate("result.rmse_m").get<double>();
+  EXPECT_GT(lowest, 0.999 * estimate);
+  EXPECT_LT(lowest, 30.0 * estimate);
+  const Look look = LookAt("landscape-0");
+  EXPECT_GT(look.drawn, 0.2);
+  EXPECT_GT(look.colours, 30);
   ExpectPeace();
 }
 

@@ -1,11 +1,11 @@
 // One cell as a line of text, exactly.
-#ifndef CLOTHID_TOOLS_LANDSCAPE_ROW_H_
-#define CLOTHID_TOOLS_LANDSCAPE_ROW_H_
+#ifndef CLOTHID_IDENTIFY_LANDSCAPE_ROW_H_
+#define CLOTHID_IDENTIFY_LANDSCAPE_ROW_H_
 
 #include <string>
 #include <string_view>
 
-#include "tools/landscape.h"
+#include "identify/landscape.h"
 
 namespace clothid {
 
@@ -23,4 +23,4 @@ LandscapeCell ParseRow(const LandscapePlan& plan, int cell, std::string_view row
 
 }  // namespace clothid
 
-#endif  // CLOTHID_TOOLS_LANDSCAPE_ROW_H_
+#endif  // CLOTHID_IDENTIFY_LANDSCAPE_ROW_H_

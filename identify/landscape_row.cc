@@ -1,4 +1,4 @@
-#include "tools/landscape_row.h"
+#include "identify/landscape_row.h"
 
 #include <cmath>
 #include <limits>
@@ -6,7 +6,6 @@
 
 #include "sim/error.h"
 #include "sim/text_file.h"
-#include "tools/landscape_plan.h"
 
 namespace clothid {
 namespace {

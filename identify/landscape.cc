@@ -1,4 +1,4 @@
-#include "tools/landscape.h"
+#include "identify/landscape.h"
 
 #include <cmath>
 
@@ -12,6 +12,8 @@ double LandscapeAxis::Value(int index) const {
   return lower * std::exp(share * std::log(upper / lower));
 }
 
+std::string ContactModeName(ContactMode mode) { return mode == ContactMode::kGap ? "gap" : "velocity"; }
+
 int LandscapePlan::num_cells() const { return static_cast<int>(settings.size() * windows.size()) * cells_per_window(); }
 
 int LandscapePlan::FirstCell(int setting, int window) const {
@@ -23,6 +25,12 @@ LandscapePlace LandscapePlan::PlaceOf(int cell) const {
   const int block = cell / cells_per_window(), inside = cell % cells_per_window();
   return {block / num_windows, block % num_windows, inside % windows.front().x.num_cells,
           inside / windows.front().x.num_cells};
+}
+
+std::vector<int> LandscapeShard::Cells(const LandscapePlan& plan) const {
+  std::vector<int> cells;
+  for (int cell = index; cell < plan.num_cells(); cell += count) cells.push_back(cell);
+  return cells;
 }
 
 }  // namespace clothid

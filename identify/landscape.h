@@ -3,8 +3,8 @@
 // A scan has settings (variants of the scene, in one contact mode each), windows (the whole of both axes and zooms into
 // it) and a grid of cells in every window of every setting. Cells are numbered in this order, x fastest:
 //   cell = ((setting * windows + window) * y.num_cells + iy) * x.num_cells + ix.
-#ifndef CLOTHID_TOOLS_LANDSCAPE_H_
-#define CLOTHID_TOOLS_LANDSCAPE_H_
+#ifndef CLOTHID_IDENTIFY_LANDSCAPE_H_
+#define CLOTHID_IDENTIFY_LANDSCAPE_H_
 
 #include <limits>
 #include <string>
@@ -15,6 +15,9 @@
 #include "sim/scene.h"
 
 namespace clothid {
+
+// More cells than a scan may have are a slip of the hand. In memory they take half a gigabyte.
+inline constexpr int kMaxLandscapeCells = 4'000'000;
 
 // Values of one parameter, evenly spaced in its own scale, from `lower` to `upper`, both included.
 struct LandscapeAxis {
@@ -38,6 +41,9 @@ struct LandscapeSetting {
   ContactMode contact_mode = ContactMode::kGap;
 };
 
+// "gap" or "velocity".
+std::string ContactModeName(ContactMode mode);
+
 // Where a cell stands.
 struct LandscapePlace {
   int setting = 0, window = 0, ix = 0, iy = 0;
@@ -52,6 +58,15 @@ struct LandscapePlan {
   int num_cells() const;
   LandscapePlace PlaceOf(int cell) const;
   int FirstCell(int setting, int window) const;
+};
+
+// The part of a scan that one process does: the cells `index`, `index` + `count`, ..
+struct LandscapeShard {
+  int index = 0;
+  int count = 1;
+
+  bool is_whole() const { return count == 1; }
+  std::vector<int> Cells(const LandscapePlan& plan) const;  // in their order
 };
 
 struct LandscapeCell {
@@ -72,4 +87,4 @@ struct Landscape {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_TOOLS_LANDSCAPE_H_
+#endif  // CLOTHID_IDENTIFY_LANDSCAPE_H_

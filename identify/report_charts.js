@@ -1,0 +1,150 @@
+'use strict';
+// Charts over time, points, iterations and parameters.
+
+const FONT = {family: 'system-ui, "Segoe UI", "DejaVu Sans", sans-serif', size: 12, color: '#1f2630'};
+const PLAIN_AXIS = {gridcolor: '#e9edf1', zerolinecolor: '#cfd6de', linecolor: '#cfd6de', ticks: 'outside', ticklen: 4,
+  tickcolor: '#cfd6de', exponentformat: 'power', automargin: true};
+
+function plot(target, traces, {x = {}, y = {}, margin = {}, ...more}) {
+  const axis = (own) => ({...PLAIN_AXIS, ...own, title: {text: own.title || '', standoff: 6}});
+  const layout = {font: FONT, margin: {l: 56, r: 14, t: 10, b: 40, ...margin}, paper_bgcolor: '#fff', plot_bgcolor: '#fff',
+    showlegend: false, legend: {orientation: 'h', x: 0, y: 1.02, yanchor: 'bottom'}, xaxis: axis(x), yaxis: axis(y),
+    ...more};
+  Plotly.react(target, traces, layout, {displayModeBar: false, responsive: true});
+}
+
+// A logarithmic axis where the values ask for one.
+function scaleOf(values) {
+  const positive = values.filter((value) => value > 0);
+  if (positive.length === 0 || values.some((value) => value !== null && value < 0)) return 'linear';
+  return Math.max(...positive) / Math.min(...positive) > 30 ? 'log' : 'linear';
+}
+
+// Round numbers from `low` to `high`, about six.
+function roundMarks(low, high, isLog) {
+  const marks = [], ratio = high / low;
+  if (isLog && ratio > 4) {
+    const every = Math.ceil(Math.log10(ratio) / 6), factors = ratio > 1e3 ? [1] : ratio > 50 ? [1, 3] : [1, 2, 5];
+    for (let power = every * Math.floor(Math.log10(low) / every); power <= Math.log10(high); power += every) {
+      marks.push(...factors.map((factor) => Number((factor * 10 ** power).toPrecision(6))));
+    }
+  } else {
+    const rough = (high - low) / 7, unit = 10 ** Math.floor(Math.log10(rough));
+    const step = unit * [1, 2, 5, 10].find((factor) => factor * unit >= rough * (1 - 1e-9));
+    for (let i = Math.ceil(low / step); i * step <= high; ++i) marks.push(Number((i * step).toPrecision(12)));
+  }
+  return marks.filter((mark) => mark >= low && mark <= high);
+}
+
+// The axis of these values, logarithmic where they ask for that.
+function axisOf(values) {
+  if (scaleOf(values) === 'linear') return {type: 'linear'};
+  const positive = values.filter((value) => value > 0);
+  const tickvals = roundMarks(Math.min(...positive) / 2, Math.max(...positive) * 2, true);
+  return {type: 'log', tickmode: 'array', tickvals, ticktext: tickvals.map((mark) => number(mark, 6))};
+}
+
+const inMillimetres = (values) => values.map((value) => value === null ? null : 1e3 * value);
+
+function drawPerFrame(recording) {
+  const {times, rmse, start_rmse: start, every} = recording.per_frame;
+  const lines = [[start, 'start', COLOURS.start], [rmse, 'estimate', COLOURS.estimate]];
+  plot('per-frame', lines.map(([values, name, color]) => ({type: 'scatter', mode: 'lines', x: times, y: inMillimetres(values),
+    name, line: {color, width: 2}, hovertemplate: `%{y:.4g} mm at %{x:.4g} s<extra>${name}</extra>`})),
+  {x: {title: 'time, s'}, y: {title: 'rmse, mm', ...axisOf(inMillimetres(rmse.concat(start))), rangemode: 'tozero'}, showlegend: true, margin: {t: 28}});
+  part('per-frame-caption').textContent = 'Root mean square distance between recorded and predicted points' +
+    (every > 1 ? `, ${every} frames at a time.` : ' of every frame.');
+}
+
+function drawHistogram(recording) {
+  const histogram = recording.histogram;
+  if (!histogram) {
+    part('histogram-caption').textContent = 'There are no residuals to speak of.';
+    return;
+  }
+  const bins = histogram.axes[0].counts.length, width = 2e3 * histogram.range / bins;
+  const x = Array.from({length: bins}, (_, i) => -1e3 * histogram.range + (i + 0.5) * width);
+  plot('histogram', histogram.axes.map((axis, i) => ({type: 'scatter', mode: 'lines', x, y: axis.counts, name: 'xyz'[i],
+    line: {shape: 'hvh', width: 1.8, color: ['#2d5f9a', '#e58a3c', '#3c8d5f'][i]},
+    hovertemplate: `%{y} at %{x:.3g} mm<extra>${'xyz'[i]}</extra>`})),
+  {x: {title: 'predicted - recorded, mm'}, y: {title: 'coordinates', rangemode: 'tozero'}, showlegend: true,
+    margin: {t: 28}});
+  const spread = histogram.axes.map(({mean, deviation}, i) =>
+    `${'xyz'[i]} ${number(1e3 * mean, 3)} ± ${millimetres(deviation)}`);
+  part('histogram-caption').textContent = `Mean and standard deviation: ${spread.join(', ')}.` +
+    (histogram.beyond > 0 ? ` Outside of the picture: ${count(histogram.beyond, 'coordinate')}.` : '');
+}
+
+const MOST_ROWS = 500;
+
+// Errors as rows of points over time, mm; neighbouring points together where there are too many.
+function errorRows(replay) {
+  const together = Math.ceil(replay.points / MOST_ROWS), rows = [];
+  for (let first = 0; first < replay.points; first += together) {
+    rows.push(Array.from({length: replay.frames}, (_, frame) => {
+      let sum = 0, seen = 0;
+      for (let p = first; p < Math.min(first + together, replay.points); ++p) {
+        const error = replay.errors[frame * replay.points + p];
+        if (Number.isNaN(error)) continue;
+        sum += error * error;
+        ++seen;
+      }
+      return seen === 0 ? null : 1e3 * Math.sqrt(sum / seen);
+    }));
+  }
+  return {rows, together};
+}
+
+const SCALE_STOPS = SCALE.map((colour, i) => [i / (SCALE.length - 1), `rgb(${colour.join(',')})`]);
+
+function drawHeatMap(replay) {
+  const {rows, together} = errorRows(replay);
+  plot('heat-map', [{type: 'heatmap', z: rows, x: replay.times, y: rows.map((_, i) => i * together),
+    colorscale: SCALE_STOPS, zmin: 0, colorbar: {title: {text: 'mm', side: 'top'}, thickness: 12, outlinewidth: 0,
+      exponentformat: 'power'}, hovertemplate: 'point %{y}, %{x:.4g} s: %{z:.3g} mm<extra></extra>'}],
+  {x: {title: 'time, s', ticks: ''}, y: {title: 'point', ticks: ''}});
+  part('heat-map-caption').textContent = 'Distance between recorded and predicted point; white: not seen, or a handle.' +
+    (together > 1 ? ` Of ${together} points at a time the root mean square.` : '') +
+    (replay.every > 1 ? ` Every ${replay.every}th frame.` : '') + ' Click to see the frame in the replay.';
+}
+
+function drawConvergence() {
+  const {convergence} = data, which = part('convergence-axis').value, x = convergence[which];
+  const marker = (color) => ({color, size: 8, symbol: convergence.loose.map((loose) => loose ? 'circle-open' : 'circle')});
+  const charts = [['cost', convergence.cost, null],
+    ...Object.entries(convergence.values).map(([name, values]) => [name, values, result.parameters[name].value])];
+  const area = part('convergence');
+  while (area.children.length < charts.length) area.append(element('div', 'plot'));
+  charts.forEach(([name, values, final], i) => {
+    const traces = [{type: 'scatter', mode: 'lines+markers', x, y: values, line: {color: COLOURS.estimate, width: 1.5},
+      marker: marker(COLOURS.estimate), hovertemplate: '%{y:.8g} at %{x:.4g}<extra></extra>'}];
+    if (final !== null) {
+      traces.unshift({type: 'scatter', mode: 'lines', x: [x[0], x[x.length - 1]], y: [final, final], hoverinfo: 'skip',
+        line: {color: COLOURS.interval, width: 1.5, dash: 'dash'}});
+    }
+    plot(area.children[i], traces, {x: {title: which === 'seconds' ? 'seconds' : 'iteration',
+      ...(which === 'iteration' ? {tickformat: 'd', nticks: 8} : {})},
+    y: {nticks: 6, ...axisOf(values)}, margin: {t: 28}, title: {text: `<b>${plain(name)}</b>`, x: 0.02, y: 0.97,
+      font: {size: 13}}});
+  });
+  const anyLoose = convergence.loose.some(Boolean);
+  part('convergence-caption').textContent = 'Dashed: the estimate.' +
+    (anyLoose ? ' Open circles: points that were simulated loosely, far from the solution.' : '');
+}
+
+function drawProfiles() {
+  part('profiles-card').hidden = data.profiles.length === 0;
+  for (const profile of data.profiles) {
+    const target = element('div', 'plot'), ends = [profile.value[0], profile.value[profile.value.length - 1]];
+    part('profiles').append(target);
+    const estimate = result.parameters[profile.parameter].value;
+    const line = (x, y, color) => ({type: 'scatter', mode: 'lines', x, y, hoverinfo: 'skip',
+      line: {color, width: 1.5, dash: 'dash'}});
+    plot(target, [line(ends, [profile.limit, profile.limit], COLOURS.interval),
+      line([estimate, estimate], [0, Math.max(profile.limit, ...profile.rise)], COLOURS.start),
+      {type: 'scatter', mode: 'lines+markers', x: profile.value, y: profile.rise, line: {color: COLOURS.estimate, width: 2},
+        marker: {size: 6}, hovertemplate: '%{y:.4g} at %{x:.6g}<extra></extra>'}],
+    {y: {title: 'rise', rangemode: 'tozero'}, margin: {t: 28}, title: {text: `<b>${plain(profile.parameter)}</b>`, x: 0.02,
+      y: 0.97, font: {size: 13}}});
+  }
+}

@@ -1,0 +1,79 @@
+'use strict';
+// Vectors, normals, and the shapes and colours of what the replay draws.
+
+const add = (a, b, scale = 1) => [a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => add([0, 0, 0], a, 1 / (Math.hypot(...a) || 1));
+
+// A direction across `axis`.
+const across = (axis) => unit(cross(axis, Math.abs(axis[0]) < 0.9 * Math.hypot(...axis) ? [1, 0, 0] : [0, 1, 0]));
+
+// Vertex normals, weighted by area.
+function normalsOf(positions, faces) {
+  const normals = new Float32Array(positions.length);
+  for (let f = 0; f < faces.length; f += 3) {
+    const a = 3 * faces[f], b = 3 * faces[f + 1], c = 3 * faces[f + 2];
+    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1],
+      uz = positions[b + 2] - positions[a + 2];
+    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1],
+      vz = positions[c + 2] - positions[a + 2];
+    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    for (const i of [a, b, c]) {
+      normals[i] += nx;
+      normals[i + 1] += ny;
+      normals[i + 2] += nz;
+    }
+  }
+  return normals;
+}
+
+// A capsule, or with from = to a sphere, of rings around its axis.
+function capsuleShape(from, to, radius) {
+  const along = add(to, from, -1), axis = Math.hypot(...along) > 0 ? unit(along) : [0, 0, 1];
+  const u = across(axis), v = cross(axis, u), rings = 24, sectors = 36, positions = [], indices = [];
+  for (let ring = 0; ring <= rings; ++ring) {
+    const angle = Math.PI * (ring / rings - 0.5), center = ring <= rings / 2 ? from : to;
+    for (let sector = 0; sector <= sectors; ++sector) {
+      const turn = 2 * Math.PI * sector / sectors;
+      const side = add(add([0, 0, 0], u, Math.cos(turn)), v, Math.sin(turn));
+      positions.push(...add(add(center, axis, radius * Math.sin(angle)), side, radius * Math.cos(angle)));
+      if (ring === rings || sector === sectors) continue;
+      const i = ring * (sectors + 1) + sector, above = i + sectors + 1;
+      indices.push(i, i + 1, above, i + 1, above + 1, above);
+    }
+  }
+  return {positions: Float32Array.from(positions), indices: Int32Array.from(indices)};
+}
+
+// A piece of a plane below `center`, as large as the scene, with lines on it.
+function planeShape(plane, center, size) {
+  const normal = plane.normal, height = dot(add(center, plane.point, -1), normal);
+  const middle = add(center, normal, -height), u = across(normal), v = cross(normal, u), cells = 10, lines = [];
+  const corner = (i, j) => add(add(middle, u, size * (2 * i / cells - 1)), v, size * (2 * j / cells - 1));
+  for (let i = 0; i <= cells; ++i) lines.push(...corner(i, 0), ...corner(i, cells), ...corner(0, i), ...corner(cells, i));
+  return {positions: Float32Array.from([corner(0, 0), corner(cells, 0), corner(cells, cells), corner(0, cells)].flat()),
+    indices: Int32Array.from([0, 1, 2, 0, 2, 3]), lines: Float32Array.from(lines)};
+}
+
+// From small to large errors.
+const SCALE = [[59, 111, 182], [127, 194, 201], [244, 226, 133], [240, 140, 58], [192, 38, 45]];
+function errorColour(share) {
+  if (Number.isNaN(share)) return [0.72, 0.74, 0.77];
+  const x = Math.min(Math.max(share, 0), 1) * (SCALE.length - 1), i = Math.min(Math.floor(x), SCALE.length - 2);
+  return [0, 1, 2].map((k) => (SCALE[i][k] + (x - i) * (SCALE[i + 1][k] - SCALE[i][k])) / 255);
+}
+
+function errorColours(replay, frame) {
+  const colours = new Float32Array(3 * replay.points);
+  for (let p = 0; p < replay.points; ++p) {
+    colours.set(errorColour(replay.errors[frame * replay.points + p] / (replay.largest_error || 1)), 3 * p);
+  }
+  return colours;
+}
+
+function uniformColours(count, colour) {
+  const colours = new Float32Array(3 * count);
+  for (let i = 0; i < count; ++i) colours.set(colour, 3 * i);
+  return colours;
+}

@@ -1,0 +1,94 @@
+'use strict';
+// What the fit found, in words and tables: verdict, estimates, tiles, other minima, provenance.
+
+const STATUS = {0: ['fitted', 'good'], 3: ['not converged', 'bad'], 4: ['not identifiable, or at a bound', 'warn'],
+  5: ['worse than nominal on what was held out', 'warn'], 130: ['interrupted', 'warn']};
+
+function fillHead() {
+  const [words, kind] = STATUS[result.exit_code] || [result.status, 'bad'];
+  part('status').textContent = words;
+  part('status').classList.add(kind);
+  const names = data.recordings.map((recording) => recording.name).join(', ');
+  part('about').textContent = names;
+  document.title = `Fit report: ${names}`;
+  fillList('verdict', result.verdict);
+  fillList('limits', data.limits.length > 0 ? data.limits : ['Nothing that can be told.']);
+}
+
+// With as many digits as tell its ends apart.
+function interval(parameter) {
+  if (parameter.std === null) return '–';
+  const relative = parameter.std / Math.max(Math.abs(parameter.value), parameter.std);
+  const digits = Math.min(Math.max(2 + Math.ceil(-Math.log10(relative + 2e-16)), 3), 9);
+  return `${number(parameter.lower95, digits)} … ${number(parameter.upper95, digits)}`;
+}
+
+function remark(parameter) {
+  if (parameter.identifiable === false) return 'not identifiable';
+  return parameter.at_bound ? 'at its bound' : '';
+}
+
+function fillEstimates() {
+  const rows = Object.entries(result.parameters).map(([name, parameter]) => {
+    const title = element('td', '', `${name} `);
+    title.append(element('span', 'unit', UNITS[name] || ''));
+    const estimate = element('td', 'number estimate', number(parameter.value, 8));
+    estimate.dataset.parameter = name;
+    const bounds = element('td', 'number', interval(parameter));
+    if (remark(parameter)) bounds.append(' ', element('span', 'remark', remark(parameter)));
+    return [title, estimate, bounds, element('td', 'number', number(parameter.start, 6))];
+  });
+  fillTable('estimates', ['parameter', 'estimate', '95 % interval', 'start'], rows);
+  const isKnown = data.recordings.every((recording) => recording.sigma_is_known);
+  part('estimates-caption').textContent = isKnown ? 'Intervals follow from the noise that the recordings state.'
+    : 'Intervals take the remaining error for noise: the recordings do not state any.';
+}
+
+function fillTiles() {
+  const holdout = result.holdout, seconds = result.seconds.total;
+  const tiles = [['rmse', millimetres(result.rmse_m), `start: ${millimetres(data.start_rmse_m)}`, 'rmse'],
+    ['fit', percent(result.fit_percent), `start: ${percent(data.start_fit_percent)}`, 'fit'],
+    ['run time', `${number(seconds, 3)} s`, `${count(result.iterations, 'iteration')}, ${count(result.rollouts, 'rollout')}`,
+      'seconds']];
+  if (holdout) {
+    tiles.push(['rmse held out', millimetres(holdout.rmse_m), `nominal: ${millimetres(holdout.nominal_rmse_m)}`, 'holdout']);
+  }
+  part('tiles').replaceChildren(...tiles.map(([what, value, beside, id]) => {
+    const tile = element('div', 'tile');
+    const shown = element('div', 'value', value);
+    shown.id = `tile-${id}`;
+    tile.append(element('div', 'what', what), shown, element('div', 'beside', beside));
+    return tile;
+  }));
+}
+
+function fillStarts() {
+  part('starts-card').hidden = !result.starts;
+  if (!result.starts) return;
+  const names = Object.keys(result.parameters), total = result.starts.starts.length;
+  fillTable('starts', ['starts that ended there', ...names, 'rmse', 'cost'], result.starts.minima.map((minimum) =>
+    [`${minimum.num_starts} of ${total}`, ...names.map((name) => number(minimum.values[name], 6)),
+      millimetres(minimum.rmse_m), number(minimum.cost, 5)].map((text) => element('td', 'number', text))));
+}
+
+function fillProvenance() {
+  const {provenance, seconds} = result, code = (text) => {
+    const cell = element('td');
+    cell.append(element('code', '', text));
+    return cell;
+  };
+  const rows = [['command line', code(`identify ${provenance.flags}`)],
+    ['clothid', code(`${provenance.version}, git ${provenance.git}`)],
+    ['seconds', element('td', '', `${number(seconds.total, 3)} in all: rollouts ${number(seconds.rollout, 3)}, derivatives ` +
+      `${number(seconds.derivative, 3)}, solver ${number(seconds.solver, 3)}`)],
+    ['work', element('td', '', `${count(result.rollouts, 'rollout')}, ${count(result.sweeps, 'sweep')}, Jacobian ` +
+      `${result.jacobian}, ${count(provenance.threads, 'thread')}, seed ${provenance.seed}`)]];
+  for (const recording of data.recordings) {
+    const cell = element('td', '', `${recording.name}: ${count(recording.frames, 'frame')}, ${count(recording.points, 'point')}` +
+      ` on a cloth of ${count(recording.nodes, 'node')}; rmse ${millimetres(recording.rmse_m)}, at the start ` +
+      `${millimetres(recording.start_rmse_m)}`);
+    cell.append(element('br'), element('code', '', `sha256 ${recording.sha256}`));
+    rows.push(['recording', cell]);
+  }
+  fillTable('provenance', null, rows.map(([name, cell]) => [element('th', '', name), cell]));
+}
