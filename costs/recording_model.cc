@@ -143,6 +143,38 @@ void RecordingModel::SetPrecision(Precision precision) {
   simulator_.SetTolerances(step_tolerance, adjoint_tolerance);
 }
 
+Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
+                                   RolloutOptions options) {
+  if (observer_) {
+    options.visitor = [this, visit = std::move(options.visitor)](int step, const Eigen::VectorXd& positions) {
+      if (visit) visit(step, positions);
+      Observe(RolloutPass::kRollout, step);
+    };
+  }
+  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, cancel, options);
+}
+
+RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
+                                                Eigen::Index num_columns, const AddPositionGradient& add_seeds,
+                                                const AdjointOptions& options) {
+  const auto add_position_gradient = [&](int step, Eigen::MatrixXd* gradient) {
+    add_seeds(step, gradient);
+    Observe(RolloutPass::kReverseSweep, num_steps() - step);
+  };
+  return clothid::PullBack(rollout, parameters, static_cast<int>(num_columns), add_position_gradient, &simulator_,
+                           options);
+}
+
+SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordinates,
+                                                  const SensitivityDirections& directions,
+                                                  const SensitivityVisitor& visitor, const std::atomic<bool>* cancel) {
+  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+    visitor(step, positions, derivative);
+    Observe(RolloutPass::kForwardSweep, step);
+  };
+  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, cancel);
+}
+
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
                                  std::size_t memory_limit, bool keep_factors, Eigen::MatrixXd* predicted,
                                  Eigen::MatrixXd* velocities) {
@@ -157,7 +189,7 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::
     predicted->resize(observation_.num_predicted(), observation_.num_frames());
     options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
   }
-  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, cancel, options);
+  return RunRollout(coordinates, cancel, std::move(options));
 }
 
 Rollout RecordingModel::SimulateAligned(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
@@ -175,7 +207,7 @@ Rollout RecordingModel::SimulateAligned(const Eigen::VectorXd& coordinates, cons
       });
   options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
   SetStartVelocity(coordinates);
-  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, cancel, options);
+  return RunRollout(coordinates, cancel, std::move(options));
 }
 
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
@@ -192,8 +224,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
     observation_.AddSeeds(step, seeds, gradient, cloud_rows);
   };
-  const RolloutGradient gradient = clothid::PullBack(rollout, Sort(active).parameters, static_cast<int>(seeds.cols()),
-                                                     add_seeds, &simulator_, options);
+  const RolloutGradient gradient = RunReverseSweep(rollout, Sort(active).parameters, seeds.cols(), add_seeds, options);
   return ValueDerivatives(coordinates, active).asDiagonal() * gradient.parameters;
 }
 
@@ -207,8 +238,7 @@ Eigen::MatrixXd RecordingModel::PullBackAligned(const Rollout& rollout, const Ei
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
     prediction.AddSeeds(step, seeds, gradient, cloud_rows);
   };
-  const RolloutGradient gradient =
-      clothid::PullBack(rollout, sorted.parameters, static_cast<int>(seeds.cols()), add_seeds, &simulator_, options);
+  const RolloutGradient gradient = RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options);
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   all(sorted.velocity_places, Eigen::all) =
@@ -242,7 +272,7 @@ SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates
     state.rightCols(num_active) = derivative;
     sampler.AddStep(step, state);
   };
-  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, cancel);
+  return RunForwardSweep(coordinates, directions, add_step, cancel);
 }
 
 SensitivityResult RecordingModel::PushForwardAligned(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
@@ -281,7 +311,7 @@ SensitivityResult RecordingModel::PushForwardAligned(const Eigen::VectorXd& coor
     sampler.AddStep(step, state);
   };
   SetStartVelocity(coordinates);
-  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, cancel);
+  return RunForwardSweep(coordinates, directions, add_step, cancel);
 }
 
 }  // namespace clothid

@@ -8,11 +8,13 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "costs/alignment.h"
 #include "costs/frame_interpolation.h"
 #include "costs/parameter_block.h"
+#include "costs/pass_step.h"
 #include "costs/rollout_cost_options.h"
 #include "datasets/observation.h"
 #include "datasets/recorded_motion.h"
@@ -44,8 +46,12 @@ class RecordingModel {
   // `coordinates` [p], in the order of the blocks.
   Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
 
+  int num_steps() const { return interpolation_ ? interpolation_->num_steps() : observation_.num_steps(); }
+
   // Of all that follows; `kFull` until then.
   void SetPrecision(Precision precision);
+  // Told of every step of the passes from now on, `passes_left` 0. May be empty, as it is until then.
+  void SetObserver(PassObserver observer) { observer_ = std::move(observer); }
 
   // With checkpoints where the steps would take more than `memory_limit` bytes. `predicted` (may be null): the points
   // [R x T] of every frame, as of Observation::Predict, which needs every step; valid where the rollout is ok().
@@ -80,7 +86,17 @@ class RecordingModel {
   };
   SortedBlocks Sort(const std::vector<int>& active) const;
   bool is_aligned() const { return interpolation_.has_value(); }
-  int num_steps() const { return is_aligned() ? interpolation_->num_steps() : observation_.num_steps(); }
+
+  void Observe(RolloutPass pass, int num_done) const {
+    if (observer_ && num_done > 0) observer_({pass, num_done, num_steps()});
+  }
+  // As the functions of sim/, observed.
+  Rollout RunRollout(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, RolloutOptions options);
+  RolloutGradient RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
+                                  Eigen::Index num_columns, const AddPositionGradient& add_seeds,
+                                  const AdjointOptions& options);
+  SensitivityResult RunForwardSweep(const Eigen::VectorXd& coordinates, const SensitivityDirections& directions,
+                                    const SensitivityVisitor& visitor, const std::atomic<bool>* cancel);
 
   Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
   AlignedPrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
@@ -109,6 +125,7 @@ class RecordingModel {
   Eigen::VectorXd initial_velocities_;               // [3N] m/s, the scene's
   SolverOptions full_precision_;
   Simulator simulator_;
+  PassObserver observer_;
 };
 
 }  // namespace clothid

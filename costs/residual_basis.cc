@@ -29,8 +29,8 @@ Eigen::MatrixXd DisplacementModes(const Observation& observation, const std::vec
   return modes;
 }
 
-Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& vectors) {
-  Eigen::MatrixXd basis(vectors.rows(), vectors.cols());
+Eigen::MatrixXd OrthonormalBasis(Eigen::MatrixXd vectors) {
+  Eigen::MatrixXd& basis = vectors;  // its columns so far are those before the next vector, or fewer
   Eigen::Index rank = 0;
   for (Eigen::Index j = 0; j < vectors.cols(); ++j) {
     Eigen::VectorXd rest = vectors.col(j);
@@ -45,7 +45,8 @@ Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& vectors) {
     if (left <= kDependent) continue;
     basis.col(rank++) = rest / left;
   }
-  return basis.leftCols(rank);
+  basis.conservativeResize(Eigen::NoChange, rank);
+  return vectors;
 }
 
 }  // namespace clothid

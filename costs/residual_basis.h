@@ -33,8 +33,8 @@ Eigen::MatrixXd DisplacementModes(const Observation& observation, const std::vec
 // An orthonormal basis [m x r], r <= s, of the span of `vectors` [m x s], whose column j is in the span of the first
 // vectors. A vector that depends on those before it, or is zero or not finite, is left out. Column 0 is the first
 // vector, normalised, where that is not zero. Classical Gram-Schmidt with one repetition: orthonormal to rounding at
-// any condition.
-Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& vectors);
+// any condition. It takes the memory of `vectors`, no more: in a large recording a column has a hundred megabytes.
+Eigen::MatrixXd OrthonormalBasis(Eigen::MatrixXd vectors);
 
 }  // namespace clothid
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 
+#include "costs/pass_step.h"
 #include "costs/robust_loss.h"
 #include "sim/adjoint.h"
 #include "sim/rollout.h"
@@ -44,6 +45,7 @@ struct RolloutCostOptions {
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of a rollout's steps; beyond it they are made twice
   const std::atomic<bool>* cancel = nullptr;        // ends the rollout under way as failed; must outlive the cost
   std::shared_ptr<EvaluationJournal> journal;       // of this cost alone; null: nothing is replayed or kept
+  PassObserver on_step;                             // what is replayed has no steps; may be empty
 };
 
 // What the evaluations took. Counts depend on the sequence of evaluations alone; seconds do not belong to a result.

@@ -56,6 +56,11 @@ RolloutEvaluator::RolloutEvaluator(const RecordedMotion& motion, std::vector<Par
   for (int i = 0; i < model_.num_blocks(); ++i) {
     if (!model_.blocks()[i].frozen) free_blocks_.push_back(i);
   }
+  if (!options_.on_step) return;
+  model_.SetObserver([this](PassStep step) {
+    step.passes_left = passes_left_;
+    options_.on_step(step);
+  });
 }
 
 int RolloutEvaluator::num_rows() const {
@@ -84,6 +89,7 @@ Rollout RolloutEvaluator::Run(const Eigen::VectorXd& coordinates, Eigen::MatrixX
 const Rollout& RolloutEvaluator::RolloutAt(const Eigen::VectorXd& coordinates) {
   if (rollout_coordinates_.size() == 0 || rollout_coordinates_ != coordinates) {
     rollout_coordinates_.resize(0);
+    rollout_ = Rollout();  // so that there are never two
     rollout_ = Run(coordinates, &rollout_predicted_, &rollout_velocities_);
     rollout_coordinates_ = coordinates;
     rollout_was_replayed_ = false;
@@ -141,6 +147,7 @@ CompressedJacobian RolloutEvaluator::SweepForward(const std::vector<int>& active
   };
   ++statistics_.rollouts;
   ++statistics_.sweeps;
+  passes_left_ = 0;
   const SensitivityResult result = model_.PushForward(evaluation->coordinates, active, add_frame, options_.cancel);
   statistics_.counts += result.counts;
   evaluation->counts = result.counts;
@@ -200,8 +207,9 @@ Eigen::VectorXd RolloutEvaluator::ResidualChange(const RolloutEvaluation& from, 
 Eigen::MatrixXd RolloutEvaluator::BasisVectors(const RolloutEvaluation& evaluation) const {
   const Observation& observation = model_.observation();
   const bool has_jacobian = last_jacobian_.size() > 0;
-  const Eigen::MatrixXd others =
-      has_jacobian ? last_jacobian_ : DisplacementModes(observation, observation.LinearizeClouds(evaluation.predicted));
+  Eigen::MatrixXd modes;
+  if (!has_jacobian) modes = DisplacementModes(observation, observation.LinearizeClouds(evaluation.predicted));
+  const Eigen::MatrixXd& others = has_jacobian ? last_jacobian_ : modes;
   const int max_differences =
       has_jacobian ? std::min(kFreshDifferences, options_.num_differences) : options_.num_differences;
   Eigen::MatrixXd vectors = Eigen::MatrixXd::Zero(observation.num_residuals(), 1 + max_differences + others.cols());
@@ -218,7 +226,9 @@ Eigen::MatrixXd RolloutEvaluator::BasisVectors(const RolloutEvaluation& evaluati
 
 Eigen::MatrixXd RolloutEvaluator::Basis(const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) const {
   WeightedResiduals(evaluation, weights);
-  return OrthonormalBasis(weights->asDiagonal() * BasisVectors(evaluation));
+  Eigen::MatrixXd vectors = BasisVectors(evaluation);
+  vectors.array().colwise() *= weights->array();
+  return OrthonormalBasis(std::move(vectors));
 }
 
 void RolloutEvaluator::KeepJacobian(const Eigen::VectorXd& weights, const Eigen::MatrixXd& basis,
@@ -237,15 +247,19 @@ bool RolloutEvaluator::TakesFirstJacobian() const {
 
 void RolloutEvaluator::ComputeAdjointRows(const std::vector<int>& active, RolloutEvaluation* evaluation) {
   const Rollout& rollout = RolloutAt(evaluation->coordinates);
+  passes_left_ = 0;
   const ScopedTimer timer(&statistics_.derivative_seconds);
   Eigen::VectorXd weights;
   const Eigen::MatrixXd basis = Basis(*evaluation, &weights);
   const double norm = weights.cwiseProduct(evaluation->residuals).norm();
   ++statistics_.sweeps;
-  // (B^T w J)^T = J^T w B: the seeds are the columns of w B.
+  // (B^T w J)^T = J^T w B: the seeds are the columns of w B. Where no weight differs from one they are B, which is
+  // large.
+  Eigen::MatrixXd weighted_basis;
+  if (options_.loss.is_robust()) weighted_basis = weights.asDiagonal() * basis;
   const Eigen::MatrixXd gradients =
-      model_.PullBack(rollout, evaluation->predicted, evaluation->coordinates, active, weights.asDiagonal() * basis,
-                      options_.adjoint, &rollout_velocities_);
+      model_.PullBack(rollout, evaluation->predicted, evaluation->coordinates, active,
+                      options_.loss.is_robust() ? weighted_basis : basis, options_.adjoint, &rollout_velocities_);
   if (!gradients.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
 
   // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.
@@ -269,6 +283,7 @@ void RolloutEvaluator::ComputeNumericRows(const std::vector<int>& active, Rollou
   for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
     Eigen::VectorXd shifted = evaluation->coordinates;
     shifted[active[i]] += step;
+    passes_left_ = static_cast<int>(jacobian.cols() - 1 - i);
     Eigen::MatrixXd predicted;
     Run(shifted, &predicted);
     jacobian.col(i) = ResidualChange(*evaluation, predicted) / step;
@@ -285,6 +300,7 @@ void RolloutEvaluator::ComputeGradient(const std::vector<int>& active, RolloutEv
   Eigen::VectorXd gradient;
   if (options_.jacobian == JacobianMethod::kAdjoint) {
     const Rollout& rollout = RolloutAt(evaluation->coordinates);
+    passes_left_ = 0;
     const ScopedTimer timer(&statistics_.derivative_seconds);
     Eigen::VectorXd weights;
     const Eigen::VectorXd weighted = WeightedResiduals(*evaluation, &weights);
@@ -308,8 +324,13 @@ void RolloutEvaluator::ComputeGradient(const std::vector<int>& active, RolloutEv
 
 RolloutEvaluation& RolloutEvaluator::FindOrAdd(const Eigen::VectorXd& coordinates) {
   for (RolloutEvaluation& evaluation : recent_) {
-    if (evaluation.coordinates == coordinates && evaluation.precision == precision_) return evaluation;
+    if (evaluation.coordinates != coordinates || evaluation.precision != precision_) continue;
+    if (evaluation.ok() && evaluation.predicted.size() > 0 && evaluation.residuals.size() == 0) {
+      evaluation.residuals = model_.observation().Residuals(evaluation.predicted);
+    }
+    return evaluation;
   }
+  for (RolloutEvaluation& evaluation : recent_) evaluation.residuals.resize(0);
   RolloutEvaluation evaluation;
   evaluation.coordinates = coordinates;
   evaluation.precision = precision_;
@@ -321,6 +342,7 @@ RolloutEvaluation& RolloutEvaluator::FindOrAdd(const Eigen::VectorXd& coordinate
 void RolloutEvaluator::Complete(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation) {
   const bool is_new = evaluation->predicted.size() == 0;
   const bool lacks_rows = !evaluation->has_rows || !Covers(evaluation->rows.active, active);
+  passes_left_ = PassesAfterRollout(need, active);
   if (is_new && TakesFirstJacobian()) {
     ComputeWithSensitivities(free_blocks_, evaluation);
     return Complete(need, active, evaluation);
@@ -341,6 +363,12 @@ void RolloutEvaluator::Complete(Need need, const std::vector<int>& active, Rollo
   }
   if (need == Need::kGradient && !evaluation->has_gradient) ComputeGradient(active, evaluation);
   if (need == Need::kExactRows && Lacks(need, active, *evaluation)) ComputeExactRows(active, evaluation);
+}
+
+int RolloutEvaluator::PassesAfterRollout(Need need, const std::vector<int>& active) const {
+  if (need == Need::kCost || options_.jacobian == JacobianMethod::kSensitivity) return 0;
+  const bool is_numeric = options_.jacobian == JacobianMethod::kNumeric && need != Need::kExactRows;
+  return is_numeric ? static_cast<int>(active.size()) : 1;
 }
 
 bool RolloutEvaluator::Lacks(Need need, const std::vector<int>& active, const RolloutEvaluation& evaluation) const {

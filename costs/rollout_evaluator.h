@@ -36,7 +36,7 @@ struct RolloutEvaluation {
   Precision precision = Precision::kFull;
   std::string failure;        // not empty: nothing else is valid
   Eigen::MatrixXd predicted;  // [R x T] m, see Observation
-  Eigen::VectorXd residuals;  // [m] e of the prediction
+  Eigen::VectorXd residuals;  // [m] e of the prediction; empty where others were asked for since
   RolloutCounts counts;       // of the rollout
   double cost = 0.0;          // L
   double loss_row = 0.0;      // sqrt(2 L - |w e|^2), see costs/robust_loss.h
@@ -54,6 +54,8 @@ class RolloutEvaluator {
  public:
   // Throws `Error` where `RecordingModel` does.
   RolloutEvaluator(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, const RolloutCostOptions& options);
+  RolloutEvaluator(const RolloutEvaluator&) = delete;
+  RolloutEvaluator& operator=(const RolloutEvaluator&) = delete;
 
   enum class Need { kCost, kRows, kGradient, kExactRows };
   // What is needed at `coordinates` [p], the derivatives for the blocks `active` at least. Never throws: what went
@@ -87,6 +89,8 @@ class RolloutEvaluator {
   void CompleteOrFail(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
   // Each of these fills its part of `evaluation` or throws.
   void Complete(Need need, const std::vector<int>& active, RolloutEvaluation* evaluation);
+  // How many passes give the derivatives that are needed.
+  int PassesAfterRollout(Need need, const std::vector<int>& active) const;
   void ComputeCost(RolloutEvaluation* evaluation);
   void ComputeWithSensitivities(const std::vector<int>& active, RolloutEvaluation* evaluation);
   void ComputeExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation);
@@ -115,6 +119,7 @@ class RolloutEvaluator {
   RolloutCostOptions options_;
   Precision precision_ = Precision::kFull;
   RecordingModel model_;
+  int passes_left_ = 0;  // of what `Complete` is at, beside the pass under way
   std::vector<int> free_blocks_;
   std::deque<RolloutEvaluation> recent_;  // the latest first; bounded
   Eigen::MatrixXd last_jacobian_;         // [m x q] without the weights of the loss, as far as known; empty: not at all

@@ -16,8 +16,13 @@ CostStatistics Total(const FitProblem& problem) {
 
 }  // namespace
 
-FitEvaluator::FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads)
-    : problem_(problem), coordinates_(coordinates), num_threads_(num_threads), statistics_before_(Total(*problem)) {}
+FitEvaluator::FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads,
+                           EvaluationPurpose purpose)
+    : problem_(problem),
+      coordinates_(coordinates),
+      num_threads_(num_threads),
+      purpose_(purpose),
+      statistics_before_(Total(*problem)) {}
 
 void FitEvaluator::PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) {
   double cost = 0.0;
@@ -58,7 +63,12 @@ bool FitEvaluator::ForEachRecording(const std::function<bool(int recording)>& wo
   const auto start = std::chrono::steady_clock::now();
   const int num_recordings = problem_->num_recordings();
   std::vector<char> ok(static_cast<std::size_t>(num_recordings));
-  ParallelFor(num_recordings, num_threads_, [&](int recording) { ok[recording] = work(recording) ? 1 : 0; });
+  EvaluationTracker* const tracker = problem_->tracker();
+  if (tracker != nullptr) tracker->Begin(purpose_);
+  ParallelFor(num_recordings, num_threads_, [&](int recording) {
+    ok[recording] = work(recording) ? 1 : 0;
+    if (tracker != nullptr) tracker->End(recording);
+  });
   seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto failed = std::find(ok.begin(), ok.end(), 0);
   if (failed == ok.end()) return true;

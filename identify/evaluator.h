@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "costs/rollout_cost.h"
+#include "identify/evaluation_progress.h"
 #include "identify/problem.h"
 #include "identify/uncertainty.h"
 
@@ -39,8 +40,10 @@ struct QuadraticModel {
 // so that caches, counts and results are the same on any number of threads.
 class FitEvaluator : public ceres::EvaluationCallback {
  public:
-  // Both must outlive the evaluator. `coordinates` is the memory that Ceres changes.
-  FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads);
+  // Both must outlive the evaluator. `coordinates` is the memory that Ceres changes. `purpose`: what is told of the
+  // evaluations.
+  FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads,
+               EvaluationPurpose purpose = EvaluationPurpose::kFit);
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
 
@@ -84,6 +87,7 @@ class FitEvaluator : public ceres::EvaluationCallback {
   const FitProblem* problem_;
   const Eigen::VectorXd* coordinates_;
   int num_threads_;
+  EvaluationPurpose purpose_;
   QuadraticModel model_;
   FitPoint first_, best_;
   bool best_is_superseded_ = false;

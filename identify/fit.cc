@@ -410,7 +410,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
 
 void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary) {
   if (IsCancelled(options)) return;
-  FitEvaluator evaluator(&problem, &summary->coordinates, options.num_threads);
+  FitEvaluator evaluator(&problem, &summary->coordinates, options.num_threads, EvaluationPurpose::kInterval);
   Linearization linearization;
   if (evaluator.Linearize(summary->coordinates, &linearization)) {
     linearization.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);

@@ -188,13 +188,12 @@ Recordings ReadRecordings() {
   return recordings;
 }
 
-FitSummary RunFit(FitOptions options, FitProblem* problem, RunRecord* run) {
+FitSummary RunFit(FitOptions options, FitProblem* problem, ProgressPrinter* printer, RunRecord* run) {
   std::vector<std::string> names;
   for (const ParameterBlock& block : problem->blocks()) names.push_back(block.name);
-  ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.max_iterations);
-  options.on_iteration = [&](const FitIteration& iteration) { printer.Print(names, iteration); };
+  options.on_iteration = [&](const FitIteration& iteration) { printer->Print(names, iteration); };
   if (options.num_starts == 1) return Fit(options, problem);
-  options.on_start = [&](int start) { printer.PrintStart(start, options.num_starts); };
+  options.on_start = [&](int start) { printer->PrintStart(start, options.num_starts); };
   return FitFromStarts(options, problem, &run->starts.emplace());
 }
 
@@ -222,6 +221,8 @@ void Examine(const Recordings& recordings, const FitOptions& options, FitProblem
 
 int Identify(const std::string& flags) {
   FitOptions options = OptionsFromFlags();
+  ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.max_iterations);
+  options.on_progress = [&printer](const EvaluationProgress& progress) { printer.Print(progress); };
   const Recordings recordings = ReadRecordings();
   OutputFolder folder(FLAGS_output);
   if (FLAGS_resume) options.journal_folder = folder.path();
@@ -236,12 +237,14 @@ int Identify(const std::string& flags) {
   run.num_threads = options.num_threads;
   if (FLAGS_check_gradients) run.gradient_check = CheckGradients(recordings.fitted, options);
 
-  FitSummary summary = RunFit(options, &problem, &run);
+  FitSummary summary = RunFit(options, &problem, &printer, &run);
+  printer.EndFit();
   if (!summary.has_estimate()) {
     std::cerr << "identify: " << summary.message << "\n";
     return FitExitCode(summary, run);
   }
   Examine(recordings, options, &problem, &summary, &run);
+  printer.EndFit();
   if (summary.status != FitStatus::kConverged) std::cerr << "identify: " << summary.message << "\n";
   if (summary.status == FitStatus::kInterrupted) folder.KeepJournals();
   problem.CheckJournals();

@@ -13,6 +13,7 @@
 #include "costs/robust_loss.h"
 #include "costs/rollout_cost.h"
 #include "datasets/motion_file.h"
+#include "identify/evaluation_progress.h"
 
 namespace clothid {
 
@@ -73,6 +74,8 @@ struct FitOptions {
   const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
   std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty
+  // Of every evaluation of a problem made with these options; must outlive it. No result depends on it. May be empty.
+  ProgressObserver on_progress;
 
   // Throws `Error` (kUsage) naming the first value out of range.
   void Validate() const;

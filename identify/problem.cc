@@ -1,6 +1,7 @@
 #include "identify/problem.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <utility>
@@ -119,6 +120,12 @@ std::shared_ptr<EvaluationJournal> OpenJournal(const FitOptions& options, const 
                                              fingerprint);
 }
 
+std::shared_ptr<EvaluationTracker> MakeTracker(const ProgressObserver& observer) {
+  return std::make_shared<EvaluationTracker>(observer, [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  });
+}
+
 }  // namespace
 
 bool HasParameter(const Scene& scene, const std::string& name) {
@@ -150,6 +157,7 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   cost_options.cancel = options.cancel;
   cost_options.keep_factors = options.method == FitMethod::kLbfgs && options.jacobian == JacobianMethod::kAdjoint &&
                               options.adjoint.method == AdjointMethod::kReduced;
+  if (options.on_progress) tracker_ = MakeTracker(options.on_progress);
   const bool has_journal = !options.journal_folder.empty();
   const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
   for (const RecordedMotion& motion : motions) {
@@ -163,7 +171,13 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
     cost_options.starts_with_sensitivities =
         options.method == FitMethod::kLevenbergMarquardt && static_cast<int>(indices.size()) <= kMaxFirstSensitivities;
     if (has_journal) cost_options.journal = OpenJournal(options, fingerprint, num_recordings());
+    if (tracker_ != nullptr) {
+      cost_options.on_step = [tracker = tracker_, recording = num_recordings()](const PassStep& step) {
+        tracker->AddStep(recording, step);
+      };
+    }
     costs_.push_back(std::make_unique<RolloutCost>(motion, std::move(blocks), cost_options));
+    if (tracker_ != nullptr) tracker_->AddRecording(costs_.back()->model().num_steps());
     block_indices_.push_back(std::move(indices));
   }
 }

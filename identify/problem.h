@@ -46,6 +46,9 @@ class FitProblem {
   void SetPrecision(Precision precision);
   void Restart();
 
+  // Follows the evaluations; null where nobody asked for that.
+  EvaluationTracker* tracker() const { return tracker_.get(); }
+
   // Throws the `Error` of the first journal that could not be used: evaluations have failed for that reason alone.
   void CheckJournals() const;
 
@@ -55,6 +58,7 @@ class FitProblem {
 
  private:
   std::vector<ParameterBlock> blocks_;
+  std::shared_ptr<EvaluationTracker> tracker_;  // told by the costs, too
   std::vector<std::unique_ptr<RolloutCost>> costs_;
   std::vector<std::vector<int>> block_indices_;
 };
