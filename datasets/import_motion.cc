@@ -139,13 +139,12 @@ void Verify(const MotionTensors& tensors, const std::string& source) {
 // The paths of the handles of a recording go with its points: frame by frame, or, with times of their own, on its
 // clock.
 void EditHandles(double time_shift, const std::string& name, const ImportOptions& options, MotionTensors* tensors) {
-  const bool has_own_times = tensors->handle_times.size() > 0;
   if (tensors->handle_index.empty() || !options.handle_nodes.empty()) return;
-  TrackEdit edit = options.edit;
+  const TrackEdit& edit = options.edit;
   PointTracks handles;
   handles.name = name + ": handles";
   handles.positions = tensors->handle_positions;
-  if (!has_own_times) {
+  if (tensors->handle_times.size() == 0) {
     // Frames are chosen; what their times become does not matter.
     handles.times = Eigen::VectorXd::LinSpaced(handles.num_frames(), 0.0, handles.num_frames() - 1.0);
     tensors->handle_positions = EditTracks(handles, edit).tracks.positions;

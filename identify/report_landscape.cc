@@ -5,6 +5,7 @@
 #include <string>
 
 #include "datasets/observation.h"
+#include "identify/join_words.h"
 #include "identify/page_template.h"
 #include "sim/text_file.h"
 
@@ -85,14 +86,6 @@ Json WindowJson(const Landscape& landscape, int index, int every) {
           {"failures", failures.ToJson()}};
 }
 
-std::string Join(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
-  }
-  return text;
-}
-
 // In what the map is of something else than the fit.
 std::vector<std::string> Notes(const FitLandscape& landscape, const std::vector<RecordedMotion>& motions, int every) {
   const RecordedMotion& motion = motions[landscape.recording];
@@ -100,7 +93,7 @@ std::vector<std::string> Notes(const FitLandscape& landscape, const std::vector<
   std::vector<std::string> notes;
   if (motions.size() > 1) notes.push_back("It is the cost of " + motion.name + " alone; the fit is of all recordings.");
   if (!landscape.others.empty()) {
-    notes.push_back("In every cell " + Join(landscape.others) +
+    notes.push_back("In every cell " + JoinWords(landscape.others) +
                     (landscape.others.size() == 1 ? " has its nominal value" : " have their nominal values") +
                     ", not the estimate: the lowest point of the map need not be that of the fit.");
   }

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "identify/correlated_scores.h"
+#include "identify/join_words.h"
 
 namespace clothid {
 namespace {
@@ -94,16 +95,6 @@ class ScaledJacobian {
   Eigen::MatrixXd vectors_;
 };
 
-// "a", "a and b", "a, b and c".
-std::string Join(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) text += i + 1 == words.size() ? " and " : ", ";
-    text += words[i];
-  }
-  return text;
-}
-
 bool IsCommonFactor(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction,
                     const std::vector<int>& parts) {
   return parts.size() > 1 && std::all_of(parts.begin(), parts.end(), [&](int i) {
@@ -128,8 +119,8 @@ std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const E
     moves.push_back(move.str());
   }
   if (parts.size() == 1) return names.front();
-  if (IsCommonFactor(blocks, direction, parts)) return Join(names) + " multiplied by one factor";
-  return Join(moves);
+  if (IsCommonFactor(blocks, direction, parts)) return JoinWords(names) + " multiplied by one factor";
+  return JoinWords(moves);
 }
 
 void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
