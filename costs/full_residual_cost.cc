@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "costs/recording_model.h"
+#include "costs/prediction/recording_model.h"
 
 namespace clothid {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "costs/parameter_block.h"
-#include "datasets/recorded_motion.h"
+#include "costs/prediction/parameter_block.h"
+#include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
 

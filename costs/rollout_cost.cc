@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "costs/rollout_evaluator.h"
+#include "costs/rows/rollout_evaluator.h"
 
 namespace clothid {
 

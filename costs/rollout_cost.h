@@ -1,12 +1,12 @@
 // A simulated rollout against its recording, as a Ceres cost function.
 //
 // The cost is L = 1/2 sum_p rho(|e_p|^2) with the whitened residual e = (predicted - measured)/sigma of m seen
-// coordinates (datasets/observation.h) and rho of costs/robust_loss.h. Ceres does not get the m rows of e but a few
-// rows r with
+// coordinates (datasets/observation/observation.h) and rho of costs/prediction/robust_loss.h. Ceres does not get the m
+// rows of e but a few rows r with
 //   1/2 |r|^2 = L,   (dr/dq)^T r = dL/dq   (exactly),
 // and dr/dq^T dr/dq the Gauss-Newton matrix of e (sensitivity, numeric) or its restriction to a subspace (adjoint,
-// costs/residual_basis.h). Rows of the adjoint form, 17 by default: subspace directions first, e itself last. Asked
-// for residuals alone, the rows are 0, .., 0, |e|. With a robust loss there is one more row, at the very end.
+// costs/rows/residual_basis.h). Rows of the adjoint form, 17 by default: subspace directions first, e itself last.
+// Asked for residuals alone, the rows are 0, .., 0, |e|. With a robust loss there is one more row, at the very end.
 //
 // Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate.
 #ifndef CLOTHID_COSTS_ROLLOUT_COST_H_
@@ -19,10 +19,10 @@
 #include <string>
 #include <vector>
 
-#include "costs/parameter_block.h"
-#include "costs/recording_model.h"
-#include "costs/rollout_cost_options.h"
-#include "datasets/recorded_motion.h"
+#include "costs/prediction/parameter_block.h"
+#include "costs/prediction/recording_model.h"
+#include "costs/prediction/rollout_cost_options.h"
+#include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
 
@@ -62,7 +62,8 @@ class RolloutCost : public ceres::CostFunction {
 
   // Why the last evaluation returned false, in one line that names the recording; empty where it did not.
   const std::string& last_failure() const;
-  // Throws the `Error` of the journal (costs/evaluation_journal.h) where there was one; all evaluations since failed.
+  // Throws the `Error` of the journal (costs/rows/evaluation_journal.h) where there was one; all evaluations since
+  // failed.
   void CheckJournal() const;
   const CostStatistics& statistics() const;
   const RecordingModel& model() const;

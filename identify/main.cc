@@ -9,20 +9,20 @@
 #include <string>
 #include <vector>
 
-#include "datasets/motion_file.h"
-#include "identify/fit.h"
-#include "identify/fit_landscape.h"
-#include "identify/gradient_check.h"
-#include "identify/holdout.h"
-#include "identify/node_prediction.h"
-#include "identify/options.h"
-#include "identify/output_folder.h"
-#include "identify/problem.h"
-#include "identify/progress.h"
-#include "identify/report.h"
-#include "identify/version.h"
-#include "sim/error.h"
-#include "sim/program.h"
+#include "datasets/motion/motion_file.h"
+#include "identify/base/options.h"
+#include "identify/base/output_folder.h"
+#include "identify/base/progress.h"
+#include "identify/base/version.h"
+#include "identify/checks/gradient_check.h"
+#include "identify/checks/holdout.h"
+#include "identify/fit/fit.h"
+#include "identify/fit/problem.h"
+#include "identify/landscape/fit_landscape.h"
+#include "identify/report/node_prediction.h"
+#include "identify/report/report.h"
+#include "sim/base/error.h"
+#include "sim/base/program.h"
 
 DEFINE_string(target, "", "recordings to fit, separated by commas");
 DEFINE_string(scene, "", "scene.json to use instead of the one in each recording");

@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <string>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace clothid {
 

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "costs/full_residual_cost.h"
-#include "costs/residual_basis.h"
 #include "costs/rollout_cost.h"
+#include "costs/rows/residual_basis.h"
 #include "tests/costs/synthetic_clouds.h"
 #include "tests/costs/synthetic_motion.h"
 

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <random>
 
-#include "datasets/recorded_motion.h"
+#include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
 

@@ -13,14 +13,14 @@
 #include <string>
 #include <vector>
 
-#include "costs/parameter_block.h"
-#include "datasets/observation.h"
-#include "datasets/recorded_motion.h"
-#include "sim/mesh.h"
-#include "sim/obstacle.h"
-#include "sim/rollout.h"
-#include "sim/scene.h"
-#include "sim/simulator.h"
+#include "costs/prediction/parameter_block.h"
+#include "datasets/motion/recorded_motion.h"
+#include "datasets/observation/observation.h"
+#include "sim/rollout/rollout.h"
+#include "sim/rollout/simulator.h"
+#include "sim/scene/mesh.h"
+#include "sim/scene/obstacle.h"
+#include "sim/scene/scene.h"
 
 namespace clothid {
 

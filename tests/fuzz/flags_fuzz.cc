@@ -2,14 +2,14 @@
 #include <array>
 #include <functional>
 
-#include "costs/parameter_block.h"
-#include "costs/robust_loss.h"
-#include "identify/options.h"
-#include "sim/scene_json.h"
-#include "sim/text_file.h"
+#include "costs/prediction/parameter_block.h"
+#include "costs/prediction/robust_loss.h"
+#include "identify/base/options.h"
+#include "sim/base/text_file.h"
+#include "sim/scene/scene_json.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "tools/landscape_plan.h"
-#include "tools/scene_variant.h"
+#include "tools/landscape/landscape_plan.h"
+#include "tools/landscape/scene_variant.h"
 
 namespace clothid {
 namespace {

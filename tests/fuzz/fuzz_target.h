@@ -15,7 +15,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 // libFuzzer and replay_main.cc call it; it returns 0.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "costs/evaluation_journal.h"
+#include "costs/rows/evaluation_journal.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/record_bytes.h"
 

@@ -1,13 +1,13 @@
 // The folder of a finished scan: plan.json, landscape.csv and timing.csv, with a byte 0 between them. The checksum of
 // landscape.csv is made right.
-#include "datasets/sha256.h"
-#include "identify/landscape_folder.h"
-#include "identify/landscape_row.h"
-#include "sim/json_document.h"
-#include "sim/text_file.h"
+#include "datasets/files/sha256.h"
+#include "identify/landscape/landscape_folder.h"
+#include "identify/landscape/landscape_row.h"
+#include "sim/base/json_document.h"
+#include "sim/base/text_file.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/temporary_folder.h"
-#include "tools/landscape_summary.h"
+#include "tools/landscape/landscape_summary.h"
 
 namespace clothid {
 namespace {

@@ -1,11 +1,11 @@
 // The cells of a scan under way. The first byte is that of tests/fuzz/record_bytes.h.
 #include <algorithm>
 
-#include "sim/text_file.h"
+#include "sim/base/text_file.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/record_bytes.h"
 #include "tests/temporary_folder.h"
-#include "tools/landscape_store.h"
+#include "tools/landscape/landscape_store.h"
 
 namespace clothid {
 namespace {

@@ -1,10 +1,10 @@
 // motion.bin: container, tensors, and the scene inside it. Checksums are made right.
 #include <cstring>
 
-#include "datasets/motion_check.h"
-#include "datasets/motion_file.h"
-#include "datasets/sha256.h"
-#include "sim/text_file.h"
+#include "datasets/checking/motion_check.h"
+#include "datasets/files/sha256.h"
+#include "datasets/motion/motion_file.h"
+#include "sim/base/text_file.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/temporary_folder.h"
 

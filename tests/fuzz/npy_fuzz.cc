@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/npy_file.h"
+#include "sim/base/npy_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace clothid {

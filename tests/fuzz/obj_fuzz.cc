@@ -1,8 +1,8 @@
 // OBJ: as the cloth, and as an obstacle.
 #include <cmath>
 
-#include "sim/mesh.h"
-#include "sim/triangulated_surface.h"
+#include "sim/scene/mesh.h"
+#include "sim/scene/triangulated_surface.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace clothid {

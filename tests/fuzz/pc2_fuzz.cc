@@ -1,5 +1,5 @@
 // Point caches.
-#include "datasets/pc2_file.h"
+#include "datasets/formats/pc2_file.h"
 #include "tests/fuzz/track_round_trip.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // PLY: meshes and point clouds, and writing them again.
-#include "datasets/ply_file.h"
+#include "datasets/formats/ply_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-// Inputs that become files of records (datasets/record_file.h).
+// Inputs that become files of records (datasets/files/record_file.h).
 #ifndef CLOTHID_TESTS_FUZZ_RECORD_BYTES_H_
 #define CLOTHID_TESTS_FUZZ_RECORD_BYTES_H_
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "datasets/sha256.h"
+#include "datasets/files/sha256.h"
 
 namespace clothid {
 

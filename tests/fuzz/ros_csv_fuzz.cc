@@ -1,5 +1,5 @@
 // CSV files of ROS recordings: grids of points, and poses.
-#include "datasets/ros_csv.h"
+#include "datasets/formats/ros_csv.h"
 #include "tests/fuzz/fuzz_target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

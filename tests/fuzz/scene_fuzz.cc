@@ -2,9 +2,9 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/scene_text.h"
-#include "sim/json_document.h"
-#include "sim/scene_json.h"
+#include "datasets/motion/scene_text.h"
+#include "sim/base/json_document.h"
+#include "sim/scene/scene_json.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace clothid {
@@ -13,7 +13,8 @@ namespace {
 constexpr char kSource[] = "scene.json";
 constexpr char kFolder[] = CLOTHID_SOURCE_DIR "/tests/fuzz/scene_files";
 
-// Up to the limit on nodes a grid takes seconds, which buys nothing: tests/sim/scene_json_test.cc tries that limit.
+// Up to the limit on nodes a grid takes seconds, which buys nothing: tests/sim/scene/scene_json_test.cc tries that
+// limit.
 bool HasLargeGrid(const std::string& text) {
   constexpr long long kLarge = 64;  // nodes
   const JsonValue document = ParseJson(text, kSource);

@@ -1,7 +1,7 @@
 // sensor.json.
 #include <cmath>
 
-#include "datasets/sensor.h"
+#include "datasets/synthetic/sensor.h"
 #include "tests/fuzz/fuzz_target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

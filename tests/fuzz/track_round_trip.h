@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "datasets/point_tracks.h"
-#include "datasets/track_checks.h"
+#include "datasets/formats/point_tracks.h"
+#include "datasets/formats/track_checks.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace clothid {

@@ -1,5 +1,5 @@
 // Tables with a row per time and point.
-#include "datasets/tracks_csv.h"
+#include "datasets/formats/tracks_csv.h"
 #include "tests/fuzz/track_round_trip.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

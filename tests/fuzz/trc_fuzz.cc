@@ -1,5 +1,5 @@
 // TRC files of motion capture.
-#include "datasets/trc_file.h"
+#include "datasets/formats/trc_file.h"
 #include "tests/fuzz/track_round_trip.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -7,10 +7,10 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "sim/mesh.h"
-#include "sim/rollout.h"
-#include "sim/scene.h"
-#include "sim/simulator.h"
+#include "sim/rollout/rollout.h"
+#include "sim/rollout/simulator.h"
+#include "sim/scene/mesh.h"
+#include "sim/scene/scene.h"
 
 namespace clothid {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/obstacle.h"
-#include "sim/scene.h"
-#include "tests/sim/triangle_meshes.h"
+#include "sim/scene/obstacle.h"
+#include "sim/scene/scene.h"
+#include "tests/sim/scene/triangle_meshes.h"
 
 namespace clothid {
 

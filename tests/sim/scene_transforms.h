@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/parameters.h"
-#include "sim/scene.h"
+#include "sim/scene/parameters.h"
+#include "sim/scene/scene.h"
 #include "tests/sim/random_scene.h"
 
 namespace clothid {

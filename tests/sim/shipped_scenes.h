@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene_json.h"
+#include "sim/scene/scene_json.h"
 
 namespace clothid {
 

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "costs/rollout_cost.h"
-#include "datasets/motion_file.h"
-#include "identify/uncertainty.h"
+#include "datasets/motion/motion_file.h"
+#include "identify/uncertainty/uncertainty.h"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "costs/rollout_cost.h"
-#include "datasets/motion_file.h"
-#include "identify/uncertainty.h"
+#include "datasets/motion/motion_file.h"
+#include "identify/uncertainty/uncertainty.h"
 
 void Fit(const char* first, const char* second) {
   const clothid::RecordedMotion motions[] = {clothid::ReadMotion(first), clothid::ReadMotion(second)};

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "costs/rollout_cost.h"
-#include "sim/adjoint.h"
-#include "sim/simulator.h"
+#include "sim/derivative/adjoint.h"
+#include "sim/rollout/simulator.h"
 #include "torus.h"
 
 namespace {

@@ -1,0 +1,142 @@
+#include "costs/prediction/alignment.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sim/scene/mesh.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kFrameIntervals = 2.0;
+constexpr double kShareOfCloth = 0.25;
+constexpr double kLargestTurn = 0.2;        // rad
+constexpr double kLargestStartSpeed = 2.0;  // m/s
+constexpr double kPi = 3.14159265358979323846;
+
+constexpr char kTimeOffsetName[] = "time_offset";
+constexpr char kAlignName[] = "align";  // shift and turn
+constexpr char kAxes[] = "xyz";
+
+struct GroupName {
+  const char* name;
+  AlignmentKind kind;
+};
+
+constexpr std::array<GroupName, 3> kGroups = {
+    {{"shift", AlignmentKind::kShift}, {"turn", AlignmentKind::kTurn}, {"v0", AlignmentKind::kStartVelocity}}};
+
+double MedianFrameInterval(const RecordedMotion& motion) {
+  std::vector<double> intervals;
+  for (Eigen::Index i = 1; i < motion.times.size(); ++i) intervals.push_back(motion.times[i] - motion.times[i - 1]);
+  if (intervals.empty()) return 0.0;
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  return *middle;
+}
+
+void AppendAxes(const std::string& group, std::vector<std::string>* names) {
+  for (int axis = 0; axis < 3; ++axis) names->push_back(group + "." + kAxes[axis]);
+}
+
+}  // namespace
+
+void Alignment::Set(AlignmentId id, double value) {
+  switch (id.kind) {
+    case AlignmentKind::kTimeOffset:
+      time_offset = value;
+      break;
+    case AlignmentKind::kShift:
+      shift[id.axis] = value;
+      break;
+    case AlignmentKind::kTurn:
+      turn[id.axis] = value;
+      break;
+    case AlignmentKind::kStartVelocity:
+      start_velocity[id.axis] = value;
+      break;
+  }
+}
+
+std::optional<AlignmentId> ParseAlignmentId(const std::string& name) {
+  if (name == kTimeOffsetName) return AlignmentId{AlignmentKind::kTimeOffset, 0};
+  for (const GroupName& group : kGroups) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (name == std::string(group.name) + "." + kAxes[axis]) return AlignmentId{group.kind, axis};
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> ExpandAlignmentNames(const std::vector<std::string>& names) {
+  std::vector<std::string> expanded;
+  for (const std::string& name : names) {
+    const bool is_align = name == kAlignName;
+    bool is_group = false;
+    for (const GroupName& group : kGroups) {
+      if (name != group.name && !(is_align && group.kind != AlignmentKind::kStartVelocity)) continue;
+      AppendAxes(group.name, &expanded);
+      is_group = true;
+    }
+    if (!is_group) expanded.push_back(name);
+  }
+  return expanded;
+}
+
+std::string AlignmentGroup(const std::string& name) {
+  return ParseAlignmentId(name) ? name.substr(0, name.find('.')) : name;
+}
+
+std::string KnownAlignmentNames() {
+  std::string names = std::string(kTimeOffsetName) + ", " + kAlignName;
+  for (const GroupName& group : kGroups) names += ", " + std::string(group.name) + "[.x|.y|.z]";
+  return names;
+}
+
+double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion) {
+  switch (id.kind) {
+    case AlignmentKind::kTimeOffset:
+      return kFrameIntervals * MedianFrameInterval(motion);
+    case AlignmentKind::kShift:
+      return kShareOfCloth * ClothSize(motion.scene.mesh);
+    case AlignmentKind::kTurn:
+      return kLargestTurn;
+    case AlignmentKind::kStartVelocity:
+      return kLargestStartSpeed;
+  }
+  return 0.0;
+}
+
+double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
+  switch (id.kind) {
+    case AlignmentKind::kTimeOffset:
+      return motion.times[motion.times.size() - 1] - motion.times[0];
+    case AlignmentKind::kTurn:
+      return kPi;
+    case AlignmentKind::kShift:
+    case AlignmentKind::kStartVelocity:
+      break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+Eigen::Vector3d TurnCenter(const RecordedMotion& motion) {
+  if (motion.centroid) return *motion.centroid;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), count = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < motion.positions.cols(); ++i) {
+    for (Eigen::Index row = 0; row < motion.positions.rows(); ++row) {
+      if (!std::isfinite(motion.positions(row, i))) continue;
+      sum[row % 3] += motion.positions(row, i);
+      count[row % 3] += 1.0;
+    }
+  }
+  for (const Eigen::Matrix3Xd& cloud : motion.clouds) {
+    sum += cloud.rowwise().sum();
+    count.array() += static_cast<double>(cloud.cols());
+  }
+  return sum.cwiseQuotient(count.cwiseMax(1.0));
+}
+
+}  // namespace clothid

@@ -1,0 +1,163 @@
+#include "costs/prediction/parameter_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kAtBound = 1e-3;
+constexpr double kRelativeResolution = 1e-6;
+constexpr double kLeastFriction = 0.01;
+constexpr double kLeastShareOfUnit = 0.1;
+constexpr char kRecordingMark = '@';
+
+// The first of `given` and `from_scene` that is given.
+double Choose(const std::map<std::string, double>& given, const std::string& name, double from_scene,
+              double otherwise) {
+  for (const std::string& own_or_group : OverrideNames(name)) {
+    const auto it = given.find(own_or_group);
+    if (it != given.end()) return it->second;
+  }
+  return std::isnan(from_scene) ? otherwise : from_scene;
+}
+
+std::string Bounds(const ParameterBlock& block) {
+  std::ostringstream text;
+  text << "[" << block.lower_bound << ", " << block.upper_bound << "]";
+  return text.str();
+}
+
+void CheckStartIsInside(const ParameterBlock& block) {
+  if (block.start >= block.lower_bound && block.start <= block.upper_bound) return;
+  std::ostringstream start;
+  start << block.start;
+  throw Error(ErrorKind::kUsage, "parameter '" + block.name + "': the starting value " + start.str() +
+                                     " is outside its bounds " + Bounds(block));
+}
+
+void CheckStart(const ParameterBlock& block) {
+  if (!std::isfinite(block.start) || block.start < 0.0) {
+    throw Error(ErrorKind::kUsage, "parameter '" + block.name + "': the starting value must be a finite number >= 0");
+  }
+  if (block.scale == ParameterScale::kLog && block.start == 0.0) {
+    throw Error(ErrorKind::kUsage, "parameter '" + block.name +
+                                       "': the starting value is 0, so the scene has no such term; give a positive "
+                                       "nominal value in the scene or a positive start");
+  }
+}
+
+void CheckBounds(const ParameterBlock& block) {
+  const double least = block.scale == ParameterScale::kLog ? std::nextafter(0.0, 1.0) : 0.0;
+  if (!(block.lower_bound >= least) || !(block.upper_bound > block.lower_bound) || !std::isfinite(block.upper_bound)) {
+    throw Error(ErrorKind::kUsage,
+                "parameter '" + block.name + "': bounds " + Bounds(block) +
+                    (least > 0.0 ? " must be positive and increasing" : " must be >= 0 and increasing"));
+  }
+  CheckStartIsInside(block);
+}
+
+void CheckAlignmentBounds(const ParameterBlock& block, double largest) {
+  const bool is_increasing =
+      std::isfinite(block.lower_bound) && std::isfinite(block.upper_bound) && block.upper_bound > block.lower_bound;
+  if (!is_increasing || std::max(-block.lower_bound, block.upper_bound) > largest) {
+    std::ostringstream limit;
+    if (std::isfinite(largest)) limit << " and within +-" << largest;
+    throw Error(ErrorKind::kUsage,
+                "parameter '" + block.name + "': bounds " + Bounds(block) + " must be increasing" + limit.str());
+  }
+  CheckStartIsInside(block);
+}
+
+ParameterBlock MakeAlignmentBlock(const std::string& name, AlignmentId id, const RecordedMotion& motion,
+                                  const ParameterOverrides& overrides) {
+  ParameterBlock block;
+  block.name = name;
+  block.is_signed = true;
+  block.unit = DefaultAlignmentRange(id, motion);
+  block.start = Choose(overrides.start, name, 0.0, 0.0);
+  block.lower_bound = Choose(overrides.lower_bounds, name, -block.unit, 0.0);
+  block.upper_bound = Choose(overrides.upper_bounds, name, block.unit, 0.0);
+  CheckAlignmentBounds(block, LargestAlignmentBound(id, motion));
+  return block;
+}
+
+}  // namespace
+
+double ParameterBlock::ToCoordinate(double value) const {
+  return scale == ParameterScale::kLog ? std::log(value) : value / unit;
+}
+
+double ParameterBlock::ToValue(double coordinate) const {
+  return scale == ParameterScale::kLog ? std::exp(coordinate) : unit * coordinate;
+}
+
+double ParameterBlock::ValueDerivative(double coordinate) const {
+  return scale == ParameterScale::kLog ? std::exp(coordinate) : unit;
+}
+
+double ParameterBlock::CoordinateRange() const { return ToCoordinate(upper_bound) - ToCoordinate(lower_bound); }
+
+bool ParameterBlock::IsAtBound(double coordinate) const {
+  const double distance = std::min(coordinate - ToCoordinate(lower_bound), ToCoordinate(upper_bound) - coordinate);
+  return distance <= kAtBound * CoordinateRange();
+}
+
+double ParameterBlock::Resolution(double coordinate) const {
+  if (scale == ParameterScale::kLog) return kRelativeResolution;
+  return kRelativeResolution * std::max(std::abs(coordinate), is_signed ? kLeastShareOfUnit : kLeastFriction);
+}
+
+std::string BaseName(const std::string& name) { return name.substr(0, name.find(kRecordingMark)); }
+
+std::vector<std::string> OverrideNames(const std::string& name) {
+  const std::string base = BaseName(name), group = AlignmentGroup(base), suffix = name.substr(base.size());
+  std::vector<std::string> names;
+  for (const std::string& candidate : {name, group + suffix, base, group}) {
+    if (std::find(names.begin(), names.end(), candidate) == names.end()) names.push_back(candidate);
+  }
+  return names;
+}
+
+ParameterScale DefaultScale(ParameterKind kind) {
+  return kind == ParameterKind::kFriction ? ParameterScale::kLinear : ParameterScale::kLog;
+}
+
+ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides) {
+  const ParameterId id = ParseParameter(BaseName(name), scene.obstacle_names());
+  const auto range_it = scene.parameters.find(BaseName(name));
+  const ParameterRange range = range_it == scene.parameters.end() ? ParameterRange() : range_it->second;
+  // The friction of all obstacles of a scene that has none: any start will do, nothing depends on it.
+  const double nominal = GetParameter(scene.nominal_parameters(), id);
+
+  ParameterBlock block;
+  block.name = name;
+  block.scale = DefaultScale(id.kind);
+  block.frozen = range.frozen;
+  block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
+  CheckStart(block);
+  const bool is_log = block.scale == ParameterScale::kLog;
+  block.lower_bound =
+      Choose(overrides.lower_bounds, name, range.lower_bound, is_log ? block.start / kBoundFactor : 0.0);
+  block.upper_bound =
+      Choose(overrides.upper_bounds, name, range.upper_bound, is_log ? block.start * kBoundFactor : kMaxFriction);
+  CheckBounds(block);
+  return block;
+}
+
+ParameterBlock MakeParameterBlock(const std::string& name, const RecordedMotion& motion,
+                                  const ParameterOverrides& overrides) {
+  const std::string base = BaseName(name);
+  if (const auto id = ParseAlignmentId(base)) return MakeAlignmentBlock(name, *id, motion, overrides);
+  try {
+    ParseParameter(base, motion.scene.obstacle_names());
+  } catch (const Error& error) {
+    throw Error(error.kind(), error.what() + (", " + KnownAlignmentNames()));
+  }
+  return MakeParameterBlock(name, motion.scene, overrides);
+}
+
+}  // namespace clothid

@@ -1,0 +1,87 @@
+// One scalar that a fit may change, as a Ceres parameter block of size 1.
+//
+// Ceres works on an internal coordinate q: q = log(value) for stiffnesses, density, drag and damping, which are known
+// to a factor at best and span decades; q = value for friction coefficients, which live in [0, 2] and may be zero;
+// q = value/unit for the parameters of a recording itself (costs/prediction/alignment.h), which may be negative.
+#ifndef CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_
+#define CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "costs/prediction/alignment.h"
+#include "datasets/motion/recorded_motion.h"
+#include "sim/scene/parameters.h"
+#include "sim/scene/scene.h"
+
+namespace clothid {
+
+enum class ParameterScale { kLinear, kLog };
+
+// The largest friction coefficient a fit looks for, unless bounds are given.
+inline constexpr double kMaxFriction = 2.0;
+// Without given bounds a parameter in log space may move by this factor up and down from its starting value: far enough
+// for any wrong nominal value, near enough to keep the simulation of a wandering optimiser solvable.
+inline constexpr double kBoundFactor = 1e4;
+
+inline constexpr int kEveryRecording = -1;
+
+struct ParameterBlock {
+  // As `ParseParameter` or `ParseAlignmentId` reads it, the same in every recording of a joint fit; or, of one
+  // recording alone, with a suffix: "drag@2" is the drag of the second recording.
+  std::string name;
+  int recording = kEveryRecording;  // or the index of the only one
+  ParameterScale scale = ParameterScale::kLinear;
+  double unit = 1.0;         // linear scale: the value at q = 1
+  bool is_signed = false;    // may be negative: a parameter of the recording itself
+  double start = 0.0;        // starting value, in the parameter's own unit
+  double lower_bound = 0.0;  // in the parameter's own unit; lower_bound < upper_bound
+  double upper_bound = 0.0;
+  bool frozen = false;  // held at its starting value, never differentiated
+
+  double ToCoordinate(double value) const;
+  double ToValue(double coordinate) const;
+  // d value / d coordinate.
+  double ValueDerivative(double coordinate) const;
+  // From bound to bound, in the internal coordinate.
+  double CoordinateRange() const;
+  // Within 1e-3 of the range from one of the bounds, which a bounded optimiser may reach asymptotically.
+  bool IsAtBound(double coordinate) const;
+  // The smallest change of the coordinate that a fit goes for: 1e-6 of the value, of friction below 0.01 1e-8, of the
+  // recording's own parameters below a tenth of their unit 1e-7 of that.
+  double Resolution(double coordinate) const;
+};
+
+// "drag" of "drag@2"; a name without suffix as it is.
+std::string BaseName(const std::string& name);
+
+// Log for everything but friction.
+ParameterScale DefaultScale(ParameterKind kind);
+
+// What the user gives over the scene's `parameters`; by parameter name. Of "shift.x@2" the first of "shift.x@2",
+// "shift@2", "shift.x" and "shift" that is given counts.
+struct ParameterOverrides {
+  std::map<std::string, double> start, lower_bounds, upper_bounds;
+};
+
+// The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
+// obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction] or start / kBoundFactor .. start *
+// kBoundFactor. Throws `Error` (kUsage) for an unknown name, a start outside the bounds, bounds in the wrong order, and
+// for a start of zero in log space: a scene without bending (or drag, or damping) has no such term, so it must give a
+// positive nominal value.
+ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
+
+// The same for a recording, and for its own parameters (costs/prediction/alignment.h), too. Of those: start 0, bounds
+// +- `DefaultAlignmentRange`, the override before either. Throws `Error` (kUsage) also for bounds beyond
+// `LargestAlignmentBound`.
+ParameterBlock MakeParameterBlock(const std::string& name, const RecordedMotion& motion,
+                                  const ParameterOverrides& overrides);
+
+// The names of `ParameterOverrides` that speak of parameter `name`, the first before the others.
+std::vector<std::string> OverrideNames(const std::string& name);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_

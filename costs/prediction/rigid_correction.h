@@ -1,0 +1,35 @@
+// A small rigid motion of points,  p' = R(w) (p - c) + c + s,  and its derivatives.
+//
+// R(w) = exp([w]x) = I + sin(a)/a [w]x + (1 - cos(a))/a^2 [w]x^2,  a = |w|  (Rodrigues), [w]x y = w x y.
+// Its derivative is that of the left Jacobian of the rotations,
+//   J(w) = I + (1 - cos(a))/a^2 [w]x + (a - sin(a))/a^3 [w]x^2,   d(R(w) y)/dw = -[R(w) y]x J(w),
+// smooth at w = 0, where R = J = I.
+#ifndef CLOTHID_COSTS_PREDICTION_RIGID_CORRECTION_H_
+#define CLOTHID_COSTS_PREDICTION_RIGID_CORRECTION_H_
+
+#include <Eigen/Core>
+
+namespace clothid {
+
+class RigidCorrection {
+ public:
+  // turn: w, rad; shift: s, m; center: c, m.
+  RigidCorrection(const Eigen::Vector3d& turn, const Eigen::Vector3d& shift, const Eigen::Vector3d& center);
+
+  const Eigen::Matrix3d& rotation() const { return rotation_; }
+  // Every point of the column `points` [3P], m.
+  Eigen::VectorXd Apply(const Eigen::VectorXd& points) const;
+  // What a change of the points becomes, R d, and its transpose: columns of [3P x c].
+  Eigen::MatrixXd Rotate(const Eigen::MatrixXd& changes) const;
+  Eigen::MatrixXd RotateBack(const Eigen::MatrixXd& changes) const;
+  // d p'/dw_axis [3P] of points that were corrected, `corrected` = p' [3P].
+  Eigen::VectorXd TurnDerivative(int axis, const Eigen::VectorXd& corrected) const;
+
+ private:
+  Eigen::Matrix3d rotation_, left_jacobian_;
+  Eigen::Vector3d center_, corrected_center_;  // c, c + s
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_PREDICTION_RIGID_CORRECTION_H_

@@ -1,0 +1,179 @@
+#include "costs/rows/evaluation_journal.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+struct RecordTooShort {};
+
+// The two archives have the same face, so that each structure below lists its fields once for both.
+class Writer {
+ public:
+  void Bytes(const void* bytes, std::size_t count) { text_.append(static_cast<const char*>(bytes), count); }
+  Eigen::Index Size(Eigen::Index size, std::size_t /*item_bytes*/) {
+    Bytes(&size, sizeof(size));
+    return size;
+  }
+  std::string Take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view text) : text_(text) {}
+  void Bytes(void* bytes, std::size_t count) {
+    if (count > text_.size()) throw RecordTooShort();
+    if (count > 0) std::memcpy(bytes, text_.data(), count);
+    text_.remove_prefix(count);
+  }
+  // A size of which as many items, of `item_bytes` each, may follow.
+  Eigen::Index Size(Eigen::Index /*size*/, std::size_t item_bytes) {
+    Eigen::Index size = 0;
+    Bytes(&size, sizeof(size));
+    const std::size_t most = text_.size() / std::max<std::size_t>(item_bytes, 1);
+    if (size < 0 || static_cast<std::size_t>(size) > most) throw RecordTooShort();
+    return size;
+  }
+
+ private:
+  std::string_view text_;
+};
+
+template <typename Archive, typename Number, typename = std::enable_if_t<!std::is_class_v<Number>>>
+void Field(Archive* archive, Number* number) {
+  archive->Bytes(number, sizeof(Number));
+}
+
+// Any byte, for no other than 0 and 1 may stand in a bool.
+template <typename Archive>
+void Field(Archive* archive, bool* flag) {
+  char byte = *flag ? 1 : 0;
+  archive->Bytes(&byte, sizeof(byte));
+  *flag = byte != 0;
+}
+
+template <typename Archive>
+void Field(Archive* archive, std::string* text) {
+  text->resize(archive->Size(text->size(), 1));
+  archive->Bytes(text->data(), text->size());
+}
+
+template <typename Archive>
+void Field(Archive* archive, std::vector<int>* numbers) {
+  numbers->resize(archive->Size(numbers->size(), sizeof(int)));
+  archive->Bytes(numbers->data(), numbers->size() * sizeof(int));
+}
+
+template <typename Archive>
+void Field(Archive* archive, Eigen::VectorXd* vector) {
+  vector->resize(archive->Size(vector->size(), sizeof(double)));
+  archive->Bytes(vector->data(), vector->size() * sizeof(double));
+}
+
+template <typename Archive>
+void Field(Archive* archive, Eigen::MatrixXd* matrix) {
+  const Eigen::Index rows = archive->Size(matrix->rows(), 1);
+  matrix->resize(rows, archive->Size(matrix->cols(), static_cast<std::size_t>(rows) * sizeof(double)));
+  archive->Bytes(matrix->data(), matrix->size() * sizeof(double));
+}
+
+template <typename Archive, typename... Values>
+void Fields(Archive* archive, Values*... values) {
+  (Field(archive, values), ...);
+}
+
+// A structured binding names every field, so none can be added without its place here.
+template <typename Archive>
+void Field(Archive* archive, EvaluationKey* key) {
+  auto& [coordinates, precision, need, active] = *key;
+  Fields(archive, &coordinates, &precision, &need, &active);
+}
+
+template <typename Archive>
+void Field(Archive* archive, RolloutCounts* value) {
+  auto& [steps, newton, factorizations, linear, fallbacks, substeps, failed, contacts, joined, left, branches,
+         obstacles] = *value;
+  Fields(archive, &steps, &newton, &factorizations, &linear, &fallbacks, &substeps, &failed, &contacts, &joined, &left,
+         &branches, &obstacles);
+}
+
+template <typename Archive>
+void Field(Archive* archive, CostStatistics* value) {
+  auto& [rollouts, sweeps, counts, rollout_seconds, derivative_seconds] = *value;
+  Fields(archive, &rollouts, &sweeps, &counts, &rollout_seconds, &derivative_seconds);
+}
+
+template <typename Archive>
+void Field(Archive* archive, ResidualRows* value) {
+  auto& [active, residuals, jacobian, frame_scores] = *value;
+  Fields(archive, &active, &residuals, &jacobian, &frame_scores);
+}
+
+// Without the residuals, which the prediction gives again.
+template <typename Archive>
+void Field(Archive* archive, RolloutEvaluation* value) {
+  auto& [coordinates, precision, failure, predicted, residuals, counts, cost, loss_row, has_rows, rows, has_gradient,
+         gradient, has_exact_rows, exact_rows] = *value;
+  Fields(archive, &coordinates, &precision, &failure, &predicted, &counts, &cost, &loss_row, &has_rows, &rows,
+         &has_gradient, &gradient, &has_exact_rows, &exact_rows);
+}
+
+template <typename Archive>
+void Field(Archive* archive, EvaluationOutcome* value) {
+  auto& [evaluation, statistics, rollout_coordinates, first_jacobian] = *value;
+  Fields(archive, &evaluation, &statistics, &rollout_coordinates, &first_jacobian);
+}
+
+std::string KeyBytes(EvaluationKey key) {
+  Writer writer;
+  Field(&writer, &key);
+  return writer.Take();
+}
+
+RecordFile::Kind JournalKind() {
+  return {"clothid journal 3", "a journal of evaluations, version 3",
+          "is the journal of a fit with other recordings, flags or program; remove it, or use another --output"};
+}
+
+}  // namespace
+
+EvaluationJournal::EvaluationJournal(const std::string& path, const std::string& fingerprint)
+    : file_(path, JournalKind(), fingerprint) {}
+
+std::optional<EvaluationOutcome> EvaluationJournal::Replay(const EvaluationKey& key) {
+  std::string payload;
+  if (file_.Read(&payload) != RecordFile::Next::kRecord) {
+    file_.Truncate();
+    return std::nullopt;
+  }
+  ++num_records_;
+  const std::string wanted = KeyBytes(key);
+  EvaluationOutcome outcome;
+  try {
+    if (std::string_view(payload).substr(0, wanted.size()) != wanted) throw RecordTooShort();
+    Reader reader(std::string_view(payload).substr(wanted.size()));
+    Field(&reader, &outcome);
+  } catch (const RecordTooShort&) {
+    throw Error(ErrorKind::kBadData, file_.path() + ": record " + std::to_string(num_records_) +
+                                         " is not of the evaluation that this fit needs; remove the journal");
+  }
+  return outcome;
+}
+
+void EvaluationJournal::Append(EvaluationKey key, EvaluationOutcome outcome) {
+  Writer writer;
+  Fields(&writer, &key, &outcome);
+  file_.Append(writer.Take());
+  ++num_records_;
+}
+
+}  // namespace clothid

@@ -1,0 +1,282 @@
+// Findings about the measured points alone: noise, order, jumps, lengths.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "datasets/checking/check_rooms.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kQuiet = 1e-3;       // noise over the size of the cloth that counts as none
+constexpr double kSigmaFactor = 3.0;  // between the noise that the file states and the one estimated
+constexpr double kCoarse = 0.3;       // noise over spacing from which neighbours cannot be told apart
+constexpr Eigen::Index kMaxOrderPoints = 20000;
+constexpr double kLongEdge = 1.6;     // a pair over its own median length and that of its frame: torn apart
+constexpr double kTornShare = 0.04;   // of the pairs: from here a frame counts as out of order
+constexpr double kStrayShare = 0.15;  // of the points: so many may be far off in a frame without its order being wrong
+constexpr double kJump = 0.1;         // of the spacing: less is no jump of the cloth
+constexpr double kPointJump = 0.3;    // likewise of a point
+constexpr double kNoiseJump = 8.0;    // standard deviations: less is no jump of a point
+constexpr double kSameLength = 0.05;  // of the edges, by share
+constexpr double kWrongLength = 0.2;
+constexpr double kUnitTolerance = 0.2;
+
+// A unit that a length ratio may give away.
+struct Unit {
+  double ratio;      // recorded over rest
+  const char* text;  // the hint
+};
+constexpr Unit kUnits[] = {
+    {1000.0, "the points seem to be in mm: motion convert --scale 0.001"},
+    {100.0, "the points seem to be in cm: motion convert --scale 0.01"},
+    {1.0 / 0.0254, "the points seem to be in inches: motion convert --scale 0.0254"},
+    {1.0 / 0.3048, "the points seem to be in feet: motion convert --scale 0.3048"},
+    {10.0, "the points seem to be in dm: motion convert --scale 0.1"},
+    {0.001, "the mesh seems to be in mm and the points in m: give the mesh in m"},
+    {0.01, "the mesh seems to be in cm and the points in m: give the mesh in m"},
+    {0.0254, "the mesh seems to be in inches and the points in m: give the mesh in m"},
+};
+
+double PointJumpFloor(const CheckedMotion& checked) {
+  return std::max(kPointJump * checked.spacing, kNoiseJump * checked.noise.rms());
+}
+
+// The pairs of a frame, of which some are long, and points that are left out together with their pairs.
+class TornPairs {
+ public:
+  TornPairs(const std::vector<PointPair>& pairs, const std::vector<bool>& is_long, int num_points)
+      : pairs_(pairs), is_long_(is_long), is_left_(pairs.size(), true) {
+    pairs_of_.resize(static_cast<std::size_t>(num_points));
+    num_left_.resize(pairs_of_.size());
+    num_long_.resize(pairs_of_.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      for (const int point : {pairs[i].first, pairs[i].second}) {
+        pairs_of_[point].push_back(i);
+        ++num_left_[point];
+        num_long_[point] += is_long[i];
+      }
+    }
+  }
+
+  int num_left() const { return std::accumulate(num_left_.begin(), num_left_.end(), 0) / 2; }
+  int num_long() const { return std::accumulate(num_long_.begin(), num_long_.end(), 0) / 2; }
+  double LongShare(int point) const { return static_cast<double>(num_long_[point]) / std::max(1, num_left_[point]); }
+  // The point with the largest share of long pairs.
+  int Worst() const {
+    int worst = 0;
+    for (int point = 1; point < static_cast<int>(pairs_of_.size()); ++point) {
+      if (LongShare(point) > LongShare(worst)) worst = point;
+    }
+    return worst;
+  }
+  void LeaveOut(int stray) {
+    for (const std::size_t i : pairs_of_[stray]) {
+      if (!is_left_[i]) continue;
+      is_left_[i] = false;
+      for (const int point : {pairs_[i].first, pairs_[i].second}) {
+        --num_left_[point];
+        num_long_[point] -= is_long_[i];
+      }
+    }
+  }
+
+ private:
+  const std::vector<PointPair>& pairs_;
+  const std::vector<bool>& is_long_;
+  std::vector<bool> is_left_;
+  std::vector<std::vector<std::size_t>> pairs_of_;  // by point
+  std::vector<int> num_left_, num_long_;            // by point
+};
+
+// Whether many pairs of a frame are torn. A few points that strayed from all around them are no matter of order: the
+// worst is left out, and so on until none has lost half of its neighbours.
+bool IsTorn(const std::vector<PointPair>& pairs, const std::vector<bool>& is_long, int num_points) {
+  TornPairs torn(pairs, is_long, num_points);
+  for (int k = 0; k < std::max(1.0, kStrayShare * num_points); ++k) {
+    const int worst = torn.Worst();
+    if (torn.LongShare(worst) < 0.5) break;
+    torn.LeaveOut(worst);
+  }
+  return torn.num_long() > std::max(2.0, kTornShare * torn.num_left());
+}
+
+// Frames in which many pairs are much longer than they and their frame are otherwise.
+std::vector<int> TornFrames(const CheckedMotion& checked) {
+  std::vector<int> frames;
+  if (checked.pairs.empty() || checked.motion.num_frames() < 3) return frames;
+  Eigen::MatrixXd ratios = LengthRatios(checked.pairs, checked.motion.positions);
+  for (Eigen::Index i = 0; i < ratios.rows(); ++i) ratios.row(i) /= Median(ratios.row(i).transpose());
+  for (Eigen::Index frame = 0; frame < ratios.cols(); ++frame) {
+    const double usual = std::max(1.0, Median(ratios.col(frame)));
+    std::vector<bool> is_long;
+    for (const double ratio : ratios.col(frame)) is_long.push_back(ratio > kLongEdge * usual);
+    if (IsTorn(checked.pairs, is_long, checked.motion.num_points())) frames.push_back(static_cast<int>(frame));
+  }
+  return frames;
+}
+
+Finding JumpsOfCloth(const CheckedMotion& checked, const Eigen::MatrixXd& positions) {
+  Finding finding;
+  finding.what = "jumps of the cloth";
+  // The noise of a median over the points.
+  const double noise = checked.noise_floor / std::sqrt(static_cast<double>(checked.motion.num_points()));
+  finding.frames = ClothJumps(checked.motion.times, positions, kJump * checked.spacing + noise);
+  finding.value = finding.frames.empty() ? "none" : "into " + Named("frame", finding.frames);
+  if (!finding.frames.empty()) {
+    finding.verdict = Verdict::kWarning;
+    finding.hint =
+        "points as a whole go farther than in the frames around: a grid that was placed anew, frames out of "
+        "order, or very fast motion; a robust loss bounds what they do";
+  }
+  return finding;
+}
+
+Finding JumpsOfPoints(const CheckedMotion& checked, Eigen::MatrixXd positions, const std::vector<int>& cloth_jumps) {
+  Finding finding;
+  finding.what = "jumps of points";
+  for (const int frame : cloth_jumps) positions.col(frame).setConstant(std::numeric_limits<double>::quiet_NaN());
+  std::set<int> frames, points;
+  std::string first;
+  int count = 0;
+  for (const auto& [frame, point] : PointJumps(checked.motion.times, positions, PointJumpFloor(checked))) {
+    frames.insert(frame);
+    points.insert(point);
+    if (++count <= 3) first += (first.empty() ? "" : ", ") + std::to_string(point) + " in " + std::to_string(frame);
+  }
+  finding.frames.assign(frames.begin(), frames.end());
+  finding.points.assign(points.begin(), points.end());
+  finding.value = count == 0 ? "none" : std::to_string(count) + ", point " + first + (count > 3 ? ", .." : "");
+  if (count > 0) {
+    finding.verdict = Verdict::kWarning;
+    finding.hint =
+        "they leave their path for one frame and return, as points do that were taken for others; remove "
+        "them, or fit with a robust loss";
+  }
+  return finding;
+}
+
+// How the lengths would be if the other axis of a grid ran fastest; NaN where the points are no such grid.
+double TransposedRatio(const CheckedMotion& checked) {
+  const std::vector<std::vector<int>> orders = GridOrders(checked.rest_points);
+  double least = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t k = 1; k < orders.size(); ++k) {
+    std::vector<PointPair> pairs = checked.pairs;
+    for (PointPair& pair : pairs) pair = {orders[k][pair.first], orders[k][pair.second], pair.rest_length};
+    const Eigen::MatrixXd ratios = LengthRatios(pairs, checked.motion.positions);
+    const double ratio = Median(ratios.reshaped());
+    if (!(ratio >= least)) least = ratio;
+  }
+  return least;
+}
+
+void JudgeLengths(const CheckedMotion& checked, double ratio, double start_ratio, Finding* finding) {
+  for (const Unit& unit : kUnits) {
+    if (std::abs(std::log(ratio / unit.ratio)) > kUnitTolerance) continue;
+    finding->verdict = Verdict::kProblem;
+    finding->hint = unit.text;
+    return;
+  }
+  // A soft cloth that swings is stretched most of the time, but seldom where it starts.
+  const double off = std::min(std::abs(std::log(ratio)), std::abs(std::log(start_ratio)));
+  if (!(off > kSameLength)) return;
+  finding->verdict = off > kWrongLength ? Verdict::kWarning : Verdict::kNote;
+  finding->hint =
+      "the mesh at rest is of another size than the recorded cloth, or the cloth is stretched or folded at "
+      "the start; the fit takes the difference for strain";
+  if (checked.rest_points.cols() > kMaxOrderPoints || off <= kWrongLength) return;
+  if (std::abs(std::log(TransposedRatio(checked))) < 0.5 * off) {
+    finding->hint =
+        "neighbours of the mesh are no neighbours in the recording; with the other axis of the grid running "
+        "fastest they are: motion convert --transpose";
+  }
+}
+
+}  // namespace
+
+Finding CheckNoise(const CheckedMotion& checked) {
+  Finding finding;
+  finding.what = "noise";
+  const NoiseEstimate& noise = checked.noise;
+  if (!noise.is_known) {
+    finding.value = "not known: less than four frames in succession";
+    return finding;
+  }
+  const Eigen::VectorXd& sigma = checked.motion.sigma;
+  const double stated = sigma.size() > 0 ? Median(sigma) : 0.0;
+  finding.value = "at most " + Rounded(1e3 * noise.sigma[0]) + ", " + Rounded(1e3 * noise.sigma[1]) + ", " +
+                  Millimetres(noise.sigma[2]) + " along its principal directions";
+  finding.value += stated > 0.0 ? "; the file says " + Millimetres(stated) : "; the file says nothing";
+  const bool quiet = noise.rms() < kQuiet * checked.cloth_size;
+  if (stated == 0.0 && !quiet) {
+    finding.verdict = Verdict::kNote;
+    finding.hint = "motion convert --sigma gives the points a standard deviation, which robust losses need";
+  } else if (stated > 0.0 && noise.rms() > kSigmaFactor * stated && !quiet) {
+    finding.verdict = Verdict::kNote;
+    finding.hint = "more than the file says: points jump, or move faster than the frame rate shows";
+  } else if (stated > kSigmaFactor * noise.rms()) {
+    finding.verdict = Verdict::kNote;
+    finding.hint = "less than the file says: intervals will be wider than they need to be";
+  }
+  if (noise.rms() > kCoarse * checked.spacing) {
+    finding.verdict = Verdict::kWarning;
+    finding.hint =
+        "neighbouring points are hardly farther apart than the noise; fewer points or a coarser mesh lose "
+        "nothing";
+  }
+  return finding;
+}
+
+Finding CheckOrder(const CheckedMotion& checked) {
+  Finding finding;
+  finding.what = "order of points";
+  finding.value = "the same in every frame";
+  std::set<int> frames;
+  std::string how;
+  if (checked.rest_points.cols() <= kMaxOrderPoints) {
+    const std::vector<std::vector<int>> orders = GridOrders(checked.rest_points);
+    const std::vector<int> flipped = FlippedFrames(checked.motion.positions, orders, checked.spacing);
+    if (!flipped.empty()) how = "turned or mirrored in " + Named("frame", flipped);
+    frames.insert(flipped.begin(), flipped.end());
+  }
+  std::vector<int> torn;
+  for (const int frame : TornFrames(checked)) {
+    if (frames.insert(frame).second) torn.push_back(frame);
+  }
+  if (!torn.empty()) how += (how.empty() ? "" : "; ") + ("neighbours torn apart in " + Named("frame", torn));
+  finding.frames.assign(frames.begin(), frames.end());
+  if (frames.empty()) return finding;
+  finding.value = how;
+  finding.verdict = Verdict::kWarning;
+  finding.hint = "points are taken for others there: put them in order, or leave these frames out";
+  return finding;
+}
+
+std::vector<Finding> CheckJumps(const CheckedMotion& checked, const std::vector<int>& left_out) {
+  Eigen::MatrixXd positions = checked.motion.positions;
+  for (const int frame : left_out) positions.col(frame).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const Finding of_cloth = JumpsOfCloth(checked, positions);
+  return {of_cloth, JumpsOfPoints(checked, positions, of_cloth.frames)};
+}
+
+Finding CheckEdges(const CheckedMotion& checked) {
+  Finding finding;
+  finding.what = "edge lengths";
+  if (checked.pairs.empty()) {
+    finding.value = "not compared: no neighbouring points";
+    return finding;
+  }
+  const Eigen::MatrixXd ratios = LengthRatios(checked.pairs, checked.motion.positions);
+  const double ratio = Median(ratios.reshaped());
+  double start_ratio = std::numeric_limits<double>::quiet_NaN();
+  for (Eigen::Index frame = 0; frame < ratios.cols() && std::isnan(start_ratio); ++frame) {
+    start_ratio = Median(ratios.col(frame));
+  }
+  finding.value = Rounded(ratio) + " of the mesh at rest (median), " + Rounded(start_ratio) + " at the start";
+  JudgeLengths(checked, ratio, start_ratio, &finding);
+  return finding;
+}
+
+}  // namespace clothid

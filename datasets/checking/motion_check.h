@@ -1,0 +1,50 @@
+// What is known of a recording before any fit: whether its time, its points, its unit, its frame of reference and its
+// scene can be what they are said to be. Nothing is simulated.
+#ifndef CLOTHID_DATASETS_CHECKING_MOTION_CHECK_H_
+#define CLOTHID_DATASETS_CHECKING_MOTION_CHECK_H_
+
+#include <string>
+#include <vector>
+
+#include "datasets/motion/recorded_motion.h"
+
+namespace clothid {
+
+// An interval between frames is a gap where it exceeds the median by this factor: one frame that was dropped makes an
+// interval of twice the usual length.
+inline constexpr double kGapFactor = 2.0;
+
+enum class Verdict {
+  kOk,
+  kNote,     // worth knowing; a fit takes it into account
+  kWarning,  // a fit runs, and its estimates may be wrong
+  kProblem,  // no fit can mean anything
+};
+std::string VerdictName(Verdict verdict);  // "ok", "note", "warning", "problem"
+
+struct Finding {
+  std::string what;  // a short name, the same for every recording
+  Verdict verdict = Verdict::kOk;
+  std::string value;        // what was measured, in words
+  std::string hint;         // what to do about it; empty where there is nothing to do
+  std::vector<int> frames;  // all that it is about, ascending; may be empty
+  std::vector<int> points;  // likewise
+};
+
+// In this order, where they apply (with a wrong unit, which makes every other length void, time and edge lengths
+// alone): frame rate, gaps, missing points, noise, order of points, jumps of the cloth, jumps of points, edge lengths,
+// handles, start, contact, direction of gravity, time step. Of point clouds without tracked points only the times are
+// checked. `motion` should be read without smoothing the paths of its handles.
+std::vector<Finding> CheckMotion(const RecordedMotion& motion);
+
+// The gravest verdict among them.
+Verdict Worst(const std::vector<Finding>& findings);
+
+// A table for people, a line per finding and one per hint; and {"schema": "clothid.check/1", "file", "verdict",
+// "findings": [{"what", "verdict", "value", "hint", "frames", "points"}]}.
+std::string FindingsTable(const std::vector<Finding>& findings);
+std::string FindingsJson(const std::vector<Finding>& findings, const std::string& file);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_CHECKING_MOTION_CHECK_H_

@@ -1,0 +1,62 @@
+// Robust statistics of points over time. Internal to datasets/: the numbers behind datasets/checking/motion_check.h.
+#ifndef CLOTHID_DATASETS_CHECKING_TRACK_STATISTICS_H_
+#define CLOTHID_DATASETS_CHECKING_TRACK_STATISTICS_H_
+
+#include <Eigen/Core>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "datasets/checking/motion_check.h"
+
+namespace clothid {
+
+// The upper median of what is not NaN; NaN of nothing.
+double Median(std::vector<double> values);
+double Median(const Eigen::VectorXd& values);
+
+// Noise of the measured positions, from third differences in time: of four successive frames the combination
+// sum_i w_i x(t_i), w_i = 1/prod_{j != i} (t_i - t_j), vanishes for motion of constant acceleration; scaled to
+// sum w_i^2 = 1 it has the variance of the noise. The median of its size is not moved by jumps. What changes its
+// acceleration within four frames counts as noise, so that this is an upper bound.
+struct NoiseEstimate {
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  // m, along the directions
+  Eigen::Matrix3d directions = Eigen::Matrix3d::Identity();
+  bool is_known = false;  // false: too few frames in succession
+
+  double rms() const { return sigma.norm() / std::sqrt(3.0); }  // m: of a coordinate
+};
+// times [T] s, positions [3P x T] m, NaN: not seen.
+NoiseEstimate EstimateNoise(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions);
+
+// Two points that are neighbours on the cloth.
+struct PointPair {
+  int first = 0, second = 0;
+  double rest_length = 0.0;  // m
+};
+
+// The length of every pair in every frame over its length at rest [pairs x T]; NaN where one of them is not seen.
+Eigen::MatrixXd LengthRatios(const std::vector<PointPair>& pairs, const Eigen::MatrixXd& positions);
+
+// Frames into which the cloth as a whole jumps: the median step of its points is more than four times that of the
+// frames around it, and more than `floor` m. Steps over gaps count as at the usual frame rate.
+std::vector<int> ClothJumps(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions, double floor);
+
+// Places (frame, point) at which a point leaves its path for one frame and returns: it is off the line between the
+// frames before and after by more than `floor` m and by more than six times what it and its cloth are otherwise.
+std::vector<std::pair<int, int>> PointJumps(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions,
+                                            double floor);
+
+// Renumberings of points that lie on a grid at rest: those that turn or mirror the grid, and the transposed order.
+// `order[p]` is the point that stands where p should. The first one is the identity. Only that where the points
+// [3 x P] m are no grid.
+std::vector<std::vector<int>> GridOrders(const Eigen::Matrix3Xd& rest_points);
+
+// The frames whose points come in another of `orders` than in most frames: successive frames fit three times better in
+// that one. `spacing` m is the distance of neighbours at rest.
+std::vector<int> FlippedFrames(const Eigen::MatrixXd& positions, const std::vector<std::vector<int>>& orders,
+                               double spacing);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_CHECKING_TRACK_STATISTICS_H_

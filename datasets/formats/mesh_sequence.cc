@@ -1,0 +1,94 @@
+#include "datasets/formats/mesh_sequence.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "datasets/files/atomic_file.h"
+#include "datasets/files/file_group.h"
+#include "datasets/files/frame_names.h"
+#include "datasets/formats/track_checks.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The files that match the pattern already and would stay.
+void CheckForOtherFrames(const std::string& pattern, const std::vector<std::string>& names,
+                         const std::string& extension) {
+  std::vector<std::string> present;
+  try {
+    present = FramePaths(pattern, extension);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kUsage) return;  // none
+    throw;
+  }
+  for (const std::string& path : present) {
+    if (std::find(names.begin(), names.end(), fs::path(path).filename().string()) != names.end()) continue;
+    throw Error(ErrorKind::kUsage, pattern + ": " + path +
+                                       " would count as a frame and would not be replaced; remove it, or choose "
+                                       "another name");
+  }
+}
+
+}  // namespace
+
+std::string ObjText(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const Eigen::Matrix3Xi& faces) {
+  std::string text;
+  for (const auto& position : positions.colwise()) {
+    text +=
+        "v " + ShortestText(position.x()) + ' ' + ShortestText(position.y()) + ' ' + ShortestText(position.z()) + '\n';
+  }
+  for (const auto& face : faces.colwise()) {
+    text += 'f';
+    for (const int index : face) text += ' ' + std::to_string(index + 1);
+    text += '\n';
+  }
+  return text;
+}
+
+PointTracks ReadMeshSequence(const std::string& path, const MeshFormat& format) {
+  const std::vector<std::string> paths = FramePaths(path, format.extension);
+  PointTracks tracks;
+  tracks.name = path;
+  for (std::size_t frame = 0; frame < paths.size(); ++frame) {
+    const Mesh mesh = format.read(paths[frame]);
+    if (frame == 0) {
+      CheckTrackSize(paths[0], static_cast<std::uint64_t>(mesh.num_nodes()), paths.size());
+      tracks.positions.resize(3 * mesh.rest_positions.cols(), static_cast<Eigen::Index>(paths.size()));
+      tracks.faces = mesh.faces;
+    }
+    if (mesh.num_nodes() != tracks.num_points()) {
+      throw Error(ErrorKind::kBadData, paths[frame] + ": has " + std::to_string(mesh.num_nodes()) +
+                                           " vertices; expected " + std::to_string(tracks.num_points()) + " as in " +
+                                           paths[0]);
+    }
+    tracks.positions.col(static_cast<Eigen::Index>(frame)) = mesh.rest_positions.reshaped();
+  }
+  CheckTracks(tracks);
+  return tracks;
+}
+
+void WriteMeshSequence(const PointTracks& tracks, const std::string& path, const MeshFormat& format) {
+  const auto bytes = [&](int frame) {
+    return format.bytes(tracks.positions.col(frame).reshaped(3, tracks.num_points()), tracks.faces);
+  };
+  if (!IsFramePattern(path)) {
+    if (tracks.num_frames() == 1) return WriteFileAtomically(path, {bytes(0)});
+    const std::string example = fs::path(path).replace_extension().string() + "_####" + format.extension;
+    throw Error(ErrorKind::kUsage, path + ": expected '#' for the number of the frame, like " + example);
+  }
+  std::vector<std::string> names;
+  for (int frame = 0; frame < tracks.num_frames(); ++frame) names.push_back(FrameName(path, frame));
+  FileGroup group(path);
+  CheckForOtherFrames(path, names, format.extension);
+  for (int frame = 0; frame < tracks.num_frames(); ++frame) {
+    group.Write(names[static_cast<std::size_t>(frame)], bytes(frame));
+  }
+  group.Commit();
+}
+
+}  // namespace clothid

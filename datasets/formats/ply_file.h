@@ -1,0 +1,27 @@
+// Meshes and point clouds in PLY files. The format: datasets/formats/ply_header.h
+#ifndef CLOTHID_DATASETS_FORMATS_PLY_FILE_H_
+#define CLOTHID_DATASETS_FORMATS_PLY_FILE_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "sim/scene/mesh.h"
+
+namespace clothid {
+
+inline constexpr std::uint64_t kMaxPlyBytes = std::uint64_t{1} << 29;
+
+// Reads x, y and z of the element `vertex`, of any type of number (NaN: not seen), and the list `vertex_indices` or
+// `vertex_index` of the element `face`, where it is there; polygons are split into fans. Everything else is read over.
+// Ascii, binary little-endian and binary big-endian. Throws `Error`: kIo where the file cannot be read, else kBadData
+// naming the file and the line, element or byte, also for a file of more than kMaxPlyBytes.
+Mesh ReadPly(const std::string& path);
+
+// The bytes of a binary little-endian file with the positions [3 x N] as double and, where there are any, the triangles
+// [3 x F] as lists of int.
+std::string PlyBytes(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const Eigen::Matrix3Xi& faces);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_FORMATS_PLY_FILE_H_

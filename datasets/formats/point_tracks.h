@@ -1,0 +1,28 @@
+// Points followed over time as a file of another program holds them: not yet bound to a mesh, a scene or its frame of
+// reference.
+#ifndef CLOTHID_DATASETS_FORMATS_POINT_TRACKS_H_
+#define CLOTHID_DATASETS_FORMATS_POINT_TRACKS_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace clothid {
+
+// The most frames that a recording may have.
+inline constexpr int kMaxFrames = 10000000;
+
+struct PointTracks {
+  std::string name;                 // for messages: the file or folder that it came from
+  Eigen::VectorXd times;            // [T] s, strictly increasing; empty: the file knows none
+  Eigen::MatrixXd positions;        // [3P x T] in the file's own unit; NaN: not seen
+  std::vector<std::string> labels;  // [P] names of the points; empty: the file has none
+  Eigen::Matrix3Xi faces;           // [3 x F] indices of points; empty: the file has none
+
+  int num_points() const { return static_cast<int>(positions.rows() / 3); }
+  int num_frames() const { return static_cast<int>(positions.cols()); }
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_FORMATS_POINT_TRACKS_H_

@@ -1,0 +1,146 @@
+#include "datasets/formats/track_file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "datasets/files/atomic_file.h"
+#include "datasets/files/frame_names.h"
+#include "datasets/formats/mesh_sequence.h"
+#include "datasets/formats/npy_tracks.h"
+#include "datasets/formats/pc2_file.h"
+#include "datasets/formats/ply_file.h"
+#include "datasets/formats/ros_csv.h"
+#include "datasets/formats/track_checks.h"
+#include "datasets/formats/tracks_csv.h"
+#include "datasets/formats/trc_file.h"
+#include "datasets/formats/vtp_file.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxHeaderLine = 1 << 16;  // bytes of a CSV header that are looked at
+constexpr char kKnown[] =
+    "known are .npy, .csv, .trc, .pc2, .pvd (output only), sequences like cloth_####.obj or cloth_####.ply, and "
+    "folders "
+    "of .obj or .ply files";
+
+MeshFormat ObjFormat() { return {".obj", &ReadObj, &ObjText}; }
+MeshFormat PlyFormat() { return {".ply", &ReadPly, &PlyBytes}; }
+
+// In small letters.
+std::string Extension(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c;
+  return extension;
+}
+
+// The first line of a file, as far as it is looked at.
+std::string FirstLine(const std::string& path) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read: " + std::strerror(errno));
+  std::string start(kMaxHeaderLine, '\0');
+  start.resize(std::fread(start.data(), 1, start.size(), file.get()));
+  std::string_view rest = start;
+  return std::string(TakeLine(&rest).value_or(""));
+}
+
+TrackFormat FormatOfCsv(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return TrackFormat::kTidyCsv;
+  const std::string line = FirstLine(path);
+  if (line.compare(0, 5, "%time") == 0) return TrackFormat::kRosCsv;
+  if (IsTracksCsvHeader(line)) return TrackFormat::kTidyCsv;
+  throw Error(ErrorKind::kUsage, path + ": expected a header with t, id, x, y and z, or one of ROS that starts with " +
+                                     "%time, found '" + Printable(line) + "'");
+}
+
+TrackFormat FormatOfFolder(const std::string& path) {
+  std::error_code error;
+  bool has_obj = false, has_ply = false;
+  for (fs::directory_iterator entry(path, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    has_obj = has_obj || (name.front() != '.' && Extension(name) == ".obj");
+    has_ply = has_ply || (name.front() != '.' && Extension(name) == ".ply");
+  }
+  if (error) throw Error(ErrorKind::kIo, path + ": cannot be read: " + error.message());
+  if (has_obj && has_ply) {
+    throw Error(ErrorKind::kUsage, path + ": holds .obj and .ply files; name one sequence, like cloth_####.obj");
+  }
+  if (!has_obj && !has_ply) throw Error(ErrorKind::kUsage, path + ": holds no sequence; " + kKnown);
+  return has_obj ? TrackFormat::kObjSequence : TrackFormat::kPlySequence;
+}
+
+TrackFormat FormatOfExtension(const std::string& path) {
+  const std::string extension = Extension(path);
+  if (extension == ".npy") return TrackFormat::kNpy;
+  if (extension == ".csv") return TrackFormat::kTidyCsv;
+  if (extension == ".trc") return TrackFormat::kTrc;
+  if (extension == ".obj") return TrackFormat::kObjSequence;
+  if (extension == ".ply") return TrackFormat::kPlySequence;
+  if (extension == ".pc2") return TrackFormat::kPc2;
+  if (extension == ".pvd" || extension == ".vtp") return TrackFormat::kVtp;
+  throw Error(ErrorKind::kUsage, path + ": unknown format; " + kKnown);
+}
+
+}  // namespace
+
+TrackFormat FormatOf(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return FormatOfFolder(path);
+  const TrackFormat format = FormatOfExtension(path);
+  return format == TrackFormat::kTidyCsv ? FormatOfCsv(path) : format;
+}
+
+PointTracks ReadTracks(const std::string& path) {
+  switch (FormatOf(path)) {
+    case TrackFormat::kNpy:
+      return ReadNpyTracks(path);
+    case TrackFormat::kTidyCsv:
+      return ReadTracksCsv(path);
+    case TrackFormat::kRosCsv:
+      return ReadRosGrid(path);
+    case TrackFormat::kTrc:
+      return ReadTrc(path);
+    case TrackFormat::kObjSequence:
+      return ReadMeshSequence(path, ObjFormat());
+    case TrackFormat::kPlySequence:
+      return ReadMeshSequence(path, PlyFormat());
+    case TrackFormat::kPc2:
+      return ReadPc2(path);
+    case TrackFormat::kVtp:
+      break;
+  }
+  throw Error(ErrorKind::kUsage, path + ": .pvd and .vtp files are written, never read");
+}
+
+void WriteTracks(const PointTracks& tracks, const std::string& path) {
+  CheckTracks(tracks);
+  switch (FormatOfExtension(path)) {
+    case TrackFormat::kNpy:
+      return WriteNpyTracks(tracks, path);
+    case TrackFormat::kTidyCsv:
+    case TrackFormat::kRosCsv:
+      return WriteFileAtomically(path, {TracksCsvText(tracks)});
+    case TrackFormat::kTrc:
+      return WriteFileAtomically(path, {TrcText(tracks)});
+    case TrackFormat::kObjSequence:
+      RequireEveryPoint(tracks, "OBJ");
+      return WriteMeshSequence(tracks, path, ObjFormat());
+    case TrackFormat::kPlySequence:
+      return WriteMeshSequence(tracks, path, PlyFormat());
+    case TrackFormat::kPc2:
+      return WriteFileAtomically(path, {Pc2Bytes(tracks)});
+    case TrackFormat::kVtp:
+      return WriteVtpSeries(tracks, path);
+  }
+}
+
+}  // namespace clothid

@@ -1,0 +1,38 @@
+// Point tracks as a table with one row per time and point ("tidy" or long form):
+//   t,id,x,y,z
+//   0,corner,0.1,0.2,0.3
+//
+// The header is required and names the columns, in any order; further columns are not looked at. t is in s. An id is a
+// name or a number; names in double quotes may hold commas, and "" stands for a quote. A point that is not seen has no
+// row at that time, or one with empty or NaN coordinates.
+#ifndef CLOTHID_DATASETS_FORMATS_TRACKS_CSV_H_
+#define CLOTHID_DATASETS_FORMATS_TRACKS_CSV_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "datasets/formats/point_tracks.h"
+
+namespace clothid {
+
+inline constexpr std::uint64_t kMaxTracksCsvBytes = std::uint64_t{1} << 29;
+
+// Whether a line names the five columns.
+bool IsTracksCsvHeader(std::string_view line);
+
+// Reads such a file. Rows come in any order, as long as those of one time stand together; frames are sorted by time.
+// Points are sorted by id where every id is an integer >= 0, else they stand in the order in which they first appear.
+// Labels are the ids, or none where these are 0, 1, .., P - 1. Throws `Error`: kIo where the file cannot be read, else
+// kBadData naming file, line and column, also for a file of more than kMaxTracksCsvBytes.
+PointTracks ReadTracksCsv(const std::string& path);
+
+// The text of a file from which `ReadTracksCsv` makes the same times and positions, bit for bit (points are sorted
+// where labels are integers). Points without a label are called 0, 1, .. `tracks` must have times, and labels that
+// differ and are free of control characters; else throws `Error` (kUsage). A point that is not seen has no row, except
+// in the first frame, which names every point, and where the frame would have no row at all.
+std::string TracksCsvText(const PointTracks& tracks);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_FORMATS_TRACKS_CSV_H_

@@ -1,0 +1,228 @@
+#include "datasets/importing/import_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "datasets/motion/motion_container.h"
+#include "sim/base/error.h"
+#include "sim/base/json_document.h"
+#include "sim/base/text_file.h"
+#include "sim/scene/scene_json.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+[[noreturn]] void FailUsage(const std::string& message) { throw Error(ErrorKind::kUsage, message); }
+
+// Of a scene that may leave out its duration, because a recording has its own.
+Mesh MeshOfScene(const std::string& path) {
+  std::string text = ReadFile(path, kMaxJsonBytes);
+  const JsonValue document = ParseJson(text, path);
+  const JsonNode root(document, path);
+  if (!root.Find("mesh")) {
+    throw Error(ErrorKind::kUsage, path + ": has no key 'mesh'; expected one, or a mesh from a grid or an OBJ file");
+  }
+  if (!root.Find("duration")) {
+    Json json = Json::parse(text);
+    json["duration"] = 1.0;
+    text = json.dump();
+  }
+  return ParseScene(text, path, std::filesystem::path(path).parent_path().string()).mesh;
+}
+
+// The text without the names of files: what they hold is in the tensors. Unchanged where it names none.
+std::string WithoutFiles(const std::string& text, const std::string& source, bool mesh_replaced) {
+  Json scene = Json::parse(text);
+  bool changed = false;
+  if (scene.contains("mesh") && (mesh_replaced || scene["mesh"].contains("obj"))) changed = scene.erase("mesh") > 0;
+  if (scene.contains("handles") && scene["handles"].is_object()) {
+    const Json nodes = scene["handles"]["nodes"];
+    scene["handles"] = nodes;
+    changed = true;
+  }
+  if (scene.contains("initial") && scene["initial"].contains("positions") && scene["initial"]["positions"] != "rest") {
+    throw Error(ErrorKind::kBadData,
+                source +
+                    ": key 'initial.positions': expected \"rest\" or nothing; a recording starts from its first "
+                    "frame");
+  }
+  return changed ? scene.dump(2) : text;
+}
+
+void SetPoints(const PointTracks& tracks, const PointMap& map, MotionTensors* tensors) {
+  tensors->node_index = map.node_index;
+  tensors->face_index = map.face_index;
+  tensors->barycentric = map.barycentric;
+  tensors->positions.resize(3 * static_cast<Eigen::Index>(map.points.size()), tracks.num_frames());
+  for (std::size_t q = 0; q < map.points.size(); ++q) {
+    tensors->positions.middleRows<3>(3 * static_cast<Eigen::Index>(q)) =
+        tracks.positions.middleRows<3>(3 * map.points[q]);
+  }
+}
+
+PointMap MakeMap(const PointTracks& tracks, const Mesh& mesh, const ImportOptions& options) {
+  switch (options.map) {
+    case PointMapKind::kNodes:
+      return MapToNodes(tracks, mesh);
+    case PointMapKind::kNearest:
+      return MapToNearest(tracks, mesh, {false, options.map_distance});
+    case PointMapKind::kMarkers:
+      return MapToNearest(tracks, mesh, {true, options.map_distance});
+    case PointMapKind::kFile:
+      break;
+  }
+  return ReadPointMap(options.map_path, tracks, mesh);
+}
+
+// The point that observes a node.
+int PointAt(const MotionTensors& tensors, int node, const std::string& source) {
+  if (tensors.face_index.empty()) {
+    if (tensors.node_index.empty()) return node;
+    const auto found = std::find(tensors.node_index.begin(), tensors.node_index.end(), node);
+    if (found != tensors.node_index.end()) return static_cast<int>(found - tensors.node_index.begin());
+  }
+  throw Error(ErrorKind::kBadData, source + ": no point is measured at the handle " + std::to_string(node) +
+                                       "; expected its path from another file");
+}
+
+void SetHandles(const ImportOptions& options, double time_shift, const std::string& source, MotionTensors* tensors) {
+  if (options.handle_nodes.empty()) {
+    if (options.handle_file)
+      FailUsage(options.handle_file->path + ": a path of handles; expected the nodes that it moves");
+    return;
+  }
+  std::vector<int> sorted = options.handle_nodes;
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.front() < 0 || sorted.back() >= tensors->mesh.num_nodes() ||
+      std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
+    FailUsage("handles: expected different nodes from 0 to " + std::to_string(tensors->mesh.num_nodes() - 1));
+  }
+  if (options.handle_file) {
+    const HandlePath path = ReadHandlePath(*options.handle_file, options.handle_nodes, tensors->times, time_shift);
+    KeepHandlePaths({options.handle_nodes, path}, tensors);
+    return;
+  }
+  tensors->handle_index = options.handle_nodes;
+  tensors->handle_times.resize(0);
+  std::vector<int> points;
+  for (const int node : options.handle_nodes) points.push_back(PointAt(*tensors, node, source));
+  tensors->handle_positions = MeasuredHandlePositions(tensors->times, tensors->positions, points, source);
+}
+
+void SetSigma(double sigma, MotionTensors* tensors) {
+  if (sigma == 0.0) return;
+  if (!std::isfinite(sigma) || sigma < 0.0) FailUsage("sigma: expected a number > 0 (m)");
+  tensors->sigma = Eigen::VectorXd::Constant(tensors->positions.rows() / 3, sigma);
+}
+
+// Puts the scene of `scene_path` into the tensors; the path of its handles where these have none.
+void SetScene(const ImportOptions& options, const std::string& source, MotionTensors* tensors) {
+  ReadMotionOptions read;
+  read.scene_path = options.scene_path;
+  read.smooth_handles = false;
+  const RecordedMotion motion = InterpretMotion(*tensors, source, read);
+  if (tensors->handle_index.empty()) KeepHandlePaths(motion.scene.handles, tensors);
+  tensors->scene_text = WithoutFiles(motion.scene_text, options.scene_path, options.mesh.has_value());
+}
+
+// Whatever cannot be read back is found here.
+void Verify(const MotionTensors& tensors, const std::string& source) {
+  ValidateMotionTensors(tensors, source);
+  InterpretMotion(tensors, source);
+}
+
+// The paths of the handles of a recording go with its points: frame by frame, or, with times of their own, on its
+// clock.
+void EditHandles(double time_shift, const std::string& name, const ImportOptions& options, MotionTensors* tensors) {
+  if (tensors->handle_index.empty() || !options.handle_nodes.empty()) return;
+  const TrackEdit& edit = options.edit;
+  PointTracks handles;
+  handles.name = name + ": handles";
+  handles.positions = tensors->handle_positions;
+  if (tensors->handle_times.size() == 0) {
+    // Frames are chosen; what their times become does not matter.
+    handles.times = Eigen::VectorXd::LinSpaced(handles.num_frames(), 0.0, handles.num_frames() - 1.0);
+    tensors->handle_positions = EditTracks(handles, edit).tracks.positions;
+    return;
+  }
+  if (edit.times.size() > 0 || edit.frame_rate > 0.0) {
+    FailUsage(name + ": its handles have times of their own; expected no new times for its frames alone");
+  }
+  TrackEdit own;
+  own.scale = edit.scale;
+  own.transform = edit.transform;
+  own.time_scale = edit.time_scale;
+  handles.times = tensors->handle_times;
+  const PointTracks edited = EditTracks(handles, own).tracks;
+  tensors->handle_times = edited.times.array() + time_shift;
+  tensors->handle_positions = edited.positions;
+}
+
+Eigen::Matrix3Xd TransformedCloud(const Eigen::Matrix3Xd& cloud, const TrackEdit& edit) {
+  return ((edit.scale * edit.transform.linear()) * cloud).colwise() + edit.transform.translation();
+}
+
+}  // namespace
+
+MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& options) {
+  if (options.scene_path.empty()) FailUsage(tracks.name + ": expected a scene to make a recording of it");
+  const EditedTracks edited = EditTracks(tracks, options.edit);
+  MotionTensors tensors;
+  tensors.single_precision = false;
+  tensors.times = edited.tracks.times;
+  tensors.mesh = options.mesh ? *options.mesh : MeshOfScene(options.scene_path);
+  ValidateMesh(tensors.mesh, tracks.name + ": mesh");
+  SetPoints(edited.tracks, MakeMap(edited.tracks, tensors.mesh, options), &tensors);
+  SetHandles(options, edited.time_shift, tracks.name, &tensors);
+  SetSigma(options.sigma, &tensors);
+  tensors.provenance = options.provenance;
+  tensors.scene_text = "{}";
+  ValidateMotionTensors(tensors, tracks.name);
+  SetScene(options, tracks.name, &tensors);
+  Verify(tensors, tracks.name);
+  return tensors;
+}
+
+MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& name, const ImportOptions& options) {
+  const EditedTracks edited = EditTracks(ToTracks(tensors, name), options.edit);
+  MotionTensors result = tensors;
+  result.times = edited.tracks.times;
+  result.positions = edited.tracks.positions;
+  result.clouds.clear();
+  for (const int frame : edited.frames) {
+    if (!tensors.clouds.empty()) result.clouds.push_back(TransformedCloud(tensors.clouds[frame], options.edit));
+  }
+  result.cloud_sigma *= options.edit.scale;
+  EditHandles(edited.time_shift, name, options, &result);
+  if (options.mesh) {
+    result.mesh = *options.mesh;
+    ValidateMesh(result.mesh, name + ": mesh");
+  }
+  if (options.mesh || options.map != PointMapKind::kNodes) {
+    result.sigma.resize(0);
+    SetPoints(edited.tracks, MakeMap(edited.tracks, result.mesh, options), &result);
+  }
+  SetHandles(options, edited.time_shift, name, &result);
+  SetSigma(options.sigma, &result);
+  result.provenance = options.provenance;
+  ValidateMotionTensors(result, name);
+  if (!options.scene_path.empty()) SetScene(options, name, &result);
+  Verify(result, name);
+  return result;
+}
+
+PointTracks ToTracks(const MotionTensors& tensors, const std::string& name) {
+  PointTracks tracks;
+  tracks.name = name;
+  tracks.times = tensors.times;
+  tracks.positions = tensors.positions;
+  if (tensors.node_index.empty() && tensors.face_index.empty()) tracks.faces = tensors.mesh.faces;
+  return tracks;
+}
+
+}  // namespace clothid

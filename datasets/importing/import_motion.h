@@ -1,0 +1,54 @@
+// From points of another program to a recording: tracks, a scene and a mesh become the tensors of a motion.bin.
+#ifndef CLOTHID_DATASETS_IMPORTING_IMPORT_MOTION_H_
+#define CLOTHID_DATASETS_IMPORTING_IMPORT_MOTION_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/formats/point_tracks.h"
+#include "datasets/importing/handle_tracks.h"
+#include "datasets/importing/point_map.h"
+#include "datasets/importing/track_edit.h"
+#include "datasets/motion/motion_file.h"
+#include "sim/scene/mesh.h"
+
+namespace clothid {
+
+// How points are told where on the cloth they are.
+enum class PointMapKind {
+  kNodes,    // point p is node p
+  kNearest,  // the nearest node of the rest shape
+  kMarkers,  // the nearest place on a triangle of the rest shape
+  kFile,     // as a file says
+};
+
+struct ImportOptions {
+  TrackEdit edit;
+  std::string scene_path;    // scene.json
+  std::optional<Mesh> mesh;  // at rest, m; without it the scene's
+  PointMapKind map = PointMapKind::kNodes;
+  std::string map_path;       // kFile
+  double map_distance = 0.0;  // m, of kNearest and kMarkers, see `PlacementOptions`
+  std::vector<int> handle_nodes;
+  std::optional<HandleFile> handle_file;  // paths of the handles; without it those of their measured points
+  double sigma = 0.0;                     // m, of every point; 0: not known
+  std::string provenance;
+};
+
+// The recording, which `ReadMotion` has been tried on: whatever cannot be read back is an error here. Its scene text is
+// self-contained (surfaces of obstacles inline, no file names); without `handle_nodes` the scene's own handles and
+// their path are taken. Positions are kept as F64. Throws `Error`: kUsage for options that do not fit each other, kIo
+// and kBadData for files, naming file, line or key.
+MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& options);
+
+// The same for a recording: unit, frame of reference, clock and frames change; paths of handles go with the points.
+// Scene, mesh with map, handles and sigma are replaced where `options` give them.
+MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& name, const ImportOptions& options);
+
+// The observed points of a recording, for export; with the faces of its mesh where point p is node p.
+PointTracks ToTracks(const MotionTensors& tensors, const std::string& name);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_IMPORTING_IMPORT_MOTION_H_

@@ -1,0 +1,134 @@
+#include "datasets/importing/track_edit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/npy_file.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+void RequirePositive(double value, const std::string& what) {
+  if (std::isfinite(value) && value > 0.0) return;
+  throw Error(ErrorKind::kUsage,
+              what + " " + ShortestText(std::isfinite(value) ? value : 0.0) + ": expected a finite number > 0");
+}
+
+void Check(const TrackEdit& edit) {
+  RequirePositive(edit.scale, "scale");
+  RequirePositive(edit.time_scale, "time_scale");
+  if (edit.frame_rate != 0.0) RequirePositive(edit.frame_rate, "frame_rate");
+  if (edit.frame_rate != 0.0 && edit.times.size() > 0) {
+    throw Error(ErrorKind::kUsage, "frame_rate: expected without times of another file");
+  }
+  if (edit.start_at && !std::isfinite(*edit.start_at)) {
+    throw Error(ErrorKind::kUsage, "start_at: expected a finite number (s)");
+  }
+}
+
+Eigen::VectorXd TimesOf(const PointTracks& tracks, const TrackEdit& edit) {
+  const Eigen::Index count = tracks.num_frames();
+  Eigen::VectorXd times = edit.times.size() > 0 ? edit.times : tracks.times;
+  if (edit.frame_rate > 0.0) {
+    times = Eigen::VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1)) / edit.frame_rate;
+  }
+  if (times.size() == 0) {
+    throw Error(ErrorKind::kUsage, tracks.name + ": holds no times; expected a frame rate or a file of times");
+  }
+  if (times.size() != count) {
+    throw Error(ErrorKind::kBadData, tracks.name + ": expected " + std::to_string(count) +
+                                         " times, one per frame, found " + std::to_string(times.size()));
+  }
+  times *= edit.time_scale;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (std::isfinite(times[i]) && (i == 0 || times[i] > times[i - 1])) continue;
+    throw Error(ErrorKind::kBadData, tracks.name + ": expected the time of frame " + std::to_string(i) +
+                                         " to be finite and after the one before");
+  }
+  return times;
+}
+
+std::vector<int> KeptFrames(const PointTracks& tracks, const TrackEdit& edit, int end) {
+  for (const int frame : edit.skipped_frames) {
+    if (frame < edit.first_frame || frame >= end) {
+      throw Error(ErrorKind::kUsage, tracks.name + ": frame " + std::to_string(frame) +
+                                         " cannot be skipped: it is not among the frames " +
+                                         std::to_string(edit.first_frame) + " to " + std::to_string(end - 1));
+    }
+  }
+  std::vector<bool> is_skipped(static_cast<std::size_t>(tracks.num_frames()), false);
+  for (const int frame : edit.skipped_frames) is_skipped[frame] = true;
+  std::vector<int> kept;
+  for (int frame = edit.first_frame; frame < end; ++frame) {
+    if (!is_skipped[frame]) kept.push_back(frame);
+  }
+  if (kept.empty()) throw Error(ErrorKind::kUsage, tracks.name + ": every frame is skipped");
+  return kept;
+}
+
+// A product with NaN is NaN, also in the coordinates that a turn about an axis leaves alone.
+void Transform(const TrackEdit& edit, Eigen::MatrixXd* positions) {
+  *positions *= edit.scale;
+  if (edit.transform.matrix() == Eigen::Matrix4d::Identity()) return;
+  for (Eigen::Index frame = 0; frame < positions->cols(); ++frame) {
+    for (Eigen::Index p = 0; p < positions->rows(); p += 3) {
+      const Eigen::Vector3d position = positions->col(frame).segment<3>(p);
+      positions->col(frame).segment<3>(p) = edit.transform * position;
+    }
+  }
+}
+
+}  // namespace
+
+EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit) {
+  Check(edit);
+  const int end = std::min(edit.end_frame, tracks.num_frames());
+  if (edit.first_frame < 0 || edit.first_frame >= end) {
+    throw Error(ErrorKind::kUsage, tracks.name + ": has " + std::to_string(tracks.num_frames()) +
+                                       " frames; expected to keep at least one of them");
+  }
+  EditedTracks result;
+  result.frames = KeptFrames(tracks, edit, end);
+  result.tracks = tracks;
+  result.tracks.times = TimesOf(tracks, edit)(result.frames);
+  result.tracks.positions = tracks.positions(Eigen::all, result.frames);
+  Transform(edit, &result.tracks.positions);
+  if (edit.start_at) {
+    const double first = result.tracks.times[0];
+    result.time_shift = *edit.start_at - first;
+    // Of times since 1970 the difference is exact, their sum with the shift is not.
+    result.tracks.times = *edit.start_at + (result.tracks.times.array() - first);
+  }
+  return result;
+}
+
+Eigen::VectorXd ReadTimes(const std::string& path) {
+  std::vector<double> times;
+  if (std::filesystem::path(path).extension() == ".npy") {
+    NpyArray array = ReadNpy(path);
+    if (array.shape.size() != 1) throw Error(ErrorKind::kBadData, path + ": expected an array of shape (T)");
+    times = std::move(array.values);
+  } else {
+    const std::string text = ReadFile(path, kMaxTimesBytes);
+    std::string_view rest = text;
+    for (int line_number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++line_number) {
+      const std::string_view word = TakeWord(&*line);
+      if (word.empty()) continue;
+      const std::optional<double> value = ParseNumber(word);
+      if (!value || !TakeWord(&*line).empty()) {
+        throw Error(ErrorKind::kBadData, path + ":" + std::to_string(line_number) + ": expected one finite number");
+      }
+      times.push_back(*value);
+    }
+  }
+  if (times.empty()) throw Error(ErrorKind::kBadData, path + ": expected at least one time");
+  return Eigen::Map<Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
+}
+
+}  // namespace clothid

@@ -1,0 +1,49 @@
+// From the unit, the clock and the frame of reference of another program to those of a scene: m, s, world axes.
+#ifndef CLOTHID_DATASETS_IMPORTING_TRACK_EDIT_H_
+#define CLOTHID_DATASETS_IMPORTING_TRACK_EDIT_H_
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/formats/point_tracks.h"
+
+namespace clothid {
+
+inline constexpr std::uint64_t kMaxTimesBytes = std::uint64_t{1} << 28;
+
+// Positions are multiplied by `scale`, then transformed. Times come from `times`, else from `frame_rate`, else from the
+// file; they are multiplied by `time_scale`, frames are left out, and the first frame left is put at `start_at`.
+struct TrackEdit {
+  double scale = 1.0;
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // of positions in m
+  Eigen::VectorXd times;                                        // [T] of every frame in the file; empty: not given
+  double frame_rate = 0.0;                                      // Hz; 0: not given
+  double time_scale = 1.0;
+  std::optional<double> start_at;  // s
+  int first_frame = 0;
+  int end_frame = std::numeric_limits<int>::max();  // the first one that is left out
+  std::vector<int> skipped_frames;                  // between them, left out too; any order
+};
+
+struct EditedTracks {
+  PointTracks tracks;       // in m and s, with times
+  std::vector<int> frames;  // [T] those of the file that were kept
+  double time_shift = 0.0;  // s: what `start_at` added to all times
+};
+
+// Throws `Error`: kUsage for an edit that is out of range, or where neither file nor edit has times; kBadData where the
+// times do not fit the frames or do not increase. Points that are seen in part are not seen where axes turn.
+EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit);
+
+// The times of frames: a .npy array of shape (T), else a text with one number per line. Throws `Error`: kIo, or
+// kBadData naming file and line.
+Eigen::VectorXd ReadTimes(const std::string& path);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_IMPORTING_TRACK_EDIT_H_

@@ -1,0 +1,77 @@
+// motion.bin: a safetensors container (8-byte little-endian header length, JSON header, raw little-endian tensors).
+//
+// Tensors: `positions` F32|F64 [T, P, 3] m, NaN = missing; `times` F64 [T] s, strictly increasing; `rest_positions` F64
+// [N, 3]; `faces` I32 [F, 3]; optional `node_index` I32 [P], or `face_index` I32 [P] + `barycentric` F64 [P, 3];
+// optional `handle_index` I32 [H] + `handle_positions` F64 [T, H, 3], or [K, H, 3] with `handle_times` F64 [K] s,
+// strictly increasing: what moves the handles is often known at other times than the cloth is seen; optional `sigma`
+// F64 [P] m; optional `cloud_positions` F32|F64 [M, 3] m with `cloud_offsets` I32 [T + 1], unordered points of the
+// surface, of which frame i has the rows offsets[i] .. offsets[i + 1] - 1, and `cloud_sigma` F64 [1] m. With them P may
+// be 0.
+// `__metadata__` (strings): `format` = "clothid.motion", `version` = "1", `scene` = JSON text, `provenance`, `sha256`
+// of the tensor bytes, and `header_sha256` (optional on reading) of the header with that field's value blank: the
+// SHA-256 of all header bytes after the length, padding included, in which the 64 digits of that value are replaced by
+// 64 blanks. Digests are lower-case hexadecimal. Other tensors, other metadata and overlaps or holes between the
+// tensors are errors.
+#ifndef CLOTHID_DATASETS_MOTION_MOTION_FILE_H_
+#define CLOTHID_DATASETS_MOTION_MOTION_FILE_H_
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/motion/recorded_motion.h"
+
+namespace clothid {
+
+// The tensors and strings of a motion file as they stand, before they are given a meaning.
+struct MotionTensors {
+  Eigen::VectorXd times;         // [T]
+  Eigen::MatrixXd positions;     // [3P x T]
+  bool single_precision = true;  // positions are stored as F32
+  Mesh mesh;
+  std::vector<int> node_index;           // [P] or empty
+  std::vector<int> face_index;           // [P] or empty
+  Eigen::Matrix3Xd barycentric;          // [3 x P] or empty
+  std::vector<int> handle_index;         // [H] or empty
+  Eigen::MatrixXd handle_positions;      // [3H x T], [3H x K] or empty
+  Eigen::VectorXd handle_times;          // [K], or empty: the times of the frames
+  Eigen::VectorXd sigma;                 // [P] or empty
+  std::vector<Eigen::Matrix3Xd> clouds;  // [T] or empty
+  bool single_precision_clouds = true;   // they are stored as F32
+  double cloud_sigma = 0.0;              // 0: not known
+  std::string scene_text;
+  std::string provenance;
+};
+
+struct ReadMotionOptions {
+  std::string scene_path;  // a scene.json to use instead of the embedded text; empty: the embedded one
+  // Where the scene gives no start: `kFirstFrame`, or `kSmoothed`, which needs no sigma but is better with it.
+  StartSource start = StartSource::kFirstFrame;
+  // What sigma the recording has: `kRecorded`, its own, if any; `kEstimated` where it has none; `kGiven`: `sigma` of
+  // all points in any case.
+  SigmaSource sigma_source = SigmaSource::kRecorded;
+  double sigma = 0.0;          // m
+  bool smooth_handles = true;  // measured handle paths through `SmoothPath`
+  // What to read in place of the scene's text; may be empty.
+  std::function<std::string(const std::string& scene_text)> change_scene;
+};
+
+// Reads, checks every bound before anything is allocated, verifies the checksums, and interprets the scene. Throws
+// `Error`: kIo where the file cannot be opened, else kBadData, naming file, tensor or key and what was expected.
+RecordedMotion ReadMotion(const std::string& path, const ReadMotionOptions& options = {});
+
+// What `ReadMotion` makes of the tensors of a file: the recording and its scene. `path` names it in errors, and
+// relative file names in the embedded scene start at its folder. The tensors must be those that `WriteMotion` accepts.
+RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, const ReadMotionOptions& options = {});
+
+// Only the container, for `motion info` and converters. Same errors.
+MotionTensors ReadMotionTensors(const std::string& path);
+
+// Writes to a temporary name beside `path` and renames it, so that nothing half-written is left behind. Throws `Error`
+// (kIo).
+void WriteMotion(const MotionTensors& tensors, const std::string& path);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_MOTION_MOTION_FILE_H_

@@ -1,0 +1,70 @@
+#include "datasets/motion/scene_text.h"
+
+#include <cstddef>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/error.h"
+#include "sim/base/json_document.h"
+#include "sim/scene/triangulated_surface.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// [[x0, y0, z0], [x1, y1, z1], ..] of the columns of a matrix, on one line.
+template <typename Matrix>
+std::string ColumnsText(const Matrix& matrix) {
+  Json list = Json::array();
+  for (Eigen::Index i = 0; i < matrix.cols(); ++i) list.push_back({matrix(0, i), matrix(1, i), matrix(2, i)});
+  return list.dump();
+}
+
+// Gives the first `key` that is null the value `list`: long lists are not to be indented number by number.
+void Fill(const std::string& key, const std::string& list, std::string* text) {
+  const std::string member = "\"" + key + "\": ", null = "null";
+  text->replace(text->find(member + null) + member.size(), null.size(), list);
+}
+
+}  // namespace
+
+std::string WithInlineSurfaces(const std::string& scene_text, const Scene& scene) {
+  std::map<std::size_t, const TriangulatedSurface*> surfaces;  // by obstacle
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const auto* surface = dynamic_cast<const TriangulatedSurface*>(scene.obstacles[i].shape.get());
+    if (surface != nullptr) surfaces[i] = surface;
+  }
+  if (surfaces.empty()) return scene_text;
+  Json json = Json::parse(scene_text);
+  for (const auto& [i, surface] : surfaces) {
+    Json& obstacle = json.at("obstacles").at(i);
+    obstacle.erase("obj");
+    for (const char* key : {"vertices", "faces"}) obstacle[key] = nullptr;
+  }
+  std::string text = json.dump(2);
+  for (const auto& [i, surface] : surfaces) {
+    Fill("vertices", ColumnsText(surface->vertices()), &text);
+    Fill("faces", ColumnsText(surface->faces()), &text);
+  }
+  ParseJson(text, "scene with the surfaces of its obstacles");  // for its limits
+  return text;
+}
+
+std::string SelfContainedText(const Scene& original, const std::string& scene_text, bool* start_is_first_frame) {
+  Json scene = Json::parse(scene_text, nullptr, /*allow_exceptions=*/false);
+  if (!scene.is_object()) throw Error(ErrorKind::kBadData, "scene: expected a JSON object");
+  if (scene.contains("mesh") && scene["mesh"].contains("obj")) scene.erase("mesh");
+  if (scene.contains("handles") && scene["handles"].is_object()) scene["handles"] = scene["handles"]["nodes"];
+  Json& initial = scene["initial"];
+  *start_is_first_frame = initial.contains("positions") && initial["positions"] != "rest";
+  if (!*start_is_first_frame) {
+    initial["positions"] = "rest";
+  } else {
+    initial.erase("positions");
+    if (initial.empty()) scene.erase("initial");
+  }
+  return WithInlineSurfaces(scene.dump(2), original);
+}
+
+}  // namespace clothid

@@ -1,0 +1,180 @@
+#include "datasets/observation/cloth_surface.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "sim/scene/triangle_tree.h"
+
+namespace clothid {
+namespace {
+
+using Eigen::Vector3d;
+
+// Nearer than this share of the largest coordinate there is no direction from an edge or vertex to a point.
+constexpr double kSingular = 1e-12;
+
+struct Feature {
+  int num_nodes = 0;
+  std::array<int, 3> nodes = {0, 0, 0};
+  std::vector<int> faces;  // that share it, ascending
+  bool is_border = false;
+};
+
+}  // namespace
+
+// Features are numbered: faces, then edges, then vertices.
+struct ClothTopology::Data {
+  Eigen::Matrix3Xi faces;
+  std::vector<Feature> features;
+  std::vector<std::array<int, 3>> side_features;  // by face
+  int first_vertex = 0;                           // the feature of node 0
+
+  void AddEdge(int face, int side, std::map<std::pair<int, int>, int>* edges) {
+    const int a = faces(side, face), b = faces((side + 1) % 3, face);
+    const auto [edge, is_new] = edges->try_emplace(std::minmax(a, b), static_cast<int>(features.size()));
+    if (is_new) features.push_back({2, {std::min(a, b), std::max(a, b), 0}, {}, false});
+    features[edge->second].faces.push_back(face);
+    side_features[face][side] = edge->second;
+  }
+
+  void AddVertices(int num_nodes) {
+    const int num_faces_and_edges = first_vertex = static_cast<int>(features.size());
+    for (int node = 0; node < num_nodes; ++node) features.push_back({1, {node, 0, 0}, {}, false});
+    for (int face = 0; face < faces.cols(); ++face) {
+      for (int k = 0; k < 3; ++k) features[first_vertex + faces(k, face)].faces.push_back(face);
+    }
+    for (int edge = static_cast<int>(faces.cols()); edge < num_faces_and_edges; ++edge) {
+      features[edge].is_border = features[edge].faces.size() == 1;
+      if (!features[edge].is_border) continue;
+      for (int k = 0; k < 2; ++k) features[first_vertex + features[edge].nodes[k]].is_border = true;
+    }
+  }
+};
+
+ClothTopology::ClothTopology(const Eigen::Matrix3Xi& faces, int num_nodes) {
+  auto data = std::make_shared<Data>();
+  data->faces = faces;
+  data->side_features.resize(static_cast<std::size_t>(faces.cols()));
+  for (int face = 0; face < faces.cols(); ++face) {
+    data->features.push_back({3, {faces(0, face), faces(1, face), faces(2, face)}, {face}, false});
+  }
+  std::map<std::pair<int, int>, int> edges;
+  for (int face = 0; face < faces.cols(); ++face) {
+    for (int side = 0; side < 3; ++side) data->AddEdge(face, side, &edges);
+  }
+  data->AddVertices(num_nodes);
+  data_ = std::move(data);
+}
+
+ClothSurface::ClothSurface(const ClothTopology& topology, const Eigen::VectorXd& nodes)
+    : topology_(topology.data_), nodes_(nodes) {
+  std::vector<SearchTriangle> triangles(topology_->side_features.size());
+  for (std::size_t face = 0; face < triangles.size(); ++face) {
+    SearchTriangle& triangle = triangles[face];
+    const auto corners = topology_->faces.col(static_cast<Eigen::Index>(face));
+    triangle.Place(Position(corners[0]), Position(corners[1]), Position(corners[2]));
+    triangle.feature = static_cast<int>(face);
+    triangle.side_features = topology_->side_features[face];
+    for (int k = 0; k < 3; ++k) triangle.corner_features[k] = topology_->first_vertex + corners[k];
+  }
+  tree_ = std::make_shared<const TriangleTree>(std::move(triangles));
+}
+
+SurfaceDistance ClothSurface::Measure(const Vector3d& q, double allowance) const {
+  const int nearest = tree_->ClosestFeature(q);
+  const Feature& feature = topology_->features[nearest];
+  if (feature.num_nodes == 3) return MeasureFace(q, nearest);
+  return feature.is_border ? MeasureBorder(q, nearest, allowance) : MeasureWithin(q, nearest);
+}
+
+SurfaceDistance ClothSurface::MeasureFace(const Vector3d& q, int face) const {
+  const SearchTriangle& triangle = tree_->triangles()[face];
+  SurfaceDistance result;
+  result.num_nodes = 3;
+  result.nodes = topology_->features[face].nodes;
+  result.weights = triangle.Barycentric(q);
+  result.distance = triangle.normal.dot(q - triangle.corners[0]);
+  result.closest = q - result.distance * triangle.normal;
+  result.gradient = -triangle.normal * result.weights.transpose();
+  return result;
+}
+
+SurfaceDistance ClothSurface::Project(const Vector3d& q, int feature) const {
+  SurfaceDistance result;
+  result.num_nodes = topology_->features[feature].num_nodes;
+  result.nodes = topology_->features[feature].nodes;
+  result.weights = Vector3d::UnitX();
+  result.closest = Position(result.nodes[0]);
+  if (result.num_nodes == 1) return result;
+  const Vector3d edge = Position(result.nodes[1]) - result.closest;
+  result.weights[1] = std::clamp(edge.dot(q - result.closest) / edge.squaredNorm(), 0.0, 1.0);
+  result.weights[0] = 1.0 - result.weights[1];
+  result.closest += result.weights[1] * edge;
+  return result;
+}
+
+// The angle-weighted normal of a vertex, or the sum of the normals at an edge.
+Vector3d ClothSurface::Pseudonormal(int feature) const {
+  const Feature& own = topology_->features[feature];
+  Vector3d sum = Vector3d::Zero();
+  for (const int face : own.faces) {
+    const SearchTriangle& triangle = tree_->triangles()[face];
+    double weight = 1.0;
+    for (int k = 0; own.num_nodes == 1 && k < 3; ++k) {
+      if (topology_->faces(k, face) != own.nodes[0]) continue;
+      const Vector3d ahead = triangle.sides[k], back = -triangle.sides[(k + 2) % 3];
+      weight = std::atan2(ahead.cross(back).norm(), ahead.dot(back));
+    }
+    sum += weight * triangle.normal;
+  }
+  return sum.normalized();
+}
+
+SurfaceDistance ClothSurface::MeasureWithin(const Vector3d& q, int feature) const {
+  SurfaceDistance result = Project(q, feature);
+  const Vector3d offset = q - result.closest;
+  Vector3d normal = Pseudonormal(feature);
+  const double sign = normal.dot(offset) < 0.0 ? -1.0 : 1.0, length = offset.norm();
+  result.distance = sign * length;
+  if (length > kSingular * q.cwiseAbs().maxCoeff()) normal = (sign / length) * offset;
+  result.gradient = -normal * result.weights.transpose();
+  return result;
+}
+
+SurfaceDistance ClothSurface::MeasureBorder(const Vector3d& q, int feature, double allowance) const {
+  const SurfaceDistance projection = Project(q, feature);
+  const int face = topology_->features[feature].faces.front();
+  const SearchTriangle& triangle = tree_->triangles()[face];
+  const Vector3d& normal = triangle.normal;
+  SurfaceDistance result;
+  result.num_nodes = 3;
+  result.nodes = topology_->features[face].nodes;
+  result.closest = projection.closest;
+  for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < projection.num_nodes; ++i) {
+      if (result.nodes[k] == projection.nodes[i]) result.weights[k] = projection.weights[i];
+    }
+  }
+  const Vector3d offset = q - result.closest;
+  const double height = normal.dot(offset);
+  const double along = std::sqrt(std::max(0.0, offset.squaredNorm() - height * height));
+  const Eigen::Matrix3d height_gradient = -normal * triangle.Barycentric(q).transpose();
+  const double excess = along - allowance;
+  if (!(excess > 0.0)) {
+    result.distance = height;
+    result.gradient = height_gradient;
+    return result;
+  }
+  const double length = std::hypot(height, excess), sign = height < 0.0 ? -1.0 : 1.0;
+  const Eigen::Matrix3d along_gradient = (-offset * result.weights.transpose() - height * height_gradient) / along;
+  result.distance = sign * length;
+  result.gradient = (sign / length) * (height * height_gradient + excess * along_gradient);
+  return result;
+}
+
+}  // namespace clothid

@@ -1,0 +1,65 @@
+#include "identify/base/fingerprint.h"
+
+#include <Eigen/Core>
+#include <ios>
+#include <locale>
+#include <sstream>
+#include <string_view>
+
+#include "datasets/files/sha256.h"
+#include "identify/base/version.h"
+
+namespace clothid {
+namespace {
+
+std::string Digest(const Eigen::MatrixXd& numbers) {
+  return Sha256Hex({std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double))});
+}
+
+// Nothing where there are no clouds.
+void DescribeClouds(const RecordedMotion& motion, std::ostream* text) {
+  for (const Eigen::Matrix3Xd& cloud : motion.clouds) *text << "cloud " << cloud.cols() << " " << Digest(cloud) << "\n";
+  if (!motion.clouds.empty()) *text << "cloud sigma " << motion.cloud_sigma << "\n";
+}
+
+}  // namespace
+
+void DescribeProgram(std::ostream* text) {
+  text->imbue(std::locale::classic());
+  *text << std::hexfloat << "clothid " << Version() << " " << GitHash() << "\n";
+}
+
+void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
+  const Scene& scene = motion.scene;
+  *text << "recording " << motion.sha256 << " " << Digest(motion.times) << " " << Digest(motion.positions) << " "
+        << Digest(motion.sigma) << (motion.centroid ? " " + Digest(*motion.centroid) : "") << "\n"
+        << "scene " << Sha256Hex({motion.scene_text}) << " " << scene.time_step << " " << scene.start_time << " "
+        << scene.duration << "\n"
+        << "mesh " << Digest(scene.mesh.rest_positions) << " " << Digest(scene.mesh.faces.cast<double>()) << "\n"
+        << "start " << Digest(scene.initial_positions) << " " << Digest(scene.initial_velocities) << "\n"
+        << "handles " << Digest(scene.handles.path.times()) << " " << Digest(scene.handles.path.positions()) << "\n"
+        << "solver " << scene.solver.step_tolerance << " " << scene.solver.adjoint_tolerance << " "
+        << scene.solver.max_newton_iterations << " " << scene.solver.max_substep_halvings << "\n";
+  DescribeClouds(motion, text);
+}
+
+std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
+                           const FitOptions& options) {
+  std::ostringstream text;
+  DescribeProgram(&text);
+  for (const RecordedMotion& motion : motions) DescribeMotion(motion, &text);
+  for (const ParameterBlock& block : blocks) {
+    text << "parameter " << block.name << " " << static_cast<int>(block.scale) << " " << block.start << " "
+         << block.unit << " " << block.lower_bound << " " << block.upper_bound << " " << block.frozen << "\n";
+  }
+  text << "adjoint " << static_cast<int>(options.adjoint.method) << " " << options.adjoint.threshold.value_or(0.0)
+       << "\n";
+  text << "fit " << static_cast<int>(options.method) << " " << JacobianMethodName(options.jacobian) << " "
+       << static_cast<int>(options.precision) << " " << static_cast<int>(options.loss.kind) << " " << options.loss.scale
+       << " " << options.max_iterations << " " << options.function_tolerance << " " << options.parameter_tolerance
+       << " " << options.num_starts << " " << options.seed << " " << options.estimate_uncertainty << " "
+       << options.check_interval << "\n";
+  return Sha256Hex({text.str()});
+}
+
+}  // namespace clothid

@@ -1,0 +1,112 @@
+#include "identify/base/options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "identify/base/parallel_for.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+[[noreturn]] void Fail(const std::string& message) { throw Error(ErrorKind::kUsage, message); }
+
+}  // namespace
+
+void FitOptions::Validate() const {
+  if (max_iterations < 1) Fail("--max_iterations: expected a number >= 1");
+  if (num_starts < 1) Fail("--starts: expected a number >= 1");
+  if (num_threads < 1 || num_threads > kMaxThreads) {
+    Fail("--threads: expected a number from 1 to " + std::to_string(kMaxThreads));
+  }
+  if (!(function_tolerance > 0.0)) Fail("function_tolerance: expected a number > 0");
+  if (!(parameter_tolerance > 0.0)) Fail("parameter_tolerance: expected a number > 0");
+}
+
+std::vector<std::string> ParseNames(const std::string& text, const std::string& flag) {
+  std::vector<std::string> names;
+  if (text.empty()) return names;
+  for (const std::string& name : Split(text, ',')) {
+    if (name.empty()) Fail(flag + ": expected names separated by single commas, got '" + Printable(text) + "'");
+    if (std::count(names.begin(), names.end(), name) > 0) Fail(flag + ": '" + name + "' is given twice");
+    names.push_back(name);
+  }
+  return names;
+}
+
+FitMethod ParseFitMethod(const std::string& text) {
+  if (text == "lm") return FitMethod::kLevenbergMarquardt;
+  if (text == "lbfgs") return FitMethod::kLbfgs;
+  Fail("--method: expected lm or lbfgs, got '" + Printable(text) + "'");
+}
+
+JacobianMethod ParseJacobianMethod(const std::string& text) {
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+    if (text == JacobianMethodName(method)) return method;
+  }
+  Fail("--jacobian: expected adjoint, sensitivity or numeric, got '" + Printable(text) + "'");
+}
+
+AdjointOptions ParseAdjointOptions(const std::string& text) {
+  static const std::map<std::string, AdjointMethod> methods = {{"reduced", AdjointMethod::kReduced},
+                                                               {"lu", AdjointMethod::kLu},
+                                                               {"sparse_lu", AdjointMethod::kSparseLu},
+                                                               {"fixed_point", AdjointMethod::kFixedPoint},
+                                                               {"gmres", AdjointMethod::kSystemGmres}};
+  const std::vector<std::string> parts = Split(text, ':');
+  const auto method = methods.find(parts[0]);
+  AdjointOptions options;
+  if (parts.size() == 2) options.threshold = ParseNumber(parts[1]);
+  if (method == methods.end() || parts.size() > 2 ||
+      (parts.size() == 2 && !(options.threshold && *options.threshold > 0.0 && *options.threshold < 1.0))) {
+    Fail(
+        "--adjoint: expected reduced, lu, sparse_lu, fixed_point or gmres, with or without a threshold in (0, 1) as in "
+        "gmres:1e-6, got '" +
+        Printable(text) + "'");
+  }
+  options.method = method->second;
+  return options;
+}
+
+FitPrecision ParseFitPrecision(const std::string& text) {
+  if (text == "adaptive") return FitPrecision::kAdaptive;
+  if (text == "full") return FitPrecision::kFull;
+  Fail("--precision: expected adaptive or full, got '" + Printable(text) + "'");
+}
+
+void ParseSigma(const std::string& text, ReadMotionOptions* options) {
+  const std::optional<double> sigma = ParseNumber(text);
+  if (text == "recorded") {
+    options->sigma_source = SigmaSource::kRecorded;
+  } else if (text == "auto") {
+    options->sigma_source = SigmaSource::kEstimated;
+  } else if (sigma && *sigma > 0.0 && std::isfinite(*sigma)) {
+    options->sigma_source = SigmaSource::kGiven;
+    options->sigma = *sigma;
+  } else {
+    Fail("--sigma: expected recorded, auto or a number > 0 in m, got '" + Printable(text) + "'");
+  }
+}
+
+StartSource ParseStartSource(const std::string& text) {
+  if (text == "first") return StartSource::kFirstFrame;
+  if (text == "smoothed") return StartSource::kSmoothed;
+  Fail("--initial: expected first or smoothed, got '" + Printable(text) + "'");
+}
+
+std::string JacobianMethodName(JacobianMethod method) {
+  switch (method) {
+    case JacobianMethod::kAdjoint:
+      return "adjoint";
+    case JacobianMethod::kSensitivity:
+      return "sensitivity";
+    case JacobianMethod::kNumeric:
+      return "numeric";
+  }
+  return "unknown";
+}
+
+}  // namespace clothid

@@ -1,0 +1,100 @@
+// What a fit is asked to do.
+#ifndef CLOTHID_IDENTIFY_BASE_OPTIONS_H_
+#define CLOTHID_IDENTIFY_BASE_OPTIONS_H_
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "costs/prediction/parameter_block.h"
+#include "costs/prediction/robust_loss.h"
+#include "costs/rollout_cost.h"
+#include "datasets/motion/motion_file.h"
+#include "identify/base/evaluation_progress.h"
+
+namespace clothid {
+
+enum class FitMethod {
+  kLevenbergMarquardt,  // Ceres' trust region on the rows of `RolloutCost`
+  kLbfgs,               // `ceres::GradientProblem` on the scalar gradient: for many parameters
+};
+
+// How precisely points are evaluated. What comes out of a fit is of full precision either way.
+enum class FitPrecision {
+  kAdaptive,  // kLevenbergMarquardt: loosely until the next step is short, then fully; else as kFull
+  kFull,
+};
+
+// One accepted point of the optimiser.
+struct FitIteration {
+  int iteration = 0;
+  double seconds = 0.0;  // since the start of the fit
+  Precision precision = Precision::kFull;
+  double cost = 0.0;           // the lowest so far at this precision
+  Eigen::VectorXd values;      // [p] the parameters at that cost, in their own units
+  double gradient_norm = 0.0;  // |dL/dq| in the internal coordinates; NaN where it was not needed
+  int rollouts = 0;            // so far
+};
+
+// How the names of journals start: hidden files.
+inline constexpr char kJournalPrefix[] = ".journal_";
+
+struct FitOptions {
+  // Names to fit; empty: mu and k_stretch, without obstacles k_stretch. Here and in `each` shift, turn, v0 and align
+  // stand for several (costs/prediction/alignment.h).
+  std::vector<std::string> parameters;
+  // Names that are fitted, too, and that every recording has for itself: "drag" becomes "drag@1", "drag@2", .. in the
+  // order of the recordings; with one recording it stays "drag".
+  std::vector<std::string> each;
+  ParameterOverrides overrides;
+  FitMethod method = FitMethod::kLevenbergMarquardt;
+  JacobianMethod jacobian = JacobianMethod::kAdjoint;
+  AdjointOptions adjoint;  // how reverse sweeps solve their linear systems
+  FitPrecision precision = FitPrecision::kAdaptive;
+  RobustLoss loss;
+  int max_iterations = 50;
+  int num_starts = 1;      // of `FitFromStarts`
+  std::uint64_t seed = 0;  // of its starting points
+  int num_threads = 1;     // recordings simulated side by side; results do not depend on it
+  // Relative changes at which the fit has converged. A step that satisfies them has been evaluated and is taken where
+  // it is better, so the estimate is one (superlinear) step closer than the tolerance says.
+  double function_tolerance = 1e-9;
+  double parameter_tolerance = 1e-5;
+  bool estimate_uncertainty = true;  // one forward sweep at the estimate
+  bool check_interval = true;        // of that uncertainty: two rollouts, where there is noise
+  // Where evaluations are kept and, when the same fit is run again, replayed, counts and seconds included
+  // (total_seconds are those of the last run alone). One file per recording, .journal_1.bin or .journal_TAG_1.bin and
+  // so on, see costs/rows/evaluation_journal.h; whoever runs the fit removes it. Fits in one folder need different
+  // tags. Empty: nowhere.
+  std::string journal_folder;
+  std::string journal_tag;
+  const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
+  std::function<void(const FitIteration&)> on_iteration;  // may be empty
+  std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty
+  // Of every evaluation of a problem made with these options; must outlive it. No result depends on it. May be empty.
+  ProgressObserver on_progress;
+
+  // Throws `Error` (kUsage) naming the first value out of range.
+  void Validate() const;
+};
+
+// "a,b,c". Throws `Error` (kUsage), naming `flag`, for an empty item or one given twice.
+std::vector<std::string> ParseNames(const std::string& text, const std::string& flag);
+// "lm" or "lbfgs"; "adjoint", "sensitivity" or "numeric"; "adaptive" or "full". Throw `Error` (kUsage).
+FitMethod ParseFitMethod(const std::string& text);
+JacobianMethod ParseJacobianMethod(const std::string& text);
+FitPrecision ParseFitPrecision(const std::string& text);
+std::string JacobianMethodName(JacobianMethod method);
+// "recorded", "auto" or a number > 0 in m: what `ReadMotionOptions` is to do about sigma; "first" or "smoothed": about
+// the start. Throw `Error` (kUsage).
+void ParseSigma(const std::string& text, ReadMotionOptions* options);
+StartSource ParseStartSource(const std::string& text);
+// METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
+AdjointOptions ParseAdjointOptions(const std::string& text);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_BASE_OPTIONS_H_

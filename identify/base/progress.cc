@@ -1,0 +1,134 @@
+#include "identify/base/progress.h"
+
+#include <chrono>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <utility>
+
+namespace clothid {
+namespace {
+
+constexpr char kEraseToEnd[] = "\033[K";
+// s. An evaluation that takes less does not show its steps; between two such lines.
+constexpr double kTerminalPatience = 1.0, kTerminalInterval = 0.2, kPlainInterval = 10.0;
+
+double SteadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// "14 s", "33 min" or "2 h 10 min": no estimate is known better.
+std::string Duration(double seconds) {
+  constexpr double kMostSeconds = 100.0, kMostMinutes = 100.0;
+  if (seconds < kMostSeconds) return std::to_string(std::lround(seconds)) + " s";
+  const long minutes = std::lround(seconds / 60.0);
+  if (seconds / 60.0 < kMostMinutes) return std::to_string(minutes) + " min";
+  return std::to_string(minutes / 60) + " h " + std::to_string(minutes % 60) + " min";
+}
+
+std::string PassName(RolloutPass pass) {
+  switch (pass) {
+    case RolloutPass::kRollout:
+      return "rollout";
+    case RolloutPass::kForwardSweep:
+      return "forward sweep";
+    case RolloutPass::kReverseSweep:
+      return "reverse sweep";
+  }
+  return "pass";
+}
+
+std::string StepLine(const EvaluationProgress& progress) {
+  std::ostringstream line;
+  if (progress.purpose == EvaluationPurpose::kInterval) line << "intervals, ";
+  line << "evaluation " << progress.evaluation;
+  if (progress.num_recordings > 1) {
+    line << ", recording " << progress.recording + 1 << " of " << progress.num_recordings;
+  }
+  line << ", " << PassName(progress.step.pass) << ": step " << progress.step.num_done << " of "
+       << progress.step.num_steps << ", about " << Duration(progress.seconds_left) << " left";
+  return line.str();
+}
+
+}  // namespace
+
+ProgressPrinter::ProgressPrinter(std::ostream* out, bool is_terminal, int max_iterations, std::function<double()> clock)
+    : out_(out),
+      is_terminal_(is_terminal),
+      max_iterations_(max_iterations),
+      clock_(clock ? std::move(clock) : SteadySeconds),
+      last_output_(clock_()) {}
+
+ProgressPrinter::~ProgressPrinter() { EndLine(); }
+
+// A step is not worth a line that stays.
+void ProgressPrinter::EndLine() {
+  if (open_line_ == OpenLine::kIteration) *out_ << "\n" << std::flush;
+  if (open_line_ == OpenLine::kStep) *out_ << "\r" << kEraseToEnd << std::flush;
+  open_line_ = OpenLine::kNone;
+}
+
+void ProgressPrinter::Rewrite(const std::string& line, OpenLine what) {
+  last_output_ = clock_();
+  if (!is_terminal_) {
+    *out_ << line << "\n" << std::flush;
+    return;
+  }
+  if (what == OpenLine::kStep && open_line_ == OpenLine::kIteration) EndLine();
+  *out_ << "\r" << line << kEraseToEnd << std::flush;
+  open_line_ = what;
+}
+
+void ProgressPrinter::PrintStart(int start, int num_starts) {
+  EndFit();
+  *out_ << "start " << start + 1 << " of " << num_starts << "\n" << std::flush;
+}
+
+void ProgressPrinter::EndFit() {
+  EndLine();
+  has_stepped_ = false;
+  num_timed_ = iterations_left_ = 0;
+  timed_seconds_ = last_seconds_ = 0.0;
+}
+
+void ProgressPrinter::Print(const std::vector<std::string>& names, const FitIteration& iteration) {
+  // The first is the start, not a step of the optimiser.
+  if (has_stepped_ && iteration.iteration > 0) {
+    ++num_timed_;
+    timed_seconds_ += iteration.seconds - last_seconds_;
+  }
+  has_stepped_ = false;
+  last_seconds_ = iteration.seconds;
+  iterations_left_ = max_iterations_ - iteration.iteration;
+  std::ostringstream line;
+  line << "iteration " << iteration.iteration << "  cost " << std::setprecision(6) << iteration.cost;
+  for (std::size_t i = 0; i < names.size(); ++i) line << "  " << names[i] << " " << iteration.values[i];
+  line << "  rollouts " << iteration.rollouts;
+  if (is_terminal_ && num_timed_ > 0) {
+    const double seconds_each = timed_seconds_ / num_timed_;
+    line << std::setprecision(2) << "  " << seconds_each << " s/iteration, at most " << std::setprecision(3)
+         << seconds_each * iterations_left_ << " s left";
+  }
+  Rewrite(line.str(), OpenLine::kIteration);
+}
+
+bool ProgressPrinter::IsDue(const EvaluationProgress& progress) const {
+  const double since_last = clock_() - last_output_;
+  if (!is_terminal_) return since_last >= kPlainInterval;
+  return progress.seconds >= kTerminalPatience && since_last >= kTerminalInterval;
+}
+
+// Nothing before an iteration is timed.
+std::string ProgressPrinter::FitLeft() const {
+  if (num_timed_ == 0 || iterations_left_ <= 0) return "";
+  return "; fit: up to " + std::to_string(iterations_left_) + " iterations more, about " +
+         Duration(timed_seconds_ / num_timed_ * iterations_left_);
+}
+
+void ProgressPrinter::Print(const EvaluationProgress& progress) {
+  has_stepped_ = true;
+  if (!IsDue(progress)) return;
+  Rewrite(StepLine(progress) + (progress.purpose == EvaluationPurpose::kFit ? FitLeft() : ""), OpenLine::kStep);
+}
+
+}  // namespace clothid

@@ -1,0 +1,103 @@
+#include "identify/checks/holdout.h"
+
+#include <charconv>
+#include <optional>
+
+#include "costs/prediction/recording_model.h"
+#include "costs/prediction/rollout_cost_options.h"
+#include "datasets/observation/observation.h"
+#include "identify/fit/problem.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+// Adds the error of one rollout, or tells why there is none.
+void AddError(const Eigen::VectorXd& coordinates, RecordingModel* model, PredictionError* sum, std::string* failure) {
+  Eigen::MatrixXd predicted;
+  const Rollout rollout =
+      model->Simulate(coordinates, nullptr, RolloutCostOptions().memory_limit, /*keep_factors=*/false, &predicted);
+  if (rollout.ok()) {
+    *sum += model->observation().Compare(predicted);
+  } else if (failure->empty()) {
+    *failure = model->name() + ": " + rollout.failure->ToString();
+  }
+}
+
+// `recording`: its index among the fitted ones; -1: none of them.
+void AddEstimateError(const RecordedMotion& motion, int recording, const std::vector<ParameterBlock>& blocks,
+                      const Eigen::VectorXd& values, PredictionError* sum, std::string* failure) {
+  std::vector<ParameterBlock> own;
+  std::vector<double> coordinates;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (!Concerns(blocks[i], motion, recording)) continue;
+    own.push_back(blocks[i]);
+    coordinates.push_back(blocks[i].ToCoordinate(values[i]));
+  }
+  RecordingModel model(motion, own);
+  AddError(Eigen::Map<Eigen::VectorXd>(coordinates.data(), static_cast<Eigen::Index>(own.size())), &model, sum,
+           failure);
+}
+
+std::optional<int> ParseFrame(std::string_view text) {
+  int frame = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame);
+  if (error != std::errc() || end != text.data() + text.size() || frame < 0) return std::nullopt;
+  return frame;
+}
+
+}  // namespace
+
+Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
+                        const Eigen::VectorXd& values, HeldOut held_out) {
+  PredictionError at_nominal, at_estimate;
+  std::string nominal_failure, estimate_failure;
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    const RecordedMotion& motion = motions[r];
+    RecordingModel nominal(motion, {});
+    AddError(Eigen::VectorXd(), &nominal, &at_nominal, &nominal_failure);
+    const int recording = held_out == HeldOut::kFrames ? static_cast<int>(r) : -1;
+    AddEstimateError(motion, recording, blocks, values, &at_estimate, &estimate_failure);
+  }
+  Holdout holdout;
+  if (nominal_failure.empty()) holdout.nominal_rmse = at_nominal.rmse();
+  if (estimate_failure.empty()) holdout.rmse = at_estimate.rmse();
+  holdout.failure = estimate_failure.empty() ? nominal_failure : estimate_failure;
+  return holdout;
+}
+
+FrameRange ParseFrameRange(const std::string& text, const std::string& flag) {
+  const std::size_t colon = text.find(':');
+  if (colon != std::string::npos) {
+    const std::optional<int> begin = ParseFrame(std::string_view(text).substr(0, colon));
+    const std::optional<int> end = ParseFrame(std::string_view(text).substr(colon + 1));
+    if (begin && end && *begin < *end) return {*begin, *end};
+  }
+  throw Error(ErrorKind::kUsage,
+              flag + ": expected A:B, frames A to B - 1 with 0 <= A < B, got '" + Printable(text) + "'");
+}
+
+std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<RecordedMotion>* motions) {
+  constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
+  std::vector<RecordedMotion> held;
+  for (RecordedMotion& motion : *motions) {
+    if (range.end > motion.num_frames()) {
+      throw Error(ErrorKind::kUsage, "--holdout_frames: " + motion.name + " has the frames 0 to " +
+                                         std::to_string(motion.num_frames() - 1));
+    }
+    const int count = range.end - range.begin;
+    motion.centroid = TurnCenter(motion);
+    held.push_back(motion);
+    held.back().positions.leftCols(range.begin).setConstant(kUnseen);
+    held.back().positions.rightCols(motion.num_frames() - range.end).setConstant(kUnseen);
+    motion.positions.middleCols(range.begin, count).setConstant(kUnseen);
+    for (int i = 0; i < static_cast<int>(motion.clouds.size()); ++i) {
+      const bool is_held = i >= range.begin && i < range.end;
+      (is_held ? motion : held.back()).clouds[i].resize(3, 0);
+    }
+  }
+  return held;
+}
+
+}  // namespace clothid

@@ -1,0 +1,50 @@
+// How well do the estimates predict measurements that the fit has not seen?
+#ifndef CLOTHID_IDENTIFY_CHECKS_HOLDOUT_H_
+#define CLOTHID_IDENTIFY_CHECKS_HOLDOUT_H_
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "costs/prediction/parameter_block.h"
+#include "datasets/motion/recorded_motion.h"
+
+namespace clothid {
+
+struct Holdout {
+  double rmse = std::numeric_limits<double>::quiet_NaN();          // m, at the estimate; NaN: a rollout failed
+  double nominal_rmse = std::numeric_limits<double>::quiet_NaN();  // m, at the nominal values of the scenes, likewise
+  std::string failure;                                             // one line; empty: all rollouts worked
+
+  // The estimates predict no better than what was known before the fit: it has learnt the noise, or the model is wrong.
+  bool has_failed() const { return !(rmse <= nominal_rmse) && !(rmse == rmse && nominal_rmse != nominal_rmse); }
+};
+
+enum class HeldOut {
+  kRecordings,  // others than the fitted ones: parameters of one recording alone do not concern them
+  kFrames,      // of the fitted recordings, in their order
+};
+
+// Over all of `motions`. `values` [p] are the estimates of `blocks`; parameters that the scene of a recording does not
+// have are left out, all others stay at its nominal values, those of the recording itself
+// (costs/prediction/alignment.h) at zero. Throws `Error` where `RecordingModel` does.
+Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
+                        const Eigen::VectorXd& values, HeldOut held_out = HeldOut::kRecordings);
+
+// Frames by number: begin, begin + 1, .., end - 1.
+struct FrameRange {
+  int begin = 0, end = 0;
+};
+
+// "A:B" with 0 <= A < B. Throws `Error` (kUsage), naming `flag`.
+FrameRange ParseFrameRange(const std::string& text, const std::string& flag);
+
+// Cuts the frames of `range` out of every recording of `motions`, where they become unseen, and returns recordings in
+// which they alone are seen. The centroid of both is that of all frames. Throws `Error` (kUsage), naming the recording,
+// where it has fewer frames.
+std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<RecordedMotion>* motions);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_CHECKS_HOLDOUT_H_

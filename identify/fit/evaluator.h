@@ -1,0 +1,103 @@
+// Evaluates every recording of a fit at one point, side by side, and keeps the best point.
+#ifndef CLOTHID_IDENTIFY_FIT_EVALUATOR_H_
+#define CLOTHID_IDENTIFY_FIT_EVALUATOR_H_
+
+#include <ceres/evaluation_callback.h>
+
+#include <Eigen/Core>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "costs/rollout_cost.h"
+#include "identify/base/evaluation_progress.h"
+#include "identify/fit/problem.h"
+#include "identify/uncertainty/uncertainty.h"
+
+namespace clothid {
+
+// A point with a cost.
+struct FitPoint {
+  Eigen::VectorXd coordinates;  // [p]; empty: no point was evaluated yet
+  double cost = std::numeric_limits<double>::infinity();
+  std::vector<Eigen::MatrixXd> predicted;  // per recording [R x T] m, see Observation
+  RolloutCounts counts;                    // of its rollouts, summed over the recordings
+
+  bool is_valid() const { return coordinates.size() > 0; }
+};
+
+// The Gauss-Newton model of the cost at a point:  L(q + d) ~ cost + gradient . d + 1/2 d . hessian d.
+struct QuadraticModel {
+  Eigen::VectorXd coordinates;  // [p]
+  double cost = 0.0;
+  Eigen::VectorXd gradient;  // [p] J^T r; zero for frozen blocks
+  Eigen::MatrixXd hessian;   // [p x p] J^T J; a zero row: no recording depends on the block, or it is frozen
+};
+
+// As Ceres' evaluation callback it fills the caches of the costs before Ceres asks them. Ceres' own threads would stop
+// evaluating the other recordings once one has failed, and which ones depends on timing; here all are always evaluated,
+// so that caches, counts and results are the same on any number of threads.
+class FitEvaluator : public ceres::EvaluationCallback {
+ public:
+  // Both must outlive the evaluator. `coordinates` is the memory that Ceres changes. `purpose`: what is told of the
+  // evaluations.
+  FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads,
+               EvaluationPurpose purpose = EvaluationPurpose::kFit);
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
+
+  enum class Derivative { kNone, kRows, kGradient };
+  // The sum over the recordings, in their order. kGradient also fills `gradient` [p], which may else be null. False
+  // where a rollout failed: see last_failure().
+  bool Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost, Eigen::VectorXd* gradient);
+
+  // The full Jacobian of all recordings, by sensitivities. False as above.
+  bool Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization);
+
+  // Of the last kRows evaluation that worked.
+  const QuadraticModel& model() const { return model_; }
+  const FitPoint& first() const { return first_; }  // the first point that worked
+  const FitPoint& best() const { return best_; }    // the point of lowest cost
+  // The next point is the best one whatever its cost: costs of different precision do not compare.
+  void SupersedeBest() { best_is_superseded_ = true; }
+  bool best_is_superseded() const { return best_is_superseded_; }
+  int num_failures() const { return num_failures_; }                 // evaluations that did not work
+  const std::string& last_failure() const { return last_failure_; }  // the reason of the last of them
+  CostStatistics statistics() const;                                 // since the evaluator was made
+  // |dL/dq| at the best point; NaN where no gradient was asked for there.
+  double best_gradient_norm() const { return best_gradient_norm_; }
+  double seconds() const { return seconds_; }  // wall time of all evaluations
+
+ private:
+  struct RecordingResult {
+    bool ok = false;
+    double cost = 0.0;
+    Eigen::VectorXd gradient;  // of the recording's blocks, like the Hessian
+    Eigen::MatrixXd hessian;
+  };
+  RecordingResult EvaluateRecording(int recording, const Eigen::VectorXd& coordinates, Derivative derivative) const;
+  RecordingResult EvaluateRows(int recording, const Eigen::VectorXd& coordinates) const;
+  QuadraticModel Sum(const std::vector<RecordingResult>& results, const Eigen::VectorXd& coordinates) const;
+  void Keep(const Eigen::VectorXd& coordinates, double cost);
+
+  // work(recording) for all, timed; then the reason why one of them returned false, if so.
+  bool ForEachRecording(const std::function<bool(int recording)>& work);
+
+  const FitProblem* problem_;
+  const Eigen::VectorXd* coordinates_;
+  int num_threads_;
+  EvaluationPurpose purpose_;
+  QuadraticModel model_;
+  FitPoint first_, best_;
+  bool best_is_superseded_ = false;
+  CostStatistics statistics_before_;
+  std::string last_failure_;
+  int num_failures_ = 0;
+  double best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();
+  double seconds_ = 0.0;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_FIT_EVALUATOR_H_

@@ -1,0 +1,427 @@
+#include "identify/fit/fit.h"
+
+#include <ceres/gradient_problem.h>
+#include <ceres/gradient_problem_solver.h>
+#include <ceres/iteration_callback.h>
+#include <ceres/solver.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "identify/fit/evaluator.h"
+#include "identify/fit/sigmoid_map.h"
+
+namespace clothid {
+namespace {
+
+// The first trust region of Levenberg-Marquardt: its inverse is the damping relative to the diagonal of J^T J. The
+// problems are small and their Jacobians exact, so a step may be nearly Gauss-Newton's from the start.
+constexpr double kInitialTrustRegion = 1e2;
+// Of a pass that starts near the solution, as far as the region grows on the way there.
+constexpr double kNearTrustRegion = 1e4;
+// The loose pass ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
+// what a Gauss-Newton step misses, and about what loose rollouts do.
+constexpr double kShortStep = 5e4;
+
+// What a pass of the optimiser is to reach.
+struct PassGoal {
+  Precision precision = Precision::kFull;
+  double step = 1.0;                // the next step, in resolutions of the parameters, ...
+  double function_tolerance = 0.0;  // ... or its relative decrease of the cost
+  double trust_region = kInitialTrustRegion;
+  int first_iteration = 0;  // the number of its first
+};
+
+bool IsCancelled(const FitOptions& options) { return options.cancel != nullptr && options.cancel->load(); }
+
+// The blocks that a step may move: not frozen, with influence, not pushed against a bound.
+std::vector<int> MovableBlocks(const FitProblem& problem, const QuadraticModel& model) {
+  std::vector<int> movable;
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    const ParameterBlock& block = problem.blocks()[i];
+    const double q = model.coordinates[i];
+    const bool is_held = (q <= block.ToCoordinate(block.lower_bound) && model.gradient[i] > 0.0) ||
+                         (q >= block.ToCoordinate(block.upper_bound) && model.gradient[i] < 0.0);
+    if (!block.frozen && model.hessian(i, i) > 0.0 && !is_held) movable.push_back(i);
+  }
+  return movable;
+}
+
+// The undamped Gauss-Newton step [p], zero where nothing may move; nothing where the model is singular.
+std::optional<Eigen::VectorXd> GaussNewtonStep(const FitProblem& problem, const QuadraticModel& model) {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(model.coordinates.size());
+  const std::vector<int> movable = MovableBlocks(problem, model);
+  if (movable.empty()) return step;
+  const Eigen::VectorXd gradient = model.gradient(movable);
+  const Eigen::MatrixXd hessian = model.hessian(movable, movable);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(hessian);
+  const Eigen::VectorXd solution = factor.solve(-gradient);
+  if (!solution.allFinite() || (hessian * solution + gradient).norm() > 1e-6 * gradient.norm()) return std::nullopt;
+  step(movable) = solution;
+  return step;
+}
+
+// Whether a step changes every parameter by no more than `length` resolutions.
+bool IsShort(const FitProblem& problem, const QuadraticModel& model, const Eigen::VectorXd& step, double length) {
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    if (std::abs(step[i]) > length * problem.blocks()[i].Resolution(model.coordinates[i])) return false;
+  }
+  return true;
+}
+
+// Whether the Gauss-Newton step is within the goal. Ceres looks at its tolerances after the rollout of a step; this
+// looks before.
+bool NextStepIsNegligible(const PassGoal& goal, const FitProblem& problem, const QuadraticModel& model) {
+  const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
+  if (!step) return false;
+  return -0.5 * model.gradient.dot(*step) <= goal.function_tolerance * model.cost ||
+         IsShort(problem, model, *step, goal.step);
+}
+
+// Records the best point after every iteration, reports it, and passes on the wish to stop.
+class Recorder : public ceres::IterationCallback {
+ public:
+  Recorder(const FitOptions& options, const FitProblem& problem, const FitEvaluator& evaluator)
+      : options_(options), problem_(problem), evaluator_(evaluator), start_(std::chrono::steady_clock::now()) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    num_failures_ = evaluator_.num_failures();
+    Add(goal_.first_iteration + summary.iteration);
+    if (IsCancelled(options_)) return ceres::SOLVER_ABORT;
+    const bool has_model = options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
+    return has_model && NextStepIsNegligible(goal_, problem_, evaluator_.model()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                                                  : ceres::SOLVER_CONTINUE;
+  }
+
+  void StartPass(const PassGoal& goal) {
+    goal_ = goal;
+    num_failures_ = evaluator_.num_failures();
+  }
+
+  // Why a point has failed since the last iteration was reported; empty where none has.
+  std::string failure() const {
+    return evaluator_.num_failures() > num_failures_ ? evaluator_.last_failure() : std::string();
+  }
+
+  // The step that ended the fit was evaluated, but its iteration was never reported.
+  void AddLast() {
+    if (!evaluator_.best().is_valid() || evaluator_.best_is_superseded()) return;
+    if (iterations_.empty() || iterations_.back().precision != goal_.precision ||
+        evaluator_.best().cost < iterations_.back().cost) {
+      Add(iterations_.empty() ? 0 : iterations_.back().iteration + 1);
+    }
+  }
+
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  const std::vector<FitIteration>& iterations() const { return iterations_; }
+
+ private:
+  void Add(int iteration) {
+    FitIteration row;
+    row.iteration = iteration;
+    row.precision = goal_.precision;
+    row.seconds = seconds();
+    row.cost = evaluator_.best().cost;
+    row.values = problem_.Values(evaluator_.best().coordinates);
+    row.gradient_norm = evaluator_.best_gradient_norm();
+    row.rollouts = evaluator_.statistics().rollouts;
+    iterations_.push_back(row);
+    if (options_.on_iteration) options_.on_iteration(row);
+  }
+
+  const FitOptions& options_;
+  const FitProblem& problem_;
+  const FitEvaluator& evaluator_;
+  PassGoal goal_;
+  int num_failures_ = 0;  // until the last iteration
+  std::chrono::steady_clock::time_point start_;
+  std::vector<FitIteration> iterations_;
+};
+
+FitStatus StatusOf(ceres::TerminationType type) {
+  switch (type) {
+    case ceres::CONVERGENCE:
+    case ceres::USER_SUCCESS:
+      return FitStatus::kConverged;
+    case ceres::NO_CONVERGENCE:
+      return FitStatus::kNotConverged;
+    case ceres::FAILURE:
+    case ceres::USER_FAILURE:
+      break;
+  }
+  return FitStatus::kFailed;
+}
+
+// Steps that lead to points that fail are cut until they meet the tolerances. That is no minimum.
+void SetStatus(ceres::TerminationType type, const std::string& message, const Recorder& recorder, FitSummary* summary) {
+  summary->status = StatusOf(type);
+  // Ceres says it of the last pass alone.
+  summary->message = type == ceres::NO_CONVERGENCE ? "stopped at max_iterations" : message;
+  if (recorder.failure().empty()) return;
+  if (summary->status == FitStatus::kFailed) summary->message = recorder.failure();
+  if (summary->status == FitStatus::kConverged) {
+    summary->status = FitStatus::kNotConverged;
+    summary->message = "stopped where the points ahead fail: " + recorder.failure();
+  }
+}
+
+void RunLevenbergMarquardt(const FitOptions& options, const PassGoal& goal, FitProblem* problem,
+                           Eigen::VectorXd* coordinates, FitEvaluator* evaluator, Recorder* recorder,
+                           FitSummary* summary) {
+  const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(evaluator, coordinates);
+  ceres::Solver::Options solver;
+  solver.minimizer_type = ceres::TRUST_REGION;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.initial_trust_region_radius = goal.trust_region;
+  solver.max_num_iterations = std::max(0, options.max_iterations - goal.first_iteration);
+  solver.function_tolerance = options.function_tolerance;
+  solver.parameter_tolerance = options.parameter_tolerance;
+  solver.num_threads = 1;  // the evaluator has its own
+  solver.logging_type = ceres::SILENT;
+  solver.callbacks.push_back(recorder);
+  recorder->StartPass(goal);
+  ceres::Solver::Summary result;
+  ceres::Solve(solver, ceres_problem.get(), &result);
+  SetStatus(result.termination_type, result.message, *recorder, summary);
+}
+
+bool IsAt(const QuadraticModel& model, const Eigen::VectorXd& coordinates) {
+  return model.coordinates.size() == coordinates.size() && model.coordinates == coordinates;
+}
+
+// Where the Gauss-Newton step leads, within the bounds; stays where there is none or it is not short.
+Eigen::VectorXd NextPoint(const FitProblem& problem, const QuadraticModel& model) {
+  Eigen::VectorXd next = model.coordinates;
+  const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
+  if (!step || !IsShort(problem, model, *step, kShortStep)) return next;
+  next += *step;
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    const ParameterBlock& block = problem.blocks()[i];
+    next[i] = std::clamp(next[i], block.ToCoordinate(block.lower_bound), block.ToCoordinate(block.upper_bound));
+  }
+  return next;
+}
+
+// Moves to `point` where that works.
+bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, Eigen::VectorXd* coordinates,
+            FitEvaluator* evaluator) {
+  double cost = 0.0;
+  if (!evaluator->Evaluate(point, derivative, &cost, nullptr)) return false;
+  *coordinates = point;
+  return true;
+}
+
+// The loose pass, and the full one from where its last step leads, so that no point is simulated with both. Points that
+// work loosely may fail with full precision; where these do, the full pass starts where the fit did.
+void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
+                                FitEvaluator* evaluator, Recorder* recorder, FitSummary* summary) {
+  const PassGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
+  RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
+  if (IsCancelled(options)) return;
+  const int last_iteration = recorder->iterations().empty() ? 0 : recorder->iterations().back().iteration;
+  problem->SetPrecision(Precision::kFull);
+  evaluator->SupersedeBest();
+  const Eigen::VectorXd last = *coordinates;
+  const bool has_next = last_iteration < options.max_iterations && IsAt(evaluator->model(), last);
+  const bool is_near = (has_next && MoveTo(NextPoint(*problem, evaluator->model()), FitEvaluator::Derivative::kNone,
+                                           coordinates, evaluator)) ||
+                       MoveTo(last, FitEvaluator::Derivative::kRows, coordinates, evaluator);
+  if (!is_near) *coordinates = problem->StartCoordinates();
+  PassGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
+  if (!is_near) full.trust_region = kInitialTrustRegion;
+  RunLevenbergMarquardt(options, full, problem, coordinates, evaluator, recorder, summary);
+}
+
+// L and dL/du of the evaluator's point. Owned by the Ceres problem.
+class BoundedGradient : public ceres::FirstOrderFunction {
+ public:
+  BoundedGradient(const SigmoidMap* map, FitEvaluator* evaluator) : map_(map), evaluator_(evaluator) {}
+
+  bool Evaluate(const double* u, double* cost, double* gradient) const override {
+    Eigen::VectorXd coordinate_gradient;
+    const auto derivative = gradient == nullptr ? FitEvaluator::Derivative::kNone : FitEvaluator::Derivative::kGradient;
+    if (!evaluator_->Evaluate(map_->ToCoordinates(u), derivative, cost, &coordinate_gradient)) return false;
+    if (gradient != nullptr) map_->PullBack(u, coordinate_gradient, gradient);
+    return true;
+  }
+  int NumParameters() const override { return map_->num_free(); }
+
+ private:
+  const SigmoidMap* map_;
+  FitEvaluator* evaluator_;
+};
+
+void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* evaluator, Recorder* recorder,
+              FitSummary* summary) {
+  const SigmoidMap map(problem->blocks());
+  const ceres::GradientProblem gradient_problem(new BoundedGradient(&map, evaluator));
+  ceres::GradientProblemSolver::Options solver;
+  solver.line_search_direction_type = ceres::LBFGS;
+  // Without it L-BFGS takes the identity for its first inverse Hessian, although costs are as large as their number of
+  // residuals: steps across the whole range, onto plateaus of friction so high that nothing slides.
+  solver.use_approximate_eigenvalue_bfgs_scaling = true;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = options.function_tolerance;
+  solver.parameter_tolerance = options.parameter_tolerance;
+  solver.logging_type = ceres::SILENT;
+  solver.callbacks.push_back(recorder);
+  std::vector<double> u(static_cast<std::size_t>(map.num_free()), 0.0);
+  ceres::GradientProblemSolver::Summary result;
+  ceres::Solve(solver, gradient_problem, u.data(), &result);
+  SetStatus(result.termination_type, result.message, *recorder, summary);
+}
+
+PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
+  PredictionError error;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    error += problem.cost(r).model().observation().Compare(point.predicted[r]);
+  }
+  return error;
+}
+
+// That of the residuals as the loss weighs them: gross errors, which come and go, hide how the others are correlated.
+// Points of clouds count as they are.
+double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary) {
+  if (!loss.is_robust()) return summary.error.autocorrelation();
+  PredictionError error;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    const Observation& observation = problem.cost(r).model().observation();
+    const Eigen::VectorXd residuals = observation.Residuals(summary.predicted[r]);
+    Eigen::VectorXd weights;
+    LossWeights(loss, observation, 0, residuals, &weights);
+    Eigen::MatrixXd predicted = summary.predicted[r];
+    for (int row = 0; row < observation.num_residuals(); ++row) {
+      const SeenCoordinate& seen = observation.coordinates()[row];
+      if (seen.point >= observation.num_points()) continue;
+      predicted(3 * seen.point + seen.axis, seen.frame) +=
+          (weights[row] - 1.0) * residuals[row] * observation.sigma(seen.point);
+    }
+    error += observation.Compare(predicted);
+  }
+  return error.autocorrelation();
+}
+
+void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitSummary* summary) {
+  const FitPoint& best = evaluator.best();
+  const Eigen::VectorXd values = problem.Values(best.coordinates);
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    const ParameterBlock& block = problem.blocks()[i];
+    FittedParameter parameter;
+    parameter.name = block.name;
+    parameter.frozen = block.frozen;
+    parameter.start = block.start;
+    parameter.value = block.frozen ? block.start : values[i];
+    parameter.at_bound = !block.frozen && block.IsAtBound(best.coordinates[i]);
+    summary->parameters.push_back(parameter);
+  }
+  summary->coordinates = best.coordinates;
+  summary->cost = best.cost;
+  summary->start_error = Compare(problem, evaluator.first());
+  summary->error = Compare(problem, best);
+  summary->start_predicted = evaluator.first().predicted;
+  summary->predicted = best.predicted;
+  summary->counts = best.counts;
+}
+
+bool IsAllFrozen(const FitProblem& problem) {
+  return std::all_of(problem.blocks().begin(), problem.blocks().end(),
+                     [](const ParameterBlock& block) { return block.frozen; });
+}
+
+// L-BFGS would lose its picture of the curvature between two passes.
+bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
+  return options.precision == FitPrecision::kAdaptive && options.method == FitMethod::kLevenbergMarquardt &&
+         options.jacobian != JacobianMethod::kNumeric && !IsAllFrozen(problem);
+}
+
+void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
+                  Recorder* recorder, FitSummary* summary) {
+  if (IsAllFrozen(*problem)) {
+    summary->status = FitStatus::kConverged;
+    summary->message = "every parameter is frozen";
+  } else if (IsAdaptive(options, *problem)) {
+    RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
+  } else if (options.method == FitMethod::kLevenbergMarquardt) {
+    const PassGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, 0};
+    RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
+  } else {
+    RunLbfgs(options, problem, evaluator, recorder, summary);
+  }
+}
+
+}  // namespace
+
+std::string FitStatusName(FitStatus status) {
+  switch (status) {
+    case FitStatus::kConverged:
+      return "converged";
+    case FitStatus::kNotConverged:
+      return "not_converged";
+    case FitStatus::kFailed:
+      return "failed";
+    case FitStatus::kInterrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+Eigen::VectorXd FitSummary::values() const {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(parameters.size()));
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = parameters[i].value;
+  return values;
+}
+
+FitSummary Fit(const FitOptions& options, FitProblem* problem) {
+  FitSummary summary;
+  Eigen::VectorXd coordinates = problem->StartCoordinates();
+  FitEvaluator evaluator(problem, &coordinates, options.num_threads);
+  Recorder recorder(options, *problem, evaluator);
+  problem->Restart();
+  problem->SetPrecision(IsAdaptive(options, *problem) ? Precision::kLoose : Precision::kFull);
+
+  // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
+  // cached.
+  double cost = 0.0;
+  if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr)) {
+    summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
+  } else {
+    RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
+  }
+  if (IsCancelled(options)) {
+    summary.status = FitStatus::kInterrupted;
+    summary.message = "interrupted";
+  }
+  problem->SetPrecision(Precision::kFull);
+  // A loose point is better than none only where somebody has stopped the fit there.
+  const bool has_estimate = evaluator.best().is_valid() && (!evaluator.best_is_superseded() || IsCancelled(options));
+  if (has_estimate) FillEstimate(*problem, evaluator, &summary);
+  problem->CheckJournals();
+  recorder.AddLast();
+  summary.iterations = recorder.iterations();
+  summary.statistics = evaluator.statistics();
+  summary.total_seconds = recorder.seconds();
+  summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds());
+  if (options.estimate_uncertainty && summary.has_estimate()) AddUncertainty(options, *problem, &summary);
+  return summary;
+}
+
+void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary) {
+  if (IsCancelled(options)) return;
+  FitEvaluator evaluator(&problem, &summary->coordinates, options.num_threads, EvaluationPurpose::kInterval);
+  Linearization linearization;
+  if (evaluator.Linearize(summary->coordinates, &linearization)) {
+    linearization.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);
+    summary->uncertainty = EstimateUncertainty(problem.blocks(), summary->coordinates, linearization);
+    if (options.check_interval) {
+      summary->interval_check =
+          CheckInterval(problem.blocks(), summary->coordinates, summary->cost, *summary->uncertainty, &evaluator);
+    }
+  }
+  summary->statistics += evaluator.statistics();
+  summary->total_seconds += evaluator.seconds();
+}
+
+}  // namespace clothid

@@ -1,0 +1,83 @@
+#include "identify/fit/interval_check.h"
+
+#include <cmath>
+
+#include "identify/fit/evaluator.h"
+
+namespace clothid {
+namespace {
+
+// Whether q lies within the bounds.
+bool IsInside(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const double q = coordinates[static_cast<Eigen::Index>(i)];
+    if (!blocks[i].frozen &&
+        (q < blocks[i].ToCoordinate(blocks[i].lower_bound) || q > blocks[i].ToCoordinate(blocks[i].upper_bound))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// The parameter of the widest interval, -1 where there is none.
+int WidestInterval(const std::vector<ParameterBlock>& blocks, const Uncertainty& uncertainty) {
+  int widest = -1;
+  double width = 0.0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const double relative = uncertainty.parameters[i].coordinate_std / blocks[i].CoordinateRange();
+    if (!(relative > width)) continue;
+    width = relative;
+    widest = static_cast<int>(i);
+  }
+  return widest;
+}
+
+// The least costly way to move a parameter by its interval [p]. What it costs is what the covariance of independent
+// residuals says, also where the interval is wider than theirs.
+Eigen::VectorXd LeastCostlyStep(const Uncertainty& uncertainty, int parameter) {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(uncertainty.parameters.size()));
+  const ParameterUncertainty& moved = uncertainty.parameters[parameter];
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    const ParameterUncertainty& other = uncertainty.parameters[i];
+    if (std::isnan(uncertainty.correlation(i, parameter))) continue;
+    if (uncertainty.is_widened) {
+      const double share = uncertainty.independent_correlation(i, parameter) * other.independent_std;
+      step[i] = uncertainty.quantile95 * moved.coordinate_std * share / moved.independent_std;
+    } else {
+      step[i] = kNormal95 * uncertainty.correlation(i, parameter) * other.coordinate_std;
+    }
+  }
+  return step;
+}
+
+}  // namespace
+
+bool IntervalCheck::is_quadratic() const {
+  const auto is_near = [](double rise) { return rise > 0.5 * kChiSquare95 && rise < 2.0 * kChiSquare95; };
+  return is_near(rise_below) && is_near(rise_above);
+}
+
+std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& blocks,
+                                           const Eigen::VectorXd& coordinates, double cost,
+                                           const Uncertainty& uncertainty, FitEvaluator* evaluator) {
+  IntervalCheck check;
+  check.parameter = WidestInterval(blocks, uncertainty);
+  if (check.parameter < 0) return std::nullopt;
+  const double std = uncertainty.parameters[check.parameter].coordinate_std;
+  if (IsResolution(blocks[check.parameter], coordinates[check.parameter], std)) return std::nullopt;
+  const Eigen::VectorXd step = LeastCostlyStep(uncertainty, check.parameter);
+  const double scale = uncertainty.residual_scale * uncertainty.parameters[check.parameter].widening;
+  const auto rise_at = [&](const Eigen::VectorXd& end) {
+    double end_cost = 0.0;
+    if (!IsInside(blocks, end) ||
+        !evaluator->Evaluate(end, FitEvaluator::Derivative::kNone, &end_cost, /*gradient=*/nullptr)) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+    return 2.0 * (end_cost - cost) / (scale * scale);
+  };
+  check.rise_below = rise_at(coordinates - step);
+  check.rise_above = rise_at(coordinates + step);
+  return check;
+}
+
+}  // namespace clothid

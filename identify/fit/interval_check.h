@@ -1,0 +1,40 @@
+// Is the cost as quadratic over an interval as the covariance takes it to be?
+//
+// A cloth that buckles has a rough cost: its derivative at the estimate is that of a small dent, and the interval from
+// it is far too narrow. So the cost is looked at where it should have risen by 3.84 s^2/2: at both ends of the interval
+// of the parameter whose interval is widest relative to its bounds, the others moved as the covariance says.
+#ifndef CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
+#define CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
+
+#include <Eigen/Core>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "costs/prediction/parameter_block.h"
+#include "identify/uncertainty/uncertainty.h"
+
+namespace clothid {
+
+class FitEvaluator;
+
+struct IntervalCheck {
+  int parameter = 0;
+  // 2 (L - L at the estimate)/(s w)^2 at the two ends, w the widening of the interval; 3.84 where the cost is
+  // quadratic. NaN: the rollout failed, or the end lies outside the bounds.
+  double rise_below = std::numeric_limits<double>::quiet_NaN();
+  double rise_above = std::numeric_limits<double>::quiet_NaN();
+
+  // Both within a factor of two.
+  bool is_quadratic() const;
+};
+
+// Two evaluations of the cost. Absent where no parameter has an interval, or where it is that of the optimiser: without
+// noise there is no s to measure a rise by.
+std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& blocks,
+                                           const Eigen::VectorXd& coordinates, double cost,
+                                           const Uncertainty& uncertainty, FitEvaluator* evaluator);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_

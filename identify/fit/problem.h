@@ -1,0 +1,77 @@
+// Recordings and fitted parameters as one least-squares problem.
+#ifndef CLOTHID_IDENTIFY_FIT_PROBLEM_H_
+#define CLOTHID_IDENTIFY_FIT_PROBLEM_H_
+
+#include <ceres/problem.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "costs/prediction/parameter_block.h"
+#include "costs/rollout_cost.h"
+#include "datasets/motion/recorded_motion.h"
+#include "identify/base/options.h"
+
+namespace clothid {
+
+// One `RolloutCost` per recording; a parameter is one block, shared by every recording whose scene has it (`mu.NAME`
+// may be in some scenes only), or, of `FitOptions::each`, one block per recording that has it.
+class FitProblem {
+ public:
+  // Starting values and bounds of a shared parameter come from the first recording that has it. Throws `Error` for what
+  // `MakeParameterBlock`, `RecordingModel` and `EvaluationJournal` reject, for overrides of parameters that are not
+  // fitted, and where every parameter is frozen.
+  FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options);
+
+  const std::vector<ParameterBlock>& blocks() const { return blocks_; }
+  int num_blocks() const { return static_cast<int>(blocks_.size()); }
+  int num_recordings() const { return static_cast<int>(costs_.size()); }
+  const RolloutCost& cost(int recording) const { return *costs_[recording]; }
+  // The blocks that the cost of a recording takes, in its order.
+  const std::vector<int>& block_indices(int recording) const { return block_indices_[recording]; }
+
+  // Where the next fit starts, and what it holds there. The coordinates must lie within the bounds.
+  void SetStart(const Eigen::VectorXd& coordinates);
+  void SetFrozen(int block, bool frozen) { blocks_[block].frozen = frozen; }
+
+  // Internal coordinates [p], and back to values in the parameters' own units.
+  Eigen::VectorXd StartCoordinates() const;
+  Eigen::VectorXd Values(const Eigen::VectorXd& coordinates) const;
+  // Those of the blocks of one recording.
+  Eigen::VectorXd CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const;
+
+  // What every cost does of that name.
+  void SetPrecision(Precision precision);
+  void Restart();
+
+  // Follows the evaluations; null where nobody asked for that.
+  EvaluationTracker* tracker() const { return tracker_.get(); }
+
+  // Throws the `Error` of the first journal that could not be used: evaluations have failed for that reason alone.
+  void CheckJournals() const;
+
+  // The Ceres problem on `coordinates` [p], whose memory it keeps and changes: costs, bounds, constant blocks. It does
+  // not own the costs and calls `callback` before each evaluation.
+  std::unique_ptr<ceres::Problem> MakeCeresProblem(ceres::EvaluationCallback* callback, Eigen::VectorXd* coordinates);
+
+ private:
+  std::vector<ParameterBlock> blocks_;
+  std::shared_ptr<EvaluationTracker> tracker_;  // told by the costs, too
+  std::vector<std::unique_ptr<RolloutCost>> costs_;
+  std::vector<std::vector<int>> block_indices_;
+};
+
+// Whether parameter `name`, with or without the suffix of a recording, exists in `scene`: all but `mu.NAME` always do.
+bool HasParameter(const Scene& scene, const std::string& name);
+
+// Whether `block` is a parameter of `motion`, which is recording number `recording`, counted from 0.
+bool Concerns(const ParameterBlock& block, const RecordedMotion& motion, int recording);
+
+// The index of the block `name`. Throws `Error` (kUsage), naming `flag`, where it is not fitted or frozen.
+int FindFreeBlock(const FitProblem& problem, const std::string& name, const std::string& flag);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_FIT_PROBLEM_H_

@@ -1,0 +1,107 @@
+#include "identify/landscape/fit_landscape.h"
+
+#include <cmath>
+#include <utility>
+
+#include "datasets/observation/observation.h"
+#include "identify/landscape/landscape_folder.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+[[noreturn]] void Fail(const std::string& folder, const std::string& problem, ErrorKind kind = ErrorKind::kUsage) {
+  throw Error(kind, "--landscape: " + folder + ": " + problem);
+}
+
+int FindRecording(const std::string& folder, const LandscapeOrigin& origin,
+                  const std::vector<RecordedMotion>& motions) {
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    if (motions[r].sha256 == origin.input_sha256) return static_cast<int>(r);
+  }
+  Fail(folder, "was scanned on another recording than those of --target");
+}
+
+// The setting that is the scene of `motion` as it is.
+int FindSetting(const std::string& folder, const LandscapePlan& plan, const RecordedMotion& motion) {
+  for (std::size_t s = 0; s < plan.settings.size(); ++s) {
+    const LandscapeSetting& setting = plan.settings[s];
+    if (setting.name.empty() && setting.contact_mode == motion.scene.contact_mode) return static_cast<int>(s);
+  }
+  Fail(folder, "has no setting with the scene as it is and contact mode " + ContactModeName(motion.scene.contact_mode) +
+                   ", which the fit has");
+}
+
+// One setting of several.
+Landscape OneSetting(Landscape landscape, int setting) {
+  LandscapePlan& plan = landscape.plan;
+  const int count = plan.cells_per_window() * static_cast<int>(plan.windows.size());
+  const auto first = landscape.cells.begin() + plan.FirstCell(setting, 0);
+  landscape.cells = std::vector<LandscapeCell>(first, first + count);
+  plan.settings = {plan.settings[setting]};
+  return landscape;
+}
+
+bool IsOfScene(const ParameterBlock& block, int recording) {
+  return !block.is_signed && (block.recording == kEveryRecording || block.recording == recording);
+}
+
+LandscapeParameter FindParameter(const std::vector<ParameterBlock>& blocks, const FitLandscape& landscape,
+                                 const std::string& name) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (IsOfScene(blocks[i], landscape.recording) && BaseName(blocks[i].name) == name) {
+      return {static_cast<int>(i), blocks[i]};
+    }
+  }
+  Fail(landscape.folder, "its axis '" + Printable(name) + "' is no parameter of this fit");
+}
+
+}  // namespace
+
+FitLandscape ReadFitLandscape(const std::string& folder, const std::vector<RecordedMotion>& motions) {
+  if (!HasLandscape(folder)) {
+    Fail(folder, "holds no landscape; expected the --output of a finished `landscape`", ErrorKind::kIo);
+  }
+  LandscapePart part = ReadWholeLandscape(folder);
+  FitLandscape found;
+  found.folder = folder;
+  found.recording = FindRecording(folder, part.origin, motions);
+  if (!part.origin.truth.empty()) {
+    Fail(folder, "was scanned with --set, against a simulated motion; expected one against the recording");
+  }
+  const RecordedMotion& motion = motions[found.recording];
+  const int setting = FindSetting(folder, part.landscape.plan, motion);
+  found.num_other_settings = static_cast<int>(part.landscape.plan.settings.size()) - 1;
+  found.landscape = OneSetting(std::move(part.landscape), setting);
+  const bool is_same_sigma =
+      motion.sigma_source == SigmaSource::kUnknown || motion.sigma_source == SigmaSource::kRecorded;
+  if (is_same_sigma) found.rmse_of_root_cost = RmseOfRootCost(motion);
+  return found;
+}
+
+void MatchLandscape(const std::vector<ParameterBlock>& blocks, FitLandscape* landscape) {
+  const LandscapeWindow& window = landscape->landscape.plan.windows.front();
+  landscape->x = FindParameter(blocks, *landscape, window.x.parameter);
+  landscape->y = FindParameter(blocks, *landscape, window.y.parameter);
+  landscape->others.clear();
+  for (int i = 0; i < static_cast<int>(blocks.size()); ++i) {
+    const ParameterBlock& block = blocks[i];
+    const bool concerns = block.recording == kEveryRecording || block.recording == landscape->recording;
+    const bool is_held = i != landscape->x.index && i != landscape->y.index;
+    if (concerns && is_held && !block.frozen) landscape->others.push_back(block.name);
+  }
+}
+
+double RmseOfRootCost(const RecordedMotion& motion) {
+  const Observation observation(motion);
+  const double sigma = observation.sigma(observation.coordinates().front().point);
+  double num_points = 0.0;
+  for (const SeenCoordinate& seen : observation.coordinates()) {
+    if (observation.sigma(seen.point) != sigma) return std::nan("");
+    num_points += seen.point < observation.num_points() ? 1.0 / 3.0 : 1.0;
+  }
+  return sigma * std::sqrt(2.0 / num_points);
+}
+
+}  // namespace clothid

@@ -1,0 +1,15 @@
+# clothid_embed(<target> <function> <file>...): adds `std::string_view clothid::<function>()` to the target: the bytes
+# of the files, one after the other, when the target is built. Declare it where it is used.
+function(clothid_embed target function)
+  set(paths)
+  set(included_files)
+  foreach(file IN LISTS ARGN)
+    get_filename_component(path ${file} ABSOLUTE)
+    list(APPEND paths ${path})
+    string(APPEND included_files "    \".incbin \\\"${path}\\\"\\n\"\n")
+  endforeach()
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${function}.cc)
+  configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/embedded_file.cc.in ${source} @ONLY)
+  set_source_files_properties(${source} PROPERTIES OBJECT_DEPENDS "${paths}")
+  target_sources(${target} PRIVATE ${source})
+endfunction()

@@ -1,0 +1,43 @@
+#include "identify/report/page_template.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+
+namespace clothid {
+
+std::string ScriptText(const nlohmann::ordered_json& json) {
+  std::string text;
+  for (const char letter : json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
+    if (letter == '<') {
+      text += "\\u003c";
+    } else {
+      text += letter;
+    }
+  }
+  return text;
+}
+
+nlohmann::ordered_json RoundedJson(double value, int digits) {
+  if (!std::isfinite(value)) return nullptr;
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
+  return std::strtod(text.data(), nullptr);
+}
+
+std::string FillPage(std::string_view page, std::initializer_list<PageMark> marks) {
+  std::string filled;
+  for (const PageMark& mark : marks) {
+    const std::size_t end = page.find(mark.mark);
+    if (end == std::string_view::npos) throw std::logic_error("a page without " + std::string(mark.mark));
+    filled += page.substr(0, end);
+    filled += mark.text;
+    page.remove_prefix(end + mark.mark.size());
+  }
+  filled += page;
+  return filled;
+}
+
+}  // namespace clothid

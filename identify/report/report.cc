@@ -1,0 +1,203 @@
+#include "identify/report/report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <iomanip>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <system_error>
+
+#include "datasets/importing/handle_tracks.h"
+#include "identify/base/version.h"
+#include "identify/report/report_page.h"
+#include "identify/report/result_json.h"
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+constexpr char kReportName[] = "report.html";
+
+// A number in its shortest form that reads back exactly.
+std::string ExactNumber(double value) { return std::isfinite(value) ? nlohmann::json(value).dump() : std::string(); }
+
+// The face of every barycentric point: its nodes in the face's order.
+std::vector<int> FaceIndices(const RecordedMotion& motion) {
+  std::map<std::array<int, 3>, int> face_of_nodes;
+  const Eigen::Matrix3Xi& faces = motion.scene.mesh.faces;
+  for (int f = 0; f < faces.cols(); ++f) face_of_nodes[{faces(0, f), faces(1, f), faces(2, f)}] = f;
+  std::vector<int> indices;
+  for (const ObservedPoint& point : motion.points) {
+    const auto it = face_of_nodes.find({point.nodes[0], point.nodes[1], point.nodes[2]});
+    if (point.num_nodes != 3 || it == face_of_nodes.end()) {
+      throw Error(ErrorKind::kBadData, motion.name + ": an observed point lies on no triangle of the mesh");
+    }
+    indices.push_back(it->second);
+  }
+  return indices;
+}
+
+void SetPoints(const RecordedMotion& motion, MotionTensors* tensors) {
+  const bool all_nodes = std::all_of(motion.points.begin(), motion.points.end(),
+                                     [](const ObservedPoint& point) { return point.num_nodes == 1; });
+  if (all_nodes) {
+    for (const ObservedPoint& point : motion.points) tensors->node_index.push_back(point.nodes[0]);
+    return;
+  }
+  tensors->face_index = FaceIndices(motion);
+  tensors->barycentric.resize(3, motion.num_points());
+  for (int p = 0; p < motion.num_points(); ++p) {
+    for (int k = 0; k < 3; ++k) tensors->barycentric(k, p) = motion.points[p].weights[k];
+  }
+}
+
+// A recording with clouds is predicted by its nodes, below the tracked points.
+void SetPrediction(const RecordedMotion& motion, const Eigen::MatrixXd& predicted, MotionTensors* tensors) {
+  if (!motion.clouds.empty()) {
+    tensors->positions = predicted.bottomRows(3 * motion.scene.mesh.num_nodes());
+    return;
+  }
+  tensors->positions = predicted;
+  SetPoints(motion, tensors);
+}
+
+std::string ShortNumber(double value, int digits) {
+  std::ostringstream text;
+  text << std::setprecision(digits) << value;
+  return text.str();
+}
+
+std::string Millimetres(double metres) { return ShortNumber(1e3 * metres, 4) + " mm"; }
+
+std::string CloudRow(const CloudError& error, const CloudError& start) {
+  const auto percent = [](const CloudError& of) { return ShortNumber(100.0 * of.num_far / of.num_points, 3) + " %"; };
+  return "cloud           " + Millimetres(error.rmse()) +
+         " from points to the surface (root mean square), at the start " + Millimetres(start.rmse()) +
+         "; farther than " + ShortNumber(kFarFromSurface, 2) + " sigma " + percent(error) + ", at the start " +
+         percent(start) + "\n";
+}
+
+std::string Remark(const FitSummary& summary, const RunRecord& run, int index) {
+  if (summary.parameters[index].frozen) return "frozen";
+  if (!IsIdentifiable(summary, run, index).value_or(true)) return "not identifiable";
+  return summary.parameters[index].at_bound ? "at its bound" : "";
+}
+
+// "0.2398 .. 0.2402": with as many digits as tell the ends apart.
+std::string Interval(const FitSummary& summary, const RunRecord& run, int index) {
+  if (!IsIdentifiable(summary, run, index).value_or(false)) return "-";
+  const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
+  if (std::isnan(uncertainty.std)) return "-";
+  constexpr int kFewestDigits = 3, kMostDigits = 9;
+  const double relative_std = uncertainty.std / std::max(std::abs(summary.parameters[index].value), uncertainty.std);
+  const int digits =
+      2 + static_cast<int>(std::ceil(-std::log10(relative_std + std::numeric_limits<double>::epsilon())));
+  const int shown = std::clamp(digits, kFewestDigits, kMostDigits);
+  return ShortNumber(uncertainty.lower95, shown) + " .. " + ShortNumber(uncertainty.upper95, shown);
+}
+
+}  // namespace
+
+std::string ConvergenceCsv(const FitSummary& summary) {
+  std::ostringstream csv;
+  csv << "iteration,seconds,cost";
+  for (const FittedParameter& parameter : summary.parameters) csv << "," << parameter.name;
+  csv << ",gradient_norm,rollouts\n";
+  for (const FitIteration& row : summary.iterations) {
+    csv << row.iteration << "," << ExactNumber(row.seconds) << "," << ExactNumber(row.cost);
+    for (Eigen::Index i = 0; i < row.values.size(); ++i) csv << "," << ExactNumber(row.values[i]);
+    csv << "," << ExactNumber(row.gradient_norm) << "," << row.rollouts << "\n";
+  }
+  return csv.str();
+}
+
+std::string ProfileCsv(const FitSummary& summary, const RunRecord& run) {
+  std::ostringstream csv;
+  csv << "parameter,value,cost_rise";
+  for (const FittedParameter& parameter : summary.parameters) csv << "," << parameter.name;
+  csv << "\n";
+  for (const Profile& profile : run.profiles) {
+    for (const ProfilePoint& point : profile.points) {
+      csv << profile.parameter << "," << ExactNumber(point.value) << "," << ExactNumber(point.cost_rise);
+      for (const double value : point.values) csv << "," << ExactNumber(value);
+      csv << "\n";
+    }
+  }
+  return csv.str();
+}
+
+MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixXd& predicted,
+                              const std::vector<FittedParameter>& parameters) {
+  MotionTensors tensors;
+  tensors.times = motion.times;
+  tensors.single_precision = false;
+  tensors.mesh = motion.scene.mesh;
+  SetPrediction(motion, predicted, &tensors);
+  SetHandlePaths(motion.scene.handles, &tensors);
+  tensors.scene_text = motion.scene_text;
+  tensors.provenance = "predicted by identify " + Version() + " (git " + GitHash() +
+                       ") for the recording with sha256 " + motion.sha256 + " at";
+  for (const FittedParameter& parameter : parameters) {
+    tensors.provenance += " " + parameter.name + "=" + ExactNumber(parameter.value);
+  }
+  return tensors;
+}
+
+void WriteReport(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions,
+                 OutputFolder* folder, const ReportOptions& options) {
+  folder->Write("result.json", ResultJson(summary, run, motions));
+  folder->Write("convergence.csv", ConvergenceCsv(summary));
+  if (!run.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, run));
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    const std::string name = r == 0 ? "predicted.bin" : "predicted_" + std::to_string(r + 1) + ".bin";
+    WriteMotion(PredictedMotion(motions[r], summary.predicted[r], summary.parameters), folder->TemporaryPath(name));
+  }
+  if (options.page) folder->Write(kReportName, ReportHtml(summary, run, motions));
+  folder->Commit();
+  // That of another fit would be taken for one of this.
+  std::error_code ignored;
+  if (!options.page) std::filesystem::remove(std::filesystem::path(folder->path()) / kReportName, ignored);
+}
+
+std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
+  std::ostringstream table;
+  const auto print_row = [&](const std::string& name, const std::string& estimate, const std::string& interval,
+                             const std::string& start, const std::string& remark) {
+    // Small negative numbers fill their column.
+    table << std::left << std::setw(16) << name << std::setw(13) << estimate << " " << std::setw(28) << interval
+          << (remark.empty() ? start : start + "  " + remark) << "\n";
+  };
+  print_row("parameter", "estimate", "95 % interval", "start", "");
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    const FittedParameter& parameter = summary.parameters[i];
+    print_row(parameter.name, ShortNumber(parameter.value, 8), Interval(summary, run, i),
+              ShortNumber(parameter.start, 6), Remark(summary, run, i));
+  }
+  table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
+        << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
+  if (summary.error.cloud.num_points > 0.0) table << CloudRow(summary.error.cloud, summary.start_error.cloud);
+  if (std::isfinite(summary.error.fit_percent())) {
+    table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
+          << summary.start_error.fit_percent() << " %\n";
+  }
+  if (run.gradient_check) {
+    table << "gradient check  adjoint against sensitivity " << std::setprecision(3)
+          << run.gradient_check->adjoint_vs_sensitivity << ", against central differences "
+          << run.gradient_check->adjoint_vs_fd << "\n";
+  }
+  table << "status          " << FitStatusName(summary.status) << " after " << summary.num_iterations()
+        << " iterations, " << summary.statistics.rollouts << " rollouts, " << summary.statistics.sweeps << " sweeps\n";
+  if (summary.statistics.counts.substeps > 0) {
+    table << "note            " << summary.statistics.counts.substeps
+          << " substeps were taken: each makes the cost jump a little\n";
+  }
+  for (const std::string& line : Verdict(summary, run)) table << "verdict         " << line << "\n";
+  return table.str();
+}
+
+}  // namespace clothid

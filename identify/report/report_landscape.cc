@@ -1,0 +1,194 @@
+#include "identify/report/report_landscape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "datasets/observation/observation.h"
+#include "identify/base/join_words.h"
+#include "identify/report/page_template.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kDigits = 9;
+// Of a cell in the page: a cost with its comma; failed cells take less, but for the reasons.
+constexpr std::size_t kBytesPerCell = 16;
+// The most windows that a page shows, the whole and the largest zooms.
+constexpr int kMaxWindows = 6;
+// The most reasons that are told apart; failures often differ in a number alone.
+constexpr std::size_t kMaxReasons = 20;
+constexpr int kRegionPoints = 72;
+constexpr double kFullTurn = 2.0 * 3.14159265358979323846;
+// The 95 % quantile of chi-square with two degrees of freedom: -2 log 0.05.
+constexpr double kChiSquareOfTwo95 = 5.991464547107979;
+
+Json AxisValues(const LandscapeAxis& axis, int every) {
+  Json values = Json::array();
+  for (int i = 0; i < axis.num_cells; i += every) values.push_back(RoundedJson(axis.Value(i), kDigits));
+  return values;
+}
+
+// The smallest k such that every k-th cell along both axes leaves at most `max_cells` of a window.
+int Thinning(const LandscapePlan& plan, std::size_t max_cells) {
+  const LandscapeWindow& window = plan.windows.front();
+  const auto left = [](int num_cells, int every) { return static_cast<std::size_t>((num_cells + every - 1) / every); };
+  int every = 1;
+  while (left(window.x.num_cells, every) * left(window.y.num_cells, every) > std::max<std::size_t>(max_cells, 4)) {
+    ++every;
+  }
+  return every;
+}
+
+// Failed cells of a window, by their place among those that are shown, with an index into `reasons`.
+class Failures {
+ public:
+  void Add(int place, const std::string& reason) {
+    const std::string text = Printable(reason);
+    std::size_t index = static_cast<std::size_t>(std::find(reasons_.begin(), reasons_.end(), text) - reasons_.begin());
+    if (index == reasons_.size()) {
+      if (reasons_.size() < kMaxReasons) {
+        reasons_.push_back(text);
+      } else {
+        index = kMaxReasons - 1;
+        reasons_.back() = "one of many reasons, see landscape.csv";
+      }
+    }
+    failed_.push_back({place, index});
+  }
+  Json ToJson() const { return {{"cells", failed_}, {"reasons", reasons_}}; }
+
+ private:
+  Json failed_ = Json::array();
+  std::vector<std::string> reasons_;
+};
+
+Json WindowJson(const Landscape& landscape, int index, int every) {
+  const LandscapeWindow& window = landscape.plan.windows[index];
+  const LandscapeCell* cells = &landscape.cells[landscape.plan.FirstCell(0, index)];
+  Json costs = Json::array();
+  Failures failures;
+  for (int iy = 0; iy < window.y.num_cells; iy += every) {
+    for (int ix = 0; ix < window.x.num_cells; ix += every) {
+      const LandscapeCell& cell = cells[iy * window.x.num_cells + ix];
+      if (!std::isfinite(cell.cost)) failures.Add(static_cast<int>(costs.size()), cell.failure);
+      costs.push_back(RoundedJson(cell.cost, kDigits));
+    }
+  }
+  return {{"zoom", window.zoom},
+          {"every", every},
+          {"x", AxisValues(window.x, every)},
+          {"y", AxisValues(window.y, every)},
+          {"cost", costs},
+          {"failures", failures.ToJson()}};
+}
+
+// In what the map is of something else than the fit.
+std::vector<std::string> Notes(const FitLandscape& landscape, const std::vector<RecordedMotion>& motions, int every) {
+  const RecordedMotion& motion = motions[landscape.recording];
+  const std::size_t num_windows = landscape.landscape.plan.windows.size();
+  std::vector<std::string> notes;
+  if (motions.size() > 1) notes.push_back("It is the cost of " + motion.name + " alone; the fit is of all recordings.");
+  if (!landscape.others.empty()) {
+    notes.push_back("In every cell " + JoinWords(landscape.others) +
+                    (landscape.others.size() == 1 ? " has its nominal value" : " have their nominal values") +
+                    ", not the estimate: the lowest point of the map need not be that of the fit.");
+  }
+  if (motion.centroid) notes.push_back("Frames that were held out of the fit count in the map.");
+  if (motion.start_source == StartSource::kSmoothed) {
+    notes.push_back("The map starts at the first frame, the fit at a smoothed one.");
+  }
+  if (motion.sigma_source == SigmaSource::kGiven || motion.sigma_source == SigmaSource::kEstimated) {
+    notes.push_back("The map has the sigma of the recording, the fit another.");
+  }
+  if (landscape.num_other_settings > 0) {
+    notes.push_back("Other settings that were scanned, " + std::to_string(landscape.num_other_settings) +
+                    ", are left out: `landscape plot` shows them.");
+  }
+  if (num_windows > kMaxWindows) {
+    notes.push_back(std::to_string(kMaxWindows) + " of " + std::to_string(num_windows) + " windows are shown.");
+  }
+  if (every > 1)
+    notes.push_back("Every " + std::to_string(every) + "th cell along both axes, to keep this file small.");
+  return notes;
+}
+
+// The rmse of the fit, where a cell with a lower one says something.
+double ComparableRmse(const FitLandscape& landscape, const FitSummary& summary,
+                      const std::vector<RecordedMotion>& motions) {
+  const RecordedMotion& motion = motions[landscape.recording];
+  const bool is_same = motions.size() == 1 && !motion.centroid && motion.start_source != StartSource::kSmoothed;
+  return is_same && std::isfinite(landscape.rmse_of_root_cost) ? summary.error.rmse() : std::nan("");
+}
+
+// `distance` from the estimate in the internal coordinate, at most up to a bound.
+double ValueAt(const LandscapeParameter& parameter, const FitSummary& summary, double distance) {
+  const ParameterBlock& block = parameter.block;
+  return std::clamp(block.ToValue(summary.coordinates[parameter.index] + distance), block.lower_bound,
+                    block.upper_bound);
+}
+
+Json RegionJson(const FitLandscape& landscape, const FitSummary& summary, const RunRecord& run) {
+  for (const int index : {landscape.x.index, landscape.y.index}) {
+    // A value that another start contradicts has no region either.
+    if (!IsIdentifiable(summary, run, index).value_or(false)) return nullptr;
+  }
+  const Eigen::Matrix2Xd region = ConfidenceRegion(landscape, summary);
+  if (region.cols() == 0) return nullptr;
+  Json x = Json::array(), y = Json::array();
+  for (Eigen::Index i = 0; i < region.cols(); ++i) {
+    x.push_back(RoundedJson(region(0, i), 12));
+    y.push_back(RoundedJson(region(1, i), 12));
+  }
+  return {{"x", x}, {"y", y}};
+}
+
+}  // namespace
+
+Json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, const RunRecord& run,
+                   const std::vector<RecordedMotion>& motions, std::size_t max_bytes) {
+  const LandscapePlan& plan = landscape.landscape.plan;
+  const int num_windows = std::min(static_cast<int>(plan.windows.size()), kMaxWindows);
+  const int every = Thinning(plan, max_bytes / (kBytesPerCell * static_cast<std::size_t>(num_windows)));
+  const auto axis = [](const LandscapeParameter& parameter, const LandscapeAxis& scanned) {
+    return Json{{"parameter", parameter.block.name},
+                {"scale", scanned.scale == ParameterScale::kLog ? "log" : "linear"}};
+  };
+  Json windows = Json::array();
+  for (int w = 0; w < num_windows; ++w) {
+    windows.push_back(WindowJson(landscape.landscape, w, every));
+  }
+  return {{"recording", landscape.recording},
+          {"x", axis(landscape.x, plan.windows.front().x)},
+          {"y", axis(landscape.y, plan.windows.front().y)},
+          {"windows", windows},
+          {"rmse_of_root_cost", RoundedJson(landscape.rmse_of_root_cost, 12)},
+          {"estimate_rmse_m", RoundedJson(ComparableRmse(landscape, summary, motions), kDigits)},
+          {"region", RegionJson(landscape, summary, run)},
+          {"notes", Notes(landscape, motions, every)}};
+}
+
+Eigen::Matrix2Xd ConfidenceRegion(const FitLandscape& landscape, const FitSummary& summary) {
+  if (!summary.uncertainty) return {};
+  const Uncertainty& uncertainty = *summary.uncertainty;
+  const double x_std = uncertainty.parameters[landscape.x.index].coordinate_std;
+  const double y_std = uncertainty.parameters[landscape.y.index].coordinate_std;
+  const double correlation = uncertainty.correlation(landscape.x.index, landscape.y.index);
+  if (!std::isfinite(x_std) || !std::isfinite(y_std) || !std::isfinite(correlation)) return {};
+  const double radius = std::sqrt(kChiSquareOfTwo95) * uncertainty.quantile95 / kNormal95;
+  const double across = std::sqrt(std::max(0.0, 1.0 - correlation * correlation));
+  Eigen::Matrix2Xd region(2, kRegionPoints + 1);
+  for (int i = 0; i <= kRegionPoints; ++i) {
+    // A Cholesky factor of the correlation: (1, 0; c, sqrt(1 - c^2)).
+    const double angle = kFullTurn * (i % kRegionPoints) / kRegionPoints;
+    const double u = radius * std::cos(angle), v = radius * (correlation * std::cos(angle) + across * std::sin(angle));
+    region(0, i) = ValueAt(landscape.x, summary, x_std * u);
+    region(1, i) = ValueAt(landscape.y, summary, y_std * v);
+  }
+  return region;
+}
+
+}  // namespace clothid

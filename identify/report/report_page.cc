@@ -1,0 +1,216 @@
+#include "identify/report/report_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "datasets/observation/observation.h"
+#include "identify/report/cloud_points.h"
+#include "identify/report/fit_quality.h"
+#include "identify/report/page_template.h"
+#include "identify/report/report_landscape.h"
+#include "identify/report/report_replay.h"
+#include "identify/report/result_json.h"
+#include "identify/report/vendor/plotly.h"
+
+namespace clothid {
+
+// Files embedded by CMake.
+std::string_view ReportPage();             // report_page.html
+std::string_view ReplayScript();           // the scripts that draw a replay
+std::string_view ReportScript();           // those of all else
+std::string_view ReportLandscapeScript();  // report_landscape.js
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Of all that is not library or replay; curves are thinned to fit.
+constexpr std::size_t kMaxCurveBytes = 400000;
+// Of all landscapes together.
+constexpr std::size_t kMaxLandscapeBytes = 400000;
+constexpr int kDigits = 6;
+constexpr int kNumBins = 61;
+// The width of a histogram to both sides of zero, in root mean squares of a coordinate.
+constexpr double kHistogramRange = 4.0;
+
+Json RoundedList(const Eigen::VectorXd& values) {
+  Json json = Json::array();
+  for (const double value : values) json.push_back(RoundedJson(value, kDigits));
+  return json;
+}
+
+Json ConvergenceJson(const FitSummary& summary) {
+  Json iterations = Json::array(), seconds = Json::array(), cost = Json::array(), loose = Json::array();
+  std::vector<Json> values(summary.parameters.size(), Json::array());
+  for (const FitIteration& row : summary.iterations) {
+    iterations.push_back(row.iteration);
+    seconds.push_back(RoundedJson(row.seconds, kDigits));
+    cost.push_back(RoundedJson(row.cost, kDigits));
+    loose.push_back(row.precision == Precision::kLoose);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i].push_back(RoundedJson(row.values[static_cast<Eigen::Index>(i)], 10));
+    }
+  }
+  Json named = Json::object();
+  for (std::size_t i = 0; i < values.size(); ++i) named[summary.parameters[i].name] = values[i];
+  return {{"iteration", iterations}, {"seconds", seconds}, {"cost", cost}, {"loose", loose}, {"values", named}};
+}
+
+Json ProfilesJson(const RunRecord& run) {
+  Json profiles = Json::array();
+  for (const Profile& profile : run.profiles) {
+    Json values = Json::array(), rises = Json::array();
+    for (const ProfilePoint& point : profile.points) {
+      values.push_back(RoundedJson(point.value, 10));
+      rises.push_back(RoundedJson(point.cost_rise, kDigits));
+    }
+    profiles.push_back({{"parameter", profile.parameter},
+                        {"value", values},
+                        {"rise", rises},
+                        {"lower95", RoundedJson(profile.lower95, 10)},
+                        {"upper95", RoundedJson(profile.upper95, 10)},
+                        {"limit", kChiSquare95}});
+  }
+  return profiles;
+}
+
+// Root mean squares of `every` frames at a time.
+Eigen::VectorXd Thinned(const Eigen::VectorXd& errors, int every) {
+  Eigen::VectorXd thinned((errors.size() + every - 1) / every);
+  for (Eigen::Index i = 0; i < thinned.size(); ++i) {
+    double sum = 0.0, count = 0.0;
+    for (Eigen::Index k = i * every; k < std::min<Eigen::Index>((i + 1) * every, errors.size()); ++k) {
+      if (std::isnan(errors[k])) continue;
+      sum += errors[k] * errors[k];
+      count += 1.0;
+    }
+    thinned[i] = std::sqrt(sum / count);  // NaN without any
+  }
+  return thinned;
+}
+
+// The errors of every frame, at the estimate and at the start.
+Json FramesJson(const RecordedMotion& motion, const Eigen::VectorXd& errors, const Eigen::VectorXd& start_errors,
+                std::size_t max_bytes) {
+  constexpr std::size_t kBytesPerFrame = 3 * 13;
+  const std::size_t num_frames = static_cast<std::size_t>(motion.num_frames());
+  const int every = static_cast<int>(std::max<std::size_t>(1, num_frames * kBytesPerFrame / max_bytes + 1));
+  Json times = Json::array();
+  for (int i = 0; i < motion.num_frames(); i += every) times.push_back(RoundedJson(motion.times[i], kDigits));
+  return {{"every", every},
+          {"times", times},
+          {"rmse", RoundedList(Thinned(errors, every))},
+          {"start_rmse", RoundedList(Thinned(start_errors, every))}};
+}
+
+Json HistogramJson(const Observation& observation, const RecordedMotion& motion, const Eigen::MatrixXd& predicted,
+                   double rmse) {
+  const double range = kHistogramRange * rmse / std::sqrt(3.0);
+  if (!(range > 0.0)) return nullptr;
+  Json axes = Json::array();
+  int num_beyond = 0;
+  for (const ResidualHistogram& axis : ResidualHistograms(observation, motion, predicted, range, kNumBins)) {
+    axes.push_back({{"counts", axis.counts},
+                    {"mean", RoundedJson(axis.mean, kDigits)},
+                    {"deviation", RoundedJson(axis.deviation, kDigits)}});
+    num_beyond += axis.num_beyond;
+  }
+  return {{"range", range}, {"axes", axes}, {"beyond", num_beyond}};
+}
+
+// What the page may spend on each recording.
+struct Room {
+  std::size_t replay_bytes = 0, curve_bytes = 0;
+};
+
+// A recording as it is drawn: of points alone.
+struct Shown {
+  RecordedMotion motion;
+  Eigen::MatrixXd predicted, start_predicted;  // [3P x T] m; the second may be empty
+  Eigen::MatrixXd nodes;                       // [3N x T] m, or empty
+};
+
+Shown Show(const RecordedMotion& motion, const Observation& observation, const FitSummary& summary,
+           const RunRecord& run, std::size_t index) {
+  Shown shown = {motion, summary.predicted[index], {}, {}};
+  if (index < summary.start_predicted.size()) shown.start_predicted = summary.start_predicted[index];
+  if (index < run.predicted_nodes.size()) shown.nodes = run.predicted_nodes[index];
+  if (!observation.has_clouds()) return shown;
+  shown.nodes = shown.predicted.bottomRows(3 * observation.num_nodes());
+  shown.motion = CloudsAsPoints(motion);
+  shown.predicted = ClosestPoints(observation, shown.predicted);
+  if (shown.start_predicted.size() > 0) shown.start_predicted = ClosestPoints(observation, shown.start_predicted);
+  return shown;
+}
+
+Json RecordingJson(const RecordedMotion& motion, const Observation& observation, const FitSummary& summary,
+                   const RunRecord& run, std::size_t index, const Room& room) {
+  const Shown shown = Show(motion, observation, summary, run, index);
+  const Observation points(shown.motion);
+  const Eigen::MatrixXd errors = PointErrors(points, shown.motion, shown.predicted);
+  Eigen::VectorXd start_errors = Eigen::VectorXd::Constant(motion.num_frames(), std::nan(""));
+  double start_rmse = std::nan("");
+  if (shown.start_predicted.size() > 0) {
+    start_errors = FrameErrors(PointErrors(points, shown.motion, shown.start_predicted));
+    start_rmse = observation.Compare(summary.start_predicted[index]).rmse();
+  }
+  const PredictionError error = observation.Compare(summary.predicted[index]);
+  const ReplaySource replay = {&shown.motion, &shown.predicted, shown.nodes.size() > 0 ? &shown.nodes : nullptr,
+                               &errors};
+  return {{"name", motion.name},
+          {"sha256", motion.sha256},
+          {"frames", motion.num_frames()},
+          {"points", shown.motion.num_points()},
+          {"nodes", motion.scene.mesh.num_nodes()},
+          {"sigma_is_known", observation.sigma_is_known()},
+          {"rmse_m", RoundedJson(error.rmse(), kDigits)},
+          {"start_rmse_m", RoundedJson(start_rmse, kDigits)},
+          {"fit_percent", RoundedJson(error.fit_percent(), kDigits)},
+          {"per_frame", FramesJson(motion, FrameErrors(errors), start_errors, room.curve_bytes)},
+          {"histogram", HistogramJson(points, shown.motion, shown.predicted, error.rmse())},
+          {"replay", ReplayJson(replay, room.replay_bytes)}};
+}
+
+Json DataJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions,
+              std::size_t library_bytes) {
+  std::vector<Observation> observations;
+  for (const RecordedMotion& motion : motions) observations.emplace_back(motion);
+  Json json = {{"result", Json::parse(ResultJson(summary, run, motions))},
+               {"start_rmse_m", summary.start_error.rmse()},
+               {"start_fit_percent", RoundedJson(summary.start_error.fit_percent(), 10)},
+               {"limits", FitLimits(summary, motions, observations)},
+               {"convergence", ConvergenceJson(summary)},
+               {"profiles", ProfilesJson(run)},
+               {"recordings", Json::array()}};
+  for (const FitLandscape& landscape : run.landscapes) {
+    json["landscapes"].push_back(
+        LandscapeJson(landscape, summary, run, motions, kMaxLandscapeBytes / run.landscapes.size()));
+  }
+  const std::size_t used = library_bytes + ScriptText(json).size() + kMaxCurveBytes;
+  const std::size_t left = used < kMaxReportBytes ? kMaxReportBytes - used : 0;
+  const Room room = {left / motions.size(), kMaxCurveBytes / motions.size()};
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    json["recordings"].push_back(RecordingJson(motions[r], observations[r], summary, run, r, room));
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string ReportHtml(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions) {
+  std::string landscape;  // a page without one has nothing of it
+  if (!run.landscapes.empty()) landscape = "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
+  const std::size_t library_bytes = ReportPage().size() + ReplayScript().size() + ReportScript().size() +
+                                    landscape.size() + PlotlyLibrary().size() + PlotlyLicences().size();
+  const std::string data = ScriptText(DataJson(summary, run, motions, library_bytes));
+  return FillPage(ReportPage(), {{"{{data}}", data},
+                                 {"{{licences}}", PlotlyLicences()},
+                                 {"{{plotly}}", PlotlyLibrary()},
+                                 {"{{replay}}", ReplayScript()},
+                                 {"{{script}}", ReportScript()},
+                                 {"{{landscape}}", landscape}});
+}
+
+}  // namespace clothid

@@ -1,0 +1,245 @@
+#include "identify/report/result_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "identify/base/version.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// NaN and infinity as null.
+Json NumberJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json NamedJson(const std::vector<FittedParameter>& parameters, const Eigen::VectorXd& values) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    json[parameters[i].name] = NumberJson(values[static_cast<Eigen::Index>(i)]);
+  }
+  return json;
+}
+
+Json ParametersJson(const FitSummary& summary, const RunRecord& run) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const FittedParameter& parameter = summary.parameters[i];
+    const ParameterUncertainty uncertainty =
+        summary.uncertainty ? summary.uncertainty->parameters[i] : ParameterUncertainty();
+    const std::optional<bool> identifiable = IsIdentifiable(summary, run, static_cast<int>(i));
+    // A value that another start contradicts has no small interval either.
+    const bool has_interval = identifiable.value_or(false);
+    json[parameter.name] = {{"value", parameter.value},
+                            {"std", has_interval ? NumberJson(uncertainty.std) : Json(nullptr)},
+                            {"lower95", has_interval ? NumberJson(uncertainty.lower95) : Json(nullptr)},
+                            {"upper95", has_interval ? NumberJson(uncertainty.upper95) : Json(nullptr)},
+                            {"start", parameter.start},
+                            {"at_bound", parameter.at_bound},
+                            {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)}};
+  }
+  return json;
+}
+
+Json IntervalCheckJson(const FitSummary& summary) {
+  if (!summary.interval_check) return nullptr;
+  const IntervalCheck& check = *summary.interval_check;
+  return {{"parameter", summary.parameters[check.parameter].name},
+          {"rise_below", NumberJson(check.rise_below)},
+          {"rise_above", NumberJson(check.rise_above)}};
+}
+
+Json UncertaintyJson(const FitSummary& summary) {
+  if (!summary.uncertainty) return nullptr;
+  const Uncertainty& uncertainty = *summary.uncertainty;
+  Json correlation = Json::object(), directions = Json::array(), visible = Json::object(), distance = Json::object();
+  Json widening = Json::object();
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const Eigen::Index row = static_cast<Eigen::Index>(i);
+    correlation[summary.parameters[i].name] = NamedJson(summary.parameters, uncertainty.correlation.row(row));
+    visible[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].visible_change);
+    widening[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].widening);
+    distance[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].distance);
+  }
+  for (const HiddenDirection& direction : uncertainty.hidden_directions) {
+    directions.push_back({{"words", direction.words},
+                          {"visible_change", NumberJson(direction.visible_change)},
+                          {"coordinates", NamedJson(summary.parameters, direction.coordinates)}});
+  }
+  Json singular_values = Json::array();
+  for (const double value : uncertainty.singular_values) singular_values.push_back(NumberJson(value));
+  Json json = {{"residual_scale", NumberJson(uncertainty.residual_scale)},
+               {"residual_autocorrelation", NumberJson(summary.error.autocorrelation())},
+               {"visible_change", visible},
+               {"distance_to_minimum", distance},
+               {"singular_values", singular_values},
+               {"correlation", correlation},
+               {"hidden_directions", directions},
+               {"interval_check", IntervalCheckJson(summary)}};
+  if (uncertainty.is_widened) json["widening"] = {{"quantile95", uncertainty.quantile95}, {"parameters", widening}};
+  return json;
+}
+
+// Of point clouds: distances from points to the predicted surface.
+Json CloudJson(const CloudError& error) {
+  return {{"rmse_m", error.rmse()},
+          {"num_points", static_cast<long long>(error.num_points)},
+          {"far_share", error.num_far / error.num_points},
+          {"far_sigmas", kFarFromSurface}};
+}
+
+Json StartsJson(const FitSummary& summary, const RunRecord& run) {
+  if (!run.starts) return nullptr;
+  Json starts = Json::array(), minima = Json::array();
+  for (const StartResult& start : run.starts->starts) {
+    const bool has_estimate = start.values.size() > 0;
+    starts.push_back({{"start", NamedJson(summary.parameters, start.start)},
+                      {"values", has_estimate ? NamedJson(summary.parameters, start.values) : Json(nullptr)},
+                      {"status", FitStatusName(start.status)},
+                      {"cost", has_estimate ? NumberJson(start.cost) : Json(nullptr)},
+                      {"rmse_m", has_estimate ? NumberJson(start.rmse) : Json(nullptr)},
+                      {"minimum", start.minimum < 0 ? Json(nullptr) : Json(start.minimum)}});
+  }
+  for (const Minimum& minimum : run.starts->minima) {
+    minima.push_back({{"values", NamedJson(summary.parameters, minimum.values)},
+                      {"cost", NumberJson(minimum.cost)},
+                      {"rmse_m", NumberJson(minimum.rmse)},
+                      {"num_starts", minimum.num_starts},
+                      {"cost_rise", NumberJson(minimum.cost_rise)}});
+  }
+  return {{"starts", starts}, {"minima", minima}};
+}
+
+Json ProfilesJson(const RunRecord& run) {
+  if (run.profiles.empty()) return nullptr;
+  Json json = Json::object();
+  for (const Profile& profile : run.profiles) {
+    json[profile.parameter] = {{"lower95", NumberJson(profile.lower95)},
+                               {"upper95", NumberJson(profile.upper95)},
+                               {"points", profile.points.size()},
+                               {"failed", profile.num_failed}};
+  }
+  return json;
+}
+
+Json StepCheckJson(const FitSummary& summary, const RunRecord& run) {
+  if (!run.step_check) return nullptr;
+  const StepCheck& check = *run.step_check;
+  const bool has_estimate = check.values.size() > 0;
+  return {{"status", FitStatusName(check.status)},
+          {"values", has_estimate ? NamedJson(summary.parameters, check.values) : Json(nullptr)},
+          {"changes", has_estimate ? NamedJson(summary.parameters, check.changes) : Json(nullptr)},
+          {"rmse_m", has_estimate ? NumberJson(check.rmse) : Json(nullptr)}};
+}
+
+Json HoldoutJson(const std::optional<Holdout>& holdout) {
+  if (!holdout) return nullptr;
+  return {{"rmse_m", NumberJson(holdout->rmse)},
+          {"nominal_rmse_m", NumberJson(holdout->nominal_rmse)},
+          {"failed", holdout->has_failed()}};
+}
+
+Json GradientCheckJson(const std::optional<GradientCheck>& check) {
+  if (!check) return nullptr;
+  return {{"adjoint_vs_sensitivity", check->adjoint_vs_sensitivity}, {"adjoint_vs_fd", check->adjoint_vs_fd}};
+}
+
+Json ContactEventsJson(const RolloutCounts& counts) {
+  return {{"contacts", counts.contacts},
+          {"nodes_joined", counts.nodes_joined},
+          {"nodes_left", counts.nodes_left},
+          {"branch_switches", counts.branch_switches},
+          {"obstacle_switches", counts.obstacle_switches}};
+}
+
+std::string SourceName(SigmaSource source) {
+  switch (source) {
+    case SigmaSource::kUnknown:
+      return "unknown";
+    case SigmaSource::kRecorded:
+      return "recorded";
+    case SigmaSource::kGiven:
+      return "given";
+    case SigmaSource::kEstimated:
+      return "estimated";
+  }
+  return "unknown";
+}
+
+std::string SourceName(StartSource source) {
+  switch (source) {
+    case StartSource::kScene:
+      return "scene";
+    case StartSource::kFirstFrame:
+      return "first";
+    case StartSource::kSmoothed:
+      return "smoothed";
+  }
+  return "unknown";
+}
+
+// Whether the user had a say in what is assumed about a recording.
+bool IsToldMore(const std::vector<RecordedMotion>& motions) {
+  return std::any_of(motions.begin(), motions.end(), [](const RecordedMotion& motion) {
+    return motion.sigma_source == SigmaSource::kGiven || motion.sigma_source == SigmaSource::kEstimated ||
+           motion.start_source == StartSource::kSmoothed;
+  });
+}
+
+// What was assumed about every recording: the mean over its points of the sigma of residuals, and the start.
+Json RecordingsJson(const std::vector<RecordedMotion>& motions) {
+  Json json = Json::array();
+  for (const RecordedMotion& motion : motions) {
+    const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : std::numeric_limits<double>::quiet_NaN();
+    json.push_back({{"sigma_source", SourceName(motion.sigma_source)},
+                    {"sigma_m", NumberJson(sigma)},
+                    {"initial", SourceName(motion.start_source)}});
+  }
+  return json;
+}
+
+Json ProvenanceJson(const RunRecord& run, const std::vector<RecordedMotion>& motions) {
+  std::string sha256;
+  for (const RecordedMotion& motion : motions) sha256 += (sha256.empty() ? "" : ",") + motion.sha256;
+  return {{"version", Version()}, {"git", GitHash()}, {"input_sha256", sha256},
+          {"flags", run.flags},   {"seed", run.seed}, {"threads", run.num_threads}};
+}
+
+}  // namespace
+
+std::string ResultJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions) {
+  Json json;
+  json["schema"] = "clothid.result/1";
+  json["status"] = FitStatusName(summary.status);
+  json["exit_code"] = static_cast<int>(FitExitCode(summary, run));
+  json["verdict"] = Verdict(summary, run);
+  json["parameters"] = ParametersJson(summary, run);
+  json["rmse_m"] = summary.error.rmse();
+  json["fit_percent"] = summary.error.fit_percent();
+  if (summary.error.cloud.num_points > 0.0) json["cloud"] = CloudJson(summary.error.cloud);
+  json["holdout"] = HoldoutJson(run.holdout);
+  json["uncertainty"] = UncertaintyJson(summary);
+  json["starts"] = StartsJson(summary, run);
+  json["profiles"] = ProfilesJson(run);
+  json["step_check"] = StepCheckJson(summary, run);
+  json["cost"] = summary.cost;
+  json["jacobian"] = JacobianMethodName(run.jacobian);
+  json["iterations"] = summary.num_iterations();
+  json["rollouts"] = summary.statistics.rollouts;
+  json["sweeps"] = summary.statistics.sweeps;
+  json["failed_steps"] = summary.statistics.counts.failed_steps;
+  json["contact_events"] = ContactEventsJson(summary.counts);
+  json["gradient_check"] = GradientCheckJson(run.gradient_check);
+  json["seconds"] = {{"total", summary.total_seconds},
+                     {"rollout", summary.statistics.rollout_seconds},
+                     {"derivative", summary.statistics.derivative_seconds},
+                     {"solver", summary.solver_seconds}};
+  if (IsToldMore(motions)) json["recordings"] = RecordingsJson(motions);
+  json["provenance"] = ProvenanceJson(run, motions);
+  return json.dump(2) + "\n";
+}
+
+}  // namespace clothid

@@ -1,0 +1,23 @@
+// result.json, what programs read of a fit.
+#ifndef CLOTHID_IDENTIFY_REPORT_RESULT_JSON_H_
+#define CLOTHID_IDENTIFY_REPORT_RESULT_JSON_H_
+
+#include <string>
+#include <vector>
+
+#include "datasets/motion/recorded_motion.h"
+#include "identify/checks/verdict.h"
+#include "identify/fit/fit.h"
+
+namespace clothid {
+
+// The text of result.json, schema "clothid.result/1". Numbers are written so that they read back exactly, NaN as null.
+// All but "seconds", "flags" and "threads" is the same on repeated runs and on any number of threads. `std`, `lower95`
+// and `upper95` are null where a parameter is frozen, not identifiable or at its bound. "contact_events" counts those
+// of the rollouts at the estimate (see RolloutCounts). "uncertainty", "starts", "profiles", "step_check" and "holdout"
+// are null where they were not asked for.
+std::string ResultJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_REPORT_RESULT_JSON_H_

@@ -1,0 +1,291 @@
+#include "identify/uncertainty/uncertainty.h"
+
+#include <ceres/crs_matrix.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+
+#include "identify/base/join_words.h"
+#include "identify/uncertainty/correlated_scores.h"
+
+namespace clothid {
+namespace {
+
+// Changes of the prediction up to this many standard deviations are not seen.
+constexpr double kVisible = 2.0;
+// Entries of a singular vector below this are the rounding of zero.
+constexpr double kVectorRounding = 1e-6;
+// Entries of a direction below this share of its largest are left out of its words.
+constexpr double kNegligibleShare = 0.01;
+// Correlations of successive residuals are taken as at most this: a recording would have to be long to tell more.
+constexpr double kHighest = 0.97;
+// Logarithmic entries that differ by less than this share are one common factor.
+constexpr double kCommonFactor = 0.02;
+
+std::vector<int> FreeBlocks(const std::vector<ParameterBlock>& blocks) {
+  std::vector<int> free;
+  for (int i = 0; i < static_cast<int>(blocks.size()); ++i) {
+    if (!blocks[i].frozen) free.push_back(i);
+  }
+  return free;
+}
+
+// J D over some of the parameters, decomposed.
+class ScaledJacobian {
+ public:
+  ScaledJacobian(const std::vector<ParameterBlock>& blocks, const Eigen::MatrixXd& jacobian, std::vector<int> indices)
+      : indices_(std::move(indices)), ranges_(static_cast<Eigen::Index>(indices_.size())) {
+    if (indices_.empty()) return;
+    for (Eigen::Index i = 0; i < size(); ++i) ranges_[i] = blocks[indices_[i]].CoordinateRange();
+    const Eigen::MatrixXd scaled = jacobian(Eigen::all, indices_) * ranges_.asDiagonal();
+    // Padding to at least p rows gives every right singular vector.
+    Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(std::max(scaled.rows(), scaled.cols()), scaled.cols());
+    padded.topRows(scaled.rows()) = scaled;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(padded, Eigen::ComputeThinV);
+    singular_values_ = svd.singularValues();
+    vectors_ = (svd.matrixV().array().abs() < kVectorRounding).select(0.0, svd.matrixV());
+  }
+
+  Eigen::Index size() const { return ranges_.size(); }
+  const std::vector<int>& indices() const { return indices_; }
+  const Eigen::VectorXd& singular_values() const { return singular_values_; }
+
+  // ((J D)^T J D)^-1 at (i, j), infinite where a direction of singular value zero takes part.
+  double Inverse(Eigen::Index i, Eigen::Index j) const {
+    double sum = 0.0;
+    for (Eigen::Index k = 0; k < size(); ++k) {
+      const double product = vectors_(i, k) * vectors_(j, k);
+      if (product != 0.0) sum += product / (singular_values_[k] * singular_values_[k]);
+    }
+    return sum;
+  }
+  // Entry i of (J^T J)^-1 `vector` [p].
+  double Solve(Eigen::Index i, const Eigen::VectorXd& vector) const {
+    double sum = 0.0;
+    for (Eigen::Index j = 0; j < size(); ++j) sum += ranges_[i] * Inverse(i, j) * ranges_[j] * vector[indices_[j]];
+    return sum;
+  }
+  // The same of every column of `vectors` [p x T]: [1 x T].
+  Eigen::RowVectorXd SolveRow(Eigen::Index i, const Eigen::MatrixXd& vectors) const {
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(vectors.cols());
+    for (Eigen::Index j = 0; j < size(); ++j) sum += ranges_[i] * Inverse(i, j) * ranges_[j] * vectors.row(indices_[j]);
+    return sum;
+  }
+  double VisibleChange(Eigen::Index i) const { return 1.0 / std::sqrt(Inverse(i, i)); }
+  // Of q, for s = 1.
+  double CoordinateStd(Eigen::Index i) const { return ranges_[i] * std::sqrt(Inverse(i, i)); }
+
+  // The k-th right singular vector as a change of q [p], its largest entry 1.
+  Eigen::VectorXd Direction(Eigen::Index k, Eigen::Index num_blocks) const {
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(num_blocks);
+    direction(indices_) = ranges_.cwiseProduct(vectors_.col(k));
+    Eigen::Index largest = 0;
+    direction.cwiseAbs().maxCoeff(&largest);
+    return direction / direction[largest];
+  }
+
+ private:
+  std::vector<int> indices_;
+  Eigen::VectorXd ranges_;
+  Eigen::VectorXd singular_values_;
+  Eigen::MatrixXd vectors_;
+};
+
+bool IsCommonFactor(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction,
+                    const std::vector<int>& parts) {
+  return parts.size() > 1 && std::all_of(parts.begin(), parts.end(), [&](int i) {
+           return blocks[i].scale == ParameterScale::kLog && std::abs(direction[i] - 1.0) < kCommonFactor;
+         });
+}
+
+std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction) {
+  std::vector<int> parts;
+  std::vector<std::string> names, moves;
+  for (int i = 0; i < direction.size(); ++i) {
+    if (std::abs(direction[i]) < kNegligibleShare) continue;
+    parts.push_back(i);
+    names.push_back(blocks[i].name);
+    std::ostringstream move;
+    move << std::setprecision(3) << blocks[i].name;
+    if (blocks[i].scale == ParameterScale::kLog) {
+      move << " times " << std::exp2(direction[i]);
+    } else {
+      move << (direction[i] < 0.0 ? " minus " : " plus ") << blocks[i].unit * std::abs(direction[i]) * std::log(2.0);
+    }
+    moves.push_back(move.str());
+  }
+  if (parts.size() == 1) return names.front();
+  if (IsCommonFactor(blocks, direction, parts)) return JoinWords(names) + " multiplied by one factor";
+  return JoinWords(moves);
+}
+
+void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                   const Eigen::VectorXd& gradient, const ScaledJacobian& jacobian, double scale,
+                   Uncertainty* uncertainty) {
+  const auto has_std = [&](Eigen::Index i) { return uncertainty->parameters[jacobian.indices()[i]].identifiable; };
+  for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
+    if (!has_std(i)) continue;
+    const int index = jacobian.indices()[i];
+    const ParameterBlock& block = blocks[index];
+    ParameterUncertainty& parameter = uncertainty->parameters[index];
+    const double q = coordinates[index];
+    const double std = std::hypot(scale * jacobian.CoordinateStd(i), block.Resolution(q));
+    parameter.coordinate_std = std;
+    parameter.independent_std = std;
+    parameter.std = block.ValueDerivative(q) * std;
+    parameter.lower95 = std::max(block.lower_bound, block.ToValue(q - kNormal95 * std));
+    parameter.upper95 = std::min(block.upper_bound, block.ToValue(q + kNormal95 * std));
+    parameter.distance = std::abs(jacobian.Solve(i, gradient)) / std;
+    for (Eigen::Index j = 0; j < jacobian.size(); ++j) {
+      if (!has_std(j)) continue;
+      uncertainty->correlation(index, jacobian.indices()[j]) =
+          i == j ? 1.0 : jacobian.Inverse(i, j) / std::sqrt(jacobian.Inverse(i, i) * jacobian.Inverse(j, j));
+    }
+  }
+  uncertainty->independent_correlation = uncertainty->correlation;
+}
+
+// The intervals of the rows `rows` of `jacobian` again, with the covariance of q over them where it is larger.
+void WidenIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                    const ScaledJacobian& jacobian, const std::vector<Eigen::Index>& rows,
+                    const Eigen::MatrixXd& covariance, Uncertainty* uncertainty) {
+  const double quantile = uncertainty->quantile95;
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const int index = jacobian.indices()[rows[a]];
+    const ParameterBlock& block = blocks[index];
+    ParameterUncertainty& parameter = uncertainty->parameters[index];
+    const double q = coordinates[index];
+    const auto own = static_cast<Eigen::Index>(a);
+    const double std =
+        std::max(parameter.independent_std, std::hypot(std::sqrt(covariance(own, own)), block.Resolution(q)));
+    parameter.coordinate_std = std;
+    parameter.widening = quantile * std / (kNormal95 * parameter.independent_std);
+    parameter.std = block.ValueDerivative(q) * std;
+    parameter.lower95 = std::max(block.lower_bound, block.ToValue(q - quantile * std));
+    parameter.upper95 = std::min(block.upper_bound, block.ToValue(q + quantile * std));
+    for (std::size_t b = 0; b < rows.size(); ++b) {
+      const auto other = static_cast<Eigen::Index>(b);
+      uncertainty->correlation(index, jacobian.indices()[rows[b]]) =
+          a == b ? 1.0 : covariance(own, other) / std::sqrt(covariance(own, own) * covariance(other, other));
+    }
+  }
+}
+
+// Looks whether residuals are correlated, and widens the intervals where they are. `fitted_scale`: the root mean square
+// of the residuals.
+void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                           const Linearization& linearization, const ScaledJacobian& jacobian, double fitted_scale,
+                           Uncertainty* uncertainty) {
+  if (linearization.frame_scores.empty() || fitted_scale < kRoundingResiduals) return;
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
+    if (uncertainty->parameters[jacobian.indices()[i]].identifiable) rows.push_back(i);
+  }
+  if (rows.empty()) return;
+  FrameSeries influences;
+  for (const Eigen::MatrixXd& scores : WithoutEmptyFrames(linearization.frame_scores)) {
+    Eigen::MatrixXd& influence = influences.emplace_back(static_cast<Eigen::Index>(rows.size()), scores.cols());
+    for (std::size_t a = 0; a < rows.size(); ++a) {
+      influence.row(static_cast<Eigen::Index>(a)) = jacobian.SolveRow(rows[a], scores);
+    }
+  }
+  Eigen::VectorXd independent(static_cast<Eigen::Index>(rows.size()));
+  for (Eigen::Index a = 0; a < independent.size(); ++a) {
+    independent[a] = std::pow(fitted_scale * jacobian.CoordinateStd(rows[a]), 2);
+  }
+  if (!(linearization.autocorrelation > kCorrelatedResiduals) && !IsCorrelatedWithinFrames(influences, independent)) {
+    return;
+  }
+  const double correlation =
+      std::isnan(linearization.autocorrelation) ? 0.0 : std::clamp(linearization.autocorrelation, 0.0, kHighest);
+  const Eigen::MatrixXd covariance = CovarianceOfSum(influences, correlation);
+  if (!((covariance.diagonal().array() > 0.0).all() && covariance.allFinite())) return;
+  uncertainty->is_widened = true;
+  uncertainty->quantile95 = Student95(ScoreDegreesOfFreedom(influences, correlation));
+  WidenIntervals(blocks, coordinates, jacobian, rows, covariance, uncertainty);
+}
+
+}  // namespace
+
+Linearization Linearize(const std::vector<double*>& coordinates, int num_measurements, bool sigma_is_known,
+                        ceres::Problem* problem) {
+  ceres::Problem::EvaluateOptions options;
+  options.parameter_blocks = coordinates;
+  double cost = 0.0;
+  std::vector<double> gradient;
+  ceres::CRSMatrix sparse;
+  if (!problem->Evaluate(options, &cost, nullptr, &gradient, &sparse)) {
+    throw std::runtime_error("the problem cannot be evaluated at the solution");
+  }
+  Linearization linearization;
+  linearization.jacobian = Eigen::MatrixXd::Zero(sparse.num_rows, static_cast<Eigen::Index>(coordinates.size()));
+  for (int row = 0; row < sparse.num_rows; ++row) {
+    for (int k = sparse.rows[row]; k < sparse.rows[row + 1]; ++k) {
+      linearization.jacobian(row, sparse.cols[k]) = sparse.values[k];
+    }
+  }
+  linearization.gradient = Eigen::Map<Eigen::VectorXd>(gradient.data(), static_cast<Eigen::Index>(gradient.size()));
+  linearization.squared_residual = 2.0 * cost;
+  linearization.num_measurements = num_measurements;
+  linearization.sigma_is_known = sigma_is_known;
+  return linearization;
+}
+
+bool Uncertainty::all_identifiable(const std::vector<ParameterBlock>& blocks) const {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (!blocks[i].frozen && !parameters[i].identifiable) return false;
+  }
+  return true;
+}
+
+double Uncertainty::largest_widening() const {
+  double largest = 1.0;
+  for (const ParameterUncertainty& parameter : parameters) largest = std::max(largest, parameter.widening);
+  return largest;
+}
+
+bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std) {
+  return coordinate_std < 2.0 * block.Resolution(coordinate);
+}
+
+Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                                const Linearization& linearization) {
+  const std::vector<int> free = FreeBlocks(blocks);
+  const ScaledJacobian jacobian(blocks, linearization.jacobian, free);
+  const double degrees_of_freedom = linearization.num_measurements - static_cast<double>(free.size());
+  const double fitted_scale =
+      degrees_of_freedom > 0.0 ? std::sqrt(linearization.squared_residual / degrees_of_freedom) : 1.0;
+  const double visible = kVisible * std::max(1.0, fitted_scale);
+
+  Uncertainty uncertainty;
+  uncertainty.residual_scale = linearization.sigma_is_known ? std::max(1.0, fitted_scale) : fitted_scale;
+  uncertainty.parameters.resize(blocks.size());
+  uncertainty.correlation =
+      Eigen::MatrixXd::Constant(coordinates.size(), coordinates.size(), std::numeric_limits<double>::quiet_NaN());
+  uncertainty.singular_values = jacobian.singular_values();
+  std::vector<int> off_bounds;
+  for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
+    ParameterUncertainty& parameter = uncertainty.parameters[free[i]];
+    parameter.at_bound = blocks[free[i]].IsAtBound(coordinates[free[i]]);
+    parameter.visible_change = jacobian.VisibleChange(i);
+    parameter.identifiable = parameter.visible_change > visible;
+    if (!parameter.at_bound) off_bounds.push_back(free[i]);
+  }
+  for (Eigen::Index k = jacobian.size() - 1; k >= 0 && jacobian.singular_values()[k] <= visible; --k) {
+    HiddenDirection direction;
+    direction.coordinates = jacobian.Direction(k, coordinates.size());
+    direction.visible_change = jacobian.singular_values()[k];
+    direction.words = DescribeDirection(blocks, direction.coordinates);
+    uncertainty.hidden_directions.push_back(direction);
+  }
+  const ScaledJacobian inner(blocks, linearization.jacobian, off_bounds);
+  FillIntervals(blocks, coordinates, linearization.gradient, inner, uncertainty.residual_scale, &uncertainty);
+  AccountForCorrelation(blocks, coordinates, linearization, inner, fitted_scale, &uncertainty);
+  return uncertainty;
+}
+
+}  // namespace clothid

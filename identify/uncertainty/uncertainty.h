@@ -1,0 +1,117 @@
+// How sure a fit is of its parameters: standard deviations, intervals, and what the measurements do not determine.
+//
+// At a solution, with the whitened residuals e of m measurements and their Jacobian J = de/dq [m x p] in the internal
+// coordinates q of costs/prediction/parameter_block.h:
+//   covariance of q = s^2 (J^T J)^-1,   s^2 = |e|^2/(m - p), at least 1 where the sigma of the measurements is known
+//   std(q)^2        = its diagonal + r^2,   r the resolution of the fit (`ParameterBlock::Resolution`): without noise
+//                     an estimate is no better than the steps at which the optimiser stops
+//   95 % interval   = value(q -+ 1.96 std(q)), cut at the bounds;   std of the value = dvalue/dq std(q)
+//
+// That takes residuals as independent. Where they are not, because successive ones have a correlation above 0.3 or
+// those of one frame belong together (identify/uncertainty/correlated_scores.h), the covariance of q is the sandwich
+// over frames of that room, nowhere less than the one above, and Student's t takes the place of 1.96. A correlation
+// within frames alone is looked for where the residuals are not the rounding of a recording without noise.
+//
+// Identifiability asks how much the prediction can tell. With D = diag(range of q_i between its bounds), the parameter
+// i moved from bound to bound, while all others move so as to hide it as well as they can, changes the whitened
+// prediction by
+//   c_i = 1/sqrt([((J D)^T J D)^-1]_ii).
+// It is identifiable where c_i > 2 max(1, s): two standard deviations of the noise, or of what the model leaves
+// unexplained. The right singular vectors of J D with singular values below that are the directions nobody sees:
+// multiplying all stiffnesses, damping, density and drag by one factor is one of them in every recording.
+#ifndef CLOTHID_IDENTIFY_UNCERTAINTY_UNCERTAINTY_H_
+#define CLOTHID_IDENTIFY_UNCERTAINTY_UNCERTAINTY_H_
+
+#include <ceres/problem.h>
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "costs/prediction/parameter_block.h"
+
+namespace clothid {
+
+// The half-width of a 95 % interval of a normal distribution in standard deviations, and its square: the rise of twice
+// the cost, over s^2, at the ends of an interval.
+inline constexpr double kNormal95 = 1.959963984540054;
+inline constexpr double kChiSquare95 = kNormal95 * kNormal95;
+
+// A least-squares problem at one point.
+struct Linearization {
+  Eigen::MatrixXd jacobian;       // [r x p] de/dq, or fewer rows with the same J^T J
+  Eigen::VectorXd gradient;       // [p] J^T e
+  double squared_residual = 0.0;  // |e|^2, twice the cost
+  int num_measurements = 0;       // m
+  bool sigma_is_known = true;     // false: residuals are whitened by a guess
+  // Per recording [p x T] J_i^T e_i, what each frame adds to the gradient, and the correlation of a coordinate's
+  // residuals from frame to frame. Without them residuals count as independent.
+  std::vector<Eigen::MatrixXd> frame_scores;
+  double autocorrelation = std::numeric_limits<double>::quiet_NaN();
+};
+
+// That of a Ceres problem with rollouts beside residuals of the user's own. `coordinates` [p] are its parameter blocks,
+// each of size 1; `num_measurements` counts the observed coordinates of all recordings (not the rows of `RolloutCost`)
+// and the user's own residuals. Rollouts should use `JacobianMethod::kSensitivity`: the rows of the adjoint form span a
+// subspace, which makes intervals too wide. A residual of the user's own is in its true standard deviations, so it can
+// be weighed against rollouts only where their recordings know sigma; and s widens all intervals, also those of
+// parameters that only the user's own residuals tell. Throws std::runtime_error where the problem cannot be evaluated.
+Linearization Linearize(const std::vector<double*>& coordinates, int num_measurements, bool sigma_is_known,
+                        ceres::Problem* problem);
+
+struct ParameterUncertainty {
+  // Of the value, in its own unit. NaN: frozen, at its bound or not identifiable.
+  double std = std::numeric_limits<double>::quiet_NaN();
+  double lower95 = std::numeric_limits<double>::quiet_NaN();
+  double upper95 = std::numeric_limits<double>::quiet_NaN();
+  double coordinate_std = std::numeric_limits<double>::quiet_NaN();   // of q
+  double independent_std = std::numeric_limits<double>::quiet_NaN();  // the same if residuals were independent
+  double widening = 1.0;  // the interval of q over the one that it would have then, at least 1
+  // From the estimate to the minimum of the quadratic model |e + J dq|^2/2 there, in standard deviations as of
+  // independent residuals: large where a fit stopped early, or at a kink of the cost. NaN without a std.
+  double distance = std::numeric_limits<double>::quiet_NaN();
+  double visible_change = 0.0;  // c_i, in standard deviations of the measurements; 0 where frozen
+  bool at_bound = false;        // within 1e-3 of the range from one of its bounds
+  bool identifiable = false;    // false where frozen, too
+};
+
+// A direction in which parameters can move between their bounds unseen.
+struct HiddenDirection {
+  Eigen::VectorXd coordinates;  // [p] change of q, the largest entry 1
+  double visible_change = 0.0;  // of the whitened prediction over the bounds, in standard deviations
+  std::string words;            // "k_stretch, k_bend, density and drag multiplied by one factor"
+};
+
+struct Uncertainty {
+  std::vector<ParameterUncertainty> parameters;    // [p]
+  Eigen::MatrixXd correlation;                     // [p x p] of q; NaN in rows and columns without a std
+  Eigen::VectorXd singular_values;                 // of J D over the free parameters, decreasing
+  std::vector<HiddenDirection> hidden_directions;  // the most hidden first
+  double residual_scale = 0.0;                     // s
+
+  // Residuals are not independent, and intervals are those of the sandwich.
+  bool is_widened = false;
+  double quantile95 = kNormal95;            // the half-width of an interval in standard deviations
+  Eigen::MatrixXd independent_correlation;  // as `correlation` would be if they were
+
+  double largest_widening() const;
+  bool all_identifiable(const std::vector<ParameterBlock>& blocks) const;  // all that are not frozen
+};
+
+// `blocks` [p] with the names to speak of, bounds and scales; `coordinates` [p] the solution. A parameter at its bound
+// is held there while the others get their standard deviations.
+Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                                const Linearization& linearization);
+
+// Successive residuals with a higher correlation than this are not the noise of a sensor.
+inline constexpr double kCorrelatedResiduals = 0.3;
+// Residuals below this share of sigma are the rounding of a recording without noise.
+inline constexpr double kRoundingResiduals = 1e-3;
+
+// Whether a standard deviation of q is that of the optimiser rather than that of noise: below two resolutions.
+bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_UNCERTAINTY_UNCERTAINTY_H_

@@ -1,0 +1,42 @@
+#include "sim/base/program.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <iostream>
+
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+// A signal handler can reach nothing but a global.
+std::atomic<bool> interrupted{false};
+
+extern "C" void HandleSignal(int signal) {
+  interrupted.store(true);
+  std::signal(signal, SIG_DFL);
+}
+
+}  // namespace
+
+const std::atomic<bool>& CatchInterrupts() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (std::signal(signal, HandleSignal) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
+  return interrupted;
+}
+
+bool IsInterrupted() { return interrupted.load(); }
+
+void CatchFileSizeLimit() { std::signal(SIGXFSZ, SIG_IGN); }
+
+int FinishOutput(const std::string& name, int exit_code) {
+  errno = 0;
+  if (std::cout.flush()) return exit_code;
+  std::cerr << name << ": standard output: cannot be written" << (errno != 0 ? ": " : "")
+            << (errno != 0 ? std::strerror(errno) : "") << "\n";
+  return exit_code == kExitInterrupted ? exit_code : kExitUsageOrIo;
+}
+
+}  // namespace clothid

@@ -1,0 +1,27 @@
+// What our programs do beside their work: they mind signals, and see that what they print arrives.
+#ifndef CLOTHID_SIM_BASE_PROGRAM_H_
+#define CLOTHID_SIM_BASE_PROGRAM_H_
+
+#include <atomic>
+#include <string>
+
+namespace clothid {
+
+// From now on the first SIGINT, SIGTERM or SIGHUP sets the flag, which lasts as long as the process; the next one ends
+// the process as usual. Signals that the process was started to ignore (nohup) stay ignored. For programs, before they
+// begin a file: none is left half-written behind them.
+const std::atomic<bool>& CatchInterrupts();
+// Whether that flag is set.
+bool IsInterrupted();
+
+// From now on a file that grows beyond the limit of the process (ulimit -f) is a failed write() with its reason, not
+// the end of the process. For the start of main().
+void CatchFileSizeLimit();
+
+// For the end of main(): `exit_code`, unless what was printed on stdout could not be written. That is a line on stderr,
+// led by `name`, and kExitUsageOrIo where the program was not interrupted.
+int FinishOutput(const std::string& name, int exit_code);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_BASE_PROGRAM_H_

@@ -1,0 +1,102 @@
+#include "sim/base/text_file.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+constexpr std::size_t kChunk = 1 << 16;     // bytes per read
+constexpr std::size_t kMaxPrintable = 120;  // characters of foreign text in a message
+
+[[noreturn]] void ThrowUnreadable(const std::string& path, int error_number) {
+  throw Error(ErrorKind::kIo, path + ": cannot be read: " + std::strerror(error_number));
+}
+
+std::string_view WithoutPlus(std::string_view text) {
+  return text.size() > 1 && text[0] == '+' && text[1] != '-' ? text.substr(1) : text;
+}
+
+template <typename T>
+std::optional<T> ParseWhole(std::string_view text) {
+  text = WithoutPlus(text);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+std::string ReadFile(const std::string& path, std::uint64_t max_bytes) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) ThrowUnreadable(path, EISDIR);
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) ThrowUnreadable(path, errno);
+  std::string bytes;
+  char chunk[kChunk];
+  while (const std::size_t count = std::fread(chunk, 1, kChunk, file.get())) {
+    if (bytes.size() + count > max_bytes) {
+      throw Error(ErrorKind::kBadData, path + ": is larger than " + std::to_string(max_bytes) + " bytes");
+    }
+    bytes.append(chunk, count);
+  }
+  if (std::ferror(file.get())) ThrowUnreadable(path, errno);
+  return bytes;
+}
+
+std::optional<std::string_view> TakeLine(std::string_view* rest) {
+  if (rest->empty()) return std::nullopt;
+  const std::size_t end = rest->find('\n');
+  std::string_view line = rest->substr(0, end);
+  rest->remove_prefix(end == std::string_view::npos ? rest->size() : end + 1);
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+std::string_view TakeWord(std::string_view* rest) {
+  rest->remove_prefix(std::min(rest->find_first_not_of(" \t"), rest->size()));
+  const std::string_view word = rest->substr(0, rest->find_first_of(" \t"));
+  rest->remove_prefix(word.size());
+  return word;
+}
+
+std::vector<std::string> Split(std::string_view text, char separator) {
+  std::vector<std::string> items;
+  for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {
+    items.emplace_back(text.substr(0, end));
+    text.remove_prefix(end + 1);
+  }
+  items.emplace_back(text);
+  return items;
+}
+
+std::optional<double> ParseNumber(std::string_view text) {
+  const std::optional<double> value = ParseWhole<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<long long> ParseInteger(std::string_view text) { return ParseWhole<long long>(text); }
+
+std::string ShortestText(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof(text), value).ptr};
+}
+
+std::string Printable(std::string_view text) {
+  std::string result(text.substr(0, kMaxPrintable));
+  for (char& c : result) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return text.size() > kMaxPrintable ? result + "..." : result;
+}
+
+}  // namespace clothid

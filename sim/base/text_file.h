@@ -1,0 +1,38 @@
+// Reading small input files whole, and items and numbers out of text.
+#ifndef CLOTHID_SIM_BASE_TEXT_FILE_H_
+#define CLOTHID_SIM_BASE_TEXT_FILE_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace clothid {
+
+// The bytes of a file. Throws `Error`: kIo where it cannot be opened or read, kBadData where it is larger than
+// `max_bytes`.
+std::string ReadFile(const std::string& path, std::uint64_t max_bytes);
+
+// Takes the next line off the front of `rest`, without its end ("\n" or "\r\n"); nothing when `rest` is empty.
+std::optional<std::string_view> TakeLine(std::string_view* rest);
+
+// Takes the next word (a run without blanks and tabs) off the front of `rest`; empty when there is none.
+std::string_view TakeWord(std::string_view* rest);
+
+// The items of `text` between separators: one more than there are separators, empty ones included.
+std::vector<std::string> Split(std::string_view text, char separator);
+
+// The value of `text`, which must be one finite number from end to end; else nothing.
+std::optional<double> ParseNumber(std::string_view text);
+std::optional<long long> ParseInteger(std::string_view text);
+
+// The shortest text of which `ParseNumber` makes exactly `value`, which must be finite.
+std::string ShortestText(double value);
+
+// `text` fit for a one-line message: control characters become '?', and what is long is cut.
+std::string Printable(std::string_view text);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_BASE_TEXT_FILE_H_

@@ -1,0 +1,48 @@
+// Quadratic isometric bending (Bergou et al. 2006, "A quadratic bending model for inextensible surfaces").
+//
+//   E = k_b/2 x^T (Q kron I3) x,   Q = sum over interior edges of 3/(A_1 + A_2) c c^T,
+// with c the four cotangent weights of the edge's two triangles. Q is constant; a flat rest shape has E = 0.
+//
+// k_b belongs to the mesh: an edge holds the curvature across it alone, so a cylinder whose axis runs along one of the
+// three edge directions of a right-angled grid has three times the energy k_b/2 area/R^2 of the continuum.
+#ifndef CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_
+#define CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "sim/matrix/block_matrix.h"
+#include "sim/scene/mesh.h"
+
+namespace clothid {
+
+// Q [N x N], 1/m^2, symmetric positive semidefinite, both triangles stored.
+Eigen::SparseMatrix<double> BendingMatrix(const Mesh& mesh);
+
+class BendingEnergy {
+ public:
+  // `matrix` is Q; `pattern`, the pattern of the Hessian over the free nodes, must cover it; `free_index` [N] maps
+  // nodes to it (-1: a handle).
+  BendingEnergy(Eigen::SparseMatrix<double> matrix, const std::vector<int>& free_index, const BlockPattern& pattern);
+
+  const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }  // Q [N x N]
+  const Eigen::VectorXd& diagonal() const { return diagonal_; }          // of Q [N]
+
+  // Adds stiffness * (-Q x) to `force` [3N] and returns E/k_b for positions [3N], 1.
+  double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+
+  // Adds stiffness * Q kron I3 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`.
+  void AddHessian(double stiffness, BlockMatrix* hessian) const;
+
+ private:
+  Eigen::SparseMatrix<double> matrix_;
+  Eigen::VectorXd diagonal_;
+  // Where the entries of Q between free nodes go, below the diagonal; those with handles on it.
+  std::vector<BlockPosition> positions_;
+  std::vector<double> entries_;  // of Q, in the same order
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_

@@ -1,0 +1,67 @@
+// The terms that a scene has, built once per simulator: no obstacle, no contact; k_b = 0, no bending; c_d = 0, no air;
+// eta = 0, no internal damping.
+#ifndef CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_
+#define CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/cloth/air_drag.h"
+#include "sim/cloth/bending_energy.h"
+#include "sim/cloth/strain_rate_damping.h"
+#include "sim/cloth/stretch_energy.h"
+#include "sim/matrix/block_matrix.h"
+#include "sim/scene/scene.h"
+
+namespace clothid {
+
+class ClothModel {
+ public:
+  // `scene` must outlive the model and have passed `ValidateScene`.
+  explicit ClothModel(const Scene& scene);
+
+  const Scene& scene() const { return scene_; }
+  int num_nodes() const { return scene_.mesh.num_nodes(); }
+
+  // Handles are exact Dirichlet conditions: every equation lives on the free nodes alone. Vectors and matrices over
+  // them are "free" [3 Nf], in an order of the nodes in which factors of matrices over them stay sparse; `Gather` and
+  // `Scatter` go between a free vector and one over all nodes [3N].
+  int num_free() const { return static_cast<int>(free_nodes_.size()); }
+  const std::vector<int>& free_nodes() const { return free_nodes_; }  // [Nf] node
+  const std::vector<int>& free_index() const { return free_index_; }  // [N] position in free_nodes, -1: a handle
+  Eigen::VectorXd Gather(const Eigen::VectorXd& all) const;
+  Eigen::MatrixXd GatherColumns(const Eigen::MatrixXd& all) const;
+  void Scatter(const Eigen::VectorXd& free, Eigen::VectorXd* all) const;
+  Eigen::MatrixXd ScatterColumns(const Eigen::MatrixXd& free) const;  // zero at handles
+
+  const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
+  const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2; times density: the lumped masses M
+  const Eigen::VectorXd& laplacian_diagonal() const { return laplacian_diagonal_; }  // [N] of L, triangle_element.h
+  const TriangleElements& triangles() const { return *triangles_; }
+  const StretchEnergy& stretch() const { return *stretch_; }
+  const BendingEnergy* bending() const { return bending_ ? &*bending_ : nullptr; }      // null: the scene has none
+  const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }                     // null: the scene has none
+  const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
+  bool has_contact() const { return !scene_.obstacles.empty(); }
+  double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
+
+ private:
+  void NumberFreeNodes(const Eigen::SparseMatrix<double>& bending_matrix);
+
+  const Scene& scene_;
+  std::vector<int> free_nodes_, free_index_;
+  std::shared_ptr<const BlockPattern> pattern_;
+  Eigen::VectorXd node_areas_, laplacian_diagonal_;
+  double touch_gap_ = 0.0;
+  std::shared_ptr<const TriangleElements> triangles_;
+  std::optional<StretchEnergy> stretch_;
+  std::optional<BendingEnergy> bending_;
+  std::optional<AirDrag> drag_;
+  std::optional<StrainRateDamping> damping_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_

@@ -1,0 +1,84 @@
+#include "sim/cloth/system_matrix.h"
+
+#include <Eigen/CholmodSupport>
+#include <stdexcept>
+#include <vector>
+
+#include "sim/cloth/triangle_element.h"
+
+namespace clothid {
+namespace {
+
+class TripletAssembly {
+ public:
+  explicit TripletAssembly(const ClothModel& model) : free_index_(model.free_index()) {}
+
+  void Add(int node, int other_node, double value) {
+    const int row = free_index_[node], column = free_index_[other_node];
+    if (row >= 0 && column >= 0) triplets_.emplace_back(row, column, value);
+  }
+
+  Eigen::SparseMatrix<double> Matrix(int size) const {
+    Eigen::SparseMatrix<double> matrix(size, size);
+    matrix.setFromTriplets(triplets_.begin(), triplets_.end());
+    return matrix;
+  }
+
+ private:
+  const std::vector<int>& free_index_;
+  std::vector<Eigen::Triplet<double>> triplets_;
+};
+
+void AddMatrix(double factor, const Eigen::SparseMatrix<double>& matrix, TripletAssembly* assembly) {
+  for (int column = 0; column < matrix.outerSize(); ++column) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it) {
+      assembly->Add(static_cast<int>(it.row()), column, factor * it.value());
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const Material& material, double time_step) {
+  const double h = time_step;
+  TripletAssembly assembly(model);
+  const double areal_mass = material.density + (model.drag() != nullptr ? h * material.drag : 0.0);
+  for (const int node : model.free_nodes()) assembly.Add(node, node, areal_mass * model.node_areas()[node]);
+  const double damping = model.damping() != nullptr ? material.damping : 0.0;
+  AddMatrix(h * h * material.stretch_stiffness + h * damping, LaplacianMatrix(model.triangles(), model.num_nodes()),
+            &assembly);
+  if (model.bending() != nullptr) {
+    AddMatrix(h * h * material.bending_stiffness, model.bending()->matrix(), &assembly);
+  }
+  return assembly.Matrix(model.num_free());
+}
+
+// Simplicial: without BLAS, which threads would have to take turns in, and for a matrix this small as fast.
+struct SystemMatrixFactor::State {
+  Eigen::CholmodSimplicialLLT<Eigen::SparseMatrix<double>> cholesky;
+};
+
+SystemMatrixFactor::SystemMatrixFactor(const ClothModel& model, const Material& material, double time_step)
+    : time_step_(time_step), state_(std::make_unique<State>()) {
+  state_->cholesky.compute(AssembleSystemMatrix(model, material, time_step));
+  if (state_->cholesky.info() != Eigen::Success) throw std::runtime_error("CHOLMOD could not factor the system matrix");
+}
+
+SystemMatrixFactor::~SystemMatrixFactor() = default;
+
+// The axes of all columns are right-hand sides of the scalar matrix, side by side.
+Eigen::MatrixXd SystemMatrixFactor::Solve(const Eigen::MatrixXd& right) const {
+  const Eigen::Index num_free = right.rows() / 3;
+  Eigen::MatrixXd axes(num_free, 3 * right.cols());
+  for (Eigen::Index c = 0; c < right.cols(); ++c) {
+    axes.middleCols<3>(3 * c) = right.col(c).reshaped(3, num_free).transpose();
+  }
+  const Eigen::MatrixXd solved = state_->cholesky.solve(axes);
+  Eigen::MatrixXd solution(right.rows(), right.cols());
+  for (Eigen::Index c = 0; c < right.cols(); ++c) {
+    solution.col(c).reshaped(3, num_free) = solved.middleCols<3>(3 * c).transpose();
+  }
+  return solution;
+}
+
+}  // namespace clothid

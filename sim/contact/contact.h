@@ -1,0 +1,59 @@
+// Which nodes may touch what: gaps and normals at the start of a step, and the contacts at its end.
+#ifndef CLOTHID_SIM_CONTACT_CONTACT_H_
+#define CLOTHID_SIM_CONTACT_CONTACT_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sim/contact/contact_law.h"
+#include "sim/scene/obstacle.h"
+
+namespace clothid {
+
+class ClothModel;
+
+// A node that the contact law of this step covers, with the geometry at x_n that is held during the step. It has one
+// obstacle: the one with the smallest gap. With several obstacles that choice jumps; the jumps are counted.
+struct ContactCandidate {
+  int node = 0;
+  int obstacle = 0;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  Eigen::Matrix3d normal_gradient = Eigen::Matrix3d::Zero();  // 1/m
+  double gap = 0.0;                                           // phi(x_n), m, from the contact distance
+  double gap_speed =
+      0.0;  // what u_N may be at least, negated: phi/h, limited below by the depenetration speed; 0 in velocity mode
+  // d gap_speed / d gap: 1/h, or 0 where limited and in velocity mode.
+  double gap_speed_slope = 0.0;
+};
+
+// A candidate in contact at the end of the step, with the response of the law there.
+struct Contact {
+  ContactCandidate candidate;
+  ContactResponse response;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F, see contact_law.h
+  double weight = 0.0;                              // d, kg
+};
+
+// What a rollout keeps of a contact; the rest follows from the state at the start of the step.
+struct ContactRecord {
+  int node = 0;
+  int obstacle = 0;
+  ContactBranch branch = ContactBranch::kTakeOff;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F
+};
+
+// `node` and its nearest obstacle in a step of size `time_step` that starts at `positions` [3N].
+void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double time_step,
+                   ContactCandidate* candidate);
+
+// The candidates of a step of size `time_step` that starts at `positions` [3N], among the free nodes: in gap mode every
+// one, in velocity mode those with gap <= touch. `candidates` is overwritten.
+void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double time_step,
+                    std::vector<ContactCandidate>* candidates);
+
+// dPhi/dx_n of a contact through normal and gap, X = -[D + S d (gap_speed_slope n n^T + gap_speed N')].
+Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, double friction_coefficient);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_CONTACT_CONTACT_H_

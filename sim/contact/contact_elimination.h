@@ -1,0 +1,83 @@
+// Contacts taken out of the linear system of a step (design: sections 4.2 and 5).
+//
+// In the frame (n, t, b) of a slipping node the normal velocity is known, and at a sticking node all three components
+// are; what is left is the symmetric matrix Z^T K Z + kappa b b^T, kappa = mu r_N/|u_T|, and the friction coupling mu t
+// n^T of slipping nodes, which is not symmetric. The eliminated unknowns keep their rows as identities, so that the
+// pattern, and with it the symbolic factorisation, never changes.
+#ifndef CLOTHID_SIM_CONTACT_CONTACT_ELIMINATION_H_
+#define CLOTHID_SIM_CONTACT_CONTACT_ELIMINATION_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sim/contact/contact.h"
+#include "sim/matrix/block_matrix.h"
+
+namespace clothid {
+
+// The axes (n, t, b) of a slipping node, by columns.
+struct LocalFrame {
+  int block;
+  Eigen::Matrix3d axes;
+};
+
+// In place on [3 Nf x s]: from world axes to those of the frames, and back.
+void ToLocal(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors);
+void ToWorld(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors);
+
+class ContactElimination {
+ public:
+  // Replaces what an earlier call has set. `free_index` maps nodes to blocks; `friction_coefficients` per obstacle.
+  void SetContacts(const std::vector<Contact>& contacts, const std::vector<int>& free_index,
+                   const std::vector<double>& friction_coefficients);
+
+  bool has_coupling() const { return has_coupling_; }  // a slipping node with mu > 0
+
+  std::vector<LocalFrame> SlipFrames() const;
+
+  // values <- the reduced symmetric matrix in the local frames; `matrix` is K.
+  void Reduce(const BlockMatrix& matrix, Eigen::VectorXd* values) const;
+
+  // In place on [3 Nf x s]: Z Z^T v, without normals of slipping and without sticking nodes.
+  void Project(Eigen::MatrixXd* vectors) const;
+  void AddFriction(Eigen::MatrixXd* vectors) const;            // v <- (I + mu t n^T) v
+  void AddFrictionTransposed(Eigen::MatrixXd* vectors) const;  // v <- (I + mu n t^T) v
+  // result += kappa b b^T v.
+  void AddSlipStiffness(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result) const;
+
+  // For A dv = right: the known part of dv (stick and slip normals), zero elsewhere.
+  Eigen::MatrixXd KnownPart(const Eigen::MatrixXd& right) const;
+  // Right-hand side of the unknowns, from `right` and K times the known part.
+  Eigen::MatrixXd ReducedRight(const Eigen::MatrixXd& right, const Eigen::MatrixXd& known,
+                               const Eigen::MatrixXd& matrix_known) const;
+
+  // For A^T z = right: z from q, y = (I + mu n t^T) q and K y.
+  Eigen::MatrixXd RecoverAdjoint(const Eigen::MatrixXd& right, const Eigen::MatrixXd& q,
+                                 const Eigen::MatrixXd& matrix_y) const;
+
+  // values <- A = (I + S) K - S D, by columns.
+  void FullJacobian(const BlockMatrix& matrix, Eigen::VectorXd* values) const;
+  // v <- (I + S)^T v.
+  void AddImpulseTransposed(Eigen::MatrixXd* vectors) const;
+  // v <- (I + S) v.
+  void AddImpulse(Eigen::MatrixXd* vectors) const;
+
+ private:
+  struct Node {
+    int block;
+    ContactBranch branch;
+    Eigen::Matrix3d frame;        // columns n, t, b of a slipping node
+    Eigen::Matrix3d impulse;      // S
+    double friction_coefficient;  // mu
+    double weight;                // d
+    double slip_stiffness;        // kappa
+    double slip_compliance;       // 1/(1 + c)
+  };
+
+  std::vector<Node> nodes_;
+  bool has_coupling_ = false;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_CONTACT_CONTACT_ELIMINATION_H_

@@ -1,0 +1,148 @@
+#include "sim/derivative/adjoint_solver.h"
+
+#include <Eigen/SparseLU>
+#include <stdexcept>
+
+#include "sim/contact/contact_elimination.h"
+#include "sim/derivative/adjoint_iteration.h"
+#include "sim/rollout/simulator.h"
+#include "sim/step/step.h"
+
+namespace clothid {
+namespace {
+
+// As in the authors' code, which then hands over to LU.
+constexpr int kMaxIterations = 400;
+
+}  // namespace
+
+// Left at its defaults (COLAMD), but for the analysis of the pattern, which serves the whole sweep.
+struct AdjointSolver::SparseLu {
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
+  Eigen::SparseMatrix<double> matrix;  // A
+  ContactElimination elimination;
+  Eigen::VectorXd values;
+  bool analysed = false;
+};
+
+AdjointSolver::AdjointSolver(const AdjointOptions& options, const Parameters& parameters, Simulator* simulator)
+    : method_(options.method),
+      use_kept_factors_(options.use_kept_factors),
+      threshold_(options.threshold.value_or(simulator->scene().solver.adjoint_tolerance)),
+      parameters_(parameters),
+      simulator_(simulator) {}
+
+AdjointSolver::~AdjointSolver() = default;
+
+void AdjointSolver::Solve(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
+                          Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
+  ++work->solves;
+  if (SolveByMethod(record, right, step, z, y, work)) return;
+  ++work->failed_solves;
+  const ScopedTimer timer(&work->fallback_seconds);
+  const bool is_iteration = method_ == AdjointMethod::kFixedPoint || method_ == AdjointMethod::kSystemGmres;
+  if (is_iteration ? SolveBySparseLu(*step, right, z, y)
+                   : SolveByStepJacobian(StepJacobian::Method::kLu, right, step, z, y, work)) {
+    return;
+  }
+  throw std::runtime_error("singular step Jacobian");
+}
+
+bool AdjointSolver::SolveByMethod(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
+                                  Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
+  switch (method_) {
+    case AdjointMethod::kReduced:
+      return SolveByKeptFactor(record, right, step, z, y, work) ||
+             SolveByStepJacobian(StepJacobian::Method::kReduced, right, step, z, y, work);
+    case AdjointMethod::kLu:
+      return SolveByStepJacobian(StepJacobian::Method::kLu, right, step, z, y, work);
+    case AdjointMethod::kSparseLu:
+      return SolveBySparseLu(*step, right, z, y);
+    case AdjointMethod::kFixedPoint:
+    case AdjointMethod::kSystemGmres:
+      return SolveByIteration(record, *step, right, z, y, work);
+  }
+  return false;
+}
+
+bool AdjointSolver::SolveByStepJacobian(StepJacobian::Method method, const Eigen::MatrixXd& right, StepDerivative* step,
+                                        Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
+  if (!step->Factor(method)) return false;
+  const bool solved = step->jacobian().SolveTransposed(right, threshold_, z, y);
+  work->iterations += step->jacobian().iterations();
+  return solved;
+}
+
+bool AdjointSolver::SolveByKeptFactor(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
+                                      Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
+  if (!use_kept_factors_ || record.factor == nullptr) return false;
+  step->UseFactor(record.factor);
+  const bool solved = step->jacobian().SolveTransposed(right, threshold_, z, y);
+  work->iterations += step->jacobian().iterations();
+  return solved;
+}
+
+bool AdjointSolver::SolveBySparseLu(const StepDerivative& step, const Eigen::MatrixXd& right, Eigen::MatrixXd* z,
+                                    Eigen::MatrixXd* y) {
+  if (sparse_lu_ == nullptr) sparse_lu_ = std::make_unique<SparseLu>();
+  SparseLu& lu = *sparse_lu_;
+  const ClothModel& model = simulator_->model();
+  const BlockPattern& pattern = *model.pattern();
+  PhaseSeconds& seconds = simulator_->step_solver().jacobian().seconds();
+  {
+    const ScopedTimer timer(&seconds.contact);
+    lu.elimination.SetContacts(step.contacts(), model.free_index(), parameters_.friction_coefficients);
+    lu.elimination.FullJacobian(simulator_->step_solver().hessian(), &lu.values);
+  }
+  {
+    const ScopedTimer timer(&seconds.factorization);
+    lu.matrix =
+        Eigen::Map<const Eigen::SparseMatrix<double>>(pattern.size(), pattern.size(), pattern.num_values(),
+                                                      pattern.outer().data(), pattern.inner().data(), lu.values.data());
+    if (!lu.analysed) lu.lu.analyzePattern(lu.matrix);
+    lu.analysed = true;
+    lu.lu.factorize(lu.matrix);
+    if (lu.lu.info() != Eigen::Success) return false;
+  }
+  const ScopedTimer timer(&seconds.solution);
+  *z = lu.lu.transpose().solve(right);
+  *y = *z;
+  lu.elimination.AddImpulseTransposed(y);
+  return z->allFinite();
+}
+
+bool AdjointSolver::SolveByIteration(const StepRecord& record, const StepDerivative& step, const Eigen::MatrixXd& right,
+                                     Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
+  PhaseSeconds& seconds = simulator_->step_solver().jacobian().seconds();
+  const SystemMatrixFactor& system_matrix = SystemMatrixOf(record.time_step);
+  std::optional<AdjointSystem> system;
+  {
+    const ScopedTimer timer(&seconds.contact);
+    system.emplace(simulator_->model(), step.contacts(), record.velocities, parameters_,
+                   simulator_->step_solver().hessian());
+  }
+  const ScopedTimer timer(&seconds.solution);
+  const LinearMap multiply = [&](const Eigen::MatrixXd& v) { return system->Multiply(v); };
+  const LinearMap precondition = [&](const Eigen::MatrixXd& v) { return system_matrix.Solve(v); };
+  if (method_ == AdjointMethod::kFixedPoint) {
+    const IterationResult result = IterateFixedPoint(multiply, precondition, right, threshold_, kMaxIterations, z);
+    work->iterations += result.iterations;
+    if (!result.converged) return false;
+  } else {
+    const GmresResult result = Gmres(multiply, precondition, right, threshold_, kMaxIterations, z);
+    work->iterations += result.iterations;
+    if (!result.converged) return false;
+  }
+  system->Finish(z, y);
+  return true;
+}
+
+const SystemMatrixFactor& AdjointSolver::SystemMatrixOf(double time_step) {
+  if (system_matrix_ == nullptr || system_matrix_->time_step() != time_step) {
+    const ScopedTimer timer(&simulator_->step_solver().jacobian().seconds().factorization);
+    system_matrix_ = std::make_unique<SystemMatrixFactor>(simulator_->model(), parameters_.material, time_step);
+  }
+  return *system_matrix_;
+}
+
+}  // namespace clothid

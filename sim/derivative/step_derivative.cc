@@ -1,0 +1,145 @@
+#include "sim/derivative/step_derivative.h"
+
+#include <utility>
+
+#include "sim/matrix/block_product.h"
+#include "sim/rollout/simulator.h"
+#include "sim/step/step.h"
+#include "sim/step/step_problem.h"
+
+namespace clothid {
+
+StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_positions,
+                               const Eigen::VectorXd& start_velocities, const Parameters& parameters,
+                               Simulator* simulator)
+    : record_(record),
+      start_positions_(start_positions),
+      start_velocities_(start_velocities),
+      parameters_(parameters),
+      model_(simulator->model()),
+      hessian_(simulator->step_solver().hessian()),
+      jacobian_(simulator->step_solver().jacobian()) {
+  const ScopedTimer timer(&jacobian_.seconds().assembly);
+  if (model_.damping() != nullptr) model_.damping()->SetMetrics(start_positions, &start_metrics_);
+  AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
+                      &hessian_);
+  const Material& material = parameters.material;
+  const double damped_density = material.density + (model_.drag() ? record.time_step * material.drag : 0.0);
+  masses_.resize(3 * model_.num_free());
+  for (int i = 0; i < model_.num_free(); ++i) {
+    masses_.segment<3>(3 * i).setConstant(material.density * model_.node_areas()[model_.free_nodes()[i]]);
+  }
+  damped_masses_ = masses_ * (damped_density / material.density);
+  contacts_ = RestoreContacts(model_, parameters, start_positions, record.time_step, record.contacts);
+}
+
+bool StepDerivative::Factor(StepJacobian::Method method) {
+  return jacobian_.Factor(method, hessian_, contacts_, parameters_.friction_coefficients);
+}
+
+void StepDerivative::UseFactor(std::shared_ptr<const ReducedFactor> factor) {
+  jacobian_.SetPoint(hessian_, contacts_, parameters_.friction_coefficients);
+  jacobian_.SetFactor(std::move(factor));
+}
+
+Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const {
+  return masses_.asDiagonal() * columns;
+}
+
+Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns);
+  product -= damped_masses_.asDiagonal() * columns;
+  return product / record_.time_step;
+}
+
+Eigen::MatrixXd StepDerivative::TimesStart(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = TimesHessian(columns);
+  if (model_.damping() != nullptr) product += TimesMixed(record_.positions, start_positions_, columns);
+  return product;
+}
+
+Eigen::MatrixXd StepDerivative::TimesStartTransposed(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = TimesHessian(columns);
+  if (model_.damping() != nullptr) product += TimesMixed(start_positions_, record_.positions, columns);
+  return product;
+}
+
+Eigen::MatrixXd StepDerivative::TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
+                                           const Eigen::MatrixXd& columns) const {
+  const double h = record_.time_step;
+  const Eigen::MatrixXd all = model_.ScatterColumns(columns);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  model_.damping()->AddMixedProduct(h * parameters_.material.damping, h, positions, start_positions, all, &product);
+  return model_.GatherColumns(product);
+}
+
+Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  for (const Contact& contact : contacts_) {
+    const int row = 3 * model_.free_index()[contact.candidate.node];
+    const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
+    product.middleRows<3>(row) = ContactPositionJacobian(contact, mu) * columns.middleRows<3>(row);
+  }
+  return product;
+}
+
+Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  for (const Contact& contact : contacts_) {
+    const int row = 3 * model_.free_index()[contact.candidate.node];
+    const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
+    product.middleRows<3>(row) = ContactPositionJacobian(contact, mu).transpose() * columns.middleRows<3>(row);
+  }
+  return product;
+}
+
+// g = M (v - v_n) - h (M g_0 + node_force + c_d a (w - v)) - h f_int
+Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
+  const double h = record_.time_step;
+  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
+  switch (id.kind) {
+    case ParameterKind::kFriction:
+      break;
+    case ParameterKind::kStretchStiffness:
+      model_.stretch().AddForce(-h, record_.positions, &derivative);
+      break;
+    case ParameterKind::kBendingStiffness:
+      if (model_.bending() != nullptr) model_.bending()->AddForce(-h, record_.positions, &derivative);
+      break;
+    case ParameterKind::kDensity:
+      for (const int node : model_.free_nodes()) {
+        derivative.segment<3>(3 * node) =
+            model_.node_areas()[node] * (record_.velocities.segment<3>(3 * node) -
+                                         start_velocities_.segment<3>(3 * node) - h * model_.scene().gravity);
+      }
+      break;
+    case ParameterKind::kDrag:
+      if (model_.drag() == nullptr) break;
+      for (const int node : model_.free_nodes()) {
+        derivative.segment<3>(3 * node) =
+            h * model_.drag()->areas()[node] *
+            (record_.velocities.segment<3>(3 * node) - model_.drag()->WindAt(node, record_.time));
+      }
+      break;
+    case ParameterKind::kDamping:
+      if (model_.damping() != nullptr) {
+        model_.damping()->AddForce(-h, h, start_metrics_, record_.positions, &derivative);
+      }
+      break;
+  }
+  return model_.Gather(derivative);
+}
+
+Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
+  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(3 * model_.num_free());
+  if (id.kind != ParameterKind::kFriction) return derivative;
+  for (const Contact& contact : contacts_) {
+    if (contact.response.branch != ContactBranch::kSlip) continue;
+    if (id.obstacle != kAllObstacles && id.obstacle != contact.candidate.obstacle) continue;
+    derivative.segment<3>(3 * model_.free_index()[contact.candidate.node]) =
+        contact.response.normal_force * contact.response.slip_direction;
+  }
+  return derivative;
+}
+
+}  // namespace clothid

@@ -1,0 +1,66 @@
+// The linearisation of one solved step, shared by both sweeps. With Phi(v_{n+1}; x_n, v_n, theta) = 0:
+//
+//   A dv = -[(I + S)(h (H + V) dx_n - M dv_n + dg/dtheta dtheta) + X dx_n - dr/dtheta dtheta]
+// where H = d2(E + W)/dx2 at x_{n+1} as in step_problem.h; V = d2W/(dx dx_n), not symmetric, is there for internal
+// damping alone; dr/dtheta, the impulse at fixed F, for friction alone: f_N t at slipping nodes.
+#ifndef CLOTHID_SIM_DERIVATIVE_STEP_DERIVATIVE_H_
+#define CLOTHID_SIM_DERIVATIVE_STEP_DERIVATIVE_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "sim/rollout/rollout.h"
+#include "sim/scene/parameters.h"
+#include "sim/step/step_jacobian.h"
+
+namespace clothid {
+
+class StepDerivative {
+ public:
+  // The step that `record` ends and that started from `start_positions` x_n [3N] with `start_velocities` v_n [3N].
+  // Everything must outlive the object, which borrows the simulator's matrices: one at a time.
+  StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_positions,
+                 const Eigen::VectorXd& start_velocities, const Parameters& parameters, Simulator* simulator);
+
+  // Factors A. False where it fails.
+  bool Factor(StepJacobian::Method method);
+  // Solves with `factor`, which was made at the end of the step or near it, in its place.
+  void UseFactor(std::shared_ptr<const ReducedFactor> factor);
+  StepJacobian& jacobian() { return jacobian_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }  // sticking and slipping nodes
+
+  // On columns over the free nodes [3 Nf x s].
+  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;              // M y
+  Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;             // h (H + V) y, dg/dx_n at fixed v
+  Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;   // h (H + V^T) y
+  Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;            // X y
+  Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;  // X^T y
+
+  // dg/dtheta [3 Nf]; zero for friction.
+  Eigen::VectorXd MomentumDerivative(ParameterId id) const;
+  // dr/dtheta [3 Nf]; zero unless `id` is a friction coefficient.
+  Eigen::VectorXd ImpulseDerivative(ParameterId id) const;
+
+ private:
+  Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& columns) const;  // h H y = (K y - M y - h C y)/h
+  // h V y, and h V^T y with the positions exchanged.
+  Eigen::MatrixXd TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
+                             const Eigen::MatrixXd& columns) const;
+
+  const StepRecord& record_;
+  const Eigen::VectorXd& start_positions_;
+  const Eigen::VectorXd& start_velocities_;
+  const Parameters& parameters_;
+  const ClothModel& model_;
+  BlockMatrix& hessian_;
+  StepJacobian& jacobian_;
+  Eigen::VectorXd masses_;                  // M [3 Nf]
+  Eigen::VectorXd damped_masses_;           // M + h C [3 Nf]
+  std::vector<MetricBatch> start_metrics_;  // C(x_n); empty without damping
+  std::vector<Contact> contacts_;           // of the record
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_DERIVATIVE_STEP_DERIVATIVE_H_

@@ -1,0 +1,18 @@
+// The product of a symmetric block matrix with columns, the innermost loop of every iterative solve.
+#ifndef CLOTHID_SIM_MATRIX_BLOCK_PRODUCT_H_
+#define CLOTHID_SIM_MATRIX_BLOCK_PRODUCT_H_
+
+#include <Eigen/Core>
+
+#include "sim/matrix/block_matrix.h"
+
+namespace clothid {
+
+// product <- matrix * columns, [n x s]; `matrix` must be symmetric. `product` must not be `columns`.
+void MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& columns,
+                       Eigen::MatrixXd* product);
+Eigen::MatrixXd MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& columns);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_MATRIX_BLOCK_PRODUCT_H_

@@ -1,0 +1,44 @@
+#include "sim/rollout/simulator.h"
+
+#include <utility>
+
+#include "sim/cloth/cloth_model.h"
+#include "sim/step/step.h"
+
+namespace clothid {
+
+struct Simulator::State {
+  explicit State(Scene s) : scene(std::move(s)), model(scene), solver(model) {}
+  Scene scene;
+  ClothModel model;
+  StepSolver solver;
+  StepWorkspace workspace;
+};
+
+namespace {
+
+Scene Validated(Scene scene) {
+  ValidateScene(scene, "scene");
+  return scene;
+}
+
+}  // namespace
+
+Simulator::Simulator(Scene scene) : state_(std::make_unique<State>(Validated(std::move(scene)))) {}
+Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+const Scene& Simulator::scene() const { return state_->scene; }
+void Simulator::SetTolerances(double step_tolerance, double adjoint_tolerance) {
+  state_->scene.solver.step_tolerance = step_tolerance;
+  state_->scene.solver.adjoint_tolerance = adjoint_tolerance;
+}
+void Simulator::SetInitialVelocities(const Eigen::VectorXd& velocities) {
+  state_->scene.initial_velocities = velocities;
+}
+const ClothModel& Simulator::model() const { return state_->model; }
+StepSolver& Simulator::step_solver() { return state_->solver; }
+StepWorkspace& Simulator::step_workspace() { return state_->workspace; }
+
+}  // namespace clothid

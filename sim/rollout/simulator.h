@@ -1,0 +1,44 @@
+// The workspace of a simulation: the scene's model, the matrices of a step and their symbolic factorisations. One per
+// thread; rollouts of one simulator share its memory and its analyses, never its results: a rollout depends on
+// parameters and scene alone.
+#ifndef CLOTHID_SIM_ROLLOUT_SIMULATOR_H_
+#define CLOTHID_SIM_ROLLOUT_SIMULATOR_H_
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "sim/rollout/rollout.h"
+#include "sim/scene/scene.h"
+
+namespace clothid {
+
+class ClothModel;
+class StepSolver;
+struct StepWorkspace;
+
+class Simulator {
+ public:
+  // Builds the terms that the scene has: no obstacle, no contact; k_bend = 0, no bending; drag = 0, neither drag nor
+  // wind; damping = 0, no internal damping. Throws `Error` where `ValidateScene` does.
+  explicit Simulator(Scene scene);
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+
+  const Scene& scene() const;
+  // Those of the scene's solver options from now on.
+  void SetTolerances(double step_tolerance, double adjoint_tolerance);
+  // Start velocities [3N] m/s of the rollouts from now on, in place of the scene's.
+  void SetInitialVelocities(const Eigen::VectorXd& velocities);
+  const ClothModel& model() const;
+  StepSolver& step_solver();
+  StepWorkspace& step_workspace();  // for one StepProblem at a time
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_ROLLOUT_SIMULATOR_H_

@@ -1,0 +1,57 @@
+// A triangulated piece of cloth at rest.
+#ifndef CLOTHID_SIM_SCENE_MESH_H_
+#define CLOTHID_SIM_SCENE_MESH_H_
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace clothid {
+
+// The most that a mesh may have, and a file of one: bounds to check before memory is asked for.
+inline constexpr int kMaxNodes = 4000000;
+inline constexpr int kMaxFaces = 2 * kMaxNodes;
+inline constexpr std::uint64_t kMaxObjBytes = std::uint64_t{1} << 29;
+
+struct Mesh {
+  Eigen::Matrix3Xd rest_positions;  // [3 x N] m
+  Eigen::Matrix3Xi faces;           // [3 x F] node indices, consistently oriented
+
+  int num_nodes() const { return static_cast<int>(rest_positions.cols()); }
+  int num_faces() const { return static_cast<int>(faces.cols()); }
+};
+
+struct GridOptions {
+  std::array<int, 2> nodes = {16, 16};      // along the first and the second axis, at least 2 each
+  std::array<double, 2> size = {0.3, 0.3};  // m
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  std::array<Eigen::Vector3d, 2> axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};  // normalised on use
+};
+
+// Node (i, j) has index i + nodes[0] * j and stands at origin + i du axes[0] + j dv axes[1]. The diagonals alternate,
+// so that neither diagonal direction is preferred.
+Mesh MakeGrid(const GridOptions& options);
+
+// Reads the `v` and `f` lines of a Wavefront OBJ file; polygons are split into fans. Throws `Error` naming file and
+// line.
+Mesh ReadObj(const std::string& path);
+
+// Throws `Error` (kBadData), prefixed by `source`, unless: there are at most kMaxNodes nodes and kMaxFaces triangles;
+// positions are finite; indices are in range and distinct within a face; every triangle has area; every edge has one or
+// two triangles, which run along it in opposite directions (otherwise one of them is inverted); every node belongs to a
+// triangle. Messages count nodes and triangles from 0.
+void ValidateMesh(const Mesh& mesh, const std::string& source);
+
+// Area of every triangle at rest [F], m^2.
+Eigen::VectorXd TriangleAreas(const Mesh& mesh);
+
+// A third of the rest area of the adjacent triangles [N], m^2.
+Eigen::VectorXd NodeAreas(const Mesh& mesh);
+
+// The length that "relative to the cloth's size" refers to: the square root of the rest area, m.
+double ClothSize(const Mesh& mesh);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_SCENE_MESH_H_

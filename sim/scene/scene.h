@@ -1,0 +1,107 @@
+// All that is held fixed during a fit: cloth, handles, obstacles, air, gravity, solver settings. Read from scene.json
+// (see sim/scene/scene_json.h) or built by hand.
+#ifndef CLOTHID_SIM_SCENE_SCENE_H_
+#define CLOTHID_SIM_SCENE_SCENE_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/scene/handle_path.h"
+#include "sim/scene/mesh.h"
+#include "sim/scene/obstacle.h"
+#include "sim/scene/parameters.h"
+
+namespace clothid {
+
+// Bounds that keep a slip of the pen from asking for all memory or time.
+inline constexpr int kMaxSceneSteps = 10000000;
+inline constexpr std::size_t kMaxObstacles = 1000;
+
+// How a node enters the contact set (design: section 3).
+enum class ContactMode {
+  kGap,       // phi/h + u_N >= 0 for every node: continuous when contacts appear or end
+  kVelocity,  // u_N >= 0 for nodes with phi(x_n) <= touch: the paper's
+};
+
+// w(t, X) = mean + gust sin(frequency t + wave_vector . X), X the rest position.
+struct Wind {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();         // m/s
+  Eigen::Vector3d gust = Eigen::Vector3d::Zero();         // m/s
+  double frequency = 0.0;                                 // rad/s
+  Eigen::Vector3d wave_vector = Eigen::Vector3d::Zero();  // rad/m
+};
+
+struct SceneObstacle {
+  std::string name;
+  std::shared_ptr<const Obstacle> shape;
+  double friction_coefficient = 0.3;  // mu, the nominal value
+  double contact_distance = 0.0;      // m; the gap is measured from this distance off the surface (cloth thickness)
+};
+
+// Nodes with an exact prescribed position. An empty path: they stay where they are at the start.
+struct Handles {
+  std::vector<int> nodes;
+  HandlePath path;  // of nodes.size() handles, in the same order; times on the scene's clock
+};
+
+// Properties of a parameter in a fit; absent values mean "not given".
+struct ParameterRange {
+  double nominal = std::numeric_limits<double>::quiet_NaN();
+  double lower_bound = std::numeric_limits<double>::quiet_NaN();
+  double upper_bound = std::numeric_limits<double>::quiet_NaN();
+  bool frozen = false;
+};
+
+struct SolverOptions {
+  double step_tolerance = 1e-8;      // residual of a step, relative to its largest term; at least the rounding floor
+  double adjoint_tolerance = 1e-12;  // relative residual of the linear solves of both derivative sweeps
+  int max_newton_iterations = 200;   // from one start
+  int max_substep_halvings = 4;      // h/2, h/4, .. before a step counts as failed
+};
+
+struct Scene {
+  double time_step = 0.005;                                    // h, s
+  double start_time = 0.0;                                     // s, on the clock of wind and handle path
+  double duration = 1.0;                                       // s
+  Eigen::Vector3d gravity = Eigen::Vector3d(0.0, 0.0, -9.81);  // g_0, m/s^2
+  Eigen::Vector3d node_force = Eigen::Vector3d::Zero();        // N, the same on every node
+  Wind wind;
+  ContactMode contact_mode = ContactMode::kGap;
+  double touch = 1e-5;               // velocity mode: the gap that counts as contact, relative to the cloth's size
+  double depenetration_speed = 1.0;  // m/s, gap mode: the most with which a start inside an obstacle is pushed out
+  Mesh mesh;
+  Eigen::VectorXd initial_positions;   // x_0 [3N] m
+  Eigen::VectorXd initial_velocities;  // v_0 [3N] m/s
+  Handles handles;
+  std::vector<SceneObstacle> obstacles;
+  Material material;                                 // nominal
+  std::map<std::string, ParameterRange> parameters;  // by parameter name
+  SolverOptions solver;
+
+  // Which terms a model of the scene has: those of a positive nominal value.
+  bool has_bending() const;
+  bool has_drag() const;
+  bool has_damping() const;
+
+  int num_steps() const;  // the least number of steps that covers `duration`
+  std::vector<std::string> obstacle_names() const;
+  Parameters nominal_parameters()
+      const;  // `parameters` where they give a nominal value, else `material` and the obstacles' mu
+};
+
+// Throws `Error` (kBadData), prefixed by `source`, unless mesh, handles, initial state, obstacles and numbers are
+// usable.
+void ValidateScene(const Scene& scene, const std::string& source);
+
+// Throws `Error` (kBadData) unless every value is finite, density and stiffness are positive, the rest not negative,
+// and bending stiffness, drag and damping zero where the scene has no such term.
+void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_SCENE_SCENE_H_

@@ -1,0 +1,317 @@
+#include "sim/scene/scene_json.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "sim/base/error.h"
+#include "sim/base/json_document.h"
+#include "sim/base/npy_file.h"
+#include "sim/base/text_file.h"
+#include "sim/scene/handle_csv.h"
+#include "sim/scene/obstacle_json.h"
+
+namespace clothid {
+namespace {
+
+using Kind = JsonValue::Kind;
+
+// Reads one scene text. The parts come in the order in which they need each other: mesh, handles, start, obstacles.
+class SceneReader {
+ public:
+  SceneReader(const JsonNode& root, const std::string& folder, const SceneDefaults& defaults)
+      : root_(root), folder_(folder), defaults_(defaults) {}
+
+  Scene Read() {
+    root_.ExpectKeys({"clothid_scene", "time_step", "duration", "gravity", "contact", "touch", "depenetration_speed",
+                      "wind", "node_force", "mesh", "initial", "handles", "obstacles", "materials", "parameters",
+                      "solver"});
+    const JsonNode version = root_.Require("clothid_scene", "the version of the format: 1");
+    if (version.Integer(0, std::numeric_limits<int>::max()) != 1) version.Fail("expected version 1");
+    ReadTime();
+    ReadForces();
+    ReadContact();
+    ReadMesh();
+    ReadHandles();
+    ReadInitial();
+    if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles, folder_);
+    ReadMaterials();
+    ReadParameters();
+    ReadSolver();
+    return std::move(scene_);
+  }
+
+ private:
+  static void ReadVector(const JsonNode& object, const char* key, Eigen::Vector3d* value) {
+    if (const auto node = object.Find(key)) *value = node->Vector3();
+  }
+
+  static void ReadNonNegative(const JsonNode& object, const char* key, double* value) {
+    if (const auto node = object.Find(key)) *value = node->NonNegativeNumber();
+  }
+
+  static void ReadPositive(const JsonNode& object, const char* key, double* value) {
+    if (const auto node = object.Find(key)) *value = node->PositiveNumber();
+  }
+
+  void ReadTime() {
+    ReadPositive(root_, "time_step", &scene_.time_step);
+    if (defaults_.has_mesh) {
+      ReadPositive(root_, "duration", &scene_.duration);
+      scene_.start_time = defaults_.start_time;
+      scene_.duration = defaults_.duration;
+    } else {
+      scene_.duration = root_.Require("duration", "a number > 0 (s)").PositiveNumber();
+    }
+  }
+
+  void ReadForces() {
+    ReadVector(root_, "gravity", &scene_.gravity);
+    ReadVector(root_, "node_force", &scene_.node_force);
+    const auto wind = root_.Find("wind");
+    if (!wind) return;
+    wind->ExpectKeys({"mean", "gust", "frequency", "wave_vector"});
+    ReadVector(*wind, "mean", &scene_.wind.mean);
+    ReadVector(*wind, "gust", &scene_.wind.gust);
+    ReadVector(*wind, "wave_vector", &scene_.wind.wave_vector);
+    if (const auto frequency = wind->Find("frequency")) scene_.wind.frequency = frequency->Number();
+  }
+
+  void ReadContact() {
+    ReadNonNegative(root_, "touch", &scene_.touch);
+    ReadNonNegative(root_, "depenetration_speed", &scene_.depenetration_speed);
+    const auto mode = root_.Find("contact");
+    if (!mode) return;
+    if (!mode->is(Kind::kString) || (mode->String() != "gap" && mode->String() != "velocity")) {
+      mode->Fail("expected \"gap\" or \"velocity\"");
+    }
+    scene_.contact_mode = mode->String() == "gap" ? ContactMode::kGap : ContactMode::kVelocity;
+  }
+
+  // A recording brings its own mesh; the one in the text then has to be of the same size, and its file is not opened.
+  void ReadMesh() {
+    if (defaults_.has_mesh) scene_.mesh = defaults_.mesh;
+    const std::string expected = "{\"grid\": {..}} or {\"obj\": \"FILE\"}";
+    if (defaults_.has_mesh && !root_.Find("mesh")) return;
+    const JsonNode mesh = root_.Require("mesh", expected);
+    mesh.ExpectKeys({"grid", "obj"});
+    const auto grid = mesh.Find("grid"), obj = mesh.Find("obj");
+    if (grid.has_value() == obj.has_value()) mesh.Fail("expected either " + expected);
+    if (grid) {
+      const GridOptions options = ReadGrid(*grid);
+      if (!defaults_.has_mesh) scene_.mesh = MakeGrid(options);
+      const int nodes = options.nodes[0] * options.nodes[1];
+      if (nodes != scene_.mesh.num_nodes()) {
+        grid->Fail("expected the " + std::to_string(scene_.mesh.num_nodes()) + " nodes of the recording, found " +
+                   std::to_string(nodes));
+      }
+    } else {
+      const std::string path = obj->Path(folder_);
+      if (defaults_.has_mesh) return;
+      scene_.mesh = ReadObj(path);
+      ValidateMesh(scene_.mesh, path);
+    }
+  }
+
+  static GridOptions ReadGrid(const JsonNode& grid) {
+    GridOptions options;
+    grid.ExpectKeys({"nodes", "size", "origin", "axes"});
+    const auto nodes = Pair(grid.Require("nodes", "two integers >= 2"), "two integers >= 2");
+    const auto size = Pair(grid.Require("size", "two numbers > 0 (m)"), "two numbers > 0 (m)");
+    for (std::size_t k = 0; k < 2; ++k) {
+      options.nodes[k] = nodes[k].Integer(2, kMaxNodes);
+      options.size[k] = size[k].PositiveNumber();
+    }
+    if (options.nodes[0] > kMaxNodes / options.nodes[1]) {
+      grid.Fail("expected at most " + std::to_string(kMaxNodes) + " nodes");
+    }
+    ReadVector(grid, "origin", &options.origin);
+    const auto axes = grid.Find("axes");
+    if (!axes) return options;
+    const auto axis = Pair(*axes, "two directions");
+    options.axes = {axis[0].Vector3(), axis[1].Vector3()};
+    // Axes closer to parallel than this are a slip of the pen, not a sheared cloth.
+    constexpr double kLeastSine = 1e-3;
+    const double sine = options.axes[0].stableNormalized().cross(options.axes[1].stableNormalized()).norm();
+    if (!(sine > kLeastSine)) axes->Fail("expected two directions that are not parallel");
+    return options;
+  }
+
+  static std::vector<JsonNode> Pair(const JsonNode& node, const std::string& expected) {
+    if (!node.is(Kind::kArray) || node.items().size() != 2) node.Fail("expected " + expected);
+    return node.items();
+  }
+
+  void ReadHandles() {
+    scene_.handles = defaults_.handles;
+    const auto handles = root_.Find("handles");
+    if (!handles) return;
+    std::vector<int> nodes;
+    if (handles->is(Kind::kObject)) {
+      handles->ExpectKeys({"nodes", "path"});
+      nodes = ReadHandleNodes(handles->Require("nodes", "a list of nodes"));
+    } else {
+      if (!handles->is(Kind::kArray))
+        handles->Fail("expected a list of nodes or {\"nodes\": [..], \"path\": \"FILE\"}");
+      nodes = ReadHandleNodes(*handles);
+    }
+    const auto path = handles->is(Kind::kObject) ? handles->Find("path") : std::nullopt;
+    const std::string file = path ? path->Path(folder_) : "";
+    if (defaults_.handles.nodes.empty()) {
+      scene_.handles.nodes = nodes;
+      if (path) scene_.handles.path = ReadHandleCsv(file, static_cast<int>(nodes.size()));
+    } else if (std::set<int>(nodes.begin(), nodes.end()) !=
+               std::set<int>(defaults_.handles.nodes.begin(), defaults_.handles.nodes.end())) {
+      handles->Fail("expected the handles of the recording: " + List(defaults_.handles.nodes));
+    }
+  }
+
+  static std::string List(const std::vector<int>& nodes) {
+    std::string list;
+    for (const int node : nodes) list += (list.empty() ? "" : ", ") + std::to_string(node);
+    return Printable(list);
+  }
+
+  std::vector<int> ReadHandleNodes(const JsonNode& list) const {
+    std::vector<int> nodes;
+    std::set<int> seen;
+    const int num_nodes = scene_.mesh.num_nodes();
+    for (const JsonNode& item : list.items()) {
+      nodes.push_back(item.Integer(0, num_nodes - 1));
+      if (!seen.insert(nodes.back()).second) item.Fail("node " + std::to_string(nodes.back()) + " is listed twice");
+    }
+    if (static_cast<int>(nodes.size()) == num_nodes) list.Fail("expected at least one node that is not a handle");
+    return nodes;
+  }
+
+  void ReadInitial() {
+    const Eigen::Index num_nodes = scene_.mesh.num_nodes();
+    scene_.initial_velocities = Eigen::VectorXd::Zero(3 * num_nodes);
+    const auto initial = root_.Find("initial");
+    if (initial) initial->ExpectKeys({"positions", "velocity"});
+    const auto positions = initial ? initial->Find("positions") : std::nullopt;
+    if (positions) {
+      scene_.initial_positions = ReadInitialPositions(*positions);
+    } else if (!defaults_.has_mesh) {
+      scene_.initial_positions = scene_.mesh.rest_positions.reshaped();
+    } else if (defaults_.initial_positions.size() > 0) {
+      scene_.initial_positions = defaults_.initial_positions;
+    } else {
+      root_.Fail("key 'initial.positions': is missing; the recording's first frame shows too few points to start from");
+    }
+    if (const auto velocity = initial ? initial->Find("velocity") : std::nullopt) {
+      scene_.initial_velocities.reshaped(3, num_nodes).colwise() = velocity->Vector3();
+    }
+    PutHandlesOnPath();
+  }
+
+  void PutHandlesOnPath() {
+    if (scene_.handles.path.times().size() == 0) return;
+    const Eigen::VectorXd start = scene_.handles.path.At(scene_.start_time);
+    for (std::size_t i = 0; i < scene_.handles.nodes.size(); ++i) {
+      scene_.initial_positions.segment<3>(3 * static_cast<Eigen::Index>(scene_.handles.nodes[i])) =
+          start.segment<3>(3 * static_cast<Eigen::Index>(i));
+    }
+  }
+
+  Eigen::VectorXd ReadInitialPositions(const JsonNode& node) const {
+    if (node.String() == "rest") return scene_.mesh.rest_positions.reshaped();
+    const std::string path = node.Path(folder_);
+    const NpyArray array = ReadNpy(path);
+    const int num_nodes = scene_.mesh.num_nodes();
+    if (array.shape != std::vector<long long>{num_nodes, 3}) {
+      node.Fail("expected " + path + " to hold an array of shape (" + std::to_string(num_nodes) + ", 3)");
+    }
+    const Eigen::Map<const Eigen::VectorXd> positions(array.values.data(), 3 * static_cast<Eigen::Index>(num_nodes));
+    if (!positions.allFinite()) node.Fail("expected " + path + " to hold finite numbers");
+    return positions;
+  }
+
+  void ReadMaterials() {
+    const auto materials = root_.Find("materials");
+    if (!materials) return;
+    materials->ExpectKeys({"density", "k_stretch", "k_bend", "drag", "damping"});
+    ReadPositive(*materials, "density", &scene_.material.density);
+    ReadPositive(*materials, "k_stretch", &scene_.material.stretch_stiffness);
+    ReadNonNegative(*materials, "k_bend", &scene_.material.bending_stiffness);
+    ReadNonNegative(*materials, "drag", &scene_.material.drag);
+    ReadNonNegative(*materials, "damping", &scene_.material.damping);
+  }
+
+  void ReadParameters() {
+    const auto parameters = root_.Find("parameters");
+    if (!parameters) return;
+    for (const std::string& name : parameters->keys()) {
+      const JsonNode node = *parameters->Find(name);
+      const ParameterId id = KnownParameter(node, name);
+      node.ExpectKeys({"nominal", "lower", "upper", "frozen"});
+      ParameterRange& range = scene_.parameters[name];
+      const bool must_be_positive = id.kind == ParameterKind::kDensity || id.kind == ParameterKind::kStretchStiffness;
+      (must_be_positive ? ReadPositive : ReadNonNegative)(node, "nominal", &range.nominal);
+      ReadNonNegative(node, "lower", &range.lower_bound);
+      ReadNonNegative(node, "upper", &range.upper_bound);
+      if (const auto frozen = node.Find("frozen")) range.frozen = frozen->Boolean();
+      // Absent values (NaN) compare as in order with everything.
+      if (range.lower_bound >= range.upper_bound) node.Fail("expected lower < upper");
+      if (range.nominal < range.lower_bound || range.nominal > range.upper_bound) {
+        node.Fail("expected lower <= nominal <= upper");
+      }
+    }
+  }
+
+  ParameterId KnownParameter(const JsonNode& node, const std::string& name) const {
+    std::string problem;
+    try {
+      return ParseParameter(name, scene_.obstacle_names());
+    } catch (const Error& error) {
+      problem = error.what();
+    }
+    node.Fail(Printable(problem));
+  }
+
+  void ReadSolver() {
+    const auto solver = root_.Find("solver");
+    if (!solver) return;
+    solver->ExpectKeys({"step_tolerance", "adjoint_tolerance", "max_newton_iterations", "max_substep_halvings"});
+    SolverOptions& options = scene_.solver;
+    ReadTolerance(*solver, "step_tolerance", &options.step_tolerance);
+    ReadTolerance(*solver, "adjoint_tolerance", &options.adjoint_tolerance);
+    if (const auto node = solver->Find("max_newton_iterations"))
+      options.max_newton_iterations = node->Integer(1, 100000);
+    if (const auto node = solver->Find("max_substep_halvings")) options.max_substep_halvings = node->Integer(0, 20);
+  }
+
+  static void ReadTolerance(const JsonNode& object, const char* key, double* value) {
+    const auto node = object.Find(key);
+    if (!node) return;
+    if (!node->is(Kind::kNumber) || !(node->Number() > 0.0 && node->Number() < 1.0)) {
+      node->Fail("expected a number between 0 and 1");
+    }
+    *value = node->Number();
+  }
+
+  const JsonNode root_;
+  const std::string& folder_;
+  const SceneDefaults& defaults_;
+  Scene scene_;
+};
+
+}  // namespace
+
+Scene ParseScene(const std::string& text, const std::string& source, const std::string& folder,
+                 const SceneDefaults& defaults) {
+  const JsonValue document = ParseJson(text, source);
+  Scene scene = SceneReader(JsonNode(document, source), folder, defaults).Read();
+  ValidateScene(scene, source);
+  return scene;
+}
+
+Scene ReadScene(const std::string& path) {
+  return ParseScene(ReadFile(path, kMaxJsonBytes), path, std::filesystem::path(path).parent_path().string());
+}
+
+}  // namespace clothid

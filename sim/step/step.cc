@@ -1,0 +1,303 @@
+#include "sim/step/step.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clothid {
+namespace {
+
+constexpr double kLargestForcing = 0.1;       // tolerance of the linear system of a Newton iteration, ...
+constexpr double kForcing = 0.9;              // ... its share of the square of the last reduction of the residual, ...
+constexpr double kGoalShare = 0.3;            // ... and at least so much of the reduction that is left to do
+constexpr int kRefactorIterations = 10;       // a linear solve that takes more costs as much as a new factor
+constexpr int kDerivativeDigits = 8;          // that are asked of a derivative with a factor that was kept, ...
+constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
+constexpr double kRefineTolerance = 1e-8;     // of the linear system of an iteration beyond the tolerance
+constexpr double kSufficientDecrease = 1e-4;  // Armijo
+constexpr int kMaxHalvings = 14;              // of the step length in a line search
+constexpr double kSlowProgress = 0.9;         // a residual above this share of the one before last: a cycle
+constexpr double kReversal = 0.25;            // an iteration this far against the one before, as a cosine: likewise
+constexpr double kShortestFirstLength = 0.125;
+constexpr int kPatience = 30;                // iterations without progress before Newton's method gives up
+constexpr double kProgress = 0.8;            // a residual below this share of the lowest one is progress
+constexpr double kSmallestIncrement = 1e-2;  // of the share of friction in its continuation
+
+// The tolerance of Newton's linear system at relative residual `residual`, `last` before the last iteration (0: none):
+// the forcing term of Eisenstat and Walker 1996, choice 2, but no more accurate than a residual below `goal` needs.
+double ForcingTerm(double residual, double last, double goal) {
+  const double ratio = last > 0.0 ? residual / last : 1.0;
+  return std::max(std::min(kLargestForcing, kForcing * ratio * ratio), kGoalShare * goal / residual);
+}
+
+// Whether Newton's method gets on. In a stiff cloth the residual stays where it is for dozens of iterations, set by
+// elastic forces far larger than those of the solution, while the potential falls; in a cycle neither does.
+class Progress {
+ public:
+  explicit Progress(const StepPoint& start) : residual_(start.relative_residual), potential_(start.potential) {}
+
+  bool Continues(const StepPoint& point) {
+    const bool gets_on = point.relative_residual < kProgress * residual_ || point.potential < potential_;
+    if (point.relative_residual < kProgress * residual_) residual_ = point.relative_residual;
+    potential_ = std::min(potential_, point.potential);
+    idle_ = gets_on ? 0 : idle_ + 1;
+    return idle_ < kPatience;
+  }
+
+ private:
+  double residual_, potential_;  // the lowest, for progress
+  int idle_ = 0;                 // iterations
+};
+
+double TangentialSpeed(const ContactCandidate& candidate, const Eigen::Vector3d& velocity) {
+  return (velocity - candidate.normal.dot(velocity) * candidate.normal).norm();
+}
+
+// sum mu r_N |u_T| with r_N lagged at `lagged`: with the potential it is what a step minimises while r_N is held.
+double FrictionPotential(const StepProblem& problem, const StepPoint& lagged, const Eigen::VectorXd& velocities) {
+  double potential = 0.0;
+  for (size_t i = 0; i < problem.candidates().size(); ++i) {
+    const int index = static_cast<int>(i);
+    const double normal_impulse = std::max(0.0, -lagged.responses[i].normal_force);
+    if (normal_impulse == 0.0) continue;
+    potential += problem.friction_coefficient(index) * normal_impulse *
+                 TangentialSpeed(problem.candidates()[i], velocities.segment<3>(3 * problem.free_block(index)));
+  }
+  return potential;
+}
+
+}  // namespace
+
+StepSolver::StepSolver(const ClothModel& model) : model_(model), hessian_(model.pattern()), jacobian_(model) {}
+
+double StepSolver::Tolerance(const StepProblem& problem, const StepPoint& point) const {
+  return std::max(model_.scene().solver.step_tolerance, problem.RoundingFloor(point));
+}
+
+bool StepSolver::IsSolved(const StepProblem& problem, const StepPoint& point) const {
+  return point.relative_residual <= Tolerance(problem, point);
+}
+
+// From v_n, or from where the acceleration of the last step leads, whichever has the smaller residual.
+void StepSolver::Start(const StepProblem& problem, StepPoint* point) {
+  StartAt(problem, problem.start_velocities(), point);
+  if (acceleration_.size() == 0 || IsSolved(problem, *point)) return;
+  StartAt(problem, problem.start_velocities() + problem.time_step() * acceleration_, &trial_);
+  if (trial_.residual.norm() < point->residual.norm()) std::swap(*point, trial_);
+}
+
+void StepSolver::StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
+  Eigen::VectorXd start = velocities;
+  if (problem.may_touch()) problem.ClipToFeasible(&start);
+  Evaluate(problem, start, point);
+}
+
+bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients,
+                       const Eigen::VectorXd* guess, StepPoint* point, RolloutCounts* counts) {
+  if (guess != nullptr) {
+    StartAt(problem, *guess, point);
+  } else {
+    Start(problem, point);
+  }
+  acceleration_.resize(0);
+  bool solved = Newton(problem, friction_coefficients, point, counts);
+  if (solved) {
+    acceleration_ = (point->velocities - problem.start_velocities()) / problem.time_step();
+  } else if (std::isfinite(point->relative_residual)) {
+    solved = ContinueInFriction(problem, friction_coefficients, point, counts);
+  }
+  if (solved && guess != nullptr) Refine(problem, friction_coefficients, point, counts);
+  if (solved && ends_with_factors_) EndWithFactor(problem, friction_coefficients, *point, counts);
+  return solved;
+}
+
+void StepSolver::Refine(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
+                        RolloutCounts* counts) {
+  ++counts->newton_iterations;
+  std::vector<Contact> contacts;
+  if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
+  Eigen::VectorXd direction;
+  if (!DirectionByNewFactor(problem, contacts, mu, *point, kRefineTolerance, &direction, counts)) return;
+  StartAt(problem, point->velocities + direction, &trial_);
+  if (IsSolved(problem, trial_)) std::swap(*point, trial_);
+}
+
+// A new one, unless the one at hand brings a derivative to full accuracy in fewer iterations than that costs.
+void StepSolver::EndWithFactor(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
+                               RolloutCounts* counts) {
+  if (jacobian_.factor() != nullptr && kDerivativeDigits * iterations_per_digit_ <= kDerivativeIterations) return;
+  std::vector<Contact> contacts;
+  if (problem.may_touch()) problem.FindActiveContacts(point, &contacts);
+  Assemble(problem, HessianKind::kExact, point);
+  ++counts->factorizations;
+  jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu);
+  iterations_per_digit_ = 0.0;
+  new_factor_is_due_ = false;
+}
+
+void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
+  const ScopedTimer timer(&jacobian_.seconds().evaluation);
+  problem.Evaluate(velocities, point);
+}
+
+void StepSolver::Reset(bool end_with_factors) {
+  jacobian_.SetFactor(nullptr);
+  acceleration_.resize(0);
+  ends_with_factors_ = end_with_factors;
+  iterations_per_digit_ = 0.0;
+  new_factor_is_due_ = false;
+}
+
+void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point) {
+  const ScopedTimer timer(&jacobian_.seconds().assembly);
+  problem.AssembleHessian(kind, point, &hessian_);
+}
+
+bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts,
+                          const std::vector<double>& mu, const StepPoint& point, RolloutCounts* counts) {
+  for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
+    Assemble(problem, kind, point);
+    ++counts->factorizations;
+    if (jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu)) return true;
+  }
+  return false;
+}
+
+// A dv = -Phi; by LU of the same matrix where GMRES stalls on a strong friction coupling.
+bool StepSolver::SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu,
+                         const Eigen::VectorXd& residual, double tolerance, Eigen::VectorXd* direction,
+                         RolloutCounts* counts) {
+  Eigen::MatrixXd solution;
+  bool solved = jacobian_.Solve(-residual, tolerance, &solution);
+  counts->linear_iterations += jacobian_.iterations();
+  if (!solved) {
+    ++counts->factorizations;
+    solved = jacobian_.Factor(StepJacobian::Method::kLu, hessian_, contacts, mu) &&
+             jacobian_.Solve(-residual, tolerance, &solution);
+  }
+  if (!solved || !solution.allFinite()) return false;
+  *direction = solution;
+  return true;
+}
+
+bool StepSolver::DirectionByFactorAtHand(const StepProblem& problem, const std::vector<Contact>& contacts,
+                                         const std::vector<double>& mu, const StepPoint& point, double tolerance,
+                                         Eigen::VectorXd* direction, RolloutCounts* counts) {
+  Assemble(problem, HessianKind::kExact, point);
+  jacobian_.SetPoint(hessian_, contacts, mu);
+  Eigen::MatrixXd solution;
+  const bool solved = jacobian_.Solve(-point.residual, tolerance, &solution) && solution.allFinite();
+  counts->linear_iterations += jacobian_.iterations();
+  new_factor_is_due_ = jacobian_.iterations() > kRefactorIterations;
+  iterations_per_digit_ = -jacobian_.iterations() / std::log10(tolerance);
+  if (solved) *direction = solution;
+  return solved;
+}
+
+bool StepSolver::DirectionByNewFactor(const StepProblem& problem, const std::vector<Contact>& contacts,
+                                      const std::vector<double>& mu, const StepPoint& point, double tolerance,
+                                      Eigen::VectorXd* direction, RolloutCounts* counts) {
+  new_factor_is_due_ = false;
+  // Where few digits are missing, the step ends near to where the factor was made.
+  iterations_per_digit_ = 1.0 / std::max(1.0, -std::log10(point.relative_residual));
+  return FactorAt(problem, contacts, mu, point, counts) &&
+         SolveAt(contacts, mu, point.residual, tolerance, direction, counts);
+}
+
+// Accepts the first length at which the residual or the potential decreases enough.
+bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length,
+                            StepPoint* point) {
+  const bool may_touch = problem.may_touch();
+  const double friction = may_touch ? FrictionPotential(problem, *point, point->velocities) : 0.0;
+  double length = first_length;
+  for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
+    Eigen::VectorXd velocities = point->velocities + length * direction;
+    if (may_touch) problem.ClipToFeasible(&velocities);
+    Evaluate(problem, velocities, &trial_);
+    if (!std::isfinite(trial_.relative_residual)) continue;
+    const double friction_change = may_touch ? FrictionPotential(problem, *point, velocities) - friction : 0.0;
+    const double slope = point->momentum_gradient.dot(velocities - point->velocities) + friction_change;
+    const double potential_change = trial_.potential - point->potential + friction_change;
+    const bool residual_decreases =
+        trial_.residual.norm() <= (1.0 - kSufficientDecrease * length) * point->residual.norm();
+    if (residual_decreases || (slope < 0.0 && potential_change <= kSufficientDecrease * slope)) {
+      std::swap(*point, trial_);
+      return true;
+    }
+  }
+  return false;
+}
+
+bool StepSolver::Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance,
+                         double first_length, StepPoint* point, RolloutCounts* counts) {
+  std::vector<Contact> contacts;
+  if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
+  Eigen::VectorXd direction;
+  if (jacobian_.factor() != nullptr && !new_factor_is_due_ &&
+      DirectionByFactorAtHand(problem, contacts, mu, *point, tolerance, &direction, counts) &&
+      LineSearch(problem, direction, first_length, point)) {
+    return true;
+  }
+  return DirectionByNewFactor(problem, contacts, mu, *point, tolerance, &direction, counts) &&
+         LineSearch(problem, direction, first_length, point);
+}
+
+// The length of the first trial is halved where an iteration undoes the one before it: a cycle between branches.
+bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
+                        RolloutCounts* counts) {
+  StepPoint best = *point;
+  Progress progress(*point);
+  Eigen::VectorXd change, last_change;  // of the velocities
+  double first_length = 1.0, before_last = 0.0, last = 0.0;
+  const int max_iterations = model_.scene().solver.max_newton_iterations;
+  for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
+    ++counts->newton_iterations;
+    const double tolerance = ForcingTerm(point->relative_residual, last, Tolerance(problem, *point));
+    const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last &&
+                        change.dot(last_change) < -kReversal * change.norm() * last_change.norm();
+    first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
+    before_last = last;
+    last = point->relative_residual;
+    last_change.swap(change);
+    change = -point->velocities;
+    if (!Iterate(problem, mu, tolerance, first_length, point, counts)) break;
+    change += point->velocities;
+    if (point->relative_residual < best.relative_residual) best = *point;
+    if (!progress.Continues(*point)) break;
+  }
+  if (!IsSolved(problem, *point)) *point = best;
+  return IsSolved(problem, *point);
+}
+
+bool StepSolver::ContinueInFriction(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
+                                    RolloutCounts* counts) {
+  if (std::all_of(mu.begin(), mu.end(), [](double coefficient) { return coefficient == 0.0; })) return false;
+  ++counts->fallbacks;
+  StepPoint reached, next;
+  const auto solve = [&](double share) {
+    const StepProblem eased = problem.WithFriction(share);
+    std::vector<double> eased_mu = mu;
+    for (double& coefficient : eased_mu) coefficient *= share;
+    if (share == 0.0) {
+      Start(eased, &next);
+    } else {
+      Evaluate(eased, reached.velocities, &next);
+    }
+    return Newton(eased, eased_mu, &next, counts);
+  };
+  if (!solve(0.0)) return false;
+  std::swap(reached, next);
+  for (double share = 0.0, increment = 1.0; share < 1.0;) {
+    if (solve(std::min(1.0, share + increment))) {
+      std::swap(reached, next);
+      share = std::min(1.0, share + increment);
+      increment *= 2.0;
+    } else {
+      increment *= 0.5;
+      if (increment < kSmallestIncrement) return false;
+    }
+  }
+  *point = reached;
+  return true;
+}
+
+}  // namespace clothid

@@ -1,0 +1,91 @@
+// The solver of one implicit step: projected semismooth Newton with a line search (design: section 4), and its
+// fallback, continuation in the friction coefficients, of which the step is a continuous function (section 5.1 of the
+// DiffCloth paper) as long as it stays on one solution.
+#ifndef CLOTHID_SIM_STEP_STEP_H_
+#define CLOTHID_SIM_STEP_STEP_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "sim/rollout/rollout.h"
+#include "sim/step/step_jacobian.h"
+#include "sim/step/step_problem.h"
+
+namespace clothid {
+
+// A solver's work space: matrices and symbolic factorisations for the model's pattern, and the last factor, which
+// serves as a preconditioner for as long as that is cheaper than a new one. So within its tolerance the solution of a
+// step depends on the steps before it, since `Reset`.
+class StepSolver {
+ public:
+  explicit StepSolver(const ClothModel& model);
+
+  // Forgets what earlier steps have left for later ones: a solver that was reset gives the same steps again, to the
+  // last bit. `end_with_factors`: every Solve ends with a factor that serves the derivative of its step.
+  void Reset(bool end_with_factors);
+
+  // After a Solve that ended with a factor: that one; null otherwise.
+  std::shared_ptr<const ReducedFactor> end_factor() const { return ends_with_factors_ ? jacobian_.factor() : nullptr; }
+
+  // Solves `problem` from its start velocities, or from `guess` [3 Nf], which may be null; with a guess, one iteration
+  // beyond the tolerance, because how the solution differs from the guess may be what is asked for. True: `point`
+  // satisfies the step to the scene's tolerance (or the rounding floor, where that is larger). False: `point` is the
+  // best one met. Adds its work to `counts`.
+  bool Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, const Eigen::VectorXd* guess,
+             StepPoint* point, RolloutCounts* counts);
+
+  // The tolerance that `Solve` asks for at `point`.
+  double Tolerance(const StepProblem& problem, const StepPoint& point) const;
+
+  // Work space that the derivative sweeps share between steps.
+  BlockMatrix& hessian() { return hessian_; }
+  StepJacobian& jacobian() { return jacobian_; }
+
+  // Where the time went so far, derivative sweeps included.
+  const PhaseSeconds& seconds() { return jacobian_.seconds(); }
+
+ private:
+  void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
+  void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
+  bool IsSolved(const StepProblem& problem, const StepPoint& point) const;
+  void Start(const StepProblem& problem, StepPoint* point);
+  void StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
+  // A full Newton iteration from a solution, kept where it is one, too.
+  void Refine(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point, RolloutCounts* counts);
+  bool Newton(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point, RolloutCounts* counts);
+  // The frictionless step first, which minimises a potential, and from there growing shares of the friction
+  // coefficients, each from the solution of the last. Leaves `point` alone where that leads nowhere.
+  bool ContinueInFriction(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
+                          RolloutCounts* counts);
+  // One iteration of Newton's method: along the direction that the factor at hand gives, or, where there is none or it
+  // leads nowhere, along that of a new factor.
+  bool Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance, double first_length,
+               StepPoint* point, RolloutCounts* counts);
+  bool DirectionByFactorAtHand(const StepProblem& problem, const std::vector<Contact>& contacts,
+                               const std::vector<double>& mu, const StepPoint& point, double tolerance,
+                               Eigen::VectorXd* direction, RolloutCounts* counts);
+  bool DirectionByNewFactor(const StepProblem& problem, const std::vector<Contact>& contacts,
+                            const std::vector<double>& mu, const StepPoint& point, double tolerance,
+                            Eigen::VectorXd* direction, RolloutCounts* counts);
+  void EndWithFactor(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
+                     RolloutCounts* counts);
+  bool FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts, const std::vector<double>& mu,
+                const StepPoint& point, RolloutCounts* counts);
+  bool SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu, const Eigen::VectorXd& residual,
+               double tolerance, Eigen::VectorXd* direction, RolloutCounts* counts);
+  bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point);
+
+  const ClothModel& model_;
+  BlockMatrix hessian_;
+  StepJacobian jacobian_;
+  StepPoint trial_;               // kept for its memory
+  Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
+  bool ends_with_factors_ = false;
+  double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known
+  bool new_factor_is_due_ = false;     // the last solve with the one at hand took as long as a new one
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_STEP_H_

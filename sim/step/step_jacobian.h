@@ -1,0 +1,93 @@
+// A = (I + S) K - S D, the matrix of Eq. (29) of the DiffCloth paper (P - dP - dR there), at one point: factor, solve.
+//
+// A factor outlives the point at which it was made: at a point near by it still is a preconditioner, for a fraction of
+// the cost of a new one.
+#ifndef CLOTHID_SIM_STEP_STEP_JACOBIAN_H_
+#define CLOTHID_SIM_STEP_STEP_JACOBIAN_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "sim/base/phase_seconds.h"
+#include "sim/cloth/cloth_model.h"
+#include "sim/contact/contact.h"
+#include "sim/contact/contact_elimination.h"
+#include "sim/matrix/linear_solver.h"
+
+namespace clothid {
+
+// The Cholesky factor of a reduced matrix, in the local frames that its slipping nodes had. Shared, never changed.
+struct ReducedFactor {
+  std::shared_ptr<const CholeskyFactor> cholesky;
+  std::vector<LocalFrame> frames;
+
+  std::size_t bytes() const { return cholesky->bytes() + frames.size() * sizeof(LocalFrame); }
+};
+
+class StepJacobian {
+ public:
+  enum class Method {
+    kReduced,  // contacts eliminated, Cholesky of the symmetric rest, friction coupling by GMRES
+    kLu,       // sparse LU of A
+  };
+
+  explicit StepJacobian(const ClothModel& model);
+
+  // A at a point: `hessian` is K and must outlive the solves.
+  void SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,
+                const std::vector<double>& friction_coefficients);
+
+  // Factors A at the point. False where the reduced matrix is not positive definite or A is singular.
+  bool Factor(Method method);
+
+  // Both at once.
+  bool Factor(Method method, const BlockMatrix& hessian, const std::vector<Contact>& contacts,
+              const std::vector<double>& friction_coefficients);
+
+  // The factor of the reduced matrix that solves use: of the last Factor(kReduced), whatever the point was, or the one
+  // given here. Null: none.
+  const std::shared_ptr<const ReducedFactor>& factor() const { return factor_; }
+  void SetFactor(std::shared_ptr<const ReducedFactor> factor);
+
+  // A dv = right, [3 Nf x s], to a relative residual of `tolerance` wherever the solution is iterative: with a factor
+  // of another point, or with friction. False: it was not reached, or, for one right-hand side with a factor of another
+  // point, a direction of negative curvature was met.
+  bool Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* dv);
+
+  // A^T z = right and y = (I + S)^T z.
+  bool SolveTransposed(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* z, Eigen::MatrixXd* y);
+
+  int iterations() const { return iterations_; }  // of the last solve; 0: direct
+
+  // v <- (I + S) v, with the contacts of the point.
+  void AddImpulse(Eigen::MatrixXd* vectors) const;
+
+  // Where the time went so far. Whoever assembles and evaluates for this object adds to it, too.
+  PhaseSeconds& seconds() { return seconds_; }
+
+ private:
+  enum class Direction { kForward, kTransposed };
+  bool SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q);
+  bool SolveByConjugateGradients(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q);
+  Eigen::MatrixXd ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const;
+  Eigen::MatrixXd ApplyFactor(const Eigen::MatrixXd& vectors) const;
+  bool has_coupling() const { return in_contact_ && elimination_->has_coupling(); }
+
+  const ClothModel& model_;
+  Method method_ = Method::kReduced;
+  const BlockMatrix* hessian_ = nullptr;
+  CholeskySolver cholesky_;
+  std::shared_ptr<const ReducedFactor> factor_;
+  bool factor_is_of_point_ = false;
+  std::unique_ptr<LuFactor> lu_;                     // made when first asked for
+  std::unique_ptr<ContactElimination> elimination_;  // null in a scene without obstacles
+  bool in_contact_ = false;                          // at the point
+  Eigen::VectorXd values_;                           // of the factored matrix, where it is not K itself
+  int iterations_ = 0;
+  PhaseSeconds seconds_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_STEP_JACOBIAN_H_

@@ -1,0 +1,262 @@
+#include "sim/step/step_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clothid {
+namespace {
+
+// d_j = P_jj of P = M + h C + h^2 (k L + k_b Q) + h eta L.
+double SystemDiagonal(const ClothModel& model, const Material& material, double h, int node) {
+  double diagonal = (material.density + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
+  diagonal += h * h * material.stretch_stiffness * model.laplacian_diagonal()[node];
+  if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal()[node];
+  if (model.bending() != nullptr) diagonal += h * h * material.bending_stiffness * model.bending()->diagonal()[node];
+  return diagonal;
+}
+
+bool SameMaterial(const Material& a, const Material& b) {
+  static_assert(sizeof(Material) == 5 * sizeof(double), "every constant is compared");
+  return a.density == b.density && a.stretch_stiffness == b.stretch_stiffness &&
+         a.bending_stiffness == b.bending_stiffness && a.drag == b.drag && a.damping == b.damping;
+}
+
+}  // namespace
+
+void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
+                         const std::vector<MetricBatch>& start_metrics, const Eigen::VectorXd& positions,
+                         BlockMatrix* hessian) {
+  const Material& material = parameters.material;
+  const double h = time_step;
+  hessian->values.setZero();
+  model.stretch().AddHessian(h * h * material.stretch_stiffness, kind, positions, hessian);
+  if (model.bending() != nullptr) model.bending()->AddHessian(h * h * material.bending_stiffness, hessian);
+  if (model.damping() != nullptr) {
+    model.damping()->AddHessian(h * h * material.damping, h, kind, start_metrics, positions, hessian);
+  }
+  hessian->CompleteFromLower();
+  const double areal_mass = material.density + (model.drag() ? h * material.drag : 0.0);
+  const BlockPattern& pattern = hessian->pattern();
+  for (int i = 0; i < model.num_free(); ++i) {
+    hessian->block(pattern.Diagonal(i)).diagonal().array() += areal_mass * model.node_areas()[model.free_nodes()[i]];
+  }
+}
+
+std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts) {
+  std::vector<ContactRecord> records;
+  records.reserve(contacts.size());
+  for (const Contact& contact : contacts) {
+    records.push_back({contact.candidate.node, contact.candidate.obstacle, contact.response.branch, contact.force});
+  }
+  return records;
+}
+
+std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
+                                     const Eigen::VectorXd& start_positions, double time_step,
+                                     const std::vector<ContactRecord>& records) {
+  std::vector<Contact> contacts;
+  contacts.reserve(records.size());
+  for (const ContactRecord& record : records) {
+    ContactCandidate candidate;
+    FindCandidate(model, record.node, start_positions, time_step, &candidate);
+    const double mu = parameters.friction_coefficients[record.obstacle];
+    contacts.push_back({candidate, EvaluateContactLaw(record.force, candidate.normal, mu), record.force,
+                        SystemDiagonal(model, parameters.material, time_step, record.node)});
+  }
+  return contacts;
+}
+
+StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
+                         const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace)
+    : model_(model), parameters_(parameters), work_(*workspace), time_step_(time_step), end_time_(end_time) {
+  const bool changed = work_.time_step != time_step || !SameMaterial(work_.material, parameters.material);
+  if (changed) SetConstants();
+  if (changed || model.drag() != nullptr) SetExternalImpulse();
+  SetHandles();
+  work_.start_positions = positions;
+  work_.start_velocities.resize(3 * model.num_free());
+  double square = 0.0;
+  for (int i = 0; i < model.num_free(); ++i) {
+    const Eigen::Vector3d velocity = velocities.segment<3>(3 * model.free_nodes()[i]);
+    work_.start_velocities.segment<3>(3 * i) = velocity;
+    square += (work_.masses[i] * velocity).squaredNorm();
+  }
+  work_.start_momentum = std::sqrt(square);
+  if (model.damping() != nullptr) model.damping()->SetMetrics(positions, &work_.start_metrics);
+  if (model.has_contact()) FindCandidates(model, positions, time_step, &work_.candidates);
+}
+
+StepProblem StepProblem::WithFriction(double share) const {
+  StepProblem other = *this;
+  other.friction_share_ = share;
+  return other;
+}
+
+void StepProblem::SetConstants() {
+  work_.material = parameters_.material;
+  work_.time_step = time_step_;
+  work_.masses = parameters_.material.density * model_.node_areas()(model_.free_nodes());
+  if (model_.drag() != nullptr) {
+    work_.drag = time_step_ * parameters_.material.drag * model_.drag()->areas()(model_.free_nodes());
+  }
+  work_.weights.resize(model_.num_free());
+  for (int i = 0; i < model_.num_free(); ++i) {
+    work_.weights[i] = SystemDiagonal(model_, parameters_.material, time_step_, model_.free_nodes()[i]);
+  }
+  work_.weight_norm = work_.weights.norm();
+}
+
+void StepProblem::SetExternalImpulse() {
+  const Scene& scene = model_.scene();
+  work_.external_impulse.resize(3 * model_.num_free());
+  for (int i = 0; i < model_.num_free(); ++i) {
+    auto impulse = work_.external_impulse.segment<3>(3 * i);
+    impulse = time_step_ * (work_.masses[i] * scene.gravity + scene.node_force);
+    if (model_.drag() != nullptr) impulse += work_.drag[i] * model_.drag()->WindAt(model_.free_nodes()[i], end_time_);
+  }
+  work_.external_norm = work_.external_impulse.norm();
+}
+
+void StepProblem::SetHandles() {
+  const Handles& handles = model_.scene().handles;
+  if (handles.path.num_handles() > 0) work_.handle_positions = handles.path.At(end_time_);
+}
+
+int StepProblem::free_block(int candidate) const { return model_.free_index()[work_.candidates[candidate].node]; }
+double StepProblem::weight(int candidate) const { return work_.weights[free_block(candidate)]; }
+double StepProblem::friction_coefficient(int candidate) const {
+  return friction_share_ * parameters_.friction_coefficients[work_.candidates[candidate].obstacle];
+}
+
+void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const {
+  MoveTo(velocities, point);
+  point->scale = std::max({work_.external_norm, work_.start_momentum, std::numeric_limits<double>::min()});
+  AddElasticForce(point);
+  if (model_.drag() != nullptr) AddDrag(point);
+  if (model_.damping() != nullptr) AddViscousForce(point);
+  if (may_touch()) {
+    ApplyContactLaw(point);
+  } else {
+    point->residual = point->momentum_gradient;
+  }
+  point->relative_residual = point->residual.norm() / point->scale;
+}
+
+// One pass over the nodes for all that has no derivative: x = x_n + h v, M (v - v_n) - h f_ext and its potential.
+void StepProblem::MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const {
+  point->velocities = velocities;
+  point->positions.resize(work_.start_positions.size());
+  point->momentum_gradient.resize(velocities.size());
+  Eigen::Array3d kinetic = Eigen::Array3d::Zero(), external = Eigen::Array3d::Zero();
+  for (int i = 0; i < model_.num_free(); ++i) {
+    const int row = 3 * i, node = 3 * model_.free_nodes()[i];
+    const Eigen::Vector3d v = velocities.segment<3>(row), change = v - work_.start_velocities.segment<3>(row);
+    const Eigen::Vector3d impulse = work_.external_impulse.segment<3>(row);
+    point->positions.segment<3>(node) = work_.start_positions.segment<3>(node) + time_step_ * v;
+    point->momentum_gradient.segment<3>(row) = work_.masses[i] * change - impulse;
+    kinetic += work_.masses[i] * change.array().square();
+    external += impulse.array() * v.array();
+  }
+  point->potential = 0.5 * kinetic.sum() - external.sum();
+  const Handles& handles = model_.scene().handles;
+  const bool move = handles.path.num_handles() > 0;
+  for (size_t i = 0; i < handles.nodes.size(); ++i) {
+    const int node = 3 * handles.nodes[i], row = 3 * static_cast<int>(i);
+    point->positions.segment<3>(node) =
+        move ? work_.handle_positions.segment<3>(row) : work_.start_positions.segment<3>(node);
+  }
+}
+
+void StepProblem::AddDrag(StepPoint* point) const {
+  for (int i = 0; i < model_.num_free(); ++i) {
+    const Eigen::Vector3d v = point->velocities.segment<3>(3 * i);
+    point->momentum_gradient.segment<3>(3 * i) += work_.drag[i] * v;
+    point->potential += 0.5 * work_.drag[i] * v.squaredNorm();
+  }
+}
+
+void StepProblem::AddElasticForce(StepPoint* point) const {
+  const Material& material = parameters_.material;
+  work_.force.setZero(3 * model_.num_nodes());
+  double energy = material.stretch_stiffness *
+                  model_.stretch().AddForce(material.stretch_stiffness, point->positions, &work_.force);
+  if (model_.bending() != nullptr) {
+    energy += material.bending_stiffness *
+              model_.bending()->AddForce(material.bending_stiffness, point->positions, &work_.force);
+  }
+  AddInternalForce(energy, point);
+}
+
+void StepProblem::AddViscousForce(StepPoint* point) const {
+  const double damping = parameters_.material.damping;
+  work_.force.setZero(3 * model_.num_nodes());
+  const double potential =
+      damping * model_.damping()->AddForce(damping, time_step_, work_.start_metrics, point->positions, &work_.force);
+  AddInternalForce(potential, point);
+}
+
+void StepProblem::AddInternalForce(double potential, StepPoint* point) const {
+  Eigen::Array3d squares = Eigen::Array3d::Zero();
+  for (int i = 0; i < model_.num_free(); ++i) {
+    const Eigen::Vector3d impulse = time_step_ * work_.force.segment<3>(3 * model_.free_nodes()[i]);
+    point->momentum_gradient.segment<3>(3 * i) -= impulse;
+    squares += impulse.array().square();
+  }
+  point->potential += potential;
+  point->scale = std::max(point->scale, std::sqrt(squares.sum()));
+}
+
+void StepProblem::ApplyContactLaw(StepPoint* point) const {
+  point->residual = point->momentum_gradient;
+  point->forces.resize(work_.candidates.size());
+  point->responses.resize(work_.candidates.size());
+  for (size_t i = 0; i < work_.candidates.size(); ++i) {
+    const int index = static_cast<int>(i);
+    const int row = 3 * free_block(index);
+    const ContactCandidate& candidate = work_.candidates[i];
+    point->forces[i] = weight(index) * (point->velocities.segment<3>(row) + candidate.gap_speed * candidate.normal) -
+                       point->momentum_gradient.segment<3>(row);
+    point->responses[i] = EvaluateContactLaw(point->forces[i], candidate.normal, friction_coefficient(index));
+    point->residual.segment<3>(row) -= point->responses[i].impulse;
+  }
+}
+
+void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const {
+  AssembleStepHessian(model_, parameters_, time_step_, kind, work_.start_metrics, point.positions, hessian);
+}
+
+double StepProblem::RoundingFloor(const StepPoint& point) const {
+  return 0.6 * std::numeric_limits<double>::epsilon() * std::sqrt(3.0) * work_.weight_norm *
+         point.positions.lpNorm<Eigen::Infinity>() / (time_step_ * point.scale);
+}
+
+void StepProblem::ClipToFeasible(Eigen::VectorXd* velocities) const {
+  for (size_t i = 0; i < work_.candidates.size(); ++i) {
+    const Eigen::Vector3d& n = work_.candidates[i].normal;
+    auto v = velocities->segment<3>(3 * free_block(static_cast<int>(i)));
+    v += std::max(0.0, -work_.candidates[i].gap_speed - n.dot(v)) * n;
+  }
+}
+
+void StepProblem::FindActiveContacts(const StepPoint& point, std::vector<Contact>* contacts) const {
+  contacts->clear();
+  for (size_t i = 0; i < work_.candidates.size(); ++i) {
+    if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
+    contacts->push_back({work_.candidates[i], point.responses[i], point.forces[i], weight(static_cast<int>(i))});
+  }
+}
+
+std::vector<Contact> StepProblem::ActiveContacts(const StepPoint& point) const {
+  std::vector<Contact> contacts;
+  FindActiveContacts(point, &contacts);
+  return contacts;
+}
+
+Eigen::VectorXd StepProblem::AllVelocities(const StepPoint& point) const {
+  Eigen::VectorXd all = (point.positions - work_.start_positions) / time_step_;
+  model_.Scatter(point.velocities, &all);
+  return all;
+}
+
+}  // namespace clothid

@@ -1,0 +1,133 @@
+// The equations of one implicit step (Eqs. (8) and (9) of the DiffCloth paper), in the velocity v = v_{n+1}:
+//
+//   g(v) = M (v - v_n) - h f_ext(v) - h f_int(x_n + h v; x_n) = J^T r,   (r, u = J v) in the contact law
+//   Phi(v) = g(v) - J^T r(F(v)),  F = d v - g + (d gap_speed) n     its root is the step
+//   K = dg/dv = M + h C + h^2 H(x_n + h v)
+// f_ext is gravity, the scene's node force and drag c_d a (w - v), C = c_d diag(a). f_int = -d(E + W)/dx and
+// H = d2(E + W)/dx2, E the energy of stretch and bending, W the dissipation potential of internal damping, which alone
+// depends on x_n and h as well (strain_rate_damping.h). d_j = P_jj, the diagonal of PD's constant matrix
+// P = M + h C + h^2 (k L + k_b Q) + h eta L. All vectors over free nodes [3 Nf] unless marked [3N].
+#ifndef CLOTHID_SIM_STEP_STEP_PROBLEM_H_
+#define CLOTHID_SIM_STEP_STEP_PROBLEM_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sim/cloth/cloth_model.h"
+#include "sim/contact/contact.h"
+#include "sim/scene/parameters.h"
+
+namespace clothid {
+
+// The equations evaluated at one velocity.
+struct StepPoint {
+  Eigen::VectorXd velocities;              // v
+  Eigen::VectorXd positions;               // x_n + h v [3N], handles at their path
+  Eigen::VectorXd momentum_gradient;       // g
+  Eigen::VectorXd residual;                // Phi
+  std::vector<Eigen::Vector3d> forces;     // F, per candidate
+  std::vector<ContactResponse> responses;  // per candidate
+  double potential = 0.0;          // whose gradient is g, J: kinetic distance to v_n, drag, external energy, E and W
+  double scale = 0.0;              // largest of h |f_ext|, |M v_n|, h |dE/dx| and h |dW/dx|, N s
+  double relative_residual = 0.0;  // |Phi| / scale
+};
+
+// Memory for the problems of one model, one at a time, and nobody's but theirs: from the second step on nothing is
+// allocated, and what material and step size alone determine is computed when they change. Results do not depend on
+// what it was used for before.
+struct StepWorkspace {
+  Material material;                 // what the next members belong to, with
+  double time_step = 0.0;            // 0: to nothing yet
+  Eigen::VectorXd masses;            // M, per free node
+  Eigen::VectorXd drag;              // h C, per free node; empty without drag
+  Eigen::VectorXd weights;           // d, per free node
+  double weight_norm = 0.0;          // |d|
+  Eigen::VectorXd external_impulse;  // h times the part of f_ext that does not depend on v
+  double external_norm = 0.0;        // its size, N s
+
+  Eigen::VectorXd start_positions;           // x_n [3N]
+  Eigen::VectorXd start_velocities;          // v_n
+  double start_momentum = 0.0;               // |M v_n|, N s
+  Eigen::VectorXd handle_positions;          // at the end, in the order of the scene's handles
+  std::vector<MetricBatch> start_metrics;    // C(x_n); empty without damping
+  std::vector<ContactCandidate> candidates;  // empty without obstacles
+  Eigen::VectorXd force;                     // [3N] scratch
+};
+
+// K at `positions` [3N] overwrites `hessian`. `start_metrics`: of x_n, see strain_rate_damping.h; unused, and so may be
+// empty, where the model has no damping.
+void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
+                         const std::vector<MetricBatch>& start_metrics, const Eigen::VectorXd& positions,
+                         BlockMatrix* hessian);
+
+// What a rollout keeps of contacts.
+std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts);
+
+// The contacts behind `records` of a step of size `time_step` from `start_positions` x_n [3N]: the numbers of its
+// solver to the last bit.
+std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
+                                     const Eigen::VectorXd& start_positions, double time_step,
+                                     const std::vector<ContactRecord>& records);
+
+class StepProblem {
+ public:
+  // From (x_n, v_n) [3N] over `time_step` to `end_time`. Model, parameters and workspace must outlive the problem,
+  // which has the workspace for itself.
+  StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
+              const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace);
+
+  // The same step with every friction coefficient times `share`, on the same workspace.
+  StepProblem WithFriction(double share) const;
+
+  double time_step() const { return time_step_; }
+  double end_time() const { return end_time_; }
+  const Eigen::VectorXd& start_velocities() const { return work_.start_velocities; }  // v_n
+  const std::vector<ContactCandidate>& candidates() const { return work_.candidates; }
+  bool may_touch() const { return !work_.candidates.empty(); }
+  double weight(int candidate) const;                // d of its node, kg
+  double friction_coefficient(int candidate) const;  // mu of its obstacle
+  int free_block(int candidate) const;               // its node among the free nodes
+
+  void Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const;
+
+  void AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const;
+
+  // Smallest relative residual that rounding allows at `point`: 0.6 eps sqrt(3) |d| |x|_max/(h scale).
+  double RoundingFloor(const StepPoint& point) const;
+
+  // v_N <- max(v_N, -gap_speed) at every candidate.
+  void ClipToFeasible(Eigen::VectorXd* velocities) const;
+
+  // The sticking and slipping nodes at `point` overwrite `contacts`.
+  void FindActiveContacts(const StepPoint& point, std::vector<Contact>* contacts) const;
+  std::vector<Contact> ActiveContacts(const StepPoint& point) const;
+
+  // The velocities [3N] of the step, with those of the handles.
+  Eigen::VectorXd AllVelocities(const StepPoint& point) const;
+
+ private:
+  // Of the constructor.
+  void SetConstants();
+  void SetExternalImpulse();
+  void SetHandles();
+
+  // v, x, and the terms of g and its potential that are neither drag nor an internal force.
+  void MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const;
+  void AddDrag(StepPoint* point) const;
+  // Take an internal force over the step off the gradient and add its potential and the size of its impulse.
+  void AddElasticForce(StepPoint* point) const;
+  void AddViscousForce(StepPoint* point) const;
+  void AddInternalForce(double potential, StepPoint* point) const;  // the one in `work_.force`
+  // Phi and the responses, from v and g.
+  void ApplyContactLaw(StepPoint* point) const;
+
+  const ClothModel& model_;
+  const Parameters& parameters_;
+  StepWorkspace& work_;
+  double time_step_, end_time_;
+  double friction_share_ = 1.0;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_STEP_PROBLEM_H_

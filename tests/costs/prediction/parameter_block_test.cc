@@ -1,0 +1,98 @@
+// Values and internal coordinates, and where start and bounds come from.
+#include "costs/prediction/parameter_block.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/costs/synthetic_motion.h"
+#include "tests/expect_error.h"
+
+namespace clothid {
+namespace {
+
+TEST(ParameterBlockTest, CoordinatesInvertAndDifferentiate) {
+  for (ParameterScale scale : {ParameterScale::kLinear, ParameterScale::kLog}) {
+    ParameterBlock block;
+    block.scale = scale;
+    for (double value : {1e-4, 0.3, 250.0}) {
+      const double q = block.ToCoordinate(value);
+      EXPECT_NEAR(block.ToValue(q), value, 1e-14 * value);
+      const double step = 1e-6;
+      const double difference = (block.ToValue(q + step) - block.ToValue(q - step)) / (2.0 * step);
+      EXPECT_NEAR(block.ValueDerivative(q), difference, 1e-9 * std::max(1.0, value));
+    }
+  }
+}
+
+TEST(ParameterBlockTest, DefaultsComeFromTheScene) {
+  Scene scene = SphereScene();
+  scene.material.damping = 0.5;
+  const ParameterBlock friction = MakeParameterBlock("mu", scene, {});
+  EXPECT_EQ(friction.scale, ParameterScale::kLinear);
+  EXPECT_EQ(friction.start, 0.2);
+  EXPECT_EQ(friction.lower_bound, 0.0);
+  EXPECT_EQ(friction.upper_bound, 2.0);
+  const ParameterBlock stretch = MakeParameterBlock("k_stretch", scene, {});
+  EXPECT_EQ(stretch.scale, ParameterScale::kLog);
+  EXPECT_EQ(stretch.start, 50.0);
+  EXPECT_DOUBLE_EQ(stretch.lower_bound, 50.0 / 1e4);
+  EXPECT_DOUBLE_EQ(stretch.upper_bound, 50.0 * 1e4);
+  for (const char* name : {"k_bend", "density", "drag", "damping"}) {
+    EXPECT_EQ(MakeParameterBlock(name, scene, {}).scale, ParameterScale::kLog) << name;
+  }
+}
+
+TEST(ParameterBlockTest, OverridesGoBeforeTheSceneBeforeDefaults) {
+  Scene scene = SphereScene();
+  scene.parameters["k_stretch"].nominal = 70.0;
+  scene.parameters["k_stretch"].upper_bound = 900.0;
+  scene.parameters["k_stretch"].frozen = true;
+  ParameterOverrides overrides;
+  ParameterBlock block = MakeParameterBlock("k_stretch", scene, overrides);
+  EXPECT_EQ(block.start, 70.0);
+  EXPECT_DOUBLE_EQ(block.lower_bound, 70.0 / 1e4);
+  EXPECT_EQ(block.upper_bound, 900.0);
+  EXPECT_TRUE(block.frozen);
+  overrides.start["k_stretch"] = 80.0;
+  overrides.lower_bounds["k_stretch"] = 10.0;
+  overrides.upper_bounds["k_stretch"] = 100.0;
+  block = MakeParameterBlock("k_stretch", scene, overrides);
+  EXPECT_EQ(block.start, 80.0);
+  EXPECT_EQ(block.lower_bound, 10.0);
+  EXPECT_EQ(block.upper_bound, 100.0);
+}
+
+TEST(ParameterBlockTest, FrictionWithoutObstaclesHasAStart) {
+  const ParameterBlock block = MakeParameterBlock("mu", SwingScene(), {});
+  EXPECT_GT(block.start, block.lower_bound);
+  EXPECT_LT(block.start, block.upper_bound);
+}
+
+TEST(ParameterBlockTest, RefusesUnusableValues) {
+  Scene scene = SphereScene();
+  const auto make = [&](const std::string& name, double start, double lower, double upper) {
+    ParameterOverrides overrides;
+    if (!std::isnan(start)) overrides.start[name] = start;
+    if (!std::isnan(lower)) overrides.lower_bounds[name] = lower;
+    if (!std::isnan(upper)) overrides.upper_bounds[name] = upper;
+    MakeParameterBlock(name, scene, overrides);
+  };
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  ExpectError([&] { make("weight", none, none, none); }, ErrorKind::kUsage, {"weight"});
+  ExpectError([&] { make("mu.ghost", none, none, none); }, ErrorKind::kUsage, {"mu.ghost"});
+  ExpectError([&] { make("mu", -0.1, none, none); }, ErrorKind::kUsage, {"mu", "starting value"});
+  ExpectError([&] { make("mu", 0.5, 0.6, none); }, ErrorKind::kUsage, {"mu", "outside"});
+  ExpectError([&] { make("mu", none, 0.6, 0.1); }, ErrorKind::kUsage, {"mu", "bounds"});
+  ExpectError([&] { make("k_stretch", none, 0.0, none); }, ErrorKind::kUsage, {"k_stretch", "positive"});
+  ExpectError([&] { make("k_stretch", 0.0, none, none); }, ErrorKind::kUsage, {"k_stretch", "positive"});
+  scene.material.bending_stiffness = 0.0;
+  ExpectError([&] { make("k_bend", none, none, none); }, ErrorKind::kUsage, {"k_bend", "positive nominal value"});
+  EXPECT_NO_THROW(make("k_bend", 1e-3, none, none));
+  ExpectError([&] { make("damping", none, none, none); }, ErrorKind::kUsage, {"damping", "positive nominal value"});
+  EXPECT_NO_THROW(make("damping", 1e-3, none, none));
+}
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,302 @@
+// Every format at the entry: what it keeps, how it is recognised, and that nothing half-written stays.
+#include "datasets/formats/track_file.h"
+
+#include <gtest/gtest.h>
+#include <nettle/base64.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "datasets/files/frame_names.h"
+#include "sim/base/text_file.h"
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
+
+namespace clothid {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// 12 frames of 5 points at irregular times, with numbers that need every digit.
+PointTracks Tracks() {
+  PointTracks tracks;
+  tracks.name = "test";
+  tracks.times.resize(12);
+  tracks.positions.resize(15, 12);
+  for (int i = 0; i < 12; ++i) {
+    tracks.times[i] = 0.1 * i + 0.01 * std::sin(i);
+    for (int row = 0; row < 15; ++row) tracks.positions(row, i) = std::sin(row + 0.7 * i) / 3.0;
+  }
+  tracks.faces.resize(3, 2);
+  tracks.faces << 0, 1, 1, 3, 2, 4;
+  return tracks;
+}
+
+void ExpectEqual(const Eigen::MatrixXd& found, const Eigen::MatrixXd& expected, double tolerance) {
+  ASSERT_EQ(found.rows(), expected.rows());
+  ASSERT_EQ(found.cols(), expected.cols());
+  for (Eigen::Index i = 0; i < expected.size(); ++i) {
+    const double difference = std::abs(found(i) - expected(i));
+    EXPECT_TRUE(difference <= tolerance * std::abs(expected(i)) || (std::isnan(found(i)) && std::isnan(expected(i))))
+        << "entry " << i << ": " << found(i) << ", expected " << expected(i);
+  }
+}
+
+class TrackFileTest : public testing::Test {
+ protected:
+  std::set<std::string> Names() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_.path())) names.insert(entry.path().filename());
+    return names;
+  }
+  std::string Text(const std::string& name) const { return ReadFile(folder_.File(name), 1 << 20); }
+  PointTracks RoundTrip(const PointTracks& tracks, const std::string& name) const {
+    WriteTracks(tracks, folder_.File(name));
+    return ReadTracks(folder_.File(name));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(TrackFileTest, RoundTripsKeepPositionsToThePrecisionOfTheFormat) {
+  const PointTracks tracks = Tracks();
+  struct Case {
+    const char* name;
+    double tolerance;  // relative
+    bool keeps_times, keeps_faces, keeps_missing;
+  };
+  const double single = std::ldexp(1.0, -24);
+  for (const Case& format : {Case{"a.npy", 0.0, true, true, true}, Case{"a.CSV", 0.0, true, false, true},
+                             Case{"a.trc", 0.0, true, false, true}, Case{"a_##.obj", 0.0, false, true, false},
+                             Case{"a_##.ply", 0.0, false, true, true}, Case{"a.pc2", single, false, false, true}}) {
+    SCOPED_TRACE(format.name);
+    PointTracks measured = tracks;
+    if (format.keeps_missing) {
+      measured.positions.col(0).segment<3>(3).setConstant(kNan);
+      measured.positions.col(5).setConstant(kNan);
+    }
+    const PointTracks again = RoundTrip(measured, format.name);
+    ExpectEqual(again.positions, measured.positions, format.tolerance);
+    if (format.keeps_times) {
+      EXPECT_EQ(again.times, measured.times);
+    } else {
+      EXPECT_EQ(again.times.size(), 0);
+    }
+    if (format.keeps_faces) {
+      EXPECT_EQ(again.faces, measured.faces);
+    } else {
+      EXPECT_EQ(again.faces.cols(), 0);
+    }
+    EXPECT_EQ(again.name, folder_.File(format.name));
+  }
+}
+
+TEST_F(TrackFileTest, ReadsFoldersAndSingleFiles) {
+  fs::create_directory(folder_.File("frames"));
+  const PointTracks tracks = Tracks();
+  for (const char* extension : {".obj", ".ply"}) {
+    WriteTracks(tracks, folder_.File("frames/f#") + extension);
+    EXPECT_TRUE(fs::exists(folder_.File("frames/f11") + extension));
+    folder_.Write("frames/.hidden.obj", "no mesh");
+    ExpectEqual(ReadTracks(folder_.File("frames")).positions, tracks.positions, 0.0);
+    EXPECT_EQ(ReadTracks(folder_.File("frames/f3") + extension).positions, tracks.positions.col(3));
+    if (extension == std::string(".obj")) {
+      for (int i = 0; i < 12; ++i) fs::remove(folder_.File("frames/f" + std::to_string(i) + ".obj"));
+    }
+  }
+  folder_.Write("frames/f0.obj", "v 0 0 0\n");
+  ExpectError([&] { FormatOf(folder_.File("frames")); }, ErrorKind::kUsage, {"frames: holds .obj and .ply files"});
+}
+
+TEST_F(TrackFileTest, TakesNumberSignsOfFoldersAsTheyAre) {
+  fs::create_directory(folder_.File("take #2"));
+  WriteTracks(Tracks(), folder_.File("take #2/f#.ply"));
+  EXPECT_EQ(ReadTracks(folder_.File("take #2")).num_frames(), 12);
+  EXPECT_EQ(ReadTracks(folder_.File("take #2/f##.ply")).num_frames(), 12);
+  EXPECT_EQ(ReadTracks(folder_.File("take #2/f7.ply")).num_frames(), 1);
+}
+
+TEST_F(TrackFileTest, OrdersFramesByNumber) {
+  EXPECT_TRUE(NaturalLess("f9.obj", "f10.obj"));
+  EXPECT_TRUE(NaturalLess("f09.obj", "f10.obj"));
+  EXPECT_FALSE(NaturalLess("f10.obj", "f9.obj"));
+  EXPECT_TRUE(NaturalLess("f99999999999999999999.obj", "f100000000000000000000.obj"));
+  EXPECT_TRUE(NaturalLess("take2_f9", "take10_f1"));
+  for (const char* name : {"f1.obj", "f02.obj", "f10.obj", "f_3.obj", "f.obj", "g4.obj"}) {
+    folder_.Write(name, "v " + std::string(1, name[1]) + " 0 0\n");
+  }
+  folder_.Write("f1.obj", "v 1 0 0\nv 0 1 0\n");
+  EXPECT_EQ(FramePaths(folder_.File("f##.obj"), ".obj"),
+            (std::vector<std::string>{folder_.File("f1.obj"), folder_.File("f02.obj"), folder_.File("f10.obj")}));
+  folder_.Write("f2.obj", "v 0 0 0\n");
+  ExpectError([&] { ReadTracks(folder_.File("f#.obj")); }, ErrorKind::kBadData, {"f02.obj", "f2.obj", "same number"});
+  ExpectError([&] { ReadTracks(folder_.File("h#.obj")); }, ErrorKind::kUsage, {"h#.obj: expected files", "none"});
+  ExpectError([&] { ReadTracks(folder_.File("f#_#.obj")); }, ErrorKind::kUsage, {"f#_#.obj: expected one run"});
+  ExpectError([&] { ReadTracks(folder_.File("absent/f#.obj")); }, ErrorKind::kIo, {"absent: cannot be read"});
+}
+
+TEST_F(TrackFileTest, RefusesMixedSequences) {
+  folder_.Write("f1.obj", "v 0 0 0\nv 1 0 0\n");
+  folder_.Write("f2.obj", "v 0 0 0\n");
+  ExpectError([&] { ReadTracks(folder_.File("f#.obj")); }, ErrorKind::kBadData,
+              {"f2.obj: has 1 vertices; expected 2 as in ", "f1.obj"});
+  folder_.Write("f2.obj", "v 0 0 0\nv 1 nan 0\n");
+  ExpectError([&] { ReadTracks(folder_.File("f#.obj")); }, ErrorKind::kBadData, {"f2.obj:2: "});
+  folder_.Write("empty.obj", "# nothing\n");
+  ExpectError([&] { ReadTracks(folder_.File("empty.obj")); }, ErrorKind::kBadData, {"empty.obj: holds no point"});
+}
+
+TEST_F(TrackFileTest, KnowsFormatsByName) {
+  EXPECT_EQ(FormatOf("a.npy"), TrackFormat::kNpy);
+  EXPECT_EQ(FormatOf("a.csv"), TrackFormat::kTidyCsv);
+  EXPECT_EQ(FormatOf("a.TRC"), TrackFormat::kTrc);
+  EXPECT_EQ(FormatOf("a_####.obj"), TrackFormat::kObjSequence);
+  EXPECT_EQ(FormatOf("a_####.ply"), TrackFormat::kPlySequence);
+  EXPECT_EQ(FormatOf("a.pc2"), TrackFormat::kPc2);
+  EXPECT_EQ(FormatOf("a.pvd"), TrackFormat::kVtp);
+  EXPECT_EQ(FormatOf("a.vtp"), TrackFormat::kVtp);
+  EXPECT_EQ(FormatOf(folder_.Write("ros.csv", "%time,field.header.seq\n1,2\n")), TrackFormat::kRosCsv);
+  EXPECT_EQ(FormatOf(folder_.Write("tidy.csv", "z,y,x,id,t\n")), TrackFormat::kTidyCsv);
+  ExpectError([&] { FormatOf(folder_.Write("other.csv", "time,x0\n")); }, ErrorKind::kUsage,
+              {"other.csv: ", "'time,x0'"});
+  ExpectError([] { FormatOf("a.fbx"); }, ErrorKind::kUsage, {"a.fbx: unknown format; known are .npy"});
+  ExpectError([] { FormatOf("frames"); }, ErrorKind::kUsage, {"frames: unknown format"});
+  ExpectError([&] { FormatOf(folder_.path()); }, ErrorKind::kUsage, {"holds no sequence; known are .npy"});
+  ExpectError([] { ReadTracks("a.pvd"); }, ErrorKind::kUsage, {"a.pvd: ", "written, never read"});
+  ExpectError([] { ReadTracks("absent.trc"); }, ErrorKind::kIo, {"absent.trc: cannot be read"});
+}
+
+TEST_F(TrackFileTest, RefusesWhatAFormatCannotHold) {
+  PointTracks tracks = Tracks();
+  tracks.positions(7, 3) = kNan;
+  const auto expect = [&](const std::string& name, ErrorKind kind, std::initializer_list<const char*> fragments) {
+    ExpectError([&] { WriteTracks(tracks, folder_.File(name)); }, kind, fragments);
+  };
+  expect("a_##.obj", ErrorKind::kUsage, {"test: frame 3, point 2 is not seen, and OBJ has no word for that"});
+  expect("a.obj", ErrorKind::kUsage, {"frame 3, point 2"});
+  tracks.positions(7, 3) = 0.0;
+  expect("a.obj", ErrorKind::kUsage, {"a.obj: expected '#'", "a_####.obj"});
+  tracks.times.resize(0);
+  expect("a.trc", ErrorKind::kUsage, {"test: has no times, and TRC needs them"});
+  expect("a.csv", ErrorKind::kUsage, {"test: has no times, and CSV needs them"});
+  tracks.positions(7, 3) = HUGE_VAL;
+  expect("a.npy", ErrorKind::kBadData, {"test: frame 3, point 2: expected finite numbers"});
+  tracks = Tracks();
+  tracks.times[4] = tracks.times[3];
+  expect("a.npy", ErrorKind::kBadData, {"test: the time of frame 4"});
+  tracks = Tracks();
+  tracks.faces(1, 1) = 5;
+  expect("a.npy", ErrorKind::kBadData, {"test: triangle 1 refers to point 5; expected 0 to 4"});
+  tracks = Tracks();
+  tracks.labels = {"one"};
+  expect("a.npy", ErrorKind::kBadData, {"test: has 1 labels for 5 points"});
+  tracks.positions.resize(0, 0);
+  expect("a.npy", ErrorKind::kBadData, {"test: holds no point"});
+  EXPECT_TRUE(Names().empty());
+}
+
+TEST_F(TrackFileTest, ReadsWhatStandsBesideAnArray) {
+  PointTracks tracks = Tracks();
+  WriteTracks(tracks, folder_.File("a.npy"));
+  EXPECT_EQ(Names(), (std::set<std::string>{"a.npy", "a.times.npy", "a.faces.npy"}));
+  folder_.Write("a.times.npy", Text("a.faces.npy"));
+  ExpectError([&] { ReadTracks(folder_.File("a.npy")); }, ErrorKind::kBadData, {"a.times.npy: expected elements"});
+  folder_.Write("a.times.npy", Text("a.npy"));
+  ExpectError([&] { ReadTracks(folder_.File("a.npy")); }, ErrorKind::kBadData,
+              {"a.times.npy: expected an array of shape (12), a time per frame, found (12, 5, 3)"});
+  ExpectError([&] { ReadTracks(folder_.File("a.faces.npy")); }, ErrorKind::kBadData, {"a.faces.npy: expected"});
+  tracks.times.resize(0);
+  tracks.faces.resize(3, 0);
+  const PointTracks again = RoundTrip(tracks, "a.npy");
+  EXPECT_EQ(Names(), std::set<std::string>{"a.npy"});
+  EXPECT_EQ(again.times.size(), 0);
+  EXPECT_EQ(again.faces.cols(), 0);
+}
+
+TEST_F(TrackFileTest, RefusesToMixSequences) {
+  PointTracks tracks = Tracks();
+  WriteTracks(tracks, folder_.File("a_##.obj"));
+  const std::string frame = Text("a_00.obj");
+  tracks.positions *= 2.0;
+  tracks.positions.conservativeResize(Eigen::NoChange, 11);
+  tracks.times.conservativeResize(11);
+  ExpectError([&] { WriteTracks(tracks, folder_.File("a_##.obj")); }, ErrorKind::kUsage, {"a_11.obj would count"});
+  EXPECT_EQ(Text("a_00.obj"), frame);
+  fs::remove(folder_.File("a_11.obj"));
+  WriteTracks(tracks, folder_.File("a_##.obj"));
+  EXPECT_NE(Text("a_00.obj"), frame);
+  EXPECT_EQ(Names().size(), 11u);
+}
+
+TEST_F(TrackFileTest, LeavesNothingWhereWritingFails) {
+  const PointTracks tracks = Tracks();
+  fs::create_directory(folder_.File("a_05.ply"));
+  ExpectError([&] { WriteTracks(tracks, folder_.File("a_##.ply")); }, ErrorKind::kIo, {"a_05.ply: cannot be written"});
+  fs::create_directory(folder_.File("b.pvd"));
+  ExpectError([&] { WriteTracks(tracks, folder_.File("b.vtp")); }, ErrorKind::kIo, {"b.pvd: cannot be written"});
+  fs::create_directory(folder_.File("c.times.npy"));
+  ExpectError([&] { WriteTracks(tracks, folder_.File("c.npy")); }, ErrorKind::kIo, {"c.times.npy: cannot be written"});
+  EXPECT_EQ(Names(), (std::set<std::string>{"a_05.ply", "b.pvd", "c.times.npy"}));
+  for (const char* name : {"absent/a_##.ply", "absent/a.pvd", "absent/a.npy", "absent/a.trc"}) {
+    ExpectError([&] { WriteTracks(tracks, folder_.File(name)); }, ErrorKind::kIo, {"cannot be written"});
+  }
+}
+
+// The Float64 numbers of the first DataArray in a .vtp file.
+std::vector<double> FirstArray(const std::string& text) {
+  const std::size_t begin = text.find('>', text.find("<DataArray type=\"Float64\"")) + 1;
+  const std::string encoded = text.substr(begin, text.find('<', begin) - begin);
+  std::vector<std::uint8_t> bytes(BASE64_DECODE_LENGTH(encoded.size()));
+  std::size_t count = bytes.size();
+  base64_decode_ctx context;
+  nettle_base64_decode_init(&context);
+  EXPECT_EQ(nettle_base64_decode_update(&context, &count, bytes.data(), encoded.size(), encoded.data()), 1);
+  EXPECT_EQ(nettle_base64_decode_final(&context), 1);
+  std::uint64_t length = 0;
+  std::memcpy(&length, bytes.data(), sizeof(length));
+  EXPECT_EQ(length, count - sizeof(length));
+  std::vector<double> values(length / sizeof(double));
+  std::memcpy(values.data(), bytes.data() + sizeof(length), length);
+  return values;
+}
+
+TEST_F(TrackFileTest, WritesACollectionForParaView) {
+  PointTracks tracks = Tracks();
+  tracks.positions(4, 1) = kNan;
+  WriteTracks(tracks, folder_.File("a & b.pvd"));
+  EXPECT_EQ(Names().size(), 13u);
+  const std::string collection = Text("a & b.pvd");
+  EXPECT_NE(collection.find("<VTKFile type=\"Collection\""), std::string::npos);
+  EXPECT_NE(collection.find("<DataSet timestep=\"" + ShortestText(tracks.times[11]) +
+                            "\" group=\"\" part=\"0\" file=\"a &amp; b_0011.vtp\"/>"),
+            std::string::npos);
+  const std::string frame = Text("a & b_0001.vtp");
+  EXPECT_NE(frame.find("<Piece NumberOfPoints=\"5\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+                       "NumberOfPolys=\"2\">"),
+            std::string::npos);
+  const std::vector<double> values = FirstArray(frame);
+  ExpectEqual(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())),
+              tracks.positions.col(1), 0.0);
+  // Two triangles 0 1 2, 1 3 4 as Int32: 24 bytes, and where they end.
+  EXPECT_NE(frame.find("<DataArray type=\"Int32\" Name=\"connectivity\" format=\"binary\">"
+                       "GAAAAAAAAAAAAAAAAQAAAAIAAAABAAAAAwAAAAQAAAA=</DataArray>"),
+            std::string::npos)
+      << frame;
+  EXPECT_NE(frame.find("Name=\"offsets\" format=\"binary\">CAAAAAAAAAADAAAABgAAAA==<"), std::string::npos) << frame;
+  tracks.times.resize(0);
+  tracks.faces.resize(3, 0);
+  WriteTracks(tracks, folder_.File("b.vtp"));
+  EXPECT_NE(Text("b.pvd").find("timestep=\"11\" group=\"\" part=\"0\" file=\"b_0011.vtp\""), std::string::npos);
+  EXPECT_NE(Text("b_0000.vtp").find("NumberOfVerts=\"5\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace clothid

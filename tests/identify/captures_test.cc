@@ -1,0 +1,93 @@
+// A real capture, where it is there: it is imported as another program did, its faults are named, and a fit runs to an
+// end and says something about the repetition that was not fitted.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "datasets/motion/motion_file.h"
+#include "tests/tools/tool_test.h"
+
+namespace clothid {
+namespace {
+
+class CapturesTest : public ToolTest {
+ protected:
+  void SetUp() override {
+    const char* variable = std::getenv("CLOTHID_RECORDINGS");
+    captures = variable != nullptr ? variable : CLOTHID_SOURCE_DIR "/../shared/recordings";
+    if (!std::filesystem::exists(captures + "/hung_a.motion.bin")) {
+      GTEST_SKIP() << captures << "/hung_a.motion.bin is not there; set CLOTHID_RECORDINGS to its folder";
+    }
+  }
+
+  std::string captures;
+};
+
+// Triangles that start with their smallest node, as a set.
+std::set<std::array<int, 3>> Triangles(const Mesh& mesh) {
+  std::set<std::array<int, 3>> triangles;
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    std::array<int, 3> corners = {mesh.faces(0, face), mesh.faces(1, face), mesh.faces(2, face)};
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    triangles.insert(corners);
+  }
+  return triangles;
+}
+
+TEST_F(CapturesTest, ImportsTheRawFilesAsAnotherProgramDid) {
+  constexpr double kTolerance = 1e-6;  // m, s
+  const MotionTensors expected = ReadMotionTensors(captures + "/hung_a.motion.bin");
+  WriteBytes(folder() / "scene.json", expected.scene_text);
+  ExpectSuccess("motion convert '" + captures + "/hung_a_mesh.csv' cloth.bin --scene scene.json --grid 8x8:0.3x0.3 " +
+                "--transpose --transform '" + captures + "/hung_camera_pose.csv' --start_at 0 --handle_nodes 0,56 " +
+                "--sigma 0.004");
+  const MotionTensors motion = ReadMotionTensors((folder() / "cloth.bin").string());
+  ASSERT_EQ(motion.positions.rows(), expected.positions.rows());
+  ASSERT_EQ(motion.times.size(), expected.times.size());
+  EXPECT_LT((motion.times - expected.times).cwiseAbs().maxCoeff(), kTolerance);
+  const auto missing = expected.positions.array().isNaN();
+  EXPECT_EQ(missing.count(), 3 * 39);
+  EXPECT_TRUE((motion.positions.array().isNaN() == missing).all());
+  EXPECT_LT(missing.select(0.0, motion.positions - expected.positions).cwiseAbs().maxCoeff(), kTolerance);
+  EXPECT_EQ(motion.handle_index, expected.handle_index);
+  EXPECT_LT((motion.handle_positions - expected.handle_positions).cwiseAbs().maxCoeff(), kTolerance);
+  EXPECT_LT((motion.mesh.rest_positions - expected.mesh.rest_positions).cwiseAbs().maxCoeff(), kTolerance);
+  EXPECT_EQ(Triangles(motion.mesh), Triangles(expected.mesh));
+  EXPECT_EQ(motion.sigma, expected.sigma);
+  EXPECT_EQ(motion.scene_text, expected.scene_text);
+}
+
+TEST_F(CapturesTest, NamesGapsMissingPointsAndJumps) {
+  const ToolResult check = Run("motion check --json '" + captures + "/hung_a.motion.bin'");
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  const nlohmann::json report = nlohmann::json::parse(check.out);
+  EXPECT_EQ(report["verdict"], "warning");
+  nlohmann::json by_name;
+  for (const nlohmann::json& finding : report["findings"]) by_name[finding["what"].get<std::string>()] = finding;
+  EXPECT_EQ(by_name["frame rate"]["verdict"], "note");
+  EXPECT_EQ(by_name["gaps"]["frames"], nlohmann::json::array({32, 33, 56, 121}));
+  EXPECT_EQ(by_name["missing points"]["value"].get<std::string>().substr(0, 3), "39 ");
+  EXPECT_EQ(by_name["jumps of the cloth"]["frames"], nlohmann::json::array({2, 3}));
+  EXPECT_FALSE(by_name["jumps of handles"]["frames"].empty());
+  EXPECT_EQ(by_name["edge lengths"]["verdict"], "ok");
+  EXPECT_EQ(by_name["direction of gravity"]["verdict"], "ok");
+}
+
+TEST_F(CapturesTest, AFitLowersTheErrorOnTheOtherRepetition) {
+  const ToolResult fit = Run("identify --target '" + captures + "/hung_a.motion.bin' --holdout '" + captures +
+                             "/hung_b.motion.bin' --fit k_stretch,k_bend,drag --jacobian sensitivity --output result");
+  EXPECT_TRUE(fit.exit_code == 0 || fit.exit_code == 4) << fit.exit_code << "\n" << fit.err;  // 4: at a bound
+  EXPECT_NE(fit.out.find("rmse"), std::string::npos) << fit.out;
+  const nlohmann::json result = nlohmann::json::parse(ReadBytes(folder() / "result" / "result.json"));
+  EXPECT_LT(result["rmse_m"].get<double>(), 0.06);
+  EXPECT_LT(result["holdout"]["rmse_m"].get<double>(), result["holdout"]["nominal_rmse_m"].get<double>());
+}
+
+}  // namespace
+}  // namespace clothid

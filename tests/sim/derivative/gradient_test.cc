@@ -1,0 +1,321 @@
+// adjoint = sensitivity = central finite differences, for every parameter, in every shipped scene and contact mode.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "sim/derivative/adjoint.h"
+#include "sim/derivative/sensitivity.h"
+#include "sim/rollout/simulator.h"
+#include "sim/scene/triangulated_surface.h"
+#include "tests/sim/derivative/same_branches.h"
+#include "tests/sim/scene/triangle_meshes.h"
+#include "tests/sim/shipped_scenes.h"
+
+namespace clothid {
+namespace {
+
+// A scalar of the trajectory, L = 1/2 sum over steps of |x - target|^2, and its derivatives three ways.
+class GradientCase {
+ public:
+  explicit GradientCase(const Scene& scene, AdjointMethod method = AdjointMethod::kReduced)
+      : scene_(scene), simulator_(scene), parameters_(scene.nominal_parameters()) {
+    scene_.solver.step_tolerance = 1e-10;
+    simulator_ = Simulator(scene_);
+    rollout_ = Simulate(parameters_, scene_.num_steps(), &simulator_);
+    EXPECT_TRUE(rollout_.ok()) << rollout_.failure->ToString();
+    MakeTarget();
+    CollectParameters();
+    MakeDirections();
+    Differentiate(method);
+  }
+
+  int num_directions() const { return static_cast<int>(adjoint_.size()); }
+  const Rollout& rollout() const { return rollout_; }
+  int num_substeps() const { return rollout_.counts.substeps; }
+  double adjoint(int i) const { return adjoint_[i]; }
+  double sensitivity(int i) const { return sensitivity_[i]; }
+  // |theta dL/dtheta| > 1e-8 L; a start direction is scaled to the size of the state itself.
+  bool has_influence(int i) const { return std::abs(Magnitude(i) * adjoint_[i]) > 1e-8 * Cost(rollout_); }
+
+  std::string name(int i) const {
+    if (i < num_parameters()) return ParameterName(ids_[i], scene_.obstacle_names());
+    return i == num_parameters() ? "x_0" : "v_0";
+  }
+
+  bool HasInfluence(const std::string& parameter) const {
+    for (int i = 0; i < num_directions(); ++i) {
+      if (name(i) == parameter) return has_influence(i);
+    }
+    return false;
+  }
+
+  // The smallest relative error of central differences over step sizes at which both sides keep the branches of every
+  // contact; 1 where no step size does.
+  double DifferenceError(int i) const {
+    double best = 1.0;
+    for (const double relative_step : {1e-4, 1e-5, 1e-3, 1e-2, 1e-6}) {
+      const double step = relative_step * Magnitude(i);
+      const Rollout plus = Perturbed(i, step), minus = Perturbed(i, -step);
+      if (!HaveSameBranches(rollout_, plus) || !HaveSameBranches(rollout_, minus)) continue;
+      const double difference = (Cost(plus) - Cost(minus)) / (2.0 * step);
+      best = std::min(best, std::abs(difference - adjoint_[i]) / std::abs(adjoint_[i]));
+      if (best < 1e-8) break;
+    }
+    return best;
+  }
+
+ private:
+  int num_parameters() const { return static_cast<int>(ids_.size()); }
+  double Magnitude(int i) const {
+    if (i < num_parameters()) return GetParameter(parameters_, ids_[i]);
+    return i == num_parameters() ? 0.1 * ClothSize(scene_.mesh) : 0.1;
+  }
+
+  // Nothing that the rollout itself reaches, so that the gradient does not vanish.
+  void MakeTarget() {
+    target_ = 0.95 * rollout_.initial_positions + Eigen::VectorXd::Constant(rollout_.initial_positions.size(), 0.02);
+  }
+
+  void CollectParameters() {
+    if (!scene_.obstacles.empty()) ids_.push_back({ParameterKind::kFriction, kAllObstacles});
+    for (size_t i = 0; i < scene_.obstacles.size() && scene_.obstacles.size() > 1; ++i) {
+      ids_.push_back({ParameterKind::kFriction, static_cast<int>(i)});
+    }
+    ids_.push_back({ParameterKind::kStretchStiffness});
+    ids_.push_back({ParameterKind::kDensity});
+    if (scene_.material.bending_stiffness > 0.0) ids_.push_back({ParameterKind::kBendingStiffness});
+    if (scene_.material.drag > 0.0) ids_.push_back({ParameterKind::kDrag});
+    if (scene_.material.damping > 0.0) ids_.push_back({ParameterKind::kDamping});
+  }
+
+  void MakeDirections() {
+    std::mt19937_64 generator(11);
+    std::normal_distribution<double> normal;
+    const Eigen::Index size = rollout_.initial_positions.size();
+    directions_.parameters = ids_;
+    directions_.initial_positions = directions_.initial_velocities = Eigen::MatrixXd::Zero(size, 2);
+    // A shift, so that the effects of the nodes add up, and a random part, so that every mode is in it.
+    const double shift[3] = {0.01, -0.005, 0.007};
+    for (Eigen::Index i = 0; i < size; ++i) {
+      directions_.initial_positions(i, 0) = shift[i % 3] + 0.001 * normal(generator);
+      directions_.initial_velocities(i, 1) = normal(generator);
+    }
+    for (const int handle : scene_.handles.nodes) {
+      directions_.initial_positions.middleRows<3>(3 * handle).setZero();
+      directions_.initial_velocities.middleRows<3>(3 * handle).setZero();
+    }
+  }
+
+  void Differentiate(AdjointMethod method) {
+    const auto seed = [this](int step, Eigen::MatrixXd* gradient) {
+      gradient->col(0) += rollout_.positions(step) - target_;
+    };
+    const RolloutGradient gradient = PullBack(rollout_, ids_, 1, seed, &simulator_, {method});
+    adjoint_ = Eigen::VectorXd(num_parameters() + 2);
+    adjoint_ << gradient.parameters, directions_.initial_positions.col(0).dot(gradient.initial_positions.col(0)),
+        directions_.initial_velocities.col(1).dot(gradient.initial_velocities.col(0));
+    sensitivity_ = Eigen::VectorXd::Zero(num_parameters() + 2);
+    const SensitivityResult result = PushForward(
+        parameters_, scene_.num_steps(), directions_,
+        [this](int, const Eigen::VectorXd& x, const Eigen::MatrixXd& dx) {
+          sensitivity_ += dx.transpose() * (x - target_);
+        },
+        &simulator_);
+    EXPECT_FALSE(result.failure.has_value());
+  }
+
+  Rollout Perturbed(int i, double step) const {
+    Scene scene = scene_;
+    Parameters parameters = parameters_;
+    if (i < num_parameters()) {
+      // Friction of all obstacles at once moves each from where it is.
+      if (ids_[i] == ParameterId{ParameterKind::kFriction, kAllObstacles}) {
+        for (double& mu : parameters.friction_coefficients) mu += step;
+      } else {
+        SetParameter(ids_[i], Magnitude(i) + step, &parameters);
+      }
+    } else {
+      scene.initial_positions += step * directions_.initial_positions.col(0) * (i == num_parameters());
+      scene.initial_velocities += step * directions_.initial_velocities.col(1) * (i > num_parameters());
+    }
+    Simulator simulator(scene);
+    return Simulate(parameters, scene.num_steps(), &simulator);
+  }
+
+  double Cost(const Rollout& rollout) const {
+    double cost = 0.0;
+    for (int step = 0; step <= rollout.num_steps(); ++step)
+      cost += 0.5 * (rollout.positions(step) - target_).squaredNorm();
+    return cost;
+  }
+
+  Scene scene_;
+  Simulator simulator_;
+  Parameters parameters_;
+  Rollout rollout_;
+  Eigen::VectorXd target_, adjoint_, sensitivity_;
+  std::vector<ParameterId> ids_;
+  SensitivityDirections directions_;
+};
+
+void ExpectAgreement(const GradientCase& gradient, double difference_tolerance) {
+  int checked = 0;
+  for (int i = 0; i < gradient.num_directions(); ++i) {
+    if (!gradient.has_influence(i)) continue;
+    ++checked;
+    EXPECT_NEAR(gradient.adjoint(i), gradient.sensitivity(i), 1e-10 * std::abs(gradient.adjoint(i)))
+        << gradient.name(i);
+    EXPECT_LE(gradient.DifferenceError(i), difference_tolerance) << gradient.name(i);
+  }
+  EXPECT_GE(checked, 3);
+}
+
+class GradientTest : public ::testing::TestWithParam<std::tuple<std::string, ContactMode>> {};
+
+TEST_P(GradientTest, AdjointEqualsSensitivityEqualsDifferences) {
+  const auto [name, mode] = GetParam();
+  Scene scene = ShippedScene(name, 12);
+  scene.contact_mode = mode;
+  const bool gap_mode_sphere = name == "drape" && mode == ContactMode::kGap;
+  ExpectAgreement(GradientCase(scene), gap_mode_sphere ? 1e-5 : 1e-6);
+}
+
+std::string CaseName(const ::testing::TestParamInfo<std::tuple<std::string, ContactMode>>& info) {
+  return std::get<0>(info.param) + (std::get<1>(info.param) == ContactMode::kGap ? "Gap" : "Velocity");
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, GradientTest,
+                         ::testing::Values(std::make_tuple("drape", ContactMode::kGap),
+                                           std::make_tuple("drape", ContactMode::kVelocity),
+                                           std::make_tuple("slope", ContactMode::kGap),
+                                           std::make_tuple("slope", ContactMode::kVelocity),
+                                           std::make_tuple("wind", ContactMode::kGap)),
+                         CaseName);
+
+// Internal damping with a relaxation time of some steps.
+Scene Damped(Scene scene) {
+  scene.material.damping = 0.01 * scene.nominal_parameters().material.stretch_stiffness;
+  return scene;
+}
+
+class DampedGradientTest : public GradientTest {};
+
+TEST_P(DampedGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
+  const auto [name, mode] = GetParam();
+  Scene scene = Damped(ShippedScene(name, 8));
+  scene.contact_mode = mode;
+  const GradientCase gradient(scene);
+  EXPECT_TRUE(gradient.HasInfluence("damping"));
+  EXPECT_EQ(gradient.HasInfluence("mu"), name == "drape");
+  ExpectAgreement(gradient, 1e-6);
+}
+
+// Not `slope`, on which the cloth slides without strain.
+INSTANTIATE_TEST_SUITE_P(Scenes, DampedGradientTest,
+                         ::testing::Values(std::make_tuple("drape", ContactMode::kGap),
+                                           std::make_tuple("drape", ContactMode::kVelocity),
+                                           std::make_tuple("wind", ContactMode::kGap)),
+                         CaseName);
+
+// A cloth that falls on a ball, a bar and a table, each with a friction of its own.
+Scene ThreeObstacles() {
+  Scene scene = ShippedScene("drape", 9);
+  scene.handles = {};
+  scene.duration = 0.4;
+  scene.mesh.rest_positions.row(2).setZero();
+  scene.initial_positions = scene.mesh.rest_positions.reshaped();
+  scene.obstacles.clear();
+  scene.obstacles.push_back({"ball", std::make_shared<Sphere>(Eigen::Vector3d(-0.12, 0.12, -0.1), 0.09), 0.2, 0.002});
+  scene.obstacles.push_back(
+      {"bar", std::make_shared<Capsule>(Eigen::Vector3d(0.05, 0.3, -0.12), Eigen::Vector3d(0.3, 0.4, -0.1), 0.06), 0.5,
+       0.0});
+  scene.obstacles.push_back({"table",
+                             std::make_shared<Plane>(Eigen::Vector3d(0.0, 0.0, -0.25), Eigen::Vector3d(0.05, 0.0, 1.0)),
+                             0.1, 0.001});
+  return scene;
+}
+
+TEST(GradientOfSeveralObstaclesTest, EachFrictionCoefficientHasItsOwnDerivative) {
+  const GradientCase gradient(ThreeObstacles());
+  for (int i = 1; i <= 3; ++i) EXPECT_TRUE(gradient.has_influence(i)) << gradient.name(i);
+  EXPECT_NEAR(gradient.adjoint(0), gradient.adjoint(1) + gradient.adjoint(2) + gradient.adjoint(3),
+              1e-10 * std::abs(gradient.adjoint(0)));
+  ExpectAgreement(gradient, 1e-5);
+}
+
+// `drape` on a tilted cube, whose edges and vertices the contact distance rounds off: nodes slide over them without a
+// jump of their normals.
+Scene OnCube(ContactMode mode) {
+  Scene scene = ShippedScene("drape", 12);
+  scene.contact_mode = mode;
+  TriangleMesh cube = CubeMesh(0.14);
+  cube.vertices =
+      Eigen::AngleAxisd(0.4, Eigen::Vector3d(0.6, 0.8, 0.1).normalized()).toRotationMatrix() * cube.vertices;
+  cube.vertices.colwise() += Eigen::Vector3d(0.03, 0.25, -0.35);
+  SceneObstacle& obstacle = scene.obstacles[0];
+  obstacle.shape = std::make_shared<TriangulatedSurface>(cube.vertices, cube.faces);
+  obstacle.contact_distance = 0.02;
+  return scene;
+}
+
+class GradientOnTrianglesTest : public ::testing::TestWithParam<ContactMode> {};
+
+TEST_P(GradientOnTrianglesTest, AdjointEqualsSensitivityEqualsDifferences) {
+  const Scene scene = OnCube(GetParam());
+  const GradientCase gradient(scene);
+  const Rollout& rollout = gradient.rollout();
+  int on_faces = 0, off_faces = 0;
+  for (int step = 1; step < rollout.num_steps(); ++step) {
+    for (const ContactRecord& contact : rollout.records[rollout.last_record[step]].contacts) {
+      const Eigen::Vector3d start = rollout.positions(step).segment<3>(3 * contact.node);
+      const bool is_flat = scene.obstacles[0].shape->Closest(start).normal_gradient.isZero(0.0);
+      ++(is_flat ? on_faces : off_faces);
+    }
+  }
+  EXPECT_GT(on_faces, 100);
+  EXPECT_GT(off_faces, 100);
+  EXPECT_TRUE(gradient.HasInfluence("mu"));
+  ExpectAgreement(gradient, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, GradientOnTrianglesTest, ::testing::Values(ContactMode::kGap, ContactMode::kVelocity),
+                         [](const auto& test) { return test.param == ContactMode::kGap ? "Gap" : "Velocity"; });
+
+TEST(GradientOfSubstepsTest, SubstepsAreDifferentiatedThrough) {
+  Scene scene = ShippedScene("drape", 6);
+  scene.solver.max_newton_iterations = 3;  // too few for some steps, which are then cut
+  const GradientCase gradient(scene);
+  ASSERT_GT(gradient.num_substeps(), 0);
+  for (int i = 0; i < gradient.num_directions(); ++i) {
+    if (!gradient.has_influence(i)) continue;
+    EXPECT_NEAR(gradient.adjoint(i), gradient.sensitivity(i), 1e-10 * std::abs(gradient.adjoint(i)))
+        << gradient.name(i);
+  }
+}
+
+// The strain rate of a substep is over its own length and from its own start.
+TEST(GradientOfSubstepsTest, SubstepsWithInternalDampingToo) {
+  Scene scene = Damped(ShippedScene("drape", 6));
+  scene.duration = 0.2;
+  scene.solver.max_newton_iterations = 3;
+  const GradientCase gradient(scene);
+  ASSERT_GT(gradient.num_substeps(), 0);
+  ExpectAgreement(gradient, 1e-6);
+}
+
+TEST(GradientByLuTest, ReducedAndLuAgree) {
+  const Scene scene = ShippedScene("drape", 8);
+  const GradientCase reduced(scene), lu(scene, AdjointMethod::kLu);
+  for (int i = 0; i < reduced.num_directions(); ++i) {
+    EXPECT_NEAR(reduced.adjoint(i), lu.adjoint(i), 1e-10 * std::abs(lu.adjoint(i))) << reduced.name(i);
+  }
+}
+
+}  // namespace
+}  // namespace clothid

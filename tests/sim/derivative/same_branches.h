@@ -1,0 +1,27 @@
+// Whether two rollouts run through the same contacts: what a difference between them needs to be a derivative.
+#ifndef CLOTHID_TESTS_SIM_DERIVATIVE_SAME_BRANCHES_H_
+#define CLOTHID_TESTS_SIM_DERIVATIVE_SAME_BRANCHES_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "sim/rollout/rollout.h"
+
+namespace clothid {
+
+// Both worked, with as many solves, and at the end of each the same nodes stick and slip on the same obstacles.
+inline bool HaveSameBranches(const Rollout& one, const Rollout& other) {
+  if (!one.ok() || !other.ok() || one.records.size() != other.records.size()) return false;
+  for (std::size_t i = 0; i < one.records.size(); ++i) {
+    const std::vector<ContactRecord>&a = one.records[i].contacts, &b = other.records[i].contacts;
+    if (a.size() != b.size()) return false;
+    for (std::size_t j = 0; j < a.size(); ++j) {
+      if (a[j].node != b[j].node || a[j].obstacle != b[j].obstacle || a[j].branch != b[j].branch) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TESTS_SIM_DERIVATIVE_SAME_BRANCHES_H_

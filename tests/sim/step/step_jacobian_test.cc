@@ -1,0 +1,63 @@
+// The step Jacobian A = (I + S) K - S D: the reduced method against LU, and the transpose against the matrix itself.
+#include "sim/step/step_jacobian.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/rollout/simulator.h"
+#include "sim/step/step.h"
+#include "sim/step/step_problem.h"
+#include "tests/sim/shipped_scenes.h"
+
+namespace clothid {
+namespace {
+
+// Solves with A at every tenth step of the scene, for random right-hand sides.
+class StepJacobianTest : public ::testing::TestWithParam<std::string> {
+ protected:
+  StepJacobianTest() : simulator_(ShippedScene(GetParam(), 8)) {
+    rollout_ = Simulate(simulator_.scene().nominal_parameters(), simulator_.scene().num_steps(), &simulator_);
+  }
+
+  // K and the contacts of record i, factored.
+  void Factor(StepJacobian::Method method, std::size_t i, BlockMatrix* hessian, StepJacobian* jacobian) {
+    const StepRecord& record = rollout_.records[i];
+    const Eigen::VectorXd& start = i == 0 ? rollout_.initial_positions : rollout_.records[i - 1].positions;
+    const std::vector<Contact> contacts =
+        RestoreContacts(simulator_.model(), rollout_.parameters, start, record.time_step, record.contacts);
+    AssembleStepHessian(simulator_.model(), rollout_.parameters, record.time_step, HessianKind::kExact, {},
+                        record.positions, hessian);
+    ASSERT_TRUE(jacobian->Factor(method, *hessian, contacts, rollout_.parameters.friction_coefficients));
+  }
+
+  Simulator simulator_;
+  Rollout rollout_;
+};
+
+TEST_P(StepJacobianTest, ReducedSolvesWhatLuSolves) {
+  ASSERT_TRUE(rollout_.ok()) << rollout_.failure->ToString();
+  BlockMatrix hessian(simulator_.model().pattern());
+  StepJacobian reduced(simulator_.model()), lu(simulator_.model());
+  Eigen::MatrixXd dv, dv_lu, z, z_lu, y, y_lu;
+  for (size_t i = 0; i < rollout_.records.size(); i += 10) {
+    const Eigen::MatrixXd right = Eigen::MatrixXd::Random(3 * simulator_.model().num_free(), 2);
+    Factor(StepJacobian::Method::kReduced, i, &hessian, &reduced);
+    Factor(StepJacobian::Method::kLu, i, &hessian, &lu);
+    ASSERT_TRUE(reduced.Solve(right, 1e-13, &dv) && lu.Solve(right, 1e-13, &dv_lu));
+    EXPECT_LT((dv - dv_lu).norm(), 1e-10 * dv_lu.norm());
+    ASSERT_TRUE(reduced.SolveTransposed(right, 1e-13, &z, &y) && lu.SolveTransposed(right, 1e-13, &z_lu, &y_lu));
+    EXPECT_LT((z - z_lu).norm(), 1e-10 * z_lu.norm());
+    EXPECT_LE((y - y_lu).norm(), 1e-10 * y_lu.norm());
+    // w . A^-1 u = A^-T w . u, and w . (S u) = (S^T w) . u in the form ((I + S)^T z) . u = z . ((I + S) u).
+    EXPECT_NEAR(right.col(0).dot(dv.col(1)), z.col(0).dot(right.col(1)),
+                1e-10 * dv.col(1).norm() * right.col(0).norm());
+    Eigen::MatrixXd with_impulse = right;
+    reduced.AddImpulse(&with_impulse);
+    EXPECT_NEAR(y.col(0).dot(right.col(1)), z.col(0).dot(with_impulse.col(1)), 1e-12 * z.norm() * right.norm());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, StepJacobianTest, ::testing::Values("drape", "slope", "wind"),
+                         [](const auto& scene) { return scene.param; });
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,131 @@
+// `motion convert` and the findings of `motion check` as a user meets them.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "datasets/motion/motion_file.h"
+#include "tests/tools/tool_test.h"
+
+namespace clothid {
+namespace {
+
+// Three frames of 2 x 2 points in mm, 0.1 s apart, that rise by 10 mm each; the second point is missing once.
+constexpr char kGrid[] =
+    "%time,field.header.stamp,field.size,field.x0,field.x1,field.x2,field.x3,field.y0,field.y1,field.y2,field.y3,"
+    "field.z0,field.z1,field.z2,field.z3\n"
+    "5,1600000000000000000,2,0,100,0,100,0,0,200,200,0,0,0,0\n"
+    "6,1600000000100000000,2,0,nan,0,100,0,0,200,200,10,10,10,10\n"
+    "7,1600000000200000000,2,0,100,0,100,0,0,200,200,20,20,20,20\n";
+
+constexpr char kScene[] = R"({"clothid_scene": 1, "handles": [0]})";
+
+class ConvertTest : public ToolTest {
+ protected:
+  ConvertTest() {
+    WriteBytes(folder() / "grid.csv", kGrid);
+    WriteBytes(folder() / "scene.json", kScene);
+  }
+
+  MotionTensors Read(const std::string& name) const { return ReadMotionTensors((folder() / name).string()); }
+};
+
+constexpr char kConvert[] =
+    "motion convert grid.csv cloth.bin --scene scene.json --grid 2x2:0.1x0.2 --scale 0.001 --start_at 0 "
+    "--handle_nodes 0";
+
+TEST_F(ConvertTest, MakesARecording) {
+  ExpectSuccess(kConvert);
+  const MotionTensors motion = Read("cloth.bin");
+  EXPECT_NEAR(motion.times[2], 0.2, 1e-6);
+  EXPECT_NEAR(motion.positions(11, 2), 0.02, 1e-15);
+  EXPECT_EQ(motion.positions.array().isNaN().count(), 3);
+  EXPECT_EQ(motion.handle_index, std::vector<int>{0});
+  EXPECT_EQ(
+      motion.provenance,
+      "converted from grid.csv --grid 2x2:0.1x0.2 --scale 0.001 --start_at 0 --scene scene.json --handle_nodes 0");
+  EXPECT_NE(Run("motion check cloth.bin").out.find("missing points        warning  1 ("), std::string::npos);
+}
+
+TEST_F(ConvertTest, ConvertsRecordings) {
+  ExpectSuccess(kConvert);
+  WriteBytes(folder() / "up.json", R"({"translation": [0, 0, 1]})");
+  ExpectSuccess("motion convert cloth.bin higher.bin --transform up.json --frames 1:3 --sigma 0.002");
+  const MotionTensors motion = Read("higher.bin");
+  EXPECT_EQ(motion.times.size(), 2);
+  EXPECT_NEAR(motion.positions(2, 0), 1.01, 1e-15);
+  EXPECT_NEAR(motion.handle_positions(2, 0), 1.01, 1e-15);
+  EXPECT_EQ(motion.sigma[3], 0.002);
+  ExpectSuccess("motion convert higher.bin back.bin --transform up.json --invert_transform");
+  EXPECT_NEAR(Read("back.bin").positions(2, 0), 0.01, 1e-15);
+}
+
+TEST_F(ConvertTest, TheSameInputsGiveTheSameBytes) {
+  ExpectSuccess(kConvert);
+  const std::string bytes = ReadBytes(folder() / "cloth.bin");
+  ExpectSuccess(kConvert);
+  EXPECT_EQ(ReadBytes(folder() / "cloth.bin"), bytes);
+}
+
+TEST_F(ConvertTest, RefusesWrongFlags) {
+  ExpectRefused("motion convert", 1, "convert: expected a file to read and one to write");
+  ExpectRefused("motion convert grid.csv", 1, "convert");
+  ExpectRefused("motion convert absent.csv cloth.bin --scene scene.json", 1, "absent.csv");
+  ExpectRefused("motion convert grid.csv cloth.bin", 1, "scene");
+  ExpectRefused("motion convert grid.csv cloth.bin --scene absent.json", 1, "absent.json");
+  ExpectRefused("motion convert grid.csv cloth.bin --scene scene.json", 1, "'mesh'");
+  ExpectRefused("motion convert grid.csv absent/cloth.bin --scene scene.json", 1, "absent/cloth.bin");
+  const std::string command = kConvert;
+  ExpectRefused(command + " --grid 2x2", 1, "--grid");
+  ExpectRefused(command + " --grid 1x2:1x1", 1, "--grid");
+  ExpectRefused(command + " --grid 4000000x4000000:1x1", 1, "--grid");
+  ExpectRefused(command + " --faces cloth.obj", 1, "--grid: expected without --faces");
+  ExpectRefused(command + " --scale 0", 1, "scale");
+  ExpectRefused(command + " --scale nan", 1, "scale");
+  ExpectRefused(command + " --frames 2:1", 1, "--frames");
+  ExpectRefused(command + " --frames 0:1:2", 1, "--frames");
+  ExpectRefused(command + " --frames 3:4", 1, "3 frames");
+  ExpectRefused(command + " --start_at soon", 1, "--start_at");
+  ExpectRefused(command + " --invert_transform", 1, "--invert_transform");
+  ExpectRefused(command + " --handle_nodes 0,x", 1, "--handle_nodes");
+  ExpectRefused(command + " --handle_time_offset 1", 1, "--handle_time_offset");
+  ExpectRefused(command + " --map absent.csv", 1, "absent.csv");
+  ExpectRefused("motion convert grid.csv cloth.bin --scene scene.json --transpose", 1, "--transpose");
+  ExpectRefused("motion convert grid.csv points.csv --sigma 1", 1, "--sigma");
+  ExpectRefused("motion info grid.csv --sigma 1", 1, "--sigma: is a flag of convert");
+  ExpectRefused("motion check grid.csv --grid 2x2:1x1", 1, "--grid: is a flag of convert");
+}
+
+TEST_F(ConvertTest, RefusesBadFiles) {
+  const std::string command = kConvert;
+  WriteBytes(folder() / "bad.json", "{\n\"matrix\": 3}");
+  ExpectRefused(command + " --transform bad.json", 2, "bad.json:2");
+  WriteBytes(folder() / "scene.json", "{\"clothid_scene\": 1, \"gravitation\": 0}");
+  ExpectRefused(command, 2, "gravitation");
+  WriteBytes(folder() / "scene.json", kScene);
+  WriteBytes(folder() / "grid.csv", std::string(kGrid) + "8,1600000000300000000,2,0\n");
+  ExpectRefused(command, 2, "grid.csv:5");
+  WriteBytes(folder() / "fake.bin", "no motion");
+  ExpectRefused("motion convert fake.bin cloth.bin", 2, "fake.bin");
+}
+
+TEST_F(ConvertTest, AWrongUnitIsAProblem) {
+  ExpectSuccess("motion convert grid.csv cloth.bin --scene scene.json --grid 2x2:0.1x0.2 --handle_nodes 0");
+  const ToolResult check = Run("motion check cloth.bin");
+  EXPECT_EQ(check.exit_code, 2);
+  EXPECT_EQ(check.err, "motion: cloth.bin: cannot be fitted as it is: edge lengths\n");
+  EXPECT_NE(check.out.find("--scale 0.001"), std::string::npos) << check.out;
+  const nlohmann::json report = nlohmann::json::parse(Run("motion check cloth.bin --json").out);
+  EXPECT_EQ(report["verdict"], "problem");
+}
+
+TEST_F(ConvertTest, ShippedRecordingsHaveNothingWrong) {
+  for (const std::string name : {"bounce", "drape", "slope", "wind"}) {
+    const ToolResult check = Run("motion check --json '" CLOTHID_SOURCE_DIR "/datasets/" + name + ".motion.bin'");
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+    EXPECT_EQ(nlohmann::json::parse(check.out)["verdict"], "ok") << name << "\n" << check.out;
+  }
+}
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,204 @@
+// `simulate` as a program: what it writes, and what it refuses.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "datasets/motion/motion_file.h"
+#include "tests/tools/tool_test.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class SimulateTest : public ToolTest {
+ protected:
+  // Simulates `scene` with `flags` and returns the bytes of the recording.
+  std::string Record(const Json& scene, const std::string& flags) const {
+    ExpectSuccess("simulate --scene " + WriteScene(scene) + " --output out.bin " + flags);
+    return ReadBytes(folder() / "out.bin");
+  }
+
+  void ExpectSceneRefused(const Json& scene, int exit_code, const std::string& culprit) const {
+    ExpectRefused("simulate --scene " + WriteScene(scene) + " --output out.bin", exit_code, culprit);
+  }
+};
+
+TEST_F(SimulateTest, SameSeedSameBytes) {
+  const std::string flags = "--noise 0.001 --drop 0.1 --markers 6 --seed ";
+  const std::string first = Record(SphereScene(), flags + "7");
+  EXPECT_EQ(Record(SphereScene(), flags + "7"), first);
+  EXPECT_NE(Record(SphereScene(), flags + "8"), first);
+}
+
+TEST_F(SimulateTest, TheTruthMovesTheClothAndIsWrittenNowhere) {
+  const std::string nominal = Record(SphereScene(), "");
+  const MotionTensors before = ReadMotionTensors((folder() / "out.bin").string());
+  const std::string bytes = Record(SphereScene(), "--set mu=0.234567,k_stretch=456.789");
+  const MotionTensors after = ReadMotionTensors((folder() / "out.bin").string());
+  EXPECT_GT((after.positions - before.positions).norm(), 1e-6);
+  EXPECT_EQ(after.scene_text, before.scene_text);
+  EXPECT_EQ(after.provenance, before.provenance);
+  EXPECT_EQ(bytes.find("0.234567"), std::string::npos);
+  EXPECT_EQ(bytes.find("456.789"), std::string::npos);
+}
+
+// A term that only the truth has takes part in the rollout all the same.
+TEST_F(SimulateTest, TheTruthMayBendWhereTheSceneDoesNot) {
+  Record(BareScene(), "");
+  const MotionTensors limp = ReadMotionTensors((folder() / "out.bin").string());
+  Record(BareScene(), "--set k_bend=0.01,drag=0.5");
+  const MotionTensors stiff = ReadMotionTensors((folder() / "out.bin").string());
+  EXPECT_GT((stiff.positions - limp.positions).norm(), 1e-4);
+}
+
+TEST_F(SimulateTest, PrintsASummary) {
+  const ToolResult result = Run("simulate --scene " + WriteScene(SphereScene()) + " --output out.bin");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* part : {"out.bin: 6 frames of 16 points", "5 steps of 0.01 s", "Newton iterations", "fallbacks",
+                           "substeps", "stick", "slip", "joined", "left", "branch switches", "obstacle switches"}) {
+    EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
+  }
+}
+
+TEST_F(SimulateTest, AnswersHelpAndVersion) {
+  const ToolResult help = Run("simulate --help");
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.out.find("Examples:"), std::string::npos);
+  const ToolResult version = Run("simulate --version");
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_EQ(version.out.rfind("simulate (clothid) ", 0), 0u) << version.out;
+}
+
+TEST_F(SimulateTest, RefusesWrongFlags) {
+  const std::string scene = WriteScene(SphereScene());
+  const std::string command = "simulate --scene " + scene + " --output out.bin ";
+  ExpectRefused("simulate --output out.bin", 1, "--scene");
+  ExpectRefused("simulate --scene " + scene, 1, "--output");
+  ExpectRefused(command + "--bogus=1", 1, "bogus");
+  ExpectRefused(command + "extra", 1, "'extra'");
+  ExpectRefused(command + "--noise=abc", 1, "noise");
+  ExpectRefused(command + "--noise=-1", 1, "noise");
+  ExpectRefused(command + "--noise=nan", 1, "noise");
+  ExpectRefused(command + "--drop=1", 1, "drop");
+  ExpectRefused(command + "--markers=17", 1, "markers");
+  ExpectRefused(command + "--markers=-1", 1, "markers");
+  ExpectRefused(command + "--frame_rate=-5", 1, "frame_rate");
+  ExpectRefused(command + "--frame_rate=1", 1, "frame_rate");
+  ExpectRefused(command + "--seed=-1", 1, "seed");
+}
+
+TEST_F(SimulateTest, RefusesWrongParameters) {
+  const std::string command = "simulate --scene " + WriteScene(SphereScene()) + " --output out.bin --set ";
+  ExpectRefused(command + "mu=nan", 1, "mu=nan");
+  ExpectRefused(command + "mu=inf", 1, "mu=inf");
+  ExpectRefused(command + "mu=-0.1", 1, "mu");
+  ExpectRefused(command + "k_stretch=-1", 1, "k_stretch");
+  ExpectRefused(command + "k_stretch=0", 1, "k_stretch");
+  ExpectRefused(command + "density=-0.2", 1, "density");
+  ExpectRefused(command + "k_bend=-1e-4", 1, "k_bend");
+  ExpectRefused(command + "drag=-1", 1, "drag");
+  ExpectRefused(command + "mu", 1, "'mu'");
+  ExpectRefused(command + "mu=0.3x", 1, "mu=0.3x");
+  ExpectRefused(command + "mu=0.3,mu=0.4", 1, "mu");
+  ExpectRefused(command + "weight=1", 1, "weight");
+  ExpectRefused(command + "mu.ghost=0.1", 1, "mu.ghost");
+  ExpectRefused("simulate --scene " + WriteScene(BareScene(), "bare.json") + " --output out.bin --set mu=0.1", 1,
+                "'mu'");
+}
+
+TEST_F(SimulateTest, RefusesUnusableScenes) {
+  Json scene = SphereScene();
+  scene["time_stepp"] = 0.01;
+  ExpectSceneRefused(scene, 2, "time_stepp");
+  scene = SphereScene();
+  scene["obstacles"][0]["friction"] = 0.3;
+  ExpectSceneRefused(scene, 2, "obstacles[0].friction");
+  scene = SphereScene();
+  scene["obstacles"][0]["mu"] = -0.3;
+  ExpectSceneRefused(scene, 2, "obstacles[0].mu");
+  scene = SphereScene();
+  scene["obstacles"][0]["type"] = "torus";
+  ExpectSceneRefused(scene, 2, "torus");
+  scene = SphereScene();
+  scene["materials"]["k_stretch"] = -1.0;
+  ExpectSceneRefused(scene, 2, "materials.k_stretch");
+  scene = SphereScene();
+  scene["materials"]["density"] = "light";
+  ExpectSceneRefused(scene, 2, "materials.density");
+  scene = SphereScene();
+  scene["handles"] = {0, 16};
+  ExpectSceneRefused(scene, 2, "handles");
+  scene = SphereScene();
+  scene["time_step"] = 0.0;
+  ExpectSceneRefused(scene, 2, "time_step");
+  scene = SphereScene();
+  scene.erase("mesh");
+  ExpectSceneRefused(scene, 2, "mesh");
+}
+
+TEST_F(SimulateTest, NamesTheLineOfAnUnknownKey) {
+  WriteBytes(folder() / "scene.json", "{\n\"clothid_scene\": 1,\n\"gravitee\": [0, 0, 0]\n}\n");
+  ExpectRefused("simulate --scene scene.json --output out.bin", 2, "scene.json:3");
+}
+
+TEST_F(SimulateTest, RefusesBrokenText) {
+  const std::string text = SphereScene().dump(2);
+  WriteBytes(folder() / "scene.json", text.substr(0, text.size() / 2));
+  ExpectRefused("simulate --scene scene.json --output out.bin", 2, "scene.json");
+  WriteBytes(folder() / "scene.json", "");
+  ExpectRefused("simulate --scene scene.json --output out.bin", 2, "scene.json");
+  WriteBytes(folder() / "scene.json", "{\"clothid_scene\": 1, \"time_step\": NaN}");
+  ExpectRefused("simulate --scene scene.json --output out.bin", 2, "scene.json");
+}
+
+TEST_F(SimulateTest, RefusesFilesThatCannotBeOpenedOrWritten) {
+  const std::string scene = WriteScene(SphereScene());
+  ExpectRefused("simulate --scene absent.json --output out.bin", 1, "absent.json");
+  ExpectRefused("simulate --scene " + scene + " --output absent/out.bin", 1, "absent/out.bin");
+  ExpectRefused("simulate --scene " + scene + " --output " + scene + "/out.bin", 1, scene + "/out.bin");
+  ExpectRefused("simulate --scene " + scene + " --output /proc/out.bin", 1, "/proc/out.bin");
+  Json no_mesh = SphereScene();
+  no_mesh["mesh"] = {{"obj", "absent.obj"}};
+  ExpectSceneRefused(no_mesh, 1, "absent.obj");
+}
+
+// A start so fast that its squares overflow: no step can end.
+TEST_F(SimulateTest, AStepThatDoesNotConvergeWritesNothing) {
+  Json scene = SphereScene();
+  scene["initial"] = {{"velocity", {0.0, 0.0, -1e160}}};
+  ExpectSceneRefused(scene, 3, "step 1 did not converge");
+}
+
+class ObjTest : public SimulateTest {
+ protected:
+  // A scene whose cloth is `obj`, free of handles.
+  Json ObjScene(const std::string& obj) const {
+    WriteBytes(folder() / "cloth.obj", obj);
+    Json scene = BareScene();
+    scene["mesh"] = {{"obj", "cloth.obj"}};
+    scene.erase("handles");
+    return scene;
+  }
+};
+
+constexpr char kTwoTriangles[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n";
+
+TEST_F(ObjTest, ARecordingDoesNotNeedTheFilesOfItsScene) {
+  Record(ObjScene(kTwoTriangles), "");
+  std::filesystem::remove(folder() / "cloth.obj");
+  ExpectSuccess("motion check out.bin");
+}
+
+TEST_F(ObjTest, RefusesUnusableMeshes) {
+  ExpectSceneRefused(ObjScene("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n"), 2, "cloth.obj");
+  ExpectSceneRefused(ObjScene("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"), 2, "cloth.obj");
+  ExpectSceneRefused(ObjScene("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), 2, "cloth.obj");
+  ExpectSceneRefused(ObjScene("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), 2, "cloth.obj");
+  ExpectSceneRefused(ObjScene(""), 2, "cloth.obj");
+}
+
+}  // namespace
+}  // namespace clothid

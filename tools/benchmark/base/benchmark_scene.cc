@@ -1,0 +1,86 @@
+#include "tools/benchmark/base/benchmark_scene.h"
+
+#include <cmath>
+#include <memory>
+
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kWindForce = 0.0043;  // N on each of kWindNodes nodes
+constexpr int kWindNodes = 576;
+constexpr double kSlopeAngle = 42.3 * kPi / 180.0;
+constexpr double kSphereRadius = 0.3;  // m
+
+void SetGrid(int nodes, double size, const Eigen::Vector3d& origin, const Eigen::Vector3d& first_axis,
+             const Eigen::Vector3d& second_axis, Scene* scene) {
+  GridOptions grid;
+  grid.nodes = {nodes, nodes};
+  grid.size = {size, size};
+  grid.origin = origin;
+  grid.axes = {first_axis, second_axis};
+  scene->mesh = MakeGrid(grid);
+  scene->initial_positions =
+      Eigen::Map<const Eigen::VectorXd>(scene->mesh.rest_positions.data(), scene->mesh.rest_positions.size());
+  scene->initial_velocities = Eigen::VectorXd::Zero(scene->initial_positions.size());
+}
+
+void MakeWind(int nodes, Scene* scene) {
+  SetGrid(nodes, 6.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ(), scene);
+  scene->handles.nodes = {0, nodes - 1};
+  const double force = kWindForce * kWindNodes / (nodes * nodes);
+  scene->node_force = Eigen::Vector3d(0.0, force, force);
+  scene->material.density = 0.054;
+  scene->material.bending_stiffness = 0.0;
+}
+
+void MakeSlope(int nodes, Scene* scene) {
+  const Eigen::Vector3d down(std::cos(kSlopeAngle), 0.0, -std::sin(kSlopeAngle));
+  const Eigen::Vector3d normal(std::sin(kSlopeAngle), 0.0, std::cos(kSlopeAngle));
+  SetGrid(nodes, 1.0, Eigen::Vector3d::Zero(), down, Eigen::Vector3d::UnitY(), scene);
+  AddObstacle("plane", std::make_shared<Plane>(Eigen::Vector3d::Zero(), normal), 0.5, scene);
+  scene->material.density = 0.2;
+  scene->material.bending_stiffness = 0.0;
+}
+
+// Off the middle, so that no symmetry is left to keep nodes on a branch boundary.
+void MakeSphere(int nodes, Scene* scene) {
+  SetGrid(nodes, 1.0, Eigen::Vector3d(-0.5, -0.5, 0.0), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), scene);
+  const Eigen::Vector3d center(0.043, 0.021, -kSphereRadius - 0.01);
+  AddObstacle("ball", std::make_shared<Sphere>(center, kSphereRadius), 0.4, scene);
+  scene->material.density = 0.2;
+  scene->material.bending_stiffness = 1e-3;
+}
+
+}  // namespace
+
+void AddObstacle(const std::string& name, std::shared_ptr<const Obstacle> shape, double friction_coefficient,
+                 Scene* scene) {
+  SceneObstacle obstacle;
+  obstacle.name = name;
+  obstacle.shape = std::move(shape);
+  obstacle.friction_coefficient = friction_coefficient;
+  scene->obstacles.push_back(std::move(obstacle));
+}
+
+Scene MakeBenchmarkScene(const std::string& name, int nodes, double stretch_stiffness, double time_step) {
+  if (nodes < 2) throw Error(ErrorKind::kUsage, "--nodes: expected at least 2 nodes along an axis");
+  Scene scene;
+  scene.time_step = time_step;
+  scene.material.stretch_stiffness = stretch_stiffness;
+  scene.material.drag = 0.0;
+  if (name == "wind") {
+    MakeWind(nodes, &scene);
+  } else if (name == "slope") {
+    MakeSlope(nodes, &scene);
+  } else if (name == "sphere") {
+    MakeSphere(nodes, &scene);
+  } else {
+    throw Error(ErrorKind::kUsage, "--scene: '" + name + "': expected wind, slope or sphere");
+  }
+  return scene;
+}
+
+}  // namespace clothid

@@ -1,0 +1,168 @@
+#include "tools/benchmark/derivatives/backprop_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLeastInfluence = 1e-8;  // |theta dC/dtheta| relative to C; rounding is far below
+constexpr int kMostSteps = 20, kLeastSteps = 4, kNodesTimesSteps = 240;
+
+void Require(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorKind::kUsage, message);
+}
+
+constexpr std::size_t kFactorMemory = std::size_t{4} << 30;  // bytes
+
+Rollout Run(const BackpropCaseName& name, int num_steps, Simulator* simulator) {
+  RolloutOptions options;
+  options.factor_memory = kFactorMemory;
+  Rollout rollout = Simulate(simulator->scene().nominal_parameters(), num_steps, simulator, nullptr, options);
+  if (!rollout.ok()) throw Error(ErrorKind::kBadData, name.ToString() + ": " + rollout.failure->ToString());
+  return rollout;
+}
+
+Scene WarmScene(const BackpropCaseName& name) {
+  const BackpropSetting setting = FindBackpropSetting(name.setting);
+  Scene scene = MakeBenchmarkScene(name.scene, name.nodes, setting.stretch_stiffness, setting.time_step);
+  Simulator simulator(scene);
+  const int num_steps = static_cast<int>(std::lround(kWarmUpSeconds / setting.time_step));
+  const StepRecord last = Run(name, num_steps, &simulator).records.back();
+  scene.initial_positions = last.positions;
+  scene.initial_velocities = last.velocities;
+  scene.start_time = last.time;
+  return scene;
+}
+
+}  // namespace
+
+std::vector<std::string> BackpropSettingNames() {
+  std::vector<std::string> names;
+  for (const BackpropSetting& setting : kBackpropSettings) names.push_back(setting.name);
+  return names;
+}
+
+BackpropSetting FindBackpropSetting(const std::string& name) {
+  RequireKnown({name}, BackpropSettingNames(), "--settings");
+  return *std::find_if(kBackpropSettings.begin(), kBackpropSettings.end(),
+                       [&name](const BackpropSetting& setting) { return setting.name == name; });
+}
+
+std::string BackpropCaseName::ToString() const {
+  return scene + ", " + setting + ", " + std::to_string(nodes) + " x " + std::to_string(nodes) + " nodes";
+}
+
+bool BackpropCaseName::operator==(const BackpropCaseName& other) const {
+  return scene == other.scene && setting == other.setting && nodes == other.nodes && num_steps == other.num_steps;
+}
+
+double GradientErrors::Worst() const {
+  double worst = x_0;
+  for (const double error : {k_stretch, density, mu}) {
+    if (!std::isnan(error)) worst = std::max(worst, error);
+  }
+  return worst;
+}
+
+BackpropCase::BackpropCase(BackpropCaseName name)
+    : name_(std::move(name)),
+      simulator_(WarmScene(name_)),
+      ids_({{ParameterKind::kStretchStiffness}, {ParameterKind::kDensity}}) {
+  if (!simulator_.scene().obstacles.empty()) ids_.push_back({ParameterKind::kFriction});
+  SetRollout(Run(name_, name_.num_steps, &simulator_));
+}
+
+void BackpropCase::SetRollout(Rollout rollout) {
+  rollout_ = std::move(rollout);
+  cost_ = 0.0;
+  for (int step = 1; step <= name_.num_steps; ++step) {
+    cost_ += 0.5 * (rollout_.positions(step) - rollout_.initial_positions).squaredNorm();
+  }
+}
+
+void BackpropCase::SimulateAgain() { Run(name_, name_.num_steps, &simulator_); }
+
+void BackpropCase::SetStepTolerance(double tolerance) {
+  simulator_.SetTolerances(tolerance, simulator_.scene().solver.adjoint_tolerance);
+  SetRollout(Run(name_, name_.num_steps, &simulator_));
+}
+
+RolloutGradient BackpropCase::Differentiate(const AdjointOptions& options, int num_columns) {
+  const auto seed = [this](int step, Eigen::MatrixXd* gradient) {
+    const Eigen::VectorXd distance = rollout_.positions(step) - rollout_.initial_positions;
+    for (Eigen::Index j = 0; j < gradient->cols(); ++j) {
+      gradient->col(j) += std::cos(static_cast<double>(j) * step) * distance;
+    }
+  };
+  return PullBack(rollout_, ids_, num_columns, seed, &simulator_, options);
+}
+
+double BackpropCase::ParameterError(int index, const RolloutGradient& gradient,
+                                    const RolloutGradient& reference) const {
+  const double expected = reference.parameters(index, 0);
+  if (std::abs(GetParameter(rollout_.parameters, ids_[index]) * expected) <= kLeastInfluence * cost_) return kNaN;
+  return std::abs(gradient.parameters(index, 0) - expected) / std::abs(expected);
+}
+
+GradientErrors BackpropCase::Compare(const RolloutGradient& gradient, const RolloutGradient& reference) const {
+  GradientErrors errors;
+  errors.k_stretch = ParameterError(0, gradient, reference);
+  errors.density = ParameterError(1, gradient, reference);
+  errors.mu = ids_.size() > 2 ? ParameterError(2, gradient, reference) : kNaN;
+  errors.x_0 = (gradient.initial_positions.col(0) - reference.initial_positions.col(0)).norm() /
+               reference.initial_positions.col(0).norm();
+  return errors;
+}
+
+void BackpropCaseOptions::Validate() const {
+  RequireKnown(scenes, kBenchmarkScenes, "--scene");
+  RequireKnown(settings, BackpropSettingNames(), "--settings");
+  Require(!nodes.empty(), "--nodes: expected at least one number");
+  for (const int n : nodes) Require(n >= 2, "--nodes: expected numbers >= 2");
+  Require(num_steps >= 0, "--steps: expected a number >= 1");
+}
+
+void ForEachCase(const BackpropCaseOptions& options, const std::function<void(BackpropCase*)>& visit) {
+  const int num_cases = static_cast<int>(options.scenes.size() * options.settings.size() * options.nodes.size());
+  int num_done = 0;
+  for (const std::string& scene : options.scenes) {
+    for (const std::string& setting : options.settings) {
+      for (const int nodes : options.nodes) {
+        const int num_steps =
+            options.num_steps > 0 ? options.num_steps : std::clamp(kNodesTimesSteps / nodes, kLeastSteps, kMostSteps);
+        BackpropCase backprop({scene, setting, nodes, num_steps});
+        visit(&backprop);
+        if (options.on_case) options.on_case(backprop.name(), ++num_done, num_cases);
+      }
+    }
+  }
+}
+
+void RequireKnown(const std::vector<std::string>& items, const std::vector<std::string>& known,
+                  const std::string& flag) {
+  Require(!items.empty(), flag + ": expected at least one name");
+  std::string list;
+  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+  for (const std::string& item : items) {
+    Require(std::find(known.begin(), known.end(), item) != known.end(),
+            flag + ": '" + Printable(item) + "': expected any of " + list);
+  }
+}
+
+std::string FixedNumber(double value, int digits) {
+  if (std::isnan(value)) return "-";
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+}  // namespace clothid

@@ -1,0 +1,352 @@
+#include "tools/benchmark/fits/benchmark_figure3.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include "datasets/files/sha256.h"
+#include "datasets/synthetic/true_recording.h"
+#include "identify/base/parallel_for.h"
+#include "identify/base/version.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+#include "sim/scene/scene_json.h"
+#include "tools/landscape/landscape_axis.h"
+#include "tools/landscape/landscape_plan.h"
+#include "tools/landscape/landscape_run.h"
+#include "tools/landscape/scene_variant.h"
+
+namespace clothid {
+namespace {
+
+// A cloth of 0.5 m, held at its upper edge, 25 degrees below the horizontal at the start: it swings down on the sphere
+// under its lower half and slides off it.
+constexpr char kScene[] = R"({
+  "clothid_scene": 1,
+  "time_step": 0.01,
+  "duration": 0.8,
+  "contact": "gap",
+  "mesh": {"grid": {"nodes": [10, 10], "size": [0.5, 0.5], "origin": [-0.25, 0, 0],
+                    "axes": [[1, 0, 0], [0, 0.906307787036650, -0.422618261740699]]}},
+  "initial": {"positions": "rest"},
+  "handles": [0, 1, 2, 3, 4, 5, 6, 7, 8, 9],
+  "obstacles": [{"name": "ball", "type": "sphere", "center": [0, 0.25, -0.35], "radius": 0.2, "mu": 0.3}],
+  "materials": {"density": 0.2, "k_stretch": 100, "k_bend": 2e-3, "drag": 0.05},
+  "solver": {"step_tolerance": 1e-8}
+})";
+
+const std::map<std::string, double> kTruth = {{"mu", kFigure3Friction}, {"k_stretch", kFigure3Stiffness}};
+
+// Roughness above which a landscape counts as rough in the comparison of the modes.
+constexpr double kRough = 5e-3;
+
+void Require(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorKind::kUsage, message);
+}
+
+SceneVariant VariantOf(const Figure3Setting& setting) {
+  SceneVariant variant = {{"ball.center.x", setting.offset}};
+  if (setting.contact_mode == ContactMode::kVelocity) variant.push_back({"touch", setting.touch});
+  return variant;
+}
+
+// One recording for each of `noises`, relative to the cloth's size.
+std::vector<RecordedMotion> MakeRecordings(const Figure3Setting& setting, const std::vector<double>& noises,
+                                           std::uint64_t seed) {
+  const std::string text = ChangeScene(kScene, {"ball"}, VariantOf(setting));
+  Scene scene = ParseScene(text, setting.Name(), "");
+  scene.contact_mode = setting.contact_mode;
+  const Rollout rollout = SimulateTruth(MakeTrueParameters(kTruth, scene), setting.Name(), scene);
+  std::vector<RecordedMotion> recordings;
+  for (const double noise : noises) {
+    SyntheticOptions synthetic;
+    synthetic.noise_sigma = noise * ClothSize(scene.mesh);
+    synthetic.seed = seed;
+    recordings.push_back(MakeRecording(rollout, scene, text, synthetic));
+  }
+  return recordings;
+}
+
+std::vector<Figure3Setting> MakeSettings(const Figure3Options& options) {
+  std::vector<Figure3Setting> settings;
+  for (const double offset : options.offsets) {
+    settings.push_back({offset, ContactMode::kGap, 0.0});
+    for (const double touch : options.touches) settings.push_back({offset, ContactMode::kVelocity, touch});
+  }
+  return settings;
+}
+
+LandscapePlan MakePlan(const Figure3Options& options, const std::vector<Figure3Setting>& settings) {
+  LandscapePlan plan;
+  for (const Figure3Setting& setting : settings) plan.settings.push_back({setting.Name(), setting.contact_mode});
+  const LandscapeAxis mu = {"mu", ParameterScale::kLinear, kFigure3LowestFriction, kFigure3HighestFriction,
+                            options.cells};
+  const LandscapeAxis k = {"k_stretch", ParameterScale::kLog, kFigure3LowestStiffness, kFigure3HighestStiffness,
+                           options.cells};
+  plan.windows.push_back({1.0, mu, k});
+  for (const double zoom : options.zooms) {
+    plan.windows.push_back(
+        {zoom, ZoomInto(mu, kFigure3Friction, zoom, "--zoom"), ZoomInto(k, kFigure3Stiffness, zoom, "--zoom")});
+  }
+  return plan;
+}
+
+Landscape Scan(const Figure3Options& options, LandscapeScanOptions scan) {
+  scan.num_threads = options.num_threads;
+  if (options.folder.empty()) {
+    scan.on_cell = [&](int, const LandscapeCell&, int num_done, int num_cells) {
+      if (options.on_progress) options.on_progress("cell", num_done, num_cells);
+    };
+    return ScanLandscape(scan);
+  }
+  LandscapeRunOptions run;
+  run.origin.version = Version();
+  run.origin.git = GitHash();
+  run.origin.input_sha256 = Sha256Hex({kScene});
+  run.origin.truth = kTruth;
+  run.origin.fingerprint = LandscapeFingerprint(scan.plan, scan.motions, kTruth);
+  run.folder = options.folder;
+  run.resume = true;
+  run.on_progress = [&](int num_done, int num_cells, int num_kept) {
+    if (options.on_progress) options.on_progress("cell", num_done - num_kept, num_cells - num_kept);
+  };
+  run.scan = std::move(scan);
+  return RunLandscape(run).part.landscape;
+}
+
+std::vector<JacobianFit> PlanFits(const Figure3Options& options, double noise) {
+  std::vector<JacobianFit> fits;
+  const int n = options.starts_per_axis;
+  for (int start = 0; start < n * n; ++start) {
+    const double along_mu = (start % n + 1.0) / (n + 1.0), along_k = (start / n + 1.0) / (n + 1.0);
+    JacobianFit fit;
+    fit.noise = noise;
+    fit.method = "adjoint";
+    fit.start = {kFigure3LowestFriction + along_mu * (kFigure3HighestFriction - kFigure3LowestFriction),
+                 kFigure3LowestStiffness * std::pow(kFigure3HighestStiffness / kFigure3LowestStiffness, along_k)};
+    fits.push_back(fit);
+  }
+  return fits;
+}
+
+// To every recording of every setting.
+std::vector<JacobianFit> RunFits(const Figure3Options& options, const std::vector<RecordedMotion>& recordings,
+                                 const std::vector<double>& noises) {
+  std::vector<JacobianFit> fits;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const std::vector<JacobianFit> planned = PlanFits(options, noises[i % noises.size()]);
+    fits.insert(fits.end(), planned.begin(), planned.end());
+  }
+  const int per_recording = options.starts_per_axis * options.starts_per_axis;
+  const int num_fits = static_cast<int>(fits.size());
+  const auto truth = MakeTrueParameters(kTruth, recordings.front().scene);
+  ParallelFor(
+      num_fits, options.num_threads,
+      [&](int i) { RunJacobianFit(recordings[i / per_recording], truth, FitPrecision::kAdaptive, &fits[i]); },
+      [&](int, int num_done) {
+        if (options.on_progress) options.on_progress("fit", num_done, num_fits);
+      });
+  for (auto begin = fits.begin(); begin != fits.end(); begin += per_recording) {
+    JudgeFits(truth, begin, begin + per_recording);
+  }
+  return fits;
+}
+
+int NumWindows(const Figure3& figure) { return static_cast<int>(figure.summary.plan.windows.size()); }
+
+std::vector<double> Touches(const Figure3& figure) {
+  std::vector<double> touches;
+  for (const Figure3Setting& setting : figure.settings) {
+    const bool is_new = std::find(touches.begin(), touches.end(), setting.touch) == touches.end();
+    if (setting.contact_mode == ContactMode::kVelocity && is_new) touches.push_back(setting.touch);
+  }
+  return touches;
+}
+
+int FitsPerSetting(const Figure3& figure) { return static_cast<int>(figure.fits.size() / figure.settings.size()); }
+
+// "24 of 25".
+std::string FitsOf(const Figure3& figure, int setting, double noise) {
+  int num_fits = 0, num_reached = 0;
+  for (int i = 0; i < FitsPerSetting(figure); ++i) {
+    const JacobianFit& fit = figure.fits[setting * FitsPerSetting(figure) + i];
+    num_fits += fit.noise == noise;
+    num_reached += fit.noise == noise && fit.reached;
+  }
+  return num_fits == 0 ? "-" : std::to_string(num_reached) + " of " + std::to_string(num_fits);
+}
+
+void WriteHeader(const Figure3& figure, std::ostream& out) {
+  const int num_zooms = NumWindows(figure) - 1;
+  out << " offset  contact     touch  contacts   joined    branch  failed" << std::setw(11 * num_zooms) << "roughness"
+      << std::setw(24) << "fits that find it"
+      << "\n"
+      << "      m                      per step   + left  switches   steps";
+  for (int w = 1; w <= num_zooms; ++w) {
+    out << std::setw(11) << "zoom " + ShortestText(figure.summary.plan.windows[w].zoom);
+  }
+  for (const double noise : figure.noises) out << std::setw(12) << "noise " + ShortestText(noise);
+  out << "\n";
+}
+
+void WriteSetting(const Figure3& figure, int s, std::ostream& out) {
+  const Figure3Setting& setting = figure.settings[s];
+  const bool is_gap = setting.contact_mode == ContactMode::kGap;
+  const ContactMeans& contact = figure.summary.Of(s, NumWindows(figure) - 1).contact;
+  long long failed_steps = 0;
+  for (int w = 0; w < NumWindows(figure); ++w) failed_steps += figure.summary.Of(s, w).failed_steps;
+  out << std::fixed << std::setprecision(3) << std::setw(7) << setting.offset << "  " << std::left << std::setw(8)
+      << ContactModeName(setting.contact_mode) << std::right << std::setw(9)
+      << (is_gap ? "-" : ShortestText(setting.touch)) << std::setprecision(1) << std::setw(10)
+      << contact.contacts_per_step << std::setw(9) << contact.nodes_joined + contact.nodes_left << std::setw(10)
+      << contact.branch_switches << std::setw(8) << failed_steps << std::scientific;
+  for (int w = 1; w < NumWindows(figure); ++w) {
+    out << std::setw(11) << figure.summary.Of(s, w).roughness.off_quadratic;
+  }
+  for (const double noise : figure.noises) out << std::setw(12) << FitsOf(figure, s, noise);
+  out << std::defaultfloat << std::setprecision(6) << "\n";
+}
+
+void WriteCorrelations(const Figure3& figure, std::ostream& out) {
+  out << "rank correlation of roughness with contact events in velocity mode, and p-value:\n";
+  for (const double touch : Touches(figure)) {
+    out << std::setw(60) << "touch " + ShortestText(touch) << std::string(6, ' ') << std::fixed << std::setprecision(2);
+    for (int w = 1; w < NumWindows(figure); ++w) {
+      const RankCorrelation correlation = RoughnessAgainstEvents(figure, touch, w);
+      out << "  " << correlation.rho << " " << correlation.p_value;
+    }
+    out << std::defaultfloat << std::setprecision(6) << "\n";
+  }
+}
+
+// Over all velocity settings and zooms that are rough: how much smoother gap mode is there, by both measures.
+void WriteComparison(const Figure3& figure, std::ostream& out) {
+  int gap = -1, num_compared = 0;
+  std::vector<double> off_quadratic, second_difference;  // times smoother
+  for (int s = 0; s < static_cast<int>(figure.settings.size()); ++s) {
+    if (figure.settings[s].contact_mode == ContactMode::kGap) {
+      gap = s;
+      continue;
+    }
+    for (int w = 1; w < NumWindows(figure); ++w) {
+      const LandscapeRoughness &rough = figure.summary.Of(s, w).roughness,
+                               &smooth = figure.summary.Of(gap, w).roughness;
+      ++num_compared;
+      if (!(rough.off_quadratic > kRough)) continue;
+      off_quadratic.push_back(rough.off_quadratic / smooth.off_quadratic);
+      second_difference.push_back(rough.second_difference / smooth.second_difference);
+    }
+  }
+  out << off_quadratic.size() << " of " << num_compared << " zooms in velocity mode are rough (> " << kRough << ")";
+  if (off_quadratic.empty()) {
+    out << "\n";
+    return;
+  }
+  const auto least = [](const std::vector<double>& ratios) { return *std::min_element(ratios.begin(), ratios.end()); };
+  const auto num_threefold =
+      std::count_if(off_quadratic.begin(), off_quadratic.end(), [](double r) { return r >= 3.0; });
+  out << std::setprecision(3) << "; gap mode is smoother there by " << least(off_quadratic) << " to "
+      << *std::max_element(off_quadratic.begin(), off_quadratic.end()) << " times, in " << num_threefold
+      << " of them by 3 or more;\nby second differences, which leave smooth curvature out, by at least "
+      << least(second_difference) << " times\n"
+      << std::setprecision(6);
+}
+
+void WriteSettingCsv(const Figure3Setting& setting, std::ostream& out) {
+  out << setting.offset << "," << ContactModeName(setting.contact_mode) << "," << setting.touch;
+}
+
+}  // namespace
+
+std::string Figure3Setting::Name() const { return VariantName(VariantOf(*this)); }
+
+void Figure3Options::Validate() const {
+  Require(!offsets.empty(), "--offsets: expected at least one number (m)");
+  for (const double touch : touches) Require(touch >= 0.0, "--touch: expected numbers >= 0");
+  for (std::size_t i = 0; i < zooms.size(); ++i) {
+    const double larger = i == 0 ? 1.0 : zooms[i - 1];
+    Require(zooms[i] > 0.0 && zooms[i] < larger, "--zoom: expected falling numbers between 0 and 1");
+  }
+  Require(!zooms.empty(), "--zoom: expected at least one number");
+  Require(cells >= 3, "--cells: expected a number >= 3");
+  Require(std::isfinite(noise) && noise >= 0.0, "--noise: expected a number >= 0, relative to the cloth's size");
+  Require(starts_per_axis >= 0, "--starts: expected a number >= 0");
+  Require(num_threads >= 1, "--threads: expected a number >= 1");
+}
+
+Figure3 RunFigure3(const Figure3Options& options) {
+  options.Validate();
+  Figure3 figure;
+  figure.settings = MakeSettings(options);
+  figure.noises = {0.0};
+  if (options.noise > 0.0) figure.noises.push_back(options.noise);
+  std::vector<RecordedMotion> recordings, exact;
+  for (const Figure3Setting& setting : figure.settings) {
+    const std::vector<RecordedMotion> made = MakeRecordings(setting, figure.noises, options.seed);
+    recordings.insert(recordings.end(), made.begin(), made.end());
+    exact.push_back(made.front());
+  }
+  LandscapeScanOptions scan;
+  scan.plan = MakePlan(options, figure.settings);
+  scan.motions = std::move(exact);
+  figure.summary = Summarize(Scan(options, std::move(scan)));
+  if (options.starts_per_axis > 0) figure.fits = RunFits(options, recordings, figure.noises);
+  return figure;
+}
+
+RankCorrelation RoughnessAgainstEvents(const Figure3& figure, double touch, int window) {
+  std::vector<double> events, roughness;
+  for (int s = 0; s < static_cast<int>(figure.settings.size()); ++s) {
+    if (figure.settings[s].contact_mode != ContactMode::kVelocity || figure.settings[s].touch != touch) continue;
+    events.push_back(figure.summary.Of(s, window).contact.contact_changes);
+    roughness.push_back(figure.summary.Of(s, window).roughness.off_quadratic);
+  }
+  return SpearmanCorrelation(events, roughness);
+}
+
+std::string Figure3Table(const Figure3& figure) {
+  std::ostringstream out;
+  WriteHeader(figure, out);
+  for (int s = 0; s < static_cast<int>(figure.settings.size()); ++s) WriteSetting(figure, s, out);
+  WriteCorrelations(figure, out);
+  WriteComparison(figure, out);
+  return out.str();
+}
+
+std::string Figure3Csv(const Figure3& figure) {
+  std::ostringstream out;
+  out << std::setprecision(std::numeric_limits<double>::max_digits10);
+  out << "offset,contact,touch,zoom,off_quadratic,second_difference,range,contacts,set_changes,branch_switches,"
+         "substeps,failed_cells\n";
+  for (int s = 0; s < static_cast<int>(figure.settings.size()); ++s) {
+    for (int w = 0; w < NumWindows(figure); ++w) {
+      const WindowSummary& window = figure.summary.Of(s, w);
+      WriteSettingCsv(figure.settings[s], out);
+      out << "," << figure.summary.plan.windows[w].zoom << "," << window.roughness.off_quadratic << ","
+          << window.roughness.second_difference << "," << window.roughness.range << ","
+          << window.contact.contacts_per_step << "," << window.contact.nodes_joined + window.contact.nodes_left << ","
+          << window.contact.branch_switches << "," << window.substeps << "," << window.roughness.failed_cells << "\n";
+    }
+  }
+  return out.str();
+}
+
+std::string Figure3FitsCsv(const Figure3& figure) {
+  std::ostringstream out;
+  out << std::setprecision(std::numeric_limits<double>::max_digits10);
+  out << "offset,contact,touch,noise,start_mu,start_k_stretch,mu,k_stretch,cost,reached,rollouts,failed_steps,status\n";
+  for (std::size_t i = 0; i < figure.fits.size(); ++i) {
+    const JacobianFit& fit = figure.fits[i];
+    WriteSettingCsv(figure.settings[i / FitsPerSetting(figure)], out);
+    out << "," << fit.noise << "," << fit.start[0] << "," << fit.start[1] << "," << fit.value[0] << "," << fit.value[1]
+        << "," << fit.cost << "," << fit.reached << "," << fit.rollouts << "," << fit.failed_steps << ","
+        << FitStatusName(fit.status) << "\n";
+  }
+  return out.str();
+}
+
+}  // namespace clothid

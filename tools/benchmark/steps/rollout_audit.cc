@@ -1,0 +1,99 @@
+#include "tools/benchmark/steps/rollout_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "sim/cloth/cloth_model.h"
+#include "sim/rollout/simulator.h"
+#include "sim/step/step.h"
+#include "sim/step/step_problem.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kRoundings = 8.0;  // of a position, in units of eps
+
+bool SameContacts(const std::vector<ContactRecord>& a, const std::vector<ContactRecord>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ContactRecord& c, const ContactRecord& d) {
+    return c.node == d.node && c.obstacle == d.obstacle && c.branch == d.branch;
+  });
+}
+
+double Rounding(const Eigen::VectorXd& positions) {
+  return kRoundings * std::numeric_limits<double>::epsilon() * positions.lpNorm<Eigen::Infinity>();
+}
+
+// Whether a node of the contact set ends deeper than the law lets it.
+bool IsTooDeep(const StepProblem& problem, const StepPoint& point, const StepRecord& record, double tolerance,
+               const Scene& scene) {
+  for (std::size_t i = 0; i < problem.candidates().size(); ++i) {
+    const ContactCandidate& candidate = problem.candidates()[i];
+    const SceneObstacle& obstacle = scene.obstacles[candidate.obstacle];
+    const double gap =
+        obstacle.shape->Closest(record.positions.segment<3>(3 * candidate.node)).gap - obstacle.contact_distance;
+    const double speed_error = tolerance * point.scale / problem.weight(static_cast<int>(i));
+    const double least = candidate.gap - record.time_step * (candidate.gap_speed + speed_error);
+    if (!(gap >= least - Rounding(record.positions))) return true;
+  }
+  return false;
+}
+
+void AuditRecord(const StepRecord& record, const Eigen::VectorXd& start_positions,
+                 const Eigen::VectorXd& start_velocities, const Parameters& parameters, Simulator* simulator,
+                 RolloutAudit* audit) {
+  const ClothModel& model = simulator->model();
+  const StepProblem problem(model, parameters, start_positions, start_velocities, record.time_step, record.time,
+                            &simulator->step_workspace());
+  StepPoint point;
+  problem.Evaluate(model.Gather(record.velocities), &point);
+  const double tolerance = simulator->step_solver().Tolerance(problem, point);
+  const double off = (point.positions - record.positions).lpNorm<Eigen::Infinity>();
+  audit->inconsistent += !(off <= Rounding(record.positions)) ||
+                         !SameContacts(RecordContacts(problem.ActiveContacts(point)), record.contacts);
+  audit->unsolved += !(point.relative_residual <= tolerance);
+  audit->worst_residual = std::max(audit->worst_residual, point.relative_residual / tolerance);
+  audit->loosest_tolerance = std::max(audit->loosest_tolerance, tolerance);
+  audit->too_deep += IsTooDeep(problem, point, record, tolerance, model.scene());
+}
+
+double Penetration(const StepRecord& record, const ClothModel& model) {
+  double deepest = 0.0;
+  if (!model.has_contact()) return deepest;
+  ContactCandidate candidate;
+  for (const int node : model.free_nodes()) {
+    FindCandidate(model, node, record.positions, record.time_step, &candidate);
+    deepest = std::max(deepest, -candidate.gap);
+  }
+  return deepest;
+}
+
+int MissingSteps(const Rollout& rollout, int num_steps) {
+  if (!rollout.ok()) return 0;
+  double solved = 0.0;  // s
+  for (const StepRecord& record : rollout.records) solved += record.time_step;
+  const int by_time = static_cast<int>(std::lround(solved / rollout.time_step));
+  return num_steps - std::min(rollout.num_steps(), by_time);
+}
+
+}  // namespace
+
+RolloutAudit AuditRollout(const Rollout& rollout, int num_steps, Simulator* simulator) {
+  RolloutAudit audit;
+  audit.missing_steps = MissingSteps(rollout, num_steps);
+  for (std::size_t i = 0; i < rollout.records.size(); ++i) {
+    const StepRecord& record = rollout.records[i];
+    if (!record.positions.allFinite() || !record.velocities.allFinite()) {
+      ++audit.not_finite;
+      return audit;
+    }
+    const Eigen::VectorXd& x = i == 0 ? rollout.initial_positions : rollout.records[i - 1].positions;
+    const Eigen::VectorXd& v = i == 0 ? rollout.initial_velocities : rollout.records[i - 1].velocities;
+    AuditRecord(record, x, v, rollout.parameters, simulator, &audit);
+    audit.penetration = std::max(audit.penetration, Penetration(record, simulator->model()));
+  }
+  return audit;
+}
+
+}  // namespace clothid

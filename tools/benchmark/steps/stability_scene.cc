@@ -1,0 +1,113 @@
+#include "tools/benchmark/steps/stability_scene.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+#include "tools/benchmark/base/benchmark_scene.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kDegree = kPi / 180.0;
+constexpr double kClothSize = 1.0;          // m
+constexpr double kDuration = 0.3;           // s
+constexpr double kDensity = 0.2;            // kg/m^2
+constexpr double kBendingStiffness = 1e-3;  // N m
+constexpr double kWave = 0.005;             // m
+constexpr double kSphereRadius = 0.3;       // m
+constexpr double kSlopeAngle = 25.0 * kDegree;
+constexpr double kTilt = 3.0 * kDegree;     // of the cloth over the slope
+constexpr double kTurned = 20.0 * kDegree;  // the cloth about its normal: no row of nodes lands at once
+constexpr double kDrag = 0.4;               // kg/(m^2 s)
+
+// Waves of two different lengths, so that no symmetry is left.
+void AddWaves(int nodes, const Eigen::Vector3d& normal, Mesh* mesh) {
+  for (int node = 0; node < mesh->num_nodes(); ++node) {
+    const double u = static_cast<double>(node % nodes) / (nodes - 1),
+                 v = static_cast<double>(node / nodes) / (nodes - 1);
+    mesh->rest_positions.col(node) += kWave * std::sin(2.2 * kPi * u + 0.3) * std::sin(2.9 * kPi * v + 0.8) * normal;
+  }
+}
+
+Scene MakeDrape(int nodes, double friction_coefficient) {
+  Scene scene =
+      MakeStabilityCloth(nodes, Eigen::Vector3d(0.05, 0.02, 0.0), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+  const Eigen::Vector3d center(0.0, 0.0, -kSphereRadius - 2.0 * kWave);
+  AddObstacle("ball", std::make_shared<Sphere>(center, kSphereRadius), friction_coefficient, &scene);
+  StartAtRestShape(Eigen::Vector3d(0.0, 0.0, -1.0), &scene);
+  return scene;
+}
+
+Scene MakeSlope(int nodes, double friction_coefficient) {
+  const Eigen::AngleAxisd slope(kSlopeAngle, Eigen::Vector3d::UnitY());
+  const Eigen::Vector3d normal = slope * Eigen::Vector3d::UnitZ();
+  const Eigen::Quaterniond turn =
+      slope * Eigen::AngleAxisd(kTilt, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(kTurned, Eigen::Vector3d::UnitZ());
+  Scene scene = MakeStabilityCloth(nodes, Eigen::Vector3d::Zero(), turn * Eigen::Vector3d::UnitX(),
+                                   turn * Eigen::Vector3d::UnitY());
+  const double lowest = (normal.transpose() * scene.mesh.rest_positions).minCoeff();
+  AddObstacle("plane", std::make_shared<Plane>((lowest - kWave) * normal, normal), friction_coefficient, &scene);
+  StartAtRestShape(-0.5 * normal, &scene);
+  return scene;
+}
+
+Scene MakeWind(int nodes) {
+  Scene scene = MakeStabilityCloth(nodes, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ());
+  scene.handles.nodes = {0, nodes - 1};
+  scene.material.drag = kDrag;
+  scene.wind.mean = Eigen::Vector3d(0.5, 3.0, 0.0);
+  scene.wind.gust = Eigen::Vector3d(0.0, 3.0, 1.0);
+  scene.wind.frequency = 12.0;
+  scene.wind.wave_vector = Eigen::Vector3d(3.0, 0.0, 2.0);
+  return scene;
+}
+
+}  // namespace
+
+Scene MakeStabilityCloth(int nodes, const Eigen::Vector3d& center, const Eigen::Vector3d& first_axis,
+                         const Eigen::Vector3d& second_axis) {
+  Scene scene;
+  GridOptions grid;
+  grid.nodes = {nodes, nodes};
+  grid.size = {kClothSize, kClothSize};
+  grid.origin = center - 0.5 * kClothSize * (first_axis + second_axis);
+  grid.axes = {first_axis, second_axis};
+  scene.mesh = MakeGrid(grid);
+  AddWaves(nodes, first_axis.cross(second_axis), &scene.mesh);
+  scene.duration = kDuration;
+  scene.material.density = kDensity;
+  scene.material.bending_stiffness = kBendingStiffness;
+  StartAtRestShape(Eigen::Vector3d::Zero(), &scene);
+  return scene;
+}
+
+void StartAtRestShape(const Eigen::Vector3d& velocity, Scene* scene) {
+  const Eigen::Matrix3Xd& rest = scene->mesh.rest_positions;
+  scene->initial_positions = Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size());
+  scene->initial_velocities = velocity.replicate(scene->mesh.num_nodes(), 1);
+}
+
+bool StabilitySceneHasObstacle(const std::string& name) {
+  if (std::find(kStabilityScenes.begin(), kStabilityScenes.end(), name) == kStabilityScenes.end()) {
+    throw Error(ErrorKind::kUsage, "--scene: '" + Printable(name) + "': expected drape, slope or wind");
+  }
+  return name != "wind";
+}
+
+Scene MakeStabilityScene(const StabilityCell& cell, int nodes) {
+  if (nodes < 2) throw Error(ErrorKind::kUsage, "--nodes: expected a number >= 2");
+  Scene scene = !StabilitySceneHasObstacle(cell.scene) ? MakeWind(nodes)
+                : cell.scene == "drape"                ? MakeDrape(nodes, cell.friction_coefficient)
+                                                       : MakeSlope(nodes, cell.friction_coefficient);
+  scene.contact_mode = cell.contact_mode;
+  scene.time_step = cell.time_step;
+  scene.material.stretch_stiffness = cell.stretch_stiffness;
+  return scene;
+}
+
+}  // namespace clothid

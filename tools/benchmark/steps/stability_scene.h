@@ -1,0 +1,46 @@
+// The scenes of the stability grid: a square of cloth, 1 x 1 m, 0.2 kg/m^2, k_b = 1e-3 N m, for 0.3 s.
+//
+//   drape  thrown at 1 m/s on a sphere of radius 0.3 m, off its middle: nodes join, stick, slip and take off
+//   slope  thrown at 0.5 m/s on a plane inclined by 25 degrees, one edge first: slips up to mu = 0.47, else sticks
+//   wind   hung by two corners in a gusty wind, c_d = 0.4 kg/(m^2 s): no obstacle, so neither friction nor contact mode
+// The cloth has at rest the shape in which it starts, waves of 5 mm: a flat cloth that is compressed in its plane
+// stands at a bifurcation, where rounding alone decides how it buckles.
+#ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_STABILITY_SCENE_H_
+#define CLOTHID_TOOLS_BENCHMARK_STEPS_STABILITY_SCENE_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "sim/scene/scene.h"
+
+namespace clothid {
+
+inline const std::vector<std::string> kStabilityScenes = {"drape", "slope", "wind"};
+
+// One cell of the grid.
+struct StabilityCell {
+  std::string scene;
+  ContactMode contact_mode = ContactMode::kGap;
+  double stretch_stiffness = 0.0;  // k, N/m
+  double time_step = 0.0;          // h, s
+  double friction_coefficient = 0.0;
+};
+
+// Whether friction and contact mode make a difference. Throws `Error` (kUsage), naming --scene, for an unknown name.
+bool StabilitySceneHasObstacle(const std::string& name);
+
+// Of a cell, with nodes x nodes nodes, at least 2 x 2. Throws as above.
+Scene MakeStabilityScene(const StabilityCell& cell, int nodes);
+
+// The cloth of the grid, at rest where it starts, its middle at `center`; no handles, obstacles, air or velocity.
+// `scene->mesh` has nodes x nodes nodes; the axes are directions.
+Scene MakeStabilityCloth(int nodes, const Eigen::Vector3d& center, const Eigen::Vector3d& first_axis,
+                         const Eigen::Vector3d& second_axis);
+
+// Lets the cloth start where `scene->mesh` is at rest, every node with the same velocity [m/s].
+void StartAtRestShape(const Eigen::Vector3d& velocity, Scene* scene);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TOOLS_BENCHMARK_STEPS_STABILITY_SCENE_H_

@@ -1,0 +1,55 @@
+#include "tools/landscape/landscape_files.h"
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "datasets/files/sha256.h"
+#include "identify/landscape/landscape_row.h"
+#include "sim/base/text_file.h"
+#include "tools/landscape/landscape_summary.h"
+
+namespace clothid {
+namespace {
+
+nlohmann::ordered_json PlanJson(const LandscapePlan& plan, const LandscapeOrigin& origin, const std::string& csv) {
+  nlohmann::ordered_json json;
+  json["schema"] = kLandscapeSchema;
+  const auto axis = [](const LandscapeAxis& a) {
+    return nlohmann::ordered_json{{"parameter", a.parameter},
+                                  {"scale", a.scale == ParameterScale::kLog ? "log" : "linear"},
+                                  {"cells", a.num_cells}};
+  };
+  json["axes"] = {{"x", axis(plan.windows.front().x)}, {"y", axis(plan.windows.front().y)}};
+  for (const LandscapeWindow& window : plan.windows) {
+    json["windows"].push_back(
+        {{"zoom", window.zoom}, {"x", {window.x.lower, window.x.upper}}, {"y", {window.y.lower, window.y.upper}}});
+  }
+  for (const LandscapeSetting& setting : plan.settings) {
+    json["settings"].push_back({{"name", setting.name}, {"contact", ContactModeName(setting.contact_mode)}});
+  }
+  json["has_gradients"] = plan.has_gradients;
+  json["shard"] = nullptr;
+  if (!origin.shard.is_whole()) json["shard"] = {{"index", origin.shard.index}, {"count", origin.shard.count}};
+  json["truth"] = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : origin.truth) json["truth"][name] = value;
+  json["fingerprint"] = origin.fingerprint;
+  json["landscape_sha256"] = Sha256Hex({csv});
+  json["provenance"] = {{"version", origin.version}, {"git", origin.git}, {"input_sha256", origin.input_sha256}};
+  return json;
+}
+
+}  // namespace
+
+void WriteLandscape(const Landscape& landscape, const LandscapeOrigin& origin, OutputFolder* folder) {
+  std::string csv = RowHeader(landscape.plan) + "\n", timing = "cell,seconds\n";
+  for (const int cell : origin.shard.Cells(landscape.plan)) {
+    csv += CellRow(landscape.plan, cell, landscape.cells[cell]) + "\n";
+    timing += std::to_string(cell) + "," + ShortestText(landscape.cells[cell].seconds) + "\n";
+  }
+  folder->Write(kLandscapeCsv, csv);
+  folder->Write(kTimingCsv, timing);
+  folder->Write(kPlanJson, PlanJson(landscape.plan, origin, csv).dump(2) + "\n");
+  if (origin.shard.is_whole()) folder->Write(kSummaryJson, SummaryJson(Summarize(landscape)));
+}
+
+}  // namespace clothid

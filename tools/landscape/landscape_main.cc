@@ -1,0 +1,227 @@
+// landscape: scans the cost over two parameters.
+#include <gflags/gflags.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "datasets/motion/recorded_motion.h"
+#include "identify/base/output_folder.h"
+#include "identify/base/version.h"
+#include "sim/base/error.h"
+#include "sim/base/program.h"
+#include "sim/base/text_file.h"
+#include "sim/scene/parameters.h"
+#include "tools/base/command_line.h"
+#include "tools/landscape/landscape_files.h"
+#include "tools/landscape/landscape_merge.h"
+#include "tools/landscape/landscape_plan.h"
+#include "tools/landscape/landscape_plot.h"
+#include "tools/landscape/landscape_progress.h"
+#include "tools/landscape/landscape_run.h"
+#include "tools/landscape/landscape_store.h"
+#include "tools/landscape/landscape_summary.h"
+#include "tools/landscape/scene_variant.h"
+
+DEFINE_string(target, "", "recording");
+DEFINE_string(scene, "", "scene.json to use instead of the one in the recording");
+DEFINE_string(x, "", "first axis, NAME=LOWER:UPPER:CELLS[:log]");
+DEFINE_string(y, "", "second axis, likewise");
+DEFINE_string(zoom_around, "", "center of the zooms, NAME=VALUE,NAME=VALUE");
+DEFINE_string(zoom, "", "shares of the axes to zoom into");
+DEFINE_bool(zoom_only, false, "leaves out the whole of the axes");
+DEFINE_string(sweep, "", "numbers of the scene to vary, KEY=NUMBER[,...][;KEY=...]");
+DEFINE_string(set, "", "true parameters, NAME=VALUE[,...]: their rollouts replace the measured data");
+DEFINE_string(contact, "", "contact mode: gap, velocity or both; empty: the scene's");
+DEFINE_bool(gradients, false, "the adjoint gradient at every cell");
+DEFINE_string(shard, "", "I/N: only the cells I, I + N, I + 2 N, ..");
+DEFINE_bool(resume, false, "continue a scan that was stopped");
+DEFINE_int32(threads, 1, "cells side by side");
+DEFINE_string(output, "landscape_result", "folder for the results");
+
+namespace clothid {
+namespace {
+
+constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two parameters.
+
+  landscape --target FILE --x AXIS --y AXIS [flags]
+  landscape merge DIR... --output DIR      the shards of a scan as one, in the bytes of a scan that was not divided
+  landscape plot DIR                       landscape.html, a page for any browser; landscape.png, needs matplotlib
+
+  --target FILE       motion.bin recording
+  --scene FILE        scene.json to use instead of the one in the recording
+  --x, --y AXIS       NAME=LOWER:UPPER:CELLS, evenly spaced with both ends, or NAME=LOWER:UPPER:CELLS:log. Names: mu,
+                      mu.OBSTACLE, k_stretch, k_bend, density, drag, damping
+  --zoom LIST         a window of as many cells for each of these shares of the axes
+  --zoom_around LIST  their center, NAME=VALUE,NAME=VALUE; windows at the edge are moved inside
+  --zoom_only         leaves out the whole of the axes
+  --sweep LIST        KEY=NUMBER[,NUMBER...][;KEY=...]: every combination is a setting. Keys are paths into the scene:
+                      NAME.key of an obstacle, else from the top; x, y, z or an index pick from an array
+  --contact MODE      gap, velocity, or both for every setting in either (the scene's own)
+  --set LIST          true parameters, those on the axes and others, which are held at them: in every setting and mode
+                      their own rollout is compared with instead of what was measured
+  --gradients         the adjoint gradient at every cell, on a log axis by the logarithm
+  --shard I/N         only the cells I, I + N, I + 2 N, .., 0 <= I < N
+  --resume            continue a scan that was stopped, ending in the same bytes; starts one that was not
+  --threads N         cells side by side; the result does not depend on it (1). Threads take turns in Debian's serial
+                      OpenBLAS: shards side by side are faster
+  --output DIR        landscape.csv, a row per cell; timing.csv; plan.json; summary.json: minimum, roughness and
+                      contact events of every window (landscape_result)
+  --help, --version
+
+Every cell is on disk once it is done: Ctrl-C or kill lose no more than the cells under way. Exit codes: 0 done, even
+with failed cells, which have no cost; 1 usage, or a file that cannot be opened or written; 2 bad data; 130 interrupted.
+
+Example:
+  landscape --target datasets/drape.motion.bin --x mu=0:0.6:13 --y k_stretch=20:700:9:log --output /tmp/cost
+)";
+
+LandscapeFlags PlanFlags() {
+  LandscapeFlags flags;
+  flags.x = FLAGS_x;
+  flags.y = FLAGS_y;
+  flags.zoom_around = FLAGS_zoom_around;
+  flags.zoom = FLAGS_zoom;
+  flags.zoom_only = FLAGS_zoom_only;
+  flags.sweep = FLAGS_sweep;
+  flags.contact = FLAGS_contact;
+  flags.gradients = FLAGS_gradients;
+  return flags;
+}
+
+// The recording as it is read in every setting.
+std::vector<RecordedMotion> ReadSettings(const LandscapePlan& plan) {
+  std::vector<RecordedMotion> motions;
+  for (std::size_t i = 0; i < plan.settings.size(); ++i) {
+    const LandscapeSetting& setting = plan.settings[i];
+    const bool is_as_before = i > 0 && plan.settings[i - 1].name == setting.name;
+    motions.push_back(is_as_before ? motions.back()
+                                   : ReadMotionVariant(FLAGS_target, FLAGS_scene, ParseSweep(setting.name).front()));
+    motions.back().scene.contact_mode = setting.contact_mode;
+  }
+  return motions;
+}
+
+LandscapeRunOptions OptionsFromFlags() {
+  if (FLAGS_threads < 1) throw Error(ErrorKind::kUsage, "--threads: expected a number >= 1");
+  if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see landscape --help");
+  const auto truth = ParseParameterValues(FLAGS_set, "--set");
+  LandscapeRunOptions options;
+  options.origin.shard = ParseShard(FLAGS_shard);
+  options.scan.plan = MakeLandscapePlan(PlanFlags(), ReadMotionVariant(FLAGS_target, FLAGS_scene, {}).scene);
+  options.scan.motions = ReadSettings(options.scan.plan);
+  options.scan.num_threads = FLAGS_threads;
+  options.scan.cancel = &CatchInterrupts();
+  options.origin.version = Version();
+  options.origin.git = GitHash();
+  options.origin.input_sha256 = options.scan.motions.front().sha256;
+  options.origin.truth = truth;
+  options.origin.fingerprint = LandscapeFingerprint(options.scan.plan, options.scan.motions, truth);
+  if (!truth.empty()) MeasureTruth(truth, &options.scan);
+  options.folder = FLAGS_output;
+  options.resume = FLAGS_resume;
+  return options;
+}
+
+// How many cells there are and, of a whole landscape, what it looks like.
+void PrintSummary(const LandscapePart& part) {
+  const LandscapePlan& plan = part.landscape.plan;
+  const LandscapeShard& shard = part.origin.shard;
+  int num_failed = 0;
+  std::string failure;
+  const std::vector<int> cells = shard.Cells(plan);
+  for (const int cell : cells) {
+    const LandscapeCell& result = part.landscape.cells[cell];
+    if (result.failure.empty()) continue;
+    if (num_failed++ == 0) failure = "; the first, cell " + std::to_string(cell) + ": " + result.failure;
+  }
+  std::cout << FLAGS_output << ": " << cells.size() << " cells";
+  if (!shard.is_whole()) std::cout << " of shard " << shard.index << " of " << shard.count;
+  std::cout << ", " << num_failed << " failed" << failure << "\n";
+  if (shard.is_whole()) std::cout << SummaryTable(Summarize(part.landscape));
+}
+
+int Scan() {
+  LandscapeRunOptions options = OptionsFromFlags();
+  LandscapeRunResult result;
+  {
+    LandscapeProgress progress(&std::cerr, isatty(STDERR_FILENO) != 0);
+    options.on_progress = [&](int num_done, int num_cells, int num_kept) {
+      progress.Print(num_done, num_cells, num_kept);
+    };
+    result = RunLandscape(std::move(options));
+  }
+  if (!result.is_complete()) {
+    std::cerr << "landscape: interrupted with " << result.num_done << " of " << result.num_cells
+              << " cells done, kept in " << FLAGS_output << "; add --resume to the same command to go on\n";
+    return kExitInterrupted;
+  }
+  PrintSummary(result.part);
+  const int num_new = result.num_done - result.num_kept;
+  if (result.num_kept > 0) std::cout << result.num_kept << " cells were done before\n";
+  if (num_new == 0) return kExitSuccess;
+  std::cout << num_new << " cells in " << result.seconds << " s on " << FLAGS_threads << " thread"
+            << (FLAGS_threads > 1 ? "s" : "") << ": " << num_new / result.seconds << " cells/s\n";
+  return kExitSuccess;
+}
+
+int Merge(const std::vector<std::string>& folders) {
+  CatchInterrupts();
+  for (const std::string& folder : folders) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(folder, FLAGS_output, ignored)) {
+      throw Error(ErrorKind::kUsage, "--output: " + FLAGS_output + ": expected another folder than those to be merged");
+    }
+  }
+  if (LandscapeStore::ExistsIn(FLAGS_output)) {
+    throw Error(ErrorKind::kUsage, "--output: " + FLAGS_output + ": holds the cells of a scan that was stopped");
+  }
+  const LandscapePart part = MergeLandscapes(folders);
+  OutputFolder output(FLAGS_output);
+  WriteLandscape(part.landscape, part.origin, &output);
+  output.Commit();
+  PrintSummary(part);
+  return kExitSuccess;
+}
+
+int Plot(const std::vector<std::string>& folders) {
+  const std::atomic<bool>& interrupted = CatchInterrupts();
+  if (folders.size() != 1) throw Error(ErrorKind::kUsage, "plot: expected one folder; see landscape --help");
+  const Landscape landscape = ReadLandscape(folders.front());
+  const LandscapePictures pictures = PlotLandscape(landscape, Summarize(landscape), folders.front());
+  std::cout << pictures.html << "\n";
+  if (pictures.note.empty()) {
+    std::cout << pictures.png << "\n";
+  } else {
+    std::cerr << "landscape: " << pictures.note << "\n";
+  }
+  return interrupted ? kExitInterrupted : kExitSuccess;
+}
+
+struct Subcommand {
+  const char* name;
+  int (*run)(const std::vector<std::string>& arguments);
+};
+
+constexpr Subcommand kSubcommands[] = {{"merge", Merge}, {"plot", Plot}};
+
+int Run(const std::vector<std::string>& arguments) {
+  if (arguments.empty()) return Scan();
+  std::string known;
+  for (const Subcommand& command : kSubcommands) {
+    if (arguments.front() == command.name) return command.run({arguments.begin() + 1, arguments.end()});
+    known += (known.empty() ? "" : ", ") + std::string(command.name);
+  }
+  throw Error(ErrorKind::kUsage,
+              "'" + Printable(arguments.front()) + "': unknown command; there is: " + known + "; see landscape --help");
+}
+
+}  // namespace
+}  // namespace clothid
+
+int main(int argc, char** argv) { return clothid::RunCommand("landscape", clothid::kHelp, argc, argv, clothid::Run); }

@@ -1,0 +1,112 @@
+#include "tools/landscape/landscape_plot.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "identify/base/output_folder.h"
+#include "identify/report/page_template.h"
+#include "identify/report/vendor/plotly.h"
+#include "tools/base/run_program.h"
+
+namespace clothid {
+
+// The files of these names, embedded by CMake.
+std::string_view LandscapePage();    // landscape_page.html
+std::string_view LandscapeScript();  // plot_landscape
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ValuesJson(const LandscapeAxis& axis) {
+  Json values = Json::array();
+  for (int i = 0; i < axis.num_cells; ++i) values.push_back(axis.Value(i));
+  return values;
+}
+
+// Cells of one window of one setting, x fastest.
+Json CellsJson(const Landscape& landscape, int setting, int window) {
+  Json cost = Json::array(), changes = Json::array(), gradient_x = Json::array(), gradient_y = Json::array();
+  Json failure = Json::object();
+  const int first = landscape.plan.FirstCell(setting, window), count = landscape.plan.cells_per_window();
+  for (int i = 0; i < count; ++i) {
+    const LandscapeCell& cell = landscape.cells[first + i];
+    cost.push_back(RoundedJson(cell.cost, 12));
+    changes.push_back(cell.counts.contact_changes());
+    gradient_x.push_back(RoundedJson(cell.gradient_x, 6));
+    gradient_y.push_back(RoundedJson(cell.gradient_y, 6));
+    if (!cell.failure.empty()) failure[std::to_string(i)] = cell.failure;
+  }
+  Json json = {{"cost", cost}, {"changes", changes}, {"failure", failure}};
+  if (landscape.plan.has_gradients) {
+    json["gradient_x"] = gradient_x;
+    json["gradient_y"] = gradient_y;
+  }
+  return json;
+}
+
+std::string DataText(const Landscape& landscape, const LandscapeSummary& summary) {
+  Json json = {{"summary", Json::parse(SummaryJson(summary))},
+               {"x", Json::array()},
+               {"y", Json::array()},
+               {"cells", Json::array()}};
+  for (const LandscapeWindow& window : landscape.plan.windows) {
+    json["x"].push_back(ValuesJson(window.x));
+    json["y"].push_back(ValuesJson(window.y));
+  }
+  for (int setting = 0; setting < static_cast<int>(landscape.plan.settings.size()); ++setting) {
+    for (int window = 0; window < static_cast<int>(landscape.plan.windows.size()); ++window) {
+      json["cells"].push_back(CellsJson(landscape, setting, window));
+    }
+  }
+  return ScriptText(json);
+}
+
+std::string LastLine(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  const std::size_t end = text.rfind('\n');
+  return end == std::string::npos ? text : text.substr(end + 1);
+}
+
+// Why there is none, or an empty text.
+std::string WritePng(const std::string& folder, OutputFolder* output) {
+  const std::string name = "landscape.png";
+  std::error_code ignored;
+  std::filesystem::remove(std::filesystem::path(folder) / name, ignored);
+  std::string reason;
+  for (const char* python : {"python3", "/usr/bin/python3"}) {
+    const ProgramResult result =
+        RunProgram({python, "-c", std::string(LandscapeScript()), folder, output->TemporaryPath(name)});
+    if (result.exit_code == 0) {
+      output->Commit();
+      return "";
+    }
+    if (reason.empty()) reason = result.exit_code == 127 ? "there is no python3" : LastLine(result.err);
+  }
+  return name + " is left out: " + reason;
+}
+
+}  // namespace
+
+std::string LandscapeHtml(const Landscape& landscape, const LandscapeSummary& summary) {
+  const std::string data = DataText(landscape, summary);
+  return FillPage(LandscapePage(), {{"{{data}}", data}, {"{{plotly}}", PlotlyLibrary()}});
+}
+
+LandscapePictures PlotLandscape(const Landscape& landscape, const LandscapeSummary& summary,
+                                const std::string& folder) {
+  OutputFolder output(folder);
+  output.KeepJournals();
+  output.Write("landscape.html", LandscapeHtml(landscape, summary));
+  output.Commit();
+  LandscapePictures pictures;
+  pictures.html = (std::filesystem::path(folder) / "landscape.html").string();
+  pictures.note = WritePng(folder, &output);
+  if (pictures.note.empty()) pictures.png = (std::filesystem::path(folder) / "landscape.png").string();
+  return pictures;
+}
+
+}  // namespace clothid

@@ -1,0 +1,36 @@
+#include <gflags/gflags.h>
+
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "datasets/checking/motion_check.h"
+#include "datasets/motion/motion_file.h"
+#include "sim/base/error.h"
+#include "tools/motion/motion_commands.h"
+
+DEFINE_bool(json, false, "check: findings as JSON");
+
+namespace clothid {
+
+int MotionCheck(const std::string& path) {
+  ReadMotionOptions options;
+  options.smooth_handles = false;
+  const RecordedMotion motion = ReadMotion(path, options);
+  const std::vector<Finding> findings = CheckMotion(motion);
+  if (FLAGS_json) {
+    std::cout << FindingsJson(findings, path);
+  } else {
+    std::cout << path << ": valid\n";
+    PrintCoverage(motion);
+    std::cout << "\n" << FindingsTable(findings);
+  }
+  std::string problems;
+  for (const Finding& finding : findings) {
+    if (finding.verdict == Verdict::kProblem) problems += (problems.empty() ? "" : ", ") + finding.what;
+  }
+  if (!problems.empty()) throw Error(ErrorKind::kBadData, path + ": cannot be fitted as it is: " + problems);
+  return kExitSuccess;
+}
+
+}  // namespace clothid

@@ -1,0 +1,72 @@
+#include "tools/motion/motion_clouds.h"
+
+#include <gflags/gflags.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "datasets/files/atomic_file.h"
+#include "datasets/importing/cloud_import.h"
+#include "datasets/importing/track_edit.h"
+#include "datasets/motion/motion_file.h"
+#include "sim/base/error.h"
+#include "tools/motion/motion_commands.h"
+
+DECLARE_string(scene);
+DECLARE_double(frame_rate);
+DECLARE_string(times);
+DECLARE_double(scale);
+DECLARE_double(sigma);
+DEFINE_double(voxel, 0.0, "side of cubes that keep the mean of their points, m; 0: all points");
+DEFINE_int32(max_points, 0, "points kept per frame, chosen by --seed; 0: all");
+DEFINE_uint64(seed, 1, "seed of the choice of points");
+DEFINE_bool(fit_pose, false, "move the mesh as a rigid body onto the first cloud");
+DEFINE_bool(float64, false, "store the clouds in double precision");
+
+namespace clothid {
+namespace {
+
+CloudImportOptions OptionsFromFlags(const std::string& input) {
+  CloudImportOptions options;
+  options.input = input;
+  options.scene_path = FLAGS_scene;
+  options.frame_rate = FLAGS_frame_rate;
+  if (!FLAGS_times.empty()) options.times = ReadTimes(FLAGS_times);
+  options.scale = FLAGS_scale;
+  options.voxel = FLAGS_voxel;
+  options.max_points = FLAGS_max_points;
+  options.seed = FLAGS_seed;
+  options.sigma = FLAGS_sigma;
+  options.fit_pose = FLAGS_fit_pose;
+  options.single_precision = !FLAGS_float64;
+  return options;
+}
+
+}  // namespace
+
+int ConvertClouds(const std::vector<std::string>& arguments) {
+  if (arguments.size() != 2) {
+    throw Error(ErrorKind::kUsage, "convert_clouds: expected a folder or pattern of .npy files, and a file to write");
+  }
+  RejectConvertFlags("convert_clouds", {"scene", "frame_rate", "times", "scale", "sigma"});
+  CheckFileCanBeWritten(arguments[1]);
+  WriteMotion(ImportClouds(OptionsFromFlags(arguments[0])), arguments[1]);
+  const RecordedMotion motion = ReadMotion(arguments[1]);
+  std::cout << arguments[1] << ": " << motion.num_frames() << " frames\n";
+  PrintClouds(motion);
+  return kExitSuccess;
+}
+
+void PrintClouds(const RecordedMotion& motion) {
+  if (motion.clouds.empty()) return;
+  const auto fewer = [](const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) { return a.cols() < b.cols(); };
+  const auto [least, most] = std::minmax_element(motion.clouds.begin(), motion.clouds.end(), fewer);
+  Eigen::Index sum = 0;
+  for (const Eigen::Matrix3Xd& cloud : motion.clouds) sum += cloud.cols();
+  std::cout << "clouds " << motion.clouds.size() << ", of " << least->cols() << " to " << most->cols() << " points, "
+            << sum << " in all";
+  if (motion.cloud_sigma > 0.0) std::cout << ", sigma " << motion.cloud_sigma << " m";
+  std::cout << "\n";
+}
+
+}  // namespace clothid

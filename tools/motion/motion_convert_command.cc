@@ -1,0 +1,257 @@
+#include <gflags/gflags.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/files/atomic_file.h"
+#include "datasets/formats/track_file.h"
+#include "datasets/importing/import_motion.h"
+#include "datasets/importing/transform_file.h"
+#include "datasets/motion/motion_file.h"
+#include "datasets/synthetic/synthetic.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+#include "tools/motion/motion_commands.h"
+
+DEFINE_string(scene, "", "convert: scene.json of the recording");
+DEFINE_string(faces, "", "convert: OBJ file with the mesh at rest");
+DEFINE_string(grid, "", "convert: flat mesh of a grid, NXxNY:WIDTHxHEIGHT, m");
+DEFINE_bool(transpose, false, "convert: the points of --grid run along y first");
+DEFINE_string(transform, "", "convert: file with a rigid transform of the points");
+DEFINE_bool(invert_transform, false, "convert: apply the inverse of --transform");
+DEFINE_double(scale, 1.0, "convert: factor of positions");
+DEFINE_string(times, "", "convert: file with the times of the frames, s");
+DEFINE_double(frame_rate, 0.0, "convert: frames per second; 0: times of the file");
+DEFINE_double(time_scale, 1.0, "convert: factor of times");
+DEFINE_string(start_at, "", "convert: time of the first frame, s");
+DEFINE_string(frames, "", "convert: frames A:B to keep");
+DEFINE_string(skip_frames, "", "convert: frames to leave out");
+DEFINE_string(map, "nodes", "convert: nodes, nearest, markers or a CSV file");
+DEFINE_double(map_distance, 0.0, "convert: how far a point may be off its place, m");
+DEFINE_double(sigma, 0.0, "convert: standard deviation of a coordinate, m");
+DEFINE_string(handle_nodes, "", "convert: nodes with a prescribed path");
+DEFINE_string(handles, "", "convert: file with their paths");
+DEFINE_string(handle_offsets, "", "convert: file with the places where a tool holds them");
+DEFINE_string(handle_transform, "", "convert: file with a rigid transform of the handles");
+DEFINE_double(handle_time_offset, 0.0, "convert: clock of --handles minus that of the recording, s");
+
+namespace clothid {
+namespace {
+
+// Flags that only a motion.bin can keep, and the others.
+constexpr const char* kSceneFlags[] = {"scene",
+                                       "map",
+                                       "map_distance",
+                                       "sigma",
+                                       "handle_nodes",
+                                       "handles",
+                                       "handle_offsets",
+                                       "handle_transform",
+                                       "handle_time_offset"};
+constexpr const char* kPointFlags[] = {"faces", "grid",       "transpose",  "transform", "invert_transform", "scale",
+                                       "times", "frame_rate", "time_scale", "start_at",  "skip_frames",      "frames"};
+
+bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
+
+[[noreturn]] void FailFlag(const std::string& flag, const std::string& message) {
+  throw Error(ErrorKind::kUsage, "--" + flag + ": " + message);
+}
+
+bool IsMotionFile(const std::string& path) { return std::filesystem::path(path).extension() == ".bin"; }
+
+double ParseFlagNumber(const std::string& flag, const std::string& text) {
+  const std::optional<double> value = ParseNumber(text);
+  if (!value) FailFlag(flag, "expected a finite number, got '" + Printable(text) + "'");
+  return *value;
+}
+
+// "0,56": numbers from 0 to `limit` - 1; `what` names them in the message.
+std::vector<int> ParseList(const std::string& flag, const std::string& text, int limit, const std::string& what) {
+  std::vector<int> numbers;
+  if (text.empty()) return numbers;
+  for (const std::string& item : Split(text, ',')) {
+    const std::optional<long long> number = ParseInteger(item);
+    if (!number || *number < 0 || *number >= limit)
+      FailFlag(flag, "expected " + what + ", got '" + Printable(item) + "'");
+    numbers.push_back(static_cast<int>(*number));
+  }
+  return numbers;
+}
+
+void ParseFrames(TrackEdit* edit) {
+  if (FLAGS_frames.empty()) return;
+  const std::vector<std::string> ends = Split(FLAGS_frames, ':');
+  const std::optional<long long> first = ParseInteger(ends.front()), end = ParseInteger(ends.back());
+  if (ends.size() != 2 || !first || !end || *first < 0 || *end <= *first || *end > edit->end_frame) {
+    FailFlag("frames", "expected A:B with 0 <= A < B, got '" + Printable(FLAGS_frames) + "'");
+  }
+  edit->first_frame = static_cast<int>(*first);
+  edit->end_frame = static_cast<int>(*end);
+}
+
+// "NXxNY:WIDTHxHEIGHT".
+Mesh ParseGrid(const std::string& text, bool transpose) {
+  const std::vector<std::string> parts = Split(text, ':');
+  const auto fail = [&] {
+    FailFlag("grid", "expected NXxNY:WIDTHxHEIGHT as in 8x8:0.3x0.3, got '" + Printable(text) + "'");
+  };
+  if (parts.size() != 2) fail();
+  const std::vector<std::string> counts = Split(parts[0], 'x'), lengths = Split(parts[1], 'x');
+  if (counts.size() != 2 || lengths.size() != 2) fail();
+  std::array<int, 2> nodes{};
+  std::array<double, 2> size{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::optional<long long> count = ParseInteger(counts[k]);
+    const std::optional<double> length = ParseNumber(lengths[k]);
+    if (!count || *count < 2 || *count > kMaxNodes || !length || !(*length > 0.0)) fail();
+    nodes[k] = static_cast<int>(*count);
+    size[k] = *length;
+  }
+  if (nodes[0] > kMaxNodes / nodes[1]) FailFlag("grid", "expected at most " + std::to_string(kMaxNodes) + " nodes");
+  return MakePointGrid(nodes, size, transpose);
+}
+
+std::optional<Mesh> MeshFromFlags() {
+  if (IsSet("grid") && IsSet("faces")) FailFlag("grid", "expected without --faces");
+  if (IsSet("transpose") && !IsSet("grid")) FailFlag("transpose", "expected with --grid");
+  if (IsSet("grid")) return ParseGrid(FLAGS_grid, FLAGS_transpose);
+  if (!IsSet("faces")) return std::nullopt;
+  Mesh mesh = ReadObj(FLAGS_faces);
+  ValidateMesh(mesh, FLAGS_faces);
+  return mesh;
+}
+
+TrackEdit EditFromFlags() {
+  TrackEdit edit;
+  edit.scale = FLAGS_scale;
+  if (IsSet("transform")) edit.transform = ReadTransform(FLAGS_transform);
+  if (FLAGS_invert_transform) {
+    if (!IsSet("transform")) FailFlag("invert_transform", "expected with --transform");
+    edit.transform = edit.transform.inverse();
+  }
+  if (IsSet("times")) edit.times = ReadTimes(FLAGS_times);
+  edit.frame_rate = FLAGS_frame_rate;
+  edit.time_scale = FLAGS_time_scale;
+  if (IsSet("start_at")) edit.start_at = ParseFlagNumber("start_at", FLAGS_start_at);
+  ParseFrames(&edit);
+  edit.skipped_frames = ParseList("skip_frames", FLAGS_skip_frames, kMaxFrames, "frames as in 12,31");
+  return edit;
+}
+
+void SetMap(ImportOptions* options) {
+  if (FLAGS_map == "nodes") {
+    options->map = PointMapKind::kNodes;
+  } else if (FLAGS_map == "nearest") {
+    options->map = PointMapKind::kNearest;
+  } else if (FLAGS_map == "markers") {
+    options->map = PointMapKind::kMarkers;
+  } else {
+    options->map = PointMapKind::kFile;
+    options->map_path = FLAGS_map;
+  }
+  options->map_distance = FLAGS_map_distance;
+  if (!(FLAGS_map_distance >= 0.0)) FailFlag("map_distance", "expected a distance >= 0 (m)");
+}
+
+void SetHandleFile(ImportOptions* options) {
+  options->handle_nodes = ParseList("handle_nodes", FLAGS_handle_nodes, kMaxNodes, "nodes");
+  if (!IsSet("handles")) {
+    for (const char* flag : {"handle_offsets", "handle_transform", "handle_time_offset"}) {
+      if (IsSet(flag)) FailFlag(flag, "expected with --handles");
+    }
+    return;
+  }
+  if (!IsSet("handle_nodes")) FailFlag("handles", "expected with --handle_nodes, the nodes that follow these paths");
+  HandleFile file;
+  file.path = FLAGS_handles;
+  file.offsets_path = FLAGS_handle_offsets;
+  file.time_offset = FLAGS_handle_time_offset;
+  if (IsSet("handle_transform")) file.transform = ReadTransform(FLAGS_handle_transform);
+  options->handle_file = file;
+}
+
+// The flags that were given, and the names of files in place of their paths.
+std::string Provenance(const std::string& input) {
+  std::string text = "converted from " + std::filesystem::path(input).filename().string();
+  const auto add = [&](const char* flag) {
+    if (!IsSet(flag)) return;
+    const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(flag);
+    const std::optional<double> number = ParseNumber(info.current_value);
+    const bool is_file = info.current_value.find('/') != std::string::npos;
+    text += std::string(" --") + flag;
+    if (info.type == "bool") return;
+    text += " " + (is_file                           ? std::filesystem::path(info.current_value).filename().string()
+                   : info.type == "double" && number ? ShortestText(*number)
+                                                     : info.current_value);
+  };
+  for (const char* flag : kPointFlags) add(flag);
+  for (const char* flag : kSceneFlags) add(flag);
+  return text;
+}
+
+void PrintSummary(const MotionTensors& motion, const std::string& path) {
+  std::cout << path << ": " << motion.times.size() << " frames from " << motion.times[0] << " s to "
+            << motion.times[motion.times.size() - 1] << " s, " << motion.positions.rows() / 3 << " points on a mesh of "
+            << motion.mesh.num_nodes() << " nodes, " << motion.handle_index.size() << " handles\n";
+}
+
+int ToMotionFile(const std::string& input, const std::string& output, ImportOptions options) {
+  CheckFileCanBeWritten(output);
+  options.scene_path = FLAGS_scene;
+  SetMap(&options);
+  SetHandleFile(&options);
+  options.sigma = FLAGS_sigma;
+  MotionTensors motion;
+  if (IsMotionFile(input)) {
+    const MotionTensors read = ReadMotionTensors(input);
+    options.provenance = (read.provenance.empty() ? "" : read.provenance + "; ") + Provenance(input);
+    motion = ConvertMotion(read, input, options);
+  } else {
+    options.provenance = Provenance(input);
+    motion = ImportMotion(ReadTracks(input), options);
+  }
+  WriteMotion(motion, output);
+  PrintSummary(motion, output);
+  return kExitSuccess;
+}
+
+int ToTrackFile(const std::string& input, const std::string& output, const ImportOptions& options) {
+  for (const char* flag : kSceneFlags) {
+    if (IsSet(flag)) FailFlag(flag, "expected with a motion.bin to write, a name that ends in .bin");
+  }
+  PointTracks tracks = IsMotionFile(input) ? ToTracks(ReadMotionTensors(input), input) : ReadTracks(input);
+  tracks = EditTracks(tracks, options.edit).tracks;
+  if (options.mesh) {
+    MapToNodes(tracks, *options.mesh);
+    tracks.faces = options.mesh->faces;
+  }
+  WriteTracks(tracks, output);
+  std::cout << output << ": " << tracks.num_frames() << " frames, " << tracks.num_points() << " points, "
+            << tracks.faces.cols() << " faces\n";
+  return kExitSuccess;
+}
+
+}  // namespace
+
+void RejectConvertFlags(const std::string& command, const std::vector<std::string>& allowed) {
+  const auto reject = [&](const char* flag) {
+    if (IsSet(flag) && std::find(allowed.begin(), allowed.end(), flag) == allowed.end())
+      FailFlag(flag, "is a flag of convert, not of " + command);
+  };
+  for (const char* flag : kSceneFlags) reject(flag);
+  for (const char* flag : kPointFlags) reject(flag);
+}
+
+int MotionConvert(const std::string& input, const std::string& output) {
+  ImportOptions options;
+  options.edit = EditFromFlags();
+  options.mesh = MeshFromFlags();
+  return IsMotionFile(output) ? ToMotionFile(input, output, options) : ToTrackFile(input, output, options);
+}
+
+}  // namespace clothid

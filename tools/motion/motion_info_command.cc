@@ -1,0 +1,133 @@
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "datasets/checking/motion_check.h"
+#include "datasets/motion/motion_file.h"
+#include "sim/base/error.h"
+#include "tools/motion/motion_clouds.h"
+#include "tools/motion/motion_commands.h"
+
+namespace clothid {
+namespace {
+
+// How a motion covers time and points.
+struct Coverage {
+  double median_interval = 0.0;   // s
+  double longest_interval = 0.0;  // s
+  std::vector<int> gaps;          // the frames before them
+  long long num_missing = 0;      // points over all frames
+  int num_never_seen = 0;         // points
+};
+
+Eigen::VectorXd Intervals(const Eigen::VectorXd& times) {
+  return times.tail(times.size() - 1) - times.head(times.size() - 1);
+}
+
+Coverage Measure(const RecordedMotion& motion) {
+  Coverage coverage;
+  if (motion.num_frames() > 1) {
+    const Eigen::VectorXd intervals = Intervals(motion.times);
+    std::vector<double> sorted(intervals.begin(), intervals.end());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    coverage.median_interval = *middle;
+    coverage.longest_interval = intervals.maxCoeff();
+    for (int frame = 0; frame < intervals.size(); ++frame) {
+      if (intervals[frame] > kGapFactor * coverage.median_interval) coverage.gaps.push_back(frame);
+    }
+  }
+  for (int point = 0; point < motion.num_points(); ++point) {
+    const auto num_unseen = motion.positions.middleRows<3>(3 * point).colwise().sum().array().isNaN().count();
+    coverage.num_missing += num_unseen;
+    coverage.num_never_seen += num_unseen == motion.num_frames();
+  }
+  return coverage;
+}
+
+double Percent(long long part, long long whole) {
+  return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
+void PrintTensor(const char* name, const char* type, Eigen::Index frames, Eigen::Index rows, Eigen::Index width) {
+  if (rows == 0) return;
+  std::cout << "  " << name << " " << type << " [";
+  if (frames > 0) std::cout << frames << ", ";
+  std::cout << rows;
+  if (width > 1) std::cout << ", " << width;
+  std::cout << "]\n";
+}
+
+void PrintTensors(const MotionTensors& tensors) {
+  const Eigen::Index num_frames = tensors.times.size();
+  std::cout << "tensors\n";
+  PrintTensor("positions", tensors.single_precision ? "F32" : "F64", num_frames, tensors.positions.rows() / 3, 3);
+  PrintTensor("times", "F64", 0, num_frames, 1);
+  PrintTensor("rest_positions", "F64", 0, tensors.mesh.num_nodes(), 3);
+  PrintTensor("faces", "I32", 0, tensors.mesh.num_faces(), 3);
+  PrintTensor("node_index", "I32", 0, static_cast<Eigen::Index>(tensors.node_index.size()), 1);
+  PrintTensor("face_index", "I32", 0, static_cast<Eigen::Index>(tensors.face_index.size()), 1);
+  PrintTensor("barycentric", "F64", 0, tensors.barycentric.cols(), 3);
+  PrintTensor("handle_index", "I32", 0, static_cast<Eigen::Index>(tensors.handle_index.size()), 1);
+  PrintTensor("handle_positions", "F64", tensors.handle_positions.cols(), tensors.handle_positions.rows() / 3, 3);
+  PrintTensor("handle_times", "F64", 0, tensors.handle_times.size(), 1);
+  PrintTensor("sigma", "F64", 0, tensors.sigma.size(), 1);
+  if (tensors.clouds.empty()) return;
+  Eigen::Index num_cloud_points = 0;
+  for (const Eigen::Matrix3Xd& cloud : tensors.clouds) num_cloud_points += cloud.cols();
+  PrintTensor("cloud_positions", tensors.single_precision_clouds ? "F32" : "F64", 0, num_cloud_points, 3);
+  PrintTensor("cloud_offsets", "I32", 0, num_frames + 1, 1);
+  if (tensors.cloud_sigma > 0.0) PrintTensor("cloud_sigma", "F64", 0, 1, 1);
+}
+
+void PrintScene(const Scene& scene) {
+  const Parameters nominal = scene.nominal_parameters();
+  std::cout << "scene\n  nodes " << scene.mesh.num_nodes() << ", faces " << scene.mesh.num_faces() << ", handles "
+            << scene.handles.nodes.size() << (scene.handles.path.num_handles() > 0 ? " (moving)" : "")
+            << "\n  time step " << scene.time_step << " s, " << scene.num_steps() << " steps, contact mode "
+            << (scene.contact_mode == ContactMode::kGap ? "gap" : "velocity") << "\n  nominal: density "
+            << nominal.material.density << " kg/m^2, k_stretch " << nominal.material.stretch_stiffness
+            << " N/m, k_bend " << nominal.material.bending_stiffness << " N m, drag " << nominal.material.drag
+            << " kg/(m^2 s), damping " << nominal.material.damping << " N s/m\n";
+  for (size_t i = 0; i < scene.obstacles.size(); ++i) {
+    std::cout << "  obstacle " << scene.obstacles[i].name << ": mu " << nominal.friction_coefficients[i]
+              << ", contact distance " << scene.obstacles[i].contact_distance << " m\n";
+  }
+}
+
+}  // namespace
+
+void PrintCoverage(const RecordedMotion& motion) {
+  const Coverage coverage = Measure(motion);
+  const long long num_seen_at_most = static_cast<long long>(motion.num_points()) * motion.num_frames();
+  std::cout << "frames " << motion.num_frames() << ", from " << motion.times[0] << " s to "
+            << motion.times[motion.num_frames() - 1] << " s";
+  if (motion.num_frames() > 1) {
+    std::cout << ", rate " << 1.0 / coverage.median_interval << " Hz (median), longest interval "
+              << coverage.longest_interval << " s";
+  }
+  std::cout << "\n";
+  PrintClouds(motion);
+  std::cout << "points " << motion.num_points() << ", missing " << coverage.num_missing << " of " << num_seen_at_most
+            << " (" << Percent(coverage.num_missing, num_seen_at_most) << " %), never seen " << coverage.num_never_seen
+            << "\ngaps " << coverage.gaps.size() << " (intervals over " << kGapFactor << " times the median)";
+  for (const int frame : coverage.gaps)
+    std::cout << (frame == coverage.gaps.front() ? ": after frame " : ", ") << frame;
+  std::cout << "\n";
+}
+
+int MotionInfo(const std::string& path) {
+  const MotionTensors tensors = ReadMotionTensors(path);
+  const RecordedMotion motion = ReadMotion(path);
+  std::cout << path << "\n";
+  PrintTensors(tensors);
+  PrintCoverage(motion);
+  PrintScene(motion.scene);
+  std::cout << "provenance " << motion.provenance << "\nsha256 " << motion.sha256 << "\n";
+  return kExitSuccess;
+}
+
+}  // namespace clothid

@@ -1,0 +1,189 @@
+// simulate: makes a recording with known parameters from a scene.
+#include <gflags/gflags.h>
+
+#include <atomic>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "datasets/files/atomic_file.h"
+#include "datasets/formats/track_file.h"
+#include "datasets/motion/motion_file.h"
+#include "datasets/synthetic/capture.h"
+#include "datasets/synthetic/sensor.h"
+#include "datasets/synthetic/synthetic.h"
+#include "sim/base/json_document.h"
+#include "sim/base/program.h"
+#include "sim/base/text_file.h"
+#include "sim/rollout/rollout.h"
+#include "sim/rollout/simulator.h"
+#include "sim/scene/handle_csv.h"
+#include "sim/scene/parameters.h"
+#include "sim/scene/scene_json.h"
+#include "tools/base/command_line.h"
+
+DEFINE_string(scene, "", "scene.json to simulate");
+DEFINE_string(output, "", "motion.bin to write");
+DEFINE_double(noise, 0.0, "standard deviation of Gaussian noise on every coordinate, m");
+DEFINE_double(frame_rate, 0.0, "frames per second; 0: one per time step");
+DEFINE_double(drop, 0.0, "fraction of points missing in a frame, [0, 1)");
+DEFINE_int32(markers, 0, "number of free nodes seen, chosen by --seed; 0: every node");
+DEFINE_int32(cloud, 0, "points per frame of an unordered cloud on the surface, in place of the nodes; 0: none");
+DEFINE_uint64(seed, 1, "seed of markers, noise, drops and clouds");
+DEFINE_bool(float32, false, "store positions in single precision");
+DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...]");
+DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
+DEFINE_string(handles_output, "", "with --sensor: CSV file for the path of the gripper");
+DEFINE_int32(threads, 1, "accepted for symmetry with the other tools: one rollout runs on one thread");
+
+namespace clothid {
+namespace {
+
+constexpr char kHelp[] = R"(simulate: makes a recording with known parameters from a scene.
+
+  simulate --scene FILE --output FILE [flags]
+
+  --scene FILE       scene.json (every key: datasets/README.md)
+  --output FILE      motion.bin to write
+  --set LIST         true parameters in place of the scene's nominal ones: mu, mu.OBSTACLE, k_stretch, k_bend,
+                     density, drag, damping. They are written nowhere in the recording.
+  --noise SIGMA      Gaussian noise on every coordinate, standard deviation in m (0)
+  --frame_rate HZ    frames per second; 0: one per time step (0)
+  --drop FRACTION    chance of a point to be missing in a frame, [0, 1) (0)
+  --markers N        N free nodes are seen, chosen by the seed; 0: every node (0)
+  --cloud N          an unordered cloud of N points per frame anywhere on the surface is seen in place of the nodes;
+                     with --markers, both (0)
+  --seed S           seed of markers, noise, drops and clouds (1)
+  --float32          positions in single precision: half the size, truth recoverable to about 1e-7 m
+  --sensor FILE      writes what a laboratory's camera would have seen instead of a recording: the cloth simulated on a
+                     grid of twice the density at a quarter of the time step, with the frames, noise, faults, clock and
+                     frame of reference of sensor.json (datasets/README.md). The name of --output gives the format, as
+                     for `motion convert`. Without --noise, --frame_rate, --drop, --markers, --cloud, --float32
+  --handles_output F with --sensor: the path of the handles as the gripper tells it, CSV
+  --threads N        accepted; one rollout runs on one thread (1)
+  --help, --version
+
+Exit codes: 0 written; 1 usage, or a file that cannot be opened or written; 2 bad content; 3 a time step did not
+converge, 130 interrupted: nothing is written.
+
+Examples:
+  simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 --noise 0.001 --output /tmp/drape.motion.bin
+  simulate --scene datasets/capture/scene.json --sensor datasets/capture/sensor.json --set mu=0.3,k_stretch=30 \
+    --output /tmp/points.csv --handles_output /tmp/gripper.csv
+)";
+
+// The scene's nominal parameters with the assignments of --set, in alphabetical order: "mu.NAME" overrides "mu". A
+// wrong value is a wrong flag, not bad data. Gives `scene` the true material, so that it has the terms that the truth
+// has.
+Parameters SetTruth(Scene* scene) {
+  Parameters parameters = scene->nominal_parameters();
+  for (const auto& [name, value] : ParseParameterValues(FLAGS_set, "--set")) {
+    const ParameterId id = ParseParameter(name, scene->obstacle_names());
+    SetParameter(id, value, &parameters);
+    if (GetParameter(parameters, id) != value) {
+      throw Error(ErrorKind::kUsage, "--set: '" + name + "': the scene has no obstacle");
+    }
+  }
+  scene->material = parameters.material;
+  try {
+    ValidateParameters(parameters, *scene, FLAGS_set.empty() ? FLAGS_scene : "--set");
+  } catch (const Error& error) {
+    throw Error(FLAGS_set.empty() ? error.kind() : ErrorKind::kUsage, error.what());
+  }
+  return parameters;
+}
+
+SyntheticOptions OptionsFromFlags() {
+  SyntheticOptions options;
+  options.noise_sigma = FLAGS_noise;
+  options.frame_rate = FLAGS_frame_rate;
+  options.drop_fraction = FLAGS_drop;
+  options.num_markers = FLAGS_markers;
+  options.num_cloud_points = FLAGS_cloud;
+  options.seed = FLAGS_seed;
+  options.single_precision = FLAGS_float32;
+  return options;
+}
+
+// Nodes sticking at the end of a solve, summed over the solves.
+int CountStick(const Rollout& rollout) {
+  int num_stick = 0;
+  for (const StepRecord& record : rollout.records) {
+    for (const ContactRecord& contact : record.contacts) num_stick += contact.branch == ContactBranch::kStick;
+  }
+  return num_stick;
+}
+
+void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
+  const RolloutCounts& counts = rollout.counts;
+  const int num_stick = CountStick(rollout);
+  std::cout << FLAGS_output << ": " << motion.times.size() << " frames of " << motion.positions.rows() / 3 << " points"
+            << (FLAGS_cloud > 0 ? " and clouds of up to " + std::to_string(FLAGS_cloud) : "") << "; " << counts.steps
+            << " steps of " << rollout.time_step << " s with "
+            << static_cast<double>(counts.newton_iterations) / counts.steps << " Newton iterations each, "
+            << counts.fallbacks << " fallbacks, " << counts.substeps
+            << " substeps; contacts over all steps: " << num_stick << " stick, " << counts.contacts - num_stick
+            << " slip, " << counts.nodes_joined << " joined, " << counts.nodes_left << " left, "
+            << counts.branch_switches << " branch switches, " << counts.obstacle_switches << " obstacle switches\n";
+}
+
+// The files of a laboratory.
+int RunSensor() {
+  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32"}) {
+    gflags::CommandLineFlagInfo info;
+    if (gflags::GetCommandLineFlagInfo(flag, &info) && !info.is_default) {
+      throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected without --sensor, which tells it");
+    }
+  }
+  const GridScene grid_scene = ReadGridScene(FLAGS_scene);
+  const bool has_path = grid_scene.scene.handles.path.num_handles() > 0;
+  if (has_path == FLAGS_handles_output.empty()) {
+    throw Error(ErrorKind::kUsage, has_path ? "--handles_output is missing: the scene moves its handles"
+                                            : "--handles_output: the scene moves no handles");
+  }
+  const Sensor sensor = ParseSensor(ReadFile(FLAGS_sensor, kMaxJsonBytes), FLAGS_sensor);
+  const std::vector<TrueParameter> truth =
+      MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
+  CheckFileCanBeWritten(FLAGS_output);
+  const Capture capture = TakeCapture(grid_scene, SimulateFineTruth(grid_scene, truth), sensor, FLAGS_seed);
+  if (has_path) {
+    WriteFileAtomically(FLAGS_handles_output, {HandleCsv(capture.handles.times, capture.handles.positions)});
+  }
+  WriteTracks(capture.points, FLAGS_output);
+  std::cout << FLAGS_output << ": " << capture.points.num_frames() << " frames of " << capture.points.num_points()
+            << " points\n";
+  return kExitSuccess;
+}
+
+int Run(const std::vector<std::string>& arguments) {
+  if (!arguments.empty()) throw Error(ErrorKind::kUsage, "unexpected argument '" + arguments.front() + "'");
+  if (FLAGS_scene.empty()) throw Error(ErrorKind::kUsage, "--scene is missing; see simulate --help");
+  if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output is missing; see simulate --help");
+  if (!FLAGS_sensor.empty()) return RunSensor();
+  if (!FLAGS_handles_output.empty()) throw Error(ErrorKind::kUsage, "--handles_output: expected with --sensor");
+  const std::string scene_text = ReadFile(FLAGS_scene, kMaxJsonBytes);
+  Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
+  const Parameters truth = SetTruth(&scene);
+  const std::atomic<bool>& interrupted = CatchInterrupts();
+  CheckFileCanBeWritten(FLAGS_output);
+  Simulator simulator(scene);
+  const Rollout rollout = Simulate(truth, scene.num_steps(), &simulator, &interrupted);
+  if (interrupted) {
+    std::cerr << "simulate: interrupted, nothing is written\n";
+    return kExitInterrupted;
+  }
+  if (!rollout.ok()) {
+    std::cerr << "simulate: " << rollout.failure->ToString() << "\n";
+    return kExitNotConverged;
+  }
+  const MotionTensors motion = RecordRollout(rollout, scene, scene_text, OptionsFromFlags());
+  WriteMotion(motion, FLAGS_output);
+  PrintSummary(rollout, motion);
+  return kExitSuccess;
+}
+
+}  // namespace
+}  // namespace clothid
+
+int main(int argc, char** argv) { return clothid::RunCommand("simulate", clothid::kHelp, argc, argv, clothid::Run); }
