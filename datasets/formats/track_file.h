@@ -1,5 +1,5 @@
 // Point tracks in the formats of other programs. What each of them is and holds: the header of its own room, and
-// datasets/README.md.
+// datasets/formats/README.md.
 #ifndef CLOTHID_DATASETS_FORMATS_TRACK_FILE_H_
 #define CLOTHID_DATASETS_FORMATS_TRACK_FILE_H_
 

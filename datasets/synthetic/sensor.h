@@ -40,8 +40,8 @@ struct Sensor {
   double gripper_clock_offset = 0.0;  // s, its clock minus the scene's
 };
 
-// The keys of a sensor.json are the members of `Sensor` (datasets/README.md). Throws `Error` (kBadData), naming
-// `source`, line and key.
+// The keys of a sensor.json are the members of `Sensor` (datasets/synthetic/README.md). Throws `Error` (kBadData),
+// naming `source`, line and key.
 Sensor ParseSensor(const std::string& text, const std::string& source);
 
 // What moves: the points [3P] in the scene at a time (s, on its clock) from `start` to `end`. `grid` counts their rows
