@@ -1,4 +1,4 @@
-// Contacts taken out of the linear system of a step (design: sections 4.2 and 5).
+// Contacts taken out of the linear system of a step: see "The solver of a step" in sim/README.md.
 //
 // In the frame (n, t, b) of a slipping node the normal velocity is known, and at a sticking node all three components
 // are; what is left is the symmetric matrix Z^T K Z + kappa b b^T, kappa = mu r_N/|u_T|, and the friction coupling mu t

@@ -22,7 +22,7 @@ namespace clothid {
 inline constexpr int kMaxSceneSteps = 10000000;
 inline constexpr std::size_t kMaxObstacles = 1000;
 
-// How a node enters the contact set (design: section 3).
+// How a node enters the contact set: see "Two contact modes" in sim/README.md.
 enum class ContactMode {
   kGap,       // phi/h + u_N >= 0 for every node: continuous when contacts appear or end
   kVelocity,  // u_N >= 0 for nodes with phi(x_n) <= touch: the paper's

@@ -1,4 +1,4 @@
-// scene.json: see section "Scene" of datasets/README.md for every key. The same text stands inside motion.bin.
+// scene.json: see datasets/scene.md for every key. The same text stands inside motion.bin.
 #ifndef CLOTHID_SIM_SCENE_SCENE_JSON_H_
 #define CLOTHID_SIM_SCENE_SCENE_JSON_H_
 

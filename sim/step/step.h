@@ -1,6 +1,6 @@
-// The solver of one implicit step: projected semismooth Newton with a line search (design: section 4), and its
-// fallback, continuation in the friction coefficients, of which the step is a continuous function (section 5.1 of the
-// DiffCloth paper) as long as it stays on one solution.
+// The solver of one implicit step: projected semismooth Newton with a line search, and its fallback, continuation in
+// the friction coefficients, of which the step is a continuous function (section 5.1 of the DiffCloth paper) as long as
+// it stays on one solution. See "The solver of a step" in sim/README.md.
 #ifndef CLOTHID_SIM_STEP_STEP_H_
 #define CLOTHID_SIM_STEP_STEP_H_
 

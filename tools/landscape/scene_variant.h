@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxSweepKeys = 16;
 inline constexpr std::size_t kMaxKeyParts = 16;
 
 // One number of a scene. The key is a path into its text: NAME.key for an obstacle of that name (an obstacle without
-// one is called by its type, see datasets/README.md), else from the top, as in "touch" or "wind.mean.x"; x, y, z or an
+// one is called by its type, see datasets/scene.md), else from the top, as in "touch" or "wind.mean.x"; x, y, z or an
 // index pick a number of an array.
 struct SceneChange {
   std::string key;

@@ -1,4 +1,4 @@
-// The recordings of a real cloth are not part of the project: see CLOTHID_RECORDINGS in the README.
+// The recordings of a real cloth are not part of the project: see CLOTHID_RECORDINGS in tests/README.md.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // A fit from a smoothed start explains more where the first frame is no start: markers on a cloth that is not flat, and
-// a first frame that was found the wrong way round. (Noise alone a simulation forgets: see datasets/README.md.)
+// a first frame that was found the wrong way round. (Noise alone a simulation forgets: see datasets/motion_bin.md.)
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
