@@ -9,7 +9,8 @@
 namespace clothid {
 namespace {
 
-constexpr char kScript[] = CLOTHID_SOURCE_DIR "/tools/measure_memory --build '" CLOTHID_BINARY_DIR "' --folder files";
+constexpr char kScript[] =
+    CLOTHID_SOURCE_DIR "/tools/benchmark/measure_memory --build '" CLOTHID_BINARY_DIR "' --folder files";
 
 class MeasureMemoryTest : public ToolTest {};
 
