@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "sim/cloth/cloth_model.h"
-#include "sim/matrix/linear_solver.h"
+#include "sim/matrix/cholesky.h"
 
 namespace clothid {
 namespace {

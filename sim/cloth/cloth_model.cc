@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "sim/matrix/linear_solver.h"
+#include "sim/matrix/fill_reducing_order.h"
 
 namespace clothid {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/matrix/block_matrix.h"
-#include "sim/matrix/linear_solver.h"
+#include "sim/matrix/krylov.h"
 #include "sim/rollout/rollout.h"
 
 namespace clothid {

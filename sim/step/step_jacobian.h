@@ -13,7 +13,9 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact.h"
 #include "sim/contact/contact_elimination.h"
-#include "sim/matrix/linear_solver.h"
+#include "sim/matrix/cholesky.h"
+#include "sim/matrix/krylov.h"
+#include "sim/matrix/lu.h"
 
 namespace clothid {
 

@@ -11,7 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 #include "sim/cloth/cloth_model.h"
-#include "sim/matrix/linear_solver.h"
+#include "sim/matrix/cholesky.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step.h"
 #include "tools/benchmark/base/benchmark_scene.h"

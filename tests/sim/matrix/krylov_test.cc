@@ -1,0 +1,68 @@
+// GMRES on blocks of right-hand sides, and conjugate gradients.
+#include "sim/matrix/krylov.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/matrix/cholesky.h"
+#include "tests/sim/matrix/grid_matrix.h"
+
+namespace clothid {
+namespace {
+
+using KrylovTest = GridMatrixTest;
+
+TEST_F(KrylovTest, GmresSolvesColumnsOfDifferentDifficulty) {
+  const BlockMatrix matrix = Matrix(0.5), symmetric = Matrix(0.0);
+  CholeskySolver solver(pattern_);
+  const auto factor = solver.Factor(symmetric.values);
+  ASSERT_NE(factor, nullptr);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Random(pattern_->size(), 4), solution;
+  right.col(1).setZero();
+  right.col(2) *= 1e-9;
+  const auto precondition = [&](const Eigen::MatrixXd& v) {
+    Eigen::MatrixXd result;
+    factor->Solve(v, &result);
+    return result;
+  };
+  const auto multiply = [&](const Eigen::MatrixXd& v) -> Eigen::MatrixXd { return matrix.view() * v; };
+  const GmresResult result = Gmres(multiply, precondition, right, 1e-11, 60, &solution);
+  EXPECT_TRUE(result.converged);
+  EXPECT_GT(result.iterations, 2);
+  EXPECT_EQ(solution.col(1).norm(), 0.0);
+  for (const int c : {0, 2, 3}) {
+    EXPECT_LT((matrix.view() * solution.col(c) - right.col(c)).norm(), 1e-10 * right.col(c).norm()) << c;
+  }
+  EXPECT_FALSE(Gmres(multiply, precondition, right, 1e-11, 2, &solution).converged);
+}
+
+TEST_F(KrylovTest, ConjugateGradientsSolveAndMeetNegativeCurvature) {
+  BlockMatrix matrix = Matrix(0.0);
+  CholeskySolver solver(pattern_);
+  const auto factor = solver.Factor(matrix.values);
+  ASSERT_NE(factor, nullptr);
+  const auto precondition = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd {
+    Eigen::MatrixXd result;
+    factor->Solve(v, &result);
+    return result;
+  };
+  const auto multiply = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return matrix.view() * v; };
+  const Eigen::VectorXd right = Eigen::VectorXd::Random(pattern_->size());
+  Eigen::VectorXd solution;
+  matrix.values *= 1.5;
+  matrix.block(pattern_->Find(7, 7)) *= 2.0;  // so that the factor is one of another matrix
+  ConjugateGradientResult result = ConjugateGradients(multiply, precondition, right, 1e-12, 20, &solution);
+  EXPECT_TRUE(result.converged);
+  EXPECT_GT(result.iterations, 1);
+  EXPECT_LT((matrix.view() * solution - right).norm(), 1.1e-12 * right.norm());
+  EXPECT_FALSE(ConjugateGradients(multiply, precondition, right, 1e-12, 1, &solution).converged);
+  matrix.block(pattern_->Find(7, 7)) *= -1.0;
+  result = ConjugateGradients(multiply, precondition, right, 1e-12, 20, &solution);
+  EXPECT_TRUE(result.indefinite);
+  EXPECT_FALSE(result.converged);
+  result = ConjugateGradients(multiply, precondition, Eigen::VectorXd::Zero(right.size()), 1e-12, 20, &solution);
+  EXPECT_TRUE(result.converged);
+  EXPECT_EQ(solution.norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace clothid
