@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "sim/cloth/system_matrix.h"
-#include "sim/derivative/adjoint.h"
+#include "sim/derivative/adjoint_options.h"
 #include "sim/derivative/step_derivative.h"
 #include "sim/rollout/rollout.h"
 
