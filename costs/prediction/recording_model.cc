@@ -76,8 +76,8 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       observation_(motion),
       interpolation_(InterpolationFor(motion, blocks_, observation_)),
       turn_center_(TurnCenter(motion)),
-      initial_velocities_(motion.scene.initial_velocities),
-      full_precision_(motion.scene.solver),
+      start_velocities_(motion.scene.initial_velocities),
+      precision_(motion.scene.solver),
       simulator_(SceneAtStart(motion.scene, start_)) {}
 
 Parameters RecordingModel::ParametersAt(const Eigen::VectorXd& coordinates) const {
@@ -102,9 +102,8 @@ AlignedPrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinate
 
 void RecordingModel::SetStartVelocity(const Eigen::VectorXd& coordinates) {
   const Eigen::Vector3d velocity = AlignmentAt(coordinates).start_velocity;
-  Eigen::VectorXd velocities = initial_velocities_;
-  for (int node : simulator_.model().free_nodes()) velocities.segment<3>(3 * node) += velocity;
-  simulator_.SetInitialVelocities(velocities);
+  start_velocities_ = scene().initial_velocities;
+  for (int node : simulator_.model().free_nodes()) start_velocities_.segment<3>(3 * node) += velocity;
 }
 
 RecordingModel::SortedBlocks RecordingModel::Sort(const std::vector<int>& active) const {
@@ -135,16 +134,17 @@ Eigen::VectorXd RecordingModel::ValueDerivatives(const Eigen::VectorXd& coordina
 }
 
 void RecordingModel::SetPrecision(Precision precision) {
-  double step_tolerance = full_precision_.step_tolerance, adjoint_tolerance = full_precision_.adjoint_tolerance;
+  precision_ = scene().solver;
   if (precision == Precision::kLoose) {
-    step_tolerance = std::max(step_tolerance, kLooseStepTolerance);
-    adjoint_tolerance = std::max(adjoint_tolerance, kLooseAdjointTolerance);
+    precision_.step_tolerance = std::max(precision_.step_tolerance, kLooseStepTolerance);
+    precision_.adjoint_tolerance = std::max(precision_.adjoint_tolerance, kLooseAdjointTolerance);
   }
-  simulator_.SetTolerances(step_tolerance, adjoint_tolerance);
 }
 
 Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
                                    RolloutOptions options) {
+  options.step_tolerance = precision_.step_tolerance;
+  options.initial_velocities = &start_velocities_;
   if (observer_) {
     options.visitor = [this, visit = std::move(options.visitor)](int step, const Eigen::VectorXd& positions) {
       if (visit) visit(step, positions);
@@ -161,8 +161,10 @@ RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const st
     add_seeds(step, gradient);
     Observe(RolloutPass::kReverseSweep, num_steps() - step);
   };
+  AdjointOptions with_threshold = options;
+  with_threshold.threshold = options.threshold.value_or(precision_.adjoint_tolerance);
   return clothid::PullBack(rollout, parameters, static_cast<int>(num_columns), add_position_gradient, &simulator_,
-                           options);
+                           with_threshold);
 }
 
 SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordinates,
@@ -172,7 +174,12 @@ SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordin
     visitor(step, positions, derivative);
     Observe(RolloutPass::kForwardSweep, step);
   };
-  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, cancel);
+  SensitivityOptions options;
+  options.step_tolerance = precision_.step_tolerance;
+  options.adjoint_tolerance = precision_.adjoint_tolerance;
+  options.initial_velocities = &start_velocities_;
+  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, cancel,
+                              options);
 }
 
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,

@@ -123,8 +123,8 @@ class RecordingModel {
   Observation observation_;
   std::optional<FrameInterpolation> interpolation_;  // where a block is the recording's own
   Eigen::Vector3d turn_center_;                      // m
-  Eigen::VectorXd initial_velocities_;               // [3N] m/s, the scene's
-  SolverOptions full_precision_;
+  Eigen::VectorXd start_velocities_;                 // [3N] m/s, of the rollouts
+  SolverOptions precision_;                          // of the rollouts and sweeps
   Simulator simulator_;
   PassObserver observer_;
 };

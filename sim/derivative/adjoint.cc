@@ -5,7 +5,7 @@
 #include "sim/derivative/step_derivative.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/simulator.h"
-#include "sim/step/step.h"
+#include "sim/step/step_solver.h"
 
 namespace clothid {
 namespace {

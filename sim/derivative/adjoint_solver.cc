@@ -6,7 +6,7 @@
 #include "sim/contact/contact_elimination.h"
 #include "sim/derivative/adjoint_iteration.h"
 #include "sim/rollout/simulator.h"
-#include "sim/step/step.h"
+#include "sim/step/step_solver.h"
 
 namespace clothid {
 namespace {

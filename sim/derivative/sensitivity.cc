@@ -1,11 +1,13 @@
 #include "sim/derivative/sensitivity.h"
 
 #include <stdexcept>
+#include <utility>
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/step_derivative.h"
+#include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
-#include "sim/step/step.h"
+#include "sim/step/step_solver.h"
 
 namespace clothid {
 namespace {
@@ -58,62 +60,63 @@ class KeptFactor {
   std::shared_ptr<const ReducedFactor> factor_;
 };
 
-void AdvanceTangent(const StepRecord& record, const Eigen::VectorXd& start_positions,
-                    const Eigen::VectorXd& start_velocities, const Parameters& parameters,
-                    const std::vector<ParameterId>& ids, Simulator* simulator, Tangent* tangent) {
-  StepDerivative step(record, start_positions, start_velocities, parameters, simulator);
-  const KeptFactor kept(&simulator->step_solver().jacobian());
-  const double tolerance = simulator->scene().solver.adjoint_tolerance;
-  Eigen::MatrixXd dv;
-  for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
-    if (!step.Factor(method)) continue;
-    if (!step.jacobian().Solve(RightSide(*tangent, ids, record, &step), tolerance, &dv)) continue;
-    tangent->velocities = dv;
-    tangent->positions += record.time_step * dv;
-    return;
+// From the start of a solve to its end.
+class TangentSolver {
+ public:
+  TangentSolver(const Parameters& parameters, const std::vector<ParameterId>& ids, double tolerance,
+                Simulator* simulator)
+      : parameters_(parameters), ids_(ids), tolerance_(tolerance), simulator_(simulator) {}
+
+  void Advance(const StepRecord& record, const Eigen::VectorXd& start_positions,
+               const Eigen::VectorXd& start_velocities, Tangent* tangent) const {
+    StepDerivative step(record, start_positions, start_velocities, parameters_, simulator_);
+    const KeptFactor kept(&simulator_->step_solver().jacobian());
+    Eigen::MatrixXd dv;
+    for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
+      if (!step.Factor(method)) continue;
+      if (!step.jacobian().Solve(RightSide(*tangent, ids_, record, &step), tolerance_, &dv)) continue;
+      tangent->velocities = dv;
+      tangent->positions += record.time_step * dv;
+      return;
+    }
+    throw std::runtime_error("singular step Jacobian");
   }
-  throw std::runtime_error("singular step Jacobian");
-}
+
+ private:
+  const Parameters& parameters_;
+  const std::vector<ParameterId>& ids_;
+  double tolerance_;
+  Simulator* simulator_;
+};
 
 }  // namespace
 
 SensitivityResult PushForward(const Parameters& parameters, int num_steps, const SensitivityDirections& directions,
-                              const SensitivityVisitor& visitor, Simulator* simulator,
-                              const std::atomic<bool>* cancel) {
+                              const SensitivityVisitor& visitor, Simulator* simulator, const std::atomic<bool>* cancel,
+                              const SensitivityOptions& options) {
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
   ValidateParameters(parameters, scene, "parameters");
-  SensitivityResult result;
+  StepState state = StartState(scene, options.initial_velocities);
+  Eigen::VectorXd positions = state.positions, velocities = state.velocities;  // at the end of the last solve
   Tangent tangent = StartTangent(directions, model);
-  Eigen::VectorXd positions = scene.initial_positions, velocities = scene.initial_velocities;
-  std::vector<ContactRecord> contacts;
-  std::vector<StepRecord> records;
-  simulator->step_solver().Reset(/*end_with_factors=*/false);
+  const TangentSolver solver(parameters, directions.parameters,
+                             options.adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
   visitor(0, positions, model.ScatterColumns(tangent.positions));
-  for (int step = 1; step <= num_steps; ++step) {
-    if (cancel != nullptr && cancel->load()) {
-      result.failure = StepFailure();
-      result.failure->step = step;
-      result.failure->reason = "was cancelled";
-      return result;
-    }
-    if (!AdvanceStep(parameters, step, positions, velocities, /*followed=*/nullptr, simulator, &records, &result.counts,
-                     &result.failure)) {
-      return result;
-    }
-    for (const StepRecord& record : records) {
-      AdvanceTangent(record, positions, velocities, parameters, directions.parameters, simulator, &tangent);
-      if (model.has_contact()) {
-        const bool is_first = step == 1 && &record == &records.front();
-        CountContactChanges(is_first ? record.contacts : contacts, record.contacts, &result.counts);
-        contacts = record.contacts;
-      }
-      positions = record.positions;
-      velocities = record.velocities;
+  const StepVisitor advance = [&](int step, std::vector<StepRecord> records) {
+    for (StepRecord& record : records) {
+      solver.Advance(record, positions, velocities, &tangent);
+      positions = std::move(record.positions);
+      velocities = std::move(record.velocities);
     }
     visitor(step, positions, model.ScatterColumns(tangent.positions));
-  }
-  return result;
+  };
+  Segment segment;
+  segment.last_step = num_steps;
+  segment.step_tolerance = options.step_tolerance;
+  segment.cancel = cancel;
+  SegmentOutcome outcome = AdvanceSegment(parameters, segment, advance, simulator, &state);
+  return {outcome.counts, std::move(outcome.failure)};
 }
 
 }  // namespace clothid

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "sim/rollout/rollout.h"
@@ -30,12 +31,20 @@ struct SensitivityResult {
   std::optional<StepFailure> failure;  // set: the rollout ended early; the visitor saw the steps before
 };
 
+struct SensitivityOptions {
+  std::optional<double> step_tolerance;                 // as of RolloutOptions
+  const Eigen::VectorXd* initial_velocities = nullptr;  // as of RolloutOptions
+  // Relative residual asked of the linear systems where they are solved by iteration. Absent: the scene's.
+  std::optional<double> adjoint_tolerance;
+};
+
 // Runs the rollout that `Simulate` would run, and with it
 //   A dv = -[(I + S)(h (H + V) dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta],   dx_{n+1} = dx_n + h dv
-// with the matrices of step_derivative.h.
+// with the matrices of step_derivative.h. Throws `std::runtime_error` where a step Jacobian is singular, and as
+// `Simulate` does.
 SensitivityResult PushForward(const Parameters& parameters, int num_steps, const SensitivityDirections& directions,
                               const SensitivityVisitor& visitor, Simulator* simulator,
-                              const std::atomic<bool>* cancel = nullptr);
+                              const std::atomic<bool>* cancel = nullptr, const SensitivityOptions& options = {});
 
 }  // namespace clothid
 

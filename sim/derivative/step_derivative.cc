@@ -4,8 +4,8 @@
 
 #include "sim/matrix/block_product.h"
 #include "sim/rollout/simulator.h"
-#include "sim/step/step.h"
 #include "sim/step/step_problem.h"
+#include "sim/step/step_solver.h"
 
 namespace clothid {
 

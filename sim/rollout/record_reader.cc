@@ -5,14 +5,14 @@
 #include <string>
 #include <utility>
 
-#include "sim/rollout/simulator.h"
+#include "sim/rollout/segment.h"
 
 namespace clothid {
 
 const StepRecord& RecordReader::record(int i) {
   if (rollout_.records[i].is_kept()) return rollout_.records[i];
-  if (i < first_record_ || i >= first_record_ + static_cast<int>(segment_.size())) SimulateSegmentOf(i);
-  return segment_[i - first_record_];
+  if (i < first_record_ || i >= first_record_ + static_cast<int>(records_.size())) SimulateSegmentOf(i);
+  return records_[i - first_record_];
 }
 
 const Eigen::VectorXd& RecordReader::start_positions(int i) {
@@ -30,20 +30,22 @@ void RecordReader::SimulateSegmentOf(int i) {
   const int step = static_cast<int>(std::lower_bound(last_record.begin(), last_record.end(), i) - last_record.begin());
   const int num_steps_before = step / interval * interval, last_step = num_steps_before + interval;
   first_record_ = num_steps_before == 0 ? 0 : last_record[num_steps_before - 1] + 1;
-  segment_.clear();
+  records_.clear();
   const StepVisitor append = [this](int, std::vector<StepRecord> records) {
     for (StepRecord& record : records) {
       record.factor.reset();  // too large to hold for a whole segment
-      segment_.push_back(std::move(record));
+      records_.push_back(std::move(record));
     }
   };
-  RolloutCounts counts;
-  std::optional<StepFailure> failure;
-  const bool ok = AdvanceSegment(rollout_.parameters, num_steps_before + 1, last_step, start_positions(first_record_),
-                                 start_velocities(first_record_), rollout_.ends_with_factors, /*followed=*/nullptr,
-                                 append, simulator_, nullptr, &counts, &failure);
+  Segment segment;
+  segment.first_step = num_steps_before + 1;
+  segment.last_step = last_step;
+  segment.step_tolerance = rollout_.step_tolerance;
+  segment.end_with_factors = rollout_.ends_with_factors;
+  StepState state{start_positions(first_record_), start_velocities(first_record_)};
+  const bool ok = AdvanceSegment(rollout_.parameters, segment, append, simulator_, &state).ok();
   const StepRecord& checkpoint = rollout_.records[last_record[last_step - 1]];
-  if (!ok || segment_.back().positions != checkpoint.positions || segment_.back().velocities != checkpoint.velocities) {
+  if (!ok || records_.back().positions != checkpoint.positions || records_.back().velocities != checkpoint.velocities) {
     throw std::runtime_error("the steps before the checkpoint at step " + std::to_string(last_step) +
                              " are not those of this simulator");
   }

@@ -32,7 +32,7 @@ class RecordReader {
   const Rollout& rollout_;
   Simulator* simulator_;
   int first_record_ = 0;             // of the segment
-  std::vector<StepRecord> segment_;  // the steps that were simulated last
+  std::vector<StepRecord> records_;  // the steps that were simulated last
 };
 
 }  // namespace clothid

@@ -6,72 +6,23 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
-#include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "sim/contact/contact.h"
+#include "sim/rollout/step_record.h"
 #include "sim/scene/parameters.h"
+#include "sim/step/step_counts.h"
 
 namespace clothid {
 
 class ClothModel;
 class Simulator;
-struct ReducedFactor;  // sim/step/step_jacobian.h
-
-// One implicit solve: a time step, or one of the substeps into which a difficult step was cut.
-struct StepRecord {
-  double time = 0.0;                    // at the end of the step, s
-  double time_step = 0.0;               // h of this solve, s
-  Eigen::VectorXd positions;            // x_{n+1} [3N] m
-  Eigen::VectorXd velocities;           // v_{n+1} [3N] m/s
-  std::vector<ContactRecord> contacts;  // the sticking and slipping nodes, ascending
-  // Of the step Jacobian at the end of the step, or so near to it that few iterations make up for that. Steps that did
-  // not need a factor of their own share one. Null: none is kept.
-  std::shared_ptr<const ReducedFactor> factor;
-
-  bool is_kept() const { return positions.size() > 0; }
-};
-
-// Counts over a rollout, for reports. Those of several rollouts add up.
-struct RolloutCounts {
-  int steps = 0;
-  int newton_iterations = 0;
-  int factorizations = 0;
-  int linear_iterations = 0;  // of the linear solves of steps, with friction or with the factor of an earlier point
-  int fallbacks = 0;          // solves handed to continuation in the friction
-  int substeps = 0;           // solves beyond one per step: each makes the cost jump a little
-  int failed_steps = 0;
-  int contacts = 0;  // nodes in contact at the end of a solve
-  // Contact events, from the end of one solve to the end of the next. Those that the first solve finds in contact have
-  // not joined.
-  int nodes_joined = 0;       // the contacts
-  int nodes_left = 0;         // them
-  int branch_switches = 0;    // from stick to slip or back
-  int obstacle_switches = 0;  // contacts that jumped from one obstacle to another
-
-  int contact_changes() const { return nodes_joined + nodes_left + branch_switches; }
-
-  RolloutCounts& operator+=(const RolloutCounts& other);
-  RolloutCounts& operator-=(const RolloutCounts& other);
-};
-
-// Why and where a rollout ended early.
-struct StepFailure {
-  int step = 0;           // 1-based
-  double residual = 0.0;  // relative, the best one reached
-  double tolerance = 0.0;
-  int num_stick = 0, num_slip = 0, num_take_off = 0;
-  std::string reason;
-
-  std::string ToString() const;  // one line
-};
 
 struct Rollout {
   Parameters parameters;
   double start_time = 0.0;             // s
   double time_step = 0.0;              // h, s
+  double step_tolerance = 0.0;         // relative residual asked of the steps
   Eigen::VectorXd initial_positions;   // x_0 [3N]
   Eigen::VectorXd initial_velocities;  // v_0 [3N]
   // In order of time; one per step, more where substeps were taken. With checkpoints those before the last one are
@@ -90,29 +41,11 @@ struct Rollout {
   std::size_t bytes() const;  // of the memory that it holds
 };
 
-// Advances the state (x_n, v_n) [3N] by step number `step` (1-based) of the scene's time step, in one solve or, where
-// that does not converge, in 2, 4, .. substeps. `followed` (may be null): see RolloutOptions. On success `records`
-// holds the solves; otherwise false and `failure` is set.
-bool AdvanceStep(const Parameters& parameters, int step, const Eigen::VectorXd& positions,
-                 const Eigen::VectorXd& velocities, const Rollout* followed, Simulator* simulator,
-                 std::vector<StepRecord>* records, RolloutCounts* counts, std::optional<StepFailure>* failure);
-
-// Takes the solves of step number `step`.
-using StepVisitor = std::function<void(int step, std::vector<StepRecord> records)>;
-
-// Runs the steps `first_step` .. `last_step` from (x, v) [3N] at the start of the first, with a solver that was reset:
-// they do not depend on what it did before. `end_with_factors`, `followed`: see RolloutOptions. False: a step did not
-// converge or `cancel` (may be null) turned true, and `failure` is set.
-bool AdvanceSegment(const Parameters& parameters, int first_step, int last_step, const Eigen::VectorXd& positions,
-                    const Eigen::VectorXd& velocities, bool end_with_factors, const Rollout* followed,
-                    const StepVisitor& visitor, Simulator* simulator, const std::atomic<bool>* cancel,
-                    RolloutCounts* counts, std::optional<StepFailure>* failure);
-
-// Adds the contacts `after` a solve, and their changes since the one before it, to `counts`.
-void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
-                         RolloutCounts* counts);
-
 struct RolloutOptions {
+  // Relative residual asked of a step. Absent: the scene's.
+  std::optional<double> step_tolerance;
+  // v_0 [3N] m/s, in place of the scene's. Null: the scene's.
+  const Eigen::VectorXd* initial_velocities = nullptr;
   // 0: every step is kept. c > 0: of every c steps the last one, a checkpoint, and all after the last checkpoint;
   // PullBack simulates the others again, c at a time.
   int checkpoint_interval = 0;

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
-#include "sim/step/step.h"
+#include "sim/step/step_solver.h"
 
 namespace clothid {
 
@@ -30,13 +30,6 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 const Scene& Simulator::scene() const { return state_->scene; }
-void Simulator::SetTolerances(double step_tolerance, double adjoint_tolerance) {
-  state_->scene.solver.step_tolerance = step_tolerance;
-  state_->scene.solver.adjoint_tolerance = adjoint_tolerance;
-}
-void Simulator::SetInitialVelocities(const Eigen::VectorXd& velocities) {
-  state_->scene.initial_velocities = velocities;
-}
 const ClothModel& Simulator::model() const { return state_->model; }
 StepSolver& Simulator::step_solver() { return state_->solver; }
 StepWorkspace& Simulator::step_workspace() { return state_->workspace; }

@@ -4,10 +4,8 @@
 #ifndef CLOTHID_SIM_ROLLOUT_SIMULATOR_H_
 #define CLOTHID_SIM_ROLLOUT_SIMULATOR_H_
 
-#include <Eigen/Core>
 #include <memory>
 
-#include "sim/rollout/rollout.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -26,10 +24,6 @@ class Simulator {
   Simulator& operator=(Simulator&&) noexcept;
 
   const Scene& scene() const;
-  // Those of the scene's solver options from now on.
-  void SetTolerances(double step_tolerance, double adjoint_tolerance);
-  // Start velocities [3N] m/s of the rollouts from now on, in place of the scene's.
-  void SetInitialVelocities(const Eigen::VectorXd& velocities);
   const ClothModel& model() const;
   StepSolver& step_solver();
   StepWorkspace& step_workspace();  // for one StepProblem at a time

@@ -89,7 +89,8 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
 
 StepProblem StepProblem::WithFriction(double share) const {
   StepProblem other = *this;
-  other.friction_share_ = share;
+  other.eased_friction_ = parameters_.friction_coefficients;
+  for (double& coefficient : other.eased_friction_) coefficient *= share;
   return other;
 }
 
@@ -126,7 +127,7 @@ void StepProblem::SetHandles() {
 int StepProblem::free_block(int candidate) const { return model_.free_index()[work_.candidates[candidate].node]; }
 double StepProblem::weight(int candidate) const { return work_.weights[free_block(candidate)]; }
 double StepProblem::friction_coefficient(int candidate) const {
-  return friction_share_ * parameters_.friction_coefficients[work_.candidates[candidate].obstacle];
+  return friction_coefficients()[work_.candidates[candidate].obstacle];
 }
 
 void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const {

@@ -84,9 +84,12 @@ class StepProblem {
   const Eigen::VectorXd& start_velocities() const { return work_.start_velocities; }  // v_n
   const std::vector<ContactCandidate>& candidates() const { return work_.candidates; }
   bool may_touch() const { return !work_.candidates.empty(); }
-  double weight(int candidate) const;                // d of its node, kg
-  double friction_coefficient(int candidate) const;  // mu of its obstacle
-  int free_block(int candidate) const;               // its node among the free nodes
+  double weight(int candidate) const;                         // d of its node, kg
+  double friction_coefficient(int candidate) const;           // mu of its obstacle
+  const std::vector<double>& friction_coefficients() const {  // mu of every obstacle
+    return eased_friction_.empty() ? parameters_.friction_coefficients : eased_friction_;
+  }
+  int free_block(int candidate) const;  // its node among the free nodes
 
   void Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const;
 
@@ -125,7 +128,7 @@ class StepProblem {
   const Parameters& parameters_;
   StepWorkspace& work_;
   double time_step_, end_time_;
-  double friction_share_ = 1.0;
+  std::vector<double> eased_friction_;  // of WithFriction; empty: that of the parameters
 };
 
 }  // namespace clothid

@@ -11,6 +11,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/adjoint.h"
 #include "sim/rollout/record_reader.h"
+#include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_problem.h"
 #include "tests/sim/shipped_scenes.h"
@@ -115,15 +116,15 @@ class CheckpointTest : public testing::TestWithParam<bool> {
     Rollout all = rollout_;
     all.checkpoint_interval = 0;
     all.records.clear();
+    StepState state{all.initial_positions, all.initial_velocities};
     for (int first = 1; first <= scene_.num_steps(); first += kInterval) {
       const auto append = [&all](int, std::vector<StepRecord> records) {
         for (StepRecord& record : records) all.records.push_back(std::move(record));
       };
-      const Eigen::VectorXd x = first == 1 ? all.initial_positions : all.records.back().positions;
-      const Eigen::VectorXd v = first == 1 ? all.initial_velocities : all.records.back().velocities;
-      const int last = std::min(first + kInterval - 1, scene_.num_steps());
-      EXPECT_TRUE(AdvanceSegment(parameters_, first, last, x, v, /*end_with_factors=*/false, /*followed=*/nullptr,
-                                 append, &simulator_, nullptr, &all.counts, &all.failure));
+      Segment segment;
+      segment.first_step = first;
+      segment.last_step = std::min(first + kInterval - 1, scene_.num_steps());
+      EXPECT_TRUE(AdvanceSegment(parameters_, segment, append, &simulator_, &state).ok());
     }
     return all;
   }

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
-#include "sim/step/step.h"
 #include "sim/step/step_problem.h"
 #include "tests/sim/shipped_scenes.h"
 

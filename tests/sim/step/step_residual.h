@@ -15,7 +15,7 @@ namespace clothid {
 
 struct StepResidual {
   double relative = 0.0;   // of the recorded velocities
-  double tolerance = 0.0;  // what was asked for: the scene's, or the rounding floor where that is larger
+  double tolerance = 0.0;  // what was asked for: the rollout's, or the rounding floor where that is larger
   double scale = 0.0;      // N s, what both are relative to
 };
 
@@ -28,7 +28,7 @@ inline StepResidual ResidualOf(const Rollout& rollout, std::size_t i, Simulator*
                             &simulator->step_workspace());
   StepPoint point;
   problem.Evaluate(simulator->model().Gather(record.velocities), &point);
-  return {point.relative_residual, std::max(simulator->scene().solver.step_tolerance, problem.RoundingFloor(point)),
+  return {point.relative_residual, std::max(rollout.step_tolerance, problem.RoundingFloor(point)),
           point.scale};
 }
 

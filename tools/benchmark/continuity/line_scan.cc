@@ -2,11 +2,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <optional>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "identify/base/parallel_for.h"
-#include "sim/rollout/rollout.h"
+#include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
 
 namespace clothid {
@@ -16,21 +17,15 @@ constexpr double kStepTolerance = 1e-12;
 constexpr double kFriction = 0.35;      // the largest of the scan over friction
 constexpr double kSlideLength = 0.005;  // m, standard deviation along either axis of the shift that nodes share
 
-// A state, or a difference of two.
-struct State {
-  Eigen::VectorXd positions;   // [3N] m
-  Eigen::VectorXd velocities;  // [3N] m/s
-};
-
 // Where a step leads.
 struct StepEnd {
   bool ok = false;
-  State state;
+  StepState state;
   std::vector<ContactBranch> branches;  // [N]
 };
 
 // Velocities of the size that gravity gives in a step, positions off the surface of the size that it moves a node by.
-State RandomDirection(const Scene& scene, std::mt19937_64* generator) {
+StepState RandomDirection(const Scene& scene, std::mt19937_64* generator) {
   std::normal_distribution<double> normal;
   const double speed = scene.time_step * scene.gravity.norm();
   const auto random_vector = [&] {
@@ -38,7 +33,7 @@ State RandomDirection(const Scene& scene, std::mt19937_64* generator) {
     return Eigen::Vector3d(x, y, z);
   };
   const Eigen::Vector3d shift = kSlideLength * random_vector();
-  State direction{Eigen::VectorXd(scene.initial_positions.size()), Eigen::VectorXd(scene.initial_positions.size())};
+  StepState direction{Eigen::VectorXd(scene.initial_positions.size()), Eigen::VectorXd(scene.initial_positions.size())};
   for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
     const Eigen::Vector3d n =
         scene.obstacles.front().shape->Closest(scene.initial_positions.segment<3>(3 * node)).normal;
@@ -58,7 +53,6 @@ class LineScanner {
  public:
   LineScanner(const SphereSlide& slide, const LineScanOptions& options, int line)
       : simulator_(slide.scene), parameters_(slide.scene.nominal_parameters()), options_(options) {
-    simulator_.SetTolerances(kStepTolerance, slide.scene.solver.adjoint_tolerance);
     parameters_.friction_coefficients = {kFriction};
     std::seed_seq sequence{static_cast<std::uint32_t>(options.seed), static_cast<std::uint32_t>(options.seed >> 32),
                            static_cast<std::uint32_t>(line)};
@@ -83,21 +77,22 @@ class LineScanner {
  private:
   StepEnd StepFrom(double s) {
     StepEnd end;
-    RolloutCounts counts;
-    std::optional<StepFailure> failure;
-    end.ok = AdvanceSegment(
-        parameters_, 1, 1, origin_.positions + s * direction_.positions, origin_.velocities + s * direction_.velocities,
-        false, nullptr,
+    Segment one_step;
+    one_step.step_tolerance = kStepTolerance;
+    StepState state{origin_.positions + s * direction_.positions, origin_.velocities + s * direction_.velocities};
+    const SegmentOutcome outcome = AdvanceSegment(
+        parameters_, one_step,
         [&](int, std::vector<StepRecord> records) {
-          StepRecord& record = records.back();
+          const StepRecord& record = records.back();
           end.branches.assign(record.positions.size() / 3, ContactBranch::kTakeOff);
           for (const ContactRecord& contact : record.contacts) end.branches[contact.node] = contact.branch;
-          end.state = {std::move(record.positions), std::move(record.velocities)};
         },
-        &simulator_, nullptr, &counts, &failure);
+        &simulator_, &state);
+    end.ok = outcome.ok();
+    end.state = std::move(state);
     ++result_.num_steps;
-    result_.failed_steps += counts.failed_steps;
-    result_.substeps += counts.substeps;
+    result_.failed_steps += outcome.counts.failed_steps;
+    result_.substeps += outcome.counts.substeps;
     return end;
   }
 
@@ -129,7 +124,7 @@ class LineScanner {
   Simulator simulator_;
   Parameters parameters_;
   const LineScanOptions& options_;
-  State origin_, direction_;
+  StepState origin_, direction_;  // a state, and a difference of two
   LineScan result_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -23,8 +24,11 @@ void Require(bool condition, const std::string& message) {
 
 constexpr std::size_t kFactorMemory = std::size_t{4} << 30;  // bytes
 
-Rollout Run(const BackpropCaseName& name, int num_steps, Simulator* simulator) {
+// `step_tolerance`: absent for the scene's.
+Rollout Run(const BackpropCaseName& name, int num_steps, Simulator* simulator,
+            std::optional<double> step_tolerance = std::nullopt) {
   RolloutOptions options;
+  options.step_tolerance = step_tolerance;
   options.factor_memory = kFactorMemory;
   Rollout rollout = Simulate(simulator->scene().nominal_parameters(), num_steps, simulator, nullptr, options);
   if (!rollout.ok()) throw Error(ErrorKind::kBadData, name.ToString() + ": " + rollout.failure->ToString());
@@ -89,11 +93,10 @@ void BackpropCase::SetRollout(Rollout rollout) {
   }
 }
 
-void BackpropCase::SimulateAgain() { Run(name_, name_.num_steps, &simulator_); }
+void BackpropCase::SimulateAgain() { Run(name_, name_.num_steps, &simulator_, rollout_.step_tolerance); }
 
 void BackpropCase::SetStepTolerance(double tolerance) {
-  simulator_.SetTolerances(tolerance, simulator_.scene().solver.adjoint_tolerance);
-  SetRollout(Run(name_, name_.num_steps, &simulator_));
+  SetRollout(Run(name_, name_.num_steps, &simulator_, tolerance));
 }
 
 RolloutGradient BackpropCase::Differentiate(const AdjointOptions& options, int num_columns) {

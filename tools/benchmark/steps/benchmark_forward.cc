@@ -13,7 +13,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/matrix/cholesky.h"
 #include "sim/rollout/simulator.h"
-#include "sim/step/step.h"
+#include "sim/step/step_solver.h"
 #include "tools/benchmark/base/benchmark_scene.h"
 #include "tools/benchmark/base/timing.h"
 

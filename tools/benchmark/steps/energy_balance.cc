@@ -6,8 +6,8 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/simulator.h"
-#include "sim/step/step.h"
 #include "sim/step/step_problem.h"
+#include "sim/step/step_solver.h"
 
 namespace clothid {
 namespace {
@@ -120,7 +120,8 @@ EnergyFlow StepEnergyFlow(const StepRecord& record, const Eigen::VectorXd& start
   StepPoint point;
   problem.Evaluate(model.Gather(record.velocities), &point);
   AddContacts(problem, point, &flow);
-  flow.tolerance = simulator->step_solver().Tolerance(problem, point) * point.scale * point.velocities.norm() +
+  flow.tolerance = StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point) * point.scale *
+                       point.velocities.norm() +
                    EnergyRounding(start, material, start_positions, model) +
                    EnergyRounding(end, material, record.positions, model);
   return flow;

@@ -7,8 +7,8 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/simulator.h"
-#include "sim/step/step.h"
 #include "sim/step/step_problem.h"
+#include "sim/step/step_solver.h"
 
 namespace clothid {
 namespace {
@@ -48,7 +48,7 @@ void AuditRecord(const StepRecord& record, const Eigen::VectorXd& start_position
                             &simulator->step_workspace());
   StepPoint point;
   problem.Evaluate(model.Gather(record.velocities), &point);
-  const double tolerance = simulator->step_solver().Tolerance(problem, point);
+  const double tolerance = StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point);
   const double off = (point.positions - record.positions).lpNorm<Eigen::Infinity>();
   audit->inconsistent += !(off <= Rounding(record.positions)) ||
                          !SameContacts(RecordContacts(problem.ActiveContacts(point)), record.contacts);

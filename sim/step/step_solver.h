@@ -1,14 +1,14 @@
 // The solver of one implicit step: projected semismooth Newton with a line search, and its fallback, continuation in
 // the friction coefficients, of which the step is a continuous function (section 5.1 of the DiffCloth paper) as long as
 // it stays on one solution. See "The solver of a step" in sim/README.md.
-#ifndef CLOTHID_SIM_STEP_STEP_H_
-#define CLOTHID_SIM_STEP_STEP_H_
+#ifndef CLOTHID_SIM_STEP_STEP_SOLVER_H_
+#define CLOTHID_SIM_STEP_STEP_SOLVER_H_
 
 #include <Eigen/Core>
 #include <memory>
 #include <vector>
 
-#include "sim/rollout/rollout.h"
+#include "sim/step/step_counts.h"
 #include "sim/step/step_jacobian.h"
 #include "sim/step/step_problem.h"
 
@@ -30,13 +30,13 @@ class StepSolver {
 
   // Solves `problem` from its start velocities, or from `guess` [3 Nf], which may be null; with a guess, one iteration
   // beyond the tolerance, because how the solution differs from the guess may be what is asked for. True: `point`
-  // satisfies the step to the scene's tolerance (or the rounding floor, where that is larger). False: `point` is the
-  // best one met. Adds its work to `counts`.
-  bool Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients, const Eigen::VectorXd* guess,
-             StepPoint* point, RolloutCounts* counts);
+  // satisfies the step to the relative residual `tolerance` (or the rounding floor, where that is larger). False:
+  // `point` is the best one met. Adds its work to `counts`.
+  bool Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
+             RolloutCounts* counts);
 
-  // The tolerance that `Solve` asks for at `point`.
-  double Tolerance(const StepProblem& problem, const StepPoint& point) const;
+  // What `Solve` asks for at `point`: `tolerance`, or the rounding floor where that is larger.
+  static double Tolerance(const StepProblem& problem, double tolerance, const StepPoint& point);
 
   // Work space that the derivative sweeps share between steps.
   BlockMatrix& hessian() { return hessian_; }
@@ -46,34 +46,38 @@ class StepSolver {
   const PhaseSeconds& seconds() { return jacobian_.seconds(); }
 
  private:
+  // One Solve, or one of the solves that its continuation is made of.
+  struct Task {
+    const StepProblem& problem;
+    double tolerance;  // relative residual
+    RolloutCounts* counts;
+
+    double ToleranceAt(const StepPoint& point) const { return Tolerance(problem, tolerance, point); }
+    bool IsSolvedAt(const StepPoint& point) const { return point.relative_residual <= ToleranceAt(point); }
+    const std::vector<double>& mu() const { return problem.friction_coefficients(); }
+  };
   void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
-  bool IsSolved(const StepProblem& problem, const StepPoint& point) const;
-  void Start(const StepProblem& problem, StepPoint* point);
+  void Start(const Task& task, StepPoint* point);
   void StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   // A full Newton iteration from a solution, kept where it is one, too.
-  void Refine(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point, RolloutCounts* counts);
-  bool Newton(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point, RolloutCounts* counts);
+  void Refine(const Task& task, StepPoint* point);
+  bool Newton(const Task& task, StepPoint* point);
   // The frictionless step first, which minimises a potential, and from there growing shares of the friction
   // coefficients, each from the solution of the last. Leaves `point` alone where that leads nowhere.
-  bool ContinueInFriction(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
-                          RolloutCounts* counts);
+  bool ContinueInFriction(const Task& task, StepPoint* point);
+  bool SolveWithFriction(const Task& task, double share, const StepPoint& start, StepPoint* point);
   // One iteration of Newton's method: along the direction that the factor at hand gives, or, where there is none or it
-  // leads nowhere, along that of a new factor.
-  bool Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance, double first_length,
-               StepPoint* point, RolloutCounts* counts);
-  bool DirectionByFactorAtHand(const StepProblem& problem, const std::vector<Contact>& contacts,
-                               const std::vector<double>& mu, const StepPoint& point, double tolerance,
-                               Eigen::VectorXd* direction, RolloutCounts* counts);
-  bool DirectionByNewFactor(const StepProblem& problem, const std::vector<Contact>& contacts,
-                            const std::vector<double>& mu, const StepPoint& point, double tolerance,
-                            Eigen::VectorXd* direction, RolloutCounts* counts);
-  void EndWithFactor(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
-                     RolloutCounts* counts);
-  bool FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts, const std::vector<double>& mu,
-                const StepPoint& point, RolloutCounts* counts);
-  bool SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu, const Eigen::VectorXd& residual,
-               double tolerance, Eigen::VectorXd* direction, RolloutCounts* counts);
+  // leads nowhere, along that of a new factor. `forcing`: tolerance of its linear system.
+  bool Iterate(const Task& task, double forcing, double first_length, StepPoint* point);
+  bool DirectionByFactorAtHand(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
+                               double forcing, Eigen::VectorXd* direction);
+  bool DirectionByNewFactor(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
+                            double forcing, Eigen::VectorXd* direction);
+  void EndWithFactor(const Task& task, const StepPoint& point);
+  bool FactorAt(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point);
+  bool SolveAt(const Task& task, const std::vector<Contact>& contacts, const Eigen::VectorXd& residual, double forcing,
+               Eigen::VectorXd* direction);
   bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point);
 
   const ClothModel& model_;
@@ -88,4 +92,4 @@ class StepSolver {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_STEP_STEP_H_
+#endif  // CLOTHID_SIM_STEP_STEP_SOLVER_H_

@@ -1,4 +1,4 @@
-#include "sim/step/step.h"
+#include "sim/step/step_solver.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,18 +69,15 @@ double FrictionPotential(const StepProblem& problem, const StepPoint& lagged, co
 
 StepSolver::StepSolver(const ClothModel& model) : model_(model), hessian_(model.pattern()), jacobian_(model) {}
 
-double StepSolver::Tolerance(const StepProblem& problem, const StepPoint& point) const {
-  return std::max(model_.scene().solver.step_tolerance, problem.RoundingFloor(point));
-}
-
-bool StepSolver::IsSolved(const StepProblem& problem, const StepPoint& point) const {
-  return point.relative_residual <= Tolerance(problem, point);
+double StepSolver::Tolerance(const StepProblem& problem, double tolerance, const StepPoint& point) {
+  return std::max(tolerance, problem.RoundingFloor(point));
 }
 
 // From v_n, or from where the acceleration of the last step leads, whichever has the smaller residual.
-void StepSolver::Start(const StepProblem& problem, StepPoint* point) {
+void StepSolver::Start(const Task& task, StepPoint* point) {
+  const StepProblem& problem = task.problem;
   StartAt(problem, problem.start_velocities(), point);
-  if (acceleration_.size() == 0 || IsSolved(problem, *point)) return;
+  if (acceleration_.size() == 0 || task.IsSolvedAt(*point)) return;
   StartAt(problem, problem.start_velocities() + problem.time_step() * acceleration_, &trial_);
   if (trial_.residual.norm() < point->residual.norm()) std::swap(*point, trial_);
 }
@@ -91,45 +88,44 @@ void StepSolver::StartAt(const StepProblem& problem, const Eigen::VectorXd& velo
   Evaluate(problem, start, point);
 }
 
-bool StepSolver::Solve(const StepProblem& problem, const std::vector<double>& friction_coefficients,
-                       const Eigen::VectorXd* guess, StepPoint* point, RolloutCounts* counts) {
+bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
+                       RolloutCounts* counts) {
+  const Task task{problem, tolerance, counts};
   if (guess != nullptr) {
     StartAt(problem, *guess, point);
   } else {
-    Start(problem, point);
+    Start(task, point);
   }
   acceleration_.resize(0);
-  bool solved = Newton(problem, friction_coefficients, point, counts);
+  bool solved = Newton(task, point);
   if (solved) {
     acceleration_ = (point->velocities - problem.start_velocities()) / problem.time_step();
   } else if (std::isfinite(point->relative_residual)) {
-    solved = ContinueInFriction(problem, friction_coefficients, point, counts);
+    solved = ContinueInFriction(task, point);
   }
-  if (solved && guess != nullptr) Refine(problem, friction_coefficients, point, counts);
-  if (solved && ends_with_factors_) EndWithFactor(problem, friction_coefficients, *point, counts);
+  if (solved && guess != nullptr) Refine(task, point);
+  if (solved && ends_with_factors_) EndWithFactor(task, *point);
   return solved;
 }
 
-void StepSolver::Refine(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
-                        RolloutCounts* counts) {
-  ++counts->newton_iterations;
+void StepSolver::Refine(const Task& task, StepPoint* point) {
+  ++task.counts->newton_iterations;
   std::vector<Contact> contacts;
-  if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
+  if (task.problem.may_touch()) task.problem.FindActiveContacts(*point, &contacts);
   Eigen::VectorXd direction;
-  if (!DirectionByNewFactor(problem, contacts, mu, *point, kRefineTolerance, &direction, counts)) return;
-  StartAt(problem, point->velocities + direction, &trial_);
-  if (IsSolved(problem, trial_)) std::swap(*point, trial_);
+  if (!DirectionByNewFactor(task, contacts, *point, kRefineTolerance, &direction)) return;
+  StartAt(task.problem, point->velocities + direction, &trial_);
+  if (task.IsSolvedAt(trial_)) std::swap(*point, trial_);
 }
 
 // A new one, unless the one at hand brings a derivative to full accuracy in fewer iterations than that costs.
-void StepSolver::EndWithFactor(const StepProblem& problem, const std::vector<double>& mu, const StepPoint& point,
-                               RolloutCounts* counts) {
+void StepSolver::EndWithFactor(const Task& task, const StepPoint& point) {
   if (jacobian_.factor() != nullptr && kDerivativeDigits * iterations_per_digit_ <= kDerivativeIterations) return;
   std::vector<Contact> contacts;
-  if (problem.may_touch()) problem.FindActiveContacts(point, &contacts);
-  Assemble(problem, HessianKind::kExact, point);
-  ++counts->factorizations;
-  jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu);
+  if (task.problem.may_touch()) task.problem.FindActiveContacts(point, &contacts);
+  Assemble(task.problem, HessianKind::kExact, point);
+  ++task.counts->factorizations;
+  jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, task.mu());
   iterations_per_digit_ = 0.0;
   new_factor_is_due_ = false;
 }
@@ -152,55 +148,50 @@ void StepSolver::Assemble(const StepProblem& problem, HessianKind kind, const St
   problem.AssembleHessian(kind, point, &hessian_);
 }
 
-bool StepSolver::FactorAt(const StepProblem& problem, const std::vector<Contact>& contacts,
-                          const std::vector<double>& mu, const StepPoint& point, RolloutCounts* counts) {
+bool StepSolver::FactorAt(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point) {
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
-    Assemble(problem, kind, point);
-    ++counts->factorizations;
-    if (jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, mu)) return true;
+    Assemble(task.problem, kind, point);
+    ++task.counts->factorizations;
+    if (jacobian_.Factor(StepJacobian::Method::kReduced, hessian_, contacts, task.mu())) return true;
   }
   return false;
 }
 
 // A dv = -Phi; by LU of the same matrix where GMRES stalls on a strong friction coupling.
-bool StepSolver::SolveAt(const std::vector<Contact>& contacts, const std::vector<double>& mu,
-                         const Eigen::VectorXd& residual, double tolerance, Eigen::VectorXd* direction,
-                         RolloutCounts* counts) {
+bool StepSolver::SolveAt(const Task& task, const std::vector<Contact>& contacts, const Eigen::VectorXd& residual,
+                         double forcing, Eigen::VectorXd* direction) {
   Eigen::MatrixXd solution;
-  bool solved = jacobian_.Solve(-residual, tolerance, &solution);
-  counts->linear_iterations += jacobian_.iterations();
+  bool solved = jacobian_.Solve(-residual, forcing, &solution);
+  task.counts->linear_iterations += jacobian_.iterations();
   if (!solved) {
-    ++counts->factorizations;
-    solved = jacobian_.Factor(StepJacobian::Method::kLu, hessian_, contacts, mu) &&
-             jacobian_.Solve(-residual, tolerance, &solution);
+    ++task.counts->factorizations;
+    solved = jacobian_.Factor(StepJacobian::Method::kLu, hessian_, contacts, task.mu()) &&
+             jacobian_.Solve(-residual, forcing, &solution);
   }
   if (!solved || !solution.allFinite()) return false;
   *direction = solution;
   return true;
 }
 
-bool StepSolver::DirectionByFactorAtHand(const StepProblem& problem, const std::vector<Contact>& contacts,
-                                         const std::vector<double>& mu, const StepPoint& point, double tolerance,
-                                         Eigen::VectorXd* direction, RolloutCounts* counts) {
-  Assemble(problem, HessianKind::kExact, point);
-  jacobian_.SetPoint(hessian_, contacts, mu);
+bool StepSolver::DirectionByFactorAtHand(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
+                                         double forcing, Eigen::VectorXd* direction) {
+  Assemble(task.problem, HessianKind::kExact, point);
+  jacobian_.SetPoint(hessian_, contacts, task.mu());
   Eigen::MatrixXd solution;
-  const bool solved = jacobian_.Solve(-point.residual, tolerance, &solution) && solution.allFinite();
-  counts->linear_iterations += jacobian_.iterations();
+  const bool solved = jacobian_.Solve(-point.residual, forcing, &solution) && solution.allFinite();
+  task.counts->linear_iterations += jacobian_.iterations();
   new_factor_is_due_ = jacobian_.iterations() > kRefactorIterations;
-  iterations_per_digit_ = -jacobian_.iterations() / std::log10(tolerance);
+  iterations_per_digit_ = -jacobian_.iterations() / std::log10(forcing);
   if (solved) *direction = solution;
   return solved;
 }
 
-bool StepSolver::DirectionByNewFactor(const StepProblem& problem, const std::vector<Contact>& contacts,
-                                      const std::vector<double>& mu, const StepPoint& point, double tolerance,
-                                      Eigen::VectorXd* direction, RolloutCounts* counts) {
+bool StepSolver::DirectionByNewFactor(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
+                                      double forcing, Eigen::VectorXd* direction) {
   new_factor_is_due_ = false;
   // Where few digits are missing, the step ends near to where the factor was made.
   iterations_per_digit_ = 1.0 / std::max(1.0, -std::log10(point.relative_residual));
-  return FactorAt(problem, contacts, mu, point, counts) &&
-         SolveAt(contacts, mu, point.residual, tolerance, direction, counts);
+  return FactorAt(task, contacts, point) && SolveAt(task, contacts, point.residual, forcing, direction);
 }
 
 // Accepts the first length at which the residual or the potential decreases enough.
@@ -227,31 +218,30 @@ bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& d
   return false;
 }
 
-bool StepSolver::Iterate(const StepProblem& problem, const std::vector<double>& mu, double tolerance,
-                         double first_length, StepPoint* point, RolloutCounts* counts) {
+bool StepSolver::Iterate(const Task& task, double forcing, double first_length, StepPoint* point) {
+  const StepProblem& problem = task.problem;
   std::vector<Contact> contacts;
   if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
   Eigen::VectorXd direction;
   if (jacobian_.factor() != nullptr && !new_factor_is_due_ &&
-      DirectionByFactorAtHand(problem, contacts, mu, *point, tolerance, &direction, counts) &&
+      DirectionByFactorAtHand(task, contacts, *point, forcing, &direction) &&
       LineSearch(problem, direction, first_length, point)) {
     return true;
   }
-  return DirectionByNewFactor(problem, contacts, mu, *point, tolerance, &direction, counts) &&
+  return DirectionByNewFactor(task, contacts, *point, forcing, &direction) &&
          LineSearch(problem, direction, first_length, point);
 }
 
 // The length of the first trial is halved where an iteration undoes the one before it: a cycle between branches.
-bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
-                        RolloutCounts* counts) {
+bool StepSolver::Newton(const Task& task, StepPoint* point) {
   StepPoint best = *point;
   Progress progress(*point);
   Eigen::VectorXd change, last_change;  // of the velocities
   double first_length = 1.0, before_last = 0.0, last = 0.0;
   const int max_iterations = model_.scene().solver.max_newton_iterations;
-  for (int iteration = 0; iteration < max_iterations && !IsSolved(problem, *point); ++iteration) {
-    ++counts->newton_iterations;
-    const double tolerance = ForcingTerm(point->relative_residual, last, Tolerance(problem, *point));
+  for (int iteration = 0; iteration < max_iterations && !task.IsSolvedAt(*point); ++iteration) {
+    ++task.counts->newton_iterations;
+    const double forcing = ForcingTerm(point->relative_residual, last, task.ToleranceAt(*point));
     const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last &&
                         change.dot(last_change) < -kReversal * change.norm() * last_change.norm();
     first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);
@@ -259,37 +249,38 @@ bool StepSolver::Newton(const StepProblem& problem, const std::vector<double>& m
     last = point->relative_residual;
     last_change.swap(change);
     change = -point->velocities;
-    if (!Iterate(problem, mu, tolerance, first_length, point, counts)) break;
+    if (!Iterate(task, forcing, first_length, point)) break;
     change += point->velocities;
     if (point->relative_residual < best.relative_residual) best = *point;
     if (!progress.Continues(*point)) break;
   }
-  if (!IsSolved(problem, *point)) *point = best;
-  return IsSolved(problem, *point);
+  if (!task.IsSolvedAt(*point)) *point = best;
+  return task.IsSolvedAt(*point);
 }
 
-bool StepSolver::ContinueInFriction(const StepProblem& problem, const std::vector<double>& mu, StepPoint* point,
-                                    RolloutCounts* counts) {
-  if (std::all_of(mu.begin(), mu.end(), [](double coefficient) { return coefficient == 0.0; })) return false;
-  ++counts->fallbacks;
+// From `start`, a solution with less friction, or, for the frictionless step, from where any step starts.
+bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoint& start, StepPoint* point) {
+  const StepProblem eased = task.problem.WithFriction(share);
+  const Task eased_task{eased, task.tolerance, task.counts};
+  if (share == 0.0) {
+    Start(eased_task, point);
+  } else {
+    Evaluate(eased, start.velocities, point);
+  }
+  return Newton(eased_task, point);
+}
+
+bool StepSolver::ContinueInFriction(const Task& task, StepPoint* point) {
+  if (std::all_of(task.mu().begin(), task.mu().end(), [](double mu) { return mu == 0.0; })) return false;
+  ++task.counts->fallbacks;
   StepPoint reached, next;
-  const auto solve = [&](double share) {
-    const StepProblem eased = problem.WithFriction(share);
-    std::vector<double> eased_mu = mu;
-    for (double& coefficient : eased_mu) coefficient *= share;
-    if (share == 0.0) {
-      Start(eased, &next);
-    } else {
-      Evaluate(eased, reached.velocities, &next);
-    }
-    return Newton(eased, eased_mu, &next, counts);
-  };
-  if (!solve(0.0)) return false;
+  if (!SolveWithFriction(task, 0.0, reached, &next)) return false;
   std::swap(reached, next);
   for (double share = 0.0, increment = 1.0; share < 1.0;) {
-    if (solve(std::min(1.0, share + increment))) {
+    const double next_share = std::min(1.0, share + increment);
+    if (SolveWithFriction(task, next_share, reached, &next)) {
       std::swap(reached, next);
-      share = std::min(1.0, share + increment);
+      share = next_share;
       increment *= 2.0;
     } else {
       increment *= 0.5;

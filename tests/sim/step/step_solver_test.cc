@@ -1,10 +1,11 @@
 // Every step of the shipped scenes: the residual, and the contact conditions of Eq. (8) at every node.
-#include "sim/step/step.h"
+#include "sim/step/step_solver.h"
 
 #include <gtest/gtest.h>
 
 #include <tuple>
 
+#include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_problem.h"
 #include "tests/sim/shipped_scenes.h"
@@ -12,7 +13,7 @@
 namespace clothid {
 namespace {
 
-class StepTest : public ::testing::TestWithParam<std::tuple<std::string, int, ContactMode>> {};
+class StepSolverTest : public ::testing::TestWithParam<std::tuple<std::string, int, ContactMode>> {};
 
 // r from the momentum balance, u from the velocities: neither uses the contact law. A cloth at rest is measured by the
 // speed that gravity gives it in a step, `fall_speed`.
@@ -37,7 +38,7 @@ void ExpectContactConditions(const StepProblem& problem, const StepPoint& point,
   }
 }
 
-TEST_P(StepTest, ConvergesToTheContactConditions) {
+TEST_P(StepSolverTest, ConvergesToTheContactConditions) {
   const auto [name, nodes, mode] = GetParam();
   Scene scene = ShippedScene(name, nodes);
   scene.solver.step_tolerance = 1e-10;
@@ -62,16 +63,16 @@ TEST_P(StepTest, ConvergesToTheContactConditions) {
   }
 }
 
-std::string Label(const ::testing::TestParamInfo<StepTest::ParamType>& info) {
+std::string Label(const ::testing::TestParamInfo<StepSolverTest::ParamType>& info) {
   const char* mode = std::get<2>(info.param) == ContactMode::kGap ? "Gap" : "Velocity";
   return std::get<0>(info.param) + std::to_string(std::get<1>(info.param)) + mode;
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, StepTest,
+INSTANTIATE_TEST_SUITE_P(Scenes, StepSolverTest,
                          ::testing::Combine(::testing::Values("drape", "slope", "wind"), ::testing::Values(12, 24, 48),
                                             ::testing::Values(ContactMode::kGap)),
                          Label);
-INSTANTIATE_TEST_SUITE_P(VelocityMode, StepTest,
+INSTANTIATE_TEST_SUITE_P(VelocityMode, StepSolverTest,
                          ::testing::Combine(::testing::Values("drape", "slope"), ::testing::Values(12),
                                             ::testing::Values(ContactMode::kVelocity)),
                          Label);

@@ -1,0 +1,43 @@
+// What is kept of a solve that succeeded, and what is said of one that failed.
+#ifndef CLOTHID_SIM_ROLLOUT_STEP_RECORD_H_
+#define CLOTHID_SIM_ROLLOUT_STEP_RECORD_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/contact/contact.h"
+
+namespace clothid {
+
+struct ReducedFactor;  // sim/step/step_jacobian.h
+
+// One implicit solve: a time step, or one of the substeps into which a difficult step was cut.
+struct StepRecord {
+  double time = 0.0;                    // at the end of the step, s
+  double time_step = 0.0;               // h of this solve, s
+  Eigen::VectorXd positions;            // x_{n+1} [3N] m
+  Eigen::VectorXd velocities;           // v_{n+1} [3N] m/s
+  std::vector<ContactRecord> contacts;  // the sticking and slipping nodes, ascending
+  // Of the step Jacobian at the end of the step, or so near to it that few iterations make up for that. Steps that did
+  // not need a factor of their own share one. Null: none is kept.
+  std::shared_ptr<const ReducedFactor> factor;
+
+  bool is_kept() const { return positions.size() > 0; }
+};
+
+// Why and where a rollout ended early.
+struct StepFailure {
+  int step = 0;            // 1-based
+  double residual = 0.0;   // relative, the best one reached
+  double tolerance = 0.0;  // that was asked for; 0: the step was not tried
+  int num_stick = 0, num_slip = 0, num_take_off = 0;
+  std::string reason;
+
+  std::string ToString() const;  // one line
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_ROLLOUT_STEP_RECORD_H_

@@ -1,0 +1,40 @@
+// What the solves of steps took and what happened at their contacts.
+#ifndef CLOTHID_SIM_STEP_STEP_COUNTS_H_
+#define CLOTHID_SIM_STEP_STEP_COUNTS_H_
+
+#include <vector>
+
+#include "sim/contact/contact.h"
+
+namespace clothid {
+
+// Counts over a rollout, for reports. Those of several rollouts add up.
+struct RolloutCounts {
+  int steps = 0;
+  int newton_iterations = 0;
+  int factorizations = 0;
+  int linear_iterations = 0;  // of the linear solves of steps, with friction or with the factor of an earlier point
+  int fallbacks = 0;          // solves handed to continuation in the friction
+  int substeps = 0;           // solves beyond one per step: each makes the cost jump a little
+  int failed_steps = 0;
+  int contacts = 0;  // nodes in contact at the end of a solve
+  // Contact events, from the end of one solve to the end of the next. Those that the first solve finds in contact have
+  // not joined.
+  int nodes_joined = 0;       // the contacts
+  int nodes_left = 0;         // them
+  int branch_switches = 0;    // from stick to slip or back
+  int obstacle_switches = 0;  // contacts that jumped from one obstacle to another
+
+  int contact_changes() const { return nodes_joined + nodes_left + branch_switches; }
+
+  RolloutCounts& operator+=(const RolloutCounts& other);
+  RolloutCounts& operator-=(const RolloutCounts& other);
+};
+
+// Adds the contacts `after` a solve, and their changes since the one before it, to `counts`.
+void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
+                         RolloutCounts* counts);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_STEP_COUNTS_H_
