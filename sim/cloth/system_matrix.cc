@@ -74,6 +74,7 @@ Eigen::MatrixXd SystemMatrixFactor::Solve(const Eigen::MatrixXd& right) const {
     axes.middleCols<3>(3 * c) = right.col(c).reshaped(3, num_free).transpose();
   }
   const Eigen::MatrixXd solved = state_->cholesky.solve(axes);
+  if (state_->cholesky.info() != Eigen::Success) throw std::runtime_error("CHOLMOD could not solve with P");
   Eigen::MatrixXd solution(right.rows(), right.cols());
   for (Eigen::Index c = 0; c < right.cols(); ++c) {
     solution.col(c).reshaped(3, num_free) = solved.middleCols<3>(3 * c).transpose();

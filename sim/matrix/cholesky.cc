@@ -2,8 +2,6 @@
 
 #include <cholmod.h>
 
-#include <new>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -75,6 +73,7 @@ void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* soluti
   cholmod_dense* result = &x;  // large enough, so CHOLMOD writes to it in place
   cholmod_solve2(CHOLMOD_A, numeric_->factor, &b, nullptr, &result, nullptr, &state.work_y, &state.work_e,
                  &state.common);
+  RequireSuccess("cholmod_solve2", state.common);
 }
 
 std::size_t CholeskyFactor::bytes() const {
@@ -95,7 +94,6 @@ CholeskySolver::CholeskySolver(std::shared_ptr<const BlockPattern> pattern)
   const BlasGuard guard;
   cholmod_sparse matrix = state_->View(nullptr);
   state_->symbolic = Analyze(&matrix, &common);
-  if (state_->symbolic == nullptr) throw std::runtime_error("CHOLMOD could not analyse the pattern of the Hessian");
 }
 
 CholeskySolver::~CholeskySolver() = default;
@@ -110,7 +108,7 @@ std::shared_ptr<const CholeskyFactor> CholeskySolver::Factor(const Eigen::Vector
   cholmod_factor* factor = nullptr;
   if (state_->unused.empty()) {
     factor = cholmod_copy_factor(state_->symbolic, &state_->common);
-    if (factor == nullptr) throw std::bad_alloc();
+    RequireSuccess("cholmod_copy_factor", state_->common);
   } else {
     factor = state_->unused.back();
     state_->unused.pop_back();
@@ -118,7 +116,8 @@ std::shared_ptr<const CholeskyFactor> CholeskySolver::Factor(const Eigen::Vector
   auto numeric = std::make_unique<CholeskyFactor::Numeric>(state_, factor);
   cholmod_sparse matrix = state_->View(values.data());
   cholmod_factorize(&matrix, factor, &state_->common);
-  if (state_->common.status != CHOLMOD_OK) return nullptr;
+  RequireSuccess("cholmod_factorize", state_->common);
+  if (state_->common.status != CHOLMOD_OK) return nullptr;  // a warning: not positive definite
   return std::shared_ptr<const CholeskyFactor>(new CholeskyFactor(std::move(numeric)));
 }
 

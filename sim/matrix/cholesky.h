@@ -17,7 +17,7 @@ class CholeskyFactor {
   CholeskyFactor(const CholeskyFactor&) = delete;
   CholeskyFactor& operator=(const CholeskyFactor&) = delete;
 
-  // `right` [n x s], solved together.
+  // `right` [n x s], solved together. Throws as CholeskySolver does.
   void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const;
 
   std::size_t bytes() const;  // of the numeric values
@@ -30,8 +30,8 @@ class CholeskyFactor {
 };
 
 // Supernodal Cholesky (CHOLMOD) of symmetric matrices with one pattern, analysed once, in the order in which the
-// pattern comes (see FillReducingOrder). Factorising is also a test of the matrix' inertia. The memory of factors that
-// are gone is used again.
+// pattern comes (see fill_reducing_order.h). Factorising is also a test of the matrix' inertia. The memory of factors
+// that are gone is used again. Throws `std::runtime_error`, which names CHOLMOD's routine, where it is out of memory.
 class CholeskySolver {
  public:
   explicit CholeskySolver(std::shared_ptr<const BlockPattern> pattern);

@@ -2,13 +2,39 @@
 
 #include <cholmod.h>
 
-#include <stdexcept>
-
 #include "sim/matrix/blas_guard.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/matrix/cholmod_calls.h"
 
 namespace clothid {
+namespace {
+
+// CHOLMOD for one ordering.
+class OrderingSession {
+ public:
+  OrderingSession() {
+    cholmod_start(&common_);
+    common_.print = 0;
+    common_.nmethods = 1;
+    common_.method[0].ordering = CHOLMOD_METIS;
+    common_.postorder = 1;
+  }
+  ~OrderingSession() {
+    cholmod_free_factor(&factor_, &common_);
+    cholmod_finish(&common_);
+  }
+  OrderingSession(const OrderingSession&) = delete;
+  OrderingSession& operator=(const OrderingSession&) = delete;
+
+  // The session keeps the factor.
+  const cholmod_factor* Analyze(cholmod_sparse* matrix) { return factor_ = clothid::Analyze(matrix, &common_); }
+
+ private:
+  cholmod_common common_;
+  cholmod_factor* factor_ = nullptr;
+};
+
+}  // namespace
 
 std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbours) {
   const BlockPattern pattern(neighbours);
@@ -32,19 +58,9 @@ std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbou
   graph.sorted = graph.packed = 1;
 
   const BlasGuard guard;
-  cholmod_common common;
-  cholmod_start(&common);
-  common.print = 0;
-  common.nmethods = 1;
-  common.method[0].ordering = CHOLMOD_METIS;
-  common.postorder = 1;
-  cholmod_factor* factor = Analyze(&graph, &common);
-  std::vector<int> order;
-  if (factor != nullptr) order.assign(static_cast<int*>(factor->Perm), static_cast<int*>(factor->Perm) + n);
-  cholmod_free_factor(&factor, &common);
-  cholmod_finish(&common);
-  if (order.empty()) throw std::runtime_error("CHOLMOD could not order the nodes of the mesh");
-  return order;
+  OrderingSession session;
+  const cholmod_factor* factor = session.Analyze(&graph);
+  return {static_cast<int*>(factor->Perm), static_cast<int*>(factor->Perm) + n};
 }
 
 }  // namespace clothid

@@ -8,7 +8,7 @@ namespace clothid {
 
 // The order in which to number the nodes of a graph so that a Cholesky factor of a matrix on it fills in little: nested
 // dissection (METIS), postordered. Element k is the node that comes k-th. `neighbours`: as of BlockPattern. Throws
-// where CHOLMOD fails (cholmod_calls.h).
+// `std::runtime_error` where CHOLMOD fails, as for a lack of memory.
 std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbours);
 
 }  // namespace clothid

@@ -9,7 +9,9 @@
 
 namespace clothid {
 
-// Sparse LU (UMFPACK) of a matrix with the pattern of `pattern` and any values.
+// Sparse LU (UMFPACK) of a matrix with the pattern of `pattern` and any values. Throws
+// `std::runtime_error`, which names UMFPACK's routine, where that fails for another reason than a singular matrix, such
+// as a lack of memory.
 class LuFactor {
  public:
   explicit LuFactor(std::shared_ptr<const BlockPattern> pattern);
