@@ -2,6 +2,8 @@
 
 #include <cholmod.h>
 
+#include <cstddef>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -9,11 +11,43 @@
 #include "sim/matrix/cholmod_calls.h"
 
 namespace clothid {
+namespace {
+
+// Numeric factors that nobody uses. A factor may end in any thread, while another one takes the next from here.
+class UnusedFactors {
+ public:
+  // Null: there is none. Whoever then makes one calls `Announce`.
+  cholmod_factor* Take() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (factors_.empty()) return nullptr;
+    cholmod_factor* factor = factors_.back();
+    factors_.pop_back();
+    return factor;
+  }
+
+  // Makes room for one more, so that to put it back cannot fail.
+  void Announce() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    factors_.reserve(++num_factors_);
+  }
+
+  void Put(cholmod_factor* factor) noexcept {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    factors_.push_back(factor);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<cholmod_factor*> factors_;
+  std::size_t num_factors_ = 0;  // used or not
+};
+
+}  // namespace
 
 struct CholeskySolver::State {
   explicit State(std::shared_ptr<const BlockPattern> p) : pattern(std::move(p)) { cholmod_start(&common); }
   ~State() {
-    for (cholmod_factor* factor : unused) cholmod_free_factor(&factor, &common);
+    while (cholmod_factor* factor = unused.Take()) cholmod_free_factor(&factor, &common);
     cholmod_free_factor(&symbolic, &common);
     cholmod_free_dense(&work_y, &common);
     cholmod_free_dense(&work_e, &common);
@@ -40,14 +74,14 @@ struct CholeskySolver::State {
   std::shared_ptr<const BlockPattern> pattern;
   cholmod_common common;
   cholmod_factor* symbolic = nullptr;
-  std::vector<cholmod_factor*> unused;  // numeric ones, of factors that are gone
-  cholmod_dense* work_y = nullptr;      // CHOLMOD's work space of solves
+  UnusedFactors unused;
+  cholmod_dense* work_y = nullptr;  // CHOLMOD's work space of solves
   cholmod_dense* work_e = nullptr;
 };
 
 struct CholeskyFactor::Numeric {
   Numeric(std::shared_ptr<CholeskySolver::State> s, cholmod_factor* f) : state(std::move(s)), factor(f) {}
-  ~Numeric() { state->unused.push_back(factor); }
+  ~Numeric() { state->unused.Put(factor); }
   std::shared_ptr<CholeskySolver::State> state;
   cholmod_factor* factor;
 };
@@ -105,13 +139,11 @@ std::shared_ptr<const CholeskyFactor> CholeskySolver::Factor(const Eigen::Vector
   // CHOLMOD does not look for NaN, and a comparison with one would pass as positive definite.
   if (!values.allFinite()) return nullptr;
   const BlasGuard guard;
-  cholmod_factor* factor = nullptr;
-  if (state_->unused.empty()) {
+  cholmod_factor* factor = state_->unused.Take();
+  if (factor == nullptr) {
+    state_->unused.Announce();
     factor = cholmod_copy_factor(state_->symbolic, &state_->common);
     RequireSuccess("cholmod_copy_factor", state_->common);
-  } else {
-    factor = state_->unused.back();
-    state_->unused.pop_back();
   }
   auto numeric = std::make_unique<CholeskyFactor::Numeric>(state_, factor);
   cholmod_sparse matrix = state_->View(values.data());

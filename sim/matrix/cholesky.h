@@ -10,7 +10,8 @@
 
 namespace clothid {
 
-// A numeric factor L L^T, made by a CholeskySolver, whose analysis and work space it shares: for one thread at a time.
+// A numeric factor L L^T, made by a CholeskySolver, whose analysis and work space it shares: one thread at a time may
+// solve with the factors of a solver or make another one. Any thread may destroy a factor at any time.
 class CholeskyFactor {
  public:
   ~CholeskyFactor();

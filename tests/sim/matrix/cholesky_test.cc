@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/sim/matrix/grid_matrix.h"
@@ -14,6 +17,12 @@ namespace clothid {
 namespace {
 
 using CholeskyTest = GridMatrixTest;
+
+// Factored within microseconds, so that threads meet often.
+class SmallCholeskyTest : public GridMatrixTest {
+ protected:
+  SmallCholeskyTest() : GridMatrixTest(3) {}
+};
 
 TEST_F(CholeskyTest, CholeskySolvesAndTestsTheInertia) {
   BlockMatrix matrix = Matrix(0.0);
@@ -81,6 +90,36 @@ TEST_F(CholeskyTest, TwoThreadsGetTheNumbersOfOne) {
   work(0);
   other.join();
   EXPECT_EQ(wrong[0] + wrong[1], 0);
+}
+
+// Rollouts that kept their factors may end in a thread of their own, while the solver goes on.
+TEST_F(SmallCholeskyTest, FactorsMayEndInAnotherThread) {
+  const BlockMatrix matrix = Matrix(0.0);
+  const Eigen::MatrixXd right = Eigen::MatrixXd::Random(pattern_->size(), 1);
+  Eigen::MatrixXd expected, solution;
+  CholeskySolver solver(pattern_);
+  solver.Factor(matrix.values)->Solve(right, &expected);
+  std::mutex mutex;
+  std::vector<std::shared_ptr<const CholeskyFactor>> kept;
+  std::atomic<bool> done{false};
+  std::thread other([&] {
+    while (!done) {
+      std::vector<std::shared_ptr<const CholeskyFactor>> ending;
+      const std::lock_guard<std::mutex> lock(mutex);
+      ending.swap(kept);
+    }
+  });
+  int wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    auto factor = solver.Factor(matrix.values);
+    factor->Solve(right, &solution);
+    wrong += solution != expected;
+    const std::lock_guard<std::mutex> lock(mutex);
+    kept.push_back(std::move(factor));
+  }
+  done = true;
+  other.join();
+  EXPECT_EQ(wrong, 0);
 }
 
 }  // namespace
