@@ -166,6 +166,19 @@ TEST_P(CheckpointTest, TheGradientIsThatOfAllStepsToTheLastBit) {
   EXPECT_GT(expected.parameters.cwiseAbs().minCoeff(), 0.0);
 }
 
+// Steps to a tolerance that is not the scene's are made again to that one.
+TEST_P(CheckpointTest, RememberTheTolerance) {
+  RolloutOptions options;
+  options.step_tolerance = 1e-3;
+  const Rollout all = Simulate(parameters_, kInterval, &simulator_, nullptr, options);
+  options.checkpoint_interval = kInterval;
+  const Rollout rollout = Simulate(parameters_, 2 * kInterval, &simulator_, nullptr, options);
+  ASSERT_TRUE(all.ok() && rollout.ok());
+  ASSERT_NE(all.positions(kInterval), visited_[kInterval]);
+  RecordReader reader(rollout, &simulator_);
+  for (int i = all.last_record.back(); i >= 0; --i) EXPECT_EQ(reader.record(i).positions, all.records[i].positions);
+}
+
 // Without substeps: whether too few iterations suffice depends on what the step before has left.
 using WholeStepsTest = CheckpointTest;
 
@@ -204,6 +217,28 @@ INSTANTIATE_TEST_SUITE_P(Scenes, WholeStepsTest, testing::Values(false));
 INSTANTIATE_TEST_SUITE_P(Scenes, CheckpointTest, testing::Bool(),
                          [](const auto& test) { return test.param ? "WithSubsteps" : "WholeSteps"; });
 
+TEST(RolloutOptionsTest, StandForTheirCounterpartsInTheScene) {
+  const Scene scene = ShippedScene("drape", 8);
+  Scene other = scene;
+  other.initial_velocities.setConstant(0.1);
+  for (const int node : other.handles.nodes) other.initial_velocities.segment<3>(3 * node).setZero();
+  other.solver.step_tolerance = 1e-4;
+  Simulator simulator(scene), other_simulator(other);
+  const Parameters parameters = scene.nominal_parameters();
+  RolloutOptions options;
+  options.step_tolerance = other.solver.step_tolerance;
+  options.initial_velocities = &other.initial_velocities;
+  const Rollout rollout = Simulate(parameters, 10, &simulator, nullptr, options);
+  const Rollout expected = Simulate(parameters, 10, &other_simulator);
+  EXPECT_EQ(rollout.step_tolerance, 1e-4);
+  EXPECT_EQ(rollout.initial_velocities, other.initial_velocities);
+  EXPECT_EQ(rollout.positions(10), expected.positions(10));
+  EXPECT_NE(rollout.positions(10), Simulate(parameters, 10, &simulator).positions(10));
+  const Eigen::VectorXd too_few = Eigen::VectorXd::Zero(3);
+  options.initial_velocities = &too_few;
+  EXPECT_THROW(Simulate(parameters, 10, &simulator, nullptr, options), std::logic_error);
+}
+
 // With other parameters the steps start where the solution is not, with the same ones where it is.
 TEST(FollowedRolloutTest, KeepsSolutionsAndSubsteps) {
   Scene scene = ShippedScene("drape", 8);
@@ -229,6 +264,30 @@ TEST(FollowedRolloutTest, KeepsSolutionsAndSubsteps) {
 
   options.checkpoint_interval = 9;
   EXPECT_THROW(Simulate(parameters, scene.num_steps(), &simulator, nullptr, options), std::logic_error);
+}
+
+// A step that the followed rollout cut finer than the scene allows has no solution here, and the rollout says so.
+TEST(FollowedRolloutTest, TooManySubstepsAreAFailure) {
+  Scene scene = ShippedScene("drape", 8);
+  scene.solver.max_newton_iterations = 3;
+  Simulator simulator(scene);
+  const Parameters parameters = scene.nominal_parameters();
+  const Rollout first = Simulate(parameters, scene.num_steps(), &simulator);
+  ASSERT_TRUE(first.ok()) << first.failure->ToString();
+  ASSERT_GT(first.counts.substeps, 0);
+  scene.solver.max_substep_halvings = 0;
+  scene.solver.max_newton_iterations = 100;
+  Simulator without_substeps(scene);
+  RolloutOptions options;
+  options.followed = &first;
+  const Rollout rollout = Simulate(parameters, scene.num_steps(), &without_substeps, nullptr, options);
+  ASSERT_LT(rollout.num_steps(), scene.num_steps());
+  ASSERT_FALSE(rollout.ok());
+  EXPECT_EQ(rollout.failure->step, rollout.num_steps() + 1);
+  EXPECT_EQ(rollout.counts.failed_steps, 1);
+  EXPECT_NE(rollout.failure->ToString().find("2 solves in the rollout that it follows; expected at most 1"),
+            std::string::npos)
+      << rollout.failure->ToString();
 }
 
 // Rollouts whose steps end with factors.
