@@ -24,7 +24,7 @@ Finding CheckFrameRate(const CheckedMotion& checked) {
   finding.value = Rounded(1.0 / checked.median_interval) + " Hz (median), intervals of " + Rounded(1e3 * shortest) +
                   " to " + Rounded(1e3 * longest) + " ms";
   if (longest > (1.0 + kRegular) * checked.median_interval || shortest < (1.0 - kRegular) * checked.median_interval) {
-    finding.verdict = Verdict::kNote;
+    finding.severity = Severity::kNote;
     finding.hint = "irregular: each frame is compared at its own time; check that times are those of the exposure";
   }
   return finding;
@@ -44,7 +44,7 @@ Finding CheckGaps(const CheckedMotion& checked) {
                       ? "none"
                       : "after " + Named("frame", finding.frames) + ", up to " + Rounded(longest) + " s";
   if (!finding.frames.empty()) {
-    finding.verdict = Verdict::kNote;
+    finding.severity = Severity::kNote;
     finding.hint = "nothing is compared within a gap";
     // Handles that are known where the cloth was seen, and nowhere else.
     const HandlePath& path = checked.motion.scene.handles.path;
@@ -80,7 +80,7 @@ Finding CheckMissing(const CheckedMotion& checked) {
   if (num_missing == 0) return finding;
   finding.frames.assign(frames.begin(), frames.end());
   finding.value += ", in " + Named("frame", finding.frames) + ", of " + Named("point", finding.points);
-  finding.verdict = share > kManyMissing || !never.empty() ? Verdict::kWarning : Verdict::kNote;
+  finding.severity = share > kManyMissing || !never.empty() ? Severity::kWarning : Severity::kNote;
   finding.hint = never.empty() ? "a point that is not seen is not compared; intervals grow by what is missing"
                                : Named("point", never) + " never seen: is the mesh larger than what was recorded?";
   return finding;

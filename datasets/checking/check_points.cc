@@ -126,7 +126,7 @@ Finding JumpsOfCloth(const CheckedMotion& checked, const Eigen::MatrixXd& positi
   finding.frames = ClothJumps(checked.motion.times, positions, kJump * checked.spacing + noise);
   finding.value = finding.frames.empty() ? "none" : "into " + Named("frame", finding.frames);
   if (!finding.frames.empty()) {
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint =
         "points as a whole go farther than in the frames around: a grid that was placed anew, frames out of "
         "order, or very fast motion; a robust loss bounds what they do";
@@ -150,7 +150,7 @@ Finding JumpsOfPoints(const CheckedMotion& checked, Eigen::MatrixXd positions, c
   finding.points.assign(points.begin(), points.end());
   finding.value = count == 0 ? "none" : std::to_string(count) + ", point " + first + (count > 3 ? ", .." : "");
   if (count > 0) {
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint =
         "they leave their path for one frame and return, as points do that were taken for others; remove "
         "them, or fit with a robust loss";
@@ -175,14 +175,14 @@ double TransposedRatio(const CheckedMotion& checked) {
 void JudgeLengths(const CheckedMotion& checked, double ratio, double start_ratio, Finding* finding) {
   for (const Unit& unit : kUnits) {
     if (std::abs(std::log(ratio / unit.ratio)) > kUnitTolerance) continue;
-    finding->verdict = Verdict::kProblem;
+    finding->severity = Severity::kProblem;
     finding->hint = unit.text;
     return;
   }
   // A soft cloth that swings is stretched most of the time, but seldom where it starts.
   const double off = std::min(std::abs(std::log(ratio)), std::abs(std::log(start_ratio)));
   if (!(off > kSameLength)) return;
-  finding->verdict = off > kWrongLength ? Verdict::kWarning : Verdict::kNote;
+  finding->severity = off > kWrongLength ? Severity::kWarning : Severity::kNote;
   finding->hint =
       "the mesh at rest is of another size than the recorded cloth, or the cloth is stretched or folded at "
       "the start; the fit takes the difference for strain";
@@ -211,17 +211,17 @@ Finding CheckNoise(const CheckedMotion& checked) {
   finding.value += stated > 0.0 ? "; the file says " + Millimetres(stated) : "; the file says nothing";
   const bool quiet = noise.rms() < kQuiet * checked.cloth_size;
   if (stated == 0.0 && !quiet) {
-    finding.verdict = Verdict::kNote;
+    finding.severity = Severity::kNote;
     finding.hint = "motion convert --sigma gives the points a standard deviation, which robust losses need";
   } else if (stated > 0.0 && noise.rms() > kSigmaFactor * stated && !quiet) {
-    finding.verdict = Verdict::kNote;
+    finding.severity = Severity::kNote;
     finding.hint = "more than the file says: points jump, or move faster than the frame rate shows";
   } else if (stated > kSigmaFactor * noise.rms()) {
-    finding.verdict = Verdict::kNote;
+    finding.severity = Severity::kNote;
     finding.hint = "less than the file says: intervals will be wider than they need to be";
   }
   if (noise.rms() > kCoarse * checked.spacing) {
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint =
         "neighbouring points are hardly farther apart than the noise; fewer points or a coarser mesh lose "
         "nothing";
@@ -249,7 +249,7 @@ Finding CheckOrder(const CheckedMotion& checked) {
   finding.frames.assign(frames.begin(), frames.end());
   if (frames.empty()) return finding;
   finding.value = how;
-  finding.verdict = Verdict::kWarning;
+  finding.severity = Severity::kWarning;
   finding.hint = "points are taken for others there: put them in order, or leave these frames out";
   return finding;
 }

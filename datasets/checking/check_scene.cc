@@ -76,7 +76,7 @@ Finding StandingHandles(const CheckedMotion& checked) {
   finding.value = std::to_string(motion.scene.handles.nodes.size()) + " standing still";
   if (farthest > kOffHandle * checked.spacing + checked.noise_floor) {
     finding.value += "; the points there move by " + Millimetres(farthest);
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint = "motion convert --handle_nodes takes their path from the points, --handles from a file";
   }
   return finding;
@@ -93,7 +93,7 @@ Finding HandlesAgainstPoints(const CheckedMotion& checked) {
   if (std::isnan(distance)) return finding;
   finding.value += ", the points there are " + Millimetres(distance) + " off (median)";
   if (distance > kOffHandle * checked.spacing + checked.noise_floor) {
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint = ShiftHint(motion, points, distance);
   }
   return finding;
@@ -118,7 +118,7 @@ Finding HandleJumps(const CheckedMotion& checked) {
   if (frames.empty()) return finding;
   finding.frames.assign(frames.begin(), frames.end());
   finding.value = "into " + Named("frame", finding.frames) + ", of " + Named("node", nodes);
-  finding.verdict = Verdict::kWarning;
+  finding.severity = Severity::kWarning;
   finding.hint =
       "the simulated cloth is pulled along; identify smooths paths, but a path from the robot or the "
       "gripper is better";
@@ -149,7 +149,7 @@ std::vector<Finding> TornHandles(const CheckedMotion& checked) {
   if (!(worst > kTorn)) return {};
   Finding finding;
   finding.what = "distance of handles";
-  finding.verdict = Verdict::kWarning;
+  finding.severity = Severity::kWarning;
   finding.value = "of nodes " + which + ": up to " + Rounded(worst) + " times that at rest";
   finding.hint = "the cloth would be torn: wrong nodes, another unit, or a mesh that is too small";
   return {finding};
@@ -179,8 +179,8 @@ Finding CheckStart(const CheckedMotion& checked) {
   finding.value = "no node inside an obstacle";
   if (nodes.empty()) return finding;
   finding.value = Named("node", nodes) + " inside an obstacle, up to " + Millimetres(deepest);
-  finding.verdict = deepest > tolerance + checked.noise_floor ? Verdict::kWarning : Verdict::kNote;
-  finding.hint = finding.verdict == Verdict::kNote
+  finding.severity = deepest > tolerance + checked.noise_floor ? Severity::kWarning : Severity::kNote;
+  finding.hint = finding.severity == Severity::kNote
                      ? "no more than the noise; the simulation pushes them out at the depenetration speed"
                      : "the simulation pushes them out; check frame of reference, contact distance and obstacles";
   return finding;
@@ -206,11 +206,11 @@ Finding CheckTouch(const CheckedMotion& checked, bool* touches) {
   finding.value = "least gap " + Millimetres(least) + ", in contact in " + std::to_string(touching.size()) + " of " +
                   std::to_string(motion.num_frames()) + " frames";
   if (touching.empty()) {
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint = "the cloth touches nothing: friction cannot be told from this recording";
   } else if (!deep.empty()) {
     finding.frames = deep;
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint = "points are deep inside an obstacle in " + Named("frame", deep) +
                    ": check frame of reference, unit and obstacles";
   }
@@ -276,7 +276,7 @@ std::vector<Finding> CheckGravity(const CheckedMotion& checked) {
   finding.what = "direction of gravity";
   finding.value = "the cloth hangs " + Rounded(angle) + " degrees off it, on average";
   if (angle > kSideways) {
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint = "another frame of reference, such as a camera's? See motion convert --transform";
   }
   return {finding};
@@ -290,12 +290,12 @@ Finding CheckTimeStep(const CheckedMotion& checked) {
   finding.value = Rounded(steps) + " steps of " + Rounded(1e3 * scene.time_step) + " ms per frame, " +
                   std::to_string(scene.num_steps()) + " in all";
   if (steps < 0.99) {
-    finding.verdict = Verdict::kWarning;
+    finding.severity = Severity::kWarning;
     finding.hint =
         "several frames within one step are compared with a straight line; a smaller time step in the scene "
         "shows what they say";
   } else if (steps > kManySteps) {
-    finding.verdict = Verdict::kNote;
+    finding.severity = Severity::kNote;
     finding.hint = "a time step that is larger makes fits faster; identify --check_step says what it costs";
   }
   return finding;

@@ -115,15 +115,15 @@ CheckedMotion::CheckedMotion(const RecordedMotion& recorded)
   noise_floor = kNoiseFloor * std::max(known, noise.rms());
 }
 
-std::string VerdictName(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kOk:
+std::string SeverityName(Severity severity) {
+  switch (severity) {
+    case Severity::kOk:
       return "ok";
-    case Verdict::kNote:
+    case Severity::kNote:
       return "note";
-    case Verdict::kWarning:
+    case Severity::kWarning:
       return "warning";
-    case Verdict::kProblem:
+    case Severity::kProblem:
       break;
   }
   return "problem";
@@ -151,7 +151,7 @@ std::vector<Finding> CheckMotion(const RecordedMotion& motion) {
   std::vector<Finding> findings = CheckCoverage(checked);
   const auto add = [&](const std::vector<Finding>& more) { findings.insert(findings.end(), more.begin(), more.end()); };
   const Finding edges = CheckEdges(checked);
-  if (edges.verdict == Verdict::kProblem) {
+  if (edges.severity == Severity::kProblem) {
     add({edges, CheckTimeStep(checked)});
     return findings;
   }
@@ -167,25 +167,25 @@ std::vector<Finding> CheckMotion(const RecordedMotion& motion) {
   return findings;
 }
 
-Verdict Worst(const std::vector<Finding>& findings) {
-  Verdict worst = Verdict::kOk;
-  for (const Finding& finding : findings) worst = std::max(worst, finding.verdict);
+Severity Worst(const std::vector<Finding>& findings) {
+  Severity worst = Severity::kOk;
+  for (const Finding& finding : findings) worst = std::max(worst, finding.severity);
   return worst;
 }
 
 std::string FindingsTable(const std::vector<Finding>& findings) {
-  constexpr int kWhatWidth = 22, kVerdictWidth = 9;
+  constexpr int kWhatWidth = 22, kSeverityWidth = 9;
   constexpr std::size_t kTextWidth = 88;
   std::ostringstream table;
   table << std::left;
   for (const Finding& finding : findings) {
-    table << std::setw(kWhatWidth) << finding.what << std::setw(kVerdictWidth) << VerdictName(finding.verdict);
+    table << std::setw(kWhatWidth) << finding.what << std::setw(kSeverityWidth) << SeverityName(finding.severity);
     std::vector<std::string> lines = Wrapped(finding.value, kTextWidth);
     if (!finding.hint.empty()) {
       for (const std::string& line : Wrapped("-> " + finding.hint, kTextWidth)) lines.push_back(line);
     }
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      table << (i == 0 ? "" : std::string(kWhatWidth + kVerdictWidth, ' ')) << lines[i] << "\n";
+      table << (i == 0 ? "" : std::string(kWhatWidth + kSeverityWidth, ' ')) << lines[i] << "\n";
     }
   }
   return table.str();
@@ -195,14 +195,14 @@ std::string FindingsJson(const std::vector<Finding>& findings, const std::string
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Finding& finding : findings) {
     list.push_back({{"what", finding.what},
-                    {"verdict", VerdictName(finding.verdict)},
+                    {"verdict", SeverityName(finding.severity)},
                     {"value", finding.value},
                     {"hint", finding.hint},
                     {"frames", finding.frames},
                     {"points", finding.points}});
   }
   const nlohmann::ordered_json report = {
-      {"schema", "clothid.check/1"}, {"file", file}, {"verdict", VerdictName(Worst(findings))}, {"findings", list}};
+      {"schema", "clothid.check/1"}, {"file", file}, {"verdict", SeverityName(Worst(findings))}, {"findings", list}};
   return report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -14,17 +14,17 @@ namespace clothid {
 // interval of twice the usual length.
 inline constexpr double kGapFactor = 2.0;
 
-enum class Verdict {
+enum class Severity {
   kOk,
   kNote,     // worth knowing; a fit takes it into account
   kWarning,  // a fit runs, and its estimates may be wrong
   kProblem,  // no fit can mean anything
 };
-std::string VerdictName(Verdict verdict);  // "ok", "note", "warning", "problem"
+std::string SeverityName(Severity severity);  // "ok", "note", "warning", "problem"
 
 struct Finding {
   std::string what;  // a short name, the same for every recording
-  Verdict verdict = Verdict::kOk;
+  Severity severity = Severity::kOk;
   std::string value;        // what was measured, in words
   std::string hint;         // what to do about it; empty where there is nothing to do
   std::vector<int> frames;  // all that it is about, ascending; may be empty
@@ -37,11 +37,11 @@ struct Finding {
 // checked. `motion` should be read without smoothing the paths of its handles.
 std::vector<Finding> CheckMotion(const RecordedMotion& motion);
 
-// The gravest verdict among them.
-Verdict Worst(const std::vector<Finding>& findings);
+// The gravest among them.
+Severity Worst(const std::vector<Finding>& findings);
 
 // A table for people, a line per finding and one per hint; and {"schema": "clothid.check/1", "file", "verdict",
-// "findings": [{"what", "verdict", "value", "hint", "frames", "points"}]}.
+// "findings": [{"what", "verdict", "value", "hint", "frames", "points"}]}, in which severities are called verdicts.
 std::string FindingsTable(const std::vector<Finding>& findings);
 std::string FindingsJson(const std::vector<Finding>& findings, const std::string& file);
 

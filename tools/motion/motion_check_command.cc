@@ -27,7 +27,7 @@ int MotionCheck(const std::string& path) {
   }
   std::string problems;
   for (const Finding& finding : findings) {
-    if (finding.verdict == Verdict::kProblem) problems += (problems.empty() ? "" : ", ") + finding.what;
+    if (finding.severity == Severity::kProblem) problems += (problems.empty() ? "" : ", ") + finding.what;
   }
   if (!problems.empty()) throw Error(ErrorKind::kBadData, path + ": cannot be fitted as it is: " + problems);
   return kExitSuccess;

@@ -28,7 +28,7 @@ std::vector<Finding> Check(const MotionTensors& tensors) {
 Finding OnlyFinding(const MotionTensors& tensors, const std::string& what) {
   Finding found;
   for (const Finding& finding : Check(tensors)) {
-    if (finding.verdict == Verdict::kOk) continue;
+    if (finding.severity == Severity::kOk) continue;
     EXPECT_EQ(finding.what, what) << finding.value;
     EXPECT_FALSE(finding.hint.empty()) << finding.what;
     if (finding.what == what) found = finding;
@@ -54,7 +54,7 @@ std::string WithObstacle(const std::string& obstacle) {
 
 TEST(MotionCheck, FindsNothingInACleanCapture) {
   for (const Finding& finding : Check(MadeUpCapture())) {
-    EXPECT_EQ(finding.verdict, Verdict::kOk) << finding.what << ": " << finding.value;
+    EXPECT_EQ(finding.severity, Severity::kOk) << finding.what << ": " << finding.value;
   }
 }
 
@@ -72,7 +72,7 @@ TEST(MotionCheck, FindsNothingInMarkersOnTriangles) {
   }
   tensors.positions = markers;
   tensors.sigma = Eigen::VectorXd::Constant(4, kCaptureNoise);
-  EXPECT_EQ(Worst(Check(tensors)), Verdict::kOk) << FindingsTable(Check(tensors));
+  EXPECT_EQ(Worst(Check(tensors)), Severity::kOk) << FindingsTable(Check(tensors));
 }
 
 TEST(MotionCheck, FindsIrregularTimes) {
@@ -80,7 +80,7 @@ TEST(MotionCheck, FindsIrregularTimes) {
   std::uniform_real_distribution<double> jitter(-0.2, 0.2);
   Eigen::VectorXd times(kCaptureFrames);
   for (int frame = 0; frame < kCaptureFrames; ++frame) times[frame] = (frame + jitter(generator)) / kCaptureRate;
-  EXPECT_EQ(OnlyFinding(MadeUpCapture(times), "frame rate").verdict, Verdict::kNote);
+  EXPECT_EQ(OnlyFinding(MadeUpCapture(times), "frame rate").severity, Severity::kNote);
 }
 
 TEST(MotionCheck, FindsGaps) {
@@ -97,9 +97,9 @@ TEST(MotionCheck, FindsMissingPoints) {
   const Finding finding = OnlyFinding(tensors, "missing points");
   EXPECT_EQ(finding.frames, (std::vector<int>{7, 41}));
   EXPECT_EQ(finding.points, (std::vector<int>{12, 30}));
-  EXPECT_EQ(finding.verdict, Verdict::kNote);
+  EXPECT_EQ(finding.severity, Severity::kNote);
   tensors.positions.middleRows<3>(3 * 5).setConstant(kNaN);
-  EXPECT_EQ(OnlyFinding(tensors, "missing points").verdict, Verdict::kWarning);
+  EXPECT_EQ(OnlyFinding(tensors, "missing points").severity, Severity::kWarning);
 }
 
 TEST(MotionCheck, EstimatesNoise) {
@@ -173,7 +173,7 @@ TEST(MotionCheck, FindsStrayPoints) {
       EXPECT_TRUE(finding.frames.empty()) << finding.value;
     }
     if (finding.what != "jumps of points") continue;
-    EXPECT_EQ(finding.verdict, Verdict::kWarning);
+    EXPECT_EQ(finding.severity, Severity::kWarning);
     EXPECT_GE(finding.frames.size(), 0.9 * static_cast<double>(frames.size()));
   }
 }
@@ -187,7 +187,7 @@ TEST(MotionCheck, NamesTheUnit) {
     tensors.positions *= scale;
     tensors.handle_positions *= scale;
     const Finding finding = OnlyFinding(tensors, "edge lengths");
-    EXPECT_EQ(finding.verdict, Verdict::kProblem);
+    EXPECT_EQ(finding.severity, Severity::kProblem);
     EXPECT_NE(finding.hint.find(hint), std::string::npos) << finding.hint;
   }
 }
@@ -195,9 +195,9 @@ TEST(MotionCheck, NamesTheUnit) {
 TEST(MotionCheck, FindsAMeshOfAnotherSize) {
   MotionTensors tensors = MadeUpCapture();
   tensors.mesh.rest_positions *= 1.1;
-  EXPECT_EQ(OnlyFinding(tensors, "edge lengths").verdict, Verdict::kNote);
+  EXPECT_EQ(OnlyFinding(tensors, "edge lengths").severity, Severity::kNote);
   tensors.mesh.rest_positions *= 1.2;
-  EXPECT_EQ(OnlyFinding(tensors, "edge lengths").verdict, Verdict::kWarning);
+  EXPECT_EQ(OnlyFinding(tensors, "edge lengths").severity, Severity::kWarning);
 }
 
 TEST(MotionCheck, FindsPointsListedAlongTheOtherAxis) {
@@ -212,7 +212,7 @@ TEST(MotionCheck, FindsPointsListedAlongTheOtherAxis) {
   tensors.handle_positions.resize(0, 0);
   tensors.scene_text = R"({"clothid_scene": 1})";
   const Finding finding = OnlyFinding(tensors, "edge lengths");
-  EXPECT_EQ(finding.verdict, Verdict::kWarning);
+  EXPECT_EQ(finding.severity, Severity::kWarning);
   EXPECT_NE(finding.hint.find("--transpose"), std::string::npos) << finding.value << finding.hint;
 }
 
@@ -255,9 +255,9 @@ TEST(MotionCheck, FindsAStartInsideAnObstacle) {
     return WithObstacle(R"({"type": "sphere", "center": [0.12, )" + std::to_string(y) + R"(, 0.72], "radius": 0.05})");
   };
   tensors.scene_text = ball(0.089);
-  EXPECT_LE(Worst(Check(tensors)), Verdict::kNote) << FindingsTable(Check(tensors));  // no more than the noise
+  EXPECT_LE(Worst(Check(tensors)), Severity::kNote) << FindingsTable(Check(tensors));  // no more than the noise
   tensors.scene_text = ball(0.08);
-  EXPECT_EQ(OnlyFinding(tensors, "start").verdict, Verdict::kWarning);
+  EXPECT_EQ(OnlyFinding(tensors, "start").severity, Severity::kWarning);
 }
 
 TEST(MotionCheck, FindsAnObstacleThatIsNotTouchedOrFarTooDeep) {
@@ -286,13 +286,13 @@ TEST(MotionCheck, FindsAnotherFrameOfReference) {
 TEST(MotionCheck, FindsATimeStepThatIsTooLarge) {
   MotionTensors tensors = MadeUpCapture();
   tensors.scene_text = R"({"clothid_scene": 1, "time_step": 0.1, "handles": [0, 7]})";
-  EXPECT_EQ(OnlyFinding(tensors, "time step").verdict, Verdict::kWarning);
+  EXPECT_EQ(OnlyFinding(tensors, "time step").severity, Severity::kWarning);
 }
 
 TEST(MotionCheck, LooksAtShortRecordings) {
   for (const int num_frames : {2, 3, 4}) {
     MotionTensors tensors = MadeUpCapture(Eigen::VectorXd::LinSpaced(num_frames, 0.0, (num_frames - 1) / kCaptureRate));
-    EXPECT_LE(Worst(Check(tensors)), Verdict::kNote) << num_frames << "\n" << FindingsTable(Check(tensors));
+    EXPECT_LE(Worst(Check(tensors)), Severity::kNote) << num_frames << "\n" << FindingsTable(Check(tensors));
   }
 }
 
