@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <exception>
 #include <iostream>
 
 #include "sim/base/error.h"
@@ -30,6 +31,18 @@ const std::atomic<bool>& CatchInterrupts() {
 bool IsInterrupted() { return interrupted.load(); }
 
 void CatchFileSizeLimit() { std::signal(SIGXFSZ, SIG_IGN); }
+
+int ReportErrors(const std::string& name, const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    std::cerr << name << ": " << error.what() << "\n";
+    return ExitCodeOf(error.kind());
+  } catch (const std::exception& error) {
+    std::cerr << name << ": internal error: " << error.what() << "\n";
+    return kExitInternal;
+  }
+}
 
 int FinishOutput(const std::string& name, int exit_code) {
   errno = 0;

@@ -3,6 +3,7 @@
 #define CLOTHID_SIM_BASE_PROGRAM_H_
 
 #include <atomic>
+#include <functional>
 #include <string>
 
 namespace clothid {
@@ -17,6 +18,10 @@ bool IsInterrupted();
 // From now on a file that grows beyond the limit of the process (ulimit -f) is a failed write() with its reason, not
 // the end of the process. For the start of main().
 void CatchFileSizeLimit();
+
+// The exit code that `work` returns. What it throws ends here, as one line on stderr, led by `name`, and as an exit
+// code: an `Error` as `ExitCodeOf` says, any other exception as an internal error, kExitInternal.
+int ReportErrors(const std::string& name, const std::function<int()>& work);
 
 // For the end of main(): `exit_code`, unless what was printed on stdout could not be written. That is a line on stderr,
 // led by `name`, and kExitUsageOrIo where the program was not interrupted.

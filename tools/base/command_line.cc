@@ -2,9 +2,13 @@
 
 #include <gflags/gflags.h>
 
-#include <exception>
+#include <algorithm>
 #include <iostream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
 
+#include "identify/base/join_words.h"
 #include "sim/base/program.h"
 
 namespace clothid {
@@ -26,15 +30,13 @@ int Answer(const std::string& name, const std::string& help, const std::vector<s
     std::cout << name << " (clothid) " << CLOTHID_VERSION << "\n";
     return kExitSuccess;
   }
-  try {
-    return command(arguments);
-  } catch (const Error& error) {
-    std::cerr << name << ": " << error.what() << "\n";
-    return ExitCodeOf(error.kind());
-  } catch (const std::exception& error) {
-    std::cerr << name << ": internal error: " << error.what() << "\n";
-    return kExitUsageOrIo;
-  }
+  return command(arguments);
+}
+
+bool IsGiven(const std::string& flag) {
+  gflags::CommandLineFlagInfo info;
+  if (!gflags::GetCommandLineFlagInfo(flag.c_str(), &info)) throw std::logic_error("no flag is named " + flag);
+  return !info.is_default;
 }
 
 }  // namespace
@@ -42,7 +44,20 @@ int Answer(const std::string& name, const std::string& help, const std::vector<s
 int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command) {
   CatchFileSizeLimit();
   gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
-  return FinishOutput(name, Answer(name, help, std::vector<std::string>(argv + 1, argv + argc), command));
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  return FinishOutput(name, ReportErrors(name, [&] { return Answer(name, help, arguments, command); }));
+}
+
+void RejectOtherFlags(const std::string& command, const std::vector<CommandFlags>& commands) {
+  std::map<std::string, std::vector<std::string>> takers;  // by flag
+  for (const CommandFlags& each : commands) {
+    std::istringstream flags(each.flags);
+    for (std::string flag; flags >> flag;) takers[flag].push_back(each.command);
+  }
+  for (const auto& [flag, names] : takers) {
+    if (!IsGiven(flag) || std::count(names.begin(), names.end(), command) > 0) continue;
+    throw Error(ErrorKind::kUsage, "--" + flag + ": is a flag of " + JoinWords(names) + ", not of " + command);
+  }
 }
 
 }  // namespace clothid

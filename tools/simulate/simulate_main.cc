@@ -65,7 +65,7 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   --help, --version
 
 Exit codes: 0 written; 1 usage, or a file that cannot be opened or written; 2 bad content; 3 a time step did not
-converge, 130 interrupted: nothing is written.
+converge, 70 internal error, 130 interrupted: nothing is written.
 
 Examples:
   simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 --noise 0.001 --output /tmp/drape.motion.bin
