@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <stdexcept>
 #include <utility>
 
+#include "costs/prediction/prediction_cost.h"
 #include "costs/rows/evaluation_journal.h"
 #include "costs/rows/residual_basis.h"
 #include "sim/base/phase_seconds.h"
@@ -112,11 +112,10 @@ Eigen::VectorXd RolloutEvaluator::WeightedResiduals(const RolloutEvaluation& eva
 void RolloutEvaluator::ComputeCost(RolloutEvaluation* evaluation) {
   evaluation->counts = RolloutAt(evaluation->coordinates).counts;
   evaluation->predicted = rollout_predicted_;
-  evaluation->residuals = model_.observation().Residuals(evaluation->predicted);
-  const Eigen::VectorXd& residuals = evaluation->residuals;
-  Eigen::VectorXd weights;
-  evaluation->cost = LossWeights(options_.loss, model_.observation(), 0, residuals, &weights);
-  evaluation->loss_row = LossRow(evaluation->cost, residuals.cwiseProduct(weights).squaredNorm());
+  PredictionCost cost = CostOfPrediction(options_.loss, model_.observation(), evaluation->predicted);
+  evaluation->cost = cost.value;
+  evaluation->loss_row = LossRow(cost.value, cost.WeightedResiduals().squaredNorm());
+  evaluation->residuals = std::move(cost.residuals);
 }
 
 // Nothing of the size [m x p] is stored unless it is asked for.
@@ -391,7 +390,7 @@ void RolloutEvaluator::CompleteOrFail(Need need, const std::vector<int>& active,
     if (!evaluation->coordinates.allFinite()) throw std::runtime_error("a parameter is not finite");
     Complete(need, active, evaluation);
     if (!std::isfinite(evaluation->cost)) throw std::runtime_error("the cost is not finite");
-  } catch (const std::exception& error) {
+  } catch (const std::runtime_error& error) {
     evaluation->failure = model_.name() + ": " + error.what();
   }
 }

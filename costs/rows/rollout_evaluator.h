@@ -58,10 +58,10 @@ class RolloutEvaluator {
   RolloutEvaluator& operator=(const RolloutEvaluator&) = delete;
 
   enum class Need { kCost, kRows, kGradient, kExactRows };
-  // What is needed at `coordinates` [p], the derivatives for the blocks `active` at least. Never throws: what went
-  // wrong stands in `failure`. The reference is valid until the next call. With a journal, what it holds is replayed
-  // in its order, counts included, and what is computed is added to it before it is used; not once
-  // `RolloutCostOptions::cancel` is set.
+  // What is needed at `coordinates` [p], the derivatives for the blocks `active` at least. What went wrong stands
+  // in `failure`; only errors of the program itself are thrown (no memory left, what a callback throws). The reference
+  // is valid until the next call. With a journal, what it holds is replayed in its order, counts included, and what is
+  // computed is added to it before it is used; not once `RolloutCostOptions::cancel` is set.
   const RolloutEvaluation& At(const Eigen::VectorXd& coordinates, Need need, const std::vector<int>& active);
 
   // Of the evaluations from now on; those of the other precision are not mistaken for them.

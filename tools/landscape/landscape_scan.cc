@@ -1,147 +1,54 @@
 #include "tools/landscape/landscape_scan.h"
 
-#include <algorithm>
-#include <cmath>
+#include <atomic>
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <utility>
 
-#include "costs/prediction/recording_model.h"
-#include "costs/prediction/robust_loss.h"
-#include "costs/prediction/rollout_cost_options.h"
 #include "identify/base/parallel_for.h"
 #include "sim/base/error.h"
-#include "sim/base/phase_seconds.h"
 #include "sim/scene/parameters.h"
-#include "sim/scene/scene.h"
 #include "tools/landscape/landscape_axis.h"
+#include "tools/landscape/landscape_cell_model.h"
 #include "tools/landscape/landscape_plan.h"
 
 namespace clothid {
 namespace {
 
-// A value is its own coordinate, so that cells and truths are simulated at exactly the numbers that are written down.
-ParameterBlock MakeBlock(const std::string& name, double start) {
-  ParameterBlock block;
-  block.name = name;
-  block.start = block.lower_bound = block.upper_bound = start;
-  return block;
+std::unique_ptr<LandscapeCellModel> MakeModel(const LandscapeScanOptions& options, int setting) {
+  return std::make_unique<LandscapeCellModel>(options.motions[setting], options.plan, options.held);
 }
 
-// What is held, then both axes. An axis starts at its largest value: the scene then has the terms that it asks for.
-std::vector<ParameterBlock> MakeBlocks(const LandscapePlan& plan, const std::map<std::string, double>& held) {
-  std::vector<ParameterBlock> blocks;
-  for (const auto& [name, value] : held) blocks.push_back(MakeBlock(name, value));
-  double x = 0.0, y = 0.0;
-  for (const LandscapeWindow& window : plan.windows) {
-    x = std::max(x, window.x.upper);
-    y = std::max(y, window.y.upper);
-  }
-  blocks.push_back(MakeBlock(plan.windows.front().x.parameter, x));
-  blocks.push_back(MakeBlock(plan.windows.front().y.parameter, y));
-  return blocks;
-}
-
-// Of one setting, for one thread at a time.
-class CellModel {
- public:
-  CellModel(const LandscapeScanOptions& options, int setting)
-      : setting_(setting), model_(options.motions[setting], MakeBlocks(options.plan, options.held)) {}
-
-  int setting() const { return setting_; }
-
-  Eigen::VectorXd Coordinates(double x, double y) const {
-    Eigen::VectorXd coordinates(model_.num_blocks());
-    for (int i = 0; i < model_.num_blocks() - 2; ++i) coordinates[i] = model_.blocks()[i].start;
-    coordinates.tail(2) << x, y;
-    return coordinates;
-  }
-
-  Rollout Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted) {
-    return model_.Simulate(Coordinates(x, y), cancel, memory_limit_, /*keep_factors=*/false, predicted);
-  }
-
-  // Puts every point of the recording's clouds onto the predicted surface, where that is nearest.
-  void MoveCloudsTo(const Eigen::MatrixXd& predicted, RecordedMotion* motion) const {
-    const Eigen::Index num_rows = 3 * model_.observation().num_nodes();
-    for (std::size_t i = 0; i < motion->clouds.size(); ++i) {
-      const Eigen::VectorXd nodes = predicted.col(static_cast<Eigen::Index>(i)).tail(num_rows);
-      motion->clouds[i] = model_.observation().clouds().ClosestPoints(static_cast<int>(i), nodes);
-    }
-  }
-
-  // Fills `cell`; a failure of any kind leaves neither cost nor gradient.
-  void Evaluate(const LandscapeWindow& window, double x, double y, bool has_gradients, const std::atomic<bool>* cancel,
-                LandscapeCell* cell) {
-    const ScopedTimer timer(&cell->seconds);
-    try {
-      Eigen::MatrixXd predicted;
-      const Rollout rollout = Predict(x, y, cancel, &predicted);
-      cell->counts = rollout.counts;
-      if (!rollout.ok()) throw std::runtime_error(rollout.failure->ToString());
-      const Eigen::VectorXd residuals = model_.observation().Residuals(predicted);
-      Eigen::VectorXd weights;
-      const double cost = LossWeights(RobustLoss(), model_.observation(), 0, residuals, &weights);
-      if (!std::isfinite(cost)) throw std::runtime_error("the cost is not finite");
-      if (has_gradients) PullBackCost(window, rollout, predicted, residuals, Coordinates(x, y), cell);
-      cell->cost = cost;
-    } catch (const std::runtime_error& error) {
-      cell->failure = error.what();
-    }
-  }
-
- private:
-  void PullBackCost(const LandscapeWindow& window, const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                    const Eigen::VectorXd& residuals, const Eigen::VectorXd& coordinates, LandscapeCell* cell) {
-    const int x = model_.num_blocks() - 2, y = x + 1;
-    const Eigen::VectorXd gradient =
-        model_.PullBack(rollout, predicted, coordinates, {x, y}, residuals, AdjointOptions());
-    if (!gradient.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
-    // d/d log value = value d/d value.
-    cell->gradient_x = gradient[0] * (window.x.scale == ParameterScale::kLog ? coordinates[x] : 1.0);
-    cell->gradient_y = gradient[1] * (window.y.scale == ParameterScale::kLog ? coordinates[y] : 1.0);
-  }
-
-  int setting_;
-  RecordingModel model_;
-  // As of a fit, so that rollouts beyond it get checkpoints, and with them the same rounding, here too.
-  std::size_t memory_limit_ = RolloutCostOptions().memory_limit;
-};
-
-// Models that no thread uses at the moment. Cells are taken up in their order, so those of earlier settings are done
-// with.
+// Models that no thread uses at the moment, by setting. Cells are taken up in their order, so those of earlier settings
+// are done with.
 class IdleModels {
  public:
   explicit IdleModels(const LandscapeScanOptions* options) : options_(options) {}
 
-  std::unique_ptr<CellModel> Take(int setting) {
-    std::unique_ptr<CellModel> model;
+  std::unique_ptr<LandscapeCellModel> Take(int setting) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      models_.erase(
-          std::remove_if(models_.begin(), models_.end(), [=](const auto& idle) { return idle->setting() < setting; }),
-          models_.end());
-      const auto found =
-          std::find_if(models_.begin(), models_.end(), [=](const auto& idle) { return idle->setting() == setting; });
+      models_.erase(models_.begin(), models_.lower_bound(setting));
+      const auto found = models_.find(setting);
       if (found != models_.end()) {
-        model = std::move(*found);
+        std::unique_ptr<LandscapeCellModel> model = std::move(found->second);
         models_.erase(found);
+        return model;
       }
     }
-    return model ? std::move(model) : std::make_unique<CellModel>(*options_, setting);
+    return MakeModel(*options_, setting);
   }
 
-  void Return(std::unique_ptr<CellModel> model) {
+  void Return(int setting, std::unique_ptr<LandscapeCellModel> model) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    models_.push_back(std::move(model));
+    models_.emplace(setting, std::move(model));
   }
 
  private:
   const LandscapeScanOptions* options_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<CellModel>> models_;
+  std::multimap<int, std::unique_ptr<LandscapeCellModel>> models_;
 };
 
 class Scan {
@@ -168,11 +75,11 @@ class Scan {
     try {
       const LandscapePlace place = options_.plan.PlaceOf(cell);
       const LandscapeWindow& window = options_.plan.windows[place.window];
-      std::unique_ptr<CellModel> model = models_.Take(place.setting);
+      std::unique_ptr<LandscapeCellModel> model = models_.Take(place.setting);
       LandscapeCell result;
       model->Evaluate(window, window.x.Value(place.ix), window.y.Value(place.iy), options_.plan.has_gradients,
                       options_.cancel, &result);
-      models_.Return(std::move(model));
+      models_.Return(place.setting, std::move(model));
       // A cell that failed now may have been cancelled, one that did not is as good as any.
       if (!result.failure.empty() && is_cancelled()) return;
       landscape_->cells[cell] = std::move(result);
@@ -269,7 +176,7 @@ void LandscapeScanOptions::Validate() const {
     expect(cell >= 0 && cell < plan.num_cells(), "cells of the plan");
   }
   CheckHeld(*this, "held");
-  for (std::size_t i = 0; i < motions.size(); ++i) CellModel(*this, static_cast<int>(i));
+  for (std::size_t i = 0; i < motions.size(); ++i) MakeModel(*this, static_cast<int>(i));
 }
 
 Landscape ScanLandscape(const LandscapeScanOptions& options) {
@@ -288,9 +195,9 @@ void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptio
   const double x = TakeAxis(window.x.parameter, &options->held), y = TakeAxis(window.y.parameter, &options->held);
   CheckHeld(*options, "--set");
   ParallelFor(static_cast<int>(options->motions.size()), options->num_threads, [&](int setting) {
-    CellModel model(*options, setting);
+    const std::unique_ptr<LandscapeCellModel> model = MakeModel(*options, setting);
     Eigen::MatrixXd predicted;
-    const Rollout rollout = model.Predict(x, y, options->cancel, &predicted);
+    const Rollout rollout = model->Predict(x, y, options->cancel, &predicted);
     RecordedMotion& motion = options->motions[setting];
     if (options->cancel != nullptr && options->cancel->load()) return;
     if (!rollout.ok()) {
@@ -302,7 +209,7 @@ void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptio
     }
     motion.positions =
         motion.positions.array().isNaN().select(motion.positions, predicted.topRows(motion.positions.rows()));
-    model.MoveCloudsTo(predicted, &motion);
+    model->MoveCloudsTo(predicted, &motion);
   });
 }
 

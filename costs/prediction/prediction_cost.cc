@@ -1,0 +1,13 @@
+#include "costs/prediction/prediction_cost.h"
+
+namespace clothid {
+
+PredictionCost CostOfPrediction(const RobustLoss& loss, const Observation& observation,
+                                const Eigen::MatrixXd& predicted) {
+  PredictionCost cost;
+  cost.residuals = observation.Residuals(predicted);
+  cost.value = LossWeights(loss, observation, 0, cost.residuals, &cost.weights);
+  return cost;
+}
+
+}  // namespace clothid
