@@ -2,11 +2,8 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
-#include <chrono>
-#include <iomanip>
 #include <iostream>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,231 +12,14 @@
 #include "sim/base/program.h"
 #include "tools/base/command_line.h"
 #include "tools/benchmark/benchmark_flags.h"
+#include "tools/benchmark/benchmark_help.h"
+#include "tools/benchmark/benchmark_progress.h"
+#include "tools/benchmark/fits/figure3_table.h"
 
 DECLARE_string(output);
 
 namespace clothid {
 namespace {
-
-constexpr char kHelp[] = R"(benchmark: accuracy, cost and time of the methods against each other.
-
-  benchmark jacobian       --scene FILE --set LIST [--noise] [--starts] [--methods] [--precision] [--seed] [--threads]
-                           [--output]
-  benchmark discretization --scene FILE --set LIST [--nodes] [--steps] [--threads] [--output]
-  benchmark coverage       --scene FILE --set LIST [--sensor] [--seeds] [--settings] [--noise] [--seed] [--threads]
-                           [--output]
-  benchmark forward        [--scene LIST] [--nodes] [--steps] [--repeats] [--output]
-  benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
-  benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
-  benchmark accuracy       [--scene] [--settings] [--quantities] [--nodes] [--repeats] [--output]
-  benchmark continuity     [--nodes] [--cells] [--contact] [--lines] [--seed] [--threads] [--output]
-  benchmark figure3        [--offsets] [--touch] [--zoom] [--cells] [--starts] [--noise] [--seed] [--threads] [--output]
-  benchmark stability      [--settings] [--scene LIST] [--contact] [--k_stretch] [--steps] [--mu] [--nodes]
-                           [--nogradients] [--seed] [--threads] [--output]
-
-jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
-0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
-failed steps, processor seconds (medians), and these relative to `sensitivity` (median over the starts).
-
-discretization: simulates the truth on a grid of twice the density at a quarter of the scene's time step, fits models of
-several grids and time steps to what is seen of it at the scene's own nodes and steps, and prints how far each is off.
-
-coverage: fits recordings that differ by their noise and prints how many 95 % intervals contain the truth, and the
-reported standard deviation beside that of the estimates: with every point in every frame (full), with half the points
-missing (half), with every third frame (third). With --sensor the truth is simulated on a grid of twice the density at a
-quarter of the time step and seen by that camera and gripper, imported, checked, and fitted together with the clock, which
-is 10 ms off: without the sensor's faults (clean), with them (faults), with 5 % of the points far off and the loss huber:2
-(huber), the same without a loss (outliers), with 5 % of the nodes seen, as markers (markers).
-
-forward: simulates the scenes wind, slope and sphere on square grids and prints the time of a step and its phases, the
-factorisation beside its floating-point operations at the speed of dgemm, the growth with the number of nodes, and the
-memory of a rollout per node and step. Processor time, medians over the repeats.
-
-backprop: the reverse sweep by each of its linear solvers on the same rollouts of a cloth in the wind, on a slope, on a
-sphere, with k = 20 N/m and steps of 5 ms (soft) and with 1000 N/m and 10 ms (realistic): processor time per step and its
-parts, iterations, steps in which LU stepped in, the largest error of the gradient against LU, and how many times faster
-than the direct solvers; 8 right-hand sides relative to one; relative to the rollout.
-
-thresholds: errors of the gradient, parameter by parameter, for thresholds of the iterative solvers from 1e-1 to 1e-9.
-tools/plots/plot_thresholds draws its CSV.
-
-accuracy: error against run time. Trajectories over time step and step tolerance, and over the mesh; gradients over the
-linear solver of the reverse sweep and its threshold, and over the step tolerance; fits, iteration by iteration, with
-each Jacobian. On the scenes of `backprop`, from soft to stiff (k = 1e5 N/m). Prints the curves and what is cheapest for
-an error of at most 0.1, 0.01, ..; tools/plots/plot_accuracy draws curve.csv.
-
-continuity: what makes the motion of a cloth jump. A cloth slides, or stays, on a sphere and on triangulated ones, for
-200 steps each with friction from 0 to 0.35: the velocities of a corner, an edge's centre and the centre at steps 50 and
-200, their largest jump between successive values of friction and at half the step, and the jumps of more than 1 % that
-are left when looked at closer. And one step along random lines of start states, through all branches of the contact
-law, in both contact modes: how the largest jump goes with the distance of the points. tools/plots/plot_continuity draws it.
-
-figure3: how the rate of contact events and the contact mode shape the landscape of a fit. A cloth hung by one edge falls
-on a sphere at several offsets; the cost over friction and stiffness, as a whole and in zooms around the truth: how
-rough it is, contact events, and how many fits from a grid of starts find the truth, in gap mode and in velocity mode.
-With --output it goes on where a run that was killed has stopped. tools/plots/plot_figure3 draws it, and landscape plot its
-folder `landscape`.
-
-stability: where the simulation fails, gains energy or has a wrong gradient: a cloth dropped on a sphere, on a slope, in
-a gusty wind for 0.3 s over stiffness, time step, friction and contact mode (the wind, without an obstacle, over
-stiffness and time step alone), and extreme scenes one at a time. Every solve is evaluated again from what the rollout
-recorded: one that does not meet its tolerance, the contact law or the balance of energy although it says so is a silent
-failure. Gradients of the adjoint sweep beside central differences where both sides take the same contact branches and
-the differences settle. tools/plots/plot_stability draws its CSV.
-
-  --scene FILE      scene.json; parameters that are not set have its nominal values
-                    forward: of wind, slope, sphere (wind,slope); backprop, thresholds, accuracy: likewise
-                    (all); stability: of drape, slope, wind (all)
-  --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
-  --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
-  --starts N        N x N starts, N even (4); figure3: any N (5)
-  --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric, lbfgs; the linear solver of the first and the last
-                    can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
-                    backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced,
-                    kept (reduced, with the factors that the rollout kept)
-                    thresholds: of fixed_point, gmres, reduced
-  --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)
-  --seed S          of the noise; coverage: the first; continuity: of the lines; stability: of the scalars whose
-                    gradients are checked (1)
-  --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
-                    forward, backprop: along both axes (12,24,48); thresholds: likewise (24); continuity: one odd
-                    number (9); accuracy: one of 5, 9, 13, .. (17); stability: one number (12)
-  --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4)
-                    forward: the number of steps (100); backprop, thresholds: likewise (20 on 12 x 12 nodes, down to 4)
-                    stability: steps per second (1000,200,60,30)
-  --repeats N       repetitions, of which the table gives medians (3)
-  --seeds N         recordings per setting (40)
-  --sensor FILE     sensor.json (datasets/README.md)
-  --settings LIST   of full, half, third, with --sensor of clean, faults, huber, outliers, markers (all);
-                    backprop, thresholds: of soft, realistic, stiff (soft,realistic); accuracy: likewise (all); stability: of grid, extremes, and names of extremes (grid,extremes)
-  --quantities LIST of forward, gradient, fit (all)
-  --cells N         continuity: steps of friction; also run with twice as many (512); figure3: cells per axis (33)
-  --offsets LIST    of the sphere along the edge that holds the cloth, m (0,0.05,0.1,0.15,0.2,0.25,0.3,0.35)
-  --touch LIST      gaps that count as contact in velocity mode, relative to the cloth's size (1e-5,1e-3)
-  --zoom LIST       shares of both axes, falling (0.03,0.01,0.003)
-  --contact MODE    of the cloth that slides: gap or velocity (gap); stability: LIST of these (both)
-  --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)
-  --mu LIST         friction coefficients (0,0.1,0.35,0.8,2)
-  --nogradients     leaves out the check of gradients, most of the time
-  --lines N         lines of start states (8)
-  --threads N       fits, rollouts, cells or lines side by side; only the seconds depend on it (1)
-  --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size; accuracy: curve.csv, one per point;
-                    continuity: one per surface and value of friction, and continuity_lines.csv; figure3: one per
-                    window, figure3_fits.csv and the files of the landscape; stability: one per cell, and
-                    stability_extremes.csv
-  --help, --version
-
-Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content;
-130 interrupted.
-
-Examples:
-  benchmark jacobian --scene datasets/drape.scene.json --set mu=0.3,k_stretch=100 --output /tmp/jacobian
-  benchmark discretization --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --nodes 8,16,31
-  benchmark coverage --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --threads 2
-  benchmark forward --nodes 24,48,96,192 --steps 10
-  benchmark backprop --scene wind,slope --nodes 48 --output /tmp/backprop
-  benchmark accuracy --scene sphere --settings realistic --output /tmp/accuracy
-  benchmark continuity --threads 2 --output /tmp/continuity
-  benchmark stability --scene drape --contact gap --k_stretch 1e4,1e5 --mu 0.35 --output /tmp/stability
-)";
-
-std::string Describe(const JacobianFit& fit) {
-  std::ostringstream text;
-  text << fit.method << ", noise " << fit.noise << ", start " << fit.start[0] << " " << fit.start[1] << ": "
-       << FitStatusName(fit.status) << ", " << fit.rollouts << " rollouts";
-  return text.str();
-}
-
-std::string Describe(const DiscretizationFit& fit) {
-  std::ostringstream text;
-  text << fit.nodes[0] << " x " << fit.nodes[1] << " nodes, steps of " << 1e3 * fit.time_step
-       << " ms: " << FitStatusName(fit.status) << ", " << fit.rollouts << " rollouts";
-  return text.str();
-}
-
-std::string Describe(const CoverageFit& fit) {
-  return fit.setting + ", seed " + std::to_string(fit.seed) + ": " + FitStatusName(fit.status) + ", " +
-         std::to_string(fit.rollouts) + " rollouts";
-}
-
-std::string Describe(const ForwardCase& result) {
-  return result.scene + ", " + std::to_string(result.nodes) + " x " + std::to_string(result.nodes) + " nodes";
-}
-
-struct Interrupted {};
-
-// Prints a line of progress. Throws `Interrupted` after a signal: a benchmark ends with the item that it is at.
-void Report(const std::string& line) {
-  std::cerr << line;
-  if (IsInterrupted()) throw Interrupted();
-}
-
-std::string Describe(const StabilityRow& row) {
-  std::ostringstream text;
-  text << row.name << ", " << row.contact << ", k " << row.stretch_stiffness << ", h " << row.time_step << ", mu "
-       << row.friction_coefficient << ": " << (row.ok() ? "ok" : row.error);
-  return text.str();
-}
-
-// Reports every item: "fit 3 of 128: adjoint, noise 0.01, start 0.02 7: converged, 7 rollouts; 310 s left".
-auto ProgressReporter(const std::string& what) {
-  const auto start = std::chrono::steady_clock::now();
-  return [start, what](const auto& item, int num_done, int num_items) {
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    std::ostringstream line;
-    line << what << " " << num_done << " of " << num_items << ": " << Describe(item) << "; " << std::fixed
-         << std::setprecision(0) << seconds.count() / num_done * (num_items - num_done) << " s left\n";
-    Report(line.str());
-  };
-}
-
-template <typename Options>
-void ReportProgress(Options* options) {
-  options->on_fit = ProgressReporter("fit");
-}
-
-void ReportProgress(StabilityOptions* options) { options->on_row = ProgressReporter("row"); }
-void ReportProgress(ForwardBenchmarkOptions* options) { options->on_rollout = ProgressReporter("rollout"); }
-
-// Reports every item by its name: "case 3 of 18: wind, realistic, 24 x 24 nodes; 12 s so far". They differ too much in
-// size to say how long the rest takes.
-auto NameReporter(const std::string& what) {
-  const auto start = std::chrono::steady_clock::now();
-  return [start, what](const std::string& name, int num_done, int num_items) {
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    std::ostringstream line;
-    line << what << " " << num_done << " of " << num_items << ": " << name << "; " << std::fixed << std::setprecision(0)
-         << seconds.count() << " s so far\n";
-    Report(line.str());
-  };
-}
-
-void ReportCases(BackpropCaseOptions* options) {
-  options->on_case = [report = NameReporter("case")](const BackpropCaseName& name, int num_done, int num_cases) {
-    report(name.ToString(), num_done, num_cases);
-  };
-}
-
-void ReportProgress(BackpropOptions* options) { ReportCases(&options->cases); }
-void ReportProgress(ThresholdOptions* options) { ReportCases(&options->cases); }
-void ReportProgress(ContinuityOptions* options) { options->on_scan = NameReporter("scan"); }
-void ReportProgress(AccuracyOptions* options) { options->on_measured = NameReporter("part"); }
-
-// Reports every thousandth cell and every fiftieth fit: "cell 3000 of 104544; 1834 s left".
-void ReportProgress(Figure3Options* options) {
-  auto start = std::chrono::steady_clock::now();
-  options->on_progress = [start](const std::string& what, int num_done, int num_items) mutable {
-    const auto now = std::chrono::steady_clock::now();
-    if (num_done == 1) start = now;
-    if (IsInterrupted()) throw Interrupted();
-    if (num_done % (what == "fit" ? 50 : 1000) != 0 && num_done != num_items) return;
-    const std::chrono::duration<double> seconds = now - start;
-    std::ostringstream line;
-    line << what << " " << num_done << " of " << num_items << "; " << std::fixed << std::setprecision(0)
-         << seconds.count() / num_done * (num_items - num_done) << " s left\n";
-    Report(line.str());
-  };
-}
 
 template <typename Benchmark>
 struct CsvFile {
@@ -267,59 +47,60 @@ int RunBenchmark(Options options, Benchmark (*run)(const Options&), std::string 
 
 struct Subcommand {
   const char* name;
+  const char* flags;  // that it takes, separated by blanks
   int (*run)();
 };
 
 constexpr Subcommand kSubcommands[] = {
-    {"jacobian",
+    {"jacobian", "scene set noise starts methods precision seed threads output",
      [] {
        return RunBenchmark<JacobianBenchmarkOptions, JacobianBenchmark>(
            JacobianOptionsFromFlags(), RunJacobianBenchmark, JacobianTable, {{"jacobian.csv", JacobianCsv}});
      }},
-    {"discretization",
+    {"discretization", "scene set nodes steps threads output",
      [] {
        return RunBenchmark<DiscretizationOptions, DiscretizationBenchmark>(
            DiscretizationOptionsFromFlags(), RunDiscretizationBenchmark, DiscretizationTable,
            {{"discretization.csv", DiscretizationCsv}});
      }},
-    {"coverage",
+    {"coverage", "scene set sensor seeds settings noise seed threads output",
      [] {
        return RunBenchmark<CoverageOptions, CoverageBenchmark>(CoverageOptionsFromFlags(), RunCoverageBenchmark,
                                                                CoverageTable, {{"coverage.csv", CoverageCsv}});
      }},
-    {"forward",
+    {"forward", "scene nodes steps repeats output",
      [] {
        return RunBenchmark<ForwardBenchmarkOptions, ForwardBenchmark>(ForwardOptionsFromFlags(), RunForwardBenchmark,
                                                                       ForwardTable, {{"forward.csv", ForwardCsv}});
      }},
-    {"backprop",
+    {"backprop", "scene settings nodes steps methods repeats output",
      [] {
        return RunBenchmark<BackpropOptions, BackpropBenchmark>(BackpropOptionsFromFlags(), RunBackpropBenchmark,
                                                                BackpropTable, {{"backprop.csv", BackpropCsv}});
      }},
-    {"thresholds",
+    {"thresholds", "scene settings nodes steps methods output",
      [] {
        return RunBenchmark<ThresholdOptions, ThresholdBenchmark>(ThresholdOptionsFromFlags(), RunThresholdBenchmark,
                                                                  ThresholdTable, {{"thresholds.csv", ThresholdCsv}});
      }},
-    {"accuracy",
+    {"accuracy", "scene settings quantities nodes repeats output",
      [] {
        return RunBenchmark<AccuracyOptions, AccuracyBenchmark>(AccuracyOptionsFromFlags(), RunAccuracyBenchmark,
                                                                AccuracyTable, {{"curve.csv", AccuracyCsv}});
      }},
-    {"continuity",
+    {"continuity", "nodes cells contact lines seed threads output",
      [] {
        return RunBenchmark<ContinuityOptions, ContinuityBenchmark>(
            ContinuityOptionsFromFlags(), RunContinuityBenchmark, ContinuityTable,
            {{"continuity.csv", ContinuityCsv}, {"continuity_lines.csv", ContinuityLinesCsv}});
      }},
-    {"figure3",
+    {"figure3", "offsets touch zoom cells starts noise seed threads output",
      [] {
        return RunBenchmark<Figure3Options, Figure3>(
            Figure3OptionsFromFlags(), RunFigure3, Figure3Table,
            {{"figure3.csv", Figure3Csv}, {"figure3_fits.csv", Figure3FitsCsv}});
      }},
-    {"stability",
+    {"stability", "settings scene contact k_stretch steps mu nodes gradients seed threads output",
      [] {
        return RunBenchmark<StabilityOptions, StabilityBenchmark>(
            StabilityOptionsFromFlags(), RunStabilityBenchmark, StabilityTable,
@@ -327,22 +108,30 @@ constexpr Subcommand kSubcommands[] = {
      }},
 };
 
-int Run(const std::vector<std::string>& arguments) {
+// Throws `Error` (kUsage), naming all commands, unless `arguments` are the name of one of them.
+const Subcommand& FindSubcommand(const std::vector<std::string>& arguments) {
   std::string known;
   for (const Subcommand& command : kSubcommands) known += (known.empty() ? "" : ", ") + std::string(command.name);
   known = "; there is: " + known + "; see benchmark --help";
   if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing" + known);
   if (arguments.size() > 1) throw Error(ErrorKind::kUsage, "'" + arguments[1] + "': unexpected argument");
   for (const Subcommand& command : kSubcommands) {
-    if (arguments[0] != command.name) continue;
-    try {
-      return command.run();
-    } catch (const Interrupted&) {
-      std::cerr << "benchmark: interrupted, nothing is written but the cells of figure3, which goes on from them\n";
-      return kExitInterrupted;
-    }
+    if (arguments[0] == command.name) return command;
   }
   throw Error(ErrorKind::kUsage, "'" + arguments[0] + "': unknown command" + known);
+}
+
+int Run(const std::vector<std::string>& arguments) {
+  const Subcommand& command = FindSubcommand(arguments);
+  std::vector<CommandFlags> flags;
+  for (const Subcommand& each : kSubcommands) flags.push_back({each.name, each.flags});
+  RejectOtherFlags(command.name, flags);
+  try {
+    return command.run();
+  } catch (const Interrupted&) {
+    std::cerr << "benchmark: interrupted, nothing is written but the cells of figure3, which goes on from them\n";
+    return kExitInterrupted;
+  }
 }
 
 }  // namespace
@@ -353,5 +142,5 @@ int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_FATAL;
   google::InitGoogleLogging(argv[0]);
-  return clothid::RunCommand("benchmark", clothid::kHelp, argc, argv, clothid::Run);
+  return clothid::RunCommand("benchmark", clothid::kBenchmarkHelp, argc, argv, clothid::Run);
 }

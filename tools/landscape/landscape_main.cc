@@ -75,7 +75,8 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
   --help, --version
 
 Every cell is on disk once it is done: Ctrl-C or kill lose no more than the cells under way. Exit codes: 0 done, even
-with failed cells, which have no cost; 1 usage, or a file that cannot be opened or written; 2 bad data; 130 interrupted.
+with failed cells, which have no cost; 1 usage, or a file that cannot be opened or written; 2 bad data; 70 internal
+error; 130 interrupted.
 
 Example:
   landscape --target datasets/drape.motion.bin --x mu=0:0.6:13 --y k_stretch=20:700:9:log --output /tmp/cost
@@ -205,16 +206,27 @@ int Plot(const std::vector<std::string>& folders) {
 
 struct Subcommand {
   const char* name;
+  const char* flags;  // that it takes, separated by blanks
   int (*run)(const std::vector<std::string>& arguments);
 };
 
-constexpr Subcommand kSubcommands[] = {{"merge", Merge}, {"plot", Plot}};
+constexpr Subcommand kSubcommands[] = {{"merge", "output", Merge}, {"plot", "", Plot}};
+// What a command line without a name of one of them takes.
+constexpr char kScanFlags[] =
+    "target scene x y zoom_around zoom zoom_only sweep set contact gradients shard resume threads output";
+
+int RunSubcommand(const Subcommand& command, const std::vector<std::string>& arguments) {
+  std::vector<CommandFlags> flags = {{"a scan", kScanFlags}};
+  for (const Subcommand& each : kSubcommands) flags.push_back({each.name, each.flags});
+  RejectOtherFlags(command.name, flags);
+  return command.run({arguments.begin() + 1, arguments.end()});
+}
 
 int Run(const std::vector<std::string>& arguments) {
   if (arguments.empty()) return Scan();
   std::string known;
   for (const Subcommand& command : kSubcommands) {
-    if (arguments.front() == command.name) return command.run({arguments.begin() + 1, arguments.end()});
+    if (arguments.front() == command.name) return RunSubcommand(command, arguments);
     known += (known.empty() ? "" : ", ") + std::string(command.name);
   }
   throw Error(ErrorKind::kUsage,

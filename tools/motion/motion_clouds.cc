@@ -48,7 +48,6 @@ int ConvertClouds(const std::vector<std::string>& arguments) {
   if (arguments.size() != 2) {
     throw Error(ErrorKind::kUsage, "convert_clouds: expected a folder or pattern of .npy files, and a file to write");
   }
-  RejectConvertFlags("convert_clouds", {"scene", "frame_rate", "times", "scale", "sigma"});
   CheckFileCanBeWritten(arguments[1]);
   WriteMotion(ImportClouds(OptionsFromFlags(arguments[0])), arguments[1]);
   const RecordedMotion motion = ReadMotion(arguments[1]);

@@ -3,7 +3,6 @@
 #define CLOTHID_TOOLS_MOTION_MOTION_COMMANDS_H_
 
 #include <string>
-#include <vector>
 
 #include "datasets/motion/recorded_motion.h"
 
@@ -18,8 +17,6 @@ int MotionCheck(const std::string& path);
 
 // From any format to any other, as the flags say.
 int MotionConvert(const std::string& input, const std::string& output);
-// Throws `Error` (kUsage) where a flag of `convert` was given, but for those `allowed`: for the other commands.
-void RejectConvertFlags(const std::string& command, const std::vector<std::string>& allowed = {});
 
 // How a recording covers time and points, in three lines on stdout.
 void PrintCoverage(const RecordedMotion& motion);

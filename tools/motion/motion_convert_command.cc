@@ -1,6 +1,5 @@
 #include <gflags/gflags.h>
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <iostream>
@@ -237,15 +236,6 @@ int ToTrackFile(const std::string& input, const std::string& output, const Impor
 }
 
 }  // namespace
-
-void RejectConvertFlags(const std::string& command, const std::vector<std::string>& allowed) {
-  const auto reject = [&](const char* flag) {
-    if (IsSet(flag) && std::find(allowed.begin(), allowed.end(), flag) == allowed.end())
-      FailFlag(flag, "is a flag of convert, not of " + command);
-  };
-  for (const char* flag : kSceneFlags) reject(flag);
-  for (const char* flag : kPointFlags) reject(flag);
-}
 
 int MotionConvert(const std::string& input, const std::string& output) {
   ImportOptions options;

@@ -56,7 +56,7 @@ constexpr char kHelp[] = R"(motion: looks at recordings, checks and converts the
   --help, --version
 
 Exit codes: 0 valid or written; 1 usage, file cannot be opened or written; 2 bad content, or a recording that cannot be
-fitted as it is.
+fitted as it is; 70 internal error.
 
 Example: a cloth seen by a camera, its 8 x 8 points down the columns, held at two corners
   motion convert mesh.csv cloth.bin --scene scene.json --grid 8x8:0.3x0.3 --transpose --transform camera_pose.csv \
@@ -64,23 +64,50 @@ Example: a cloth seen by a camera, its 8 x 8 points down the columns, held at tw
   motion check cloth.bin
 )";
 
+int Info(const std::vector<std::string>& files) {
+  if (files.size() != 1) throw Error(ErrorKind::kUsage, "info: expected one file");
+  return MotionInfo(files.front());
+}
+
+int Check(const std::vector<std::string>& files) {
+  if (files.size() != 1) throw Error(ErrorKind::kUsage, "check: expected one file");
+  return MotionCheck(files.front());
+}
+
+int Convert(const std::vector<std::string>& files) {
+  if (files.size() != 2) throw Error(ErrorKind::kUsage, "convert: expected a file to read and one to write");
+  return MotionConvert(files[0], files[1]);
+}
+
+struct Subcommand {
+  const char* name;
+  const char* flags;  // that it takes, separated by blanks
+  int (*run)(const std::vector<std::string>& arguments);
+};
+
+constexpr Subcommand kSubcommands[] = {
+    {"info", "", Info},
+    {"check", "json", Check},
+    {"convert",
+     "scene map map_distance sigma handle_nodes handles handle_offsets handle_transform handle_time_offset faces grid "
+     "transpose transform invert_transform scale times frame_rate time_scale start_at skip_frames frames",
+     Convert},
+    {"convert_clouds", "scene frame_rate times scale sigma voxel max_points seed fit_pose float64", ConvertClouds},
+};
+
 int Run(const std::vector<std::string>& arguments) {
   if (arguments.empty()) {
     throw Error(ErrorKind::kUsage, "a command is missing: info, check, convert or convert_clouds; see motion --help");
   }
-  const std::string& command = arguments.front();
-  if (command == "convert") {
-    if (arguments.size() != 3) throw Error(ErrorKind::kUsage, "convert: expected a file to read and one to write");
-    return MotionConvert(arguments[1], arguments[2]);
+  std::vector<CommandFlags> flags;
+  for (const Subcommand& each : kSubcommands) flags.push_back({each.name, each.flags});
+  for (const Subcommand& command : kSubcommands) {
+    if (arguments.front() != command.name) continue;
+    RejectOtherFlags(command.name, flags);
+    return command.run({arguments.begin() + 1, arguments.end()});
   }
-  if (command == "convert_clouds") return ConvertClouds({arguments.begin() + 1, arguments.end()});
-  if (command != "info" && command != "check") {
-    throw Error(ErrorKind::kUsage,
-                "unknown command '" + command + "': expected info, check, convert or convert_clouds");
-  }
-  if (arguments.size() != 2) throw Error(ErrorKind::kUsage, command + ": expected one file");
-  RejectConvertFlags(command);
-  return command == "info" ? MotionInfo(arguments[1]) : MotionCheck(arguments[1]);
+  throw Error(ErrorKind::kUsage,
+              "unknown command '" + arguments.front() + "': expected info, check, convert or convert_clouds");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <regex>
 #include <sstream>
 #include <string>
 
@@ -103,6 +104,41 @@ TEST_F(BenchmarkTest, PrintsATableAndWritesEveryFit) {
   const std::string csv = ReadBytes(folder() / "out" / "jacobian.csv");
   EXPECT_EQ(csv.rfind("start_mu,start_k_stretch,method,noise,mu,k_stretch,cost,", 0), 0u) << csv;
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5) << csv;
+}
+
+// What a command does not take would be ignored, and whoever gave it would not know.
+TEST_F(BenchmarkTest, RefusesFlagsOfOtherCommands) {
+  ExpectRefused("benchmark forward --seeds 30", 1, "--seeds: is a flag of coverage, not of forward");
+  ExpectRefused("benchmark forward --seeds 40", 1, "--seeds: is a flag of coverage");  // also where it is the default
+  ExpectRefused("benchmark figure3 --precision full --threads 2", 1,
+                "--precision: is a flag of jacobian, not of figure3");
+  ExpectRefused("benchmark backprop --threads 2", 1,
+                "--threads: is a flag of jacobian, discretization, coverage, continuity, figure3 and stability");
+  ExpectRefused("benchmark accuracy --nogradients", 1, "--gradients: is a flag of stability, not of accuracy");
+  for (const char* command : {"jacobian", "discretization", "coverage", "forward", "backprop", "thresholds", "accuracy",
+                              "continuity", "stability"}) {
+    ExpectRefused(std::string("benchmark ") + command + " --touch 1e-3", 1,
+                  std::string("--touch: is a flag of figure3, not of ") + command);
+  }
+}
+
+// Nothing runs, because results cannot be written there.
+TEST_F(BenchmarkTest, TakesTheFlagsOfItsHelp) {
+  const std::string help = Run("benchmark --help").out;
+  const std::string usage = help.substr(0, help.find("\n\njacobian:"));
+  const std::regex part(R"(benchmark (\w+)|--(\w+))");
+  std::string command;
+  int num_flags = 0;
+  for (std::sregex_iterator it(usage.begin(), usage.end(), part), end; it != end; ++it) {
+    if ((*it)[1].matched) command = (*it)[1];
+    const std::string flag = (*it)[2];
+    if (flag.empty() || flag == "nogradients" || flag == "output") continue;
+    const ToolResult result = Run("benchmark " + command + " --" + flag + " 1 --output /proc/absent");
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.err.find("is a flag of"), std::string::npos) << command << " --" << flag << "\n" << result.err;
+    ++num_flags;
+  }
+  EXPECT_GT(num_flags, 50);
 }
 
 TEST_F(BenchmarkTest, RefusesWhatItCannotRun) {

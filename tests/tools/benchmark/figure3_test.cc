@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tests/expect_error.h"
-#include "tools/benchmark/fits/benchmark_figure3.h"
+#include "tools/benchmark/fits/figure3_table.h"
 
 namespace clothid {
 namespace {

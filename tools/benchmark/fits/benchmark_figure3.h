@@ -16,7 +16,6 @@
 
 #include "sim/scene/scene.h"
 #include "tools/benchmark/derivatives/benchmark_jacobian.h"
-#include "tools/benchmark/fits/rank_correlation.h"
 #include "tools/landscape/landscape_summary.h"
 
 namespace clothid {
@@ -62,16 +61,6 @@ struct Figure3 {
 };
 
 Figure3 RunFigure3(const Figure3Options& options);
-
-// Does roughness (off_quadratic) grow with the contact changes per rollout? Over the offsets in velocity mode with
-// `touch`, in one window.
-RankCorrelation RoughnessAgainstEvents(const Figure3& figure, double touch, int window);
-
-// Per setting: contact events in the smallest zoom, roughness in all of them, fits that found the truth; then the rank
-// correlations, and how much smoother gap mode is.
-std::string Figure3Table(const Figure3& figure);
-std::string Figure3Csv(const Figure3& figure);      // a row per window
-std::string Figure3FitsCsv(const Figure3& figure);  // a row per fit
 
 }  // namespace clothid
 
