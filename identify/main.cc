@@ -3,24 +3,16 @@
 #include <glog/logging.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
-#include "datasets/motion/motion_file.h"
 #include "identify/base/options.h"
-#include "identify/base/output_folder.h"
 #include "identify/base/progress.h"
 #include "identify/base/version.h"
-#include "identify/checks/gradient_check.h"
 #include "identify/checks/holdout.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/problem.h"
-#include "identify/landscape/fit_landscape.h"
-#include "identify/report/node_prediction.h"
-#include "identify/report/report.h"
+#include "identify/run.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
 
@@ -106,7 +98,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
 
 Ctrl-C saves the best point so far. Exit codes: 0 fitted; 1 usage, or a file that cannot be opened or written;
 2 bad data; 3 not converged; 4 a parameter is not identifiable or stands at its bound; 5 the estimates predict what
-was held out worse than the nominal parameters; 130 interrupted.
+was held out worse than the nominal parameters; 70 internal error; 130 interrupted.
 
 Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape
@@ -117,7 +109,7 @@ bool IsSet(const char* flag) {
   return gflags::GetCommandLineOption(flag, &value) && value == "true";
 }
 
-FitOptions OptionsFromFlags() {
+FitOptions FitOptionsFromFlags() {
   FitOptions options;
   options.parameters = ParseNames(FLAGS_fit, "--fit");
   options.each = ParseNames(FLAGS_each, "--each");
@@ -133,19 +125,32 @@ FitOptions OptionsFromFlags() {
   options.num_threads = FLAGS_threads;
   options.num_starts = FLAGS_starts;
   options.seed = FLAGS_seed;
-  options.cancel = &CatchInterrupts();
-  options.Validate();
   return options;
 }
 
-RecordedMotion Read(const std::string& path) {
-  ReadMotionOptions options;
-  options.scene_path = FLAGS_scene;
-  options.start = ParseStartSource(FLAGS_initial);
-  ParseSigma(FLAGS_sigma, &options);
-  RecordedMotion motion = ReadMotion(path, options);
-  if (FLAGS_step_tolerance > 0.0) motion.scene.solver.step_tolerance = FLAGS_step_tolerance;
-  return motion;
+RunOptions OptionsFromFlags(const std::string& command_line) {
+  if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see --help");
+  if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
+  RunOptions options;
+  options.target_paths = ParseNames(FLAGS_target, "--target");
+  options.holdout_paths = ParseNames(FLAGS_holdout, "--holdout");
+  if (!FLAGS_holdout_frames.empty()) {
+    options.holdout_frames = ParseFrameRange(FLAGS_holdout_frames, "--holdout_frames");
+  }
+  options.reading.scene_path = FLAGS_scene;
+  options.reading.start = ParseStartSource(FLAGS_initial);
+  ParseSigma(FLAGS_sigma, &options.reading);
+  options.step_tolerance = FLAGS_step_tolerance;
+  options.fit = FitOptionsFromFlags();
+  options.check_gradients = FLAGS_check_gradients;
+  options.profiles = ParseNames(FLAGS_profile, "--profile");
+  options.check_step = FLAGS_check_step;
+  options.landscape_paths = ParseNames(FLAGS_landscape, "--landscape");
+  options.output = FLAGS_output;
+  options.report_page = FLAGS_report;
+  options.resume = FLAGS_resume;
+  options.command_line = command_line;
+  return options;
 }
 
 std::string CommandLine(int argc, char** argv) {
@@ -154,109 +159,33 @@ std::string CommandLine(int argc, char** argv) {
   return line;
 }
 
-std::vector<RecordedMotion> ReadAll(const std::string& paths, const std::string& flag) {
-  std::vector<RecordedMotion> motions;
-  for (const std::string& path : ParseNames(paths, flag)) motions.push_back(Read(path));
-  return motions;
+// Has the run tell on stderr where it stands.
+void ShowProgress(ProgressPrinter* printer, std::vector<std::string>* names, RunOptions* options) {
+  options->on_problem = [names](const std::vector<std::string>& of_problem) { *names = of_problem; };
+  options->fit.on_progress = [printer](const EvaluationProgress& progress) { printer->Print(progress); };
+  options->fit.on_iteration = [printer, names](const FitIteration& iteration) { printer->Print(*names, iteration); };
+  options->fit.on_start = [printer, num_starts = options->fit.num_starts](int start) {
+    printer->PrintStart(start, num_starts);
+  };
+  options->on_fitted = [printer](const FitSummary&) { printer->EndFit(); };
+  options->on_examined = [printer](const FitSummary& summary) {
+    printer->EndFit();
+    if (summary.status != FitStatus::kConverged) std::cerr << "identify: " << summary.message << "\n";
+  };
 }
 
-// The recordings to fit and those, or their frames, to judge on, and landscapes of the first.
-struct Recordings {
-  std::vector<RecordedMotion> fitted, held_out;
-  std::vector<FitLandscape> landscapes;
-};
-
-Recordings ReadRecordings() {
-  if (FLAGS_step_tolerance < 0.0) throw Error(ErrorKind::kUsage, "--step_tolerance: expected a number > 0");
-  if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see --help");
-  if (!FLAGS_holdout.empty() && !FLAGS_holdout_frames.empty()) {
-    throw Error(ErrorKind::kUsage, "--holdout_frames: expected without --holdout");
-  }
-  if (!FLAGS_landscape.empty() && !FLAGS_report) {
-    throw Error(ErrorKind::kUsage, "--landscape: is shown in report.html; expected without --report=false");
-  }
-  Recordings recordings;
-  recordings.fitted = ReadAll(FLAGS_target, "--target");
-  recordings.held_out = ReadAll(FLAGS_holdout, "--holdout");
-  for (const std::string& folder : ParseNames(FLAGS_landscape, "--landscape")) {
-    recordings.landscapes.push_back(ReadFitLandscape(folder, recordings.fitted));
-  }
-  if (!FLAGS_holdout_frames.empty()) {
-    const FrameRange range = ParseFrameRange(FLAGS_holdout_frames, "--holdout_frames");
-    recordings.held_out = HoldOutFrames(range, &recordings.fitted);
-  }
-  return recordings;
-}
-
-FitSummary RunFit(FitOptions options, FitProblem* problem, ProgressPrinter* printer, RunRecord* run) {
+int IdentifyFromFlags(const std::string& command_line) {
+  RunOptions options = OptionsFromFlags(command_line);
+  options.fit.cancel = &CatchInterrupts();
+  ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.fit.max_iterations);
   std::vector<std::string> names;
-  for (const ParameterBlock& block : problem->blocks()) names.push_back(block.name);
-  options.on_iteration = [&](const FitIteration& iteration) { printer->Print(names, iteration); };
-  if (options.num_starts == 1) return Fit(options, problem);
-  options.on_start = [&](int start) { printer->PrintStart(start, options.num_starts); };
-  return FitFromStarts(options, problem, &run->starts.emplace());
+  ShowProgress(&printer, &names, &options);
+  const RunResult result = Identify(options);
+  std::cout << result.table;
+  return result.exit_code;
 }
 
-// What was asked for beside the fit.
-void Examine(const Recordings& recordings, const FitOptions& options, FitProblem* problem, FitSummary* summary,
-             RunRecord* run) {
-  const std::atomic<bool>& interrupted = *options.cancel;
-  for (const std::string& name : ParseNames(FLAGS_profile, "--profile")) {
-    if (!summary->uncertainty || interrupted) break;
-    run->profiles.push_back(ProfileParameter(options, *summary, name, problem, &summary->statistics));
-  }
-  if (FLAGS_check_step && !interrupted) {
-    run->step_check = CheckStep(recordings.fitted, options, *problem, *summary);
-    summary->statistics += run->step_check->statistics;
-  }
-  if (!recordings.held_out.empty()) {
-    const HeldOut held_out = FLAGS_holdout_frames.empty() ? HeldOut::kRecordings : HeldOut::kFrames;
-    run->holdout = EvaluateHoldout(recordings.held_out, problem->blocks(), summary->values(), held_out);
-  }
-  if (interrupted) {
-    summary->status = FitStatus::kInterrupted;
-    summary->message = "interrupted";
-  }
-}
-
-int Identify(const std::string& flags) {
-  FitOptions options = OptionsFromFlags();
-  ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.max_iterations);
-  options.on_progress = [&printer](const EvaluationProgress& progress) { printer.Print(progress); };
-  const Recordings recordings = ReadRecordings();
-  OutputFolder folder(FLAGS_output);
-  if (FLAGS_resume) options.journal_folder = folder.path();
-  FitProblem problem(recordings.fitted, options);
-  for (const std::string& name : ParseNames(FLAGS_profile, "--profile")) FindFreeBlock(problem, name, "--profile");
-  RunRecord run;
-  run.landscapes = recordings.landscapes;
-  for (FitLandscape& landscape : run.landscapes) MatchLandscape(problem.blocks(), &landscape);
-  run.jacobian = options.jacobian;
-  run.flags = flags;
-  run.seed = options.seed;
-  run.num_threads = options.num_threads;
-  if (FLAGS_check_gradients) run.gradient_check = CheckGradients(recordings.fitted, options);
-
-  FitSummary summary = RunFit(options, &problem, &printer, &run);
-  printer.EndFit();
-  if (!summary.has_estimate()) {
-    std::cerr << "identify: " << summary.message << "\n";
-    return FitExitCode(summary, run);
-  }
-  Examine(recordings, options, &problem, &summary, &run);
-  printer.EndFit();
-  if (summary.status != FitStatus::kConverged) std::cerr << "identify: " << summary.message << "\n";
-  if (summary.status == FitStatus::kInterrupted) folder.KeepJournals();
-  problem.CheckJournals();
-  ReportOptions report;
-  report.page = FLAGS_report;
-  if (report.page) run.predicted_nodes = PredictNodes(recordings.fitted, problem, summary);
-  WriteReport(summary, run, recordings.fitted, &folder, report);
-  std::cout << ResultTable(summary, run);
-  return FitExitCode(summary, run);
-}
-
-int Run(int argc, char** argv, const std::string& flags) {
+int Answer(int argc, char** argv, const std::string& command_line) {
   if (IsSet("help") || IsSet("helpfull") || IsSet("helpshort")) {
     std::cout << kHelp;
     return kExitSuccess;
@@ -265,25 +194,15 @@ int Run(int argc, char** argv, const std::string& flags) {
     std::cout << "identify (clothid) " << Version() << " git " << GitHash() << "\n";
     return kExitSuccess;
   }
-  try {
-    if (argc > 1) {
-      throw Error(ErrorKind::kUsage, std::string("'") + argv[1] + "': expected flags only; see --help");
-    }
-    return Identify(flags);
-  } catch (const Error& error) {
-    std::cerr << "identify: " << error.what() << "\n";
-    return ExitCodeOf(error.kind());
-  } catch (const std::exception& error) {
-    std::cerr << "identify: " << error.what() << "\n";
-    return kExitNotConverged;
-  }
+  if (argc > 1) throw Error(ErrorKind::kUsage, std::string("'") + argv[1] + "': expected flags only; see --help");
+  return IdentifyFromFlags(command_line);
 }
 
 }  // namespace
 }  // namespace clothid
 
 int main(int argc, char** argv) {
-  const std::string flags = clothid::CommandLine(argc, argv);
+  const std::string command_line = clothid::CommandLine(argc, argv);
   clothid::CatchFileSizeLimit();
   // Ceres logs through glog: to stderr, and only what is fatal unless -v asks for more.
   FLAGS_logtostderr = true;
@@ -291,5 +210,6 @@ int main(int argc, char** argv) {
   gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
   if (FLAGS_v > 0) FLAGS_minloglevel = google::GLOG_INFO;
   google::InitGoogleLogging(argv[0]);
-  return clothid::FinishOutput("identify", clothid::Run(argc, argv, flags));
+  return clothid::FinishOutput(
+      "identify", clothid::ReportErrors("identify", [&] { return clothid::Answer(argc, argv, command_line); }));
 }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "identify/fit/evaluator.h"
 #include "identify/fit/problem.h"
@@ -28,12 +30,19 @@ class Differentiator {
   const FitProblem& problem() const { return problem_; }
   const Eigen::VectorXd& start() const { return start_; }
 
-  double Cost(const Eigen::VectorXd& coordinates) { return Run(coordinates, FitEvaluator::Derivative::kNone, nullptr); }
-  Eigen::VectorXd Gradient() {
+  // Nothing where a rollout or derivative failed: see last_failure().
+  std::optional<double> Cost(const Eigen::VectorXd& coordinates) {
+    double cost = 0.0;
+    if (!evaluator_.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr)) return std::nullopt;
+    return cost;
+  }
+  std::optional<Eigen::VectorXd> Gradient() {
+    double cost = 0.0;
     Eigen::VectorXd gradient;
-    Run(start_, FitEvaluator::Derivative::kGradient, &gradient);
+    if (!evaluator_.Evaluate(start_, FitEvaluator::Derivative::kGradient, &cost, &gradient)) return std::nullopt;
     return gradient;
   }
+  const std::string& last_failure() const { return evaluator_.last_failure(); }
 
  private:
   static FitOptions WithMethod(FitOptions options, JacobianMethod method) {
@@ -41,20 +50,13 @@ class Differentiator {
     options.journal_folder.clear();  // the journals belong to the fit
     return options;
   }
-  double Run(const Eigen::VectorXd& coordinates, FitEvaluator::Derivative derivative, Eigen::VectorXd* gradient) {
-    double cost = 0.0;
-    if (!evaluator_.Evaluate(coordinates, derivative, &cost, gradient)) {
-      throw std::runtime_error("gradient check: " + evaluator_.last_failure());
-    }
-    return cost;
-  }
 
   FitProblem problem_;
   Eigen::VectorXd start_;
   FitEvaluator evaluator_;
 };
 
-double CentralDifference(int block, Differentiator* differentiator) {
+std::optional<double> CentralDifference(int block, Differentiator* differentiator) {
   Eigen::VectorXd above = differentiator->start(), below = above;
   above[block] += kDifferenceStep;
   below[block] -= kDifferenceStep;
@@ -62,7 +64,16 @@ double CentralDifference(int block, Differentiator* differentiator) {
   const ParameterBlock& parameter = differentiator->problem().blocks()[block];
   const bool has_no_other_side = parameter.scale == ParameterScale::kLinear && !parameter.is_signed;
   if (has_no_other_side && below[block] < 0.0) below[block] = 0.0;
-  return (differentiator->Cost(above) - differentiator->Cost(below)) / (above[block] - below[block]);
+  const std::optional<double> cost_above = differentiator->Cost(above);
+  const std::optional<double> cost_below = cost_above ? differentiator->Cost(below) : std::nullopt;
+  if (!cost_below) return std::nullopt;
+  return (*cost_above - *cost_below) / (above[block] - below[block]);
+}
+
+GradientCheck Failed(const Differentiator& differentiator) {
+  GradientCheck check;
+  check.failure = "gradient check: " + differentiator.last_failure();
+  return check;
 }
 
 double RelativeDifference(double a, double b) {
@@ -79,18 +90,22 @@ GradientCheck CheckGradients(const std::vector<RecordedMotion>& motions, const F
   }
   Differentiator adjoint(tight, options, JacobianMethod::kAdjoint);
   Differentiator sensitivity(tight, options, JacobianMethod::kSensitivity);
-  const double cost = adjoint.Cost(adjoint.start());
-  const Eigen::VectorXd by_adjoint = adjoint.Gradient(), by_sensitivity = sensitivity.Gradient();
+  const std::optional<double> cost = adjoint.Cost(adjoint.start());
+  if (!cost) return Failed(adjoint);
+  const std::optional<Eigen::VectorXd> by_adjoint = adjoint.Gradient();
+  if (!by_adjoint) return Failed(adjoint);
+  const std::optional<Eigen::VectorXd> by_sensitivity = sensitivity.Gradient();
+  if (!by_sensitivity) return Failed(sensitivity);
 
   GradientCheck check;
   for (int i = 0; i < adjoint.problem().num_blocks(); ++i) {
     if (adjoint.problem().blocks()[i].frozen) continue;
-    const double difference = CentralDifference(i, &adjoint);
-    const double largest = std::max({std::abs(by_adjoint[i]), std::abs(by_sensitivity[i]), std::abs(difference)});
-    if (largest <= kInfluence * cost) continue;
-    check.adjoint_vs_sensitivity =
-        std::max(check.adjoint_vs_sensitivity, RelativeDifference(by_adjoint[i], by_sensitivity[i]));
-    check.adjoint_vs_fd = std::max(check.adjoint_vs_fd, RelativeDifference(by_adjoint[i], difference));
+    const std::optional<double> difference = CentralDifference(i, &adjoint);
+    if (!difference) return Failed(adjoint);
+    const double a = (*by_adjoint)[i], s = (*by_sensitivity)[i];
+    if (std::max({std::abs(a), std::abs(s), std::abs(*difference)}) <= kInfluence * *cost) continue;
+    check.adjoint_vs_sensitivity = std::max(check.adjoint_vs_sensitivity, RelativeDifference(a, s));
+    check.adjoint_vs_fd = std::max(check.adjoint_vs_fd, RelativeDifference(a, *difference));
   }
   return check;
 }

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_IDENTIFY_CHECKS_GRADIENT_CHECK_H_
 #define CLOTHID_IDENTIFY_CHECKS_GRADIENT_CHECK_H_
 
+#include <string>
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
@@ -13,12 +14,13 @@ namespace clothid {
 // coordinate.
 struct GradientCheck {
   double adjoint_vs_sensitivity = 0.0;
-  double adjoint_vs_fd =
-      0.0;  // central differences of L; a contact that switches its branch between the two sides shows here
+  // Central differences of L; a contact that switches its branch between the two sides shows here.
+  double adjoint_vs_fd = 0.0;
+  std::string failure = {};  // one line: why a rollout or derivative failed; empty: none did
 };
 
-// Runs at a step tolerance of 1e-10, or the scene's where that is tighter. Throws `Error` for what `FitProblem` rejects
-// and std::runtime_error with the reason where a rollout fails.
+// Runs at a step tolerance of 1e-10, or the scene's where that is tighter. Throws `Error` for what `FitProblem`
+// rejects; a rollout that fails is a failure of the check.
 GradientCheck CheckGradients(const std::vector<RecordedMotion>& motions, const FitOptions& options);
 
 }  // namespace clothid

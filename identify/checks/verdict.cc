@@ -16,10 +16,10 @@ std::string Number(double value, int digits = 4) {
 
 std::string Millimetres(double metres) { return Number(1e3 * metres) + " mm"; }
 
-bool IsAnyUnidentifiable(const FitSummary& summary, const RunRecord& run) {
+bool IsAnyUnidentifiable(const FitSummary& summary, const FitChecks& checks) {
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     if (summary.parameters[i].frozen) continue;
-    if (!IsIdentifiable(summary, run, i).value_or(false)) return true;
+    if (!IsIdentifiable(summary, checks, i).value_or(false)) return true;
   }
   return false;
 }
@@ -142,8 +142,8 @@ void AddStarts(const FitSummary& summary, const MultiStart& starts, std::vector<
   }
 }
 
-void AddProfiles(const FitSummary& summary, const RunRecord& run, std::vector<std::string>* lines) {
-  for (const Profile& profile : run.profiles) {
+void AddProfiles(const FitSummary& summary, const FitChecks& checks, std::vector<std::string>* lines) {
+  for (const Profile& profile : checks.profiles) {
     const auto end = [](double value) { return std::isnan(value) ? std::string("open") : Number(value, 6); };
     lines->push_back("profile of " + profile.parameter + ": 95 % interval " + end(profile.lower95) + " .. " +
                      end(profile.upper95) + (profile.has_no_noise ? ": that of the optimiser, there is no noise" : ""));
@@ -198,23 +198,23 @@ void AddHoldout(const Holdout& holdout, std::vector<std::string>* lines) {
 
 }  // namespace
 
-std::optional<bool> IsIdentifiable(const FitSummary& summary, const RunRecord& run, int index) {
+std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen || !summary.uncertainty) return std::nullopt;
-  const bool is_ambiguous = run.starts && !run.starts->ambiguous.empty() && run.starts->ambiguous[index];
+  const bool is_ambiguous = checks.starts && !checks.starts->ambiguous.empty() && checks.starts->ambiguous[index];
   return summary.uncertainty->parameters[index].identifiable && !is_ambiguous;
 }
 
-ExitCode FitExitCode(const FitSummary& summary, const RunRecord& run) {
+ExitCode FitExitCode(const FitSummary& summary, const FitChecks& checks) {
   if (summary.status == FitStatus::kInterrupted) return kExitInterrupted;
   if (summary.status != FitStatus::kConverged) return kExitNotConverged;
   const bool is_at_bound = std::any_of(summary.parameters.begin(), summary.parameters.end(),
                                        [](const FittedParameter& parameter) { return parameter.at_bound; });
-  if (is_at_bound || IsAnyUnidentifiable(summary, run)) return kExitNotIdentifiable;
-  if (run.holdout && run.holdout->has_failed()) return kExitHoldoutFailed;
+  if (is_at_bound || IsAnyUnidentifiable(summary, checks)) return kExitNotIdentifiable;
+  if (checks.holdout && checks.holdout->has_failed()) return kExitHoldoutFailed;
   return kExitSuccess;
 }
 
-std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run) {
+std::vector<std::string> Verdict(const FitSummary& summary, const FitChecks& checks) {
   std::vector<std::string> lines;
   if (summary.status != FitStatus::kConverged) {
     std::string status = FitStatusName(summary.status);
@@ -226,12 +226,12 @@ std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run
   AddFarPoints(summary, &lines);
   AddIntervalCheck(summary, &lines);
   AddDistance(summary, &lines);
-  if (run.starts) AddStarts(summary, *run.starts, &lines);
-  AddProfiles(summary, run, &lines);
-  if (run.step_check) AddStepCheck(summary, *run.step_check, &lines);
+  if (checks.starts) AddStarts(summary, *checks.starts, &lines);
+  AddProfiles(summary, checks, &lines);
+  if (checks.step_check) AddStepCheck(summary, *checks.step_check, &lines);
   AddObstacleSwitches(summary, &lines);
-  if (run.holdout) AddHoldout(*run.holdout, &lines);
-  if (summary.status == FitStatus::kConverged && FitExitCode(summary, run) == kExitSuccess) {
+  if (checks.holdout) AddHoldout(*checks.holdout, &lines);
+  if (summary.status == FitStatus::kConverged && FitExitCode(summary, checks) == kExitSuccess) {
     lines.insert(lines.begin(), "every fitted parameter is identifiable");
   }
   return lines;

@@ -20,8 +20,8 @@
 
 namespace clothid {
 
-// What a run did beside the fit itself. Absent: not asked for.
-struct RunRecord {
+// What a run looked at beside the fit itself, and how it was called. Absent: not asked for.
+struct FitChecks {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   std::optional<GradientCheck> gradient_check;
   std::optional<MultiStart> starts;
@@ -37,15 +37,15 @@ struct RunRecord {
 
 // Whether the recordings determine parameter `index`: its derivative says so, and no other start ended at another value
 // that fits as well. Absent: frozen, or the derivative at the estimate could not be evaluated.
-std::optional<bool> IsIdentifiable(const FitSummary& summary, const RunRecord& run, int index);
+std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& checks, int index);
 
 // Where several apply: 130, 3, 4, 5 in that order.
-ExitCode FitExitCode(const FitSummary& summary, const RunRecord& run);
+ExitCode FitExitCode(const FitSummary& summary, const FitChecks& checks);
 
 // One line each: how the fit ended, what is not identifiable and why, what stands at its bound, where the other starts
 // ended and why the first minimum is preferred, what the time step and the held-out measurements say, where the cost
 // jumps.
-std::vector<std::string> Verdict(const FitSummary& summary, const RunRecord& run);
+std::vector<std::string> Verdict(const FitSummary& summary, const FitChecks& checks);
 
 }  // namespace clothid
 

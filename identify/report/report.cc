@@ -82,15 +82,15 @@ std::string CloudRow(const CloudError& error, const CloudError& start) {
          percent(start) + "\n";
 }
 
-std::string Remark(const FitSummary& summary, const RunRecord& run, int index) {
+std::string Remark(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen) return "frozen";
-  if (!IsIdentifiable(summary, run, index).value_or(true)) return "not identifiable";
+  if (!IsIdentifiable(summary, checks, index).value_or(true)) return "not identifiable";
   return summary.parameters[index].at_bound ? "at its bound" : "";
 }
 
 // "0.2398 .. 0.2402": with as many digits as tell the ends apart.
-std::string Interval(const FitSummary& summary, const RunRecord& run, int index) {
-  if (!IsIdentifiable(summary, run, index).value_or(false)) return "-";
+std::string Interval(const FitSummary& summary, const FitChecks& checks, int index) {
+  if (!IsIdentifiable(summary, checks, index).value_or(false)) return "-";
   const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
   if (std::isnan(uncertainty.std)) return "-";
   constexpr int kFewestDigits = 3, kMostDigits = 9;
@@ -116,12 +116,12 @@ std::string ConvergenceCsv(const FitSummary& summary) {
   return csv.str();
 }
 
-std::string ProfileCsv(const FitSummary& summary, const RunRecord& run) {
+std::string ProfileCsv(const FitSummary& summary, const FitChecks& checks) {
   std::ostringstream csv;
   csv << "parameter,value,cost_rise";
   for (const FittedParameter& parameter : summary.parameters) csv << "," << parameter.name;
   csv << "\n";
-  for (const Profile& profile : run.profiles) {
+  for (const Profile& profile : checks.profiles) {
     for (const ProfilePoint& point : profile.points) {
       csv << profile.parameter << "," << ExactNumber(point.value) << "," << ExactNumber(point.cost_rise);
       for (const double value : point.values) csv << "," << ExactNumber(value);
@@ -148,23 +148,23 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
   return tensors;
 }
 
-void WriteReport(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions,
+void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
                  OutputFolder* folder, const ReportOptions& options) {
-  folder->Write("result.json", ResultJson(summary, run, motions));
+  folder->Write("result.json", ResultJson(summary, checks, motions));
   folder->Write("convergence.csv", ConvergenceCsv(summary));
-  if (!run.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, run));
+  if (!checks.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, checks));
   for (std::size_t r = 0; r < motions.size(); ++r) {
     const std::string name = r == 0 ? "predicted.bin" : "predicted_" + std::to_string(r + 1) + ".bin";
     WriteMotion(PredictedMotion(motions[r], summary.predicted[r], summary.parameters), folder->TemporaryPath(name));
   }
-  if (options.page) folder->Write(kReportName, ReportHtml(summary, run, motions));
+  if (options.page) folder->Write(kReportName, ReportHtml(summary, checks, motions));
   folder->Commit();
   // That of another fit would be taken for one of this.
   std::error_code ignored;
   if (!options.page) std::filesystem::remove(std::filesystem::path(folder->path()) / kReportName, ignored);
 }
 
-std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
+std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
   std::ostringstream table;
   const auto print_row = [&](const std::string& name, const std::string& estimate, const std::string& interval,
                              const std::string& start, const std::string& remark) {
@@ -175,8 +175,8 @@ std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
   print_row("parameter", "estimate", "95 % interval", "start", "");
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     const FittedParameter& parameter = summary.parameters[i];
-    print_row(parameter.name, ShortNumber(parameter.value, 8), Interval(summary, run, i),
-              ShortNumber(parameter.start, 6), Remark(summary, run, i));
+    print_row(parameter.name, ShortNumber(parameter.value, 8), Interval(summary, checks, i),
+              ShortNumber(parameter.start, 6), Remark(summary, checks, i));
   }
   table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
         << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
@@ -185,10 +185,10 @@ std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
           << summary.start_error.fit_percent() << " %\n";
   }
-  if (run.gradient_check) {
+  if (checks.gradient_check) {
     table << "gradient check  adjoint against sensitivity " << std::setprecision(3)
-          << run.gradient_check->adjoint_vs_sensitivity << ", against central differences "
-          << run.gradient_check->adjoint_vs_fd << "\n";
+          << checks.gradient_check->adjoint_vs_sensitivity << ", against central differences "
+          << checks.gradient_check->adjoint_vs_fd << "\n";
   }
   table << "status          " << FitStatusName(summary.status) << " after " << summary.num_iterations()
         << " iterations, " << summary.statistics.rollouts << " rollouts, " << summary.statistics.sweeps << " sweeps\n";
@@ -196,7 +196,7 @@ std::string ResultTable(const FitSummary& summary, const RunRecord& run) {
     table << "note            " << summary.statistics.counts.substeps
           << " substeps were taken: each makes the cost jump a little\n";
   }
-  for (const std::string& line : Verdict(summary, run)) table << "verdict         " << line << "\n";
+  for (const std::string& line : Verdict(summary, checks)) table << "verdict         " << line << "\n";
   return table.str();
 }
 

@@ -17,7 +17,7 @@ namespace clothid {
 std::string ConvergenceCsv(const FitSummary& summary);
 
 // The text of profile.csv: parameter,value,cost_rise,<parameters>; one block of rows per profile.
-std::string ProfileCsv(const FitSummary& summary, const RunRecord& run);
+std::string ProfileCsv(const FitSummary& summary, const FitChecks& checks);
 
 // A recording with the predicted positions of every point of `motion` at its times, nothing missing.
 MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixXd& predicted,
@@ -30,11 +30,11 @@ struct ReportOptions {
 // Writes and commits result.json, convergence.csv, profile.csv where profiles were asked for, predicted.bin of the
 // first recording, predicted_2.bin of the second and so on, and report.html. An older report.html is replaced, or
 // removed where none is asked for. The fit must have an estimate. Throws `Error` (kIo).
-void WriteReport(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions,
+void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
                  OutputFolder* folder, const ReportOptions& options = {});
 
 // The estimates as a small table, with errors in metres, and the verdict.
-std::string ResultTable(const FitSummary& summary, const RunRecord& run);
+std::string ResultTable(const FitSummary& summary, const FitChecks& checks);
 
 }  // namespace clothid
 

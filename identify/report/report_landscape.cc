@@ -131,10 +131,10 @@ double ValueAt(const LandscapeParameter& parameter, const FitSummary& summary, d
                     block.upper_bound);
 }
 
-Json RegionJson(const FitLandscape& landscape, const FitSummary& summary, const RunRecord& run) {
+Json RegionJson(const FitLandscape& landscape, const FitSummary& summary, const FitChecks& checks) {
   for (const int index : {landscape.x.index, landscape.y.index}) {
     // A value that another start contradicts has no region either.
-    if (!IsIdentifiable(summary, run, index).value_or(false)) return nullptr;
+    if (!IsIdentifiable(summary, checks, index).value_or(false)) return nullptr;
   }
   const Eigen::Matrix2Xd region = ConfidenceRegion(landscape, summary);
   if (region.cols() == 0) return nullptr;
@@ -148,7 +148,7 @@ Json RegionJson(const FitLandscape& landscape, const FitSummary& summary, const 
 
 }  // namespace
 
-Json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, const RunRecord& run,
+Json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, const FitChecks& checks,
                    const std::vector<RecordedMotion>& motions, std::size_t max_bytes) {
   const LandscapePlan& plan = landscape.landscape.plan;
   const int num_windows = std::min(static_cast<int>(plan.windows.size()), kMaxWindows);
@@ -167,7 +167,7 @@ Json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, con
           {"windows", windows},
           {"rmse_of_root_cost", RoundedJson(landscape.rmse_of_root_cost, 12)},
           {"estimate_rmse_m", RoundedJson(ComparableRmse(landscape, summary, motions), kDigits)},
-          {"region", RegionJson(landscape, summary, run)},
+          {"region", RegionJson(landscape, summary, checks)},
           {"notes", Notes(landscape, motions, every)}};
 }
 

@@ -20,7 +20,7 @@ namespace clothid {
 // compared with it), region
 // ([2 x n] points of x and y, see `ConfidenceRegion`, or null) and notes, in which the map differs from the fit.
 // `MatchLandscape` must have seen it.
-nlohmann::ordered_json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, const RunRecord& run,
+nlohmann::ordered_json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, const FitChecks& checks,
                                      const std::vector<RecordedMotion>& motions, std::size_t max_bytes);
 
 // The border of the joint 95 % region of both parameters, [2 x n] in their own units, closed:

@@ -58,9 +58,9 @@ Json ConvergenceJson(const FitSummary& summary) {
   return {{"iteration", iterations}, {"seconds", seconds}, {"cost", cost}, {"loose", loose}, {"values", named}};
 }
 
-Json ProfilesJson(const RunRecord& run) {
+Json ProfilesJson(const FitChecks& checks) {
   Json profiles = Json::array();
-  for (const Profile& profile : run.profiles) {
+  for (const Profile& profile : checks.profiles) {
     Json values = Json::array(), rises = Json::array();
     for (const ProfilePoint& point : profile.points) {
       values.push_back(RoundedJson(point.value, 10));
@@ -133,10 +133,10 @@ struct Shown {
 };
 
 Shown Show(const RecordedMotion& motion, const Observation& observation, const FitSummary& summary,
-           const RunRecord& run, std::size_t index) {
+           const FitChecks& checks, std::size_t index) {
   Shown shown = {motion, summary.predicted[index], {}, {}};
   if (index < summary.start_predicted.size()) shown.start_predicted = summary.start_predicted[index];
-  if (index < run.predicted_nodes.size()) shown.nodes = run.predicted_nodes[index];
+  if (index < checks.predicted_nodes.size()) shown.nodes = checks.predicted_nodes[index];
   if (!observation.has_clouds()) return shown;
   shown.nodes = shown.predicted.bottomRows(3 * observation.num_nodes());
   shown.motion = CloudsAsPoints(motion);
@@ -146,8 +146,8 @@ Shown Show(const RecordedMotion& motion, const Observation& observation, const F
 }
 
 Json RecordingJson(const RecordedMotion& motion, const Observation& observation, const FitSummary& summary,
-                   const RunRecord& run, std::size_t index, const Room& room) {
-  const Shown shown = Show(motion, observation, summary, run, index);
+                   const FitChecks& checks, std::size_t index, const Room& room) {
+  const Shown shown = Show(motion, observation, summary, checks, index);
   const Observation points(shown.motion);
   const Eigen::MatrixXd errors = PointErrors(points, shown.motion, shown.predicted);
   Eigen::VectorXd start_errors = Eigen::VectorXd::Constant(motion.num_frames(), std::nan(""));
@@ -173,38 +173,38 @@ Json RecordingJson(const RecordedMotion& motion, const Observation& observation,
           {"replay", ReplayJson(replay, room.replay_bytes)}};
 }
 
-Json DataJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions,
+Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
               std::size_t library_bytes) {
   std::vector<Observation> observations;
   for (const RecordedMotion& motion : motions) observations.emplace_back(motion);
-  Json json = {{"result", Json::parse(ResultJson(summary, run, motions))},
+  Json json = {{"result", Json::parse(ResultJson(summary, checks, motions))},
                {"start_rmse_m", summary.start_error.rmse()},
                {"start_fit_percent", RoundedJson(summary.start_error.fit_percent(), 10)},
                {"limits", FitLimits(summary, motions, observations)},
                {"convergence", ConvergenceJson(summary)},
-               {"profiles", ProfilesJson(run)},
+               {"profiles", ProfilesJson(checks)},
                {"recordings", Json::array()}};
-  for (const FitLandscape& landscape : run.landscapes) {
+  for (const FitLandscape& landscape : checks.landscapes) {
     json["landscapes"].push_back(
-        LandscapeJson(landscape, summary, run, motions, kMaxLandscapeBytes / run.landscapes.size()));
+        LandscapeJson(landscape, summary, checks, motions, kMaxLandscapeBytes / checks.landscapes.size()));
   }
   const std::size_t used = library_bytes + ScriptText(json).size() + kMaxCurveBytes;
   const std::size_t left = used < kMaxReportBytes ? kMaxReportBytes - used : 0;
   const Room room = {left / motions.size(), kMaxCurveBytes / motions.size()};
   for (std::size_t r = 0; r < motions.size(); ++r) {
-    json["recordings"].push_back(RecordingJson(motions[r], observations[r], summary, run, r, room));
+    json["recordings"].push_back(RecordingJson(motions[r], observations[r], summary, checks, r, room));
   }
   return json;
 }
 
 }  // namespace
 
-std::string ReportHtml(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions) {
+std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   std::string landscape;  // a page without one has nothing of it
-  if (!run.landscapes.empty()) landscape = "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
+  if (!checks.landscapes.empty()) landscape = "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
   const std::size_t library_bytes = ReportPage().size() + ReplayScript().size() + ReportScript().size() +
                                     landscape.size() + PlotlyLibrary().size() + PlotlyLicences().size();
-  const std::string data = ScriptText(DataJson(summary, run, motions, library_bytes));
+  const std::string data = ScriptText(DataJson(summary, checks, motions, library_bytes));
   return FillPage(ReportPage(), {{"{{data}}", data},
                                  {"{{licences}}", PlotlyLicences()},
                                  {"{{plotly}}", PlotlyLibrary()},

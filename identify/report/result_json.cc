@@ -24,13 +24,13 @@ Json NamedJson(const std::vector<FittedParameter>& parameters, const Eigen::Vect
   return json;
 }
 
-Json ParametersJson(const FitSummary& summary, const RunRecord& run) {
+Json ParametersJson(const FitSummary& summary, const FitChecks& checks) {
   Json json = Json::object();
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const FittedParameter& parameter = summary.parameters[i];
     const ParameterUncertainty uncertainty =
         summary.uncertainty ? summary.uncertainty->parameters[i] : ParameterUncertainty();
-    const std::optional<bool> identifiable = IsIdentifiable(summary, run, static_cast<int>(i));
+    const std::optional<bool> identifiable = IsIdentifiable(summary, checks, static_cast<int>(i));
     // A value that another start contradicts has no small interval either.
     const bool has_interval = identifiable.value_or(false);
     json[parameter.name] = {{"value", parameter.value},
@@ -91,10 +91,10 @@ Json CloudJson(const CloudError& error) {
           {"far_sigmas", kFarFromSurface}};
 }
 
-Json StartsJson(const FitSummary& summary, const RunRecord& run) {
-  if (!run.starts) return nullptr;
+Json StartsJson(const FitSummary& summary, const FitChecks& checks) {
+  if (!checks.starts) return nullptr;
   Json starts = Json::array(), minima = Json::array();
-  for (const StartResult& start : run.starts->starts) {
+  for (const StartResult& start : checks.starts->starts) {
     const bool has_estimate = start.values.size() > 0;
     starts.push_back({{"start", NamedJson(summary.parameters, start.start)},
                       {"values", has_estimate ? NamedJson(summary.parameters, start.values) : Json(nullptr)},
@@ -103,7 +103,7 @@ Json StartsJson(const FitSummary& summary, const RunRecord& run) {
                       {"rmse_m", has_estimate ? NumberJson(start.rmse) : Json(nullptr)},
                       {"minimum", start.minimum < 0 ? Json(nullptr) : Json(start.minimum)}});
   }
-  for (const Minimum& minimum : run.starts->minima) {
+  for (const Minimum& minimum : checks.starts->minima) {
     minima.push_back({{"values", NamedJson(summary.parameters, minimum.values)},
                       {"cost", NumberJson(minimum.cost)},
                       {"rmse_m", NumberJson(minimum.rmse)},
@@ -113,10 +113,10 @@ Json StartsJson(const FitSummary& summary, const RunRecord& run) {
   return {{"starts", starts}, {"minima", minima}};
 }
 
-Json ProfilesJson(const RunRecord& run) {
-  if (run.profiles.empty()) return nullptr;
+Json ProfilesJson(const FitChecks& checks) {
+  if (checks.profiles.empty()) return nullptr;
   Json json = Json::object();
-  for (const Profile& profile : run.profiles) {
+  for (const Profile& profile : checks.profiles) {
     json[profile.parameter] = {{"lower95", NumberJson(profile.lower95)},
                                {"upper95", NumberJson(profile.upper95)},
                                {"points", profile.points.size()},
@@ -125,9 +125,9 @@ Json ProfilesJson(const RunRecord& run) {
   return json;
 }
 
-Json StepCheckJson(const FitSummary& summary, const RunRecord& run) {
-  if (!run.step_check) return nullptr;
-  const StepCheck& check = *run.step_check;
+Json StepCheckJson(const FitSummary& summary, const FitChecks& checks) {
+  if (!checks.step_check) return nullptr;
+  const StepCheck& check = *checks.step_check;
   const bool has_estimate = check.values.size() > 0;
   return {{"status", FitStatusName(check.status)},
           {"values", has_estimate ? NamedJson(summary.parameters, check.values) : Json(nullptr)},
@@ -201,44 +201,44 @@ Json RecordingsJson(const std::vector<RecordedMotion>& motions) {
   return json;
 }
 
-Json ProvenanceJson(const RunRecord& run, const std::vector<RecordedMotion>& motions) {
+Json ProvenanceJson(const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   std::string sha256;
   for (const RecordedMotion& motion : motions) sha256 += (sha256.empty() ? "" : ",") + motion.sha256;
-  return {{"version", Version()}, {"git", GitHash()}, {"input_sha256", sha256},
-          {"flags", run.flags},   {"seed", run.seed}, {"threads", run.num_threads}};
+  return {{"version", Version()},  {"git", GitHash()},    {"input_sha256", sha256},
+          {"flags", checks.flags}, {"seed", checks.seed}, {"threads", checks.num_threads}};
 }
 
 }  // namespace
 
-std::string ResultJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions) {
+std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   Json json;
   json["schema"] = "clothid.result/1";
   json["status"] = FitStatusName(summary.status);
-  json["exit_code"] = static_cast<int>(FitExitCode(summary, run));
-  json["verdict"] = Verdict(summary, run);
-  json["parameters"] = ParametersJson(summary, run);
+  json["exit_code"] = static_cast<int>(FitExitCode(summary, checks));
+  json["verdict"] = Verdict(summary, checks);
+  json["parameters"] = ParametersJson(summary, checks);
   json["rmse_m"] = summary.error.rmse();
   json["fit_percent"] = summary.error.fit_percent();
   if (summary.error.cloud.num_points > 0.0) json["cloud"] = CloudJson(summary.error.cloud);
-  json["holdout"] = HoldoutJson(run.holdout);
+  json["holdout"] = HoldoutJson(checks.holdout);
   json["uncertainty"] = UncertaintyJson(summary);
-  json["starts"] = StartsJson(summary, run);
-  json["profiles"] = ProfilesJson(run);
-  json["step_check"] = StepCheckJson(summary, run);
+  json["starts"] = StartsJson(summary, checks);
+  json["profiles"] = ProfilesJson(checks);
+  json["step_check"] = StepCheckJson(summary, checks);
   json["cost"] = summary.cost;
-  json["jacobian"] = JacobianMethodName(run.jacobian);
+  json["jacobian"] = JacobianMethodName(checks.jacobian);
   json["iterations"] = summary.num_iterations();
   json["rollouts"] = summary.statistics.rollouts;
   json["sweeps"] = summary.statistics.sweeps;
   json["failed_steps"] = summary.statistics.counts.failed_steps;
   json["contact_events"] = ContactEventsJson(summary.counts);
-  json["gradient_check"] = GradientCheckJson(run.gradient_check);
+  json["gradient_check"] = GradientCheckJson(checks.gradient_check);
   json["seconds"] = {{"total", summary.total_seconds},
                      {"rollout", summary.statistics.rollout_seconds},
                      {"derivative", summary.statistics.derivative_seconds},
                      {"solver", summary.solver_seconds}};
   if (IsToldMore(motions)) json["recordings"] = RecordingsJson(motions);
-  json["provenance"] = ProvenanceJson(run, motions);
+  json["provenance"] = ProvenanceJson(checks, motions);
   return json.dump(2) + "\n";
 }
 

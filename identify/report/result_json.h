@@ -16,7 +16,7 @@ namespace clothid {
 // and `upper95` are null where a parameter is frozen, not identifiable or at its bound. "contact_events" counts those
 // of the rollouts at the estimate (see RolloutCounts). "uncertainty", "starts", "profiles", "step_check" and "holdout"
 // are null where they were not asked for.
-std::string ResultJson(const FitSummary& summary, const RunRecord& run, const std::vector<RecordedMotion>& motions);
+std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions);
 
 }  // namespace clothid
 

@@ -27,30 +27,30 @@ FitSummary Converged() {
   return summary;
 }
 
-bool Says(const FitSummary& summary, const RunRecord& run, const std::string& words) {
-  const std::vector<std::string> lines = Verdict(summary, run);
+bool Says(const FitSummary& summary, const FitChecks& checks, const std::string& words) {
+  const std::vector<std::string> lines = Verdict(summary, checks);
   return std::any_of(lines.begin(), lines.end(),
                      [&](const std::string& line) { return line.find(words) != std::string::npos; });
 }
 
 TEST(VerdictTest, ExitCodesInTheirOrder) {
-  RunRecord run;
+  FitChecks checks;
   FitSummary summary = Converged();
-  EXPECT_EQ(FitExitCode(summary, run), 0);
-  run.holdout = Holdout{0.2, 0.1, ""};
-  EXPECT_EQ(FitExitCode(summary, run), 5);
+  EXPECT_EQ(FitExitCode(summary, checks), 0);
+  checks.holdout = Holdout{0.2, 0.1, ""};
+  EXPECT_EQ(FitExitCode(summary, checks), 5);
   summary.parameters[0].at_bound = true;
-  EXPECT_EQ(FitExitCode(summary, run), 4);
+  EXPECT_EQ(FitExitCode(summary, checks), 4);
   summary.parameters[0].at_bound = false;
   summary.uncertainty->parameters[0].identifiable = false;
-  EXPECT_EQ(FitExitCode(summary, run), 4);
+  EXPECT_EQ(FitExitCode(summary, checks), 4);
   summary.uncertainty.reset();
-  EXPECT_EQ(FitExitCode(summary, run), 4) << "nothing vouches for the estimate";
+  EXPECT_EQ(FitExitCode(summary, checks), 4) << "nothing vouches for the estimate";
   summary.status = FitStatus::kNotConverged;
-  EXPECT_EQ(FitExitCode(summary, run), 3);
+  EXPECT_EQ(FitExitCode(summary, checks), 3);
   summary.status = FitStatus::kInterrupted;
-  EXPECT_EQ(FitExitCode(summary, run), 130);
-  EXPECT_EQ(FitExitCode(FitSummary(), RunRecord()), 3) << "a summary starts as a failure";
+  EXPECT_EQ(FitExitCode(summary, checks), 130);
+  EXPECT_EQ(FitExitCode(FitSummary(), FitChecks()), 3) << "a summary starts as a failure";
 }
 
 TEST(VerdictTest, HoldoutFailsWhereItIsWorseThanNominalOrCannotBePredicted) {
@@ -58,9 +58,9 @@ TEST(VerdictTest, HoldoutFailsWhereItIsWorseThanNominalOrCannotBePredicted) {
   EXPECT_TRUE((Holdout{0.2, 0.1, ""}).has_failed());
   EXPECT_TRUE((Holdout{kNaN, 0.1, "failed"}).has_failed());
   EXPECT_FALSE((Holdout{0.1, kNaN, "failed"}).has_failed()) << "better than a rollout that does not work";
-  RunRecord run;
-  run.holdout = Holdout{0.2, 0.1, ""};
-  EXPECT_TRUE(Says(Converged(), run, "worse than the nominal parameters, rmse 200 mm against 100 mm"));
+  FitChecks checks;
+  checks.holdout = Holdout{0.2, 0.1, ""};
+  EXPECT_TRUE(Says(Converged(), checks, "worse than the nominal parameters, rmse 200 mm against 100 mm"));
 }
 
 TEST(VerdictTest, SaysWhatIsHiddenAndWhatStandsAtItsBound) {
@@ -119,33 +119,33 @@ TEST(VerdictTest, SaysWhereAFitStoppedEarly) {
   EXPECT_TRUE(Says(summary, {}, "mu is 25 standard deviations from the minimum of the quadratic model"));
 }
 
-RunRecord TwoMinima(double cost_rise) {
-  RunRecord run;
-  run.starts.emplace();
+FitChecks TwoMinima(double cost_rise) {
+  FitChecks checks;
+  checks.starts.emplace();
   StartResult start;
   start.status = FitStatus::kConverged;
   start.minimum = 0;
-  run.starts->starts = {start, start, start};
-  run.starts->starts[2].minimum = 1;
-  run.starts->minima = {{Eigen::VectorXd::Constant(1, 0.3), 1.0, 0.001, 2, 0.0},
-                        {Eigen::VectorXd::Constant(1, 0.7), 4.0, 0.002, 1, cost_rise}};
-  run.starts->ambiguous = {!run.starts->minima[1].is_distinguishable()};
-  return run;
+  checks.starts->starts = {start, start, start};
+  checks.starts->starts[2].minimum = 1;
+  checks.starts->minima = {{Eigen::VectorXd::Constant(1, 0.3), 1.0, 0.001, 2, 0.0},
+                           {Eigen::VectorXd::Constant(1, 0.7), 4.0, 0.002, 1, cost_rise}};
+  checks.starts->ambiguous = {!checks.starts->minima[1].is_distinguishable()};
+  return checks;
 }
 
 TEST(VerdictTest, SaysWhyTheBetterMinimumIsPreferred) {
-  const RunRecord run = TwoMinima(6.0);
-  EXPECT_EQ(FitExitCode(Converged(), run), 0);
-  EXPECT_TRUE(Says(Converged(), run, "2 of 3 starts ended in the same minimum, rmse 1 mm: the preferred one"));
-  EXPECT_TRUE(Says(Converged(), run, "1 of 3 ended in another minimum, mu 0.7, rmse 2 mm: not preferred"));
-  EXPECT_TRUE(Says(Converged(), run, "4 times the lowest"));
+  const FitChecks checks = TwoMinima(6.0);
+  EXPECT_EQ(FitExitCode(Converged(), checks), 0);
+  EXPECT_TRUE(Says(Converged(), checks, "2 of 3 starts ended in the same minimum, rmse 1 mm: the preferred one"));
+  EXPECT_TRUE(Says(Converged(), checks, "1 of 3 ended in another minimum, mu 0.7, rmse 2 mm: not preferred"));
+  EXPECT_TRUE(Says(Converged(), checks, "4 times the lowest"));
 }
 
 TEST(VerdictTest, MinimaThatFitEquallyWellMakeAParameterUnidentifiable) {
-  const RunRecord run = TwoMinima(1.0);
-  EXPECT_EQ(IsIdentifiable(Converged(), run, 0), false);
-  EXPECT_EQ(FitExitCode(Converged(), run), 4);
-  EXPECT_TRUE(Says(Converged(), run, "cannot tell it from the preferred one"));
+  const FitChecks checks = TwoMinima(1.0);
+  EXPECT_EQ(IsIdentifiable(Converged(), checks, 0), false);
+  EXPECT_EQ(FitExitCode(Converged(), checks), 4);
+  EXPECT_TRUE(Says(Converged(), checks, "cannot tell it from the preferred one"));
 }
 
 TEST(VerdictTest, SaysWhereContactsJumpBetweenObstacles) {
@@ -160,12 +160,12 @@ TEST(VerdictTest, SaysWhereContactsJumpBetweenObstacles) {
 }
 
 TEST(VerdictTest, SaysHowFarHalfTheStepMovesIt) {
-  RunRecord run;
-  run.step_check.emplace();
-  run.step_check->status = FitStatus::kConverged;
-  run.step_check->values = Eigen::VectorXd::Constant(1, 0.33);
-  run.step_check->changes = Eigen::VectorXd::Constant(1, 0.03);
-  EXPECT_TRUE(Says(Converged(), run, "at half the time step mu moves by 0.03 (10 %), 3 standard deviations"));
+  FitChecks checks;
+  checks.step_check.emplace();
+  checks.step_check->status = FitStatus::kConverged;
+  checks.step_check->values = Eigen::VectorXd::Constant(1, 0.33);
+  checks.step_check->changes = Eigen::VectorXd::Constant(1, 0.03);
+  EXPECT_TRUE(Says(Converged(), checks, "at half the time step mu moves by 0.03 (10 %), 3 standard deviations"));
 }
 
 }  // namespace

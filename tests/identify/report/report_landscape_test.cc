@@ -66,10 +66,10 @@ std::string OwnText(std::string html) {
 
 TEST(ReportLandscapeTest, PageHoldsTheCells) {
   const RecordedMotion motion = Motion();
-  RunRecord run;
-  run.landscapes = {MakeLandscape()};
-  const FitSummary summary = RunFit(motion, &run.landscapes[0]);
-  const std::string html = ReportHtml(summary, run, {motion});
+  FitChecks checks;
+  checks.landscapes = {MakeLandscape()};
+  const FitSummary summary = RunFit(motion, &checks.landscapes[0]);
+  const std::string html = ReportHtml(summary, checks, {motion});
   const Json data = PageData(html);
   ASSERT_EQ(data["landscapes"].size(), 1u);
   const Json& shown = data["landscapes"][0];
@@ -102,18 +102,18 @@ TEST(ReportLandscapeTest, PageWithoutOneHasNothingOfIt) {
   const RecordedMotion motion = Motion();
   FitLandscape landscape = MakeLandscape();
   const FitSummary summary = RunFit(motion, &landscape);
-  const std::string own = OwnText(ReportHtml(summary, RunRecord(), {motion}));
+  const std::string own = OwnText(ReportHtml(summary, FitChecks(), {motion}));
   EXPECT_EQ(own.find("andscape"), std::string::npos);
-  RunRecord run;
-  run.landscapes = {landscape};
-  EXPECT_NE(OwnText(ReportHtml(summary, run, {motion})).find("andscape"), std::string::npos);
+  FitChecks checks;
+  checks.landscapes = {landscape};
+  EXPECT_NE(OwnText(ReportHtml(summary, checks, {motion})).find("andscape"), std::string::npos);
 }
 
 TEST(ReportLandscapeTest, LargeOnesAreThinned) {
   const RecordedMotion motion = Motion();
   FitLandscape landscape = MakeLandscape(400, 301);
   const FitSummary summary = RunFit(motion, &landscape);
-  const Json shown = LandscapeJson(landscape, summary, RunRecord(), {motion}, 100000);
+  const Json shown = LandscapeJson(landscape, summary, FitChecks(), {motion}, 100000);
   EXPECT_LT(shown.dump().size(), 100000u);
   const Json& window = shown["windows"][0];
   const int every = window["every"];
@@ -122,7 +122,7 @@ TEST(ReportLandscapeTest, LargeOnesAreThinned) {
   EXPECT_EQ(window["cost"][window["x"].size() + 1], 100.0 + every * 400 + every);
   EXPECT_NEAR(window["x"][1], landscape.landscape.plan.windows[0].x.Value(every), 1e-9);
   // However little there is to spend.
-  EXPECT_LT(LandscapeJson(landscape, summary, RunRecord(), {motion}, 0).dump().size(), 10000u);
+  EXPECT_LT(LandscapeJson(landscape, summary, FitChecks(), {motion}, 0).dump().size(), 10000u);
 }
 
 // Reasons of failures take no more room than is worth it.
@@ -134,7 +134,7 @@ TEST(ReportLandscapeTest, ManyReasonsAreOne) {
     landscape.landscape.cells[i].cost = kNaN;
     landscape.landscape.cells[i].failure = std::to_string(i) + std::string(1000, 'x');
   }
-  const Json shown = LandscapeJson(landscape, summary, RunRecord(), {motion}, 100000);
+  const Json shown = LandscapeJson(landscape, summary, FitChecks(), {motion}, 100000);
   EXPECT_LT(shown.dump().size(), 100000u);
   EXPECT_EQ(shown["windows"][0]["failures"]["cells"].size(), 900u);
   EXPECT_LE(shown["windows"][0]["failures"]["reasons"].size(), 20u);

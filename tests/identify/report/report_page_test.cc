@@ -114,15 +114,15 @@ FitSummary WavingFit(const RecordedMotion& motion) {
 TEST(ReportPageTest, HoldsWhatTheFitFound) {
   const std::vector<RecordedMotion> motions = TwoMotions();
   const FitSummary summary = RunFit(motions);
-  RunRecord run;
+  FitChecks checks;
   Profile profile;
   profile.parameter = "k_stretch";
   profile.points = {{140.0, 1.5, summary.values()}, {150.0, 0.0, summary.values()}};
   profile.lower95 = 138.0;
-  run.profiles = {profile};
-  run.flags = "--target a.bin";
-  const Json data = PageData(ReportHtml(summary, run, motions));
-  EXPECT_EQ(data["result"], Json::parse(ResultJson(summary, run, motions)));
+  checks.profiles = {profile};
+  checks.flags = "--target a.bin";
+  const Json data = PageData(ReportHtml(summary, checks, motions));
+  EXPECT_EQ(data["result"], Json::parse(ResultJson(summary, checks, motions)));
   EXPECT_EQ(data["start_rmse_m"], summary.start_error.rmse());
   EXPECT_EQ(data["convergence"]["cost"].size(), summary.iterations.size());
   EXPECT_EQ(data["convergence"]["values"]["k_stretch"].size(), summary.iterations.size());
@@ -144,7 +144,7 @@ TEST(ReportPageTest, HoldsWhatTheFitFound) {
 TEST(ReportPageTest, ReplayHasRecordedAndPredictedPositions) {
   const std::vector<RecordedMotion> motions = TwoMotions();
   const FitSummary summary = RunFit(motions);
-  const Json replay = PageData(ReportHtml(summary, RunRecord(), motions))["recordings"][1]["replay"];
+  const Json replay = PageData(ReportHtml(summary, FitChecks(), motions))["recordings"][1]["replay"];
   EXPECT_EQ(replay["every"], 1);
   EXPECT_EQ(replay["points_are_nodes"], true);
   EXPECT_FALSE(replay.contains("nodes"));
@@ -205,21 +205,21 @@ TEST(ReportPageTest, MarkersComeWithTheWholeCloth) {
   options.parameters = {"k_stretch"};
   FitProblem problem({motion}, options);
   const FitSummary summary = Fit(options, &problem);
-  RunRecord run;
-  run.predicted_nodes = PredictNodes({motion}, problem, summary);
-  ASSERT_EQ(run.predicted_nodes[0].rows(), 75);
-  EXPECT_LT((run.predicted_nodes[0].middleRows(15, 18) - summary.predicted[0]).cwiseAbs().maxCoeff(), 1e-6);
-  const Json replay = PageData(ReportHtml(summary, run, {motion}))["recordings"][0]["replay"];
+  FitChecks checks;
+  checks.predicted_nodes = PredictNodes({motion}, problem, summary);
+  ASSERT_EQ(checks.predicted_nodes[0].rows(), 75);
+  EXPECT_LT((checks.predicted_nodes[0].middleRows(15, 18) - summary.predicted[0]).cwiseAbs().maxCoeff(), 1e-6);
+  const Json replay = PageData(ReportHtml(summary, checks, {motion}))["recordings"][0]["replay"];
   EXPECT_EQ(replay["points_are_nodes"], false);
   EXPECT_EQ(UnpackPositions(replay["nodes"], 75).size(), 21u);
   EXPECT_EQ(UnpackPositions(replay["recorded"], 18).size(), 21u);
   // Without them it shows what it has.
-  EXPECT_FALSE(PageData(ReportHtml(summary, RunRecord(), {motion}))["recordings"][0]["replay"].contains("nodes"));
+  EXPECT_FALSE(PageData(ReportHtml(summary, FitChecks(), {motion}))["recordings"][0]["replay"].contains("nodes"));
 }
 
 TEST(ReportPageTest, ThousandNodesOverTwoHundredFramesStayBelowFiveMegabytes) {
   const RecordedMotion motion = WavingMotion(32, 200, 2e-3);
-  const std::string html = ReportHtml(WavingFit(motion), RunRecord(), {motion});
+  const std::string html = ReportHtml(WavingFit(motion), FitChecks(), {motion});
   EXPECT_LT(html.size(), kMaxReportBytes);
   EXPECT_EQ(PageData(html)["recordings"][0]["replay"]["every"], 1) << "nothing is left out";
   RecordProperty("bytes", static_cast<int>(html.size()));
@@ -257,7 +257,7 @@ TEST(ReportPageTest, APointAstrayIsLeftOutOfTheReplay) {
 
 TEST(ReportPageTest, IsOneFile) {
   const std::vector<RecordedMotion> motions = TwoMotions();
-  const std::string own = OwnText(ReportHtml(RunFit(motions), RunRecord(), motions));
+  const std::string own = OwnText(ReportHtml(RunFit(motions), FitChecks(), motions));
   EXPECT_EQ(own.find("http:"), std::string::npos);
   EXPECT_EQ(own.find("https:"), std::string::npos);
   const std::string page = own.substr(0, own.find("id=\"data\">")) + own.substr(own.find("</script>"));
@@ -270,9 +270,9 @@ TEST(ReportPageTest, IsOneFile) {
 TEST(ReportPageTest, NamesCannotEndTheirScript) {
   std::vector<RecordedMotion> motions = TwoMotions();
   motions[1].scene.obstacles[0].name = kHostileName;
-  RunRecord run;
-  run.flags = kHostileName;
-  const std::string own = OwnText(ReportHtml(RunFit(motions), run, motions));
+  FitChecks checks;
+  checks.flags = kHostileName;
+  const std::string own = OwnText(ReportHtml(RunFit(motions), checks, motions));
   EXPECT_EQ(own.find("<img"), std::string::npos);
   const std::regex tag("<script|</script>");
   const std::size_t data = own.find("id=\"data\">"), end = own.find("</script>", data);
@@ -284,7 +284,7 @@ TEST(ReportPageTest, NamesCannotEndTheirScript) {
 TEST(ReportPageTest, SameBytesOnEveryRunButForTheSeconds) {
   const std::vector<RecordedMotion> motions = TwoMotions();
   const auto text = [&](int num_threads) {
-    Json data = PageData(ReportHtml(RunFit(motions, num_threads), RunRecord(), motions));
+    Json data = PageData(ReportHtml(RunFit(motions, num_threads), FitChecks(), motions));
     data["result"].erase("seconds");
     data["convergence"].erase("seconds");
     return data.dump();
@@ -313,7 +313,7 @@ TEST(CloudPageTest, CloudsAreShownAsPoints) {
     motion.clouds[2].conservativeResize(3, 7);
     const FitSummary summary = RunFit({motion});
     ASSERT_TRUE(summary.has_estimate()) << summary.message;
-    const Json data = PageData(ReportHtml(summary, RunRecord(), {motion}));
+    const Json data = PageData(ReportHtml(summary, FitChecks(), {motion}));
     const Json& shown = data["recordings"][0];
     const int num_points = (keep_points ? num_nodes : 0) + 20;
     EXPECT_EQ(shown["points"], num_points);

@@ -51,10 +51,10 @@ FitSummary Converged() {
 TEST(ReportTest, ResultHasItsSchema) {
   const std::vector<RecordedMotion> motions = TwoMotions();
   const FitSummary summary = RunFit(motions, 1);
-  RunRecord run;
-  run.gradient_check = GradientCheck{1e-12, 1e-7};
-  run.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "nominal: failed"};
-  const Json json = Json::parse(ResultJson(summary, run, motions));
+  FitChecks checks;
+  checks.gradient_check = GradientCheck{1e-12, 1e-7};
+  checks.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "nominal: failed"};
+  const Json json = Json::parse(ResultJson(summary, checks, motions));
   EXPECT_EQ(Keys(json),
             (std::vector<std::string>{"schema",   "status",      "exit_code",    "verdict",        "parameters",
                                       "rmse_m",   "fit_percent", "holdout",      "uncertainty",    "starts",
@@ -88,7 +88,7 @@ TEST(ReportTest, ResultHasItsSchema) {
   EXPECT_EQ(Keys(json["provenance"]),
             (std::vector<std::string>{"version", "git", "input_sha256", "flags", "seed", "threads"}));
   EXPECT_EQ(json["provenance"]["input_sha256"], "0123,0123");
-  EXPECT_TRUE(Json::parse(ResultJson(summary, RunRecord(), motions))["holdout"].is_null());
+  EXPECT_TRUE(Json::parse(ResultJson(summary, FitChecks(), motions))["holdout"].is_null());
 }
 
 TEST(ReportTest, ResultSaysWhatWasAssumedAndByHowMuchIntervalsWereWidened) {
@@ -100,7 +100,7 @@ TEST(ReportTest, ResultSaysWhatWasAssumedAndByHowMuchIntervalsWereWidened) {
   summary.uncertainty->is_widened = true;
   summary.uncertainty->quantile95 = 2.5;
   summary.uncertainty->parameters[1].widening = 3.0;
-  const Json json = Json::parse(ResultJson(summary, RunRecord(), motions));
+  const Json json = Json::parse(ResultJson(summary, FitChecks(), motions));
   EXPECT_EQ(json["recordings"][0]["sigma_source"], "estimated");
   EXPECT_NEAR(json["recordings"][0]["sigma_m"].get<double>(), 2e-3, 1e-15);
   EXPECT_EQ(json["recordings"][0]["initial"], "scene");
@@ -131,7 +131,7 @@ TEST(ReportTest, ContactsAreCountedAtTheEstimate) {
 TEST(ReportTest, SameBytesOnEveryRunAndOnTwoThreads) {
   const std::vector<RecordedMotion> motions = TwoMotions();
   const auto text = [&](int num_threads) {
-    Json json = Json::parse(ResultJson(RunFit(motions, num_threads), RunRecord(), motions));
+    Json json = Json::parse(ResultJson(RunFit(motions, num_threads), FitChecks(), motions));
     json.erase("seconds");
     return json.dump();
   };
@@ -170,7 +170,7 @@ TEST(ReportTest, WritesItsFiles) {
   const FitSummary summary = RunFit(motions, 1);
   {
     OutputFolder folder(root + "/result");
-    WriteReport(summary, RunRecord(), motions, &folder);
+    WriteReport(summary, FitChecks(), motions, &folder);
   }
   std::ifstream csv(root + "/result/convergence.csv");
   std::string header;
@@ -189,7 +189,7 @@ TEST(ReportTest, WritesItsFiles) {
     OutputFolder folder(root + "/result");
     ReportOptions options;
     options.page = false;
-    WriteReport(summary, RunRecord(), motions, &folder, options);
+    WriteReport(summary, FitChecks(), motions, &folder, options);
   }
   EXPECT_FALSE(std::filesystem::exists(root + "/result/report.html"));
   EXPECT_TRUE(std::filesystem::exists(root + "/result/result.json"));

@@ -218,9 +218,9 @@ TEST_F(RolloutAuditTest, FindsARolloutThatEndsEarlyAndSaysItDidNot) {
   EXPECT_EQ(run_.Audit().missing_steps, 0);
 }
 
-TEST(GradientCheckTest, AgreesWhereDifferencesSettle) {
+TEST(StabilityGradientTest, AgreesWhereDifferencesSettle) {
   for (const char* scene : {"drape", "slope"}) {
-    const GradientCheck check = CheckGradient(Cell(scene, 100.0, 100, 0.35), 1);
+    const StabilityGradient check = CheckGradient(Cell(scene, 100.0, 100, 0.35), 1);
     ASSERT_TRUE(check.is_checkable()) << check.Reasons();
     ASSERT_EQ(check.components.size(), 2u);
     EXPECT_EQ(check.components[0].parameter, "k_stretch");
@@ -228,14 +228,14 @@ TEST(GradientCheckTest, AgreesWhereDifferencesSettle) {
     EXPECT_LE(check.error(), 1e-4) << scene;
     EXPECT_EQ(check.Reasons(), "");
   }
-  const GradientCheck wind = CheckGradient(Cell("wind", 100.0, 100, 0.0), 1);
+  const StabilityGradient wind = CheckGradient(Cell("wind", 100.0, 100, 0.0), 1);
   ASSERT_TRUE(wind.is_checkable()) << wind.Reasons();
   ASSERT_EQ(wind.components.size(), 3u);
   EXPECT_EQ(wind.components[2].parameter, "drag");
   EXPECT_LE(wind.error(), 1e-4);
 }
 
-TEST(GradientCheckTest, SaysWhyItCannotCheck) {
+TEST(StabilityGradientTest, SaysWhyItCannotCheck) {
   EXPECT_EQ(CheckGradient(Extreme("touching"), 1).Reasons(), "k_stretch: nothing depends on it");
   const std::string on_boundary = CheckGradient(Extreme("cone_boundary"), 1).Reasons();
   EXPECT_NE(on_boundary.find("mu: branches differ"), std::string::npos) << on_boundary;

@@ -196,18 +196,18 @@ ComponentCheck CheckComponent(const Differences& differences, ParameterId id, do
 
 }  // namespace
 
-bool GradientCheck::is_checkable() const {
+bool StabilityGradient::is_checkable() const {
   return !components.empty() && std::all_of(components.begin(), components.end(),
                                             [](const ComponentCheck& check) { return check.reason.empty(); });
 }
 
-double GradientCheck::error() const {
+double StabilityGradient::error() const {
   double largest = kNaN;
   for (const ComponentCheck& check : components) largest = std::fmax(largest, check.error);
   return largest;
 }
 
-std::string GradientCheck::Reasons() const {
+std::string StabilityGradient::Reasons() const {
   std::string text = reason;
   for (const ComponentCheck& check : components) {
     if (!check.reason.empty()) text += (text.empty() ? "" : "; ") + check.parameter + ": " + check.reason;
@@ -215,10 +215,10 @@ std::string GradientCheck::Reasons() const {
   return text;
 }
 
-GradientCheck CheckGradient(Scene scene, std::uint64_t seed) {
+StabilityGradient CheckGradient(Scene scene, std::uint64_t seed) {
   scene.solver.step_tolerance = scene.solver.adjoint_tolerance = kTolerance;
   Simulator simulator(std::move(scene));
-  GradientCheck check;
+  StabilityGradient check;
   const int num_steps = std::min(simulator.scene().num_steps(), kMaxSteps);
   Rollout rollout = Simulate(simulator.scene().nominal_parameters(), num_steps, &simulator);
   if (rollout.ok()) rollout = Refine(rollout, &simulator);

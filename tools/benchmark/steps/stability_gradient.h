@@ -31,7 +31,7 @@ struct ComponentCheck {
   std::string reason;       // why it could not be checked; empty: it could
 };
 
-struct GradientCheck {
+struct StabilityGradient {
   std::vector<ComponentCheck> components;
   std::string reason;  // why there is none; empty: there are
 
@@ -41,7 +41,7 @@ struct GradientCheck {
 };
 
 // Of k_stretch; of mu where mu > 0 and nodes slip; without obstacles of k_bend and drag where the scene has them.
-GradientCheck CheckGradient(Scene scene, std::uint64_t seed);
+StabilityGradient CheckGradient(Scene scene, std::uint64_t seed);
 
 }  // namespace clothid
 

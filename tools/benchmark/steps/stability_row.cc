@@ -16,7 +16,7 @@ std::string Quoted(const std::string& text) { return text.empty() ? "" : "\"" + 
 
 constexpr const char* kCheckedParameters[] = {"k_stretch", "mu", "k_bend", "drag"};
 
-const ComponentCheck* FindComponent(const GradientCheck& gradient, const std::string& parameter) {
+const ComponentCheck* FindComponent(const StabilityGradient& gradient, const std::string& parameter) {
   for (const ComponentCheck& check : gradient.components) {
     if (check.parameter == parameter) return &check;
   }

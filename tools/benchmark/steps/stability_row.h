@@ -25,7 +25,7 @@ struct StabilityRow {
   RolloutCounts counts;
   RolloutAudit audit;
   EnergyBalance energy;
-  GradientCheck gradient;  // empty where it was not asked for
+  StabilityGradient gradient;  // empty where it was not asked for
 
   bool ok() const { return error.empty(); }
   // Beyond the tolerance of the balance.

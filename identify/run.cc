@@ -1,0 +1,181 @@
+#include "identify/run.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "identify/base/output_folder.h"
+#include "identify/checks/gradient_check.h"
+#include "identify/checks/multi_start.h"
+#include "identify/checks/profile.h"
+#include "identify/checks/step_check.h"
+#include "identify/fit/problem.h"
+#include "identify/landscape/fit_landscape.h"
+#include "identify/report/node_prediction.h"
+#include "identify/report/report.h"
+
+namespace clothid {
+namespace {
+
+void Expect(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorKind::kUsage, message);
+}
+
+std::vector<RecordedMotion> ReadAll(const std::vector<std::string>& paths, const RunOptions& options) {
+  std::vector<RecordedMotion> motions;
+  for (const std::string& path : paths) motions.push_back(ReadMotion(path, options.reading));
+  return motions;
+}
+
+// The recordings to fit and those, or their frames, to judge on, and landscapes of the first.
+struct RunInputs {
+  std::vector<RecordedMotion> fitted, held_out;
+  std::vector<FitLandscape> landscapes;
+};
+
+RunInputs ReadInputs(const RunOptions& options) {
+  RunInputs inputs;
+  inputs.fitted = options.targets.empty() ? ReadAll(options.target_paths, options) : options.targets;
+  inputs.held_out = options.holdouts.empty() ? ReadAll(options.holdout_paths, options) : options.holdouts;
+  if (options.step_tolerance > 0.0) {
+    for (std::vector<RecordedMotion>* motions : {&inputs.fitted, &inputs.held_out}) {
+      for (RecordedMotion& motion : *motions) motion.scene.solver.step_tolerance = options.step_tolerance;
+    }
+  }
+  for (const std::string& folder : options.landscape_paths) {
+    inputs.landscapes.push_back(ReadFitLandscape(folder, inputs.fitted));
+  }
+  if (options.holdout_frames) inputs.held_out = HoldOutFrames(*options.holdout_frames, &inputs.fitted);
+  return inputs;
+}
+
+// One run, from the recordings that were read to the files that are written.
+class Run {
+ public:
+  // Throws `Error` where something that was asked for cannot be done.
+  explicit Run(const RunOptions& options)
+      : options_(options),
+        inputs_(ReadInputs(options)),
+        folder_(OpenFolder(options)),
+        fit_options_(FitOptionsOf(options, folder_.get())),
+        problem_(inputs_.fitted, fit_options_) {
+    for (const std::string& name : options.profiles) FindFreeBlock(problem_, name, "--profile");
+    for (FitLandscape& landscape : inputs_.landscapes) MatchLandscape(problem_.blocks(), &landscape);
+    checks_.landscapes = std::move(inputs_.landscapes);
+    checks_.jacobian = fit_options_.jacobian;
+    checks_.flags = options.command_line;
+    checks_.seed = fit_options_.seed;
+    checks_.num_threads = fit_options_.num_threads;
+  }
+
+  RunResult Finish() {
+    TellParameters();
+    if (CheckGradientsAtStart()) RunFit();
+    if (summary_.has_estimate()) Examine();
+    if (options_.on_examined) options_.on_examined(summary_);
+    if (summary_.has_estimate() && folder_ != nullptr) Write();
+    RunResult result;
+    result.exit_code = FitExitCode(summary_, checks_);
+    result.verdict = Verdict(summary_, checks_);
+    if (summary_.has_estimate()) result.table = ResultTable(summary_, checks_);
+    result.summary = std::move(summary_);
+    result.checks = std::move(checks_);
+    return result;
+  }
+
+ private:
+  static std::unique_ptr<OutputFolder> OpenFolder(const RunOptions& options) {
+    return options.output.empty() ? nullptr : std::make_unique<OutputFolder>(options.output);
+  }
+
+  static FitOptions FitOptionsOf(const RunOptions& options, const OutputFolder* folder) {
+    FitOptions fit = options.fit;
+    if (options.resume) fit.journal_folder = folder->path();
+    return fit;
+  }
+
+  bool is_cancelled() const { return fit_options_.cancel != nullptr && fit_options_.cancel->load(); }
+
+  void TellParameters() const {
+    if (!options_.on_problem) return;
+    std::vector<std::string> names;
+    for (const ParameterBlock& block : problem_.blocks()) names.push_back(block.name);
+    options_.on_problem(names);
+  }
+
+  // False where a rollout failed, and the fit could not even start.
+  bool CheckGradientsAtStart() {
+    if (!options_.check_gradients) return true;
+    checks_.gradient_check = CheckGradients(inputs_.fitted, fit_options_);
+    if (checks_.gradient_check->failure.empty()) return true;
+    summary_.status = is_cancelled() ? FitStatus::kInterrupted : FitStatus::kFailed;
+    summary_.message = checks_.gradient_check->failure;
+    return false;
+  }
+
+  void RunFit() {
+    const bool has_one_start = fit_options_.num_starts == 1;
+    summary_ = has_one_start ? Fit(fit_options_, &problem_)
+                             : FitFromStarts(fit_options_, &problem_, &checks_.starts.emplace());
+    if (options_.on_fitted) options_.on_fitted(summary_);
+  }
+
+  // What was asked for beside the fit.
+  void Examine() {
+    for (const std::string& name : options_.profiles) {
+      if (!summary_.uncertainty || is_cancelled()) break;
+      checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, &problem_, &summary_.statistics));
+    }
+    if (options_.check_step && !is_cancelled()) {
+      checks_.step_check = CheckStep(inputs_.fitted, fit_options_, problem_, summary_);
+      summary_.statistics += checks_.step_check->statistics;
+    }
+    if (!inputs_.held_out.empty()) {
+      const HeldOut held_out = options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings;
+      checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_.blocks(), summary_.values(), held_out);
+    }
+    if (is_cancelled()) {
+      summary_.status = FitStatus::kInterrupted;
+      summary_.message = "interrupted";
+    }
+  }
+
+  void Write() {
+    if (summary_.status == FitStatus::kInterrupted) folder_->KeepJournals();
+    problem_.CheckJournals();
+    ReportOptions report;
+    report.page = options_.report_page;
+    if (report.page) checks_.predicted_nodes = PredictNodes(inputs_.fitted, problem_, summary_);
+    WriteReport(summary_, checks_, inputs_.fitted, folder_.get(), report);
+  }
+
+  const RunOptions& options_;
+  RunInputs inputs_;
+  std::unique_ptr<OutputFolder> folder_;  // null: nothing is written
+  FitOptions fit_options_;
+  FitProblem problem_;
+  FitSummary summary_;
+  FitChecks checks_;
+};
+
+}  // namespace
+
+void RunOptions::Validate() const {
+  fit.Validate();
+  Expect(step_tolerance >= 0.0 && std::isfinite(step_tolerance), "--step_tolerance: expected a number > 0");
+  Expect(!target_paths.empty() || !targets.empty(), "--target: expected a recording");
+  Expect(target_paths.empty() || targets.empty(), "targets: expected without target_paths");
+  Expect(holdout_paths.empty() || holdouts.empty(), "holdouts: expected without holdout_paths");
+  Expect(!holdout_frames || (holdout_paths.empty() && holdouts.empty()),
+         "--holdout_frames: expected without --holdout");
+  Expect(landscape_paths.empty() || (report_page && !output.empty()),
+         "--landscape: is shown in report.html; expected without --report=false");
+  Expect(!resume || !output.empty(), "--resume: expected with --output");
+}
+
+RunResult Identify(const RunOptions& options) {
+  options.Validate();
+  return Run(options).Finish();
+}
+
+}  // namespace clothid

@@ -1,0 +1,79 @@
+// A whole fit as one call: recordings in, a folder of results out. The program `identify` is its command line.
+//
+//   RunOptions options;
+//   options.target_paths = {"drape.motion.bin"};
+//   options.fit.parameters = {"mu", "k_stretch"};
+//   options.output = "/tmp/drape";
+//   const RunResult result = Identify(options);
+//   if (result.exit_code == kExitSuccess) Use(result.summary.values());
+//
+// What happens, in this order: the recordings are read, frames are held out, the gradients compared, the fit is run,
+// from one start or several, then the profiles, the fit at half the step and the prediction of what was held out, then
+// the files are written, all or none.
+#ifndef CLOTHID_IDENTIFY_RUN_H_
+#define CLOTHID_IDENTIFY_RUN_H_
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/motion/motion_file.h"
+#include "datasets/motion/recorded_motion.h"
+#include "identify/base/options.h"
+#include "identify/checks/holdout.h"
+#include "identify/checks/verdict.h"
+#include "identify/fit/fit.h"
+#include "sim/base/error.h"
+
+namespace clothid {
+
+struct RunOptions {
+  // What is fitted, jointly: motion.bin files, or recordings that are in memory. One of the two, the other empty.
+  std::vector<std::string> target_paths;
+  std::vector<RecordedMotion> targets;
+  // Recordings to judge the estimates on, likewise; or those frames of every fitted one. At most one of the three.
+  std::vector<std::string> holdout_paths;
+  std::vector<RecordedMotion> holdouts;
+  std::optional<FrameRange> holdout_frames;
+  ReadMotionOptions reading;    // of all files: scene, start, sigma
+  double step_tolerance = 0.0;  // relative residual of a time step, in all recordings; 0: that of each scene
+  // The fit itself with its callbacks, which see the main fit, and its `cancel`, which ends the whole run.
+  FitOptions fit;
+  // Beside the fit.
+  bool check_gradients = false;              // at the start, before the fit
+  std::vector<std::string> profiles;         // parameters whose profile likelihood is wanted
+  bool check_step = false;                   // the fit once more, at half the time step
+  std::vector<std::string> landscape_paths;  // folders that `landscape` wrote of a recording of `target_paths`
+  // What is written.
+  std::string output;        // the folder; empty: nothing is written
+  bool report_page = true;   // report.html as well
+  bool resume = false;       // goes on with what a killed run left in `output`, and keeps such a journal
+  std::string command_line;  // "flags" of result.json
+  // Told on the thread of the call; may be empty. What they throw leaves `Identify`.
+  std::function<void(const std::vector<std::string>& names)> on_problem;  // of all parameters, before the fit
+  std::function<void(const FitSummary&)> on_fitted;                       // the main fit has ended
+  std::function<void(const FitSummary&)> on_examined;                     // nothing but the files is left to do
+
+  // Throws `Error` (kUsage) naming the first value that is out of range or goes with no other.
+  void Validate() const;
+};
+
+struct RunResult {
+  // Without an estimate (`FitSummary::has_estimate`) its message says why, nothing was written, and `table` is empty.
+  FitSummary summary;
+  FitChecks checks;
+  ExitCode exit_code = kExitNotConverged;  // of `FitExitCode`
+  std::vector<std::string> verdict;        // of `Verdict`
+  std::string table;                       // of `ResultTable`
+};
+
+// Throws `Error`: kUsage for what `Validate` rejects and for parameters that are not fitted or not known; kIo and
+// kBadData for files. Nothing is left behind then, nor where anything else is thrown: an internal error, or what a
+// callback has thrown. How the fit itself ends never throws: see `exit_code`. The same on any number of threads but for
+// the seconds.
+RunResult Identify(const RunOptions& options);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_RUN_H_

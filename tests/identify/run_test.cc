@@ -1,0 +1,216 @@
+// `Identify` as a call: it gives what the program gives, in memory and in files, and tells what it does.
+#include "identify/run.h"
+
+#include <atomic>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "identify/report/result_json.h"
+#include "tests/tools/tool_test.h"
+
+namespace clothid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A result without what differs from one run to the next, and between a program and a call.
+std::string WithoutRun(const std::string& text) {
+  Json json = Json::parse(text);
+  json.erase("seconds");
+  json["provenance"].erase("flags");
+  return json.dump(2);
+}
+
+class RunTest : public ToolTest {
+ protected:
+  RunTest() {
+    const std::string simulate = "simulate --scene " + WriteScene(SphereScene()) + " --noise 1e-4 --set k_stretch=120 ";
+    ExpectSuccess(simulate + "--output fitted.bin");
+    ExpectSuccess(simulate + "--seed 2 --output held_out.bin");
+  }
+
+  std::string Path(const std::string& name) const { return (folder() / name).string(); }
+
+  RunOptions Options() const {
+    RunOptions options;
+    options.target_paths = {Path("fitted.bin")};
+    options.fit.parameters = {"k_stretch"};
+    return options;
+  }
+
+  // Everything that can be asked for beside the fit.
+  RunOptions AllChecks() const {
+    RunOptions options = Options();
+    options.holdout_paths = {Path("held_out.bin")};
+    options.fit.num_starts = 2;
+    options.check_gradients = true;
+    options.check_step = true;
+    options.profiles = {"k_stretch"};
+    return options;
+  }
+
+  void ExpectInvalid(const RunOptions& options, const std::string& culprit) const {
+    const std::set<std::string> before = Files();
+    try {
+      Identify(options);
+      ADD_FAILURE() << "expected an error about " << culprit;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage) << error.what();
+      EXPECT_NE(std::string(error.what()).find(culprit), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(Files(), before);
+  }
+};
+
+TEST_F(RunTest, GivesWhatTheProgramGives) {
+  const ToolResult program =
+      Run("identify --target '" + Path("fitted.bin") + "' --holdout '" + Path("held_out.bin") +
+          "' --fit k_stretch --starts 2 --check_gradients --check_step --profile k_stretch --output by_program");
+  RunOptions options = AllChecks();
+  options.output = Path("by_call");
+  const RunResult result = Identify(options);
+  EXPECT_EQ(result.exit_code, program.exit_code) << program.err;
+  EXPECT_EQ(result.table, program.out);
+  EXPECT_EQ(WithoutRun(ReadBytes(folder() / "by_call/result.json")),
+            WithoutRun(ReadBytes(folder() / "by_program/result.json")));
+  for (const char* name : {"profile.csv", "predicted.bin"}) {
+    EXPECT_EQ(ReadBytes(folder() / "by_call" / name), ReadBytes(folder() / "by_program" / name)) << name;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder() / "by_call/report.html"));
+  // The parts were there to be compared.
+  const Json json = Json::parse(ReadBytes(folder() / "by_call/result.json"));
+  EXPECT_EQ(json["starts"]["results"].size(), 2u) << json["starts"];
+  for (const char* part : {"holdout", "profiles", "step_check", "gradient_check"}) EXPECT_FALSE(json[part].is_null());
+  EXPECT_EQ(json["verdict"], Json(result.verdict));
+}
+
+TEST_F(RunTest, TakesRecordingsInMemoryAndWritesNothingUnasked) {
+  RunOptions options = AllChecks();
+  const RunResult from_files = Identify(options);
+  const std::vector<RecordedMotion> motions = {ReadMotion(options.target_paths.front())};
+  options.targets = motions;
+  options.holdouts = {ReadMotion(options.holdout_paths.front())};
+  options.target_paths.clear();
+  options.holdout_paths.clear();
+  const std::set<std::string> before = Files();
+  const RunResult from_memory = Identify(options);
+  EXPECT_EQ(Files(), before);
+  EXPECT_EQ(WithoutRun(ResultJson(from_memory.summary, from_memory.checks, motions)),
+            WithoutRun(ResultJson(from_files.summary, from_files.checks, motions)));
+  EXPECT_EQ(from_memory.exit_code, from_files.exit_code);
+}
+
+TEST_F(RunTest, TellsWhereItStands) {
+  RunOptions options = AllChecks();
+  std::vector<std::string> told;
+  int num_evaluations = 0;
+  const auto tell = [&told](const std::string& what) {
+    if (told.empty() || told.back() != what) told.push_back(what);
+  };
+  options.on_problem = [&](const std::vector<std::string>& names) { tell("problem of " + names.front()); };
+  options.fit.on_start = [&](int start) { tell("start " + std::to_string(start)); };
+  options.fit.on_iteration = [&](const FitIteration&) { tell("iterations"); };
+  options.fit.on_progress = [&](const EvaluationProgress& progress) { num_evaluations = progress.evaluation; };
+  options.on_fitted = [&](const FitSummary&) { tell("fitted"); };
+  options.on_examined = [&](const FitSummary&) { tell("examined"); };
+  Identify(options);
+  EXPECT_EQ(told, (std::vector<std::string>{"problem of k_stretch", "start 0", "iterations", "start 1", "iterations",
+                                            "fitted", "examined"}))
+      << "of the fits of profiles and of the step check nothing is told";
+  EXPECT_GT(num_evaluations, 0);
+}
+
+TEST_F(RunTest, EndsWhereItIsCancelled) {
+  RunOptions options = AllChecks();
+  options.output = Path("result");
+  std::atomic<bool> cancel{false};
+  options.fit.cancel = &cancel;
+  options.on_fitted = [&](const FitSummary&) { cancel = true; };
+  const RunResult result = Identify(options);
+  EXPECT_EQ(result.exit_code, kExitInterrupted);
+  EXPECT_EQ(result.summary.status, FitStatus::kInterrupted);
+  EXPECT_TRUE(result.checks.profiles.empty());
+  EXPECT_FALSE(result.checks.step_check);
+  EXPECT_TRUE(std::filesystem::exists(folder() / "result/result.json")) << "the best point is not lost";
+  cancel = true;
+  EXPECT_EQ(Identify(options).exit_code, kExitInterrupted) << "before anything was simulated";
+}
+
+TEST_F(RunTest, AGradientCheckThatCannotBeDoneEndsAsNotConverged) {
+  RunOptions options = AllChecks();
+  options.targets = {ReadMotion(options.target_paths.front())};
+  options.target_paths.clear();
+  options.targets.front().scene.solver.max_newton_iterations = 1;
+  options.targets.front().scene.solver.max_substep_halvings = 0;
+  options.output = Path("result");
+  const std::set<std::string> before = Files();
+  const RunResult result = Identify(options);
+  EXPECT_EQ(result.exit_code, kExitNotConverged);
+  EXPECT_EQ(result.summary.message.rfind("gradient check: ", 0), 0u) << result.summary.message;
+  EXPECT_EQ(result.table, "");
+  EXPECT_EQ(Files(), before);
+}
+
+TEST_F(RunTest, WhatACallbackThrowsLeavesTheCallAndNothingBehind) {
+  RunOptions options = Options();
+  options.output = Path("result");
+  options.on_examined = [](const FitSummary&) { throw std::logic_error("a caller's own"); };
+  const std::set<std::string> before = Files();
+  EXPECT_THROW(Identify(options), std::logic_error);
+  EXPECT_EQ(Files(), before);
+}
+
+TEST_F(RunTest, AnInternalErrorOfARolloutIsNoRolloutThatFails) {
+  RunOptions options = Options();
+  options.output = Path("result");
+  options.resume = true;
+  options.fit.on_progress = [](const EvaluationProgress&) { throw std::bad_alloc(); };
+  const std::set<std::string> before = Files();
+  EXPECT_THROW(Identify(options), std::bad_alloc);
+  EXPECT_EQ(Files(), before);
+  bool is_under_way = false;  // so that it is thrown through the optimiser
+  options.fit.on_iteration = [&](const FitIteration&) { is_under_way = true; };
+  options.fit.on_progress = [&](const EvaluationProgress&) {
+    if (is_under_way) throw std::bad_alloc();
+  };
+  EXPECT_THROW(Identify(options), std::bad_alloc);
+  EXPECT_EQ(Files(), before);
+  options.fit.num_threads = 2;
+  options.target_paths.push_back(Path("held_out.bin"));
+  EXPECT_THROW(Identify(options), std::bad_alloc);
+  EXPECT_EQ(Files(), before);
+}
+
+TEST_F(RunTest, RefusesWhatGoesWithNoOther) {
+  ExpectInvalid(RunOptions(), "--target");
+  RunOptions options = Options();
+  options.targets = {ReadMotion(options.target_paths.front())};
+  ExpectInvalid(options, "target_paths");
+  options = AllChecks();
+  options.holdouts = {ReadMotion(options.holdout_paths.front())};
+  ExpectInvalid(options, "holdout_paths");
+  options = AllChecks();
+  options.holdout_frames = FrameRange{1, 3};
+  ExpectInvalid(options, "--holdout_frames");
+  options = Options();
+  options.landscape_paths = {"landscape"};
+  ExpectInvalid(options, "--landscape");
+  options = Options();
+  options.resume = true;
+  ExpectInvalid(options, "--resume");
+  options = Options();
+  options.step_tolerance = -1.0;
+  ExpectInvalid(options, "--step_tolerance");
+  options = Options();
+  options.fit.num_starts = 0;
+  ExpectInvalid(options, "--starts");
+  options = Options();
+  options.profiles = {"mu"};
+  options.output = Path("result");
+  ExpectInvalid(options, "--profile: 'mu'");
+}
+
+}  // namespace
+}  // namespace clothid
