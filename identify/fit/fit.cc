@@ -5,13 +5,13 @@
 #include <ceres/iteration_callback.h>
 #include <ceres/solver.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <optional>
 
+#include "identify/fit/estimate.h"
 #include "identify/fit/evaluator.h"
+#include "identify/fit/gauss_newton.h"
 #include "identify/fit/sigmoid_map.h"
 
 namespace clothid {
@@ -37,50 +37,6 @@ struct PassGoal {
 
 bool IsCancelled(const FitOptions& options) { return options.cancel != nullptr && options.cancel->load(); }
 
-// The blocks that a step may move: not frozen, with influence, not pushed against a bound.
-std::vector<int> MovableBlocks(const FitProblem& problem, const QuadraticModel& model) {
-  std::vector<int> movable;
-  for (int i = 0; i < problem.num_blocks(); ++i) {
-    const ParameterBlock& block = problem.blocks()[i];
-    const double q = model.coordinates[i];
-    const bool is_held = (q <= block.ToCoordinate(block.lower_bound) && model.gradient[i] > 0.0) ||
-                         (q >= block.ToCoordinate(block.upper_bound) && model.gradient[i] < 0.0);
-    if (!block.frozen && model.hessian(i, i) > 0.0 && !is_held) movable.push_back(i);
-  }
-  return movable;
-}
-
-// The undamped Gauss-Newton step [p], zero where nothing may move; nothing where the model is singular.
-std::optional<Eigen::VectorXd> GaussNewtonStep(const FitProblem& problem, const QuadraticModel& model) {
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(model.coordinates.size());
-  const std::vector<int> movable = MovableBlocks(problem, model);
-  if (movable.empty()) return step;
-  const Eigen::VectorXd gradient = model.gradient(movable);
-  const Eigen::MatrixXd hessian = model.hessian(movable, movable);
-  const Eigen::LDLT<Eigen::MatrixXd> factor(hessian);
-  const Eigen::VectorXd solution = factor.solve(-gradient);
-  if (!solution.allFinite() || (hessian * solution + gradient).norm() > 1e-6 * gradient.norm()) return std::nullopt;
-  step(movable) = solution;
-  return step;
-}
-
-// Whether a step changes every parameter by no more than `length` resolutions.
-bool IsShort(const FitProblem& problem, const QuadraticModel& model, const Eigen::VectorXd& step, double length) {
-  for (Eigen::Index i = 0; i < step.size(); ++i) {
-    if (std::abs(step[i]) > length * problem.blocks()[i].Resolution(model.coordinates[i])) return false;
-  }
-  return true;
-}
-
-// Whether the Gauss-Newton step is within the goal. Ceres looks at its tolerances after the rollout of a step; this
-// looks before.
-bool NextStepIsNegligible(const PassGoal& goal, const FitProblem& problem, const QuadraticModel& model) {
-  const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
-  if (!step) return false;
-  return -0.5 * model.gradient.dot(*step) <= goal.function_tolerance * model.cost ||
-         IsShort(problem, model, *step, goal.step);
-}
-
 // Records the best point after every iteration, reports it, and passes on the wish to stop.
 class Recorder : public ceres::IterationCallback {
  public:
@@ -92,8 +48,9 @@ class Recorder : public ceres::IterationCallback {
     Add(goal_.first_iteration + summary.iteration);
     if (IsCancelled(options_)) return ceres::SOLVER_ABORT;
     const bool has_model = options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
-    return has_model && NextStepIsNegligible(goal_, problem_, evaluator_.model()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
-                                                                                  : ceres::SOLVER_CONTINUE;
+    return has_model && NextStepIsNegligible(problem_, evaluator_.model(), goal_.step, goal_.function_tolerance)
+               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+               : ceres::SOLVER_CONTINUE;
   }
 
   void StartPass(const PassGoal& goal) {
@@ -192,19 +149,6 @@ bool IsAt(const QuadraticModel& model, const Eigen::VectorXd& coordinates) {
   return model.coordinates.size() == coordinates.size() && model.coordinates == coordinates;
 }
 
-// Where the Gauss-Newton step leads, within the bounds; stays where there is none or it is not short.
-Eigen::VectorXd NextPoint(const FitProblem& problem, const QuadraticModel& model) {
-  Eigen::VectorXd next = model.coordinates;
-  const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
-  if (!step || !IsShort(problem, model, *step, kShortStep)) return next;
-  next += *step;
-  for (int i = 0; i < problem.num_blocks(); ++i) {
-    const ParameterBlock& block = problem.blocks()[i];
-    next[i] = std::clamp(next[i], block.ToCoordinate(block.lower_bound), block.ToCoordinate(block.upper_bound));
-  }
-  return next;
-}
-
 // Moves to `point` where that works.
 bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, Eigen::VectorXd* coordinates,
             FitEvaluator* evaluator) {
@@ -226,8 +170,8 @@ void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, 
   evaluator->SupersedeBest();
   const Eigen::VectorXd last = *coordinates;
   const bool has_next = last_iteration < options.max_iterations && IsAt(evaluator->model(), last);
-  const bool is_near = (has_next && MoveTo(NextPoint(*problem, evaluator->model()), FitEvaluator::Derivative::kNone,
-                                           coordinates, evaluator)) ||
+  const bool is_near = (has_next && MoveTo(NextPoint(*problem, evaluator->model(), kShortStep),
+                                           FitEvaluator::Derivative::kNone, coordinates, evaluator)) ||
                        MoveTo(last, FitEvaluator::Derivative::kRows, coordinates, evaluator);
   if (!is_near) *coordinates = problem->StartCoordinates();
   PassGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
@@ -274,58 +218,6 @@ void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* eval
   SetStatus(result.termination_type, result.message, *recorder, summary);
 }
 
-PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
-  PredictionError error;
-  for (int r = 0; r < problem.num_recordings(); ++r) {
-    error += problem.cost(r).model().observation().Compare(point.predicted[r]);
-  }
-  return error;
-}
-
-// That of the residuals as the loss weighs them: gross errors, which come and go, hide how the others are correlated.
-// Points of clouds count as they are.
-double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary) {
-  if (!loss.is_robust()) return summary.error.autocorrelation();
-  PredictionError error;
-  for (int r = 0; r < problem.num_recordings(); ++r) {
-    const Observation& observation = problem.cost(r).model().observation();
-    const Eigen::VectorXd residuals = observation.Residuals(summary.predicted[r]);
-    Eigen::VectorXd weights;
-    LossWeights(loss, observation, 0, residuals, &weights);
-    Eigen::MatrixXd predicted = summary.predicted[r];
-    for (int row = 0; row < observation.num_residuals(); ++row) {
-      const SeenCoordinate& seen = observation.coordinates()[row];
-      if (seen.point >= observation.num_points()) continue;
-      predicted(3 * seen.point + seen.axis, seen.frame) +=
-          (weights[row] - 1.0) * residuals[row] * observation.sigma(seen.point);
-    }
-    error += observation.Compare(predicted);
-  }
-  return error.autocorrelation();
-}
-
-void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitSummary* summary) {
-  const FitPoint& best = evaluator.best();
-  const Eigen::VectorXd values = problem.Values(best.coordinates);
-  for (int i = 0; i < problem.num_blocks(); ++i) {
-    const ParameterBlock& block = problem.blocks()[i];
-    FittedParameter parameter;
-    parameter.name = block.name;
-    parameter.frozen = block.frozen;
-    parameter.start = block.start;
-    parameter.value = block.frozen ? block.start : values[i];
-    parameter.at_bound = !block.frozen && block.IsAtBound(best.coordinates[i]);
-    summary->parameters.push_back(parameter);
-  }
-  summary->coordinates = best.coordinates;
-  summary->cost = best.cost;
-  summary->start_error = Compare(problem, evaluator.first());
-  summary->error = Compare(problem, best);
-  summary->start_predicted = evaluator.first().predicted;
-  summary->predicted = best.predicted;
-  summary->counts = best.counts;
-}
-
 bool IsAllFrozen(const FitProblem& problem) {
   return std::all_of(problem.blocks().begin(), problem.blocks().end(),
                      [](const ParameterBlock& block) { return block.frozen; });
@@ -353,26 +245,6 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
 }
 
 }  // namespace
-
-std::string FitStatusName(FitStatus status) {
-  switch (status) {
-    case FitStatus::kConverged:
-      return "converged";
-    case FitStatus::kNotConverged:
-      return "not_converged";
-    case FitStatus::kFailed:
-      return "failed";
-    case FitStatus::kInterrupted:
-      return "interrupted";
-  }
-  return "unknown";
-}
-
-Eigen::VectorXd FitSummary::values() const {
-  Eigen::VectorXd values(static_cast<Eigen::Index>(parameters.size()));
-  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = parameters[i].value;
-  return values;
-}
 
 FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   FitSummary summary;

@@ -126,6 +126,18 @@ std::shared_ptr<EvaluationTracker> MakeTracker(const ProgressObserver& observer)
   });
 }
 
+// What the costs of all recordings share.
+RolloutCostOptions CostOptions(const FitOptions& options) {
+  RolloutCostOptions cost_options;
+  cost_options.jacobian = options.jacobian;
+  cost_options.adjoint = options.adjoint;
+  cost_options.loss = options.loss;
+  cost_options.cancel = options.cancel;
+  cost_options.keep_factors = options.method == FitMethod::kLbfgs && options.jacobian == JacobianMethod::kAdjoint &&
+                              options.adjoint.method == AdjointMethod::kReduced;
+  return cost_options;
+}
+
 }  // namespace
 
 bool HasParameter(const Scene& scene, const std::string& name) {
@@ -149,37 +161,34 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   if (std::all_of(blocks_.begin(), blocks_.end(), [](const ParameterBlock& block) { return block.frozen; })) {
     throw Error(ErrorKind::kUsage, "--fit: every parameter is frozen by the scene");
   }
-
-  RolloutCostOptions cost_options;
-  cost_options.jacobian = options.jacobian;
-  cost_options.adjoint = options.adjoint;
-  cost_options.loss = options.loss;
-  cost_options.cancel = options.cancel;
-  cost_options.keep_factors = options.method == FitMethod::kLbfgs && options.jacobian == JacobianMethod::kAdjoint &&
-                              options.adjoint.method == AdjointMethod::kReduced;
   if (options.on_progress) tracker_ = MakeTracker(options.on_progress);
   const bool has_journal = !options.journal_folder.empty();
   const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
   for (const RecordedMotion& motion : motions) {
-    std::vector<int> indices;
-    std::vector<ParameterBlock> blocks;
-    for (int i = 0; i < num_blocks(); ++i) {
-      if (!Concerns(blocks_[i], motion, num_recordings())) continue;
-      indices.push_back(i);
-      blocks.push_back(blocks_[i]);
-    }
-    cost_options.starts_with_sensitivities =
-        options.method == FitMethod::kLevenbergMarquardt && static_cast<int>(indices.size()) <= kMaxFirstSensitivities;
+    RolloutCostOptions cost_options = CostOptions(options);
     if (has_journal) cost_options.journal = OpenJournal(options, fingerprint, num_recordings());
-    if (tracker_ != nullptr) {
-      cost_options.on_step = [tracker = tracker_, recording = num_recordings()](const PassStep& step) {
-        tracker->AddStep(recording, step);
-      };
-    }
-    costs_.push_back(std::make_unique<RolloutCost>(motion, std::move(blocks), cost_options));
-    if (tracker_ != nullptr) tracker_->AddRecording(costs_.back()->model().num_steps());
-    block_indices_.push_back(std::move(indices));
+    AddCost(motion, options, std::move(cost_options));
   }
+}
+
+void FitProblem::AddCost(const RecordedMotion& motion, const FitOptions& options, RolloutCostOptions cost_options) {
+  std::vector<int> indices;
+  std::vector<ParameterBlock> blocks;
+  for (int i = 0; i < num_blocks(); ++i) {
+    if (!Concerns(blocks_[i], motion, num_recordings())) continue;
+    indices.push_back(i);
+    blocks.push_back(blocks_[i]);
+  }
+  cost_options.starts_with_sensitivities =
+      options.method == FitMethod::kLevenbergMarquardt && static_cast<int>(indices.size()) <= kMaxFirstSensitivities;
+  if (tracker_ != nullptr) {
+    cost_options.on_step = [tracker = tracker_, recording = num_recordings()](const PassStep& step) {
+      tracker->AddStep(recording, step);
+    };
+  }
+  costs_.push_back(std::make_unique<RolloutCost>(motion, std::move(blocks), cost_options));
+  if (tracker_ != nullptr) tracker_->AddRecording(costs_.back()->model().num_steps());
+  block_indices_.push_back(std::move(indices));
 }
 
 void FitProblem::SetStart(const Eigen::VectorXd& coordinates) {

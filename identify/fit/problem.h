@@ -57,6 +57,9 @@ class FitProblem {
   std::unique_ptr<ceres::Problem> MakeCeresProblem(ceres::EvaluationCallback* callback, Eigen::VectorXd* coordinates);
 
  private:
+  // Of the next recording, with the blocks that concern it.
+  void AddCost(const RecordedMotion& motion, const FitOptions& options, RolloutCostOptions cost_options);
+
   std::vector<ParameterBlock> blocks_;
   std::shared_ptr<EvaluationTracker> tracker_;  // told by the costs, too
   std::vector<std::unique_ptr<RolloutCost>> costs_;

@@ -1,0 +1,22 @@
+// What a fit says of the best point that it has evaluated.
+#ifndef CLOTHID_IDENTIFY_FIT_ESTIMATE_H_
+#define CLOTHID_IDENTIFY_FIT_ESTIMATE_H_
+
+#include "costs/prediction/robust_loss.h"
+#include "identify/fit/evaluator.h"
+#include "identify/fit/fit_summary.h"
+#include "identify/fit/problem.h"
+
+namespace clothid {
+
+// Parameters, errors and predictions of the evaluator's first and best point, which must be valid. Leaves the rest of
+// `summary` as it is.
+void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitSummary* summary);
+
+// The autocorrelation from frame to frame at the estimate, of the residuals as the loss weighs them: gross errors,
+// which come and go, hide how the others are correlated. Points of clouds count as they are.
+double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_FIT_ESTIMATE_H_
