@@ -81,7 +81,7 @@ TEST_F(RunTest, GivesWhatTheProgramGives) {
   EXPECT_TRUE(std::filesystem::exists(folder() / "by_call/report.html"));
   // The parts were there to be compared.
   const Json json = Json::parse(ReadBytes(folder() / "by_call/result.json"));
-  EXPECT_EQ(json["starts"]["results"].size(), 2u) << json["starts"];
+  EXPECT_EQ(json["starts"]["starts"].size(), 2u) << json["starts"];
   for (const char* part : {"holdout", "profiles", "step_check", "gradient_check"}) EXPECT_FALSE(json[part].is_null());
   EXPECT_EQ(json["verdict"], Json(result.verdict));
 }
