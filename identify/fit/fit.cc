@@ -20,14 +20,14 @@ namespace {
 // The first trust region of Levenberg-Marquardt: its inverse is the damping relative to the diagonal of J^T J. The
 // problems are small and their Jacobians exact, so a step may be nearly Gauss-Newton's from the start.
 constexpr double kInitialTrustRegion = 1e2;
-// Of a pass that starts near the solution, as far as the region grows on the way there.
+// Of a stage that starts near the solution, as far as the region grows on the way there.
 constexpr double kNearTrustRegion = 1e4;
-// The loose pass ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
+// The loose stage ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
 // what a Gauss-Newton step misses, and about what loose rollouts do.
 constexpr double kShortStep = 5e4;
 
-// What a pass of the optimiser is to reach.
-struct PassGoal {
+// What a stage of the fit is to reach: a run of the optimiser at one precision.
+struct StageGoal {
   Precision precision = Precision::kFull;
   double step = 1.0;                // the next step, in resolutions of the parameters, ...
   double function_tolerance = 0.0;  // ... or its relative decrease of the cost
@@ -53,7 +53,7 @@ class Recorder : public ceres::IterationCallback {
                : ceres::SOLVER_CONTINUE;
   }
 
-  void StartPass(const PassGoal& goal) {
+  void StartStage(const StageGoal& goal) {
     goal_ = goal;
     num_failures_ = evaluator_.num_failures();
   }
@@ -92,7 +92,7 @@ class Recorder : public ceres::IterationCallback {
   const FitOptions& options_;
   const FitProblem& problem_;
   const FitEvaluator& evaluator_;
-  PassGoal goal_;
+  StageGoal goal_;
   int num_failures_ = 0;  // until the last iteration
   std::chrono::steady_clock::time_point start_;
   std::vector<FitIteration> iterations_;
@@ -115,7 +115,7 @@ FitStatus StatusOf(ceres::TerminationType type) {
 // Steps that lead to points that fail are cut until they meet the tolerances. That is no minimum.
 void SetStatus(ceres::TerminationType type, const std::string& message, const Recorder& recorder, FitSummary* summary) {
   summary->status = StatusOf(type);
-  // Ceres says it of the last pass alone.
+  // Ceres says it of the last stage alone.
   summary->message = type == ceres::NO_CONVERGENCE ? "stopped at max_iterations" : message;
   if (recorder.failure().empty()) return;
   if (summary->status == FitStatus::kFailed) summary->message = recorder.failure();
@@ -125,7 +125,7 @@ void SetStatus(ceres::TerminationType type, const std::string& message, const Re
   }
 }
 
-void RunLevenbergMarquardt(const FitOptions& options, const PassGoal& goal, FitProblem* problem,
+void RunLevenbergMarquardt(const FitOptions& options, const StageGoal& goal, FitProblem* problem,
                            Eigen::VectorXd* coordinates, FitEvaluator* evaluator, Recorder* recorder,
                            FitSummary* summary) {
   const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(evaluator, coordinates);
@@ -139,7 +139,7 @@ void RunLevenbergMarquardt(const FitOptions& options, const PassGoal& goal, FitP
   solver.num_threads = 1;  // the evaluator has its own
   solver.logging_type = ceres::SILENT;
   solver.callbacks.push_back(recorder);
-  recorder->StartPass(goal);
+  recorder->StartStage(goal);
   ceres::Solver::Summary result;
   ceres::Solve(solver, ceres_problem.get(), &result);
   SetStatus(result.termination_type, result.message, *recorder, summary);
@@ -158,11 +158,11 @@ bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, E
   return true;
 }
 
-// The loose pass, and the full one from where its last step leads, so that no point is simulated with both. Points that
-// work loosely may fail with full precision; where these do, the full pass starts where the fit did.
+// The loose stage, and the full one from where its last step leads, so that no point is simulated with both. Points
+// that work loosely may fail with full precision; where these do, the full stage starts where the fit did.
 void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
                                 FitEvaluator* evaluator, Recorder* recorder, FitSummary* summary) {
-  const PassGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
+  const StageGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
   RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
   if (IsCancelled(options)) return;
   const int last_iteration = recorder->iterations().empty() ? 0 : recorder->iterations().back().iteration;
@@ -174,7 +174,7 @@ void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, 
                                            FitEvaluator::Derivative::kNone, coordinates, evaluator)) ||
                        MoveTo(last, FitEvaluator::Derivative::kRows, coordinates, evaluator);
   if (!is_near) *coordinates = problem->StartCoordinates();
-  PassGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
+  StageGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
   if (!is_near) full.trust_region = kInitialTrustRegion;
   RunLevenbergMarquardt(options, full, problem, coordinates, evaluator, recorder, summary);
 }
@@ -223,7 +223,7 @@ bool IsAllFrozen(const FitProblem& problem) {
                      [](const ParameterBlock& block) { return block.frozen; });
 }
 
-// L-BFGS would lose its picture of the curvature between two passes.
+// L-BFGS would lose its picture of the curvature between two stages.
 bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
   return options.precision == FitPrecision::kAdaptive && options.method == FitMethod::kLevenbergMarquardt &&
          options.jacobian != JacobianMethod::kNumeric && !IsAllFrozen(problem);
@@ -237,7 +237,7 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
   } else if (IsAdaptive(options, *problem)) {
     RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
   } else if (options.method == FitMethod::kLevenbergMarquardt) {
-    const PassGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, 0};
+    const StageGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, 0};
     RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
   } else {
     RunLbfgs(options, problem, evaluator, recorder, summary);

@@ -242,7 +242,7 @@ TEST(StabilityGradientTest, SaysWhyItCannotCheck) {
   Scene impossible = Cell("drape", 1000.0, 30, 0.35);
   impossible.solver.max_newton_iterations = 1;
   impossible.solver.max_substep_halvings = 0;
-  const GradientCheck failed = CheckGradient(impossible, 1);
+  const StabilityGradient failed = CheckGradient(impossible, 1);
   EXPECT_FALSE(failed.is_checkable());
   EXPECT_TRUE(std::isnan(failed.error()));
   EXPECT_EQ(failed.Reasons().rfind("the rollout failed: step 1 did not converge", 0), 0u) << failed.Reasons();
