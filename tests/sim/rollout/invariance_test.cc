@@ -17,6 +17,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/adjoint.h"
 #include "sim/rollout/simulator.h"
+#include "tests/sim/plain_scenes.h"
 #include "tests/sim/property_seeds.h"
 #include "tests/sim/random_numbers.h"
 #include "tests/sim/random_scene.h"
@@ -199,6 +200,33 @@ TEST(InvarianceTest, APathThatStandsStillIsNoPath) {
     standing.handles.path = HandlePath(Eigen::Vector2d(fixed.start_time, fixed.start_time + fixed.duration), path);
     EXPECT_EQ(Distance(fixed, Roll(fixed), RigidMotion(), Roll(standing)), 0.0);
   }
+}
+
+// Multiplying k, k_b, density, drag and damping by one factor multiplies every term of a step but leaves its root.
+// A factor of 4 does so without any rounding.
+TEST(InvarianceTest, ACommonFactorOfAllConstantsIsInvisibleWithoutContact) {
+  GridOptions grid = SquareGrid(6, 0.3);
+  Scene scene = ClothScene(grid, 0.01);
+  scene.handles.nodes = {0, 5};
+  scene.wind.gust = Eigen::Vector3d(0.0, 3.0, 1.0);
+  scene.wind.frequency = 9.0;
+  scene.material = {0.2, 80.0, 1e-3, 0.3, 0.4};
+  constexpr int kNumSteps = 40;
+  const Eigen::VectorXd positions = SimulateNominal(scene, kNumSteps).positions(kNumSteps);
+  const auto scaled = [&](double factor) {
+    Scene heavier = scene;
+    Material& material = heavier.material;
+    for (double* constant : {&material.density, &material.stretch_stiffness, &material.bending_stiffness,
+                             &material.drag, &material.damping}) {
+      *constant *= factor;
+    }
+    return SimulateNominal(heavier, kNumSteps).positions(kNumSteps);
+  };
+  EXPECT_EQ(scaled(4.0), positions);
+  EXPECT_LT((scaled(3.0) - positions).norm(), 1e-9 * positions.norm());
+  // It is all of them that must change together.
+  scene.material.damping *= 3.0;
+  EXPECT_GT((SimulateNominal(scene, kNumSteps).positions(kNumSteps) - positions).norm(), 1e-5 * positions.norm());
 }
 
 }  // namespace

@@ -1,15 +1,117 @@
-// Internal damping against what is known in closed form, and the factor common to all constants.
+// Internal damping against differences, and a damped cloth against what is known in closed form.
+#include "sim/cloth/strain_rate_damping.h"
+
 #include <gtest/gtest.h>
 
-#include <Eigen/Core>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "sim/scene/parameters.h"
+#include "tests/sim/cloth/strained_grid.h"
 #include "tests/sim/plain_scenes.h"
 
 namespace clothid {
 namespace {
+
+// A step from x_n = start_ to positions_, in which the cloth is strained, turned and moved.
+class StrainRateDampingTest : public StrainedGridTest {
+ protected:
+  StrainRateDampingTest() : damping_(triangles_) {
+    std::mt19937_64 generator(5);
+    std::normal_distribution<double> normal;
+    start_ = 1.1 * rest_;
+    for (double& x : start_) x += 0.01 * normal(generator);
+    start_ = Moved(start_, 1.0);
+  }
+
+  std::vector<MetricBatch> Metrics(const Eigen::VectorXd& positions) const {
+    std::vector<MetricBatch> metrics;
+    damping_.SetMetrics(positions, &metrics);
+    return metrics;
+  }
+
+  // The force at `positions` of a step from `start`, for eta = 1; `potential` may be null.
+  Eigen::VectorXd Force(const Eigen::VectorXd& start, const Eigen::VectorXd& positions, double* potential) const {
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
+    const double value = damping_.AddForce(1.0, kTimeStep, Metrics(start), positions, &force);
+    if (potential != nullptr) *potential = value;
+    return force;
+  }
+
+  Eigen::MatrixXd Hessian(HessianKind kind, const Eigen::VectorXd& start, const Eigen::VectorXd& positions) const {
+    BlockMatrix hessian(pattern_);
+    damping_.AddHessian(1.0, kTimeStep, kind, Metrics(start), positions, &hessian);
+    hessian.CompleteFromLower();
+    return Eigen::MatrixXd(hessian.view());
+  }
+
+  Eigen::MatrixXd MixedProduct(const Eigen::VectorXd& positions, const Eigen::VectorXd& start,
+                               const Eigen::MatrixXd& columns) const {
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+    damping_.AddMixedProduct(1.0, kTimeStep, positions, start, columns, &product);
+    return product;
+  }
+
+  static constexpr double kTimeStep = 0.01;    // s
+  static constexpr double kDifference = 1e-6;  // of a position, relative to direction_
+  StrainRateDamping damping_;
+  Eigen::VectorXd start_;
+};
+
+TEST_F(StrainRateDampingTest, ForceIsTheGradientOfTheDissipationPotential) {
+  double plus = 0.0, minus = 0.0;
+  Force(start_, positions_ + kDifference * direction_, &plus);
+  Force(start_, positions_ - kDifference * direction_, &minus);
+  const double difference = (plus - minus) / (2.0 * kDifference);
+  EXPECT_NEAR(-Force(start_, positions_, nullptr).dot(direction_), difference, 1e-7 * std::abs(difference));
+}
+
+TEST_F(StrainRateDampingTest, HessianIsTheSecondDerivative) {
+  const Eigen::MatrixXd hessian = Hessian(HessianKind::kExact, start_, positions_);
+  EXPECT_LT((hessian - hessian.transpose()).norm(), 1e-13 * hessian.norm());
+  const Eigen::VectorXd difference = (Force(start_, positions_ - kDifference * direction_, nullptr) -
+                                      Force(start_, positions_ + kDifference * direction_, nullptr)) /
+                                     (2.0 * kDifference);
+  EXPECT_LT((hessian * direction_ - difference).norm(), 1e-7 * difference.norm());
+}
+
+TEST_F(StrainRateDampingTest, MixedProductIsTheDerivativeByTheStart) {
+  const Eigen::VectorXd difference = (Force(start_ - kDifference * direction_, positions_, nullptr) -
+                                      Force(start_ + kDifference * direction_, positions_, nullptr)) /
+                                     (2.0 * kDifference);
+  EXPECT_LT((MixedProduct(positions_, start_, direction_) - difference).norm(), 1e-7 * difference.norm());
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(rest_.size(), rest_.size());
+  const Eigen::MatrixXd matrix = MixedProduct(positions_, start_, identity);
+  EXPECT_GT((matrix - matrix.transpose()).norm(), 1e-3 * matrix.norm());
+  EXPECT_LT((MixedProduct(start_, positions_, identity) - matrix.transpose()).norm(), 1e-13 * matrix.norm());
+}
+
+TEST_F(StrainRateDampingTest, RigidMotionOfAnySizeIsFree) {
+  const double straining = Force(start_, positions_, nullptr).norm();
+  for (const double angle : {1e-3, 0.5, 2.0, 3.1}) {
+    double potential = 1.0;
+    EXPECT_LT(Force(start_, Moved(start_, angle), &potential).norm(), 1e-12 * straining) << angle;
+    EXPECT_LT(potential, 1e-24) << angle;
+  }
+}
+
+TEST_F(StrainRateDampingTest, ClampedHessianIsPositiveSemidefinite) {
+  const Eigen::VectorXd shrunk = 0.7 * start_;
+  EXPECT_LT(LowestEigenvalue(Hessian(HessianKind::kExact, start_, shrunk)), -1e-3);
+  EXPECT_GT(LowestEigenvalue(Hessian(HessianKind::kClamped, start_, shrunk)), -1e-12);
+  // Where every strain grows nothing is clamped.
+  const Eigen::VectorXd grown = 1.3 * start_;
+  const Eigen::MatrixXd exact = Hessian(HessianKind::kExact, start_, grown);
+  EXPECT_LT((exact - Hessian(HessianKind::kClamped, start_, grown)).norm(), 1e-12 * exact.norm());
+}
+
+// F from diag(1, 1) to diag(1.2, 1) in a step: W/eta = area (1.44 - 1)^2/(8 h).
+TEST_F(StrainRateDampingTest, PotentialOfAUniformStretch) {
+  double potential = 0.0;
+  Force(rest_, StretchedAlongX(rest_, 1.2), &potential);
+  EXPECT_NEAR(potential, 0.06 * 0.44 * 0.44 / (8.0 * kTimeStep), 1e-14);
+}
 
 // Of a sleeve held by its upper rim that oscillates along its axis in its slowest mode, without gravity. Its rings are
 // a chain of equal springs and masses, the last mass half as large: z_j = sin(j theta), theta = pi/(2 n) for n springs,
@@ -69,7 +171,7 @@ Material SleeveMaterial(double damping) {
 
 // In a mode of small amplitude z: z_{n+1} - 2 z_n + z_{n-1} = -h^2 omega^2 z_{n+1} - h beta (z_{n+1} - z_n) with
 // beta = eta/k omega^2, z_{-1} = z_0.
-TEST(InternalDampingTest, SleeveMeetsTheDiscreteFormula) {
+TEST(DampedSleeveTest, SleeveMeetsTheDiscreteFormula) {
   const SleeveOscillation sleeve;
   constexpr double kTimeStep = 0.005;
   for (const double damping : {0.0, 0.05, 2.0, 40.0}) {  // from undamped to creeping
@@ -91,7 +193,7 @@ TEST(InternalDampingTest, SleeveMeetsTheDiscreteFormula) {
 // The rate eta omega^2/(2 k) of Kelvin-Voigt damping with h omega^2/2 of backward Euler itself added. Each step divides
 // the amplitude by sqrt(1 + x), x = h beta + h^2 omega^2, so the rate falls short of x/(2 h) by nearly the share x/2;
 // the tolerance is the share x (0.14 % at the finest h here).
-TEST(InternalDampingTest, DecayTendsToTheRateOfKelvinVoigt) {
+TEST(DampedSleeveTest, DecayTendsToTheRateOfKelvinVoigt) {
   const SleeveOscillation sleeve;
   const Material material = SleeveMaterial(0.02);
   const double squared_frequency = sleeve.squared_frequency(material);
@@ -107,33 +209,6 @@ TEST(InternalDampingTest, DecayTendsToTheRateOfKelvinVoigt) {
     EXPECT_LT(error, 0.6 * last_error) << "h " << time_step;
     last_error = error;
   }
-}
-
-// Multiplying k, k_b, density, drag and damping by one factor multiplies every term of a step but leaves its root.
-// A factor of 4 does so without any rounding.
-TEST(ScalingTest, ACommonFactorOfAllConstantsIsInvisibleWithoutContact) {
-  GridOptions grid = SquareGrid(6, 0.3);
-  Scene scene = ClothScene(grid, 0.01);
-  scene.handles.nodes = {0, 5};
-  scene.wind.gust = Eigen::Vector3d(0.0, 3.0, 1.0);
-  scene.wind.frequency = 9.0;
-  scene.material = {0.2, 80.0, 1e-3, 0.3, 0.4};
-  constexpr int kNumSteps = 40;
-  const Eigen::VectorXd positions = SimulateNominal(scene, kNumSteps).positions(kNumSteps);
-  const auto scaled = [&](double factor) {
-    Scene heavier = scene;
-    Material& material = heavier.material;
-    for (double* constant : {&material.density, &material.stretch_stiffness, &material.bending_stiffness,
-                             &material.drag, &material.damping}) {
-      *constant *= factor;
-    }
-    return SimulateNominal(heavier, kNumSteps).positions(kNumSteps);
-  };
-  EXPECT_EQ(scaled(4.0), positions);
-  EXPECT_LT((scaled(3.0) - positions).norm(), 1e-9 * positions.norm());
-  // It is all of them that must change together.
-  scene.material.damping *= 3.0;
-  EXPECT_GT((SimulateNominal(scene, kNumSteps).positions(kNumSteps) - positions).norm(), 1e-5 * positions.norm());
 }
 
 }  // namespace
