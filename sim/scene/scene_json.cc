@@ -13,6 +13,7 @@
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/handle_csv.h"
+#include "sim/scene/mesh_json.h"
 #include "sim/scene/obstacle_json.h"
 
 namespace clothid {
@@ -92,58 +93,13 @@ class SceneReader {
     scene_.contact_mode = mode->String() == "gap" ? ContactMode::kGap : ContactMode::kVelocity;
   }
 
-  // A recording brings its own mesh; the one in the text then has to be of the same size, and its file is not opened.
   void ReadMesh() {
-    if (defaults_.has_mesh) scene_.mesh = defaults_.mesh;
-    const std::string expected = "{\"grid\": {..}} or {\"obj\": \"FILE\"}";
-    if (defaults_.has_mesh && !root_.Find("mesh")) return;
-    const JsonNode mesh = root_.Require("mesh", expected);
-    mesh.ExpectKeys({"grid", "obj"});
-    const auto grid = mesh.Find("grid"), obj = mesh.Find("obj");
-    if (grid.has_value() == obj.has_value()) mesh.Fail("expected either " + expected);
-    if (grid) {
-      const GridOptions options = ReadGrid(*grid);
-      if (!defaults_.has_mesh) scene_.mesh = MakeGrid(options);
-      const int nodes = options.nodes[0] * options.nodes[1];
-      if (nodes != scene_.mesh.num_nodes()) {
-        grid->Fail("expected the " + std::to_string(scene_.mesh.num_nodes()) + " nodes of the recording, found " +
-                   std::to_string(nodes));
-      }
+    const Mesh* recorded = defaults_.has_mesh ? &defaults_.mesh : nullptr;
+    if (recorded != nullptr && !root_.Find("mesh")) {
+      scene_.mesh = *recorded;
     } else {
-      const std::string path = obj->Path(folder_);
-      if (defaults_.has_mesh) return;
-      scene_.mesh = ReadObj(path);
-      ValidateMesh(scene_.mesh, path);
+      scene_.mesh = clothid::ReadMesh(root_.Require("mesh", kMeshForms), folder_, recorded);
     }
-  }
-
-  static GridOptions ReadGrid(const JsonNode& grid) {
-    GridOptions options;
-    grid.ExpectKeys({"nodes", "size", "origin", "axes"});
-    const auto nodes = Pair(grid.Require("nodes", "two integers >= 2"), "two integers >= 2");
-    const auto size = Pair(grid.Require("size", "two numbers > 0 (m)"), "two numbers > 0 (m)");
-    for (std::size_t k = 0; k < 2; ++k) {
-      options.nodes[k] = nodes[k].Integer(2, kMaxNodes);
-      options.size[k] = size[k].PositiveNumber();
-    }
-    if (options.nodes[0] > kMaxNodes / options.nodes[1]) {
-      grid.Fail("expected at most " + std::to_string(kMaxNodes) + " nodes");
-    }
-    ReadVector(grid, "origin", &options.origin);
-    const auto axes = grid.Find("axes");
-    if (!axes) return options;
-    const auto axis = Pair(*axes, "two directions");
-    options.axes = {axis[0].Vector3(), axis[1].Vector3()};
-    // Axes closer to parallel than this are a slip of the pen, not a sheared cloth.
-    constexpr double kLeastSine = 1e-3;
-    const double sine = options.axes[0].stableNormalized().cross(options.axes[1].stableNormalized()).norm();
-    if (!(sine > kLeastSine)) axes->Fail("expected two directions that are not parallel");
-    return options;
-  }
-
-  static std::vector<JsonNode> Pair(const JsonNode& node, const std::string& expected) {
-    if (!node.is(Kind::kArray) || node.items().size() != 2) node.Fail("expected " + expected);
-    return node.items();
   }
 
   void ReadHandles() {

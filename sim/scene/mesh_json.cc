@@ -1,0 +1,61 @@
+#include "sim/scene/mesh_json.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace clothid {
+namespace {
+
+std::vector<JsonNode> Pair(const JsonNode& node, const std::string& expected) {
+  if (!node.is(JsonValue::Kind::kArray) || node.items().size() != 2) node.Fail("expected " + expected);
+  return node.items();
+}
+
+GridOptions ReadGrid(const JsonNode& grid) {
+  GridOptions options;
+  grid.ExpectKeys({"nodes", "size", "origin", "axes"});
+  const auto nodes = Pair(grid.Require("nodes", "two integers >= 2"), "two integers >= 2");
+  const auto size = Pair(grid.Require("size", "two numbers > 0 (m)"), "two numbers > 0 (m)");
+  for (std::size_t k = 0; k < 2; ++k) {
+    options.nodes[k] = nodes[k].Integer(2, kMaxNodes);
+    options.size[k] = size[k].PositiveNumber();
+  }
+  if (options.nodes[0] > kMaxNodes / options.nodes[1]) {
+    grid.Fail("expected at most " + std::to_string(kMaxNodes) + " nodes");
+  }
+  if (const auto origin = grid.Find("origin")) options.origin = origin->Vector3();
+  const auto axes = grid.Find("axes");
+  if (!axes) return options;
+  const auto axis = Pair(*axes, "two directions");
+  options.axes = {axis[0].Vector3(), axis[1].Vector3()};
+  // Axes closer to parallel than this are a slip of the pen, not a sheared cloth.
+  constexpr double kLeastSine = 1e-3;
+  const double sine = options.axes[0].stableNormalized().cross(options.axes[1].stableNormalized()).norm();
+  if (!(sine > kLeastSine)) axes->Fail("expected two directions that are not parallel");
+  return options;
+}
+
+}  // namespace
+
+Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded) {
+  node.ExpectKeys({"grid", "obj"});
+  const auto grid = node.Find("grid"), obj = node.Find("obj");
+  if (grid.has_value() == obj.has_value()) node.Fail(std::string("expected either ") + kMeshForms);
+  if (grid) {
+    const GridOptions options = ReadGrid(*grid);
+    if (recorded == nullptr) return MakeGrid(options);
+    const int num_nodes = options.nodes[0] * options.nodes[1];
+    if (num_nodes != recorded->num_nodes()) {
+      grid->Fail("expected the " + std::to_string(recorded->num_nodes()) + " nodes of the recording, found " +
+                 std::to_string(num_nodes));
+    }
+    return *recorded;
+  }
+  const std::string path = obj->Path(folder);
+  if (recorded != nullptr) return *recorded;
+  Mesh mesh = ReadObj(path);
+  ValidateMesh(mesh, path);
+  return mesh;
+}
+
+}  // namespace clothid
