@@ -1,9 +1,10 @@
+#include "datasets/motion/motion_validation.h"
+
 #include <cfloat>
 #include <cmath>
 #include <set>
 
 #include "datasets/files/safetensors.h"
-#include "datasets/motion/motion_container.h"
 #include "sim/base/error.h"
 
 namespace clothid {
