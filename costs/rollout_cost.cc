@@ -7,7 +7,7 @@
 
 namespace clothid {
 
-using Need = RolloutEvaluator::Need;
+using Need = EvaluationNeed;
 
 RolloutCost::RolloutCost(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
                          const RolloutCostOptions& options)
@@ -25,7 +25,8 @@ bool RolloutCost::Evaluate(double const* const* parameters, double* residuals, d
     coordinates[i] = parameters[i][0];
     if (jacobians != nullptr && jacobians[i] != nullptr) active.push_back(i);
   }
-  const RolloutEvaluation& evaluation = evaluator_->At(coordinates, active.empty() ? Need::kCost : Need::kRows, active);
+  const RolloutEvaluation& evaluation =
+      evaluator_->At({coordinates, precision_, active.empty() ? Need::kCost : Need::kRows, active});
   if (!evaluation.ok()) return false;
 
   Eigen::Map<Eigen::VectorXd> out(residuals, num_residuals());
@@ -49,7 +50,7 @@ bool RolloutCost::Evaluate(double const* const* parameters, double* residuals, d
 
 bool RolloutCost::EvaluateGradient(const Eigen::VectorXd& coordinates, double* cost, Eigen::VectorXd* gradient) const {
   const Need need = gradient == nullptr ? Need::kCost : Need::kGradient;
-  const RolloutEvaluation& evaluation = evaluator_->At(coordinates, need, evaluator_->free_blocks());
+  const RolloutEvaluation& evaluation = evaluator_->At({coordinates, precision_, need, evaluator_->free_blocks()});
   if (!evaluation.ok()) return false;
   *cost = evaluation.cost;
   if (gradient != nullptr) *gradient = evaluation.gradient;
@@ -58,7 +59,8 @@ bool RolloutCost::EvaluateGradient(const Eigen::VectorXd& coordinates, double* c
 
 bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
                             Eigen::MatrixXd* frame_scores) const {
-  const RolloutEvaluation& evaluation = evaluator_->At(coordinates, Need::kExactRows, evaluator_->free_blocks());
+  const RolloutEvaluation& evaluation =
+      evaluator_->At({coordinates, precision_, Need::kExactRows, evaluator_->free_blocks()});
   if (!evaluation.ok()) return false;
   const ResidualRows& rows = evaluation.exact_rows;
   *jacobian = Eigen::MatrixXd::Zero(rows.jacobian.rows(), coordinates.size());
@@ -72,14 +74,14 @@ bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd*
 }
 
 bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts) const {
-  const RolloutEvaluation& evaluation = evaluator_->At(coordinates, Need::kCost, {});
+  const RolloutEvaluation& evaluation = evaluator_->At({coordinates, precision_, Need::kCost, {}});
   if (!evaluation.ok()) return false;
   *predicted = evaluation.predicted;
   if (counts != nullptr) *counts = evaluation.counts;
   return true;
 }
 
-void RolloutCost::SetPrecision(Precision precision) { evaluator_->SetPrecision(precision); }
+void RolloutCost::SetPrecision(Precision precision) { precision_ = precision; }
 
 void RolloutCost::Restart() { evaluator_->ForgetJacobian(); }
 

@@ -70,6 +70,7 @@ class RolloutCost : public ceres::CostFunction {
 
  private:
   std::unique_ptr<RolloutEvaluator> evaluator_;
+  Precision precision_ = Precision::kFull;
 };
 
 }  // namespace clothid

@@ -67,7 +67,7 @@ Scene SceneAtStart(Scene scene, const Parameters& start) {
 
 }  // namespace
 
-RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks)
+RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer)
     : name_(motion.name),
       blocks_(std::move(blocks)),
       ids_(ParseIds(blocks_, motion.scene)),
@@ -78,7 +78,8 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       turn_center_(TurnCenter(motion)),
       initial_velocities_(motion.scene.initial_velocities),
       full_precision_(motion.scene.solver),
-      simulator_(SceneAtStart(motion.scene, start_)) {}
+      simulator_(SceneAtStart(motion.scene, start_)),
+      observer_(std::move(observer)) {}
 
 Parameters RecordingModel::ParametersAt(const Eigen::VectorXd& coordinates) const {
   Parameters parameters = start_;
@@ -134,65 +135,73 @@ Eigen::VectorXd RecordingModel::ValueDerivatives(const Eigen::VectorXd& coordina
   return derivatives;
 }
 
-void RecordingModel::SetPrecision(Precision precision) {
-  double step_tolerance = full_precision_.step_tolerance, adjoint_tolerance = full_precision_.adjoint_tolerance;
+SolverOptions RecordingModel::SolverAt(Precision precision) const {
+  SolverOptions solver = full_precision_;
   if (precision == Precision::kLoose) {
-    step_tolerance = std::max(step_tolerance, kLooseStepTolerance);
-    adjoint_tolerance = std::max(adjoint_tolerance, kLooseAdjointTolerance);
+    solver.step_tolerance = std::max(solver.step_tolerance, kLooseStepTolerance);
+    solver.adjoint_tolerance = std::max(solver.adjoint_tolerance, kLooseAdjointTolerance);
   }
-  simulator_.SetTolerances(step_tolerance, adjoint_tolerance);
+  return solver;
 }
 
-Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
+void RecordingModel::UsePrecision(Precision precision) {
+  const SolverOptions solver = SolverAt(precision);
+  simulator_.SetTolerances(solver.step_tolerance, solver.adjoint_tolerance);
+}
+
+Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const SweepOptions& sweep,
                                    RolloutOptions options) {
   if (observer_) {
-    options.visitor = [this, visit = std::move(options.visitor)](int step, const Eigen::VectorXd& positions) {
+    options.visitor = [this, sweep, visit = std::move(options.visitor)](int step, const Eigen::VectorXd& positions) {
       if (visit) visit(step, positions);
-      Observe(RolloutPass::kRollout, step);
+      Observe(RolloutPass::kRollout, step, sweep.sweeps_left);
     };
   }
-  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, cancel, options);
+  UsePrecision(sweep.precision);
+  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, sweep.cancel, options);
 }
 
 RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                                 Eigen::Index num_columns, const AddPositionGradient& add_seeds,
-                                                const AdjointOptions& options) {
+                                                const AdjointOptions& options, Precision precision) {
   const auto add_position_gradient = [&](int step, Eigen::MatrixXd* gradient) {
     add_seeds(step, gradient);
-    Observe(RolloutPass::kReverseSweep, num_steps() - step);
+    Observe(RolloutPass::kReverseSweep, num_steps() - step, /*sweeps_left=*/0);
   };
+  UsePrecision(precision);
   return clothid::PullBack(rollout, parameters, static_cast<int>(num_columns), add_position_gradient, &simulator_,
                            options);
 }
 
 SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordinates,
                                                   const SensitivityDirections& directions,
-                                                  const SensitivityVisitor& visitor, const std::atomic<bool>* cancel) {
+                                                  const SensitivityVisitor& visitor, const SweepOptions& sweep) {
   const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
     visitor(step, positions, derivative);
-    Observe(RolloutPass::kForwardSweep, step);
+    Observe(RolloutPass::kForwardSweep, step, sweep.sweeps_left);
   };
-  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, cancel);
+  UsePrecision(sweep.precision);
+  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, sweep.cancel);
 }
 
-Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
-                                 std::size_t memory_limit, bool keep_factors, Eigen::MatrixXd* predicted,
+Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const SweepOptions& sweep,
+                                 const RolloutStorage& storage, Eigen::MatrixXd* predicted,
                                  Eigen::MatrixXd* velocities) {
   RolloutOptions options;
-  if (keep_factors) options.factor_memory = memory_limit;
-  options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), memory_limit);
+  if (storage.keep_factors) options.factor_memory = storage.memory_limit;
+  options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), storage.memory_limit);
   if (velocities != nullptr) velocities->resize(0, 0);
-  if (is_aligned()) return SimulateAligned(coordinates, cancel, options, predicted, velocities);
+  if (is_aligned()) return SimulateAligned(coordinates, sweep, options, predicted, velocities);
   FrameSampler sampler(&observation_,
                        [predicted](int frame, const Eigen::MatrixXd& points) { predicted->col(frame) = points; });
   if (predicted != nullptr) {
     predicted->resize(observation_.num_predicted(), observation_.num_frames());
     options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
   }
-  return RunRollout(coordinates, cancel, std::move(options));
+  return RunRollout(coordinates, sweep, std::move(options));
 }
 
-Rollout RecordingModel::SimulateAligned(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
+Rollout RecordingModel::SimulateAligned(const Eigen::VectorXd& coordinates, const SweepOptions& sweep,
                                         RolloutOptions options, Eigen::MatrixXd* predicted,
                                         Eigen::MatrixXd* velocities) {
   const AlignedPrediction prediction = PredictionAt(coordinates);
@@ -207,38 +216,40 @@ Rollout RecordingModel::SimulateAligned(const Eigen::VectorXd& coordinates, cons
       });
   options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
   SetStartVelocity(coordinates);
-  return RunRollout(coordinates, cancel, std::move(options));
+  return RunRollout(coordinates, sweep, std::move(options));
 }
 
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                                         const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                         const Eigen::MatrixXd& seeds, const AdjointOptions& options,
-                                         const Eigen::MatrixXd* velocities) {
+                                         const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
+                                         const std::vector<int>& active, const Eigen::MatrixXd& seeds,
+                                         const AdjointOptions& options, Precision precision) {
   if (is_aligned()) {
-    if (velocities == nullptr) {
+    if (velocities.size() == 0) {
       throw std::logic_error("the derivatives of a recording's own parameters need the velocities of its points");
     }
-    return PullBackAligned(rollout, predicted, coordinates, active, seeds, options, *velocities);
+    return PullBackAligned(rollout, predicted, velocities, coordinates, active, seeds, options, precision);
   }
   const std::vector<CloudRows> cloud_rows = observation_.LinearizeClouds(predicted);
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
     observation_.AddSeeds(step, seeds, gradient, cloud_rows);
   };
-  const RolloutGradient gradient = RunReverseSweep(rollout, Sort(active).parameters, seeds.cols(), add_seeds, options);
+  const RolloutGradient gradient =
+      RunReverseSweep(rollout, Sort(active).parameters, seeds.cols(), add_seeds, options, precision);
   return ValueDerivatives(coordinates, active).asDiagonal() * gradient.parameters;
 }
 
 Eigen::MatrixXd RecordingModel::PullBackAligned(const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                                                const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                                const Eigen::MatrixXd& seeds, const AdjointOptions& options,
-                                                const Eigen::MatrixXd& velocities) {
+                                                const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
+                                                const std::vector<int>& active, const Eigen::MatrixXd& seeds,
+                                                const AdjointOptions& options, Precision precision) {
   const AlignedPrediction prediction = PredictionAt(coordinates);
   const SortedBlocks sorted = Sort(active);
   const std::vector<CloudRows> cloud_rows = observation_.LinearizeClouds(predicted);
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
     prediction.AddSeeds(step, seeds, gradient, cloud_rows);
   };
-  const RolloutGradient gradient = RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options);
+  const RolloutGradient gradient =
+      RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision);
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   all(sorted.velocity_places, Eigen::all) =
@@ -254,8 +265,8 @@ Eigen::MatrixXd RecordingModel::PullBackAligned(const Rollout& rollout, const Ei
 }
 
 SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                              const FrameVisitor& visitor, const std::atomic<bool>* cancel) {
-  if (is_aligned()) return PushForwardAligned(coordinates, active, visitor, cancel);
+                                              const FrameVisitor& visitor, const SweepOptions& sweep) {
+  if (is_aligned()) return PushForwardAligned(coordinates, active, visitor, sweep);
   const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
   const Eigen::Index num_active = derivatives.size();
   FrameSampler sampler(&observation_, [&](int frame, const Eigen::MatrixXd& points) {
@@ -272,11 +283,11 @@ SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates
     state.rightCols(num_active) = derivative;
     sampler.AddStep(step, state);
   };
-  return RunForwardSweep(coordinates, directions, add_step, cancel);
+  return RunForwardSweep(coordinates, directions, add_step, sweep);
 }
 
 SensitivityResult RecordingModel::PushForwardAligned(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                                     const FrameVisitor& visitor, const std::atomic<bool>* cancel) {
+                                                     const FrameVisitor& visitor, const SweepOptions& sweep) {
   const AlignedPrediction prediction = PredictionAt(coordinates);
   const SortedBlocks sorted = Sort(active);
   const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
@@ -311,7 +322,7 @@ SensitivityResult RecordingModel::PushForwardAligned(const Eigen::VectorXd& coor
     sampler.AddStep(step, state);
   };
   SetStartVelocity(coordinates);
-  return RunForwardSweep(coordinates, directions, add_step, cancel);
+  return RunForwardSweep(coordinates, directions, add_step, sweep);
 }
 
 }  // namespace clothid

@@ -28,6 +28,19 @@ namespace clothid {
 
 class AlignedPrediction;
 
+// How one sweep over the steps runs.
+struct SweepOptions {
+  Precision precision = Precision::kFull;
+  const std::atomic<bool>* cancel = nullptr;  // ends the sweep as failed when it turns true; may be null
+  int sweeps_left = 0;                        // that the evaluation needs after this one, for the observer
+};
+
+// What a rollout keeps for its `PullBack`.
+struct RolloutStorage {
+  std::size_t memory_limit = std::size_t{1} << 30;  // bytes of its steps; beyond it there are checkpoints
+  bool keep_factors = false;                        // for a PullBack of few seeds, up to `memory_limit` bytes more
+};
+
 // Owns everything it needs; one per thread. The parameters that are not blocks stay at the scene's nominal values,
 // those of the recording itself (costs/prediction/alignment.h) at zero: where none of them is a block, nothing is
 // corrected.
@@ -35,8 +48,9 @@ class RecordingModel {
  public:
   // Every name of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
   // simulation are those that the starting values of the blocks and the scene's nominal values ask for. Throws `Error`
-  // for names and for what `Observation` and `Simulator` reject.
-  RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks);
+  // for names and for what `Observation` and `Simulator` reject. `observer`: told of every step of all sweeps; may be
+  // empty.
+  RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer = {});
 
   const std::string& name() const { return name_; }
   const Observation& observation() const { return observation_; }
@@ -49,31 +63,27 @@ class RecordingModel {
 
   int num_steps() const { return interpolation_ ? interpolation_->num_steps() : observation_.num_steps(); }
 
-  // Of all that follows; `kFull` until then.
-  void SetPrecision(Precision precision);
-  // Told of every step of the passes from now on, `passes_left` 0. May be empty, as it is until then.
-  void SetObserver(PassObserver observer) { observer_ = std::move(observer); }
+  // The scene's solver options, with the tolerances of `precision`.
+  SolverOptions SolverAt(Precision precision) const;
 
-  // With checkpoints where the steps would take more than `memory_limit` bytes. `predicted` (may be null): the points
-  // [R x T] of every frame, as of Observation::Predict, which needs every step; valid where the rollout is ok().
-  // `keep_factors`: for a PullBack of few seeds, up to `memory_limit` bytes more. `velocities` (may be null): the time
-  // derivatives of the prediction [R x T] m/s where parameters of the recording itself are blocks, else empty.
-  Rollout Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, std::size_t memory_limit,
-                   bool keep_factors, Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
+  // `predicted` (may be null): the points [R x T] of every frame, as of Observation::Predict, which needs every step;
+  // valid where the rollout is ok(). `velocities` (may be null): the time derivatives of the prediction [R x T] m/s
+  // where parameters of the recording itself are blocks, else empty.
+  Rollout Simulate(const Eigen::VectorXd& coordinates, const SweepOptions& sweep, const RolloutStorage& storage,
+                   Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
-  // [q]. `predicted`: of the rollout, where clouds take their derivatives; `velocities`: of the rollout, needed where
-  // parameters of the recording itself are blocks, else they may be null.
-  Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::VectorXd& coordinates,
-                           const std::vector<int>& active, const Eigen::MatrixXd& seeds, const AdjointOptions& options,
-                           const Eigen::MatrixXd* velocities = nullptr);
+  // [q]. `predicted` and `velocities`: of the rollout.
+  Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
+                           const Eigen::VectorXd& coordinates, const std::vector<int>& active,
+                           const Eigen::MatrixXd& seeds, const AdjointOptions& options, Precision precision);
 
   // Called per frame with the prediction [R], whitened residuals [r] of the frame and their derivatives with
   // respect to the coordinates of the blocks `active`, [r x q].
   using FrameVisitor = std::function<void(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                                           const Eigen::MatrixXd& jacobian)>;
   SensitivityResult PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                const FrameVisitor& visitor, const std::atomic<bool>* cancel);
+                                const FrameVisitor& visitor, const SweepOptions& sweep);
 
  private:
   // Some blocks by what they are; each with its place in the list that they come from.
@@ -88,16 +98,18 @@ class RecordingModel {
   SortedBlocks Sort(const std::vector<int>& active) const;
   bool is_aligned() const { return interpolation_.has_value(); }
 
-  void Observe(RolloutPass pass, int num_done) const {
-    if (observer_ && num_done > 0) observer_({pass, num_done, num_steps()});
+  void Observe(RolloutPass pass, int num_done, int sweeps_left) const {
+    if (observer_ && num_done > 0) observer_({pass, num_done, num_steps(), sweeps_left});
   }
+  // Lets all that is simulated from now on be solved with `precision`.
+  void UsePrecision(Precision precision);
   // As the functions of sim/, observed.
-  Rollout RunRollout(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, RolloutOptions options);
+  Rollout RunRollout(const Eigen::VectorXd& coordinates, const SweepOptions& sweep, RolloutOptions options);
   RolloutGradient RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                   Eigen::Index num_columns, const AddPositionGradient& add_seeds,
-                                  const AdjointOptions& options);
+                                  const AdjointOptions& options, Precision precision);
   SensitivityResult RunForwardSweep(const Eigen::VectorXd& coordinates, const SensitivityDirections& directions,
-                                    const SensitivityVisitor& visitor, const std::atomic<bool>* cancel);
+                                    const SensitivityVisitor& visitor, const SweepOptions& sweep);
 
   Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
   AlignedPrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
@@ -106,14 +118,14 @@ class RecordingModel {
   Eigen::VectorXd ValueDerivatives(const Eigen::VectorXd& coordinates, const std::vector<int>& active) const;
 
   // As the functions of their names, where `is_aligned`.
-  Rollout SimulateAligned(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, RolloutOptions options,
-                          Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities);
+  Rollout SimulateAligned(const Eigen::VectorXd& coordinates, const SweepOptions& sweep, RolloutOptions options,
+                          Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
   Eigen::MatrixXd PullBackAligned(const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                                  const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                  const Eigen::MatrixXd& seeds, const AdjointOptions& options,
-                                  const Eigen::MatrixXd& velocities);
+                                  const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
+                                  const std::vector<int>& active, const Eigen::MatrixXd& seeds,
+                                  const AdjointOptions& options, Precision precision);
   SensitivityResult PushForwardAligned(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                       const FrameVisitor& visitor, const std::atomic<bool>* cancel);
+                                       const FrameVisitor& visitor, const SweepOptions& sweep);
 
   std::string name_;
   std::vector<ParameterBlock> blocks_;

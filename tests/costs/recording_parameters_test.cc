@@ -210,21 +210,20 @@ TEST(RecordingModelTest, AtZeroNothingIsCorrected) {
   const std::vector<ParameterBlock> blocks = BlocksOf(motion, {"k_stretch", "shift.x", "turn.y", "v0.z"});
   RecordingModel aligned(motion, blocks);
   Eigen::MatrixXd expected, predicted;
-  const std::size_t no_limit = std::size_t{1} << 30;
-  ASSERT_TRUE(plain.Simulate(StartOf(BlocksOf(motion, {"k_stretch"})), nullptr, no_limit, false, &expected).ok());
+  ASSERT_TRUE(plain.Simulate(StartOf(BlocksOf(motion, {"k_stretch"})), {}, {}, &expected).ok());
   Eigen::VectorXd coordinates = StartOf(blocks);
-  ASSERT_TRUE(aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted).ok());
+  ASSERT_TRUE(aligned.Simulate(coordinates, {}, {}, &predicted).ok());
   EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-15);
   // A start velocity does not stay for the next rollout.
   coordinates[3] = 0.5;
-  ASSERT_TRUE(aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted).ok());
+  ASSERT_TRUE(aligned.Simulate(coordinates, {}, {}, &predicted).ok());
   EXPECT_GT((predicted - expected).cwiseAbs().maxCoeff(), 1e-2);
   coordinates[3] = 0.0;
-  ASSERT_TRUE(aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted).ok());
+  ASSERT_TRUE(aligned.Simulate(coordinates, {}, {}, &predicted).ok());
   EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-15);
-  const Rollout rollout = aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted);
-  EXPECT_THROW(aligned.PullBack(rollout, predicted, coordinates, {0},
-                                Eigen::VectorXd::Ones(Observation(motion).num_residuals()), AdjointOptions()),
+  const Rollout rollout = aligned.Simulate(coordinates, {}, {}, &predicted);
+  EXPECT_THROW(aligned.PullBack(rollout, predicted, Eigen::MatrixXd(), coordinates, {0},
+                                Eigen::VectorXd::Ones(Observation(motion).num_residuals()), {}, Precision::kFull),
                std::logic_error);
 }
 

@@ -60,7 +60,7 @@ class CellModel {
   }
 
   Rollout Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted) {
-    return model_.Simulate(Coordinates(x, y), cancel, memory_limit_, /*keep_factors=*/false, predicted);
+    return model_.Simulate(Coordinates(x, y), {Precision::kFull, cancel, /*sweeps_left=*/0}, storage_, predicted);
   }
 
   // Puts every point of the recording's clouds onto the predicted surface, where that is nearest.
@@ -97,7 +97,7 @@ class CellModel {
                     const Eigen::VectorXd& residuals, const Eigen::VectorXd& coordinates, LandscapeCell* cell) {
     const int x = model_.num_blocks() - 2, y = x + 1;
     const Eigen::VectorXd gradient =
-        model_.PullBack(rollout, predicted, coordinates, {x, y}, residuals, AdjointOptions());
+        model_.PullBack(rollout, predicted, /*velocities=*/{}, coordinates, {x, y}, residuals, {}, Precision::kFull);
     if (!gradient.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
     // d/d log value = value d/d value.
     cell->gradient_x = gradient[0] * (window.x.scale == ParameterScale::kLog ? coordinates[x] : 1.0);
@@ -107,7 +107,7 @@ class CellModel {
   int setting_;
   RecordingModel model_;
   // As of a fit, so that rollouts beyond it get checkpoints, and with them the same rounding, here too.
-  std::size_t memory_limit_ = RolloutCostOptions().memory_limit;
+  RolloutStorage storage_{RolloutCostOptions().memory_limit, /*keep_factors=*/false};
 };
 
 // Models that no thread uses at the moment. Cells are taken up in their order, so those of earlier settings are done
