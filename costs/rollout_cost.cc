@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "costs/rows/reflected_rows.h"
 #include "costs/rows/rollout_evaluator.h"
 
 namespace clothid {
@@ -31,21 +32,25 @@ bool RolloutCost::Evaluate(double const* const* parameters, double* residuals, d
 
   Eigen::Map<Eigen::VectorXd> out(residuals, num_residuals());
   out.setZero();
-  if (active.empty()) {
-    out[num_residuals() - 1] = std::sqrt(2.0 * evaluation.cost);
-    return true;
-  }
-  const int num_rows = evaluator_->num_rows();
-  out.head(num_rows) = evaluation.rows.residuals;
-  if (num_residuals() > num_rows) out[num_rows] = evaluation.loss_row;
+  out[num_residuals() - 1] = std::sqrt(2.0 * evaluation.cost);
+  if (active.empty()) return true;
+  const Eigen::MatrixXd rows = RowsOf(evaluation);
   for (std::size_t column = 0; column < evaluation.rows.active.size(); ++column) {
-    double* jacobian = jacobians[evaluation.rows.active[column]];
+    double* const jacobian = jacobians[evaluation.rows.active[column]];
     if (jacobian == nullptr) continue;
-    Eigen::Map<Eigen::VectorXd> rows(jacobian, num_residuals());
-    rows.setZero();
-    rows.head(num_rows) = evaluation.rows.jacobian.col(static_cast<Eigen::Index>(column));
+    Eigen::Map<Eigen::VectorXd>(jacobian, num_residuals()) = rows.col(static_cast<Eigen::Index>(column));
   }
   return true;
+}
+
+Eigen::MatrixXd RolloutCost::RowsOf(const RolloutEvaluation& evaluation) const {
+  const int num_rows = evaluator_->num_rows();
+  Eigen::VectorXd residuals(num_residuals());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(num_residuals(), evaluation.rows.jacobian.cols());
+  residuals.head(num_rows) = evaluation.rows.residuals;
+  if (num_residuals() > num_rows) residuals[num_rows] = evaluation.loss_row;
+  jacobian.topRows(num_rows) = evaluation.rows.jacobian;
+  return ReflectedJacobian(residuals, std::move(jacobian));
 }
 
 bool RolloutCost::EvaluateGradient(const Eigen::VectorXd& coordinates, double* cost, Eigen::VectorXd* gradient) const {

@@ -2,11 +2,16 @@
 //
 // The cost is L = 1/2 sum_p rho(|e_p|^2) with the whitened residual e = (predicted - measured)/sigma of m seen
 // coordinates (datasets/observation/observation.h) and rho of costs/prediction/robust_loss.h. Ceres does not get the m
-// rows of e but a few rows r with
-//   1/2 |r|^2 = L,   (dr/dq)^T r = dL/dq   (exactly),
-// and dr/dq^T dr/dq the Gauss-Newton matrix of e (sensitivity, numeric) or its restriction to a subspace (adjoint,
-// costs/rows/residual_basis.h). Rows of the adjoint form, 17 by default: subspace directions first, e itself last.
-// Asked for residuals alone, the rows are 0, .., 0, |e|. With a robust loss there is one more row, at the very end.
+// rows of e but a few rows, with Jacobians asked for or without,
+//   r = (0, .., 0, sqrt(2 L)),   so that 1/2 |r|^2 = L,
+// and in place of their Jacobian a matrix J with
+//   J^T r = dL/dq (exactly),
+//   J^T J = the Gauss-Newton matrix of e, weighted by the loss (sensitivity, numeric), or its restriction to a subspace
+//           (adjoint, costs/rows/residual_basis.h).
+// J is what a Gauss-Newton method needs, and not the derivative of r: that is its last row alone, dsqrt(2 L)/dq. It is
+// the Jacobian of e, or what the subspace holds of it, in a basis whose last direction is that of e
+// (costs/rows/reflected_rows.h). r depends on the parameters alone; the subspace, and with it J of the adjoint, also on
+// the points that were evaluated before. For `ceres::GradientChecker` there is costs/full_residual_cost.h.
 //
 // Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate.
 #ifndef CLOTHID_COSTS_ROLLOUT_COST_H_
@@ -27,6 +32,7 @@
 namespace clothid {
 
 class RolloutEvaluator;
+struct RolloutEvaluation;
 
 class RolloutCost : public ceres::CostFunction {
  public:
@@ -69,6 +75,9 @@ class RolloutCost : public ceres::CostFunction {
   const RecordingModel& model() const;
 
  private:
+  // J of an evaluation [num_residuals() x q].
+  Eigen::MatrixXd RowsOf(const RolloutEvaluation& evaluation) const;
+
   std::unique_ptr<RolloutEvaluator> evaluator_;
   Precision precision_ = Precision::kFull;
 };

@@ -40,6 +40,8 @@ class FrameCollector {
   void Finish(const std::vector<int>& active, int num_rows) {
     result_->loss_row = LossRow(result_->cost, weighted_squared_norm_);
     result_->rows = CompressedRows(active, num_rows, &compressed_);
+    // As its rows have it, so that whoever adds them up finds the same number: sums over frames differ in rounding.
+    if (!loss_.is_robust()) result_->cost = 0.5 * result_->rows.residuals.squaredNorm();
     result_->rows.frame_scores = std::move(frame_scores_);
   }
 
