@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
 #include "sim/scene/mesh.h"
 
@@ -33,12 +34,12 @@ Eigen::VectorXd PointSigma(const RecordedMotion& motion) {
   if (motion.sigma.size() == 0) {
     return Eigen::VectorXd::Constant(motion.num_points(), kRelativeSigma * ClothSize(motion.scene.mesh));
   }
-  for (int p = 0; p < motion.num_points(); ++p) {
-    if (!(motion.sigma[p] > 0.0) || !std::isfinite(motion.sigma[p])) {
-      throw Error(ErrorKind::kBadData, motion.name + ": sigma[" + std::to_string(p) + "] must be positive");
-    }
-  }
   return motion.sigma;
+}
+
+const RecordedMotion& Validated(const RecordedMotion& motion) {
+  ValidateMotion(motion);
+  return motion;
 }
 
 bool IsHandlePoint(const ObservedPoint& point, const std::vector<bool>& is_handle) {
@@ -76,7 +77,7 @@ PredictionError& PredictionError::operator+=(const PredictionError& other) {
 }
 
 Observation::Observation(const RecordedMotion& motion)
-    : num_nodes_(motion.scene.mesh.num_nodes()),
+    : num_nodes_(Validated(motion).scene.mesh.num_nodes()),
       sigma_is_known_(SigmaIsKnown(motion)),
       points_(motion.points),
       sigma_(PointSigma(motion)),
@@ -90,11 +91,6 @@ void Observation::PlaceFrames(const RecordedMotion& motion) {
     double steps = (motion.times[i] - motion.scene.start_time) / motion.scene.time_step;
     const double nearest = std::round(steps);
     if (std::abs(steps - nearest) <= kSameTime * std::max(1.0, nearest)) steps = nearest;
-    if (!(steps >= 0.0)) {
-      throw Error(ErrorKind::kBadData, motion.name + ": times[" + std::to_string(i) +
-                                           "] lies before the start of the scene (" +
-                                           std::to_string(motion.scene.start_time) + " s)");
-    }
     Bracket bracket;
     bracket.step = static_cast<int>(std::floor(steps));
     bracket.fraction = steps - bracket.step;

@@ -59,8 +59,8 @@ struct PredictionError {
 
 class Observation {
  public:
-  // Throws `Error` (kBadData), naming the recording, where no coordinate is seen, a time lies before the scene's start,
-  // or a sigma is not positive. Keeps no reference to `motion`.
+  // Throws `Error` (kBadData), naming the recording, where `ValidateMotion` does and where no coordinate is seen. Keeps
+  // no reference to `motion`.
   explicit Observation(const RecordedMotion& motion);
 
   int num_residuals() const { return static_cast<int>(coordinates_.size()); }  // m

@@ -19,6 +19,8 @@ RecordedMotion MakeMotion(bool has_points) {
   motion.name = "test.bin";
   motion.scene.time_step = 0.1;
   motion.scene.mesh = MakeGrid({{3, 3}, {1.0, 1.0}});
+  motion.scene.initial_positions = motion.scene.mesh.rest_positions.reshaped();
+  motion.scene.initial_velocities = Eigen::VectorXd::Zero(27);
   motion.times = Eigen::Vector3d(0.0, 0.15, 0.2);
   if (has_points) {
     motion.points.resize(2);

@@ -21,6 +21,8 @@ RecordedMotion MakeMotion() {
   motion.scene.time_step = 0.1;
   motion.scene.start_time = 2.0;
   motion.scene.mesh = MakeGrid({{2, 2}, {1.0, 0.25}});
+  motion.scene.initial_positions = motion.scene.mesh.rest_positions.reshaped();
+  motion.scene.initial_velocities = Eigen::VectorXd::Zero(12);
   motion.times = Eigen::VectorXd(4);
   motion.times << 2.0, 2.3, 2.325, 3.0;
   for (int node = 0; node < 4; ++node) {
