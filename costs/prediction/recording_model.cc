@@ -4,7 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "costs/prediction/aligned_prediction.h"
+#include "costs/prediction/frame_prediction.h"
+#include "datasets/observation/residual_derivative.h"
 #include "sim/cloth/cloth_model.h"
 
 namespace clothid {
@@ -35,16 +36,20 @@ Parameters StartParameters(const std::vector<ParameterBlock>& blocks, const Scen
   return parameters;
 }
 
-// Nothing where no block is a parameter of the recording itself.
-std::optional<FrameInterpolation> InterpolationFor(const RecordedMotion& motion,
-                                                   const std::vector<ParameterBlock>& blocks,
-                                                   const Observation& observation) {
+// Linear where no block is the time offset.
+FrameInterpolation InterpolationFor(const RecordedMotion& motion, const std::vector<ParameterBlock>& blocks,
+                                    const Observation& observation) {
   const std::vector<std::optional<AlignmentId>> ids = ParseAlignmentIds(blocks);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (ids[i] && ids[i]->kind == AlignmentKind::kTimeOffset) return FrameInterpolation(motion, blocks[i].upper_bound);
+    if (ids[i] && ids[i]->kind == AlignmentKind::kTimeOffset) return {motion, blocks[i].upper_bound};
   }
-  const bool has_any = std::any_of(ids.begin(), ids.end(), [](const auto& id) { return id.has_value(); });
-  return has_any ? std::optional(FrameInterpolation(observation)) : std::nullopt;
+  return FrameInterpolation(observation);
+}
+
+bool HasStartVelocity(const std::vector<ParameterBlock>& blocks) {
+  const std::vector<std::optional<AlignmentId>> ids = ParseAlignmentIds(blocks);
+  return std::any_of(ids.begin(), ids.end(),
+                     [](const auto& id) { return id && id->kind == AlignmentKind::kStartVelocity; });
 }
 
 // [3N x q]: in every column each node moves at 1 m/s along one of `axes` [q].
@@ -75,6 +80,7 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       start_(StartParameters(blocks_, motion.scene)),
       observation_(motion),
       interpolation_(InterpolationFor(motion, blocks_, observation_)),
+      has_start_velocity_(HasStartVelocity(blocks_)),
       turn_center_(TurnCenter(motion)),
       initial_velocities_(motion.scene.initial_velocities),
       full_precision_(motion.scene.solver),
@@ -97,11 +103,12 @@ Alignment RecordingModel::AlignmentAt(const Eigen::VectorXd& coordinates) const 
   return alignment;
 }
 
-AlignedPrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
-  return AlignedPrediction(AlignmentAt(coordinates), turn_center_, *interpolation_, &observation_);
+FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
+  return FramePrediction(AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
 }
 
-void RecordingModel::SetStartVelocity(const Eigen::VectorXd& coordinates) {
+void RecordingModel::UseStartVelocity(const Eigen::VectorXd& coordinates) {
+  if (!has_start_velocity_) return;
   const Eigen::Vector3d velocity = AlignmentAt(coordinates).start_velocity;
   Eigen::VectorXd velocities = initial_velocities_;
   for (int node : simulator_.model().free_nodes()) velocities.segment<3>(3 * node) += velocity;
@@ -158,6 +165,7 @@ Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const Swe
     };
   }
   UsePrecision(sweep.precision);
+  UseStartVelocity(coordinates);
   return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, sweep.cancel, options);
 }
 
@@ -181,41 +189,26 @@ SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordin
     Observe(RolloutPass::kForwardSweep, step, sweep.sweeps_left);
   };
   UsePrecision(sweep.precision);
+  UseStartVelocity(coordinates);
   return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, sweep.cancel);
 }
 
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const SweepOptions& sweep,
                                  const RolloutStorage& storage, Eigen::MatrixXd* predicted,
                                  Eigen::MatrixXd* velocities) {
+  const FramePrediction prediction = PredictionAt(coordinates);
+  predicted->resize(observation_.num_predicted(), observation_.num_frames());
+  if (velocities != nullptr) velocities->resize(0, 0);
+  const bool has_velocities = velocities != nullptr && interpolation_.has_slopes();
+  if (has_velocities) velocities->resize(predicted->rows(), predicted->cols());
+  FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
+    predicted->col(frame) = prediction.Points(frame, states);
+    if (has_velocities) velocities->col(frame) = prediction.Velocities(frame, states);
+  });
   RolloutOptions options;
   if (storage.keep_factors) options.factor_memory = storage.memory_limit;
   options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), storage.memory_limit);
-  if (velocities != nullptr) velocities->resize(0, 0);
-  if (is_aligned()) return SimulateAligned(coordinates, sweep, options, predicted, velocities);
-  FrameSampler sampler(&observation_,
-                       [predicted](int frame, const Eigen::MatrixXd& points) { predicted->col(frame) = points; });
-  if (predicted != nullptr) {
-    predicted->resize(observation_.num_predicted(), observation_.num_frames());
-    options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
-  }
-  return RunRollout(coordinates, sweep, std::move(options));
-}
-
-Rollout RecordingModel::SimulateAligned(const Eigen::VectorXd& coordinates, const SweepOptions& sweep,
-                                        RolloutOptions options, Eigen::MatrixXd* predicted,
-                                        Eigen::MatrixXd* velocities) {
-  const AlignedPrediction prediction = PredictionAt(coordinates);
-  for (Eigen::MatrixXd* matrix : {predicted, velocities}) {
-    if (matrix != nullptr) matrix->resize(observation_.num_predicted(), observation_.num_frames());
-  }
-  FrameStateSampler sampler =
-      prediction.MakeSampler([predicted, velocities](int frame, const Eigen::VectorXd& points,
-                                                     const Eigen::VectorXd& velocity, const Eigen::MatrixXd&) {
-        if (predicted != nullptr) predicted->col(frame) = points;
-        if (velocities != nullptr) velocities->col(frame) = velocity;
-      });
   options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
-  SetStartVelocity(coordinates);
   return RunRollout(coordinates, sweep, std::move(options));
 }
 
@@ -223,105 +216,84 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
                                          const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
                                          const std::vector<int>& active, const Eigen::MatrixXd& seeds,
                                          const AdjointOptions& options, Precision precision) {
-  if (is_aligned()) {
-    if (velocities.size() == 0) {
-      throw std::logic_error("the derivatives of a recording's own parameters need the velocities of its points");
-    }
-    return PullBackAligned(rollout, predicted, velocities, coordinates, active, seeds, options, precision);
-  }
-  const std::vector<CloudRows> cloud_rows = observation_.LinearizeClouds(predicted);
-  const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
-    observation_.AddSeeds(step, seeds, gradient, cloud_rows);
-  };
-  const RolloutGradient gradient =
-      RunReverseSweep(rollout, Sort(active).parameters, seeds.cols(), add_seeds, options, precision);
-  return ValueDerivatives(coordinates, active).asDiagonal() * gradient.parameters;
-}
-
-Eigen::MatrixXd RecordingModel::PullBackAligned(const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                                                const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
-                                                const std::vector<int>& active, const Eigen::MatrixXd& seeds,
-                                                const AdjointOptions& options, Precision precision) {
-  const AlignedPrediction prediction = PredictionAt(coordinates);
+  const FramePrediction prediction = PredictionAt(coordinates);
+  const ResidualDerivative derivative(&observation_, predicted);
   const SortedBlocks sorted = Sort(active);
-  const std::vector<CloudRows> cloud_rows = observation_.LinearizeClouds(predicted);
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
-    prediction.AddSeeds(step, seeds, gradient, cloud_rows);
+    prediction.AddSeeds(step, seeds, derivative, gradient);
   };
   const RolloutGradient gradient =
       RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision);
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
-  all(sorted.velocity_places, Eigen::all) =
-      UniformVelocities(observation_.num_nodes(), sorted.velocity_axes).transpose() * gradient.initial_velocities;
-  Eigen::MatrixXd derivative(predicted.rows(), predicted.cols());
-  for (std::size_t i = 0; i < sorted.corrections.size(); ++i) {
-    for (Eigen::Index frame = 0; frame < predicted.cols(); ++frame) {
-      derivative.col(frame) = prediction.Derivative(sorted.corrections[i], predicted.col(frame), velocities.col(frame));
-    }
-    all.row(sorted.correction_places[i]) = observation_.ResidualDerivative(derivative, cloud_rows).transpose() * seeds;
+  if (!sorted.velocity_places.empty()) {
+    all(sorted.velocity_places, Eigen::all) =
+        UniformVelocities(observation_.num_nodes(), sorted.velocity_axes).transpose() * gradient.initial_velocities;
   }
+  SetCorrectionRows(prediction, sorted, predicted, velocities, derivative, seeds, &all);
   return ValueDerivatives(coordinates, active).asDiagonal() * all;
+}
+
+void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
+                                       const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
+                                       const ResidualDerivative& derivative, const Eigen::MatrixXd& seeds,
+                                       Eigen::MatrixXd* gradient) const {
+  Eigen::MatrixXd change(predicted.rows(), predicted.cols());
+  for (std::size_t i = 0; i < active.corrections.size(); ++i) {
+    const AlignmentId id = active.corrections[i];
+    const bool needs_velocities = id.kind == AlignmentKind::kTimeOffset;
+    if (needs_velocities && velocities.size() != predicted.size()) {
+      throw std::logic_error("the derivative along the time offset needs the velocities of the prediction");
+    }
+    for (Eigen::Index frame = 0; frame < predicted.cols(); ++frame) {
+      const Eigen::VectorXd velocity = needs_velocities ? velocities.col(frame) : Eigen::VectorXd();
+      change.col(frame) = prediction.Derivative(id, predicted.col(frame), velocity);
+    }
+    gradient->row(active.correction_places[i]) = derivative.Apply(change).transpose() * seeds;
+  }
+}
+
+Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active,
+                                                int frame, const FrameStates& states) const {
+  const Eigen::MatrixXd swept = prediction.Points(frame, states);
+  if (active.has_only_parameters()) return swept;
+  std::vector<int> places = active.parameter_places;
+  places.insert(places.end(), active.velocity_places.begin(), active.velocity_places.end());
+  Eigen::MatrixXd all(swept.rows(), swept.cols() + static_cast<Eigen::Index>(active.corrections.size()));
+  all.col(0) = swept.col(0);
+  for (std::size_t i = 0; i < places.size(); ++i) all.col(1 + places[i]) = swept.col(1 + static_cast<Eigen::Index>(i));
+  Eigen::VectorXd velocities;
+  if (interpolation_.has_slopes()) velocities = prediction.Velocities(frame, states);
+  for (std::size_t i = 0; i < active.corrections.size(); ++i) {
+    all.col(1 + active.correction_places[i]) = prediction.Derivative(active.corrections[i], swept.col(0), velocities);
+  }
+  return all;
 }
 
 SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
                                               const FrameVisitor& visitor, const SweepOptions& sweep) {
-  if (is_aligned()) return PushForwardAligned(coordinates, active, visitor, sweep);
+  const FramePrediction prediction = PredictionAt(coordinates);
+  const SortedBlocks sorted = Sort(active);
   const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
-  const Eigen::Index num_active = derivatives.size();
-  FrameSampler sampler(&observation_, [&](int frame, const Eigen::MatrixXd& points) {
+  FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
+    const Eigen::MatrixXd points = WithDerivatives(prediction, sorted, frame, states);
     Eigen::VectorXd residuals;
     Eigen::MatrixXd jacobian;
     observation_.LinearizeFrame(frame, points, &residuals, &jacobian);
     visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
   });
   SensitivityDirections directions;
-  directions.parameters = Sort(active).parameters;
-  Eigen::MatrixXd state(3 * observation_.num_nodes(), 1 + num_active);
-  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
-    state.col(0) = positions;
-    state.rightCols(num_active) = derivative;
-    sampler.AddStep(step, state);
-  };
-  return RunForwardSweep(coordinates, directions, add_step, sweep);
-}
-
-SensitivityResult RecordingModel::PushForwardAligned(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                                     const FrameVisitor& visitor, const SweepOptions& sweep) {
-  const AlignedPrediction prediction = PredictionAt(coordinates);
-  const SortedBlocks sorted = Sort(active);
-  const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
-  // The columns of the sweep: parameters of the simulation, then those of the start velocity.
-  std::vector<int> places = sorted.parameter_places;
-  places.insert(places.end(), sorted.velocity_places.begin(), sorted.velocity_places.end());
-  // The prediction and its derivatives, in the order of `active`.
-  Eigen::MatrixXd points_with_derivatives(observation_.num_predicted(), 1 + derivatives.size());
-  FrameStateSampler sampler = prediction.MakeSampler(
-      [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& velocities, const Eigen::MatrixXd& changes) {
-        points_with_derivatives.col(0) = points;
-        for (std::size_t i = 0; i < places.size(); ++i) {
-          points_with_derivatives.col(1 + places[i]) = changes.col(static_cast<Eigen::Index>(i));
-        }
-        for (std::size_t i = 0; i < sorted.corrections.size(); ++i) {
-          points_with_derivatives.col(1 + sorted.correction_places[i]) =
-              prediction.Derivative(sorted.corrections[i], points, velocities);
-        }
-        Eigen::VectorXd residuals;
-        Eigen::MatrixXd jacobian;
-        observation_.LinearizeFrame(frame, points_with_derivatives, &residuals, &jacobian);
-        visitor(frame, points, residuals, jacobian * derivatives.asDiagonal());
-      });
-
-  SensitivityDirections directions;
   directions.parameters = sorted.parameters;
-  directions.initial_velocities = UniformVelocities(observation_.num_nodes(), sorted.velocity_axes);
-  Eigen::MatrixXd state(3 * observation_.num_nodes(), 1 + static_cast<Eigen::Index>(places.size()));
+  if (!sorted.velocity_axes.empty()) {
+    directions.initial_velocities = UniformVelocities(observation_.num_nodes(), sorted.velocity_axes);
+  }
+  Eigen::MatrixXd state;
   const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+    state.resize(positions.size(), 1 + derivative.cols());
     state.col(0) = positions;
     state.rightCols(derivative.cols()) = derivative;
     sampler.AddStep(step, state);
   };
-  SetStartVelocity(coordinates);
   return RunForwardSweep(coordinates, directions, add_step, sweep);
 }
 

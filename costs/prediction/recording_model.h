@@ -26,7 +26,8 @@
 
 namespace clothid {
 
-class AlignedPrediction;
+class FramePrediction;
+class ResidualDerivative;
 
 // How one sweep over the steps runs.
 struct SweepOptions {
@@ -61,19 +62,20 @@ class RecordingModel {
   // `coordinates` [p], in the order of the blocks.
   Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
 
-  int num_steps() const { return interpolation_ ? interpolation_->num_steps() : observation_.num_steps(); }
+  int num_steps() const { return interpolation_.num_steps(); }
 
   // The scene's solver options, with the tolerances of `precision`.
   SolverOptions SolverAt(Precision precision) const;
 
-  // `predicted` (may be null): the points [R x T] of every frame, as of Observation::Predict, which needs every step;
-  // valid where the rollout is ok(). `velocities` (may be null): the time derivatives of the prediction [R x T] m/s
-  // where parameters of the recording itself are blocks, else empty.
+  // `predicted`: the prediction [R x T] m (see Observation) corrected as the coordinates ask, which needs every step;
+  // valid where the rollout is ok(). `velocities` (may be null): its time derivatives [R x T] m/s where the time offset
+  // is a block, else empty.
   Rollout Simulate(const Eigen::VectorXd& coordinates, const SweepOptions& sweep, const RolloutStorage& storage,
                    Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
-  // [q]. `predicted` and `velocities`: of the rollout.
+  // [q]. `predicted` and `velocities`: of the rollout. Throws `std::logic_error` where the time offset is active and
+  // velocities are missing.
   Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
                            const Eigen::VectorXd& coordinates, const std::vector<int>& active,
                            const Eigen::MatrixXd& seeds, const AdjointOptions& options, Precision precision);
@@ -94,9 +96,10 @@ class RecordingModel {
     std::vector<int> velocity_places;
     std::vector<AlignmentId> corrections;  // all other parameters of the recording
     std::vector<int> correction_places;
+
+    bool has_only_parameters() const { return velocity_places.empty() && correction_places.empty(); }
   };
   SortedBlocks Sort(const std::vector<int>& active) const;
-  bool is_aligned() const { return interpolation_.has_value(); }
 
   void Observe(RolloutPass pass, int num_done, int sweeps_left) const {
     if (observer_ && num_done > 0) observer_({pass, num_done, num_steps(), sweeps_left});
@@ -112,20 +115,19 @@ class RecordingModel {
                                     const SensitivityVisitor& visitor, const SweepOptions& sweep);
 
   Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
-  AlignedPrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
-  // Lets the rollouts start with the velocity that the coordinates ask for.
-  void SetStartVelocity(const Eigen::VectorXd& coordinates);
+  FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
+  // Lets the rollouts from now on start with the velocity that the coordinates ask for.
+  void UseStartVelocity(const Eigen::VectorXd& coordinates);
   Eigen::VectorXd ValueDerivatives(const Eigen::VectorXd& coordinates, const std::vector<int>& active) const;
-
-  // As the functions of their names, where `is_aligned`.
-  Rollout SimulateAligned(const Eigen::VectorXd& coordinates, const SweepOptions& sweep, RolloutOptions options,
-                          Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
-  Eigen::MatrixXd PullBackAligned(const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                                  const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
-                                  const std::vector<int>& active, const Eigen::MatrixXd& seeds,
-                                  const AdjointOptions& options, Precision precision);
-  SensitivityResult PushForwardAligned(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                       const FrameVisitor& visitor, const SweepOptions& sweep);
+  // The prediction at a frame, from states whose further columns are derivatives along `active.parameters` and then
+  // along the start velocities, and its derivatives in the order of the blocks: [R x (1 + q)].
+  Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active, int frame,
+                                  const FrameStates& states) const;
+  // The rows of `gradient` that belong to corrections.
+  void SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
+                         const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
+                         const ResidualDerivative& derivative, const Eigen::MatrixXd& seeds,
+                         Eigen::MatrixXd* gradient) const;
 
   std::string name_;
   std::vector<ParameterBlock> blocks_;
@@ -133,9 +135,10 @@ class RecordingModel {
   std::vector<std::optional<AlignmentId>> alignment_ids_;  // of the recording's own blocks
   Parameters start_;
   Observation observation_;
-  std::optional<FrameInterpolation> interpolation_;  // where a block is the recording's own
-  Eigen::Vector3d turn_center_;                      // m
-  Eigen::VectorXd initial_velocities_;               // [3N] m/s, the scene's
+  FrameInterpolation interpolation_;
+  bool has_start_velocity_;             // a block is part of it
+  Eigen::Vector3d turn_center_;         // m
+  Eigen::VectorXd initial_velocities_;  // [3N] m/s, the scene's
   SolverOptions full_precision_;
   Simulator simulator_;
   PassObserver observer_;

@@ -30,7 +30,7 @@ Eigen::MatrixXd AdjointRows::Directions(const RolloutEvaluation& evaluation, con
   const Observation& observation = model_->observation();
   const bool has_jacobian = last_jacobian_.size() > 0;
   Eigen::MatrixXd modes;
-  if (!has_jacobian) modes = DisplacementModes(observation, observation.LinearizeClouds(evaluation.predicted));
+  if (!has_jacobian) modes = DisplacementModes(observation, ResidualDerivative(&observation, evaluation.predicted));
   const Eigen::MatrixXd& others = has_jacobian ? last_jacobian_ : modes;
   const int max_differences =
       has_jacobian ? std::min(kFreshDifferences, options_->num_differences) : options_->num_differences;
