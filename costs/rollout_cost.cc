@@ -12,12 +12,19 @@ using Need = EvaluationNeed;
 
 RolloutCost::RolloutCost(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
                          const RolloutCostOptions& options)
-    : evaluator_(std::make_unique<RolloutEvaluator>(motion, std::move(blocks), options)) {
+    : RolloutCost(std::make_shared<RolloutEvaluator>(motion, std::move(blocks), options), Precision::kFull) {}
+
+RolloutCost::RolloutCost(std::shared_ptr<RolloutEvaluator> evaluator, Precision precision)
+    : evaluator_(std::move(evaluator)), precision_(precision) {
   for (int i = 0; i < model().num_blocks(); ++i) mutable_parameter_block_sizes()->push_back(1);
-  set_num_residuals(evaluator_->num_rows() + (options.loss.is_robust() ? 1 : 0));
+  set_num_residuals(evaluator_->num_rows() + (evaluator_->options().loss.is_robust() ? 1 : 0));
 }
 
 RolloutCost::~RolloutCost() = default;
+
+std::unique_ptr<RolloutCost> RolloutCost::AtPrecision(Precision precision) const {
+  return std::unique_ptr<RolloutCost>(new RolloutCost(evaluator_, precision));
+}
 
 bool RolloutCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
   Eigen::VectorXd coordinates(model().num_blocks());
@@ -85,8 +92,6 @@ bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* p
   if (counts != nullptr) *counts = evaluation.counts;
   return true;
 }
-
-void RolloutCost::SetPrecision(Precision precision) { precision_ = precision; }
 
 void RolloutCost::Restart() { evaluator_->ForgetJacobian(); }
 

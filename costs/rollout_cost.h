@@ -13,6 +13,10 @@
 // (costs/rows/reflected_rows.h). r depends on the parameters alone; the subspace, and with it J of the adjoint, also on
 // the points that were evaluated before. For `ceres::GradientChecker` there is costs/full_residual_cost.h.
 //
+// Prediction, residuals and derivatives of the last few points are kept by parameter values, and the rollout of the
+// last one, so asking twice costs nothing; what was cancelled is not kept. Functions that are const fill this cache: a
+// cost belongs to one thread at a time, together with those that it shares the cache with (`AtPrecision`).
+//
 // Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate.
 #ifndef CLOTHID_COSTS_ROLLOUT_COST_H_
 #define CLOTHID_COSTS_ROLLOUT_COST_H_
@@ -40,9 +44,13 @@ class RolloutCost : public ceres::CostFunction {
   RolloutCost(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, const RolloutCostOptions& options);
   ~RolloutCost() override;
 
+  // The same cost with rollouts and derivatives of another precision. Both share evaluations, subspace, statistics and
+  // journal: points of different precision are never mistaken for each other, but differences between them serve as
+  // directions of the subspace. Either may outlive the other.
+  std::unique_ptr<RolloutCost> AtPrecision(Precision precision) const;
+
   // False where the rollout or its derivative failed; see last_failure(). `jacobians` and each jacobians[i] may be
-  // null; what is null is not differentiated. Rollout, prediction and Jacobian of recent points are kept by parameter
-  // values, so asking twice costs nothing. One thread at a time.
+  // null; what is null is not differentiated.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
   // L and dL/dq [p] for first-order methods, by one adjoint column (from the rows of `Evaluate` with the other
@@ -60,9 +68,6 @@ class RolloutCost : public ceres::CostFunction {
   // failed.
   bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts = nullptr) const;
 
-  // Of the evaluations from now on. Points of different precision are never mistaken for each other, but differences
-  // between them serve as directions of the subspace.
-  void SetPrecision(Precision precision);
   // A new fit starts: the adjoint's subspace starts afresh.
   void Restart();
 
@@ -75,10 +80,12 @@ class RolloutCost : public ceres::CostFunction {
   const RecordingModel& model() const;
 
  private:
+  RolloutCost(std::shared_ptr<RolloutEvaluator> evaluator, Precision precision);
+
   // J of an evaluation [num_residuals() x q].
   Eigen::MatrixXd RowsOf(const RolloutEvaluation& evaluation) const;
 
-  std::unique_ptr<RolloutEvaluator> evaluator_;
+  std::shared_ptr<RolloutEvaluator> evaluator_;  // the cache
   Precision precision_ = Precision::kFull;
 };
 

@@ -36,20 +36,23 @@ Parameters StartParameters(const std::vector<ParameterBlock>& blocks, const Scen
   return parameters;
 }
 
+bool IsA(AlignmentKind kind, const ParameterBlock& block) {
+  const std::optional<AlignmentId> id = ParseAlignmentId(BaseName(block.name));
+  return id && id->kind == kind;
+}
+
 // Linear where no block is the time offset.
 FrameInterpolation InterpolationFor(const RecordedMotion& motion, const std::vector<ParameterBlock>& blocks,
                                     const Observation& observation) {
-  const std::vector<std::optional<AlignmentId>> ids = ParseAlignmentIds(blocks);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (ids[i] && ids[i]->kind == AlignmentKind::kTimeOffset) return {motion, blocks[i].upper_bound};
+  for (const ParameterBlock& block : blocks) {
+    if (IsA(AlignmentKind::kTimeOffset, block)) return {motion, block.upper_bound};
   }
   return FrameInterpolation(observation);
 }
 
 bool HasStartVelocity(const std::vector<ParameterBlock>& blocks) {
-  const std::vector<std::optional<AlignmentId>> ids = ParseAlignmentIds(blocks);
-  return std::any_of(ids.begin(), ids.end(),
-                     [](const auto& id) { return id && id->kind == AlignmentKind::kStartVelocity; });
+  return std::any_of(blocks.begin(), blocks.end(),
+                     [](const ParameterBlock& block) { return IsA(AlignmentKind::kStartVelocity, block); });
 }
 
 // [3N x q]: in every column each node moves at 1 m/s along one of `axes` [q].
@@ -107,6 +110,7 @@ FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates)
   return FramePrediction(AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
 }
 
+// The one place that sets the simulator's start velocities.
 void RecordingModel::UseStartVelocity(const Eigen::VectorXd& coordinates) {
   if (!has_start_velocity_) return;
   const Eigen::Vector3d velocity = AlignmentAt(coordinates).start_velocity;
@@ -151,22 +155,23 @@ SolverOptions RecordingModel::SolverAt(Precision precision) const {
   return solver;
 }
 
+// The one place that sets the simulator's tolerances.
 void RecordingModel::UsePrecision(Precision precision) {
   const SolverOptions solver = SolverAt(precision);
   simulator_.SetTolerances(solver.step_tolerance, solver.adjoint_tolerance);
 }
 
-Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const SweepOptions& sweep,
+Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const PassOptions& pass,
                                    RolloutOptions options) {
   if (observer_) {
-    options.visitor = [this, sweep, visit = std::move(options.visitor)](int step, const Eigen::VectorXd& positions) {
+    options.visitor = [this, pass, visit = std::move(options.visitor)](int step, const Eigen::VectorXd& positions) {
       if (visit) visit(step, positions);
-      Observe(RolloutPass::kRollout, step, sweep.sweeps_left);
+      Observe(RolloutPass::kRollout, step, pass.passes_left);
     };
   }
-  UsePrecision(sweep.precision);
+  UsePrecision(pass.precision);
   UseStartVelocity(coordinates);
-  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, sweep.cancel, options);
+  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, pass.cancel, options);
 }
 
 RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
@@ -174,7 +179,7 @@ RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const st
                                                 const AdjointOptions& options, Precision precision) {
   const auto add_position_gradient = [&](int step, Eigen::MatrixXd* gradient) {
     add_seeds(step, gradient);
-    Observe(RolloutPass::kReverseSweep, num_steps() - step, /*sweeps_left=*/0);
+    Observe(RolloutPass::kReverseSweep, num_steps() - step, /*passes_left=*/0);
   };
   UsePrecision(precision);
   return clothid::PullBack(rollout, parameters, static_cast<int>(num_columns), add_position_gradient, &simulator_,
@@ -183,17 +188,17 @@ RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const st
 
 SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordinates,
                                                   const SensitivityDirections& directions,
-                                                  const SensitivityVisitor& visitor, const SweepOptions& sweep) {
+                                                  const SensitivityVisitor& visitor, const PassOptions& pass) {
   const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
     visitor(step, positions, derivative);
-    Observe(RolloutPass::kForwardSweep, step, sweep.sweeps_left);
+    Observe(RolloutPass::kForwardSweep, step, pass.passes_left);
   };
-  UsePrecision(sweep.precision);
+  UsePrecision(pass.precision);
   UseStartVelocity(coordinates);
-  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, sweep.cancel);
+  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, pass.cancel);
 }
 
-Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const SweepOptions& sweep,
+Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass,
                                  const RolloutStorage& storage, Eigen::MatrixXd* predicted,
                                  Eigen::MatrixXd* velocities) {
   const FramePrediction prediction = PredictionAt(coordinates);
@@ -209,7 +214,7 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const Sweep
   if (storage.keep_factors) options.factor_memory = storage.memory_limit;
   options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), storage.memory_limit);
   options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
-  return RunRollout(coordinates, sweep, std::move(options));
+  return RunRollout(coordinates, pass, std::move(options));
 }
 
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
@@ -271,7 +276,7 @@ Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& predictio
 }
 
 SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                              const FrameVisitor& visitor, const SweepOptions& sweep) {
+                                              const FrameVisitor& visitor, const PassOptions& pass) {
   const FramePrediction prediction = PredictionAt(coordinates);
   const SortedBlocks sorted = Sort(active);
   const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
@@ -294,7 +299,7 @@ SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates
     state.rightCols(derivative.cols()) = derivative;
     sampler.AddStep(step, state);
   };
-  return RunForwardSweep(coordinates, directions, add_step, sweep);
+  return RunForwardSweep(coordinates, directions, add_step, pass);
 }
 
 }  // namespace clothid

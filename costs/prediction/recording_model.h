@@ -29,11 +29,11 @@ namespace clothid {
 class FramePrediction;
 class ResidualDerivative;
 
-// How one sweep over the steps runs.
-struct SweepOptions {
+// How one pass over the steps runs (costs/prediction/pass_step.h).
+struct PassOptions {
   Precision precision = Precision::kFull;
-  const std::atomic<bool>* cancel = nullptr;  // ends the sweep as failed when it turns true; may be null
-  int sweeps_left = 0;                        // that the evaluation needs after this one, for the observer
+  const std::atomic<bool>* cancel = nullptr;  // ends the pass as failed when it turns true; may be null
+  int passes_left = 0;                        // that the evaluation needs after this one, for the observer
 };
 
 // What a rollout keeps for its `PullBack`.
@@ -49,7 +49,7 @@ class RecordingModel {
  public:
   // Every name of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
   // simulation are those that the starting values of the blocks and the scene's nominal values ask for. Throws `Error`
-  // for names and for what `Observation` and `Simulator` reject. `observer`: told of every step of all sweeps; may be
+  // for names and for what `Observation` and `Simulator` reject. `observer`: told of every step of all passes; may be
   // empty.
   RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer = {});
 
@@ -70,7 +70,7 @@ class RecordingModel {
   // `predicted`: the prediction [R x T] m (see Observation) corrected as the coordinates ask, which needs every step;
   // valid where the rollout is ok(). `velocities` (may be null): its time derivatives [R x T] m/s where the time offset
   // is a block, else empty.
-  Rollout Simulate(const Eigen::VectorXd& coordinates, const SweepOptions& sweep, const RolloutStorage& storage,
+  Rollout Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass, const RolloutStorage& storage,
                    Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
@@ -85,7 +85,7 @@ class RecordingModel {
   using FrameVisitor = std::function<void(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                                           const Eigen::MatrixXd& jacobian)>;
   SensitivityResult PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                const FrameVisitor& visitor, const SweepOptions& sweep);
+                                const FrameVisitor& visitor, const PassOptions& pass);
 
  private:
   // Some blocks by what they are; each with its place in the list that they come from.
@@ -101,18 +101,18 @@ class RecordingModel {
   };
   SortedBlocks Sort(const std::vector<int>& active) const;
 
-  void Observe(RolloutPass pass, int num_done, int sweeps_left) const {
-    if (observer_ && num_done > 0) observer_({pass, num_done, num_steps(), sweeps_left});
+  void Observe(RolloutPass pass, int num_done, int passes_left) const {
+    if (observer_ && num_done > 0) observer_({pass, num_done, num_steps(), passes_left});
   }
   // Lets all that is simulated from now on be solved with `precision`.
   void UsePrecision(Precision precision);
   // As the functions of sim/, observed.
-  Rollout RunRollout(const Eigen::VectorXd& coordinates, const SweepOptions& sweep, RolloutOptions options);
+  Rollout RunRollout(const Eigen::VectorXd& coordinates, const PassOptions& pass, RolloutOptions options);
   RolloutGradient RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                   Eigen::Index num_columns, const AddPositionGradient& add_seeds,
                                   const AdjointOptions& options, Precision precision);
   SensitivityResult RunForwardSweep(const Eigen::VectorXd& coordinates, const SensitivityDirections& directions,
-                                    const SensitivityVisitor& visitor, const SweepOptions& sweep);
+                                    const SensitivityVisitor& visitor, const PassOptions& pass);
 
   Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
   FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;

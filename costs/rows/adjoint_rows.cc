@@ -13,7 +13,7 @@ namespace {
 // Differences that enter the subspace beside the last Jacobian, which holds the older ones.
 constexpr int kFreshDifferences = 2;
 // The sweep itself, which follows the rollout.
-constexpr int kSweepsAfterRollout = 1;
+constexpr int kPassesAfterRollout = 1;
 
 void ExpectFinite(const Eigen::MatrixXd& gradients) {
   if (!gradients.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
@@ -64,7 +64,7 @@ void AdjointRows::KeepJacobian(const Eigen::VectorXd& weights, const Eigen::Matr
 
 ResidualRows AdjointRows::At(const RolloutEvaluation& evaluation, const std::vector<int>& active,
                              const EvaluationCache& recent, LatestRollout* rollouts, CostStatistics* statistics) {
-  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, kSweepsAfterRollout, statistics);
+  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, kPassesAfterRollout, statistics);
   const ScopedTimer timer(&statistics->derivative_seconds);
   Eigen::VectorXd weights;
   const Eigen::MatrixXd basis = Basis(evaluation, recent, &weights);
@@ -94,7 +94,7 @@ ResidualRows AdjointRows::At(const RolloutEvaluation& evaluation, const std::vec
 
 Eigen::VectorXd AdjointRows::GradientAt(const RolloutEvaluation& evaluation, const std::vector<int>& active,
                                         LatestRollout* rollouts, CostStatistics* statistics) const {
-  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, kSweepsAfterRollout, statistics);
+  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, kPassesAfterRollout, statistics);
   const ScopedTimer timer(&statistics->derivative_seconds);
   Eigen::VectorXd weights;
   const Eigen::VectorXd weighted = WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);

@@ -64,7 +64,7 @@ void ForwardRows::MoveTo(RolloutEvaluation* evaluation) {
   evaluation->loss_row = loss_row;
 }
 
-ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const SweepOptions& sweep,
+ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const PassOptions& pass,
                          const RobustLoss& loss, int num_rows, bool keeps_jacobian, RecordingModel* model,
                          CostStatistics* statistics) {
   const ScopedTimer timer(&statistics->derivative_seconds);
@@ -76,7 +76,7 @@ ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<i
   };
   ++statistics->rollouts;
   ++statistics->sweeps;
-  const SensitivityResult swept = model->PushForward(coordinates, active, add_frame, sweep);
+  const SensitivityResult swept = model->PushForward(coordinates, active, add_frame, pass);
   statistics->counts += swept.counts;
   if (swept.failure) throw std::runtime_error(swept.failure->ToString());
   result.counts = swept.counts;

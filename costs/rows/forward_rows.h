@@ -27,7 +27,7 @@ struct ForwardRows {
 // For the blocks `active` [q], as `num_rows` >= q + 1 rows. Nothing of the size [m x q] is stored unless
 // `keeps_jacobian`. Throws `std::runtime_error` where the sweep fails or the Jacobian is not finite; `statistics` has
 // counted it then, too.
-ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const SweepOptions& sweep,
+ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const PassOptions& pass,
                          const RobustLoss& loss, int num_rows, bool keeps_jacobian, RecordingModel* model,
                          CostStatistics* statistics);
 

@@ -15,14 +15,14 @@ class LatestRollout {
   // Both must outlive it.
   LatestRollout(RecordingModel* model, const RolloutCostOptions* options) : model_(model), options_(options) {}
 
-  // Runs the rollout, with `sweeps_left` further sweeps to come, and adds it to `statistics`. `predicted` and
+  // Runs the rollout, with `passes_left` further passes to come, and adds it to `statistics`. `predicted` and
   // `velocities` (may be null): see RecordingModel::Simulate. Throws `std::runtime_error` where it fails.
-  Rollout Run(const Eigen::VectorXd& coordinates, Precision precision, int sweeps_left, Eigen::MatrixXd* predicted,
+  Rollout Run(const Eigen::VectorXd& coordinates, Precision precision, int passes_left, Eigen::MatrixXd* predicted,
               Eigen::MatrixXd* velocities, CostStatistics* statistics) const;
 
   // The kept rollout if it is that of `coordinates`, else as `Run`, and kept from then on. Trajectories are large, so
   // there is one, and never two.
-  const Rollout& At(const Eigen::VectorXd& coordinates, Precision precision, int sweeps_left,
+  const Rollout& At(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
                     CostStatistics* statistics);
   // Of the last `At`.
   const Eigen::MatrixXd& predicted() const { return predicted_; }    // [R x T] m

@@ -45,7 +45,7 @@ bool RolloutComputation::TakesFirstJacobian() const {
          adjoint_rows_.last_jacobian().size() == 0 && !free_blocks_.empty();
 }
 
-int RolloutComputation::SweepsAfterRollout(const EvaluationKey& key) const {
+int RolloutComputation::PassesAfterRollout(const EvaluationKey& key) const {
   if (key.need == EvaluationNeed::kCost) return 0;
   const bool is_numeric = options_.jacobian == JacobianMethod::kNumeric && key.need != EvaluationNeed::kExactRows;
   return is_numeric ? static_cast<int>(key.active.size()) : 1;
@@ -86,7 +86,7 @@ void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& re
 
 void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics) {
   evaluation->counts =
-      latest_rollout_.At(evaluation->coordinates, evaluation->precision, SweepsAfterRollout(key), statistics).counts;
+      latest_rollout_.At(evaluation->coordinates, evaluation->precision, PassesAfterRollout(key), statistics).counts;
   evaluation->predicted = latest_rollout_.predicted();
   SetCost(options_.loss, model_.observation(), evaluation);
 }
@@ -94,7 +94,7 @@ void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* ev
 void RolloutComputation::AddForwardRows(const std::vector<int>& active, RolloutEvaluation* evaluation,
                                         CostStatistics* statistics) {
   const bool is_first = TakesFirstJacobian();
-  ForwardRows forward = SweepForward(evaluation->coordinates, active, LastSweep(evaluation->precision), options_.loss,
+  ForwardRows forward = SweepForward(evaluation->coordinates, active, LastPass(evaluation->precision), options_.loss,
                                      num_rows(), /*keeps_jacobian=*/is_first, &model_, statistics);
   forward.MoveTo(evaluation);
   evaluation->rows = std::move(forward.rows);
@@ -140,7 +140,7 @@ void RolloutComputation::AddExactRows(const std::vector<int>& active, RolloutEva
     // The evaluation keeps the cost that it was given before, which differs in rounding.
     const int num_exact_rows = static_cast<int>(active.size()) + 1;
     evaluation->exact_rows =
-        SweepForward(evaluation->coordinates, active, LastSweep(evaluation->precision), options_.loss, num_exact_rows,
+        SweepForward(evaluation->coordinates, active, LastPass(evaluation->precision), options_.loss, num_exact_rows,
                      /*keeps_jacobian=*/false, &model_, statistics)
             .rows;
   }

@@ -56,9 +56,9 @@ class RolloutComputation {
   void AddGradient(const std::vector<int>& active, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                    CostStatistics* statistics);
   void AddExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation, CostStatistics* statistics);
-  // How many sweeps give the derivatives that are asked for, once there is a rollout.
-  int SweepsAfterRollout(const EvaluationKey& key) const;
-  SweepOptions LastSweep(Precision precision) const { return {precision, options_.cancel, /*sweeps_left=*/0}; }
+  // How many passes give the derivatives that are asked for, once there is a rollout.
+  int PassesAfterRollout(const EvaluationKey& key) const;
+  PassOptions LastPass(Precision precision) const { return {precision, options_.cancel, /*passes_left=*/0}; }
 
   RolloutCostOptions options_;
   RecordingModel model_;

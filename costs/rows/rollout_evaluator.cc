@@ -23,9 +23,20 @@ const RolloutEvaluation& RolloutEvaluator::At(const EvaluationKey& key) {
   RolloutEvaluation* const evaluation = FindOrAdd(key);
   if (evaluation->ok() && evaluation->Lacks(key.need, key.active)) {
     journaled_.Complete(key, cache_, evaluation, &statistics_);
+    last_failure_ = evaluation->failure;
+    if (!evaluation->ok() && options().is_cancelled()) return TakeFailure(evaluation);
   }
   last_failure_ = evaluation->failure;
   return *evaluation;
+}
+
+const RolloutEvaluation& RolloutEvaluator::TakeFailure(RolloutEvaluation* evaluation) {
+  cancelled_ = RolloutEvaluation();
+  cancelled_.coordinates = evaluation->coordinates;
+  cancelled_.precision = evaluation->precision;
+  cancelled_.failure = std::exchange(evaluation->failure, {});
+  if (evaluation->is_new()) cache_.Remove(evaluation);
+  return cancelled_;
 }
 
 }  // namespace clothid

@@ -27,6 +27,7 @@ class RolloutEvaluator {
   RolloutEvaluator(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, const RolloutCostOptions& options);
 
   // What `key` asks for. Never throws: what went wrong stands in `failure`. The reference is valid until the next call.
+  // A failure is remembered, but not where `RolloutCostOptions::cancel` was set: then the point is as it was before.
   const RolloutEvaluation& At(const EvaluationKey& key);
 
   // Forgets what the last Jacobian was: the next points are far from it.
@@ -34,6 +35,7 @@ class RolloutEvaluator {
 
   int num_rows() const { return computation_.num_rows(); }  // without the row of the loss
   const std::vector<int>& free_blocks() const { return computation_.free_blocks(); }
+  const RolloutCostOptions& options() const { return computation_.options(); }
   const RecordingModel& model() const { return computation_.model(); }
   const CostStatistics& statistics() const { return statistics_; }
   const std::string& last_failure() const { return last_failure_; }
@@ -43,10 +45,13 @@ class RolloutEvaluator {
  private:
   // The cached evaluation with its residuals, or a new one.
   RolloutEvaluation* FindOrAdd(const EvaluationKey& key);
+  // A copy that has failed, of an evaluation that has not.
+  const RolloutEvaluation& TakeFailure(RolloutEvaluation* evaluation);
 
   RolloutComputation computation_;
   JournaledComputation journaled_;
   EvaluationCache cache_;
+  RolloutEvaluation cancelled_;  // the last one that was
   std::string last_failure_;
   CostStatistics statistics_;
 };

@@ -1,5 +1,6 @@
 #include "identify/fit/fit.h"
 
+#include <ceres/evaluation_callback.h>
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
 #include <ceres/iteration_callback.h>
@@ -20,14 +21,14 @@ namespace {
 // The first trust region of Levenberg-Marquardt: its inverse is the damping relative to the diagonal of J^T J. The
 // problems are small and their Jacobians exact, so a step may be nearly Gauss-Newton's from the start.
 constexpr double kInitialTrustRegion = 1e2;
-// Of a pass that starts near the solution, as far as the region grows on the way there.
+// Of a stage that starts near the solution, as far as the region grows on the way there.
 constexpr double kNearTrustRegion = 1e4;
-// The loose pass ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
+// The loose stage ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
 // what a Gauss-Newton step misses, and about what loose rollouts do.
 constexpr double kShortStep = 5e4;
 
-// What a pass of the optimiser is to reach.
-struct PassGoal {
+// What a stage of the optimiser is to reach.
+struct StageGoal {
   Precision precision = Precision::kFull;
   double step = 1.0;                // the next step, in resolutions of the parameters, ...
   double function_tolerance = 0.0;  // ... or its relative decrease of the cost
@@ -74,7 +75,7 @@ bool IsShort(const FitProblem& problem, const QuadraticModel& model, const Eigen
 
 // Whether the Gauss-Newton step is within the goal. Ceres looks at its tolerances after the rollout of a step; this
 // looks before.
-bool NextStepIsNegligible(const PassGoal& goal, const FitProblem& problem, const QuadraticModel& model) {
+bool NextStepIsNegligible(const StageGoal& goal, const FitProblem& problem, const QuadraticModel& model) {
   const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
   if (!step) return false;
   return -0.5 * model.gradient.dot(*step) <= goal.function_tolerance * model.cost ||
@@ -96,7 +97,7 @@ class Recorder : public ceres::IterationCallback {
                                                                                   : ceres::SOLVER_CONTINUE;
   }
 
-  void StartPass(const PassGoal& goal) {
+  void StartStage(const StageGoal& goal) {
     goal_ = goal;
     num_failures_ = evaluator_.num_failures();
   }
@@ -135,7 +136,7 @@ class Recorder : public ceres::IterationCallback {
   const FitOptions& options_;
   const FitProblem& problem_;
   const FitEvaluator& evaluator_;
-  PassGoal goal_;
+  StageGoal goal_;
   int num_failures_ = 0;  // until the last iteration
   std::chrono::steady_clock::time_point start_;
   std::vector<FitIteration> iterations_;
@@ -158,7 +159,7 @@ FitStatus StatusOf(ceres::TerminationType type) {
 // Steps that lead to points that fail are cut until they meet the tolerances. That is no minimum.
 void SetStatus(ceres::TerminationType type, const std::string& message, const Recorder& recorder, FitSummary* summary) {
   summary->status = StatusOf(type);
-  // Ceres says it of the last pass alone.
+  // Ceres says it of the last stage alone.
   summary->message = type == ceres::NO_CONVERGENCE ? "stopped at max_iterations" : message;
   if (recorder.failure().empty()) return;
   if (summary->status == FitStatus::kFailed) summary->message = recorder.failure();
@@ -168,10 +169,31 @@ void SetStatus(ceres::TerminationType type, const std::string& message, const Re
   }
 }
 
-void RunLevenbergMarquardt(const FitOptions& options, const PassGoal& goal, FitProblem* problem,
+// Lets the evaluator fill the caches of the costs before Ceres asks them.
+class CacheFiller : public ceres::EvaluationCallback {
+ public:
+  // Both must outlive it. `coordinates`: the memory that Ceres changes.
+  CacheFiller(Precision precision, const Eigen::VectorXd* coordinates, FitEvaluator* evaluator)
+      : precision_(precision), coordinates_(coordinates), evaluator_(evaluator) {}
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) override {
+    double cost = 0.0;
+    // A failure shows again when Ceres asks the costs themselves.
+    const auto derivative = evaluate_jacobians ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
+    evaluator_->Evaluate(*coordinates_, derivative, &cost, nullptr, precision_);
+  }
+
+ private:
+  Precision precision_;
+  const Eigen::VectorXd* coordinates_;
+  FitEvaluator* evaluator_;
+};
+
+void RunLevenbergMarquardt(const FitOptions& options, const StageGoal& goal, FitProblem* problem,
                            Eigen::VectorXd* coordinates, FitEvaluator* evaluator, Recorder* recorder,
                            FitSummary* summary) {
-  const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(evaluator, coordinates);
+  CacheFiller filler(goal.precision, coordinates, evaluator);
+  const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(&filler, coordinates, goal.precision);
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
   solver.linear_solver_type = ceres::DENSE_QR;
@@ -182,7 +204,7 @@ void RunLevenbergMarquardt(const FitOptions& options, const PassGoal& goal, FitP
   solver.num_threads = 1;  // the evaluator has its own
   solver.logging_type = ceres::SILENT;
   solver.callbacks.push_back(recorder);
-  recorder->StartPass(goal);
+  recorder->StartStage(goal);
   ceres::Solver::Summary result;
   ceres::Solve(solver, ceres_problem.get(), &result);
   SetStatus(result.termination_type, result.message, *recorder, summary);
@@ -214,15 +236,14 @@ bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, E
   return true;
 }
 
-// The loose pass, and the full one from where its last step leads, so that no point is simulated with both. Points that
-// work loosely may fail with full precision; where these do, the full pass starts where the fit did.
+// The loose stage, and the full one from where its last step leads, so that no point is simulated with both. Points
+// that work loosely may fail with full precision; where these do, the full stage starts where the fit did.
 void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
                                 FitEvaluator* evaluator, Recorder* recorder, FitSummary* summary) {
-  const PassGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
+  const StageGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
   RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
   if (IsCancelled(options)) return;
   const int last_iteration = recorder->iterations().empty() ? 0 : recorder->iterations().back().iteration;
-  problem->SetPrecision(Precision::kFull);
   evaluator->SupersedeBest();
   const Eigen::VectorXd last = *coordinates;
   const bool has_next = last_iteration < options.max_iterations && IsAt(evaluator->model(), last);
@@ -230,7 +251,7 @@ void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, 
                                            coordinates, evaluator)) ||
                        MoveTo(last, FitEvaluator::Derivative::kRows, coordinates, evaluator);
   if (!is_near) *coordinates = problem->StartCoordinates();
-  PassGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
+  StageGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
   if (!is_near) full.trust_region = kInitialTrustRegion;
   RunLevenbergMarquardt(options, full, problem, coordinates, evaluator, recorder, summary);
 }
@@ -331,7 +352,7 @@ bool IsAllFrozen(const FitProblem& problem) {
                      [](const ParameterBlock& block) { return block.frozen; });
 }
 
-// L-BFGS would lose its picture of the curvature between two passes.
+// L-BFGS would lose its picture of the curvature between two stages.
 bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
   return options.precision == FitPrecision::kAdaptive && options.method == FitMethod::kLevenbergMarquardt &&
          options.jacobian != JacobianMethod::kNumeric && !IsAllFrozen(problem);
@@ -345,7 +366,7 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
   } else if (IsAdaptive(options, *problem)) {
     RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
   } else if (options.method == FitMethod::kLevenbergMarquardt) {
-    const PassGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, 0};
+    const StageGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, 0};
     RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
   } else {
     RunLbfgs(options, problem, evaluator, recorder, summary);
@@ -377,15 +398,15 @@ Eigen::VectorXd FitSummary::values() const {
 FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   FitSummary summary;
   Eigen::VectorXd coordinates = problem->StartCoordinates();
-  FitEvaluator evaluator(problem, &coordinates, options.num_threads);
+  FitEvaluator evaluator(problem, options.num_threads);
   Recorder recorder(options, *problem, evaluator);
   problem->Restart();
-  problem->SetPrecision(IsAdaptive(options, *problem) ? Precision::kLoose : Precision::kFull);
 
   // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
   // cached.
   double cost = 0.0;
-  if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr)) {
+  const Precision first_precision = IsAdaptive(options, *problem) ? Precision::kLoose : Precision::kFull;
+  if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr, first_precision)) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
   } else {
     RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
@@ -394,7 +415,6 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
     summary.status = FitStatus::kInterrupted;
     summary.message = "interrupted";
   }
-  problem->SetPrecision(Precision::kFull);
   // A loose point is better than none only where somebody has stopped the fit there.
   const bool has_estimate = evaluator.best().is_valid() && (!evaluator.best_is_superseded() || IsCancelled(options));
   if (has_estimate) FillEstimate(*problem, evaluator, &summary);
@@ -410,7 +430,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
 
 void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary) {
   if (IsCancelled(options)) return;
-  FitEvaluator evaluator(&problem, &summary->coordinates, options.num_threads, EvaluationPurpose::kInterval);
+  FitEvaluator evaluator(&problem, options.num_threads, EvaluationPurpose::kInterval);
   Linearization linearization;
   if (evaluator.Linearize(summary->coordinates, &linearization)) {
     linearization.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);

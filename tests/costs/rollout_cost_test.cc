@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "costs/full_residual_cost.h"
 #include "tests/costs/synthetic_motion.h"
@@ -293,20 +294,19 @@ TEST_P(RolloutCostTest, TheLastJacobianStaysInTheSubspace) {
 
 TEST_P(RolloutCostTest, PointsOfDifferentPrecisionAreKeptApart) {
   for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
-    RolloutCost cost(motion_, blocks_, WithJacobian(method));
+    const RolloutCost cost(motion_, blocks_, WithJacobian(method));
     const RolloutCost only_full(motion_, blocks_, WithJacobian(method));
+    const std::unique_ptr<RolloutCost> loose_cost = cost.AtPrecision(Precision::kLoose);
     const Eigen::VectorXd start = StartOf(blocks_);
-    cost.SetPrecision(Precision::kLoose);
-    const double loose = EvaluateAll(cost, start).cost();
+    const double loose = EvaluateAll(*loose_cost, start).cost();
     const int loose_iterations = cost.statistics().counts.newton_iterations;
-    cost.SetPrecision(Precision::kFull);
     const double full = EvaluateAll(cost, start).cost();
     EXPECT_NE(loose, full);
     EXPECT_NEAR(loose, full, 0.05 * full);
     EXPECT_EQ(full, EvaluateAll(only_full, start).cost());
     EXPECT_LT(loose_iterations, only_full.statistics().counts.newton_iterations);
-    cost.SetPrecision(Precision::kLoose);
-    EXPECT_EQ(EvaluateAll(cost, start).cost(), loose);
+    EXPECT_EQ(EvaluateAll(*loose_cost, start).cost(), loose);
+    EXPECT_EQ(loose_cost->statistics().rollouts, 2);
     EXPECT_EQ(cost.statistics().rollouts, 2);
   }
 }
@@ -424,6 +424,44 @@ TEST(RolloutCostCallsTest, FailuresReturnFalseWithAReason) {
     Eigen::MatrixXd predicted;
     EXPECT_FALSE(cost.Predict(StartOf(blocks).array() + 0.1, &predicted));
     EXPECT_TRUE(EvaluateAll(cost, StartOf(blocks)).ok) << "cached before";
+  }
+}
+
+// Somebody stopped it, so nothing is known of the point.
+TEST(RolloutCostCallsTest, WhatWasCancelledIsEvaluatedWhenItIsAskedForAgain) {
+  const RecordedMotion motion = SwingMotion();
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
+  const Eigen::VectorXd start = StartOf(blocks);
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+    std::atomic<bool> cancel{false};
+    RolloutCostOptions options = WithJacobian(method);
+    const Rows expected = EvaluateAll(RolloutCost(motion, blocks, options), start);
+    options.cancel = &cancel;
+    const RolloutCost cost(motion, blocks, options);
+    cancel = true;
+    EXPECT_FALSE(EvaluateAll(cost, start).ok);
+    EXPECT_FALSE(cost.last_failure().empty());
+    cancel = false;
+    const Rows rows = EvaluateAll(cost, start);
+    ASSERT_TRUE(rows.ok) << cost.last_failure();
+    EXPECT_TRUE(cost.last_failure().empty());
+    EXPECT_EQ(rows.residuals, expected.residuals);
+    ExpectNear(rows.gradient(), expected.gradient(), 1e-12);
+
+    // What was known before stays known: the cost, where exact rows were cancelled.
+    const Eigen::VectorXd near = start.array() + 1e-3;
+    const double value = CostAt(cost, near);
+    const int rollouts = cost.statistics().rollouts;
+    cancel = true;
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd residuals;
+    EXPECT_EQ(cost.Linearize(near, &jacobian, &residuals), method == JacobianMethod::kSensitivity);
+    const int cancelled = cost.statistics().rollouts - rollouts;
+    EXPECT_EQ(CostAt(cost, near), value);
+    cancel = false;
+    EXPECT_EQ(CostAt(cost, near), value);
+    EXPECT_EQ(cost.statistics().rollouts, rollouts + cancelled);
+    EXPECT_TRUE(cost.Linearize(near, &jacobian, &residuals)) << cost.last_failure();
   }
 }
 

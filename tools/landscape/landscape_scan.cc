@@ -60,7 +60,7 @@ class CellModel {
   }
 
   Rollout Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted) {
-    return model_.Simulate(Coordinates(x, y), {Precision::kFull, cancel, /*sweeps_left=*/0}, storage_, predicted);
+    return model_.Simulate(Coordinates(x, y), {Precision::kFull, cancel, /*passes_left=*/0}, storage_, predicted);
   }
 
   // Puts every point of the recording's clouds onto the predicted surface, where that is nearest.
