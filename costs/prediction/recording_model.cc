@@ -11,48 +11,12 @@
 namespace clothid {
 namespace {
 
-std::vector<std::optional<AlignmentId>> ParseAlignmentIds(const std::vector<ParameterBlock>& blocks) {
-  std::vector<std::optional<AlignmentId>> ids;
-  for (const ParameterBlock& block : blocks) ids.push_back(ParseAlignmentId(BaseName(block.name)));
-  return ids;
-}
-
-std::vector<ParameterId> ParseIds(const std::vector<ParameterBlock>& blocks, const Scene& scene) {
-  std::vector<ParameterId> ids;
-  for (const ParameterBlock& block : blocks) {
-    const std::string name = BaseName(block.name);
-    ids.push_back(ParseAlignmentId(name) ? ParameterId() : ParseParameter(name, scene.obstacle_names()));
-  }
-  return ids;
-}
-
-Parameters StartParameters(const std::vector<ParameterBlock>& blocks, const Scene& scene) {
-  Parameters parameters = scene.nominal_parameters();
-  const std::vector<ParameterId> ids = ParseIds(blocks, scene);
-  const std::vector<std::optional<AlignmentId>> alignment_ids = ParseAlignmentIds(blocks);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (!alignment_ids[i]) SetParameter(ids[i], blocks[i].start, &parameters);
-  }
-  return parameters;
-}
-
-bool IsA(AlignmentKind kind, const ParameterBlock& block) {
-  const std::optional<AlignmentId> id = ParseAlignmentId(BaseName(block.name));
-  return id && id->kind == kind;
-}
-
 // Linear where no block is the time offset.
-FrameInterpolation InterpolationFor(const RecordedMotion& motion, const std::vector<ParameterBlock>& blocks,
+FrameInterpolation InterpolationFor(const RecordedMotion& motion, const BlockValues& values,
                                     const Observation& observation) {
-  for (const ParameterBlock& block : blocks) {
-    if (IsA(AlignmentKind::kTimeOffset, block)) return {motion, block.upper_bound};
-  }
-  return FrameInterpolation(observation);
-}
-
-bool HasStartVelocity(const std::vector<ParameterBlock>& blocks) {
-  return std::any_of(blocks.begin(), blocks.end(),
-                     [](const ParameterBlock& block) { return IsA(AlignmentKind::kStartVelocity, block); });
+  const ParameterBlock* const time_offset = values.Find(AlignmentKind::kTimeOffset);
+  return time_offset == nullptr ? FrameInterpolation(observation)
+                                : FrameInterpolation(motion, time_offset->upper_bound);
 }
 
 // [3N x q]: in every column each node moves at 1 m/s along one of `axes` [q].
@@ -77,73 +41,26 @@ Scene SceneAtStart(Scene scene, const Parameters& start) {
 
 RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer)
     : name_(motion.name),
-      blocks_(std::move(blocks)),
-      ids_(ParseIds(blocks_, motion.scene)),
-      alignment_ids_(ParseAlignmentIds(blocks_)),
-      start_(StartParameters(blocks_, motion.scene)),
+      values_(std::move(blocks), motion.scene),
       observation_(motion),
-      interpolation_(InterpolationFor(motion, blocks_, observation_)),
-      has_start_velocity_(HasStartVelocity(blocks_)),
+      interpolation_(InterpolationFor(motion, values_, observation_)),
       turn_center_(TurnCenter(motion)),
       initial_velocities_(motion.scene.initial_velocities),
       full_precision_(motion.scene.solver),
-      simulator_(SceneAtStart(motion.scene, start_)),
+      simulator_(SceneAtStart(motion.scene, values_.start())),
       observer_(std::move(observer)) {}
 
-Parameters RecordingModel::ParametersAt(const Eigen::VectorXd& coordinates) const {
-  Parameters parameters = start_;
-  for (int i = 0; i < num_blocks(); ++i) {
-    if (!alignment_ids_[i]) SetParameter(ids_[i], blocks_[i].ToValue(coordinates[i]), &parameters);
-  }
-  return parameters;
-}
-
-Alignment RecordingModel::AlignmentAt(const Eigen::VectorXd& coordinates) const {
-  Alignment alignment;
-  for (int i = 0; i < num_blocks(); ++i) {
-    if (alignment_ids_[i]) alignment.Set(*alignment_ids_[i], blocks_[i].ToValue(coordinates[i]));
-  }
-  return alignment;
-}
-
 FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
-  return FramePrediction(AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
+  return FramePrediction(values_.AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
 }
 
 // The one place that sets the simulator's start velocities.
 void RecordingModel::UseStartVelocity(const Eigen::VectorXd& coordinates) {
-  if (!has_start_velocity_) return;
-  const Eigen::Vector3d velocity = AlignmentAt(coordinates).start_velocity;
+  if (values_.Find(AlignmentKind::kStartVelocity) == nullptr) return;
+  const Eigen::Vector3d velocity = values_.AlignmentAt(coordinates).start_velocity;
   Eigen::VectorXd velocities = initial_velocities_;
   for (int node : simulator_.model().free_nodes()) velocities.segment<3>(3 * node) += velocity;
   simulator_.SetInitialVelocities(velocities);
-}
-
-RecordingModel::SortedBlocks RecordingModel::Sort(const std::vector<int>& active) const {
-  SortedBlocks sorted;
-  for (int place = 0; place < static_cast<int>(active.size()); ++place) {
-    const std::optional<AlignmentId>& id = alignment_ids_[active[place]];
-    if (!id) {
-      sorted.parameters.push_back(ids_[active[place]]);
-      sorted.parameter_places.push_back(place);
-    } else if (id->kind == AlignmentKind::kStartVelocity) {
-      sorted.velocity_axes.push_back(id->axis);
-      sorted.velocity_places.push_back(place);
-    } else {
-      sorted.corrections.push_back(*id);
-      sorted.correction_places.push_back(place);
-    }
-  }
-  return sorted;
-}
-
-Eigen::VectorXd RecordingModel::ValueDerivatives(const Eigen::VectorXd& coordinates,
-                                                 const std::vector<int>& active) const {
-  Eigen::VectorXd derivatives(static_cast<Eigen::Index>(active.size()));
-  for (Eigen::Index i = 0; i < derivatives.size(); ++i) {
-    derivatives[i] = blocks_[active[i]].ValueDerivative(coordinates[active[i]]);
-  }
-  return derivatives;
 }
 
 SolverOptions RecordingModel::SolverAt(Precision precision) const {
@@ -223,7 +140,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
                                          const AdjointOptions& options, Precision precision) {
   const FramePrediction prediction = PredictionAt(coordinates);
   const ResidualDerivative derivative(&observation_, predicted);
-  const SortedBlocks sorted = Sort(active);
+  const SortedBlocks sorted = values_.Sort(active);
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
     prediction.AddSeeds(step, seeds, derivative, gradient);
   };
@@ -236,7 +153,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
         UniformVelocities(observation_.num_nodes(), sorted.velocity_axes).transpose() * gradient.initial_velocities;
   }
   SetCorrectionRows(prediction, sorted, predicted, velocities, derivative, seeds, &all);
-  return ValueDerivatives(coordinates, active).asDiagonal() * all;
+  return values_.DerivativesAt(coordinates, active).asDiagonal() * all;
 }
 
 void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
@@ -278,8 +195,8 @@ Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& predictio
 SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
                                               const FrameVisitor& visitor, const PassOptions& pass) {
   const FramePrediction prediction = PredictionAt(coordinates);
-  const SortedBlocks sorted = Sort(active);
-  const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
+  const SortedBlocks sorted = values_.Sort(active);
+  const Eigen::VectorXd derivatives = values_.DerivativesAt(coordinates, active);
   FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
     const Eigen::MatrixXd points = WithDerivatives(prediction, sorted, frame, states);
     Eigen::VectorXd residuals;

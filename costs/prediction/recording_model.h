@@ -6,12 +6,11 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "costs/prediction/alignment.h"
+#include "costs/prediction/block_values.h"
 #include "costs/prediction/frame_interpolation.h"
 #include "costs/prediction/parameter_block.h"
 #include "costs/prediction/pass_step.h"
@@ -56,11 +55,11 @@ class RecordingModel {
   const std::string& name() const { return name_; }
   const Observation& observation() const { return observation_; }
   const Scene& scene() const { return simulator_.scene(); }
-  const std::vector<ParameterBlock>& blocks() const { return blocks_; }
-  int num_blocks() const { return static_cast<int>(blocks_.size()); }
+  const std::vector<ParameterBlock>& blocks() const { return values_.blocks(); }
+  int num_blocks() const { return static_cast<int>(blocks().size()); }
 
   // `coordinates` [p], in the order of the blocks.
-  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
+  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const { return values_.ParametersAt(coordinates); }
 
   int num_steps() const { return interpolation_.num_steps(); }
 
@@ -88,19 +87,6 @@ class RecordingModel {
                                 const FrameVisitor& visitor, const PassOptions& pass);
 
  private:
-  // Some blocks by what they are; each with its place in the list that they come from.
-  struct SortedBlocks {
-    std::vector<ParameterId> parameters;  // of the simulation
-    std::vector<int> parameter_places;
-    std::vector<int> velocity_axes;  // of the start velocity
-    std::vector<int> velocity_places;
-    std::vector<AlignmentId> corrections;  // all other parameters of the recording
-    std::vector<int> correction_places;
-
-    bool has_only_parameters() const { return velocity_places.empty() && correction_places.empty(); }
-  };
-  SortedBlocks Sort(const std::vector<int>& active) const;
-
   void Observe(RolloutPass pass, int num_done, int passes_left) const {
     if (observer_ && num_done > 0) observer_({pass, num_done, num_steps(), passes_left});
   }
@@ -114,11 +100,9 @@ class RecordingModel {
   SensitivityResult RunForwardSweep(const Eigen::VectorXd& coordinates, const SensitivityDirections& directions,
                                     const SensitivityVisitor& visitor, const PassOptions& pass);
 
-  Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
   FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
   // Lets the rollouts from now on start with the velocity that the coordinates ask for.
   void UseStartVelocity(const Eigen::VectorXd& coordinates);
-  Eigen::VectorXd ValueDerivatives(const Eigen::VectorXd& coordinates, const std::vector<int>& active) const;
   // The prediction at a frame, from states whose further columns are derivatives along `active.parameters` and then
   // along the start velocities, and its derivatives in the order of the blocks: [R x (1 + q)].
   Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active, int frame,
@@ -130,10 +114,7 @@ class RecordingModel {
                          Eigen::MatrixXd* gradient) const;
 
   std::string name_;
-  std::vector<ParameterBlock> blocks_;
-  std::vector<ParameterId> ids_;                           // of the simulation's blocks; of others meaningless
-  std::vector<std::optional<AlignmentId>> alignment_ids_;  // of the recording's own blocks
-  Parameters start_;
+  BlockValues values_;
   Observation observation_;
   FrameInterpolation interpolation_;
   bool has_start_velocity_;             // a block is part of it
