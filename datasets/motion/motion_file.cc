@@ -37,51 +37,71 @@ Eigen::Matrix3Xd JoinClouds(const std::vector<Eigen::Matrix3Xd>& clouds, std::ve
   return all;
 }
 
-// The doubles come first, so that every tensor stands on a multiple of its element size.
-std::vector<TensorBytes> ToContainer(const MotionTensors& tensors) {
-  const TensorType f64 = TensorType::kF64, i32 = TensorType::kI32;
-  const long long num_times = tensors.times.size(), num_points = tensors.positions.rows() / 3;
+// What is double in every file.
+void AddDoubles(const MotionTensors& tensors, std::vector<TensorBytes>* result) {
+  const TensorType f64 = TensorType::kF64;
+  const long long num_points = tensors.positions.rows() / 3;
   const long long num_handles = static_cast<long long>(tensors.handle_index.size());
-  std::vector<TensorBytes> result;
-  // Every missing coordinate is written as the same NaN: the same motion gives the same bytes.
-  const Eigen::MatrixXd positions =
-      tensors.positions.array().isNaN().select(std::numeric_limits<double>::quiet_NaN(), tensors.positions);
-  result.push_back({"times", f64, {num_times}, ToBytes<double>(tensors.times)});
-  result.push_back(
+  result->push_back({"times", f64, {tensors.times.size()}, ToBytes<double>(tensors.times)});
+  result->push_back(
       {"rest_positions", f64, {tensors.mesh.num_nodes(), 3}, ToBytes<double>(tensors.mesh.rest_positions)});
   if (!tensors.face_index.empty()) {
-    result.push_back({"barycentric", f64, {num_points, 3}, ToBytes<double>(tensors.barycentric)});
+    result->push_back({"barycentric", f64, {num_points, 3}, ToBytes<double>(tensors.barycentric)});
   }
   if (num_handles > 0) {
     const long long num_knots = tensors.handle_positions.cols();
-    result.push_back({"handle_positions", f64, {num_knots, num_handles, 3}, ToBytes<double>(tensors.handle_positions)});
+    result->push_back(
+        {"handle_positions", f64, {num_knots, num_handles, 3}, ToBytes<double>(tensors.handle_positions)});
   }
   if (tensors.handle_times.size() > 0) {
-    result.push_back({"handle_times", f64, {tensors.handle_times.size()}, ToBytes<double>(tensors.handle_times)});
+    result->push_back({"handle_times", f64, {tensors.handle_times.size()}, ToBytes<double>(tensors.handle_times)});
   }
-  if (tensors.sigma.size() > 0) result.push_back({"sigma", f64, {num_points}, ToBytes<double>(tensors.sigma)});
+  if (tensors.sigma.size() > 0) result->push_back({"sigma", f64, {num_points}, ToBytes<double>(tensors.sigma)});
+  if (tensors.cloud_sigma > 0.0) {
+    result->push_back({"cloud_sigma", f64, {1}, ToBytes<double>(Eigen::VectorXd::Constant(1, tensors.cloud_sigma))});
+  }
+}
+
+// What was measured, double or single; first what is double.
+void AddMeasured(const MotionTensors& tensors, std::vector<TensorBytes>* result) {
+  const long long num_times = tensors.times.size(), num_points = tensors.positions.rows() / 3;
   std::vector<int> offsets;
   const Eigen::Matrix3Xd cloud = JoinClouds(tensors.clouds, &offsets);
-  if (tensors.cloud_sigma > 0.0) {
-    result.push_back({"cloud_sigma", f64, {1}, ToBytes<double>(Eigen::VectorXd::Constant(1, tensors.cloud_sigma))});
-  }
   if (!tensors.clouds.empty() && !tensors.single_precision_clouds) {
-    result.push_back({"cloud_positions", f64, {cloud.cols(), 3}, ToBytes<double>(cloud)});
+    result->push_back({"cloud_positions", TensorType::kF64, {cloud.cols(), 3}, ToBytes<double>(cloud)});
   }
-  result.push_back({"positions",
-                    tensors.single_precision ? TensorType::kF32 : f64,
-                    {num_times, num_points, 3},
-                    tensors.single_precision ? ToBytes<float>(positions) : ToBytes<double>(positions)});
-  if (!tensors.clouds.empty()) {
-    if (tensors.single_precision_clouds) {
-      result.push_back({"cloud_positions", TensorType::kF32, {cloud.cols(), 3}, ToBytes<float>(cloud)});
-    }
-    result.push_back({"cloud_offsets", i32, {num_times + 1}, ToBytes(offsets)});
+  // Every missing coordinate is written as the same NaN: the same motion gives the same bytes.
+  const Eigen::MatrixXd positions =
+      tensors.positions.array().isNaN().select(std::numeric_limits<double>::quiet_NaN(), tensors.positions);
+  result->push_back({"positions",
+                     tensors.single_precision ? TensorType::kF32 : TensorType::kF64,
+                     {num_times, num_points, 3},
+                     tensors.single_precision ? ToBytes<float>(positions) : ToBytes<double>(positions)});
+  if (tensors.clouds.empty()) return;
+  if (tensors.single_precision_clouds) {
+    result->push_back({"cloud_positions", TensorType::kF32, {cloud.cols(), 3}, ToBytes<float>(cloud)});
   }
-  result.push_back({"faces", i32, {tensors.mesh.num_faces(), 3}, ToBytes<std::int32_t>(tensors.mesh.faces)});
-  if (!tensors.node_index.empty()) result.push_back({"node_index", i32, {num_points}, ToBytes(tensors.node_index)});
-  if (!tensors.face_index.empty()) result.push_back({"face_index", i32, {num_points}, ToBytes(tensors.face_index)});
-  if (num_handles > 0) result.push_back({"handle_index", i32, {num_handles}, ToBytes(tensors.handle_index)});
+  result->push_back({"cloud_offsets", TensorType::kI32, {num_times + 1}, ToBytes(offsets)});
+}
+
+void AddIndices(const MotionTensors& tensors, std::vector<TensorBytes>* result) {
+  result->push_back(
+      {"faces", TensorType::kI32, {tensors.mesh.num_faces(), 3}, ToBytes<std::int32_t>(tensors.mesh.faces)});
+  const auto add = [&](const char* name, const std::vector<int>& indices) {
+    if (indices.empty()) return;
+    result->push_back({name, TensorType::kI32, {static_cast<long long>(indices.size())}, ToBytes(indices)});
+  };
+  add("node_index", tensors.node_index);
+  add("face_index", tensors.face_index);
+  add("handle_index", tensors.handle_index);
+}
+
+// The doubles come first, so that every tensor stands on a multiple of its element size.
+std::vector<TensorBytes> ToContainer(const MotionTensors& tensors) {
+  std::vector<TensorBytes> result;
+  AddDoubles(tensors, &result);
+  AddMeasured(tensors, &result);
+  AddIndices(tensors, &result);
   return result;
 }
 
