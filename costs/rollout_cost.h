@@ -2,11 +2,20 @@
 //
 // The cost is L = 1/2 sum_p rho(|e_p|^2) with the whitened residual e = (predicted - measured)/sigma of m seen
 // coordinates (datasets/observation/observation.h) and rho of costs/prediction/robust_loss.h. Ceres does not get the m
-// rows of e but a few rows r with
-//   1/2 |r|^2 = L,   (dr/dq)^T r = dL/dq   (exactly),
-// and dr/dq^T dr/dq the Gauss-Newton matrix of e (sensitivity, numeric) or its restriction to a subspace (adjoint,
-// costs/rows/residual_basis.h). Rows of the adjoint form, 17 by default: subspace directions first, e itself last.
-// Asked for residuals alone, the rows are 0, .., 0, |e|. With a robust loss there is one more row, at the very end.
+// rows of e but a few rows, with Jacobians asked for or without,
+//   r = (0, .., 0, sqrt(2 L)),   so that 1/2 |r|^2 = L,
+// and in place of their Jacobian a matrix J with
+//   J^T r = dL/dq (exactly),
+//   J^T J = the Gauss-Newton matrix of e, weighted by the loss (sensitivity, numeric), or its restriction to a subspace
+//           (adjoint, costs/rows/residual_basis.h).
+// J is what a Gauss-Newton method needs, and not the derivative of r: that is its last row alone, dsqrt(2 L)/dq. It is
+// the Jacobian of e, or what the subspace holds of it, in a basis whose last direction is that of e
+// (costs/rows/reflected_rows.h). r depends on the parameters alone; the subspace, and with it J of the adjoint, also on
+// the points that were evaluated before. For `ceres::GradientChecker` there is costs/full_residual_cost.h.
+//
+// Prediction, residuals and derivatives of the last few points are kept by parameter values, and the rollout of the
+// last one, so asking twice costs nothing; what was cancelled is not kept. Functions that are const fill this cache: a
+// cost belongs to one thread at a time, together with those that it shares the cache with (`AtPrecision`).
 //
 // Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate.
 #ifndef CLOTHID_COSTS_ROLLOUT_COST_H_
@@ -27,6 +36,7 @@
 namespace clothid {
 
 class RolloutEvaluator;
+struct RolloutEvaluation;
 
 class RolloutCost : public ceres::CostFunction {
  public:
@@ -34,9 +44,13 @@ class RolloutCost : public ceres::CostFunction {
   RolloutCost(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, const RolloutCostOptions& options);
   ~RolloutCost() override;
 
+  // The same cost with rollouts and derivatives of another precision. Both share evaluations, subspace, statistics and
+  // journal: points of different precision are never mistaken for each other, but differences between them serve as
+  // directions of the subspace. Either may outlive the other.
+  std::unique_ptr<RolloutCost> AtPrecision(Precision precision) const;
+
   // False where the rollout or its derivative failed; see last_failure(). `jacobians` and each jacobians[i] may be
-  // null; what is null is not differentiated. Rollout, prediction and Jacobian of recent points are kept by parameter
-  // values, so asking twice costs nothing. One thread at a time.
+  // null; what is null is not differentiated.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
   // L and dL/dq [p] for first-order methods, by one adjoint column (from the rows of `Evaluate` with the other
@@ -54,9 +68,6 @@ class RolloutCost : public ceres::CostFunction {
   // failed.
   bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts = nullptr) const;
 
-  // Of the evaluations from now on. Points of different precision are never mistaken for each other, but differences
-  // between them serve as directions of the subspace.
-  void SetPrecision(Precision precision);
   // A new fit starts: the adjoint's subspace starts afresh.
   void Restart();
 
@@ -69,7 +80,13 @@ class RolloutCost : public ceres::CostFunction {
   const RecordingModel& model() const;
 
  private:
-  std::unique_ptr<RolloutEvaluator> evaluator_;
+  RolloutCost(std::shared_ptr<RolloutEvaluator> evaluator, Precision precision);
+
+  // J of an evaluation [num_residuals() x q].
+  Eigen::MatrixXd RowsOf(const RolloutEvaluation& evaluation) const;
+
+  std::shared_ptr<RolloutEvaluator> evaluator_;  // the cache
+  Precision precision_ = Precision::kFull;
 };
 
 }  // namespace clothid

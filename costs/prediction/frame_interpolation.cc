@@ -1,8 +1,8 @@
 #include "costs/prediction/frame_interpolation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <utility>
 
 namespace clothid {
 namespace {
@@ -57,12 +57,7 @@ FrameStencil InCell(int cell, const HermiteBasis& b) {
 }  // namespace
 
 FrameInterpolation::FrameInterpolation(const Observation& observation)
-    : is_cubic_(false), num_steps_(observation.num_steps()) {
-  for (int i = 0; i < observation.num_frames(); ++i) {
-    const double fraction = observation.fraction(i);
-    stencils_.push_back({observation.step(i), fraction > 0.0 ? 2 : 1, {1.0 - fraction, fraction, 0.0, 0.0}, {}});
-  }
-}
+    : is_cubic_(false), num_steps_(observation.num_steps()), stencils_(observation.stencils()) {}
 
 FrameInterpolation::FrameInterpolation(const RecordedMotion& motion, double largest_offset)
     : is_cubic_(true),
@@ -86,27 +81,6 @@ std::vector<FrameStencil> FrameInterpolation::At(double time_offset) const {
     stencils.push_back(ScaledSlopes(CubicAt(steps + time_offset / time_step_), time_step_));
   }
   return stencils;
-}
-
-FrameStateSampler::FrameStateSampler(const std::vector<FrameStencil>* stencils, Visitor visitor)
-    : stencils_(stencils), visitor_(std::move(visitor)) {}
-
-void FrameStateSampler::AddStep(int step, const Eigen::MatrixXd& state) {
-  last_states_.push_back(state);
-  if (static_cast<int>(last_states_.size()) > FrameStencil::kMaxSize) last_states_.pop_front();
-  const int first_kept = step + 1 - static_cast<int>(last_states_.size());
-  for (; next_frame_ < stencils_->size(); ++next_frame_) {
-    const FrameStencil& stencil = (*stencils_)[next_frame_];
-    if (stencil.last_step() > step) break;
-    Eigen::MatrixXd frame_state = Eigen::MatrixXd::Zero(state.rows(), state.cols());
-    Eigen::VectorXd velocity = Eigen::VectorXd::Zero(state.rows());
-    for (int k = 0; k < stencil.size; ++k) {
-      const Eigen::MatrixXd& kept = last_states_[static_cast<std::size_t>(stencil.first_step + k - first_kept)];
-      frame_state += stencil.weights[k] * kept;
-      velocity += stencil.slopes[k] * kept.col(0);
-    }
-    visitor_(static_cast<int>(next_frame_), frame_state, velocity);
-  }
 }
 
 }  // namespace clothid

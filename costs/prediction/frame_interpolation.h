@@ -1,6 +1,6 @@
-// The state of the mesh at the times of a recording's frames, from states at the steps of a rollout.
+// The steps of a recording's frames where its clock may be fitted.
 //
-// Where no time offset is fitted, linear in time, as of datasets/observation/observation.h. Where one is, the frames
+// Where no time offset is fitted, linear in time, as of datasets/observation/frame_stencil.h. Where one is, the frames
 // move against the steps, often from one to the next, and a piecewise linear prediction has a kink at every step: a
 // cost with kinks at its very start, as frames often lie at steps. So the prediction then is a C1 cubic: piecewise
 // Hermite with slopes from the parabola through each step and its neighbours (Catmull and Rom 1974), at steps the
@@ -13,26 +13,13 @@
 #define CLOTHID_COSTS_PREDICTION_FRAME_INTERPOLATION_H_
 
 #include <Eigen/Core>
-#include <array>
-#include <deque>
-#include <functional>
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
+#include "datasets/observation/frame_stencil.h"
 #include "datasets/observation/observation.h"
 
 namespace clothid {
-
-// x(t) = sum_k weights[k] x_{first_step + k} for the state at one frame.
-struct FrameStencil {
-  static constexpr int kMaxSize = 4;
-  int first_step = 0;
-  int size = 1;
-  std::array<double, kMaxSize> weights = {1.0, 0.0, 0.0, 0.0};
-  std::array<double, kMaxSize> slopes = {};  // d weights / d time, 1/s
-
-  int last_step() const { return first_step + size - 1; }
-};
 
 class FrameInterpolation {
  public:
@@ -42,6 +29,8 @@ class FrameInterpolation {
   FrameInterpolation(const RecordedMotion& motion, double largest_offset);
 
   int num_steps() const { return num_steps_; }  // what the rollouts must have
+  // Whether frames have slopes, which only a time offset needs.
+  bool has_slopes() const { return is_cubic_; }
   // Per frame [T]; first_step and last_step never decrease. Linear: `time_offset` must be zero.
   std::vector<FrameStencil> At(double time_offset) const;
 
@@ -53,25 +42,6 @@ class FrameInterpolation {
   int num_steps_ = 0;
   Eigen::VectorXd frame_steps_;         // cubic: [T] (t_i - start)/h
   std::vector<FrameStencil> stencils_;  // linear
-};
-
-// States at the frames from states that arrive step by step: nothing but the last few are stored.
-class FrameStateSampler {
- public:
-  // Called once per frame, in order, with the state [3N x c] and the time derivative [3N] of its first column, m/s
-  // (zero where the interpolation is linear).
-  using Visitor = std::function<void(int frame, const Eigen::MatrixXd& state, const Eigen::VectorXd& velocity)>;
-
-  // `stencils` must outlive the sampler.
-  FrameStateSampler(const std::vector<FrameStencil>* stencils, Visitor visitor);
-  // `state` [3N x c] after `step` steps; steps 0, 1, 2, .. in order.
-  void AddStep(int step, const Eigen::MatrixXd& state);
-
- private:
-  const std::vector<FrameStencil>* stencils_;
-  Visitor visitor_;
-  std::size_t next_frame_ = 0;
-  std::deque<Eigen::MatrixXd> last_states_;  // at most FrameStencil::kMaxSize, the latest at the end
 };
 
 }  // namespace clothid

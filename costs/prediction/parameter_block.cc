@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
 
 namespace clothid {
@@ -74,6 +75,7 @@ void CheckAlignmentBounds(const ParameterBlock& block, double largest) {
 
 ParameterBlock MakeAlignmentBlock(const std::string& name, AlignmentId id, const RecordedMotion& motion,
                                   const ParameterOverrides& overrides) {
+  ValidateMotion(motion);
   ParameterBlock block;
   block.name = name;
   block.is_signed = true;

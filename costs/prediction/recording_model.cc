@@ -4,47 +4,19 @@
 #include <stdexcept>
 #include <utility>
 
-#include "costs/prediction/aligned_prediction.h"
+#include "costs/prediction/frame_prediction.h"
+#include "datasets/observation/residual_derivative.h"
 #include "sim/cloth/cloth_model.h"
 
 namespace clothid {
 namespace {
 
-std::vector<std::optional<AlignmentId>> ParseAlignmentIds(const std::vector<ParameterBlock>& blocks) {
-  std::vector<std::optional<AlignmentId>> ids;
-  for (const ParameterBlock& block : blocks) ids.push_back(ParseAlignmentId(BaseName(block.name)));
-  return ids;
-}
-
-std::vector<ParameterId> ParseIds(const std::vector<ParameterBlock>& blocks, const Scene& scene) {
-  std::vector<ParameterId> ids;
-  for (const ParameterBlock& block : blocks) {
-    const std::string name = BaseName(block.name);
-    ids.push_back(ParseAlignmentId(name) ? ParameterId() : ParseParameter(name, scene.obstacle_names()));
-  }
-  return ids;
-}
-
-Parameters StartParameters(const std::vector<ParameterBlock>& blocks, const Scene& scene) {
-  Parameters parameters = scene.nominal_parameters();
-  const std::vector<ParameterId> ids = ParseIds(blocks, scene);
-  const std::vector<std::optional<AlignmentId>> alignment_ids = ParseAlignmentIds(blocks);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (!alignment_ids[i]) SetParameter(ids[i], blocks[i].start, &parameters);
-  }
-  return parameters;
-}
-
-// Nothing where no block is a parameter of the recording itself.
-std::optional<FrameInterpolation> InterpolationFor(const RecordedMotion& motion,
-                                                   const std::vector<ParameterBlock>& blocks,
-                                                   const Observation& observation) {
-  const std::vector<std::optional<AlignmentId>> ids = ParseAlignmentIds(blocks);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (ids[i] && ids[i]->kind == AlignmentKind::kTimeOffset) return FrameInterpolation(motion, blocks[i].upper_bound);
-  }
-  const bool has_any = std::any_of(ids.begin(), ids.end(), [](const auto& id) { return id.has_value(); });
-  return has_any ? std::optional(FrameInterpolation(observation)) : std::nullopt;
+// Linear where no block is the time offset.
+FrameInterpolation InterpolationFor(const RecordedMotion& motion, const BlockValues& values,
+                                    const Observation& observation) {
+  const ParameterBlock* const time_offset = values.Find(AlignmentKind::kTimeOffset);
+  return time_offset == nullptr ? FrameInterpolation(observation)
+                                : FrameInterpolation(motion, time_offset->upper_bound);
 }
 
 // [3N x q]: in every column each node moves at 1 m/s along one of `axes` [q].
@@ -67,258 +39,182 @@ Scene SceneAtStart(Scene scene, const Parameters& start) {
 
 }  // namespace
 
-RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks)
+RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer)
     : name_(motion.name),
-      blocks_(std::move(blocks)),
-      ids_(ParseIds(blocks_, motion.scene)),
-      alignment_ids_(ParseAlignmentIds(blocks_)),
-      start_(StartParameters(blocks_, motion.scene)),
+      values_(std::move(blocks), motion.scene),
       observation_(motion),
-      interpolation_(InterpolationFor(motion, blocks_, observation_)),
+      interpolation_(InterpolationFor(motion, values_, observation_)),
       turn_center_(TurnCenter(motion)),
-      start_velocities_(motion.scene.initial_velocities),
-      precision_(motion.scene.solver),
-      simulator_(SceneAtStart(motion.scene, start_)) {}
+      simulator_(SceneAtStart(motion.scene, values_.start())),
+      observer_(std::move(observer)) {}
 
-Parameters RecordingModel::ParametersAt(const Eigen::VectorXd& coordinates) const {
-  Parameters parameters = start_;
-  for (int i = 0; i < num_blocks(); ++i) {
-    if (!alignment_ids_[i]) SetParameter(ids_[i], blocks_[i].ToValue(coordinates[i]), &parameters);
-  }
-  return parameters;
+FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
+  return FramePrediction(values_.AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
 }
 
-Alignment RecordingModel::AlignmentAt(const Eigen::VectorXd& coordinates) const {
-  Alignment alignment;
-  for (int i = 0; i < num_blocks(); ++i) {
-    if (alignment_ids_[i]) alignment.Set(*alignment_ids_[i], blocks_[i].ToValue(coordinates[i]));
-  }
-  return alignment;
+std::optional<Eigen::VectorXd> RecordingModel::StartVelocities(const Eigen::VectorXd& coordinates) const {
+  if (values_.Find(AlignmentKind::kStartVelocity) == nullptr) return std::nullopt;
+  const Eigen::Vector3d velocity = values_.AlignmentAt(coordinates).start_velocity;
+  Eigen::VectorXd velocities = scene().initial_velocities;
+  for (int node : simulator_.model().free_nodes()) velocities.segment<3>(3 * node) += velocity;
+  return velocities;
 }
 
-AlignedPrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
-  return AlignedPrediction(AlignmentAt(coordinates), turn_center_, *interpolation_, &observation_);
-}
-
-void RecordingModel::SetStartVelocity(const Eigen::VectorXd& coordinates) {
-  const Eigen::Vector3d velocity = AlignmentAt(coordinates).start_velocity;
-  start_velocities_ = scene().initial_velocities;
-  for (int node : simulator_.model().free_nodes()) start_velocities_.segment<3>(3 * node) += velocity;
-}
-
-RecordingModel::SortedBlocks RecordingModel::Sort(const std::vector<int>& active) const {
-  SortedBlocks sorted;
-  for (int place = 0; place < static_cast<int>(active.size()); ++place) {
-    const std::optional<AlignmentId>& id = alignment_ids_[active[place]];
-    if (!id) {
-      sorted.parameters.push_back(ids_[active[place]]);
-      sorted.parameter_places.push_back(place);
-    } else if (id->kind == AlignmentKind::kStartVelocity) {
-      sorted.velocity_axes.push_back(id->axis);
-      sorted.velocity_places.push_back(place);
-    } else {
-      sorted.corrections.push_back(*id);
-      sorted.correction_places.push_back(place);
-    }
-  }
-  return sorted;
-}
-
-Eigen::VectorXd RecordingModel::ValueDerivatives(const Eigen::VectorXd& coordinates,
-                                                 const std::vector<int>& active) const {
-  Eigen::VectorXd derivatives(static_cast<Eigen::Index>(active.size()));
-  for (Eigen::Index i = 0; i < derivatives.size(); ++i) {
-    derivatives[i] = blocks_[active[i]].ValueDerivative(coordinates[active[i]]);
-  }
-  return derivatives;
-}
-
-void RecordingModel::SetPrecision(Precision precision) {
-  precision_ = scene().solver;
+SolverOptions RecordingModel::SolverAt(Precision precision) const {
+  SolverOptions solver = scene().solver;
   if (precision == Precision::kLoose) {
-    precision_.step_tolerance = std::max(precision_.step_tolerance, kLooseStepTolerance);
-    precision_.adjoint_tolerance = std::max(precision_.adjoint_tolerance, kLooseAdjointTolerance);
+    solver.step_tolerance = std::max(solver.step_tolerance, kLooseStepTolerance);
+    solver.adjoint_tolerance = std::max(solver.adjoint_tolerance, kLooseAdjointTolerance);
   }
+  return solver;
 }
 
-Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
+Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const PassOptions& pass,
                                    RolloutOptions options) {
-  options.step_tolerance = precision_.step_tolerance;
-  options.initial_velocities = &start_velocities_;
   if (observer_) {
-    options.visitor = [this, visit = std::move(options.visitor)](int step, const Eigen::VectorXd& positions) {
+    options.visitor = [this, pass, visit = std::move(options.visitor)](int step, const Eigen::VectorXd& positions) {
       if (visit) visit(step, positions);
-      Observe(RolloutPass::kRollout, step);
+      Observe(RolloutPass::kRollout, step, pass.passes_left);
     };
   }
-  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, cancel, options);
+  const std::optional<Eigen::VectorXd> velocities = StartVelocities(coordinates);
+  options.step_tolerance = SolverAt(pass.precision).step_tolerance;
+  options.initial_velocities = velocities ? &*velocities : nullptr;
+  return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, pass.cancel, options);
 }
 
 RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                                 Eigen::Index num_columns, const AddPositionGradient& add_seeds,
-                                                const AdjointOptions& options) {
+                                                const AdjointOptions& options, Precision precision) {
   const auto add_position_gradient = [&](int step, Eigen::MatrixXd* gradient) {
     add_seeds(step, gradient);
-    Observe(RolloutPass::kReverseSweep, num_steps() - step);
+    Observe(RolloutPass::kReverseSweep, num_steps() - step, /*passes_left=*/0);
   };
   AdjointOptions with_threshold = options;
-  with_threshold.threshold = options.threshold.value_or(precision_.adjoint_tolerance);
+  with_threshold.threshold = options.threshold.value_or(SolverAt(precision).adjoint_tolerance);
   return clothid::PullBack(rollout, parameters, static_cast<int>(num_columns), add_position_gradient, &simulator_,
                            with_threshold);
 }
 
 SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordinates,
                                                   const SensitivityDirections& directions,
-                                                  const SensitivityVisitor& visitor, const std::atomic<bool>* cancel) {
+                                                  const SensitivityVisitor& visitor, const PassOptions& pass) {
   const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
     visitor(step, positions, derivative);
-    Observe(RolloutPass::kForwardSweep, step);
+    Observe(RolloutPass::kForwardSweep, step, pass.passes_left);
   };
+  const SolverOptions solver = SolverAt(pass.precision);
+  const std::optional<Eigen::VectorXd> velocities = StartVelocities(coordinates);
   SensitivityOptions options;
-  options.step_tolerance = precision_.step_tolerance;
-  options.adjoint_tolerance = precision_.adjoint_tolerance;
-  options.initial_velocities = &start_velocities_;
-  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, cancel,
+  options.step_tolerance = solver.step_tolerance;
+  options.adjoint_tolerance = solver.adjoint_tolerance;
+  options.initial_velocities = velocities ? &*velocities : nullptr;
+  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, pass.cancel,
                               options);
 }
 
-Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
-                                 std::size_t memory_limit, bool keep_factors, Eigen::MatrixXd* predicted,
+Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass,
+                                 const RolloutStorage& storage, Eigen::MatrixXd* predicted,
                                  Eigen::MatrixXd* velocities) {
-  RolloutOptions options;
-  if (keep_factors) options.factor_memory = memory_limit;
-  options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), memory_limit);
+  const FramePrediction prediction = PredictionAt(coordinates);
+  predicted->resize(observation_.num_predicted(), observation_.num_frames());
   if (velocities != nullptr) velocities->resize(0, 0);
-  if (is_aligned()) return SimulateAligned(coordinates, cancel, options, predicted, velocities);
-  FrameSampler sampler(&observation_,
-                       [predicted](int frame, const Eigen::MatrixXd& points) { predicted->col(frame) = points; });
-  if (predicted != nullptr) {
-    predicted->resize(observation_.num_predicted(), observation_.num_frames());
-    options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
-  }
-  return RunRollout(coordinates, cancel, std::move(options));
-}
-
-Rollout RecordingModel::SimulateAligned(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel,
-                                        RolloutOptions options, Eigen::MatrixXd* predicted,
-                                        Eigen::MatrixXd* velocities) {
-  const AlignedPrediction prediction = PredictionAt(coordinates);
-  for (Eigen::MatrixXd* matrix : {predicted, velocities}) {
-    if (matrix != nullptr) matrix->resize(observation_.num_predicted(), observation_.num_frames());
-  }
-  FrameStateSampler sampler =
-      prediction.MakeSampler([predicted, velocities](int frame, const Eigen::VectorXd& points,
-                                                     const Eigen::VectorXd& velocity, const Eigen::MatrixXd&) {
-        if (predicted != nullptr) predicted->col(frame) = points;
-        if (velocities != nullptr) velocities->col(frame) = velocity;
-      });
+  const bool has_velocities = velocities != nullptr && interpolation_.has_slopes();
+  if (has_velocities) velocities->resize(predicted->rows(), predicted->cols());
+  FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
+    predicted->col(frame) = prediction.Points(frame, states);
+    if (has_velocities) velocities->col(frame) = prediction.Velocities(frame, states);
+  });
+  RolloutOptions options;
+  if (storage.keep_factors) options.factor_memory = storage.memory_limit;
+  options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), storage.memory_limit);
   options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
-  SetStartVelocity(coordinates);
-  return RunRollout(coordinates, cancel, std::move(options));
+  return RunRollout(coordinates, pass, std::move(options));
 }
 
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                                         const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                         const Eigen::MatrixXd& seeds, const AdjointOptions& options,
-                                         const Eigen::MatrixXd* velocities) {
-  if (is_aligned()) {
-    if (velocities == nullptr) {
-      throw std::logic_error("the derivatives of a recording's own parameters need the velocities of its points");
-    }
-    return PullBackAligned(rollout, predicted, coordinates, active, seeds, options, *velocities);
-  }
-  const std::vector<CloudRows> cloud_rows = observation_.LinearizeClouds(predicted);
+                                         const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
+                                         const std::vector<int>& active, const Eigen::MatrixXd& seeds,
+                                         const AdjointOptions& options, Precision precision) {
+  const FramePrediction prediction = PredictionAt(coordinates);
+  const ResidualDerivative derivative(&observation_, predicted);
+  const SortedBlocks sorted = values_.Sort(active);
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
-    observation_.AddSeeds(step, seeds, gradient, cloud_rows);
+    prediction.AddSeeds(step, seeds, derivative, gradient);
   };
-  const RolloutGradient gradient = RunReverseSweep(rollout, Sort(active).parameters, seeds.cols(), add_seeds, options);
-  return ValueDerivatives(coordinates, active).asDiagonal() * gradient.parameters;
-}
-
-Eigen::MatrixXd RecordingModel::PullBackAligned(const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                                                const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                                const Eigen::MatrixXd& seeds, const AdjointOptions& options,
-                                                const Eigen::MatrixXd& velocities) {
-  const AlignedPrediction prediction = PredictionAt(coordinates);
-  const SortedBlocks sorted = Sort(active);
-  const std::vector<CloudRows> cloud_rows = observation_.LinearizeClouds(predicted);
-  const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
-    prediction.AddSeeds(step, seeds, gradient, cloud_rows);
-  };
-  const RolloutGradient gradient = RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options);
+  const RolloutGradient gradient =
+      RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision);
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
-  all(sorted.velocity_places, Eigen::all) =
-      UniformVelocities(observation_.num_nodes(), sorted.velocity_axes).transpose() * gradient.initial_velocities;
-  Eigen::MatrixXd derivative(predicted.rows(), predicted.cols());
-  for (std::size_t i = 0; i < sorted.corrections.size(); ++i) {
-    for (Eigen::Index frame = 0; frame < predicted.cols(); ++frame) {
-      derivative.col(frame) = prediction.Derivative(sorted.corrections[i], predicted.col(frame), velocities.col(frame));
-    }
-    all.row(sorted.correction_places[i]) = observation_.ResidualDerivative(derivative, cloud_rows).transpose() * seeds;
+  if (!sorted.velocity_places.empty()) {
+    all(sorted.velocity_places, Eigen::all) =
+        UniformVelocities(observation_.num_nodes(), sorted.velocity_axes).transpose() * gradient.initial_velocities;
   }
-  return ValueDerivatives(coordinates, active).asDiagonal() * all;
+  SetCorrectionRows(prediction, sorted, predicted, velocities, derivative, seeds, &all);
+  return values_.DerivativesAt(coordinates, active).asDiagonal() * all;
+}
+
+void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
+                                       const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
+                                       const ResidualDerivative& derivative, const Eigen::MatrixXd& seeds,
+                                       Eigen::MatrixXd* gradient) const {
+  Eigen::MatrixXd change(predicted.rows(), predicted.cols());
+  for (std::size_t i = 0; i < active.corrections.size(); ++i) {
+    const AlignmentId id = active.corrections[i];
+    const bool needs_velocities = id.kind == AlignmentKind::kTimeOffset;
+    if (needs_velocities && velocities.size() != predicted.size()) {
+      throw std::logic_error("the derivative along the time offset needs the velocities of the prediction");
+    }
+    for (Eigen::Index frame = 0; frame < predicted.cols(); ++frame) {
+      const Eigen::VectorXd velocity = needs_velocities ? velocities.col(frame) : Eigen::VectorXd();
+      change.col(frame) = prediction.Derivative(id, predicted.col(frame), velocity);
+    }
+    gradient->row(active.correction_places[i]) = derivative.Apply(change).transpose() * seeds;
+  }
+}
+
+Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active,
+                                                int frame, const FrameStates& states) const {
+  const Eigen::MatrixXd swept = prediction.Points(frame, states);
+  if (active.has_only_parameters()) return swept;
+  std::vector<int> places = active.parameter_places;
+  places.insert(places.end(), active.velocity_places.begin(), active.velocity_places.end());
+  Eigen::MatrixXd all(swept.rows(), swept.cols() + static_cast<Eigen::Index>(active.corrections.size()));
+  all.col(0) = swept.col(0);
+  for (std::size_t i = 0; i < places.size(); ++i) all.col(1 + places[i]) = swept.col(1 + static_cast<Eigen::Index>(i));
+  Eigen::VectorXd velocities;
+  if (interpolation_.has_slopes()) velocities = prediction.Velocities(frame, states);
+  for (std::size_t i = 0; i < active.corrections.size(); ++i) {
+    all.col(1 + active.correction_places[i]) = prediction.Derivative(active.corrections[i], swept.col(0), velocities);
+  }
+  return all;
 }
 
 SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                              const FrameVisitor& visitor, const std::atomic<bool>* cancel) {
-  if (is_aligned()) return PushForwardAligned(coordinates, active, visitor, cancel);
-  const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
-  const Eigen::Index num_active = derivatives.size();
-  FrameSampler sampler(&observation_, [&](int frame, const Eigen::MatrixXd& points) {
+                                              const FrameVisitor& visitor, const PassOptions& pass) {
+  const FramePrediction prediction = PredictionAt(coordinates);
+  const SortedBlocks sorted = values_.Sort(active);
+  const Eigen::VectorXd derivatives = values_.DerivativesAt(coordinates, active);
+  FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
+    const Eigen::MatrixXd points = WithDerivatives(prediction, sorted, frame, states);
     Eigen::VectorXd residuals;
     Eigen::MatrixXd jacobian;
     observation_.LinearizeFrame(frame, points, &residuals, &jacobian);
     visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
   });
   SensitivityDirections directions;
-  directions.parameters = Sort(active).parameters;
-  Eigen::MatrixXd state(3 * observation_.num_nodes(), 1 + num_active);
-  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
-    state.col(0) = positions;
-    state.rightCols(num_active) = derivative;
-    sampler.AddStep(step, state);
-  };
-  return RunForwardSweep(coordinates, directions, add_step, cancel);
-}
-
-SensitivityResult RecordingModel::PushForwardAligned(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                                     const FrameVisitor& visitor, const std::atomic<bool>* cancel) {
-  const AlignedPrediction prediction = PredictionAt(coordinates);
-  const SortedBlocks sorted = Sort(active);
-  const Eigen::VectorXd derivatives = ValueDerivatives(coordinates, active);
-  // The columns of the sweep: parameters of the simulation, then those of the start velocity.
-  std::vector<int> places = sorted.parameter_places;
-  places.insert(places.end(), sorted.velocity_places.begin(), sorted.velocity_places.end());
-  // The prediction and its derivatives, in the order of `active`.
-  Eigen::MatrixXd points_with_derivatives(observation_.num_predicted(), 1 + derivatives.size());
-  FrameStateSampler sampler = prediction.MakeSampler(
-      [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& velocities, const Eigen::MatrixXd& changes) {
-        points_with_derivatives.col(0) = points;
-        for (std::size_t i = 0; i < places.size(); ++i) {
-          points_with_derivatives.col(1 + places[i]) = changes.col(static_cast<Eigen::Index>(i));
-        }
-        for (std::size_t i = 0; i < sorted.corrections.size(); ++i) {
-          points_with_derivatives.col(1 + sorted.correction_places[i]) =
-              prediction.Derivative(sorted.corrections[i], points, velocities);
-        }
-        Eigen::VectorXd residuals;
-        Eigen::MatrixXd jacobian;
-        observation_.LinearizeFrame(frame, points_with_derivatives, &residuals, &jacobian);
-        visitor(frame, points, residuals, jacobian * derivatives.asDiagonal());
-      });
-
-  SensitivityDirections directions;
   directions.parameters = sorted.parameters;
-  directions.initial_velocities = UniformVelocities(observation_.num_nodes(), sorted.velocity_axes);
-  Eigen::MatrixXd state(3 * observation_.num_nodes(), 1 + static_cast<Eigen::Index>(places.size()));
+  if (!sorted.velocity_axes.empty()) {
+    directions.initial_velocities = UniformVelocities(observation_.num_nodes(), sorted.velocity_axes);
+  }
+  Eigen::MatrixXd state;
   const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+    state.resize(positions.size(), 1 + derivative.cols());
     state.col(0) = positions;
     state.rightCols(derivative.cols()) = derivative;
     sampler.AddStep(step, state);
   };
-  SetStartVelocity(coordinates);
-  return RunForwardSweep(coordinates, directions, add_step, cancel);
+  return RunForwardSweep(coordinates, directions, add_step, pass);
 }
 
 }  // namespace clothid

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "costs/prediction/alignment.h"
+#include "costs/prediction/block_values.h"
 #include "costs/prediction/frame_interpolation.h"
 #include "costs/prediction/parameter_block.h"
 #include "costs/prediction/pass_step.h"
@@ -26,7 +26,21 @@
 
 namespace clothid {
 
-class AlignedPrediction;
+class FramePrediction;
+class ResidualDerivative;
+
+// How one pass over the steps runs (costs/prediction/pass_step.h).
+struct PassOptions {
+  Precision precision = Precision::kFull;
+  const std::atomic<bool>* cancel = nullptr;  // ends the pass as failed when it turns true; may be null
+  int passes_left = 0;                        // that the evaluation needs after this one, for the observer
+};
+
+// What a rollout keeps for its `PullBack`.
+struct RolloutStorage {
+  std::size_t memory_limit = std::size_t{1} << 30;  // bytes of its steps; beyond it there are checkpoints
+  bool keep_factors = false;                        // for a PullBack of few seeds, up to `memory_limit` bytes more
+};
 
 // Owns everything it needs; one per thread. The parameters that are not blocks stay at the scene's nominal values,
 // those of the recording itself (costs/prediction/alignment.h) at zero: where none of them is a block, nothing is
@@ -35,96 +49,74 @@ class RecordingModel {
  public:
   // Every name of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
   // simulation are those that the starting values of the blocks and the scene's nominal values ask for. Throws `Error`
-  // for names and for what `Observation` and `Simulator` reject.
-  RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks);
+  // for names and for what `Observation` and `Simulator` reject. `observer`: told of every step of all passes; may be
+  // empty.
+  RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer = {});
 
   const std::string& name() const { return name_; }
   const Observation& observation() const { return observation_; }
   const Scene& scene() const { return simulator_.scene(); }
-  const std::vector<ParameterBlock>& blocks() const { return blocks_; }
-  int num_blocks() const { return static_cast<int>(blocks_.size()); }
+  const std::vector<ParameterBlock>& blocks() const { return values_.blocks(); }
+  int num_blocks() const { return static_cast<int>(blocks().size()); }
 
   // `coordinates` [p], in the order of the blocks.
-  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
+  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const { return values_.ParametersAt(coordinates); }
 
-  int num_steps() const { return interpolation_ ? interpolation_->num_steps() : observation_.num_steps(); }
+  int num_steps() const { return interpolation_.num_steps(); }
 
-  // Of all that follows; `kFull` until then.
-  void SetPrecision(Precision precision);
-  // Told of every step of the passes from now on, `passes_left` 0. May be empty, as it is until then.
-  void SetObserver(PassObserver observer) { observer_ = std::move(observer); }
+  // The scene's solver options, with the tolerances of `precision`.
+  SolverOptions SolverAt(Precision precision) const;
 
-  // With checkpoints where the steps would take more than `memory_limit` bytes. `predicted` (may be null): the points
-  // [R x T] of every frame, as of Observation::Predict, which needs every step; valid where the rollout is ok().
-  // `keep_factors`: for a PullBack of few seeds, up to `memory_limit` bytes more. `velocities` (may be null): the time
-  // derivatives of the prediction [R x T] m/s where parameters of the recording itself are blocks, else empty.
-  Rollout Simulate(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, std::size_t memory_limit,
-                   bool keep_factors, Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
+  // `predicted`: the prediction [R x T] m (see Observation) corrected as the coordinates ask, which needs every step;
+  // valid where the rollout is ok(). `velocities` (may be null): its time derivatives [R x T] m/s where the time offset
+  // is a block, else empty.
+  Rollout Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass, const RolloutStorage& storage,
+                   Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
-  // [q]. `predicted`: of the rollout, where clouds take their derivatives; `velocities`: of the rollout, needed where
-  // parameters of the recording itself are blocks, else they may be null.
-  Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::VectorXd& coordinates,
-                           const std::vector<int>& active, const Eigen::MatrixXd& seeds, const AdjointOptions& options,
-                           const Eigen::MatrixXd* velocities = nullptr);
+  // [q]. `predicted` and `velocities`: of the rollout. Throws `std::logic_error` where the time offset is active and
+  // velocities are missing.
+  Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
+                           const Eigen::VectorXd& coordinates, const std::vector<int>& active,
+                           const Eigen::MatrixXd& seeds, const AdjointOptions& options, Precision precision);
 
   // Called per frame with the prediction [R], whitened residuals [r] of the frame and their derivatives with
   // respect to the coordinates of the blocks `active`, [r x q].
   using FrameVisitor = std::function<void(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                                           const Eigen::MatrixXd& jacobian)>;
   SensitivityResult PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                const FrameVisitor& visitor, const std::atomic<bool>* cancel);
+                                const FrameVisitor& visitor, const PassOptions& pass);
 
  private:
-  // Some blocks by what they are; each with its place in the list that they come from.
-  struct SortedBlocks {
-    std::vector<ParameterId> parameters;  // of the simulation
-    std::vector<int> parameter_places;
-    std::vector<int> velocity_axes;  // of the start velocity
-    std::vector<int> velocity_places;
-    std::vector<AlignmentId> corrections;  // all other parameters of the recording
-    std::vector<int> correction_places;
-  };
-  SortedBlocks Sort(const std::vector<int>& active) const;
-  bool is_aligned() const { return interpolation_.has_value(); }
-
-  void Observe(RolloutPass pass, int num_done) const {
-    if (observer_ && num_done > 0) observer_({pass, num_done, num_steps()});
+  void Observe(RolloutPass pass, int num_done, int passes_left) const {
+    if (observer_ && num_done > 0) observer_({pass, num_done, num_steps(), passes_left});
   }
   // As the functions of sim/, observed.
-  Rollout RunRollout(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, RolloutOptions options);
+  Rollout RunRollout(const Eigen::VectorXd& coordinates, const PassOptions& pass, RolloutOptions options);
   RolloutGradient RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                   Eigen::Index num_columns, const AddPositionGradient& add_seeds,
-                                  const AdjointOptions& options);
+                                  const AdjointOptions& options, Precision precision);
   SensitivityResult RunForwardSweep(const Eigen::VectorXd& coordinates, const SensitivityDirections& directions,
-                                    const SensitivityVisitor& visitor, const std::atomic<bool>* cancel);
+                                    const SensitivityVisitor& visitor, const PassOptions& pass);
 
-  Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
-  AlignedPrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
-  // Lets the rollouts start with the velocity that the coordinates ask for.
-  void SetStartVelocity(const Eigen::VectorXd& coordinates);
-  Eigen::VectorXd ValueDerivatives(const Eigen::VectorXd& coordinates, const std::vector<int>& active) const;
-
-  // As the functions of their names, where `is_aligned`.
-  Rollout SimulateAligned(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel, RolloutOptions options,
-                          Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities);
-  Eigen::MatrixXd PullBackAligned(const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                                  const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                  const Eigen::MatrixXd& seeds, const AdjointOptions& options,
-                                  const Eigen::MatrixXd& velocities);
-  SensitivityResult PushForwardAligned(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                       const FrameVisitor& visitor, const std::atomic<bool>* cancel);
+  FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
+  // Where rollouts do not start with the velocities of the scene: [3N] m/s.
+  std::optional<Eigen::VectorXd> StartVelocities(const Eigen::VectorXd& coordinates) const;
+  // The prediction at a frame, from states whose further columns are derivatives along `active.parameters` and then
+  // along the start velocities, and its derivatives in the order of the blocks: [R x (1 + q)].
+  Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active, int frame,
+                                  const FrameStates& states) const;
+  // The rows of `gradient` that belong to corrections.
+  void SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
+                         const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
+                         const ResidualDerivative& derivative, const Eigen::MatrixXd& seeds,
+                         Eigen::MatrixXd* gradient) const;
 
   std::string name_;
-  std::vector<ParameterBlock> blocks_;
-  std::vector<ParameterId> ids_;                           // of the simulation's blocks; of others meaningless
-  std::vector<std::optional<AlignmentId>> alignment_ids_;  // of the recording's own blocks
-  Parameters start_;
+  BlockValues values_;
   Observation observation_;
-  std::optional<FrameInterpolation> interpolation_;  // where a block is the recording's own
-  Eigen::Vector3d turn_center_;                      // m
-  Eigen::VectorXd start_velocities_;                 // [3N] m/s, of the rollouts
-  SolverOptions precision_;                          // of the rollouts and sweeps
+  FrameInterpolation interpolation_;
+  Eigen::Vector3d turn_center_;  // m
   Simulator simulator_;
   PassObserver observer_;
 };

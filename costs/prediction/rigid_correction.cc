@@ -43,7 +43,7 @@ Eigen::MatrixXd TimesPoints(const Eigen::Matrix3d& matrix, const Eigen::MatrixXd
 
 RigidCorrection::RigidCorrection(const Eigen::Vector3d& turn, const Eigen::Vector3d& shift,
                                  const Eigen::Vector3d& center)
-    : center_(center), corrected_center_(center + shift) {
+    : is_identity_(turn.isZero(0.0) && shift.isZero(0.0)), center_(center), corrected_center_(center + shift) {
   const Coefficients coefficients = CoefficientsOf(turn.norm());
   const Eigen::Matrix3d cross = CrossMatrix(turn), square = cross * cross, identity = Eigen::Matrix3d::Identity();
   rotation_ = identity + coefficients.first * cross + coefficients.second * square;

@@ -17,6 +17,8 @@ class RigidCorrection {
   RigidCorrection(const Eigen::Vector3d& turn, const Eigen::Vector3d& shift, const Eigen::Vector3d& center);
 
   const Eigen::Matrix3d& rotation() const { return rotation_; }
+  // Of no turn and no shift: what follows changes nothing, and need not be called.
+  bool is_identity() const { return is_identity_; }
   // Every point of the column `points` [3P], m.
   Eigen::VectorXd Apply(const Eigen::VectorXd& points) const;
   // What a change of the points becomes, R d, and its transpose: columns of [3P x c].
@@ -26,6 +28,7 @@ class RigidCorrection {
   Eigen::VectorXd TurnDerivative(int axis, const Eigen::VectorXd& corrected) const;
 
  private:
+  bool is_identity_;
   Eigen::Matrix3d rotation_, left_jacobian_;
   Eigen::Vector3d center_, corrected_center_;  // c, c + s
 };

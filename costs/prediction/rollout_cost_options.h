@@ -46,6 +46,8 @@ struct RolloutCostOptions {
   const std::atomic<bool>* cancel = nullptr;        // ends the rollout under way as failed; must outlive the cost
   std::shared_ptr<EvaluationJournal> journal;       // of this cost alone; null: nothing is replayed or kept
   PassObserver on_step;                             // what is replayed has no steps; may be empty
+
+  bool is_cancelled() const { return cancel != nullptr && cancel->load(); }
 };
 
 // What the evaluations took. Counts depend on the sequence of evaluations alone; seconds do not belong to a result.

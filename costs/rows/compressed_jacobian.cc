@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <stdexcept>
 
 namespace clothid {
 namespace {
@@ -38,6 +39,19 @@ void CompressedJacobian::Reduce() {
   factor_ = qr.matrixQR().topRows(num_columns_).triangularView<Eigen::Upper>();
   rows_.topRows(num_columns_) = factor_;
   num_rows_ = num_columns_;
+}
+
+ResidualRows CompressedRows(const std::vector<int>& active, int num_rows, CompressedJacobian* compressed) {
+  const Eigen::MatrixXd& factor = compressed->Factor();
+  const Eigen::Index num_active = static_cast<Eigen::Index>(active.size());
+  ResidualRows rows;
+  rows.active = active;
+  rows.residuals = Eigen::VectorXd::Zero(num_rows);
+  rows.jacobian = Eigen::MatrixXd::Zero(num_rows, num_active);
+  rows.residuals.head(num_active + 1) = factor.col(num_active);
+  rows.jacobian.topRows(num_active + 1) = factor.leftCols(num_active);
+  if (!rows.jacobian.allFinite()) throw std::runtime_error("the Jacobian is not finite");
+  return rows;
 }
 
 }  // namespace clothid

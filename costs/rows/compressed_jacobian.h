@@ -3,6 +3,9 @@
 #define CLOTHID_COSTS_ROWS_COMPRESSED_JACOBIAN_H_
 
 #include <Eigen/Core>
+#include <vector>
+
+#include "costs/rows/rollout_evaluation.h"
 
 namespace clothid {
 
@@ -27,6 +30,10 @@ class CompressedJacobian {
   Eigen::Index num_rows_;
   Eigen::MatrixXd factor_;
 };
+
+// The rows of R as those of the blocks `active` [p], with zeros below up to `num_rows` >= p + 1. Throws
+// `std::runtime_error` where the Jacobian is not finite.
+ResidualRows CompressedRows(const std::vector<int>& active, int num_rows, CompressedJacobian* compressed);
 
 }  // namespace clothid
 

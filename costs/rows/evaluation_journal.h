@@ -6,32 +6,13 @@
 #ifndef CLOTHID_COSTS_ROWS_EVALUATION_JOURNAL_H_
 #define CLOTHID_COSTS_ROWS_EVALUATION_JOURNAL_H_
 
-#include <Eigen/Core>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "costs/prediction/rollout_cost_options.h"
-#include "costs/rows/rollout_evaluator.h"
+#include "costs/rows/rollout_evaluation.h"
 #include "datasets/files/record_file.h"
 
 namespace clothid {
-
-// What was asked of the evaluator.
-struct EvaluationKey {
-  Eigen::VectorXd coordinates;
-  Precision precision = Precision::kFull;
-  RolloutEvaluator::Need need = RolloutEvaluator::Need::kCost;
-  std::vector<int> active;
-};
-
-// What became of it.
-struct EvaluationOutcome {
-  RolloutEvaluation evaluation;         // `predicted` is empty where it was known before or the evaluation failed
-  CostStatistics statistics;            // what it added
-  Eigen::VectorXd rollout_coordinates;  // whose rollout the evaluator held afterwards; empty: none
-  Eigen::MatrixXd first_jacobian;       // J [m x q] where the evaluation took the first one; what follows needs it
-};
 
 class EvaluationJournal {
  public:

@@ -15,16 +15,10 @@ int TimeWindow(const Observation& observation, int row) {
 
 }  // namespace
 
-Eigen::MatrixXd DisplacementModes(const Observation& observation, const std::vector<CloudRows>& cloud_rows) {
+Eigen::MatrixXd DisplacementModes(const Observation& observation, const ResidualDerivative& derivative) {
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(observation.num_residuals(), kNumDisplacementModes);
   for (int r = 0; r < observation.num_residuals(); ++r) {
-    const SeenCoordinate& seen = observation.coordinates()[r];
-    if (seen.point >= observation.num_points()) {
-      const SurfaceDistance& row = cloud_rows[seen.frame][seen.point - observation.num_points()];
-      modes.block<1, 3>(r, 3 * TimeWindow(observation, r)) = row.gradient.rowwise().sum().transpose();
-      continue;
-    }
-    modes(r, 3 * TimeWindow(observation, r) + seen.axis) = 1.0 / observation.sigma(seen.point);
+    modes.block<1, 3>(r, 3 * TimeWindow(observation, r)) = derivative.OfShift(r);
   }
   return modes;
 }

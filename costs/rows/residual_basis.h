@@ -15,9 +15,9 @@
 #define CLOTHID_COSTS_ROWS_RESIDUAL_BASIS_H_
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "datasets/observation/observation.h"
+#include "datasets/observation/residual_derivative.h"
 
 namespace clothid {
 
@@ -26,9 +26,8 @@ inline constexpr int kNumTimeWindows = 4;
 inline constexpr int kNumDisplacementModes = 3 * kNumTimeWindows;
 
 // [m x kNumDisplacementModes]: the whitened residual of moving every seen point by 1 m along one axis during one of
-// four equal spans of the recording. `cloud_rows`: of Observation::LinearizeClouds; to first order the cloth moves
-// there, nodes and all.
-Eigen::MatrixXd DisplacementModes(const Observation& observation, const std::vector<CloudRows>& cloud_rows = {});
+// four equal spans of the recording: to first order the cloth moves there, nodes and all.
+Eigen::MatrixXd DisplacementModes(const Observation& observation, const ResidualDerivative& derivative);
 
 // An orthonormal basis [m x r], r <= s, of the span of `vectors` [m x s], whose column j is in the span of the first
 // vectors. A vector that depends on those before it, or is zero or not finite, is left out. Column 0 is the first

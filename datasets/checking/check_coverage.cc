@@ -1,15 +1,15 @@
-// Findings about the times of a recording, and about which points were seen at them.
+#include "datasets/checking/check_coverage.h"
+
 #include <algorithm>
 #include <limits>
 #include <set>
-
-#include "datasets/checking/check_rooms.h"
 
 namespace clothid {
 namespace {
 
 constexpr double kRegular = 0.1;       // longest and shortest interval off the median, by share: still regular
 constexpr double kManyMissing = 0.05;  // share of points
+constexpr double kManySteps = 100.0;   // per frame
 
 Finding CheckFrameRate(const CheckedMotion& checked) {
   const Eigen::VectorXd& times = checked.motion.times;
@@ -94,6 +94,25 @@ std::vector<Finding> CheckCoverage(const CheckedMotion& checked) {
 
 std::vector<Finding> CheckTimes(const CheckedMotion& checked) {
   return {CheckFrameRate(checked), CheckGaps(checked), CheckTimeStep(checked)};
+}
+
+Finding CheckTimeStep(const CheckedMotion& checked) {
+  const Scene& scene = checked.motion.scene;
+  Finding finding;
+  finding.what = "time step";
+  const double steps = checked.median_interval / scene.time_step;
+  finding.value = Rounded(steps) + " steps of " + Rounded(1e3 * scene.time_step) + " ms per frame, " +
+                  std::to_string(scene.num_steps()) + " in all";
+  if (steps < 0.99) {
+    finding.severity = Severity::kWarning;
+    finding.hint =
+        "several frames within one step are compared with a straight line; a smaller time step in the scene "
+        "shows what they say";
+  } else if (steps > kManySteps) {
+    finding.severity = Severity::kNote;
+    finding.hint = "a time step that is larger makes fits faster; identify --check_step says what it costs";
+  }
+  return finding;
 }
 
 }  // namespace clothid

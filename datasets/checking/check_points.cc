@@ -1,11 +1,12 @@
-// Findings about the measured points alone: noise, order, jumps, lengths.
+#include "datasets/checking/check_points.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <set>
 
-#include "datasets/checking/check_rooms.h"
+#include "datasets/checking/grid_orders.h"
 
 namespace clothid {
 namespace {

@@ -1,4 +1,5 @@
-// In which order a grid lists its points.
+#include "datasets/checking/grid_orders.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -3,86 +3,16 @@
 #include <algorithm>
 #include <iomanip>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 
-#include "datasets/checking/check_rooms.h"
+#include "datasets/checking/check_coverage.h"
+#include "datasets/checking/check_handles.h"
+#include "datasets/checking/check_points.h"
+#include "datasets/checking/check_scene.h"
+#include "datasets/checking/checked_motion.h"
 
 namespace clothid {
 namespace {
-
-constexpr std::size_t kMaxNamed = 8;              // frames or points that a text names
-constexpr Eigen::Index kMaxMarkers = 3000;        // points off the nodes whose neighbours are looked for
-constexpr std::size_t kMaxPairValues = 10000000;  // pairs times frames
-constexpr int kNeighbours = 4;                    // of a marker
-constexpr double kNoiseFloor = 3.0;               // in standard deviations
-
-Eigen::Vector3d RestPosition(const ObservedPoint& point, const Mesh& mesh) {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  for (int k = 0; k < point.num_nodes; ++k) position += point.weights[k] * mesh.rest_positions.col(point.nodes[k]);
-  return position;
-}
-
-// Edges of the mesh both of whose nodes are measured.
-std::vector<PointPair> MeshPairs(const RecordedMotion& motion) {
-  const Mesh& mesh = motion.scene.mesh;
-  std::vector<int> point_of_node(static_cast<std::size_t>(mesh.num_nodes()), -1);
-  for (int p = 0; p < motion.num_points(); ++p) {
-    if (motion.points[p].num_nodes == 1) point_of_node[motion.points[p].nodes[0]] = p;
-  }
-  std::set<std::pair<int, int>> edges;
-  for (int face = 0; face < mesh.num_faces(); ++face) {
-    for (int k = 0; k < 3; ++k) edges.insert(std::minmax({mesh.faces(k, face), mesh.faces((k + 1) % 3, face)}));
-  }
-  std::vector<PointPair> pairs;
-  for (const auto& [low, high] : edges) {
-    if (point_of_node[low] < 0 || point_of_node[high] < 0) continue;
-    const double length = (mesh.rest_positions.col(low) - mesh.rest_positions.col(high)).norm();
-    pairs.push_back({point_of_node[low], point_of_node[high], length});
-  }
-  return pairs;
-}
-
-// Every point with those nearest to it at rest.
-std::vector<PointPair> NearestPairs(const Eigen::Matrix3Xd& rest_points) {
-  std::vector<PointPair> pairs;
-  const Eigen::Index count = rest_points.cols();
-  if (count > kMaxMarkers) return pairs;
-  std::set<std::pair<int, int>> found;
-  for (Eigen::Index p = 0; p < count; ++p) {
-    std::vector<std::pair<double, int>> others;
-    for (Eigen::Index q = 0; q < count; ++q) {
-      const double length = (rest_points.col(q) - rest_points.col(p)).norm();
-      if (q != p && length > 0.0) others.emplace_back(length, static_cast<int>(q));
-    }
-    const std::size_t num_nearest = std::min<std::size_t>(kNeighbours, others.size());
-    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(num_nearest), others.end());
-    for (std::size_t i = 0; i < num_nearest; ++i) {
-      const int low = std::min(static_cast<int>(p), others[i].second);
-      const int high = std::max(static_cast<int>(p), others[i].second);
-      if (found.emplace(low, high).second) pairs.push_back({low, high, others[i].first});
-    }
-  }
-  return pairs;
-}
-
-std::vector<PointPair> FindPairs(const RecordedMotion& motion, const Eigen::Matrix3Xd& rest_points) {
-  std::vector<PointPair> pairs = MeshPairs(motion);
-  if (pairs.size() < motion.points.size() / 2) pairs = NearestPairs(rest_points);
-  const std::size_t stride = 1 + pairs.size() * static_cast<std::size_t>(motion.num_frames()) / kMaxPairValues;
-  std::vector<PointPair> kept;
-  for (std::size_t i = 0; i < pairs.size(); i += stride) kept.push_back(pairs[i]);
-  return kept;
-}
-
-double MedianEdge(const Mesh& mesh) {
-  std::vector<double> lengths;
-  for (int face = 0; face < mesh.num_faces(); ++face) {
-    lengths.push_back(
-        (mesh.rest_positions.col(mesh.faces(0, face)) - mesh.rest_positions.col(mesh.faces(1, face))).norm());
-  }
-  return Median(std::move(lengths));
-}
 
 // The words of `text`, in lines of at most `width` characters.
 std::vector<std::string> Wrapped(const std::string& text, std::size_t width) {
@@ -96,54 +26,6 @@ std::vector<std::string> Wrapped(const std::string& text, std::size_t width) {
 }
 
 }  // namespace
-
-CheckedMotion::CheckedMotion(const RecordedMotion& recorded)
-    : motion(recorded),
-      rest_points(3, recorded.num_points()),
-      cloth_size(ClothSize(recorded.scene.mesh)),
-      noise(EstimateNoise(recorded.times, recorded.positions)) {
-  for (int p = 0; p < motion.num_points(); ++p) {
-    rest_points.col(p) = RestPosition(motion.points[p], motion.scene.mesh);
-  }
-  pairs = FindPairs(motion, rest_points);
-  std::vector<double> lengths, intervals;
-  for (const PointPair& pair : pairs) lengths.push_back(pair.rest_length);
-  spacing = pairs.empty() ? MedianEdge(motion.scene.mesh) : Median(std::move(lengths));
-  for (int i = 1; i < motion.num_frames(); ++i) intervals.push_back(motion.times[i] - motion.times[i - 1]);
-  median_interval = Median(std::move(intervals));
-  const double known = motion.sigma.size() > 0 ? Median(motion.sigma) : 0.0;
-  noise_floor = kNoiseFloor * std::max(known, noise.rms());
-}
-
-std::string SeverityName(Severity severity) {
-  switch (severity) {
-    case Severity::kOk:
-      return "ok";
-    case Severity::kNote:
-      return "note";
-    case Severity::kWarning:
-      return "warning";
-    case Severity::kProblem:
-      break;
-  }
-  return "problem";
-}
-
-std::string Rounded(double value) {
-  std::ostringstream text;
-  text << std::setprecision(3) << value;
-  return text.str();
-}
-
-std::string Millimetres(double length) { return Rounded(1e3 * length) + " mm"; }
-
-std::string Named(const std::string& what, const std::vector<int>& numbers) {
-  std::string text = what + (numbers.size() == 1 ? " " : "s ");
-  for (std::size_t i = 0; i < std::min(kMaxNamed, numbers.size()); ++i) {
-    text += (i == 0 ? "" : ", ") + std::to_string(numbers[i]);
-  }
-  return numbers.size() > kMaxNamed ? text + ", .. (" + std::to_string(numbers.size()) + " of them)" : text;
-}
 
 std::vector<Finding> CheckMotion(const RecordedMotion& motion) {
   const CheckedMotion checked(motion);

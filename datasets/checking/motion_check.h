@@ -6,30 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "datasets/checking/finding.h"
 #include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
-
-// An interval between frames is a gap where it exceeds the median by this factor: one frame that was dropped makes an
-// interval of twice the usual length.
-inline constexpr double kGapFactor = 2.0;
-
-enum class Severity {
-  kOk,
-  kNote,     // worth knowing; a fit takes it into account
-  kWarning,  // a fit runs, and its estimates may be wrong
-  kProblem,  // no fit can mean anything
-};
-std::string SeverityName(Severity severity);  // "ok", "note", "warning", "problem"
-
-struct Finding {
-  std::string what;  // a short name, the same for every recording
-  Severity severity = Severity::kOk;
-  std::string value;        // what was measured, in words
-  std::string hint;         // what to do about it; empty where there is nothing to do
-  std::vector<int> frames;  // all that it is about, ascending; may be empty
-  std::vector<int> points;  // likewise
-};
 
 // In this order, where they apply (with a wrong unit, which makes every other length void, time and edge lengths
 // alone): frame rate, gaps, missing points, noise, order of points, jumps of the cloth, jumps of points, edge lengths,

@@ -1,4 +1,4 @@
-// Robust statistics of points over time. Internal to datasets/: the numbers behind datasets/checking/motion_check.h.
+// Robust statistics of points over time: the numbers behind datasets/checking/motion_check.h.
 #ifndef CLOTHID_DATASETS_CHECKING_TRACK_STATISTICS_H_
 #define CLOTHID_DATASETS_CHECKING_TRACK_STATISTICS_H_
 
@@ -7,13 +7,15 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/checking/motion_check.h"
-
 namespace clothid {
 
 // The upper median of what is not NaN; NaN of nothing.
 double Median(std::vector<double> values);
 double Median(const Eigen::VectorXd& values);
+
+// An interval between frames is a gap where it exceeds the median by this factor: one frame that was dropped makes an
+// interval of twice the usual length.
+inline constexpr double kGapFactor = 2.0;
 
 // Noise of the measured positions, from third differences in time: of four successive frames the combination
 // sum_i w_i x(t_i), w_i = 1/prod_{j != i} (t_i - t_j), vanishes for motion of constant acceleration; scaled to
@@ -46,16 +48,6 @@ std::vector<int> ClothJumps(const Eigen::VectorXd& times, const Eigen::MatrixXd&
 // frames before and after by more than `floor` m and by more than six times what it and its cloth are otherwise.
 std::vector<std::pair<int, int>> PointJumps(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions,
                                             double floor);
-
-// Renumberings of points that lie on a grid at rest: those that turn or mirror the grid, and the transposed order.
-// `order[p]` is the point that stands where p should. The first one is the identity. Only that where the points
-// [3 x P] m are no grid.
-std::vector<std::vector<int>> GridOrders(const Eigen::Matrix3Xd& rest_points);
-
-// The frames whose points come in another of `orders` than in most frames: successive frames fit three times better in
-// that one. `spacing` m is the distance of neighbours at rest.
-std::vector<int> FlippedFrames(const Eigen::MatrixXd& positions, const std::vector<std::vector<int>>& orders,
-                               double spacing);
 
 }  // namespace clothid
 

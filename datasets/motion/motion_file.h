@@ -16,33 +16,12 @@
 #define CLOTHID_DATASETS_MOTION_MOTION_FILE_H_
 
 #include <functional>
-#include <optional>
 #include <string>
-#include <vector>
 
+#include "datasets/motion/motion_tensors.h"
 #include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
-
-// The tensors and strings of a motion file as they stand, before they are given a meaning.
-struct MotionTensors {
-  Eigen::VectorXd times;         // [T]
-  Eigen::MatrixXd positions;     // [3P x T]
-  bool single_precision = true;  // positions are stored as F32
-  Mesh mesh;
-  std::vector<int> node_index;           // [P] or empty
-  std::vector<int> face_index;           // [P] or empty
-  Eigen::Matrix3Xd barycentric;          // [3 x P] or empty
-  std::vector<int> handle_index;         // [H] or empty
-  Eigen::MatrixXd handle_positions;      // [3H x T], [3H x K] or empty
-  Eigen::VectorXd handle_times;          // [K], or empty: the times of the frames
-  Eigen::VectorXd sigma;                 // [P] or empty
-  std::vector<Eigen::Matrix3Xd> clouds;  // [T] or empty
-  bool single_precision_clouds = true;   // they are stored as F32
-  double cloud_sigma = 0.0;              // 0: not known
-  std::string scene_text;
-  std::string provenance;
-};
 
 struct ReadMotionOptions {
   std::string scene_path;  // a scene.json to use instead of the embedded text; empty: the embedded one

@@ -1,117 +1,90 @@
+#include "datasets/motion/motion_validation.h"
+
 #include <cfloat>
 #include <cmath>
 #include <set>
+#include <sstream>
 
-#include "datasets/files/safetensors.h"
-#include "datasets/motion/motion_container.h"
-#include "sim/base/error.h"
+#include "datasets/motion/number_checks.h"
 
 namespace clothid {
 namespace {
 
-constexpr double kBarycentricTolerance = 1e-6;
+// A time this little before the start of the scene, in steps, is rounding.
+constexpr double kSameTime = 1e-9;
 
-// Of all frames: more do not fit into a container.
-constexpr long long kMaxCloudPoints = static_cast<long long>(kMaxContainerBytes / (3 * sizeof(float)));
-
-class Validator {
+class TensorValidator {
  public:
-  Validator(const MotionTensors& tensors, const std::string& path) : tensors_(tensors), path_(path) {}
+  TensorValidator(const MotionTensors& tensors, const std::string& path)
+      : tensors_(tensors), path_(path), check_(NumberChecks::Kind::kFile, path) {}
 
   void Validate() const {
     ValidateTimes();
     ValidateSizes();
     ValidateMesh(tensors_.mesh, path_);
-    ValidatePositions();
+    check_.ExpectPositions("positions", tensors_.positions, Largest(tensors_.single_precision));
     ValidateIndices(tensors_.node_index, tensors_.mesh.num_nodes(), "node_index");
     ValidateIndices(tensors_.face_index, tensors_.mesh.num_faces(), "face_index");
     ValidateIndices(tensors_.handle_index, tensors_.mesh.num_nodes(), "handle_index");
     ValidateBarycentric();
     ValidateHandles();
     ValidateClouds();
-    for (Eigen::Index i = 0; i < tensors_.sigma.size(); ++i) {
-      const double sigma = tensors_.sigma[i];
-      if (!std::isfinite(sigma) || !(sigma > 0.0)) Fail("sigma", "entry " + std::to_string(i) + " is not a number > 0");
-    }
+    check_.ExpectPositive("sigma", tensors_.sigma);
   }
 
  private:
-  [[noreturn]] void Fail(const std::string& tensor, const std::string& message) const {
-    throw Error(ErrorKind::kBadData, path_ + ": tensor '" + tensor + "': " + message);
-  }
+  static double Largest(bool single_precision) { return single_precision ? static_cast<double>(FLT_MAX) : DBL_MAX; }
 
   Eigen::Index num_points() const { return tensors_.positions.rows() / 3; }
 
   void ValidateTimes() const {
     const Eigen::Index num_times = tensors_.times.size();
-    if (num_times < 2) Fail("times", "expected at least two frames, found " + std::to_string(num_times));
-    ExpectIncreasing(tensors_.times, "times");
-    ExpectIncreasing(tensors_.handle_times, "handle_times");
-  }
-
-  void ExpectIncreasing(const Eigen::VectorXd& times, const std::string& tensor) const {
-    for (Eigen::Index i = 0; i < times.size(); ++i) {
-      if (!std::isfinite(times[i])) Fail(tensor, "entry " + std::to_string(i) + " is not finite");
-      if (i > 0 && !(times[i] > times[i - 1])) {
-        Fail(tensor, "entry " + std::to_string(i) + " is not above the one before it");
-      }
-    }
-  }
-
-  void ExpectSize(const std::string& tensor, Eigen::Index found, Eigen::Index expected) const {
-    if (found == expected) return;
-    Fail(tensor, "expected " + std::to_string(expected) + " numbers, found " + std::to_string(found));
+    if (num_times < 2) check_.Fail("times", "expected at least two frames, found " + std::to_string(num_times));
+    check_.ExpectIncreasing("times", tensors_.times);
+    check_.ExpectIncreasing("handle_times", tensors_.handle_times);
   }
 
   void ValidateSizes() const {
     const Eigen::Index num_times = tensors_.times.size();
+    check_.ExpectSize("positions", tensors_.positions.size(), 3 * num_points() * num_times);
+    if (num_points() == 0 && tensors_.clouds.empty()) check_.Fail("positions", "expected at least one point");
+    check_.ExpectSize("positions", tensors_.positions.cols(), num_times);
+    ValidatePointSizes();
     const Eigen::Index num_handles = static_cast<Eigen::Index>(tensors_.handle_index.size());
-    ExpectSize("positions", tensors_.positions.size(), 3 * num_points() * num_times);
-    if (num_points() == 0 && tensors_.clouds.empty()) Fail("positions", "expected at least one point");
-    ExpectSize("positions", tensors_.positions.cols(), num_times);
-    if (!tensors_.node_index.empty() && !tensors_.face_index.empty()) {
-      Fail("face_index", "expected either node_index or face_index");
-    }
-    if (!tensors_.node_index.empty()) {
-      ExpectSize("node_index", static_cast<Eigen::Index>(tensors_.node_index.size()), num_points());
-    }
-    if (!tensors_.face_index.empty()) {
-      ExpectSize("face_index", static_cast<Eigen::Index>(tensors_.face_index.size()), num_points());
-    }
-    ExpectSize("barycentric", tensors_.barycentric.size(), tensors_.face_index.empty() ? 0 : 3 * num_points());
-    if (tensors_.node_index.empty() && tensors_.face_index.empty() && num_points() != tensors_.mesh.num_nodes() &&
-        num_points() > 0) {
-      Fail("positions", "expected the " + std::to_string(tensors_.mesh.num_nodes()) + " nodes of the mesh, found " +
-                            std::to_string(num_points()) + " points and neither node_index nor face_index");
-    }
-    if (num_handles == 0) ExpectSize("handle_times", tensors_.handle_times.size(), 0);
+    if (num_handles == 0) check_.ExpectSize("handle_times", tensors_.handle_times.size(), 0);
     const Eigen::Index num_knots = tensors_.handle_times.size() > 0 ? tensors_.handle_times.size() : num_times;
-    ExpectSize("handle_positions", tensors_.handle_positions.size(), 3 * num_handles * num_knots);
-    if (num_handles > 0) ExpectSize("handle_positions", tensors_.handle_positions.cols(), num_knots);
-    if (tensors_.sigma.size() > 0) ExpectSize("sigma", tensors_.sigma.size(), num_points());
+    check_.ExpectSize("handle_positions", tensors_.handle_positions.size(), 3 * num_handles * num_knots);
+    if (num_handles > 0) check_.ExpectSize("handle_positions", tensors_.handle_positions.cols(), num_knots);
+    if (tensors_.sigma.size() > 0) check_.ExpectSize("sigma", tensors_.sigma.size(), num_points());
   }
 
-  void ValidatePositions() const {
-    const double limit = tensors_.single_precision ? static_cast<double>(FLT_MAX) : DBL_MAX;
-    for (Eigen::Index t = 0; t < tensors_.positions.cols(); ++t) {
-      if ((tensors_.positions.col(t).array().abs() > limit).any()) {
-        Fail("positions", "frame " + std::to_string(t) + " holds an infinite coordinate; expected numbers or NaN");
-      }
+  void ValidatePointSizes() const {
+    const bool by_node = !tensors_.node_index.empty(), by_face = !tensors_.face_index.empty();
+    if (by_node && by_face) check_.Fail("face_index", "expected either node_index or face_index");
+    if (by_node) {
+      check_.ExpectSize("node_index", static_cast<Eigen::Index>(tensors_.node_index.size()), num_points());
+    }
+    if (by_face) {
+      check_.ExpectSize("face_index", static_cast<Eigen::Index>(tensors_.face_index.size()), num_points());
+    }
+    check_.ExpectSize("barycentric", tensors_.barycentric.size(), by_face ? 3 * num_points() : 0);
+    if (!by_node && !by_face && num_points() != tensors_.mesh.num_nodes() && num_points() > 0) {
+      check_.Fail("positions", "expected the " + std::to_string(tensors_.mesh.num_nodes()) +
+                                   " nodes of the mesh, found " + std::to_string(num_points()) +
+                                   " points and neither node_index nor face_index");
     }
   }
 
   void ValidateIndices(const std::vector<int>& indices, int count, const std::string& tensor) const {
     for (std::size_t i = 0; i < indices.size(); ++i) {
-      if (indices[i] >= 0 && indices[i] < count) continue;
-      Fail(tensor, "entry " + std::to_string(i) + " is " + std::to_string(indices[i]) + "; expected 0 to " +
-                       std::to_string(count - 1));
+      check_.ExpectIndex(tensor, static_cast<Eigen::Index>(i), indices[i], count);
     }
   }
 
   void ValidateBarycentric() const {
     for (Eigen::Index i = 0; i < tensors_.barycentric.cols(); ++i) {
-      if (!(std::abs(tensors_.barycentric.col(i).sum() - 1.0) <= kBarycentricTolerance)) {
-        Fail("barycentric", "row " + std::to_string(i) + " does not sum to 1");
+      if (!check_.SumsToOne(tensors_.barycentric.col(i).sum())) {
+        check_.Fail("barycentric", "row " + std::to_string(i) + " does not sum to 1");
       }
     }
   }
@@ -119,49 +92,125 @@ class Validator {
   void ValidateHandles() const {
     std::set<int> seen;
     for (const int node : tensors_.handle_index) {
-      if (!seen.insert(node).second) Fail("handle_index", "node " + std::to_string(node) + " is listed twice");
+      if (!seen.insert(node).second) check_.Fail("handle_index", "node " + std::to_string(node) + " is listed twice");
     }
     for (Eigen::Index t = 0; t < tensors_.handle_positions.cols(); ++t) {
       if (!tensors_.handle_positions.col(t).allFinite()) {
-        Fail("handle_positions", (tensors_.handle_times.size() > 0 ? "time " : "frame ") + std::to_string(t) +
-                                     " is not finite; a handle's path must have no gap");
+        check_.Fail("handle_positions", (tensors_.handle_times.size() > 0 ? "time " : "frame ") + std::to_string(t) +
+                                            " is not finite; a handle's path must have no gap");
       }
     }
   }
 
   void ValidateClouds() const {
-    const double limit = tensors_.single_precision_clouds ? static_cast<double>(FLT_MAX) : DBL_MAX;
     if (!std::isfinite(tensors_.cloud_sigma) || tensors_.cloud_sigma < 0.0) {
-      Fail("cloud_sigma", "is not a number > 0");
+      check_.Fail("cloud_sigma", "is not a number > 0");
     }
     if (tensors_.clouds.empty()) {
-      if (tensors_.cloud_sigma > 0.0) Fail("cloud_positions", "is missing; expected beside cloud_sigma");
+      if (tensors_.cloud_sigma > 0.0) check_.Fail("cloud_positions", "is missing; expected beside cloud_sigma");
       return;
     }
-    if (static_cast<Eigen::Index>(tensors_.clouds.size()) != tensors_.times.size()) {
-      Fail("cloud_offsets", "expected a cloud for each of the " + std::to_string(tensors_.times.size()) +
-                                " times, found " + std::to_string(tensors_.clouds.size()));
-    }
-    long long num_points = 0;
-    for (std::size_t i = 0; i < tensors_.clouds.size(); ++i) {
-      num_points += tensors_.clouds[i].cols();
-      if ((tensors_.clouds[i].array().abs() <= limit).all()) continue;
-      Fail("cloud_positions", "the cloud of frame " + std::to_string(i) + " holds a coordinate that is not finite");
-    }
-    if (num_points == 0) Fail("cloud_positions", "expected at least one point");
-    if (num_points > kMaxCloudPoints) {
-      Fail("cloud_positions", "expected at most " + std::to_string(kMaxCloudPoints) + " points");
-    }
+    check_.ExpectClouds("cloud_positions", "cloud_offsets", tensors_.clouds, tensors_.times.size(),
+                        Largest(tensors_.single_precision_clouds));
   }
 
   const MotionTensors& tensors_;
   const std::string& path_;
+  NumberChecks check_;
+};
+
+class MotionValidator {
+ public:
+  explicit MotionValidator(const RecordedMotion& motion)
+      : motion_(motion), check_(NumberChecks::Kind::kRecording, motion.name) {}
+
+  void Validate() const {
+    ValidateMesh(motion_.scene.mesh, motion_.name);
+    ValidateTimes();
+    ValidatePositions();
+    for (int p = 0; p < motion_.num_points(); ++p) ValidatePoint(p);
+    if (motion_.sigma.size() > 0) check_.ExpectSize("sigma", motion_.sigma.size(), motion_.num_points());
+    check_.ExpectPositive("sigma", motion_.sigma);
+    if (!std::isfinite(motion_.cloud_sigma) || motion_.cloud_sigma < 0.0) {
+      check_.Fail("cloud_sigma", "expected a number > 0, or 0 where it is not known");
+    }
+    if (!motion_.clouds.empty()) {
+      check_.ExpectClouds("clouds", "clouds", motion_.clouds, motion_.times.size(), DBL_MAX);
+    }
+    ValidateScenePart();
+  }
+
+ private:
+  void ValidateTimes() const {
+    const double time_step = motion_.scene.time_step, start = motion_.scene.start_time;
+    if (motion_.num_frames() == 0) check_.Fail("times", "expected at least one frame");
+    if (!(time_step > 0.0)) check_.Fail("scene.time_step", "expected a number > 0");
+    check_.ExpectIncreasing("times", motion_.times);
+    for (Eigen::Index i = 0; i < motion_.times.size(); ++i) {
+      const double steps = (motion_.times[i] - start) / time_step;
+      std::ostringstream message;
+      if (!(steps >= -kSameTime)) {
+        message << "lies before the start of the scene (" << start << " s)";
+      } else if (!(steps <= kMaxRecordedSteps)) {
+        message << "lies " << steps << " steps of " << time_step
+                << " s behind the start of the scene; expected at most " << kMaxRecordedSteps;
+      } else {
+        continue;
+      }
+      check_.FailEntry("times", i, message.str());
+    }
+  }
+
+  void ValidatePositions() const {
+    if (motion_.num_points() == 0 && motion_.clouds.empty()) check_.Fail("points", "expected at least one point");
+    const auto shape = [](Eigen::Index rows, Eigen::Index columns) {
+      return "[" + std::to_string(rows) + " x " + std::to_string(columns) + "]";
+    };
+    const Eigen::Index rows = 3 * static_cast<Eigen::Index>(motion_.num_points());
+    if (motion_.positions.rows() != rows || motion_.positions.cols() != motion_.num_frames()) {
+      check_.Fail("positions", "expected " + shape(rows, motion_.num_frames()) + " for the points and times, found " +
+                                   shape(motion_.positions.rows(), motion_.positions.cols()));
+    }
+    check_.ExpectPositions("positions", motion_.positions, DBL_MAX);
+  }
+
+  void ValidatePoint(int p) const {
+    const ObservedPoint& point = motion_.points[p];
+    if (point.num_nodes != 1 && point.num_nodes != 3) {
+      check_.FailEntry("points", p, "has " + std::to_string(point.num_nodes) + " nodes; expected 1 or 3");
+    }
+    double sum = 0.0;
+    for (int k = 0; k < point.num_nodes; ++k) {
+      check_.ExpectIndex("points[" + std::to_string(p) + "].nodes", k, point.nodes[k], motion_.scene.mesh.num_nodes());
+      sum += point.weights[k];
+    }
+    if (!check_.SumsToOne(sum)) {
+      check_.FailEntry("points", p, "has weights that sum to " + std::to_string(sum) + "; expected 1");
+    }
+  }
+
+  // What predictions take from the scene before a simulator has looked at it.
+  void ValidateScenePart() const {
+    const Scene& scene = motion_.scene;
+    const Eigen::Index size = 3 * static_cast<Eigen::Index>(scene.mesh.num_nodes());
+    check_.ExpectSize("scene.initial_positions", scene.initial_positions.size(), size);
+    check_.ExpectSize("scene.initial_velocities", scene.initial_velocities.size(), size);
+    for (std::size_t i = 0; i < scene.handles.nodes.size(); ++i) {
+      check_.ExpectIndex("scene.handles.nodes", static_cast<Eigen::Index>(i), scene.handles.nodes[i],
+                         scene.mesh.num_nodes());
+    }
+  }
+
+  const RecordedMotion& motion_;
+  NumberChecks check_;
 };
 
 }  // namespace
 
+void ValidateMotion(const RecordedMotion& motion) { MotionValidator(motion).Validate(); }
+
 void ValidateMotionTensors(const MotionTensors& tensors, const std::string& path) {
-  Validator(tensors, path).Validate();
+  TensorValidator(tensors, path).Validate();
 }
 
 }  // namespace clothid

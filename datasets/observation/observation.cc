@@ -6,14 +6,12 @@
 #include <string>
 #include <utility>
 
+#include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
 #include "sim/scene/mesh.h"
 
 namespace clothid {
 namespace {
-
-// A recorded time this close to a step (in steps) is that step: times are multiples of h up to their rounding.
-constexpr double kSameTime = 1e-9;
 
 // The sigma of a recording that does not know it, relative to the cloth's size.
 constexpr double kRelativeSigma = 1e-3;
@@ -33,12 +31,12 @@ Eigen::VectorXd PointSigma(const RecordedMotion& motion) {
   if (motion.sigma.size() == 0) {
     return Eigen::VectorXd::Constant(motion.num_points(), kRelativeSigma * ClothSize(motion.scene.mesh));
   }
-  for (int p = 0; p < motion.num_points(); ++p) {
-    if (!(motion.sigma[p] > 0.0) || !std::isfinite(motion.sigma[p])) {
-      throw Error(ErrorKind::kBadData, motion.name + ": sigma[" + std::to_string(p) + "] must be positive");
-    }
-  }
   return motion.sigma;
+}
+
+const RecordedMotion& Validated(const RecordedMotion& motion) {
+  ValidateMotion(motion);
+  return motion;
 }
 
 bool IsHandlePoint(const ObservedPoint& point, const std::vector<bool>& is_handle) {
@@ -76,31 +74,14 @@ PredictionError& PredictionError::operator+=(const PredictionError& other) {
 }
 
 Observation::Observation(const RecordedMotion& motion)
-    : num_nodes_(motion.scene.mesh.num_nodes()),
+    : num_nodes_(Validated(motion).scene.mesh.num_nodes()),
       sigma_is_known_(SigmaIsKnown(motion)),
       points_(motion.points),
       sigma_(PointSigma(motion)),
+      stencils_(LinearStencils(motion)),
       clouds_(motion, CloudSigma(motion)) {
-  PlaceFrames(motion);
+  for (const FrameStencil& stencil : stencils_) num_steps_ = std::max(num_steps_, stencil.last_step());
   FindSeenCoordinates(motion);
-}
-
-void Observation::PlaceFrames(const RecordedMotion& motion) {
-  for (int i = 0; i < motion.num_frames(); ++i) {
-    double steps = (motion.times[i] - motion.scene.start_time) / motion.scene.time_step;
-    const double nearest = std::round(steps);
-    if (std::abs(steps - nearest) <= kSameTime * std::max(1.0, nearest)) steps = nearest;
-    if (!(steps >= 0.0)) {
-      throw Error(ErrorKind::kBadData, motion.name + ": times[" + std::to_string(i) +
-                                           "] lies before the start of the scene (" +
-                                           std::to_string(motion.scene.start_time) + " s)");
-    }
-    Bracket bracket;
-    bracket.step = static_cast<int>(std::floor(steps));
-    bracket.fraction = steps - bracket.step;
-    brackets_.push_back(bracket);
-    num_steps_ = std::max(num_steps_, bracket.step + (bracket.fraction > 0.0 ? 1 : 0));
-  }
 }
 
 void Observation::FindSeenCoordinates(const RecordedMotion& motion) {
@@ -130,39 +111,41 @@ void Observation::FindSeenCoordinates(const RecordedMotion& motion) {
   measured_ = Eigen::Map<const Eigen::VectorXd>(measured.data(), static_cast<Eigen::Index>(measured.size()));
 }
 
-Eigen::MatrixXd Observation::PointsAt(int frame, const Eigen::MatrixXd& from, const Eigen::MatrixXd& to) const {
-  const double fraction = brackets_[frame].fraction;
-  Eigen::MatrixXd points = Eigen::MatrixXd::Zero(num_predicted(), from.cols());
+Eigen::MatrixXd Observation::Combine(const std::array<double, FrameStencil::kMaxSize>& weights,
+                                     const FrameStates& states, Eigen::Index num_columns) const {
+  Eigen::MatrixXd points = Eigen::MatrixXd::Zero(num_predicted(), num_columns);
   for (int p = 0; p < num_points(); ++p) {
     for (int k = 0; k < points_[p].num_nodes; ++k) {
-      const int row = 3 * points_[p].nodes[k];
-      points.middleRows<3>(3 * p) += (points_[p].weights[k] * (1.0 - fraction)) * from.middleRows<3>(row);
-      if (fraction > 0.0) points.middleRows<3>(3 * p) += (points_[p].weights[k] * fraction) * to.middleRows<3>(row);
+      for (std::size_t j = 0; j < states.size(); ++j) {
+        points.middleRows<3>(3 * p) += (points_[p].weights[k] * weights[j]) *
+                                       states[j].leftCols(num_columns).middleRows<3>(3 * points_[p].nodes[k]);
+      }
     }
   }
-  if (has_clouds()) {
-    points.bottomRows(from.rows()) = (1.0 - fraction) * from;
-    if (fraction > 0.0) points.bottomRows(from.rows()) += fraction * to;
-  }
+  if (!has_clouds()) return points;
+  auto nodes = points.bottomRows(3 * num_nodes_);
+  nodes = weights[0] * states[0].leftCols(num_columns);
+  for (std::size_t j = 1; j < states.size(); ++j) nodes += weights[j] * states[j].leftCols(num_columns);
   return points;
 }
 
-Eigen::MatrixXd Observation::PointsOf(const Eigen::MatrixXd& nodes) const {
-  Eigen::MatrixXd points = Eigen::MatrixXd::Zero(num_predicted(), nodes.cols());
-  for (int p = 0; p < num_points(); ++p) {
-    for (int k = 0; k < points_[p].num_nodes; ++k) {
-      points.middleRows<3>(3 * p) += points_[p].weights[k] * nodes.middleRows<3>(3 * points_[p].nodes[k]);
-    }
-  }
-  if (has_clouds()) points.bottomRows(nodes.rows()) = nodes;
-  return points;
+Eigen::MatrixXd Observation::PointsAt(const FrameStencil& stencil, const FrameStates& states) const {
+  return Combine(stencil.weights, states, states.front().cols());
+}
+
+Eigen::VectorXd Observation::VelocitiesAt(const FrameStencil& stencil, const FrameStates& states) const {
+  return Combine(stencil.slopes, states, 1);
 }
 
 Eigen::MatrixXd Observation::Predict(const Rollout& rollout) const {
   Eigen::MatrixXd predicted(num_predicted(), num_frames());
   for (int i = 0; i < num_frames(); ++i) {
-    const int from = step(i);
-    predicted.col(i) = PointsAt(i, rollout.positions(from), rollout.positions(needs_next(i) ? from + 1 : from));
+    FrameStates states;
+    for (int step = stencils_[i].first_step; step <= stencils_[i].last_step(); ++step) {
+      const Eigen::VectorXd& state = rollout.positions(step);
+      states.emplace_back(state.data(), state.size(), 1);
+    }
+    predicted.col(i) = PointsAt(stencils_[i], states);
   }
   return predicted;
 }
@@ -192,29 +175,6 @@ Eigen::VectorXd Observation::Residuals(const Eigen::MatrixXd& predicted) const {
     residuals.segment(first_cloud_row(i), clouds_.num_points(i)) = clouds_.Residuals(i, Nodes(predicted).col(i));
   }
   return residuals;
-}
-
-std::vector<CloudRows> Observation::LinearizeClouds(const Eigen::MatrixXd& predicted) const {
-  std::vector<CloudRows> rows;
-  for (int i = 0; has_clouds() && i < num_frames(); ++i) {
-    rows.push_back(clouds_.Linearize(i, Nodes(predicted).col(i)));
-  }
-  return rows;
-}
-
-Eigen::VectorXd Observation::ResidualDerivative(const Eigen::MatrixXd& derivative,
-                                                const std::vector<CloudRows>& cloud_rows) const {
-  Eigen::VectorXd result = Whiten(derivative);
-  for (int i = 0; has_clouds() && i < num_frames(); ++i) {
-    int row = first_cloud_row(i);
-    for (const SurfaceDistance& distance : cloud_rows[i]) {
-      for (int k = 0; k < distance.num_nodes; ++k) {
-        result[row] += distance.gradient.col(k).dot(Nodes(derivative).col(i).segment<3>(3 * distance.nodes[k]));
-      }
-      ++row;
-    }
-  }
-  return result;
 }
 
 void Observation::LinearizeFrame(int frame, const Eigen::MatrixXd& points, Eigen::VectorXd* residuals,
@@ -262,49 +222,6 @@ PredictionError Observation::Compare(const Eigen::MatrixXd& predicted) const {
     last[row] = difference;
   }
   return error;
-}
-
-void Observation::AddSeeds(int step, const Eigen::MatrixXd& seeds, Eigen::MatrixXd* gradient,
-                           const std::vector<CloudRows>& cloud_rows) const {
-  // Frames that touch this step: a = step, and a = step - 1 with a fraction. Frames are sorted by time.
-  const auto by_step = [](const Bracket& bracket, int value) { return bracket.step < value; };
-  auto it = std::lower_bound(brackets_.begin(), brackets_.end(), step - 1, by_step);
-  for (; it != brackets_.end() && it->step <= step; ++it) {
-    const double weight = it->step == step ? 1.0 - it->fraction : it->fraction;
-    if (weight > 0.0) AddFrameSeeds(static_cast<int>(it - brackets_.begin()), weight, seeds, cloud_rows, gradient);
-  }
-}
-
-void Observation::AddFrameSeeds(int frame, double weight, const Eigen::MatrixXd& seeds,
-                                const std::vector<CloudRows>& cloud_rows, Eigen::MatrixXd* gradient) const {
-  for (int r = first_row_[frame]; r < first_cloud_row(frame); ++r) {
-    const SeenCoordinate& seen = coordinates_[r];
-    const ObservedPoint& point = points_[seen.point];
-    for (int k = 0; k < point.num_nodes; ++k) {
-      gradient->row(3 * point.nodes[k] + seen.axis) += (weight * point.weights[k] / sigma_[seen.point]) * seeds.row(r);
-    }
-  }
-  if (!has_clouds()) return;
-  int row = first_cloud_row(frame);
-  for (const SurfaceDistance& distance : cloud_rows[frame]) {
-    for (int k = 0; k < distance.num_nodes; ++k) {
-      gradient->middleRows<3>(3 * distance.nodes[k]) += (weight * distance.gradient.col(k)) * seeds.row(row);
-    }
-    ++row;
-  }
-}
-
-FrameSampler::FrameSampler(const Observation* observation, Visitor visitor)
-    : observation_(observation), visitor_(std::move(visitor)) {}
-
-void FrameSampler::AddStep(int step, const Eigen::MatrixXd& state) {
-  for (; next_frame_ < observation_->num_frames(); ++next_frame_) {
-    const int from = observation_->step(next_frame_);
-    const bool needs_next = observation_->needs_next(next_frame_);
-    if (from + (needs_next ? 1 : 0) > step) break;
-    visitor_(next_frame_, observation_->PointsAt(next_frame_, needs_next ? previous_ : state, state));
-  }
-  previous_ = state;
 }
 
 }  // namespace clothid

@@ -1,11 +1,11 @@
-// From a trajectory to predicted points at the recorded times, to residuals, and back: the transpose.
+// From a trajectory to predicted points at the recorded times, and to residuals. The way back, the transpose, is
+// datasets/observation/residual_derivative.h.
 //
 // Tracked points are a linear map P x of the trajectory:
-//
-// A point p (a node, or a barycentric point) at the recorded time t_i lies between two steps a and a + 1:
-//   predicted_p(t_i) = (1 - c) sum_k w_k x_a[node_k] + c sum_k w_k x_{a+1}[node_k],   c = (t_i - start)/h - a,
-// linear in time. A residual is (predicted - measured)/sigma for every seen coordinate. Not seen: a coordinate that was
-// not measured (NaN). Without a residual: a point all of whose nodes are handles, whose motion is part of the scene.
+//   predicted_p(t_i) = sum_k w_k x(t_i)[node_k]
+// for a point p (a node, or a barycentric point), with the state x(t_i) of datasets/observation/frame_stencil.h. A
+// residual is (predicted - measured)/sigma for every seen coordinate. Not seen: a coordinate that was not measured
+// (NaN). Without a residual: a point all of whose nodes are handles, whose motion is part of the scene.
 //
 // Where the recording does not know its sigma, every coordinate has sigma = 1e-3 of the cloth's size (the square root
 // of its rest area): costs are then free of scale, and say nothing about likelihood.
@@ -18,11 +18,12 @@
 #define CLOTHID_DATASETS_OBSERVATION_OBSERVATION_H_
 
 #include <Eigen/Core>
-#include <functional>
+#include <array>
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/observation/cloud_observation.h"
+#include "datasets/observation/frame_stencil.h"
 #include "sim/rollout/rollout.h"
 
 namespace clothid {
@@ -59,16 +60,18 @@ struct PredictionError {
 
 class Observation {
  public:
-  // Throws `Error` (kBadData), naming the recording, where no coordinate is seen, a time lies before the scene's start,
-  // or a sigma is not positive. Keeps no reference to `motion`.
+  // Throws `Error` (kBadData), naming the recording, where `ValidateMotion` does and where no coordinate is seen. Keeps
+  // no reference to `motion`.
   explicit Observation(const RecordedMotion& motion);
 
   int num_residuals() const { return static_cast<int>(coordinates_.size()); }  // m
-  int num_frames() const { return static_cast<int>(brackets_.size()); }        // T
+  int num_frames() const { return static_cast<int>(stencils_.size()); }        // T
   int num_points() const { return static_cast<int>(points_.size()); }          // P
   int num_nodes() const { return num_nodes_; }                                 // N
   int num_steps() const { return num_steps_; }  // the least number that covers all frames
   bool sigma_is_known() const { return sigma_is_known_; }
+  const std::vector<FrameStencil>& stencils() const { return stencils_; }  // [T] linear in time
+  const std::vector<ObservedPoint>& points() const { return points_; }     // [P]
   bool has_clouds() const { return !clouds_.empty(); }
   const CloudObservation& clouds() const { return clouds_; }
   int num_predicted() const { return 3 * (num_points() + (has_clouds() ? num_nodes_ : 0)); }  // rows of a prediction R
@@ -77,8 +80,16 @@ class Observation {
   // tracked ones. Frame i has the rows first_row(i) .. first_row(i+1)-1.
   const std::vector<SeenCoordinate>& coordinates() const { return coordinates_; }
   int first_row(int frame) const { return first_row_[frame]; }
+  int first_cloud_row(int frame) const { return first_row_[frame + 1] - clouds_.num_points(frame); }
   double sigma(int point) const { return point < num_points() ? sigma_[point] : clouds_.sigma(); }  // m
   const Eigen::VectorXd& whitened_measured() const { return measured_; }  // [m] measured/sigma; 0 in the rows of clouds
+
+  // States at the steps of a stencil, [3N x c] each, to rows of the prediction at its time [R x c]; and the time
+  // derivative [R] m/s of their first column.
+  Eigen::MatrixXd PointsAt(const FrameStencil& stencil, const FrameStates& states) const;
+  Eigen::VectorXd VelocitiesAt(const FrameStencil& stencil, const FrameStates& states) const;
+  // Of a prediction [R x ..] with clouds: the nodes [3N x ..].
+  auto Nodes(const Eigen::MatrixXd& predicted) const { return predicted.bottomRows(3 * num_nodes_); }
 
   // Every point, seen or not, at every frame: [R x T] m. `rollout` must be ok() and have num_steps() steps.
   Eigen::MatrixXd Predict(const Rollout& rollout) const;
@@ -90,76 +101,27 @@ class Observation {
   Eigen::VectorXd Residuals(const Eigen::MatrixXd& predicted) const;
   PredictionError Compare(const Eigen::MatrixXd& predicted) const;
 
-  // The rows of every frame's cloud at `predicted` [R x T]: what the derivative of the residual needs beside the linear
-  // map. Empty without clouds.
-  std::vector<CloudRows> LinearizeClouds(const Eigen::MatrixXd& predicted) const;
-  // What the derivative of the prediction along one parameter [R x T] is of the residual [m]; `cloud_rows` of
-  // LinearizeClouds at the prediction.
-  Eigen::VectorXd ResidualDerivative(const Eigen::MatrixXd& derivative, const std::vector<CloudRows>& cloud_rows) const;
   // One frame with derivatives: the first column of `points` [R x (1 + q)] is the prediction, the others are its
   // derivatives; to residuals [r] and theirs [r x q].
   void LinearizeFrame(int frame, const Eigen::MatrixXd& points, Eigen::VectorXd* residuals,
                       Eigen::MatrixXd* jacobian) const;
 
-  // The transpose: adds to `gradient` [3N x s] the part at `step` of  dC/dx = (d residual/dx)^T seeds,  seeds [m x s].
-  // `cloud_rows`: of LinearizeClouds at the prediction.
-  void AddSeeds(int step, const Eigen::MatrixXd& seeds, Eigen::MatrixXd* gradient,
-                const std::vector<CloudRows>& cloud_rows = {}) const;
-
-  // Columns of states at `from` and `to` = step(frame), step(frame) + 1, [3N x c] each, to rows of predictions [R x c].
-  Eigen::MatrixXd PointsAt(int frame, const Eigen::MatrixXd& from, const Eigen::MatrixXd& to) const;
-  // The step a before frame i; a + 1 is needed too where needs_next(i).
-  int step(int frame) const { return brackets_[frame].step; }
-  bool needs_next(int frame) const { return brackets_[frame].fraction > 0.0; }
-  double fraction(int frame) const { return brackets_[frame].fraction; }  // c, in [0, 1)
-
-  // The same in two: columns of the nodes' states at the time of a frame, [3N x c], to rows of predictions [R x c]; and
-  // the transpose, which adds  weight (d residual of the frame/d nodes)^T seeds,  seeds [m x s], to `gradient` [3N x
-  // s].
-  Eigen::MatrixXd PointsOf(const Eigen::MatrixXd& nodes) const;
-  void AddFrameSeeds(int frame, double weight, const Eigen::MatrixXd& seeds, const std::vector<CloudRows>& cloud_rows,
-                     Eigen::MatrixXd* gradient) const;
-
  private:
-  struct Bracket {
-    int step = 0;
-    double fraction = 0.0;  // c, in [0, 1)
-  };
-
-  void PlaceFrames(const RecordedMotion& motion);
   void FindSeenCoordinates(const RecordedMotion& motion);
-  int first_cloud_row(int frame) const { return first_row_[frame + 1] - clouds_.num_points(frame); }
-  // Of a prediction: the nodes [3N x ..].
-  auto Nodes(const Eigen::MatrixXd& predicted) const { return predicted.bottomRows(3 * num_nodes_); }
+  // sum_j weights[j] x_j of the first `num_columns` columns, as rows of a prediction.
+  Eigen::MatrixXd Combine(const std::array<double, FrameStencil::kMaxSize>& weights, const FrameStates& states,
+                          Eigen::Index num_columns) const;
 
   int num_nodes_ = 0;
   int num_steps_ = 0;
   bool sigma_is_known_ = false;
   std::vector<ObservedPoint> points_;
-  Eigen::VectorXd sigma_;  // [P]
-  std::vector<Bracket> brackets_;
+  Eigen::VectorXd sigma_;               // [P]
+  std::vector<FrameStencil> stencils_;  // [T]
   std::vector<SeenCoordinate> coordinates_;
   std::vector<int> first_row_;  // [T + 1]
   Eigen::VectorXd measured_;    // [m]
   CloudObservation clouds_;
-};
-
-// Predictions from states that arrive step by step, as in a forward sweep: nothing but the last state is stored.
-class FrameSampler {
- public:
-  // Called once per frame, in order, with the points [R x c] of every column of the state.
-  using Visitor = std::function<void(int frame, const Eigen::MatrixXd& points)>;
-
-  // `observation` must outlive the sampler.
-  FrameSampler(const Observation* observation, Visitor visitor);
-  // `state` [3N x c] after `step` steps; steps 0, 1, 2, .. in order.
-  void AddStep(int step, const Eigen::MatrixXd& state);
-
- private:
-  const Observation* observation_;
-  Visitor visitor_;
-  int next_frame_ = 0;
-  Eigen::MatrixXd previous_;
 };
 
 }  // namespace clothid

@@ -25,7 +25,7 @@ class Differentiator {
   Differentiator(const std::vector<RecordedMotion>& motions, FitOptions options, JacobianMethod method)
       : problem_(motions, WithMethod(std::move(options), method)),
         start_(problem_.StartCoordinates()),
-        evaluator_(&problem_, &start_, options.num_threads) {}
+        evaluator_(&problem_, options.num_threads) {}
 
   const FitProblem& problem() const { return problem_; }
   const Eigen::VectorXd& start() const { return start_; }

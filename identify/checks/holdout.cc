@@ -16,8 +16,7 @@ namespace {
 // Adds the error of one rollout, or tells why there is none.
 void AddError(const Eigen::VectorXd& coordinates, RecordingModel* model, PredictionError* sum, std::string* failure) {
   Eigen::MatrixXd predicted;
-  const Rollout rollout =
-      model->Simulate(coordinates, nullptr, RolloutCostOptions().memory_limit, /*keep_factors=*/false, &predicted);
+  const Rollout rollout = model->Simulate(coordinates, {}, {}, &predicted);
   if (rollout.ok()) {
     *sum += model->observation().Compare(predicted);
   } else if (failure->empty()) {

@@ -16,22 +16,12 @@ CostStatistics Total(const FitProblem& problem) {
 
 }  // namespace
 
-FitEvaluator::FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads,
-                           EvaluationPurpose purpose)
-    : problem_(problem),
-      coordinates_(coordinates),
-      num_threads_(num_threads),
-      purpose_(purpose),
-      statistics_before_(Total(*problem)) {}
+FitEvaluator::FitEvaluator(const FitProblem* problem, int num_threads, EvaluationPurpose purpose)
+    : problem_(problem), num_threads_(num_threads), purpose_(purpose), statistics_before_(Total(*problem)) {}
 
-void FitEvaluator::PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) {
-  double cost = 0.0;
-  // A failure shows again when Ceres asks the costs themselves.
-  Evaluate(*coordinates_, evaluate_jacobians ? Derivative::kRows : Derivative::kNone, &cost, nullptr);
-}
-
-FitEvaluator::RecordingResult FitEvaluator::EvaluateRows(int recording, const Eigen::VectorXd& coordinates) const {
-  const RolloutCost& cost = problem_->cost(recording);
+FitEvaluator::RecordingResult FitEvaluator::EvaluateRows(int recording, const Eigen::VectorXd& coordinates,
+                                                         Precision precision) const {
+  const RolloutCost& cost = problem_->cost(recording, precision);
   const std::vector<int>& indices = problem_->block_indices(recording);
   Eigen::VectorXd residuals(cost.num_residuals());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(cost.num_residuals(), coordinates.size());
@@ -50,12 +40,13 @@ FitEvaluator::RecordingResult FitEvaluator::EvaluateRows(int recording, const Ei
 }
 
 FitEvaluator::RecordingResult FitEvaluator::EvaluateRecording(int recording, const Eigen::VectorXd& coordinates,
-                                                              Derivative derivative) const {
+                                                              Derivative derivative, Precision precision) const {
   const Eigen::VectorXd own = problem_->CoordinatesOf(recording, coordinates);
-  if (derivative == Derivative::kRows) return EvaluateRows(recording, own);
+  if (derivative == Derivative::kRows) return EvaluateRows(recording, own, precision);
   RecordingResult result;
   const bool with_gradient = derivative == Derivative::kGradient;
-  result.ok = problem_->cost(recording).EvaluateGradient(own, &result.cost, with_gradient ? &result.gradient : nullptr);
+  result.ok = problem_->cost(recording, precision)
+                  .EvaluateGradient(own, &result.cost, with_gradient ? &result.gradient : nullptr);
   return result;
 }
 
@@ -78,10 +69,10 @@ bool FitEvaluator::ForEachRecording(const std::function<bool(int recording)>& wo
 }
 
 bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost,
-                            Eigen::VectorXd* gradient) {
+                            Eigen::VectorXd* gradient, Precision precision) {
   std::vector<RecordingResult> results(static_cast<std::size_t>(problem_->num_recordings()));
   const bool ok = ForEachRecording([&](int recording) {
-    results[recording] = EvaluateRecording(recording, coordinates, derivative);
+    results[recording] = EvaluateRecording(recording, coordinates, derivative, precision);
     return results[recording].ok;
   });
   if (!ok) return false;
@@ -89,7 +80,7 @@ bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative deriv
   *cost = model.cost;
   if (gradient != nullptr) *gradient = model.gradient;
   if (derivative == Derivative::kRows) model_ = model;
-  Keep(coordinates, *cost);
+  Keep(coordinates, *cost, precision);
   if (derivative != Derivative::kNone && coordinates == best_.coordinates) best_gradient_norm_ = model.gradient.norm();
   return true;
 }
@@ -111,7 +102,7 @@ QuadraticModel FitEvaluator::Sum(const std::vector<RecordingResult>& results,
   return sum;
 }
 
-void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost) {
+void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision) {
   if (best_.is_valid() && !best_is_superseded_ && !(cost < best_.cost)) return;
   best_is_superseded_ = false;
   best_.coordinates = coordinates;
@@ -121,7 +112,7 @@ void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost) {
   best_.counts = RolloutCounts();
   for (int r = 0; r < problem_->num_recordings(); ++r) {
     RolloutCounts counts;
-    problem_->cost(r).Predict(problem_->CoordinatesOf(r, coordinates), &best_.predicted[r], &counts);
+    problem_->cost(r, precision).Predict(problem_->CoordinatesOf(r, coordinates), &best_.predicted[r], &counts);
     best_.counts += counts;
   }
   if (!first_.is_valid()) first_ = best_;

@@ -2,8 +2,6 @@
 #ifndef CLOTHID_IDENTIFY_FIT_EVALUATOR_H_
 #define CLOTHID_IDENTIFY_FIT_EVALUATOR_H_
 
-#include <ceres/evaluation_callback.h>
-
 #include <Eigen/Core>
 #include <functional>
 #include <limits>
@@ -35,22 +33,19 @@ struct QuadraticModel {
   Eigen::MatrixXd hessian;   // [p x p] J^T J; a zero row: no recording depends on the block, or it is frozen
 };
 
-// As Ceres' evaluation callback it fills the caches of the costs before Ceres asks them. Ceres' own threads would stop
-// evaluating the other recordings once one has failed, and which ones depends on timing; here all are always evaluated,
-// so that caches, counts and results are the same on any number of threads.
-class FitEvaluator : public ceres::EvaluationCallback {
+// Called before Ceres asks the costs, it fills their caches. Ceres' own threads would stop evaluating the other
+// recordings once one has failed, and which ones depends on timing; here all are always evaluated, so that caches,
+// counts and results are the same on any number of threads.
+class FitEvaluator {
  public:
-  // Both must outlive the evaluator. `coordinates` is the memory that Ceres changes. `purpose`: what is told of the
-  // evaluations.
-  FitEvaluator(const FitProblem* problem, const Eigen::VectorXd* coordinates, int num_threads,
-               EvaluationPurpose purpose = EvaluationPurpose::kFit);
-
-  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
+  // `problem` must outlive the evaluator. `purpose`: what is told of the evaluations.
+  FitEvaluator(const FitProblem* problem, int num_threads, EvaluationPurpose purpose = EvaluationPurpose::kFit);
 
   enum class Derivative { kNone, kRows, kGradient };
   // The sum over the recordings, in their order. kGradient also fills `gradient` [p], which may else be null. False
   // where a rollout failed: see last_failure().
-  bool Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost, Eigen::VectorXd* gradient);
+  bool Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost, Eigen::VectorXd* gradient,
+                Precision precision = Precision::kFull);
 
   // The full Jacobian of all recordings, by sensitivities. False as above.
   bool Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization);
@@ -76,16 +71,16 @@ class FitEvaluator : public ceres::EvaluationCallback {
     Eigen::VectorXd gradient;  // of the recording's blocks, like the Hessian
     Eigen::MatrixXd hessian;
   };
-  RecordingResult EvaluateRecording(int recording, const Eigen::VectorXd& coordinates, Derivative derivative) const;
-  RecordingResult EvaluateRows(int recording, const Eigen::VectorXd& coordinates) const;
+  RecordingResult EvaluateRecording(int recording, const Eigen::VectorXd& coordinates, Derivative derivative,
+                                    Precision precision) const;
+  RecordingResult EvaluateRows(int recording, const Eigen::VectorXd& coordinates, Precision precision) const;
   QuadraticModel Sum(const std::vector<RecordingResult>& results, const Eigen::VectorXd& coordinates) const;
-  void Keep(const Eigen::VectorXd& coordinates, double cost);
+  void Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision);
 
   // work(recording) for all, timed; then the reason why one of them returned false, if so.
   bool ForEachRecording(const std::function<bool(int recording)>& work);
 
   const FitProblem* problem_;
-  const Eigen::VectorXd* coordinates_;
   int num_threads_;
   EvaluationPurpose purpose_;
   QuadraticModel model_;

@@ -1,5 +1,6 @@
 #include "identify/fit/fit.h"
 
+#include <ceres/evaluation_callback.h>
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
 #include <ceres/iteration_callback.h>
@@ -125,10 +126,31 @@ void SetStatus(ceres::TerminationType type, const std::string& message, const Re
   }
 }
 
+// Lets the evaluator fill the caches of the costs before Ceres asks them.
+class CacheFiller : public ceres::EvaluationCallback {
+ public:
+  // Both must outlive it. `coordinates`: the memory that Ceres changes.
+  CacheFiller(Precision precision, const Eigen::VectorXd* coordinates, FitEvaluator* evaluator)
+      : precision_(precision), coordinates_(coordinates), evaluator_(evaluator) {}
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) override {
+    double cost = 0.0;
+    // A failure shows again when Ceres asks the costs themselves.
+    const auto derivative = evaluate_jacobians ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
+    evaluator_->Evaluate(*coordinates_, derivative, &cost, nullptr, precision_);
+  }
+
+ private:
+  Precision precision_;
+  const Eigen::VectorXd* coordinates_;
+  FitEvaluator* evaluator_;
+};
+
 void RunLevenbergMarquardt(const FitOptions& options, const StageGoal& goal, FitProblem* problem,
                            Eigen::VectorXd* coordinates, FitEvaluator* evaluator, Recorder* recorder,
                            FitSummary* summary) {
-  const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(evaluator, coordinates);
+  CacheFiller filler(goal.precision, coordinates, evaluator);
+  const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(&filler, coordinates, goal.precision);
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
   solver.linear_solver_type = ceres::DENSE_QR;
@@ -166,7 +188,6 @@ void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, 
   RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
   if (IsCancelled(options)) return;
   const int last_iteration = recorder->iterations().empty() ? 0 : recorder->iterations().back().iteration;
-  problem->SetPrecision(Precision::kFull);
   evaluator->SupersedeBest();
   const Eigen::VectorXd last = *coordinates;
   const bool has_next = last_iteration < options.max_iterations && IsAt(evaluator->model(), last);
@@ -249,15 +270,15 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
 FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   FitSummary summary;
   Eigen::VectorXd coordinates = problem->StartCoordinates();
-  FitEvaluator evaluator(problem, &coordinates, options.num_threads);
+  FitEvaluator evaluator(problem, options.num_threads);
   Recorder recorder(options, *problem, evaluator);
   problem->Restart();
-  problem->SetPrecision(IsAdaptive(options, *problem) ? Precision::kLoose : Precision::kFull);
 
   // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
   // cached.
   double cost = 0.0;
-  if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr)) {
+  const Precision first_precision = IsAdaptive(options, *problem) ? Precision::kLoose : Precision::kFull;
+  if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr, first_precision)) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
   } else {
     RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
@@ -266,7 +287,6 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
     summary.status = FitStatus::kInterrupted;
     summary.message = "interrupted";
   }
-  problem->SetPrecision(Precision::kFull);
   // A loose point is better than none only where somebody has stopped the fit there.
   const bool has_estimate = evaluator.best().is_valid() && (!evaluator.best_is_superseded() || IsCancelled(options));
   if (has_estimate) FillEstimate(*problem, evaluator, &summary);
@@ -282,7 +302,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
 
 void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary) {
   if (IsCancelled(options)) return;
-  FitEvaluator evaluator(&problem, &summary->coordinates, options.num_threads, EvaluationPurpose::kInterval);
+  FitEvaluator evaluator(&problem, options.num_threads, EvaluationPurpose::kInterval);
   Linearization linearization;
   if (evaluator.Linearize(summary->coordinates, &linearization)) {
     linearization.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);

@@ -187,6 +187,7 @@ void FitProblem::AddCost(const RecordedMotion& motion, const FitOptions& options
     };
   }
   costs_.push_back(std::make_unique<RolloutCost>(motion, std::move(blocks), cost_options));
+  loose_costs_.push_back(costs_.back()->AtPrecision(Precision::kLoose));
   if (tracker_ != nullptr) tracker_->AddRecording(costs_.back()->model().num_steps());
   block_indices_.push_back(std::move(indices));
 }
@@ -215,10 +216,6 @@ Eigen::VectorXd FitProblem::CoordinatesOf(int recording, const Eigen::VectorXd& 
   return coordinates(block_indices_[recording]);
 }
 
-void FitProblem::SetPrecision(Precision precision) {
-  for (const auto& cost : costs_) cost->SetPrecision(precision);
-}
-
 void FitProblem::Restart() {
   for (const auto& cost : costs_) cost->Restart();
 }
@@ -228,7 +225,7 @@ void FitProblem::CheckJournals() const {
 }
 
 std::unique_ptr<ceres::Problem> FitProblem::MakeCeresProblem(ceres::EvaluationCallback* callback,
-                                                             Eigen::VectorXd* coordinates) {
+                                                             Eigen::VectorXd* coordinates, Precision precision) {
   ceres::Problem::Options options;
   options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.evaluation_callback = callback;
@@ -243,7 +240,8 @@ std::unique_ptr<ceres::Problem> FitProblem::MakeCeresProblem(ceres::EvaluationCa
   for (int r = 0; r < num_recordings(); ++r) {
     std::vector<double*> parameters;
     for (int i : block_indices_[r]) parameters.push_back(coordinates->data() + i);
-    if (!parameters.empty()) problem->AddResidualBlock(costs_[r].get(), nullptr, parameters);
+    const std::unique_ptr<RolloutCost>& own = precision == Precision::kFull ? costs_[r] : loose_costs_[r];
+    if (!parameters.empty()) problem->AddResidualBlock(own.get(), nullptr, parameters);
   }
   return problem;
 }

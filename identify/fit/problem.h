@@ -28,7 +28,9 @@ class FitProblem {
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
   int num_recordings() const { return static_cast<int>(costs_.size()); }
-  const RolloutCost& cost(int recording) const { return *costs_[recording]; }
+  const RolloutCost& cost(int recording, Precision precision = Precision::kFull) const {
+    return *(precision == Precision::kFull ? costs_ : loose_costs_)[recording];
+  }
   // The blocks that the cost of a recording takes, in its order.
   const std::vector<int>& block_indices(int recording) const { return block_indices_[recording]; }
 
@@ -43,7 +45,6 @@ class FitProblem {
   Eigen::VectorXd CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const;
 
   // What every cost does of that name.
-  void SetPrecision(Precision precision);
   void Restart();
 
   // Follows the evaluations; null where nobody asked for that.
@@ -52,9 +53,10 @@ class FitProblem {
   // Throws the `Error` of the first journal that could not be used: evaluations have failed for that reason alone.
   void CheckJournals() const;
 
-  // The Ceres problem on `coordinates` [p], whose memory it keeps and changes: costs, bounds, constant blocks. It does
-  // not own the costs and calls `callback` before each evaluation.
-  std::unique_ptr<ceres::Problem> MakeCeresProblem(ceres::EvaluationCallback* callback, Eigen::VectorXd* coordinates);
+  // The Ceres problem on `coordinates` [p], whose memory it keeps and changes: costs of a precision, bounds, constant
+  // blocks. It does not own the costs and calls `callback` before each evaluation.
+  std::unique_ptr<ceres::Problem> MakeCeresProblem(ceres::EvaluationCallback* callback, Eigen::VectorXd* coordinates,
+                                                   Precision precision = Precision::kFull);
 
  private:
   // Of the next recording, with the blocks that concern it.
@@ -63,6 +65,7 @@ class FitProblem {
   std::vector<ParameterBlock> blocks_;
   std::shared_ptr<EvaluationTracker> tracker_;  // told by the costs, too
   std::vector<std::unique_ptr<RolloutCost>> costs_;
+  std::vector<std::unique_ptr<RolloutCost>> loose_costs_;  // the same with Precision::kLoose
   std::vector<std::vector<int>> block_indices_;
 };
 

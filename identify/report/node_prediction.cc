@@ -29,8 +29,7 @@ std::vector<Eigen::MatrixXd> PredictNodes(const std::vector<RecordedMotion>& mot
     if (PointsAreNodes(motion) || !motion.clouds.empty()) continue;
     RecordingModel model(WithAllNodes(motion), problem.cost(r).model().blocks());
     Eigen::MatrixXd nodes;
-    const Rollout rollout = model.Simulate(problem.CoordinatesOf(r, summary.coordinates), nullptr,
-                                           RolloutCostOptions().memory_limit, /*keep_factors=*/false, &nodes);
+    const Rollout rollout = model.Simulate(problem.CoordinatesOf(r, summary.coordinates), {}, {}, &nodes);
     if (rollout.ok()) predicted[static_cast<std::size_t>(r)] = nodes;
   }
   return predicted;

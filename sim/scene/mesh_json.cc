@@ -1,5 +1,6 @@
 #include "sim/scene/mesh_json.h"
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <vector>
 

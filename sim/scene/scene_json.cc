@@ -1,6 +1,5 @@
 #include "sim/scene/scene_json.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -165,7 +165,7 @@ TEST_P(CloudCostTest, ModesAreShiftsOfTheClothToFirstOrder) {
   const RolloutCost cost = Cost(JacobianMethod::kAdjoint, "none");
   Eigen::MatrixXd predicted;
   ASSERT_TRUE(cost.Predict(StartOf(blocks_), &predicted));
-  const Eigen::MatrixXd modes = DisplacementModes(observation, observation.LinearizeClouds(predicted));
+  const Eigen::MatrixXd modes = DisplacementModes(observation, ResidualDerivative(&observation, predicted));
   const Eigen::Vector3d shift(0.3, -0.5, 0.2);
   const double step = 1e-7;
   const Eigen::VectorXd pattern = shift.replicate(predicted.rows() / 3, 1);

@@ -210,22 +210,44 @@ TEST(RecordingModelTest, AtZeroNothingIsCorrected) {
   const std::vector<ParameterBlock> blocks = BlocksOf(motion, {"k_stretch", "shift.x", "turn.y", "v0.z"});
   RecordingModel aligned(motion, blocks);
   Eigen::MatrixXd expected, predicted;
-  const std::size_t no_limit = std::size_t{1} << 30;
-  ASSERT_TRUE(plain.Simulate(StartOf(BlocksOf(motion, {"k_stretch"})), nullptr, no_limit, false, &expected).ok());
+  ASSERT_TRUE(plain.Simulate(StartOf(BlocksOf(motion, {"k_stretch"})), {}, {}, &expected).ok());
   Eigen::VectorXd coordinates = StartOf(blocks);
-  ASSERT_TRUE(aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted).ok());
+  ASSERT_TRUE(aligned.Simulate(coordinates, {}, {}, &predicted).ok());
   EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-15);
   // A start velocity does not stay for the next rollout.
   coordinates[3] = 0.5;
-  ASSERT_TRUE(aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted).ok());
+  ASSERT_TRUE(aligned.Simulate(coordinates, {}, {}, &predicted).ok());
   EXPECT_GT((predicted - expected).cwiseAbs().maxCoeff(), 1e-2);
   coordinates[3] = 0.0;
-  ASSERT_TRUE(aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted).ok());
+  ASSERT_TRUE(aligned.Simulate(coordinates, {}, {}, &predicted).ok());
   EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-15);
-  const Rollout rollout = aligned.Simulate(coordinates, nullptr, no_limit, false, &predicted);
-  EXPECT_THROW(aligned.PullBack(rollout, predicted, coordinates, {0},
-                                Eigen::VectorXd::Ones(Observation(motion).num_residuals()), AdjointOptions()),
-               std::logic_error);
+}
+
+TEST(RecordingModelTest, TheTimeOffsetNeedsVelocities) {
+  const RecordedMotion motion = SphereBetweenSteps();
+  const std::vector<ParameterBlock> blocks = BlocksOf(motion, {"k_stretch", "time_offset"});
+  RecordingModel model(motion, blocks);
+  const Eigen::VectorXd coordinates = StartOf(blocks);
+  const Eigen::VectorXd seeds = Eigen::VectorXd::Ones(model.observation().num_residuals());
+  Eigen::MatrixXd predicted, velocities;
+  const Rollout rollout = model.Simulate(coordinates, {}, {}, &predicted, &velocities);
+  ASSERT_TRUE(rollout.ok());
+  EXPECT_EQ(velocities.size(), predicted.size());
+  const auto pull_back = [&](const Eigen::MatrixXd& given, const std::vector<int>& active) {
+    return model.PullBack(rollout, predicted, given, coordinates, active, seeds, {}, Precision::kFull);
+  };
+  EXPECT_THROW(pull_back({}, {0, 1}), std::logic_error);
+  EXPECT_EQ(pull_back({}, {0})(0), pull_back(velocities, {0, 1})(0));
+}
+
+// What no parameter of the recording asks for is left out.
+TEST(RecordingModelTest, WithoutATimeOffsetThereAreNoVelocities) {
+  const RecordedMotion motion = SphereBetweenSteps();
+  const std::vector<ParameterBlock> blocks = BlocksOf(motion, {"k_stretch", "shift.x", "v0.x"});
+  RecordingModel model(motion, blocks);
+  Eigen::MatrixXd predicted, velocities = Eigen::MatrixXd::Ones(2, 2);
+  ASSERT_TRUE(model.Simulate(StartOf(blocks), {}, {}, &predicted, &velocities).ok());
+  EXPECT_EQ(velocities.size(), 0);
 }
 
 }  // namespace

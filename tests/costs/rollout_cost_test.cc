@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "costs/full_residual_cost.h"
 #include "tests/costs/synthetic_motion.h"
@@ -186,6 +187,58 @@ TEST_P(RolloutCostTest, GaussNewtonMatrixOfSensitivitiesIsThatOfTheFullJacobian)
   EXPECT_LT((numeric.gradient() - large.gradient()).norm(), 1e-3 * large.gradient().norm());
 }
 
+// Ceres compares costs of points with Jacobians to those without.
+TEST_P(RolloutCostTest, RowsAreOneFunctionOfTheParameters) {
+  const Eigen::VectorXd start = StartOf(blocks_);
+  const std::vector<bool> none(static_cast<std::size_t>(start.size()), false);
+  for (const char* loss : {"none", "huber:2", "cauchy:2"}) {
+    for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+      RolloutCostOptions options = WithJacobian(method);
+      options.loss = ParseRobustLoss(loss);
+      for (const bool starts_with_sensitivities : {false, true}) {
+        options.starts_with_sensitivities = starts_with_sensitivities;
+        const RolloutCost cost(motion_, blocks_, options), other(motion_, blocks_, options);
+        const Eigen::VectorXd alone = Evaluate(cost, start, none).residuals;
+        const CostStatistics at_trial_point = cost.statistics();
+        const Rows with = EvaluateAll(cost, start);
+        ASSERT_TRUE(with.ok) << cost.last_failure();
+        EXPECT_EQ(with.residuals, alone);
+        EXPECT_EQ(EvaluateAll(other, start).residuals, alone);
+        EXPECT_EQ(Evaluate(other, start, none).residuals, alone);
+        EXPECT_EQ(at_trial_point.rollouts, 1);
+        const bool comes_with_derivatives =
+            method == JacobianMethod::kSensitivity || (method == JacobianMethod::kAdjoint && starts_with_sensitivities);
+        EXPECT_EQ(at_trial_point.sweeps, comes_with_derivatives ? 1 : 0);
+
+        double value = 0.0;
+        Eigen::VectorXd gradient;
+        ASSERT_TRUE(cost.EvaluateGradient(start, &value, &gradient));
+        EXPECT_NEAR(with.cost(), value, 1e-14 * value);
+        ExpectNear(with.gradient(), gradient, 1e-8);
+      }
+    }
+  }
+}
+
+TEST_P(RolloutCostTest, TheMatrixOfRobustRowsIsThatOfTheWeightedJacobian) {
+  const Rows full = EvaluateAll(FullResidualCost(motion_, blocks_), StartOf(blocks_));
+  for (const char* loss : {"none", "huber:2", "cauchy:2"}) {
+    RolloutCostOptions options = WithJacobian(JacobianMethod::kSensitivity);
+    options.loss = ParseRobustLoss(loss);
+    const Rows rows = EvaluateAll(RolloutCost(motion_, blocks_, options), StartOf(blocks_));
+    ASSERT_TRUE(full.ok && rows.ok);
+    Eigen::VectorXd weights;
+    const double cost = LossWeights(options.loss, Observation(motion_), 0, full.residuals, &weights);
+    const Eigen::MatrixXd weighted = weights.asDiagonal() * full.jacobian;
+    const Eigen::MatrixXd hessian = weighted.transpose() * weighted;
+    EXPECT_LT((rows.jacobian.transpose() * rows.jacobian - hessian).norm(), 1e-11 * hessian.norm()) << loss;
+    EXPECT_NEAR(rows.cost(), cost, 1e-12 * cost) << loss;
+    // The last row alone is a derivative: that of sqrt(2 L).
+    const Eigen::VectorXd gradient = weighted.transpose() * weights.cwiseProduct(full.residuals);
+    ExpectNear(rows.jacobian.bottomRows(1).transpose() * std::sqrt(2.0 * cost), gradient, 1e-9);
+  }
+}
+
 TEST_P(RolloutCostTest, DifferencesOfRolloutsWidenTheSubspace) {
   const RolloutCost cost(motion_, blocks_, WithJacobian(JacobianMethod::kAdjoint));
   const RolloutCost other(motion_, blocks_, WithJacobian(JacobianMethod::kAdjoint));
@@ -241,20 +294,19 @@ TEST_P(RolloutCostTest, TheLastJacobianStaysInTheSubspace) {
 
 TEST_P(RolloutCostTest, PointsOfDifferentPrecisionAreKeptApart) {
   for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
-    RolloutCost cost(motion_, blocks_, WithJacobian(method));
+    const RolloutCost cost(motion_, blocks_, WithJacobian(method));
     const RolloutCost only_full(motion_, blocks_, WithJacobian(method));
+    const std::unique_ptr<RolloutCost> loose_cost = cost.AtPrecision(Precision::kLoose);
     const Eigen::VectorXd start = StartOf(blocks_);
-    cost.SetPrecision(Precision::kLoose);
-    const double loose = EvaluateAll(cost, start).cost();
+    const double loose = EvaluateAll(*loose_cost, start).cost();
     const int loose_iterations = cost.statistics().counts.newton_iterations;
-    cost.SetPrecision(Precision::kFull);
     const double full = EvaluateAll(cost, start).cost();
     EXPECT_NE(loose, full);
     EXPECT_NEAR(loose, full, 0.05 * full);
     EXPECT_EQ(full, EvaluateAll(only_full, start).cost());
     EXPECT_LT(loose_iterations, only_full.statistics().counts.newton_iterations);
-    cost.SetPrecision(Precision::kLoose);
-    EXPECT_EQ(EvaluateAll(cost, start).cost(), loose);
+    EXPECT_EQ(EvaluateAll(*loose_cost, start).cost(), loose);
+    EXPECT_EQ(loose_cost->statistics().rollouts, 2);
     EXPECT_EQ(cost.statistics().rollouts, 2);
   }
 }
@@ -296,7 +348,7 @@ TEST(RolloutCostCallsTest, AnswersWhatIsAskedFor) {
     const double* parameters[] = {start.data(), start.data() + 1};
     Eigen::VectorXd residuals(cost.num_residuals());
     ASSERT_TRUE(cost.Evaluate(parameters, residuals.data(), nullptr));
-    EXPECT_NEAR(residuals.squaredNorm(), all.residuals.squaredNorm(), 1e-12 * residuals.squaredNorm());
+    EXPECT_EQ(residuals, all.residuals);
     EXPECT_EQ(residuals.head(residuals.size() - 1).norm(), 0.0);
   }
 }
@@ -372,6 +424,44 @@ TEST(RolloutCostCallsTest, FailuresReturnFalseWithAReason) {
     Eigen::MatrixXd predicted;
     EXPECT_FALSE(cost.Predict(StartOf(blocks).array() + 0.1, &predicted));
     EXPECT_TRUE(EvaluateAll(cost, StartOf(blocks)).ok) << "cached before";
+  }
+}
+
+// Somebody stopped it, so nothing is known of the point.
+TEST(RolloutCostCallsTest, WhatWasCancelledIsEvaluatedWhenItIsAskedForAgain) {
+  const RecordedMotion motion = SwingMotion();
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, {"k_stretch", "k_bend"});
+  const Eigen::VectorXd start = StartOf(blocks);
+  for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+    std::atomic<bool> cancel{false};
+    RolloutCostOptions options = WithJacobian(method);
+    const Rows expected = EvaluateAll(RolloutCost(motion, blocks, options), start);
+    options.cancel = &cancel;
+    const RolloutCost cost(motion, blocks, options);
+    cancel = true;
+    EXPECT_FALSE(EvaluateAll(cost, start).ok);
+    EXPECT_FALSE(cost.last_failure().empty());
+    cancel = false;
+    const Rows rows = EvaluateAll(cost, start);
+    ASSERT_TRUE(rows.ok) << cost.last_failure();
+    EXPECT_TRUE(cost.last_failure().empty());
+    EXPECT_EQ(rows.residuals, expected.residuals);
+    ExpectNear(rows.gradient(), expected.gradient(), 1e-12);
+
+    // What was known before stays known: the cost, where exact rows were cancelled.
+    const Eigen::VectorXd near = start.array() + 1e-3;
+    const double value = CostAt(cost, near);
+    const int rollouts = cost.statistics().rollouts;
+    cancel = true;
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd residuals;
+    EXPECT_EQ(cost.Linearize(near, &jacobian, &residuals), method == JacobianMethod::kSensitivity);
+    const int cancelled = cost.statistics().rollouts - rollouts;
+    EXPECT_EQ(CostAt(cost, near), value);
+    cancel = false;
+    EXPECT_EQ(CostAt(cost, near), value);
+    EXPECT_EQ(cost.statistics().rollouts, rollouts + cancelled);
+    EXPECT_TRUE(cost.Linearize(near, &jacobian, &residuals)) << cost.last_failure();
   }
 }
 

@@ -48,7 +48,7 @@ Eigen::VectorXd LandscapeCellModel::Coordinates(double x, double y) const {
 }
 
 Rollout LandscapeCellModel::Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted) {
-  return model_.Simulate(Coordinates(x, y), cancel, memory_limit_, /*keep_factors=*/false, predicted);
+  return model_.Simulate(Coordinates(x, y), {Precision::kFull, cancel, /*passes_left=*/0}, storage_, predicted);
 }
 
 void LandscapeCellModel::MoveCloudsTo(const Eigen::MatrixXd& predicted, RecordedMotion* motion) const {
@@ -81,7 +81,7 @@ void LandscapeCellModel::PullBackCost(const LandscapeWindow& window, const Rollo
                                       const Eigen::VectorXd& coordinates, LandscapeCell* cell) {
   const int x = model_.num_blocks() - 2, y = x + 1;
   const Eigen::VectorXd gradient =
-      model_.PullBack(rollout, predicted, coordinates, {x, y}, cost_gradient, AdjointOptions());
+      model_.PullBack(rollout, predicted, /*velocities=*/{}, coordinates, {x, y}, cost_gradient, {}, Precision::kFull);
   if (!gradient.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
   // d/d log value = value d/d value.
   cell->gradient_x = gradient[0] * (window.x.scale == ParameterScale::kLog ? coordinates[x] : 1.0);

@@ -40,7 +40,7 @@ class LandscapeCellModel {
 
   RecordingModel model_;
   // As of a fit, so that rollouts beyond it get checkpoints, and with them the same rounding, here too.
-  std::size_t memory_limit_ = RolloutCostOptions().memory_limit;
+  RolloutStorage storage_{RolloutCostOptions().memory_limit, /*keep_factors=*/false};
 };
 
 }  // namespace clothid

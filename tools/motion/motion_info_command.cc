@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/checking/motion_check.h"
+#include "datasets/checking/track_statistics.h"
 #include "datasets/motion/motion_file.h"
 #include "sim/base/error.h"
 #include "tools/motion/motion_clouds.h"

@@ -33,20 +33,16 @@ TEST(FrameInterpolationTest, WithoutAnOffsetItIsThatOfTheObservation) {
   options.frame_interval = 0.0125;
   const RecordedMotion motion = MakeMotion(SwingScene(), options);
   const Observation observation(motion);
-  Simulator simulator(motion.scene);
-  const Rollout rollout = Simulate(motion.scene.nominal_parameters(), observation.num_steps(), &simulator);
   const FrameInterpolation interpolation(observation);
   EXPECT_EQ(interpolation.num_steps(), observation.num_steps());
+  EXPECT_FALSE(interpolation.has_slopes());
   const std::vector<FrameStencil> stencils = interpolation.At(0.0);
-  int num_frames = 0;
-  FrameStateSampler sampler(&stencils, [&](int frame, const Eigen::MatrixXd& state, const Eigen::VectorXd& velocity) {
-    EXPECT_EQ(frame, num_frames++);
-    const Eigen::VectorXd points = observation.PointsOf(state);
-    EXPECT_LT((points - motion.positions.col(frame)).norm(), 1e-14) << frame;
-    EXPECT_EQ(velocity.norm(), 0.0);
-  });
-  for (int step = 0; step <= rollout.num_steps(); ++step) sampler.AddStep(step, rollout.positions(step));
-  EXPECT_EQ(num_frames, motion.num_frames());
+  ASSERT_EQ(static_cast<int>(stencils.size()), motion.num_frames());
+  for (std::size_t i = 0; i < stencils.size(); ++i) {
+    const auto time = [&](int step) { return kStep * step; };
+    EXPECT_NEAR(Combine(stencils[i], time), motion.times[static_cast<Eigen::Index>(i)], 1e-15) << i;
+    EXPECT_EQ(Combine(stencils[i], time, true), 0.0) << i;
+  }
 }
 
 TEST(FrameInterpolationTest, CubicsGoThroughTheStepsAndKeepParabolas) {
@@ -108,11 +104,14 @@ TEST(FrameInterpolationTest, StatesArriveInTheOrderOfTheFrames) {
   for (const double offset : {-0.02, -0.0015, 0.0, 0.02}) {
     const std::vector<FrameStencil> stencils = interpolation.At(offset);
     int next = 0;
-    FrameStateSampler sampler(&stencils, [&](int frame, const Eigen::MatrixXd& state, const Eigen::VectorXd& velocity) {
+    FrameSampler sampler(&stencils, [&](int frame, const FrameStates& states) {
       EXPECT_EQ(frame, next++);
-      EXPECT_NEAR(state(0, 0), Combine(stencils[frame], motion_of_step), 1e-14);
-      EXPECT_NEAR(state(0, 1), 2.0 * state(0, 0), 1e-14);
-      EXPECT_NEAR(velocity[0], Combine(stencils[frame], motion_of_step, true), 1e-12);
+      const FrameStencil& stencil = stencils[static_cast<std::size_t>(frame)];
+      ASSERT_EQ(static_cast<int>(states.size()), stencil.size);
+      for (int k = 0; k < stencil.size; ++k) {
+        const double expected = motion_of_step(stencil.first_step + k);
+        EXPECT_EQ(states[static_cast<std::size_t>(k)], expected * Eigen::RowVector2d(1.0, 2.0)) << frame;
+      }
     });
     for (int step = 0; step <= interpolation.num_steps(); ++step) {
       sampler.AddStep(step, motion_of_step(step) * Eigen::RowVector2d(1.0, 2.0));

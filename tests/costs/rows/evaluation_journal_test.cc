@@ -19,7 +19,7 @@
 namespace clothid {
 namespace {
 
-using Need = RolloutEvaluator::Need;
+using Need = EvaluationNeed;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

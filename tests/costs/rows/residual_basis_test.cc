@@ -53,7 +53,7 @@ TEST(ResidualBasisTest, StaysOrthonormalWhereVectorsNearlyAgree) {
 TEST(ResidualBasisTest, ModesCoverEveryCoordinateOnce) {
   const RecordedMotion motion = MakeMotion(SwingScene(), {});
   const Observation observation(motion);
-  const Eigen::MatrixXd modes = DisplacementModes(observation);
+  const Eigen::MatrixXd modes = DisplacementModes(observation, ResidualDerivative(&observation, motion.positions));
   ASSERT_EQ(modes.cols(), kNumDisplacementModes);
   // A shift of everything by 1 m along every axis is the sum of all modes.
   const Eigen::MatrixXd shift = Eigen::MatrixXd::Ones(motion.positions.rows(), motion.positions.cols());

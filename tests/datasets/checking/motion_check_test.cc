@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-#include "datasets/motion/motion_container.h"
+#include "datasets/motion/motion_validation.h"
 #include "tests/datasets/importing/made_up_capture.h"
 
 namespace clothid {

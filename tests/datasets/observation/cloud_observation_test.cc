@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "datasets/observation/observation.h"
+#include "datasets/observation/residual_derivative.h"
 #include "tests/expect_error.h"
 
 namespace clothid {
@@ -19,6 +20,8 @@ RecordedMotion MakeMotion(bool has_points) {
   motion.name = "test.bin";
   motion.scene.time_step = 0.1;
   motion.scene.mesh = MakeGrid({{3, 3}, {1.0, 1.0}});
+  motion.scene.initial_positions = motion.scene.mesh.rest_positions.reshaped();
+  motion.scene.initial_velocities = Eigen::VectorXd::Zero(27);
   motion.times = Eigen::Vector3d(0.0, 0.15, 0.2);
   if (has_points) {
     motion.points.resize(2);
@@ -84,9 +87,11 @@ TEST(CloudObservationTest, SeedsAreTheTransposeOfTheDerivative) {
     const Eigen::MatrixXd states = Eigen::MatrixXd::Random(27, 3);  // the change of every step
     Eigen::MatrixXd forward = Eigen::MatrixXd::Zero(2, 1), backward = forward;
     for (int i = 0; i < observation.num_frames(); ++i) {
-      const int from = observation.step(i), to = observation.needs_next(i) ? from + 1 : from;
+      const FrameStencil& stencil = observation.stencils()[i];
+      FrameStates own;
+      for (int k = 0; k < stencil.size; ++k) own.emplace_back(states.col(stencil.first_step + k).data(), 27, 1);
       Eigen::MatrixXd columns(observation.num_predicted(), 2);
-      columns << predicted.col(i), observation.PointsAt(i, states.col(from), states.col(to));
+      columns << predicted.col(i), observation.PointsAt(stencil, own);
       Eigen::VectorXd residuals;
       Eigen::MatrixXd jacobian;
       observation.LinearizeFrame(i, columns, &residuals, &jacobian);
@@ -94,13 +99,39 @@ TEST(CloudObservationTest, SeedsAreTheTransposeOfTheDerivative) {
       EXPECT_EQ(residuals, observation.Residuals(predicted).segment(first, residuals.size()));
       forward += seeds.middleRows(first, residuals.size()).transpose() * jacobian;
     }
-    const auto cloud_rows = observation.LinearizeClouds(predicted);
+    const ResidualDerivative derivative(&observation, predicted);
     for (int step = 0; step <= observation.num_steps(); ++step) {
       Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(27, 2);
-      observation.AddSeeds(step, seeds, &gradient, cloud_rows);
+      const auto [first, end] = FramesAt(step, observation.stencils());
+      for (int frame = first; frame < end; ++frame) {
+        derivative.AddFrameSeeds(frame, observation.stencils()[frame].weight(step), seeds, &gradient);
+      }
       backward += gradient.transpose() * states.col(step);
     }
     EXPECT_LT((forward - backward).norm(), 1e-12 * forward.norm());
+  }
+}
+
+// Whoever differentiates has said where: the rows of clouds come with the derivative, in every one of its forms.
+TEST(CloudObservationTest, TheDerivativeIsThatAtItsPrediction) {
+  for (const bool has_points : {false, true}) {
+    const RecordedMotion motion = MakeMotion(has_points);
+    const Observation observation(motion);
+    const Eigen::MatrixXd predicted = observation.Predict(MakeRollout(motion.scene.mesh));
+    const ResidualDerivative derivative(&observation, predicted);
+    std::srand(5);
+    const double step = 1e-7;
+    const Eigen::MatrixXd change = Eigen::MatrixXd::Random(predicted.rows(), predicted.cols());
+    const Eigen::VectorXd difference =
+        (observation.Residuals(predicted + step * change) - observation.Residuals(predicted - step * change)) /
+        (2.0 * step);
+    EXPECT_LT((derivative.Apply(change) - difference).norm(), 1e-6 * difference.norm());
+    const Eigen::Vector3d shift(0.3, -0.5, 0.2);
+    const Eigen::MatrixXd shifts = shift.replicate(predicted.rows() / 3, predicted.cols());
+    const Eigen::VectorXd shifted = derivative.Apply(shifts);
+    for (int row = 0; row < observation.num_residuals(); ++row) {
+      EXPECT_NEAR(derivative.OfShift(row).dot(shift), shifted[row], 1e-12 * shifted.norm()) << row;
+    }
   }
 }
 

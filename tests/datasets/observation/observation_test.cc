@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/observation/residual_derivative.h"
 #include "tests/expect_error.h"
 
 namespace clothid {
@@ -21,6 +22,8 @@ RecordedMotion MakeMotion() {
   motion.scene.time_step = 0.1;
   motion.scene.start_time = 2.0;
   motion.scene.mesh = MakeGrid({{2, 2}, {1.0, 0.25}});
+  motion.scene.initial_positions = motion.scene.mesh.rest_positions.reshaped();
+  motion.scene.initial_velocities = Eigen::VectorXd::Zero(12);
   motion.times = Eigen::VectorXd(4);
   motion.times << 2.0, 2.3, 2.325, 3.0;
   for (int node = 0; node < 4; ++node) {
@@ -115,10 +118,14 @@ TEST(ObservationTest, SeedsAreTheTranspose) {
   const Rollout rollout = MakeRollout();
   const Eigen::MatrixXd seeds = Eigen::MatrixXd::Random(observation.num_residuals(), 2);
   const Eigen::VectorXd forward = seeds.transpose() * observation.Whiten(observation.Predict(rollout));
+  const ResidualDerivative derivative(&observation, observation.Predict(rollout));
   Eigen::VectorXd backward = Eigen::VectorXd::Zero(2);
   for (int step = 0; step <= kNumSteps; ++step) {
     Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(12, 2);
-    observation.AddSeeds(step, seeds, &gradient);
+    const auto [first, end] = FramesAt(step, observation.stencils());
+    for (int frame = first; frame < end; ++frame) {
+      derivative.AddFrameSeeds(frame, observation.stencils()[frame].weight(step), seeds, &gradient);
+    }
     backward += gradient.transpose() * rollout.positions(step);
   }
   EXPECT_TRUE(backward.isApprox(forward, 1e-12)) << backward.transpose() << " != " << forward.transpose();
@@ -129,8 +136,9 @@ TEST(ObservationTest, SamplerGivesThePredictionStepByStep) {
   const Rollout rollout = MakeRollout();
   const Eigen::MatrixXd predicted = observation.Predict(rollout);
   int num_frames = 0;
-  FrameSampler sampler(&observation, [&](int frame, const Eigen::MatrixXd& points) {
+  FrameSampler sampler(&observation.stencils(), [&](int frame, const FrameStates& states) {
     EXPECT_EQ(frame, num_frames++);
+    const Eigen::MatrixXd points = observation.PointsAt(observation.stencils()[frame], states);
     EXPECT_EQ(points.col(0), predicted.col(frame));
     EXPECT_TRUE(points.col(1).isApprox(-2.0 * predicted.col(frame), 1e-14));
     const Eigen::MatrixXd whitened = observation.WhitenFrame(frame, points);

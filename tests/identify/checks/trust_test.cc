@@ -134,7 +134,7 @@ TEST(IntervalCheckTest, FindsACostThatIsNot) {
   Uncertainty dent = *summary.uncertainty;
   dent.parameters[0].coordinate_std *= 0.1;
   Eigen::VectorXd coordinates = summary.coordinates;
-  FitEvaluator evaluator(&problem, &coordinates, 1);
+  FitEvaluator evaluator(&problem, 1);
   const auto check = CheckInterval(problem.blocks(), coordinates, summary.cost, dent, &evaluator);
   ASSERT_TRUE(check.has_value());
   EXPECT_LT(check->rise_above, 0.1 * kChiSquare95);

@@ -26,7 +26,7 @@ Values EvaluateAt(const std::vector<RecordedMotion>& motions, int num_threads) {
   options.parameters = {"k_stretch", "k_bend"};
   const FitProblem problem(motions, options);
   const Eigen::VectorXd start = problem.StartCoordinates();
-  FitEvaluator evaluator(&problem, &start, num_threads);
+  FitEvaluator evaluator(&problem, num_threads);
   Values values;
   for (int i = 0; i < 6; ++i) {
     double cost = 0.0;
@@ -58,7 +58,7 @@ TEST(FitEvaluatorTest, ThreadsDoNotChangeTheNumbers) {
 TEST(FitEvaluatorTest, KeepsTheBestPoint) {
   const FitProblem problem({MakeMotion(LargeScene(), {})}, {});
   const Eigen::VectorXd start = problem.StartCoordinates();
-  FitEvaluator evaluator(&problem, &start, 1);
+  FitEvaluator evaluator(&problem, 1);
   EXPECT_FALSE(evaluator.best().is_valid());
   double cost = 0.0;
   for (double shift : {0.3, 0.1, 0.2}) {

@@ -41,7 +41,8 @@ TEST(LandscapeScan, CostsAndGradientsAreThoseOfAFit) {
     const double mu = window.x.Value(place.ix), stiffness = window.y.Value(place.iy);
     RolloutEvaluator evaluator(options.motions[0], blocks, RolloutCostOptions());
     const Eigen::Vector2d coordinates(mu, std::log(stiffness));
-    const RolloutEvaluation& expected = evaluator.At(coordinates, RolloutEvaluator::Need::kGradient, {0, 1});
+    const RolloutEvaluation& expected =
+        evaluator.At({coordinates, Precision::kFull, EvaluationNeed::kGradient, {0, 1}});
     ASSERT_TRUE(expected.ok()) << expected.failure;
     const LandscapeCell& found = landscape.cells[cell];
     // A fit simulates at exp(log(k)).

@@ -1,0 +1,55 @@
+// What parameter blocks are: parameters of the simulation, or of a recording itself; and their values at coordinates.
+#ifndef CLOTHID_COSTS_PREDICTION_BLOCK_VALUES_H_
+#define CLOTHID_COSTS_PREDICTION_BLOCK_VALUES_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "costs/prediction/alignment.h"
+#include "costs/prediction/parameter_block.h"
+#include "sim/scene/parameters.h"
+#include "sim/scene/scene.h"
+
+namespace clothid {
+
+// Some blocks by what they are; each with its place in the list that they come from.
+struct SortedBlocks {
+  std::vector<ParameterId> parameters;  // of the simulation
+  std::vector<int> parameter_places;
+  std::vector<int> velocity_axes;  // of the start velocity
+  std::vector<int> velocity_places;
+  std::vector<AlignmentId> corrections;  // all other parameters of the recording
+  std::vector<int> correction_places;
+
+  bool has_only_parameters() const { return velocity_places.empty() && correction_places.empty(); }
+};
+
+class BlockValues {
+ public:
+  // Every name must exist in the scene or be a parameter of a recording. Throws `Error` for other names.
+  BlockValues(std::vector<ParameterBlock> blocks, const Scene& scene);
+
+  const std::vector<ParameterBlock>& blocks() const { return blocks_; }
+  // The scene's nominal parameters with the starting values of the blocks.
+  const Parameters& start() const { return start_; }
+  // The first block of a kind; null where there is none.
+  const ParameterBlock* Find(AlignmentKind kind) const;
+
+  // `coordinates` [p], in the order of the blocks. What is no block is as at the start, or zero.
+  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
+  Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
+  // d value/d coordinate [q] of the blocks `active`.
+  Eigen::VectorXd DerivativesAt(const Eigen::VectorXd& coordinates, const std::vector<int>& active) const;
+  SortedBlocks Sort(const std::vector<int>& active) const;
+
+ private:
+  std::vector<ParameterBlock> blocks_;
+  std::vector<ParameterId> ids_;                           // of the simulation's blocks; of others meaningless
+  std::vector<std::optional<AlignmentId>> alignment_ids_;  // of the recording's own blocks
+  Parameters start_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_PREDICTION_BLOCK_VALUES_H_

@@ -1,0 +1,56 @@
+#include "costs/prediction/frame_prediction.h"
+
+namespace clothid {
+
+FramePrediction::FramePrediction(const Alignment& alignment, const Eigen::Vector3d& center,
+                                 const FrameInterpolation& interpolation, const Observation* observation)
+    : observation_(observation),
+      stencils_(interpolation.At(alignment.time_offset)),
+      correction_(alignment.turn, alignment.shift, center) {}
+
+Eigen::MatrixXd FramePrediction::Points(int frame, const FrameStates& states) const {
+  Eigen::MatrixXd points = observation_->PointsAt(stencils_[frame], states);
+  if (correction_.is_identity()) return points;
+  const Eigen::Index num_changes = points.cols() - 1;
+  points.col(0) = correction_.Apply(points.col(0));
+  if (num_changes > 0) points.rightCols(num_changes) = correction_.Rotate(points.rightCols(num_changes));
+  return points;
+}
+
+Eigen::VectorXd FramePrediction::Velocities(int frame, const FrameStates& states) const {
+  const Eigen::VectorXd velocities = observation_->VelocitiesAt(stencils_[frame], states);
+  return correction_.is_identity() ? velocities : Eigen::VectorXd(correction_.Rotate(velocities));
+}
+
+Eigen::VectorXd FramePrediction::Derivative(AlignmentId id, const Eigen::VectorXd& points,
+                                            const Eigen::VectorXd& velocities) const {
+  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(points.size());
+  switch (id.kind) {
+    case AlignmentKind::kTimeOffset:
+      return velocities;
+    case AlignmentKind::kShift:
+      for (Eigen::Index row = id.axis; row < points.size(); row += 3) derivative[row] = 1.0;
+      break;
+    case AlignmentKind::kTurn:
+      return correction_.TurnDerivative(id.axis, points);
+    case AlignmentKind::kStartVelocity:
+      break;
+  }
+  return derivative;
+}
+
+void FramePrediction::AddSeeds(int step, const Eigen::MatrixXd& seeds, const ResidualDerivative& derivative,
+                               Eigen::MatrixXd* gradient) const {
+  const auto [first, end] = FramesAt(step, stencils_);
+  if (first == end) return;
+  Eigen::MatrixXd corrected;
+  if (!correction_.is_identity()) corrected = Eigen::MatrixXd::Zero(gradient->rows(), gradient->cols());
+  Eigen::MatrixXd* const sum = correction_.is_identity() ? gradient : &corrected;
+  for (int frame = first; frame < end; ++frame) {
+    const double weight = stencils_[frame].weight(step);
+    if (weight != 0.0) derivative.AddFrameSeeds(frame, weight, seeds, sum);
+  }
+  if (!correction_.is_identity()) *gradient += correction_.RotateBack(corrected);
+}
+
+}  // namespace clothid

@@ -1,0 +1,35 @@
+#include "costs/rows/evaluated_residuals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "costs/prediction/prediction_cost.h"
+
+namespace clothid {
+
+double LossRow(double cost, double weighted_squared_norm) {
+  return std::sqrt(std::max(0.0, 2.0 * cost - weighted_squared_norm));
+}
+
+void SetCost(const RobustLoss& loss, const Observation& observation, RolloutEvaluation* evaluation) {
+  PredictionCost cost = CostOfPrediction(loss, observation, evaluation->predicted);
+  evaluation->cost = cost.value;
+  evaluation->loss_row = LossRow(cost.value, cost.WeightedResiduals().squaredNorm());
+  evaluation->residuals = std::move(cost.residuals);
+}
+
+Eigen::VectorXd WeightedResiduals(const RobustLoss& loss, const Observation& observation,
+                                  const RolloutEvaluation& evaluation, Eigen::VectorXd* weights) {
+  LossWeights(loss, observation, 0, evaluation.residuals, weights);
+  return weights->cwiseProduct(evaluation.residuals);
+}
+
+// Distances of clouds are not linear in the prediction.
+Eigen::VectorXd ResidualChange(const Observation& observation, const RolloutEvaluation& from,
+                               const Eigen::MatrixXd& to) {
+  if (observation.has_clouds()) return observation.Residuals(to) - from.residuals;
+  return observation.Whiten(to - from.predicted);
+}
+
+}  // namespace clothid

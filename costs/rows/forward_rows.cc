@@ -1,0 +1,87 @@
+#include "costs/rows/forward_rows.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "costs/rows/compressed_jacobian.h"
+#include "costs/rows/evaluated_residuals.h"
+#include "sim/base/phase_seconds.h"
+
+namespace clothid {
+namespace {
+
+// Takes the frames of a sweep one by one.
+class FrameCollector {
+ public:
+  FrameCollector(const Observation& observation, const RobustLoss& loss, const std::vector<int>& active,
+                 bool keeps_jacobian, ForwardRows* result)
+      : observation_(observation), loss_(loss), compressed_(static_cast<int>(active.size())), result_(result) {
+    const Eigen::Index num_active = static_cast<Eigen::Index>(active.size());
+    result_->predicted.resize(observation.num_predicted(), observation.num_frames());
+    result_->residuals.resize(observation.num_residuals());
+    frame_scores_.setZero(num_active, observation.num_frames());
+    if (keeps_jacobian) result_->jacobian.resize(observation.num_residuals(), num_active);
+  }
+
+  void AddFrame(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
+                const Eigen::MatrixXd& jacobian) {
+    const int first_row = observation_.first_row(frame);
+    result_->predicted.col(frame) = points;
+    result_->residuals.segment(first_row, residuals.size()) = residuals;
+    Eigen::VectorXd weights;
+    result_->cost += LossWeights(loss_, observation_, first_row, residuals, &weights);
+    const Eigen::VectorXd weighted = residuals.cwiseProduct(weights);
+    weighted_squared_norm_ += weighted.squaredNorm();
+    compressed_.Add(weights.asDiagonal() * jacobian, weighted);
+    frame_scores_.col(frame) = jacobian.transpose() * weights.cwiseProduct(weighted);
+    if (result_->jacobian.size() > 0) result_->jacobian.middleRows(first_row, jacobian.rows()) = jacobian;
+  }
+
+  void Finish(const std::vector<int>& active, int num_rows) {
+    result_->loss_row = LossRow(result_->cost, weighted_squared_norm_);
+    result_->rows = CompressedRows(active, num_rows, &compressed_);
+    // As its rows have it, so that whoever adds them up finds the same number: sums over frames differ in rounding.
+    if (!loss_.is_robust()) result_->cost = 0.5 * result_->rows.residuals.squaredNorm();
+    result_->rows.frame_scores = std::move(frame_scores_);
+  }
+
+ private:
+  const Observation& observation_;
+  const RobustLoss& loss_;
+  CompressedJacobian compressed_;
+  Eigen::MatrixXd frame_scores_;
+  double weighted_squared_norm_ = 0.0;
+  ForwardRows* result_;
+};
+
+}  // namespace
+
+void ForwardRows::MoveTo(RolloutEvaluation* evaluation) {
+  evaluation->predicted = std::move(predicted);
+  evaluation->residuals = std::move(residuals);
+  evaluation->counts = counts;
+  evaluation->cost = cost;
+  evaluation->loss_row = loss_row;
+}
+
+ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const PassOptions& pass,
+                         const RobustLoss& loss, int num_rows, bool keeps_jacobian, RecordingModel* model,
+                         CostStatistics* statistics) {
+  const ScopedTimer timer(&statistics->derivative_seconds);
+  ForwardRows result;
+  FrameCollector collector(model->observation(), loss, active, keeps_jacobian, &result);
+  const auto add_frame = [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
+                             const Eigen::MatrixXd& jacobian) {
+    collector.AddFrame(frame, points, residuals, jacobian);
+  };
+  ++statistics->rollouts;
+  ++statistics->sweeps;
+  const SensitivityResult swept = model->PushForward(coordinates, active, add_frame, pass);
+  statistics->counts += swept.counts;
+  if (swept.failure) throw std::runtime_error(swept.failure->ToString());
+  result.counts = swept.counts;
+  collector.Finish(active, num_rows);
+  return result;
+}
+
+}  // namespace clothid

@@ -1,0 +1,50 @@
+#include "costs/rows/latest_rollout.h"
+
+#include <stdexcept>
+
+#include "sim/base/phase_seconds.h"
+
+namespace clothid {
+
+Rollout LatestRollout::Run(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
+                           Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities, CostStatistics* statistics) const {
+  const ScopedTimer timer(&statistics->rollout_seconds);
+  ++statistics->rollouts;
+  const RolloutStorage storage{options_->memory_limit, options_->keep_factors};
+  Rollout result =
+      model_->Simulate(coordinates, {precision, options_->cancel, passes_left}, storage, predicted, velocities);
+  statistics->counts += result.counts;
+  if (!result.ok()) throw std::runtime_error(result.failure->ToString());
+  return result;
+}
+
+const Rollout& LatestRollout::At(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
+                                 CostStatistics* statistics) {
+  DropUnless(precision);
+  const bool is_known = coordinates_.size() > 0 && coordinates_ == coordinates;
+  if (is_known && !is_pending_) return rollout_;
+  CostStatistics counted_before;
+  coordinates_.resize(0);
+  rollout_ = Rollout();
+  rollout_ =
+      Run(coordinates, precision, passes_left, &predicted_, &velocities_, is_known ? &counted_before : statistics);
+  coordinates_ = coordinates;
+  precision_ = precision;
+  is_pending_ = false;
+  return rollout_;
+}
+
+void LatestRollout::DropUnless(Precision precision) {
+  if (precision == precision_) return;
+  precision_ = precision;
+  coordinates_.resize(0);
+  rollout_ = Rollout();
+}
+
+void LatestRollout::Resume(const Eigen::VectorXd& coordinates, Precision precision) {
+  coordinates_ = coordinates;
+  precision_ = precision;
+  is_pending_ = true;
+}
+
+}  // namespace clothid

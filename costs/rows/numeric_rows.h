@@ -1,0 +1,22 @@
+// Rows by forward differences, one more rollout per parameter: the baseline.
+#ifndef CLOTHID_COSTS_ROWS_NUMERIC_ROWS_H_
+#define CLOTHID_COSTS_ROWS_NUMERIC_ROWS_H_
+
+#include <vector>
+
+#include "costs/prediction/recording_model.h"
+#include "costs/rows/latest_rollout.h"
+#include "costs/rows/rollout_evaluation.h"
+
+namespace clothid {
+
+// For the blocks `active` [q] at an evaluated point, as `num_rows` >= q + 1 rows:
+//   J_i = (e(q + h u_i) - e(q))/h,  h of `ForwardDifferenceStep`.
+// Throws `std::runtime_error` where one of the rollouts fails.
+ResidualRows NumericRows(const RolloutEvaluation& evaluation, const std::vector<int>& active, int num_rows,
+                         const RolloutCostOptions& options, const RecordingModel& model, const LatestRollout& rollouts,
+                         CostStatistics* statistics);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_ROWS_NUMERIC_ROWS_H_

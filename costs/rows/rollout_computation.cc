@@ -1,0 +1,160 @@
+#include "costs/rows/rollout_computation.h"
+
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "costs/rows/evaluated_residuals.h"
+#include "costs/rows/forward_rows.h"
+#include "costs/rows/numeric_rows.h"
+
+namespace clothid {
+namespace {
+
+// J^T r of rows that cover `active`.
+Eigen::VectorXd GradientOf(const ResidualRows& rows, const std::vector<int>& active) {
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(active.size()));
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    const auto column = std::lower_bound(rows.active.begin(), rows.active.end(), active[i]) - rows.active.begin();
+    gradient[static_cast<Eigen::Index>(i)] = rows.jacobian.col(column).dot(rows.residuals);
+  }
+  if (!gradient.allFinite()) throw std::runtime_error("the gradient is not finite");
+  return gradient;
+}
+
+}  // namespace
+
+RolloutComputation::RolloutComputation(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
+                                       const RolloutCostOptions& options)
+    : options_(options),
+      model_(motion, std::move(blocks), options.on_step),
+      latest_rollout_(&model_, &options_),
+      adjoint_rows_(&model_, &options_) {
+  for (int i = 0; i < model_.num_blocks(); ++i) {
+    if (!model_.blocks()[i].frozen) free_blocks_.push_back(i);
+  }
+}
+
+int RolloutComputation::num_rows() const {
+  return options_.jacobian == JacobianMethod::kAdjoint ? adjoint_rows_.num_rows() : model_.num_blocks() + 1;
+}
+
+bool RolloutComputation::TakesFirstJacobian() const {
+  return options_.jacobian == JacobianMethod::kAdjoint && options_.starts_with_sensitivities &&
+         adjoint_rows_.last_jacobian().size() == 0 && !free_blocks_.empty();
+}
+
+int RolloutComputation::PassesAfterRollout(const EvaluationKey& key) const {
+  if (key.need == EvaluationNeed::kCost) return 0;
+  const bool is_numeric = options_.jacobian == JacobianMethod::kNumeric && key.need != EvaluationNeed::kExactRows;
+  return is_numeric ? static_cast<int>(key.active.size()) : 1;
+}
+
+void RolloutComputation::Complete(const EvaluationKey& key, const EvaluationCache& recent,
+                                  RolloutEvaluation* evaluation, CostStatistics* statistics) {
+  try {
+    if (!key.coordinates.allFinite()) throw std::runtime_error("a parameter is not finite");
+    latest_rollout_.DropUnless(key.precision);
+    Add(key, recent, evaluation, statistics);
+    if (!std::isfinite(evaluation->cost)) throw std::runtime_error("the cost is not finite");
+  } catch (const std::runtime_error& error) {
+    evaluation->failure = model_.name() + ": " + error.what();
+  }
+}
+
+void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
+                             CostStatistics* statistics) {
+  if (evaluation->is_new() && TakesFirstJacobian()) AddForwardRows(free_blocks_, evaluation, statistics);
+  if (evaluation->is_new() && options_.jacobian == JacobianMethod::kSensitivity) {
+    // Nearly every trial point is accepted and asked for its Jacobian next, so it comes along with the rollout.
+    AddForwardRows(key.need == EvaluationNeed::kCost ? free_blocks_ : key.active, evaluation, statistics);
+  }
+  if (evaluation->is_new()) AddCost(key, evaluation, statistics);
+  if (!evaluation->Lacks(key.need, key.active)) return;
+  switch (key.need) {
+    case EvaluationNeed::kCost:
+      return;
+    case EvaluationNeed::kRows:
+      return AddRows(key.active, recent, evaluation, statistics);
+    case EvaluationNeed::kGradient:
+      return AddGradient(key.active, recent, evaluation, statistics);
+    case EvaluationNeed::kExactRows:
+      return AddExactRows(key.active, evaluation, statistics);
+  }
+}
+
+void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics) {
+  evaluation->counts =
+      latest_rollout_.At(evaluation->coordinates, evaluation->precision, PassesAfterRollout(key), statistics).counts;
+  evaluation->predicted = latest_rollout_.predicted();
+  SetCost(options_.loss, model_.observation(), evaluation);
+}
+
+void RolloutComputation::AddForwardRows(const std::vector<int>& active, RolloutEvaluation* evaluation,
+                                        CostStatistics* statistics) {
+  const bool is_first = TakesFirstJacobian();
+  ForwardRows forward = SweepForward(evaluation->coordinates, active, LastPass(evaluation->precision), options_.loss,
+                                     num_rows(), /*keeps_jacobian=*/is_first, &model_, statistics);
+  forward.MoveTo(evaluation);
+  evaluation->rows = std::move(forward.rows);
+  evaluation->has_rows = true;
+  if (is_first) adjoint_rows_.SetLastJacobian(std::move(forward.jacobian));
+}
+
+void RolloutComputation::AddRows(const std::vector<int>& active, const EvaluationCache& recent,
+                                 RolloutEvaluation* evaluation, CostStatistics* statistics) {
+  switch (options_.jacobian) {
+    case JacobianMethod::kAdjoint:
+      evaluation->rows = adjoint_rows_.At(*evaluation, active, recent, &latest_rollout_, statistics);
+      break;
+    case JacobianMethod::kSensitivity:
+      return AddForwardRows(active, evaluation, statistics);
+    case JacobianMethod::kNumeric:
+      evaluation->rows = NumericRows(*evaluation, active, num_rows(), options_, model_, latest_rollout_, statistics);
+      break;
+  }
+  evaluation->has_rows = true;
+}
+
+void RolloutComputation::AddGradient(const std::vector<int>& active, const EvaluationCache& recent,
+                                     RolloutEvaluation* evaluation, CostStatistics* statistics) {
+  Eigen::VectorXd gradient;
+  if (options_.jacobian == JacobianMethod::kAdjoint) {
+    gradient = adjoint_rows_.GradientAt(*evaluation, active, &latest_rollout_, statistics);
+  } else {
+    if (evaluation->Lacks(EvaluationNeed::kRows, active)) AddRows(active, recent, evaluation, statistics);
+    gradient = GradientOf(evaluation->rows, active);
+  }
+  evaluation->gradient = Eigen::VectorXd::Zero(model_.num_blocks());
+  evaluation->gradient(active) = gradient;
+  evaluation->has_gradient = true;
+}
+
+void RolloutComputation::AddExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation,
+                                      CostStatistics* statistics) {
+  if (options_.jacobian == JacobianMethod::kSensitivity) {
+    if (evaluation->Lacks(EvaluationNeed::kRows, active)) AddForwardRows(active, evaluation, statistics);
+    evaluation->exact_rows = evaluation->rows;
+  } else {
+    // The evaluation keeps the cost that it was given before, which differs in rounding.
+    const int num_exact_rows = static_cast<int>(active.size()) + 1;
+    evaluation->exact_rows =
+        SweepForward(evaluation->coordinates, active, LastPass(evaluation->precision), options_.loss, num_exact_rows,
+                     /*keeps_jacobian=*/false, &model_, statistics)
+            .rows;
+  }
+  evaluation->has_exact_rows = true;
+}
+
+void RolloutComputation::Resume(const EvaluationKey& key, const EvaluationOutcome& outcome,
+                                const EvaluationCache& recent, const RolloutEvaluation& evaluation) {
+  if (outcome.first_jacobian.size() > 0) {
+    adjoint_rows_.SetLastJacobian(outcome.first_jacobian);
+  } else if (key.need == EvaluationNeed::kRows && options_.jacobian == JacobianMethod::kAdjoint && evaluation.ok()) {
+    adjoint_rows_.Resume(evaluation, recent);
+  }
+  latest_rollout_.Resume(outcome.rollout_coordinates, key.precision);
+}
+
+}  // namespace clothid

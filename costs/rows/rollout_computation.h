@@ -1,0 +1,72 @@
+// Which rollouts and sweeps an evaluation takes, and what they leave behind for the next one.
+#ifndef CLOTHID_COSTS_ROWS_ROLLOUT_COMPUTATION_H_
+#define CLOTHID_COSTS_ROWS_ROLLOUT_COMPUTATION_H_
+
+#include <vector>
+
+#include "costs/prediction/parameter_block.h"
+#include "costs/prediction/recording_model.h"
+#include "costs/prediction/rollout_cost_options.h"
+#include "costs/rows/adjoint_rows.h"
+#include "costs/rows/evaluation_cache.h"
+#include "costs/rows/latest_rollout.h"
+#include "costs/rows/rollout_evaluation.h"
+#include "datasets/motion/recorded_motion.h"
+
+namespace clothid {
+
+class RolloutComputation {
+ public:
+  // Throws `Error` where `RecordingModel` does.
+  RolloutComputation(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
+                     const RolloutCostOptions& options);
+  RolloutComputation(const RolloutComputation&) = delete;
+  RolloutComputation& operator=(const RolloutComputation&) = delete;
+
+  // Adds what `key` asks for and `evaluation` lacks. What went wrong stands in `failure`, and all else is as it was
+  // then; only internal errors are thrown: no memory left, what a callback throws. `recent`: evaluations that may help. `statistics`: what it took is added, also of a failure.
+  void Complete(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
+                CostStatistics* statistics);
+
+  // Whether the next point that is new gets the first Jacobian, by a forward sweep.
+  bool TakesFirstJacobian() const;
+  // The next points are far from those before: the subspace of the adjoint starts afresh.
+  void ForgetJacobian() { adjoint_rows_.SetLastJacobian(Eigen::MatrixXd()); }
+
+  // What an outcome tells beside its evaluation, and the way back: as if `Complete` had just computed `evaluation`.
+  const Eigen::VectorXd& rollout_coordinates() const { return latest_rollout_.coordinates(); }
+  const Eigen::MatrixXd& last_jacobian() const { return adjoint_rows_.last_jacobian(); }
+  void Resume(const EvaluationKey& key, const EvaluationOutcome& outcome, const EvaluationCache& recent,
+              const RolloutEvaluation& evaluation);
+
+  int num_rows() const;                                                 // without the row of the loss
+  const std::vector<int>& free_blocks() const { return free_blocks_; }  // not frozen
+  const RolloutCostOptions& options() const { return options_; }
+  const RecordingModel& model() const { return model_; }
+
+ private:
+  // Each of these adds its part or throws.
+  void Add(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
+           CostStatistics* statistics);
+  void AddCost(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  // Cost and rows, whose Jacobian is the first where the adjoint asks for one.
+  void AddForwardRows(const std::vector<int>& active, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  void AddRows(const std::vector<int>& active, const EvaluationCache& recent, RolloutEvaluation* evaluation,
+               CostStatistics* statistics);
+  void AddGradient(const std::vector<int>& active, const EvaluationCache& recent, RolloutEvaluation* evaluation,
+                   CostStatistics* statistics);
+  void AddExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  // How many passes give the derivatives that are asked for, once there is a rollout.
+  int PassesAfterRollout(const EvaluationKey& key) const;
+  PassOptions LastPass(Precision precision) const { return {precision, options_.cancel, /*passes_left=*/0}; }
+
+  RolloutCostOptions options_;
+  RecordingModel model_;
+  std::vector<int> free_blocks_;
+  LatestRollout latest_rollout_;
+  AdjointRows adjoint_rows_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_ROWS_ROLLOUT_COMPUTATION_H_

@@ -1,0 +1,90 @@
+// One point of the parameter space: what is asked of it, and what is known about it.
+#ifndef CLOTHID_COSTS_ROWS_ROLLOUT_EVALUATION_H_
+#define CLOTHID_COSTS_ROWS_ROLLOUT_EVALUATION_H_
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "costs/prediction/rollout_cost_options.h"
+#include "sim/rollout/rollout.h"
+
+namespace clothid {
+
+enum class EvaluationNeed {
+  kCost,       // prediction, residuals and cost
+  kRows,       // and the rows of the method that the cost has
+  kGradient,   // and the gradient
+  kExactRows,  // and rows by sensitivities, whatever the method
+};
+
+// What is asked: the derivatives for the blocks `active` at least.
+struct EvaluationKey {
+  Eigen::VectorXd coordinates;  // [p]
+  Precision precision = Precision::kFull;
+  EvaluationNeed need = EvaluationNeed::kCost;
+  std::vector<int> active;  // increasing
+};
+
+// A few rows that stand for the whole residual, without the row of the loss. Whatever the method and the basis:
+//   |residuals| = |w e|,  jacobian^T residuals = dL/dq,  w: the weights of the loss (costs/prediction/robust_loss.h).
+struct ResidualRows {
+  std::vector<int> active;    // the blocks that were differentiated, increasing
+  Eigen::VectorXd residuals;  // [r]
+  Eigen::MatrixXd jacobian;   // [r x q]
+  // [q x T] J_i^T e_i over the rows of frame i, weighted by the loss: their sum is the gradient. Of forward sweeps
+  // alone.
+  Eigen::MatrixXd frame_scores;
+
+  bool Covers(const std::vector<int>& wanted) const {
+    return std::includes(active.begin(), active.end(), wanted.begin(), wanted.end());
+  }
+};
+
+struct RolloutEvaluation {
+  Eigen::VectorXd coordinates;
+  Precision precision = Precision::kFull;
+  std::string failure;        // not empty: nothing else is valid
+  Eigen::MatrixXd predicted;  // [R x T] m, see Observation; empty: nothing is known yet
+  Eigen::VectorXd residuals;  // [m] e of the prediction; empty where others were asked for since
+  RolloutCounts counts;       // of the rollout
+  double cost = 0.0;          // L
+  double loss_row = 0.0;      // sqrt(2 L - |w e|^2), see costs/prediction/robust_loss.h
+  bool has_rows = false;
+  ResidualRows rows;
+  bool has_gradient = false;
+  Eigen::VectorXd gradient;  // [p] dL/dq
+  bool has_exact_rows = false;
+  ResidualRows exact_rows;  // of the sensitivities, whatever the method of `rows`
+
+  bool ok() const { return failure.empty(); }
+  bool is_new() const { return predicted.size() == 0; }
+
+  // Whether anything is missing that `need` asks for.
+  bool Lacks(EvaluationNeed need, const std::vector<int>& active) const {
+    switch (need) {
+      case EvaluationNeed::kCost:
+        return is_new();
+      case EvaluationNeed::kRows:
+        return is_new() || !has_rows || !rows.Covers(active);
+      case EvaluationNeed::kGradient:
+        return is_new() || !has_gradient;
+      case EvaluationNeed::kExactRows:
+        return is_new() || !has_exact_rows || !exact_rows.Covers(active);
+    }
+    return true;
+  }
+};
+
+// What became of a question: an evaluation, and what it left behind for those that follow.
+struct EvaluationOutcome {
+  RolloutEvaluation evaluation;         // `predicted` is empty where it was known before or the evaluation failed
+  CostStatistics statistics;            // what it added
+  Eigen::VectorXd rollout_coordinates;  // whose rollout was kept afterwards; empty: none
+  Eigen::MatrixXd first_jacobian;       // J [m x q] where the evaluation took the first one; what follows needs it
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_COSTS_ROWS_ROLLOUT_EVALUATION_H_

@@ -1,0 +1,29 @@
+// A recording with what several findings about it need. Internal to datasets/checking.
+#ifndef CLOTHID_DATASETS_CHECKING_CHECKED_MOTION_H_
+#define CLOTHID_DATASETS_CHECKING_CHECKED_MOTION_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "datasets/checking/track_statistics.h"
+#include "datasets/motion/recorded_motion.h"
+
+namespace clothid {
+
+// Keeps a reference to the recording.
+struct CheckedMotion {
+  explicit CheckedMotion(const RecordedMotion& recorded);
+
+  const RecordedMotion& motion;
+  Eigen::Matrix3Xd rest_points;  // [3 x P] m: the points on the mesh at rest
+  std::vector<PointPair> pairs;  // neighbours; empty where the points are too few or too many to find them
+  double spacing = 0.0;          // m: median distance of neighbours at rest; without pairs that of edges of the mesh
+  double cloth_size = 0.0;       // m
+  double median_interval = 0.0;  // s
+  NoiseEstimate noise;
+  double noise_floor = 0.0;  // m: three times the noise of a coordinate, as the file says or as it is estimated
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_CHECKING_CHECKED_MOTION_H_

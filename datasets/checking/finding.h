@@ -1,0 +1,34 @@
+// One thing that was found out about a recording, and how grave it is.
+#ifndef CLOTHID_DATASETS_CHECKING_FINDING_H_
+#define CLOTHID_DATASETS_CHECKING_FINDING_H_
+
+#include <string>
+#include <vector>
+
+namespace clothid {
+
+enum class Severity {
+  kOk,
+  kNote,     // worth knowing; a fit takes it into account
+  kWarning,  // a fit runs, and its estimates may be wrong
+  kProblem,  // no fit can mean anything
+};
+std::string SeverityName(Severity severity);  // "ok", "note", "warning", "problem"
+
+struct Finding {
+  std::string what;  // a short name, the same for every recording
+  Severity severity = Severity::kOk;
+  std::string value;        // what was measured, in words
+  std::string hint;         // what to do about it; empty where there is nothing to do
+  std::vector<int> frames;  // all that it is about, ascending; may be empty
+  std::vector<int> points;  // likewise
+};
+
+// For values and hints: three digits; a length in mm; "frames 3, 7, .. (12 of them)", with "frame" for one.
+std::string Rounded(double value);
+std::string Millimetres(double length);
+std::string Named(const std::string& what, const std::vector<int>& numbers);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_CHECKING_FINDING_H_

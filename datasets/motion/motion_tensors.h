@@ -1,0 +1,35 @@
+// A recording as it stands in a file, before its numbers are given a meaning.
+#ifndef CLOTHID_DATASETS_MOTION_MOTION_TENSORS_H_
+#define CLOTHID_DATASETS_MOTION_MOTION_TENSORS_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "sim/scene/mesh.h"
+
+namespace clothid {
+
+// The tensors and strings of a motion file (datasets/motion/motion_file.h).
+struct MotionTensors {
+  Eigen::VectorXd times;         // [T]
+  Eigen::MatrixXd positions;     // [3P x T]
+  bool single_precision = true;  // positions are stored as F32
+  Mesh mesh;
+  std::vector<int> node_index;           // [P] or empty
+  std::vector<int> face_index;           // [P] or empty
+  Eigen::Matrix3Xd barycentric;          // [3 x P] or empty
+  std::vector<int> handle_index;         // [H] or empty
+  Eigen::MatrixXd handle_positions;      // [3H x T], [3H x K] or empty
+  Eigen::VectorXd handle_times;          // [K], or empty: the times of the frames
+  Eigen::VectorXd sigma;                 // [P] or empty
+  std::vector<Eigen::Matrix3Xd> clouds;  // [T] or empty
+  bool single_precision_clouds = true;   // they are stored as F32
+  double cloud_sigma = 0.0;              // 0: not known
+  std::string scene_text;
+  std::string provenance;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_MOTION_MOTION_TENSORS_H_
