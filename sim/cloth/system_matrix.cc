@@ -68,6 +68,7 @@ SystemMatrixFactor::~SystemMatrixFactor() = default;
 
 // The axes of all columns are right-hand sides of the scalar matrix, side by side.
 Eigen::MatrixXd SystemMatrixFactor::Solve(const Eigen::MatrixXd& right) const {
+  if (right.size() == 0) return right;  // for CHOLMOD an invalid argument
   const Eigen::Index num_free = right.rows() / 3;
   Eigen::MatrixXd axes(num_free, 3 * right.cols());
   for (Eigen::Index c = 0; c < right.cols(); ++c) {

@@ -90,8 +90,9 @@ CholeskyFactor::CholeskyFactor(std::unique_ptr<Numeric> numeric) : numeric_(std:
 CholeskyFactor::~CholeskyFactor() = default;
 
 void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
-  const BlasGuard guard;
   solution->resize(right.rows(), right.cols());
+  if (right.size() == 0) return;  // for CHOLMOD an invalid argument
+  const BlasGuard guard;
   const auto view = [](const Eigen::MatrixXd& columns) {
     cholmod_dense dense = {};
     dense.nrow = dense.d = columns.rows();

@@ -33,6 +33,9 @@ TEST_F(CholeskyTest, CholeskySolvesAndTestsTheInertia) {
   Eigen::MatrixXd solution;
   factor->Solve(right, &solution);
   EXPECT_LT((matrix.view() * solution - right).norm(), 1e-12 * right.norm());
+  factor->Solve(right.leftCols(0), &solution);
+  EXPECT_EQ(solution.rows(), pattern_->size());
+  EXPECT_EQ(solution.cols(), 0);
   matrix.block(pattern_->Find(7, 7)) *= -1.0;
   EXPECT_EQ(solver.Factor(matrix.values), nullptr);
   matrix.values[0] = std::nan("");

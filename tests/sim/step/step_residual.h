@@ -28,8 +28,7 @@ inline StepResidual ResidualOf(const Rollout& rollout, std::size_t i, Simulator*
                             &simulator->step_workspace());
   StepPoint point;
   problem.Evaluate(simulator->model().Gather(record.velocities), &point);
-  return {point.relative_residual, std::max(rollout.step_tolerance, problem.RoundingFloor(point)),
-          point.scale};
+  return {point.relative_residual, std::max(rollout.step_tolerance, problem.RoundingFloor(point)), point.scale};
 }
 
 }  // namespace clothid
