@@ -1,0 +1,50 @@
+// Runs the GoogleTest cases of a program, as gtest_main does. `--list_for_ctest=FILE` writes CTest's script about them
+// instead: a program holds the cases of several files, and the test of a case is named after its file.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+namespace {
+
+// "sim/scene/mesh_test" of "tests/sim/scene/mesh_test.cc"; -fmacro-prefix-map makes paths relative.
+std::string NameOfFile(const char* path) {
+  return std::filesystem::path(path).lexically_relative("tests").replace_extension().string();
+}
+
+// A literal of CMake.
+std::string Quoted(const std::string& text) { return "[==[" + text + "]==]"; }
+
+// Adds every case as a test with the properties LABELS and COST from the variables of these names.
+void WriteList(const std::string& program, std::ostream& script) {
+  const ::testing::UnitTest& all = *::testing::UnitTest::GetInstance();
+  for (int i = 0; i < all.total_test_suite_count(); ++i) {
+    const ::testing::TestSuite& suite = *all.GetTestSuite(i);
+    for (int j = 0; j < suite.total_test_count(); ++j) {
+      const ::testing::TestInfo& info = *suite.GetTestInfo(j);
+      const std::string name = std::string(suite.name()) + "." + info.name();
+      const std::string test = Quoted(NameOfFile(info.file()) + "." + name);
+      script << "add_test(" << test << " " << Quoted(program) << " " << Quoted("--gtest_filter=" + name) << ")\n"
+             << "set_tests_properties(" << test
+             << " PROPERTIES LABELS \"${LABELS}\" COST ${COST} SKIP_REGULAR_EXPRESSION " << Quoted("\\[  SKIPPED \\]")
+             << ")\n";
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  constexpr std::string_view kList = "--list_for_ctest=";
+  if (argc != 2 || std::string_view(argv[1]).substr(0, kList.size()) != kList) return RUN_ALL_TESTS();
+  const std::string path = argv[1] + kList.size();
+  std::ofstream script(path);
+  WriteList(std::filesystem::absolute(argv[0]).string(), script);
+  script.close();
+  if (!script) std::fprintf(stderr, "%s cannot be written\n", path.c_str());
+  return script ? 0 : 1;
+}
