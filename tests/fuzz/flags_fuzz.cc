@@ -95,8 +95,7 @@ const std::array kFlags = {
 }  // namespace
 }  // namespace clothid
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzFlags(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const Flag& flag = kFlags[data[0] % kFlags.size()];
   Accepts([&] { flag.read(std::string(AsText(data + 1, size - 1))); }, flag.name);

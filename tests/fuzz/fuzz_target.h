@@ -17,10 +17,25 @@
 
 #include "sim/base/error.h"
 
-// libFuzzer and replay_main.cc call it; it returns 0.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
-
 namespace clothid {
+
+// The targets: each takes an input, and returns 0. <name>_fuzz.cc defines one; fuzz_main.cc knows them by name.
+int FuzzFlags(const std::uint8_t* data, std::size_t size);
+int FuzzHandleCsv(const std::uint8_t* data, std::size_t size);
+int FuzzImport(const std::uint8_t* data, std::size_t size);
+int FuzzJournal(const std::uint8_t* data, std::size_t size);
+int FuzzLandscapeFolder(const std::uint8_t* data, std::size_t size);
+int FuzzLandscapeStore(const std::uint8_t* data, std::size_t size);
+int FuzzMotion(const std::uint8_t* data, std::size_t size);
+int FuzzNpy(const std::uint8_t* data, std::size_t size);
+int FuzzObj(const std::uint8_t* data, std::size_t size);
+int FuzzPc2(const std::uint8_t* data, std::size_t size);
+int FuzzPly(const std::uint8_t* data, std::size_t size);
+int FuzzRosCsv(const std::uint8_t* data, std::size_t size);
+int FuzzScene(const std::uint8_t* data, std::size_t size);
+int FuzzSensor(const std::uint8_t* data, std::size_t size);
+int FuzzTracksCsv(const std::uint8_t* data, std::size_t size);
+int FuzzTrc(const std::uint8_t* data, std::size_t size);
 
 // Ends the process unless `condition` holds.
 inline void Check(bool condition, const std::string& expected) {

@@ -2,8 +2,7 @@
 #include "sim/scene/handle_csv.h"
 #include "tests/fuzz/fuzz_target.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzHandleCsv(const std::uint8_t* data, std::size_t size) {
   constexpr int kMaxHandles = 4;
   if (size == 0) return 0;
   static const MemoryFile file;

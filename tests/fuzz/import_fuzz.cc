@@ -49,8 +49,7 @@ void FuzzOffsets(const std::string& path) {
 }  // namespace
 }  // namespace clothid
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzImport(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   static const MemoryFile file;
   file.Write(AsText(data + 1, size - 1));

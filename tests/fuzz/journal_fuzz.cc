@@ -7,8 +7,7 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/record_bytes.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzJournal(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   static const MemoryFile file;
   const std::string fingerprint(64, '0');

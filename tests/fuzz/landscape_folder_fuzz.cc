@@ -26,8 +26,7 @@ void CheckRows(const LandscapePart& part) {
 }  // namespace
 }  // namespace clothid
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzLandscapeFolder(const std::uint8_t* data, std::size_t size) {
   static const TemporaryFolder folder;
   std::vector<std::string> files = Split(AsText(data, size), '\0');
   files.resize(3);

@@ -30,8 +30,7 @@ std::string MakeHeader(const std::string& folder, const LandscapePlan& plan, con
 }  // namespace
 }  // namespace clothid
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzLandscapeStore(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   static const TemporaryFolder folder;
   static const LandscapePlan plan = MakePlan();

@@ -39,8 +39,7 @@ void CheckRoundTrip(const MotionTensors& tensors) {
 }  // namespace
 }  // namespace clothid
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzMotion(const std::uint8_t* data, std::size_t size) {
   static const MemoryFile file;
   file.Write(WithDigests(std::string(AsText(data, size))));
   MotionTensors tensors;

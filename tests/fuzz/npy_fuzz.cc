@@ -31,8 +31,7 @@ void ReadAndWrite(const MemoryFile& file, Array (*read)(const std::string&)) {
 }  // namespace
 }  // namespace clothid
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzNpy(const std::uint8_t* data, std::size_t size) {
   static const MemoryFile file;
   file.Write(AsText(data, size));
   ReadAndWrite(file, &ReadNpy);

@@ -25,8 +25,7 @@ void CheckSurface(const Mesh& mesh) {
 }  // namespace
 }  // namespace clothid
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzObj(const std::uint8_t* data, std::size_t size) {
   static const MemoryFile file;
   file.Write(AsText(data, size));
   Mesh mesh;

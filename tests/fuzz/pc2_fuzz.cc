@@ -2,8 +2,7 @@
 #include "datasets/formats/pc2_file.h"
 #include "tests/fuzz/track_round_trip.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzPc2(const std::uint8_t* data, std::size_t size) {
   CheckRoundTrip(AsText(data, size), &ReadPc2, &Pc2Bytes);
   return 0;
 }

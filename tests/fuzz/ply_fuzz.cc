@@ -2,8 +2,7 @@
 #include "datasets/formats/ply_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzPly(const std::uint8_t* data, std::size_t size) {
   static const MemoryFile file, copy;
   file.Write(AsText(data, size));
   Mesh mesh;

@@ -2,8 +2,7 @@
 #include "datasets/formats/ros_csv.h"
 #include "tests/fuzz/fuzz_target.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzRosCsv(const std::uint8_t* data, std::size_t size) {
   static const MemoryFile file;
   file.Write(AsText(data, size));
   IsRosCsv(file.path());

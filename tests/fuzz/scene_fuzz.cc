@@ -33,8 +33,7 @@ bool HasLargeGrid(const std::string& text) {
 }  // namespace
 }  // namespace clothid
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzScene(const std::uint8_t* data, std::size_t size) {
   const std::string text(AsText(data, size));
   bool is_large = false;
   if (!Accepts([&] { is_large = HasLargeGrid(text); }, kSource) || is_large) return 0;

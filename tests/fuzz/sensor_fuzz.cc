@@ -4,8 +4,7 @@
 #include "datasets/synthetic/sensor.h"
 #include "tests/fuzz/fuzz_target.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzSensor(const std::uint8_t* data, std::size_t size) {
   Sensor sensor;
   if (!Accepts([&] { sensor = ParseSensor(std::string(AsText(data, size)), "sensor.json"); }, "sensor.json")) return 0;
   Check(sensor.interval[0] > 0.0 && sensor.interval[0] <= sensor.interval[1], "intervals > 0");

@@ -2,8 +2,7 @@
 #include "datasets/formats/tracks_csv.h"
 #include "tests/fuzz/track_round_trip.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzTracksCsv(const std::uint8_t* data, std::size_t size) {
   CheckRoundTrip(AsText(data, size), &ReadTracksCsv, &TracksCsvText);
   return 0;
 }

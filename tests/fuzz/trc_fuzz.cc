@@ -2,8 +2,7 @@
 #include "datasets/formats/trc_file.h"
 #include "tests/fuzz/track_round_trip.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace clothid;
+int clothid::FuzzTrc(const std::uint8_t* data, std::size_t size) {
   CheckRoundTrip(AsText(data, size), &ReadTrc, &TrcText);
   return 0;
 }
