@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Seconds = std::chrono::duration<double>;
 
-constexpr int kKillsPerMethod = 25;
+constexpr int kKillsPerMethod = 10;
 
 // Without the seconds, which no two runs share, and without the flags, of which --resume is one.
 std::string Lasting(const std::string& name, const std::string& content) {

@@ -14,11 +14,9 @@ namespace {
 
 class CoverageTest : public ToolTest {
  protected:
-  // Forty noisy recordings of `drape`.
+  // Forty noisy recordings of a small `drape`. The whole one takes ten times as long: `benchmark coverage --seeds 40`.
   void ExpectIntervalsAreRight(const std::string& setting) const {
-    CoverageOptions options;
-    options.scene_path = CLOTHID_SOURCE_DIR "/datasets/drape.scene.json";
-    options.truth = {{"mu", 0.24}, {"k_stretch", 70.0}};
+    CoverageOptions options = SmallOptions(9);
     options.settings = {setting};
     options.num_seeds = 40;
     const CoverageBenchmark benchmark = RunCoverageBenchmark(options);
@@ -37,8 +35,8 @@ class CoverageTest : public ToolTest {
     }
   }
 
-  CoverageOptions SmallOptions() const {
-    WriteBytes(folder() / "scene.json", SmallDrape(6));
+  CoverageOptions SmallOptions(int n = 6) const {
+    WriteBytes(folder() / "scene.json", SmallDrape(n));
     CoverageOptions options;
     options.scene_path = (folder() / "scene.json").string();
     options.truth = {{"mu", 0.24}, {"k_stretch", 70.0}};
