@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "tests/tools/tool_process.h"
+#include "tests/last_line.h"
 #include "tests/tools/tool_test.h"
 
 namespace clothid {
@@ -71,11 +72,6 @@ std::string Line(const std::vector<std::string>& words) {
   std::string line;
   for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
   return line;
-}
-
-std::string LastLine(const std::string& text) {
-  const std::size_t end = text.find_last_not_of('\n') + 1, before = text.rfind('\n', end - 1);
-  return end == 0 ? "" : text.substr(before + 1, end - before - 1);
 }
 
 class HostileTest : public ToolTest {

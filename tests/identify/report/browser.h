@@ -137,6 +137,7 @@ class Browser {
     }
     if (process_.id < 0) throw std::runtime_error("no process");
     ::setpgid(process_.id, process_.id);  // whoever is first
+    ::signal(SIGPIPE, SIG_IGN);           // writing to a browser that has ended is an error like others
     ::close(in[0]);
     ::close(out[1]);
     process_.input = in[1];

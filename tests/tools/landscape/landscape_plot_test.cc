@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -13,6 +14,7 @@
 
 #include "identify/report/vendor/plotly.h"
 #include "tests/expect_error.h"
+#include "tests/optional_package.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/landscape/bumpy_landscape.h"
 #include "tools/base/run_program.h"
@@ -112,8 +114,10 @@ TEST(PlotLandscape, WritesBothPictures) {
   const LandscapePictures pictures = PlotLandscape(landscape, summary, folder.path());
   EXPECT_EQ(pictures.html, folder.File("landscape.html"));
   EXPECT_EQ(ReadBytes(pictures.html), LandscapeHtml(landscape, summary));
-  if (pictures.note.find("matplotlib") != std::string::npos || pictures.note.find("python3") != std::string::npos) {
-    GTEST_SKIP() << pictures.note;
+  const std::string unusable = WhyNoPythonModule("python3-matplotlib", "matplotlib.pyplot");
+  if (!unusable.empty()) {
+    EXPECT_EQ(pictures.note.find("landscape.png is left out: "), 0u) << pictures.note;
+    GTEST_SKIP() << unusable;
   }
   ASSERT_EQ(pictures.note, "");
   EXPECT_EQ(pictures.png, folder.File("landscape.png"));
@@ -140,6 +144,17 @@ TEST(PlotLandscape, AFolderThatIsAFile) {
   const Landscape landscape = WithHoles();
   const std::string path = folder.Write("file", "");
   ExpectError([&] { PlotLandscape(landscape, Summarize(landscape), path); }, ErrorKind::kIo, {"file"});
+}
+
+TEST(OptionalPackage, IsPresentAbsentOrDamaged) {
+  EXPECT_EQ(WhyNoPythonModule("python3", "os.path"), "");
+  EXPECT_EQ(WhyNoPythonModule("python3-nothing", "no_such_module.part"), "the package python3-nothing is absent");
+  const TemporaryFolder folder;
+  folder.Write("broken_module.py", "import no_such_module\n");
+  ::setenv("PYTHONPATH", folder.path().c_str(), 1);
+  EXPECT_EQ(WhyNoPythonModule("python3-broken", "broken_module"),
+            "the package python3-broken is damaged: ModuleNotFoundError: No module named 'no_such_module'");
+  ::unsetenv("PYTHONPATH");
 }
 
 TEST(RunProgram, ExitCodeAndMessages) {
