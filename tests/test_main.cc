@@ -10,9 +10,12 @@
 
 namespace {
 
-// "sim/scene/mesh_test" of "tests/sim/scene/mesh_test.cc"; -fmacro-prefix-map makes paths relative.
-std::string NameOfFile(const char* path) {
-  return std::filesystem::path(path).lexically_relative("tests").replace_extension().string();
+// "sim/scene/mesh_test" of "tests/sim/scene/mesh_test.cc", whatever stands before that.
+std::string NameOfFile(const std::string& path) {
+  constexpr std::string_view kFolder = "tests/";
+  const std::size_t start = path.rfind(kFolder);
+  const std::string name = start == std::string::npos ? path : path.substr(start + kFolder.size());
+  return std::filesystem::path(name).replace_extension().string();
 }
 
 // A literal of CMake.

@@ -12,10 +12,9 @@
 // over frames of that room, nowhere less than the one above, and Student's t takes the place of 1.96. A correlation
 // within frames alone is looked for where the residuals are not the rounding of a recording without noise.
 //
-// Identifiability asks how much the prediction can tell. With D = diag(range of q_i between its bounds), the parameter
-// i moved from bound to bound, while all others move so as to hide it as well as they can, changes the whitened
-// prediction by
-//   c_i = 1/sqrt([((J D)^T J D)^-1]_ii).
+// Identifiability asks how much the prediction can tell. Parameter i is moved from its lower to its upper bound. All
+// others move along, in the way that best undoes the change of the whitened prediction. What is left of the change is
+//   c_i = 1/sqrt([((J D)^T J D)^-1]_ii),   D = diag(range of q_i between its bounds).
 // It is identifiable where c_i > 2 max(1, s): two standard deviations of the noise, or of what the model leaves
 // unexplained. The right singular vectors of J D with singular values below that are the directions nobody sees:
 // multiplying all stiffnesses, damping, density and drag by one factor is one of them in every recording.

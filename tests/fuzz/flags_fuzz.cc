@@ -47,6 +47,8 @@ void ReadRecordingParameter(const std::string& text) {
   RecordedMotion motion;
   motion.scene = OwnScene();
   motion.times = Eigen::Vector2d(0.0, 0.1);
+  motion.points = {ObservedPoint()};  // node 0
+  motion.positions = Eigen::MatrixXd::Zero(3, 2);
   for (const std::string& name : ExpandAlignmentNames(ParseNames(text, "parameter"))) {
     const std::vector<std::string> names = OverrideNames(name);
     Check(names.front() == name && names.size() <= 4, "the name itself first");
