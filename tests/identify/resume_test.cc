@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Seconds = std::chrono::duration<double>;
 
-constexpr int kKillsPerMethod = 10;
+constexpr int kKillsPerMethod = 15;
 
 // Without the seconds, which no two runs share, and without the flags, of which --resume is one.
 std::string Lasting(const std::string& name, const std::string& content) {
@@ -94,11 +94,13 @@ class ResumeTest : public ToolTest {
 
 class KillTest : public ResumeTest, public testing::WithParamInterface<std::vector<std::string>> {
  protected:
-  // Starts a fit and kills it at a random moment within the seconds that a fit takes. Whether it was still running.
-  bool Kill(std::mt19937* random) {
+  // Starts a fit and kills it at a random moment within a part of the seconds that a fit takes: of that many parts of
+  // the same length, the one of that index. Whether the fit was still running.
+  bool Kill(int part, int num_parts, std::mt19937* random) {
     const auto start = std::chrono::steady_clock::now();
     const ToolProcess identify = Resume(GetParam());
-    std::this_thread::sleep_for(std::uniform_real_distribution<double>(0.0, 1.0)(*random) * duration_);
+    const double moment = part + std::uniform_real_distribution<double>(0.0, 1.0)(*random);
+    std::this_thread::sleep_for(moment / num_parts * duration_);
     identify.Signal(SIGKILL);
     const bool was_running = !identify.Wait().has_value();
     // How long a fit takes varies with what else the machine does.
@@ -129,9 +131,9 @@ TEST_P(KillTest, EndsInTheSameBytes) {
   for (int seed = 1; seed <= kKillsPerMethod; ++seed) {
     fs::remove_all(result());
     std::mt19937 random(static_cast<unsigned>(seed));
-    num_running += Kill(&random);
+    num_running += Kill(seed - 1, kKillsPerMethod, &random);
     num_fitting += JournalSize(1) > 0;
-    if (seed % 3 == 0) Kill(&random);
+    if (seed % 3 == 0) Kill(0, 1, &random);
     ASSERT_EQ(Resume(GetParam()).Wait(), 0) << seed;
     const std::map<std::string, std::string> files = ReadResult(result());
     ASSERT_EQ(Names(files), Names(expected)) << seed;
