@@ -19,6 +19,9 @@ struct RolloutGradient {
   Eigen::MatrixXd parameters;          // [p x s] dC/dtheta, in the parameter's own unit (not logarithmic)
   Eigen::MatrixXd initial_positions;   // [3N x s] dC/dx_0; zero at handles, whose path is part of the scene
   Eigen::MatrixXd initial_velocities;  // [3N x s] dC/dv_0; zero at handles
+  // [3 H K x s] dC/d(values of Rollout::handle_offsets at its K knots), ordered as in SensitivityDirections; empty
+  // without them.
+  Eigen::MatrixXd handle_offsets;
   AdjointWork work;
 };
 
@@ -29,7 +32,7 @@ using AddPositionGradient = std::function<void(int step, Eigen::MatrixXd* gradie
 // lambda_x and lambda_v the gradients with respect to x_{n+1} and v_{n+1}:
 //   w = lambda_v + h lambda_x;   A^T z = w;   y = (I + S)^T z
 //   lambda_v <- M y;             lambda_x <- lambda_x - h (H + V^T) y - X^T z
-// with the matrices of step_derivative.h.
+// with the matrices of step_derivative.h; what handle_coupling.h says of handles, transposed, goes to their offsets.
 // Throws `std::runtime_error` where a step Jacobian is singular, and where RecordReader does.
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,

@@ -1,9 +1,11 @@
 #include "sim/derivative/sensitivity.h"
 
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/derivative/handle_coupling.h"
 #include "sim/derivative/step_derivative.h"
 #include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
@@ -17,9 +19,20 @@ struct Tangent {
   Eigen::MatrixXd positions, velocities;
 };
 
+// Empty, or as many columns as others.
+Eigen::Index NumStartColumns(const SensitivityDirections& directions) {
+  Eigen::Index q = 0;
+  for (const Eigen::MatrixXd* part :
+       {&directions.initial_positions, &directions.initial_velocities, &directions.handle_offsets}) {
+    if (part->cols() > 0 && q > 0 && part->cols() != q) throw std::logic_error("directions of different numbers");
+    q = std::max(q, part->cols());
+  }
+  return q;
+}
+
 Tangent StartTangent(const SensitivityDirections& directions, const ClothModel& model) {
   const Eigen::Index p = static_cast<Eigen::Index>(directions.parameters.size());
-  const Eigen::Index q = std::max(directions.initial_positions.cols(), directions.initial_velocities.cols());
+  const Eigen::Index q = NumStartColumns(directions);
   Tangent tangent;
   tangent.positions = tangent.velocities = Eigen::MatrixXd::Zero(3 * model.num_free(), p + q);
   if (directions.initial_positions.cols() > 0) {
@@ -31,10 +44,63 @@ Tangent StartTangent(const SensitivityDirections& directions, const ClothModel& 
   return tangent;
 }
 
+// How the handles move along the directions, and what that does to a step. Nothing where they do not.
+class HandleTangent {
+ public:
+  HandleTangent(const SensitivityDirections& directions, const HandlePath* offsets, const ClothModel& model)
+      : columns_(directions.handle_offsets), offsets_(offsets), nodes_(model.scene().handles.nodes) {
+    if (columns_.cols() == 0) return;
+    if (offsets == nullptr || columns_.rows() != offsets->positions().size()) {
+      throw std::logic_error("directions of handle offsets: expected those offsets, with as many rows");
+    }
+    while (first_ < columns_.cols() && columns_.col(first_).isZero(0.0)) ++first_;
+    coupling_ = std::make_unique<HandleCoupling>(model);
+  }
+
+  bool is_empty() const { return coupling_ == nullptr; }
+
+  // Takes its part off the last columns of `right` [3 Nf x (p + q)].
+  void Subtract(const StepRecord& record, const Eigen::VectorXd& start_positions, const Parameters& parameters,
+                Eigen::MatrixXd* right) const {
+    if (is_empty()) return;
+    coupling_->SetStep(record, start_positions, parameters);
+    right->rightCols(columns_.cols() - first_) -= coupling_->Times(At(record.time), At(record.time - record.time_step));
+  }
+
+  // Writes the handles' rows of the last columns of `all` [3N x (p + q)] at a time.
+  void SetRows(double time, Eigen::MatrixXd* all) const {
+    if (is_empty()) return;
+    const Eigen::MatrixXd rows = At(time);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      all->middleRows<3>(3 * nodes_[i]).rightCols(rows.cols()) = rows.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+    }
+  }
+
+ private:
+  // [3H x (q - first_)]
+  Eigen::MatrixXd At(double time) const {
+    const Eigen::VectorXd weights = offsets_->KnotWeights(time);
+    const Eigen::Index num_rows = offsets_->positions().rows();
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_rows, columns_.cols() - first_);
+    for (Eigen::Index k = 0; k < weights.size(); ++k) {
+      sum += weights[k] * columns_.middleRows(k * num_rows, num_rows).rightCols(sum.cols());
+    }
+    return sum;
+  }
+
+  const Eigen::MatrixXd& columns_;
+  const HandlePath* offsets_;
+  const std::vector<int>& nodes_;
+  Eigen::Index first_ = 0;  // the first column that moves a handle
+  std::unique_ptr<HandleCoupling> coupling_;
+};
+
 // (I + S)(h (H + V) dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta, negated. Uses the contacts of the last Factor.
+// `momentum_part`: takes further parts of the bracket off.
 Eigen::MatrixXd RightSide(const Tangent& tangent, const std::vector<ParameterId>& parameters, const StepRecord& record,
-                          StepDerivative* step) {
+                          const std::function<void(Eigen::MatrixXd*)>& momentum_part, StepDerivative* step) {
   Eigen::MatrixXd right = step->TimesMass(tangent.velocities) - step->TimesStart(tangent.positions);
+  momentum_part(&right);
   for (size_t p = 0; p < parameters.size(); ++p) {
     if (parameters[p].kind != ParameterKind::kFriction) right.col(p) -= step->MomentumDerivative(parameters[p]);
   }
@@ -63,18 +129,22 @@ class KeptFactor {
 // From the start of a solve to its end.
 class TangentSolver {
  public:
-  TangentSolver(const Parameters& parameters, const std::vector<ParameterId>& ids, double tolerance,
-                Simulator* simulator)
-      : parameters_(parameters), ids_(ids), tolerance_(tolerance), simulator_(simulator) {}
+  TangentSolver(const Parameters& parameters, const std::vector<ParameterId>& ids, const HandleTangent& handles,
+                double tolerance, Simulator* simulator)
+      : parameters_(parameters), ids_(ids), handles_(handles), tolerance_(tolerance), simulator_(simulator) {}
 
   void Advance(const StepRecord& record, const Eigen::VectorXd& start_positions,
                const Eigen::VectorXd& start_velocities, Tangent* tangent) const {
     StepDerivative step(record, start_positions, start_velocities, parameters_, simulator_);
     const KeptFactor kept(&simulator_->step_solver().jacobian());
+    const auto subtract_handles = [&](Eigen::MatrixXd* right) {
+      handles_.Subtract(record, start_positions, parameters_, right);
+    };
     Eigen::MatrixXd dv;
     for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
       if (!step.Factor(method)) continue;
-      if (!step.jacobian().Solve(RightSide(*tangent, ids_, record, &step), tolerance_, &dv)) continue;
+      const Eigen::MatrixXd right = RightSide(*tangent, ids_, record, subtract_handles, &step);
+      if (!step.jacobian().Solve(right, tolerance_, &dv)) continue;
       tangent->velocities = dv;
       tangent->positions += record.time_step * dv;
       return;
@@ -85,6 +155,7 @@ class TangentSolver {
  private:
   const Parameters& parameters_;
   const std::vector<ParameterId>& ids_;
+  const HandleTangent& handles_;
   double tolerance_;
   Simulator* simulator_;
 };
@@ -97,21 +168,28 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
   ValidateParameters(parameters, scene, "parameters");
-  StepState state = StartState(scene, options.initial_velocities);
+  StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Eigen::VectorXd positions = state.positions, velocities = state.velocities;  // at the end of the last solve
   Tangent tangent = StartTangent(directions, model);
-  const TangentSolver solver(parameters, directions.parameters,
+  const HandleTangent handles(directions, options.handle_offsets, model);
+  const TangentSolver solver(parameters, directions.parameters, handles,
                              options.adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
-  visitor(0, positions, model.ScatterColumns(tangent.positions));
+  const auto visit = [&](int step) {
+    Eigen::MatrixXd all = model.ScatterColumns(tangent.positions);
+    handles.SetRows(scene.start_time + step * scene.time_step, &all);
+    visitor(step, positions, all);
+  };
+  visit(0);
   const StepVisitor advance = [&](int step, std::vector<StepRecord> records) {
     for (StepRecord& record : records) {
       solver.Advance(record, positions, velocities, &tangent);
       positions = std::move(record.positions);
       velocities = std::move(record.velocities);
     }
-    visitor(step, positions, model.ScatterColumns(tangent.positions));
+    visit(step);
   };
   Segment segment;
+  segment.handle_offsets = options.handle_offsets;
   segment.last_step = num_steps;
   segment.step_tolerance = options.step_tolerance;
   segment.cancel = cancel;

@@ -15,11 +15,15 @@ namespace clothid {
 
 class Simulator;
 
-// The directions: first the parameters, then the columns of the start state's perturbations.
+// The directions: first the parameters, then the columns of what the rollout is given besides. A column may change
+// start and handles at once.
 struct SensitivityDirections {
   std::vector<ParameterId> parameters;  // p of them
-  Eigen::MatrixXd initial_positions;    // [3N x q] m, or empty for q = 0; entries of handles are ignored
+  Eigen::MatrixXd initial_positions;    // [3N x q] m, or empty; entries of handles are ignored
   Eigen::MatrixXd initial_velocities;   // [3N x q] m/s, or empty
+  // [3 H K x q] m, or empty: changes of the H handles at the first knot of `SensitivityOptions::handle_offsets`, then
+  // at the second, .. of K.
+  Eigen::MatrixXd handle_offsets;
 };
 
 // Called with x [3N] and dx [3N x (p + q)] after `step` steps, from step 0 on.
@@ -32,16 +36,20 @@ struct SensitivityResult {
 };
 
 struct SensitivityOptions {
-  std::optional<double> step_tolerance;                 // as of RolloutOptions
-  const Eigen::VectorXd* initial_velocities = nullptr;  // as of RolloutOptions
+  std::optional<double> step_tolerance;  // as of RolloutOptions
+  // As of RolloutOptions.
+  const Eigen::VectorXd* initial_positions = nullptr;
+  const Eigen::VectorXd* initial_velocities = nullptr;
+  const HandlePath* handle_offsets = nullptr;
   // Relative residual asked of the linear systems where they are solved by iteration. Absent: the scene's.
   std::optional<double> adjoint_tolerance;
 };
 
 // Runs the rollout that `Simulate` would run, and with it
 //   A dv = -[(I + S)(h (H + V) dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta],   dx_{n+1} = dx_n + h dv
-// with the matrices of step_derivative.h. Throws `std::runtime_error` where a step Jacobian is singular, and as
-// `Simulate` does.
+// with the matrices of step_derivative.h; handles that move add what handle_coupling.h says to the bracket of I + S.
+// Throws `std::runtime_error` where a step Jacobian is singular, `std::logic_error` where directions have other sizes,
+// and as `Simulate` does.
 SensitivityResult PushForward(const Parameters& parameters, int num_steps, const SensitivityDirections& directions,
                               const SensitivityVisitor& visitor, Simulator* simulator,
                               const std::atomic<bool>* cancel = nullptr, const SensitivityOptions& options = {});

@@ -42,6 +42,7 @@ void RecordReader::SimulateSegmentOf(int i) {
   segment.last_step = last_step;
   segment.step_tolerance = rollout_.step_tolerance;
   segment.end_with_factors = rollout_.ends_with_factors;
+  if (rollout_.handle_offsets.num_handles() > 0) segment.handle_offsets = &rollout_.handle_offsets;
   StepState state{start_positions(first_record_), start_velocities(first_record_)};
   const bool ok = AdvanceSegment(rollout_.parameters, segment, append, simulator_, &state).ok();
   const StepRecord& checkpoint = rollout_.records[last_record[last_step - 1]];

@@ -68,6 +68,7 @@ Rollout EmptyRollout(const Parameters& parameters, const Scene& scene, const Ste
   rollout.ends_with_factors = options.factor_memory > 0;
   rollout.initial_positions = start.positions;
   rollout.initial_velocities = start.velocities;
+  if (options.handle_offsets != nullptr) rollout.handle_offsets = *options.handle_offsets;
   return rollout;
 }
 
@@ -121,7 +122,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
   if (options.followed != nullptr && options.checkpoint_interval > 0) {
     throw std::logic_error("a rollout that follows another one cannot be made again from checkpoints");
   }
-  StepState state = StartState(scene, options.initial_velocities);
+  StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Rollout rollout = EmptyRollout(parameters, scene, state, options);
   if (options.visitor) options.visitor(0, rollout.initial_positions);
   FactorBudget budget(options.factor_memory);
@@ -136,6 +137,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
   Segment segment;
   segment.step_tolerance = rollout.step_tolerance;
   segment.end_with_factors = rollout.ends_with_factors;
+  segment.handle_offsets = options.handle_offsets;
   if (options.followed != nullptr) {
     segment.guesses = [&](int step) { return Guesses(simulator->model(), *options.followed, step); };
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/rollout/step_record.h"
+#include "sim/scene/handle_path.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/step_counts.h"
 
@@ -25,6 +26,7 @@ struct Rollout {
   double step_tolerance = 0.0;         // relative residual asked of the steps
   Eigen::VectorXd initial_positions;   // x_0 [3N]
   Eigen::VectorXd initial_velocities;  // v_0 [3N]
+  HandlePath handle_offsets;           // see RolloutOptions; no handles: none
   // In order of time; one per step, more where substeps were taken. With checkpoints those before the last one are
   // empty, but for the checkpoints themselves; RecordReader (sim/rollout/record_reader.h) makes them again.
   std::vector<StepRecord> records;
@@ -44,8 +46,11 @@ struct Rollout {
 struct RolloutOptions {
   // Relative residual asked of a step. Absent: the scene's.
   std::optional<double> step_tolerance;
-  // v_0 [3N] m/s, in place of the scene's. Null: the scene's.
+  // x_0 [3N] m, handles and all, and v_0 [3N] m/s, in place of the scene's. Null: the scene's.
+  const Eigen::VectorXd* initial_positions = nullptr;
   const Eigen::VectorXd* initial_velocities = nullptr;
+  // Added to the path of the scene's handles, of which there must be one. Null: nothing.
+  const HandlePath* handle_offsets = nullptr;
   // 0: every step is kept. c > 0: of every c steps the last one, a checkpoint, and all after the last checkpoint;
   // PullBack simulates the others again, c at a time.
   int checkpoint_interval = 0;

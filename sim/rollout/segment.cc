@@ -101,7 +101,8 @@ class StepLoop {
       const Eigen::VectorXd& x = i == 1 ? start.positions : records->back().positions;
       const Eigen::VectorXd& v = i == 1 ? start.velocities : records->back().velocities;
       const double end_time = scene_.start_time + ((step - 1) + static_cast<double>(i) / num_solves) * scene_.time_step;
-      const StepProblem problem(simulator_->model(), parameters_, x, v, h, end_time, &simulator_->step_workspace());
+      const StepProblem problem(simulator_->model(), parameters_, x, v, h, end_time, &simulator_->step_workspace(),
+                                segment_.handle_offsets);
       const Eigen::VectorXd* guess = num_solves == static_cast<int>(guesses.size()) ? &guesses[i - 1] : nullptr;
       if (!solver.Solve(problem, tolerance_, guess, &point, &outcome_.counts)) {
         *failure = DescribeFailure(step, StepSolver::Tolerance(problem, tolerance_, point), point);
@@ -136,17 +137,25 @@ class StepLoop {
 
 }  // namespace
 
-StepState StartState(const Scene& scene, const Eigen::VectorXd* initial_velocities) {
-  if (initial_velocities == nullptr) return {scene.initial_positions, scene.initial_velocities};
-  if (initial_velocities->size() != scene.initial_velocities.size()) {
-    throw std::logic_error(std::to_string(initial_velocities->size()) + " initial velocities; expected " +
-                           std::to_string(scene.initial_velocities.size()));
-  }
-  return {scene.initial_positions, *initial_velocities};
+StepState StartState(const Scene& scene, const Eigen::VectorXd* initial_positions,
+                     const Eigen::VectorXd* initial_velocities) {
+  const auto choose = [](const Eigen::VectorXd& own, const Eigen::VectorXd* given, const std::string& what) {
+    if (given == nullptr) return own;
+    if (given->size() == own.size()) return *given;
+    throw std::logic_error(std::to_string(given->size()) + " initial " + what + "; expected " +
+                           std::to_string(own.size()));
+  };
+  return {choose(scene.initial_positions, initial_positions, "positions"),
+          choose(scene.initial_velocities, initial_velocities, "velocities")};
 }
 
 SegmentOutcome AdvanceSegment(const Parameters& parameters, const Segment& segment, const StepVisitor& visitor,
                               Simulator* simulator, StepState* state) {
+  const HandlePath* const offsets = segment.handle_offsets;
+  if (offsets != nullptr && offsets->num_handles() != simulator->scene().handles.path.num_handles()) {
+    throw std::logic_error("offsets of " + std::to_string(offsets->num_handles()) + " handles; expected " +
+                           std::to_string(simulator->scene().handles.path.num_handles()));
+  }
   return StepLoop(parameters, segment, simulator).Run(visitor, state);
 }
 

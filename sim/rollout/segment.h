@@ -16,6 +16,7 @@
 namespace clothid {
 
 struct Scene;
+class HandlePath;
 class Simulator;
 
 // What one step hands to the next.
@@ -26,14 +27,16 @@ struct StepState {
   std::optional<std::vector<ContactRecord>> contacts = std::nullopt;
 };
 
-// The start of a rollout: that of the scene, but with `initial_velocities` [3N] m/s where they are not null. Throws
-// `std::logic_error` where these are not as many.
-StepState StartState(const Scene& scene, const Eigen::VectorXd* initial_velocities);
+// The start of a rollout: that of the scene, but with `initial_positions` [3N] m and `initial_velocities` [3N] m/s
+// where they are not null. Throws `std::logic_error` where these are not as many.
+StepState StartState(const Scene& scene, const Eigen::VectorXd* initial_positions,
+                     const Eigen::VectorXd* initial_velocities);
 
 struct Segment {
-  int first_step = 1, last_step = 1;     // 1-based
-  std::optional<double> step_tolerance;  // relative residual asked of a step; absent: the scene's
-  bool end_with_factors = false;         // see RolloutOptions::factor_memory
+  int first_step = 1, last_step = 1;           // 1-based
+  std::optional<double> step_tolerance;        // relative residual asked of a step; absent: the scene's
+  bool end_with_factors = false;               // see RolloutOptions::factor_memory
+  const HandlePath* handle_offsets = nullptr;  // as of RolloutOptions
   // For a step the velocities [3 Nf] from which its solves start: it is cut into as many. None, or an empty function:
   // the solver finds a start of its own.
   std::function<std::vector<Eigen::VectorXd>(int step)> guesses;
@@ -52,7 +55,8 @@ using StepVisitor = std::function<void(int step, std::vector<StepRecord> records
 
 // Runs the steps of `segment` with a solver that was reset: they do not depend on what it did before. A step is one
 // solve or, where that does not converge, 2, 4, .. substeps. `state` is that before the first step and becomes that
-// after the last one that succeeded, `visitor` sees the steps that succeeded.
+// after the last one that succeeded, `visitor` sees the steps that succeeded. Throws `std::logic_error` where the scene
+// has no path for as many handles as have offsets.
 SegmentOutcome AdvanceSegment(const Parameters& parameters, const Segment& segment, const StepVisitor& visitor,
                               Simulator* simulator, StepState* state);
 

@@ -48,6 +48,24 @@ Eigen::MatrixXd ParabolaSlopes(const Eigen::VectorXd& times, const Eigen::Matrix
   return slopes;
 }
 
+// Rows of `values` with their slopes at the knots, at a time.
+Eigen::VectorXd Interpolate(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, const Eigen::MatrixXd& slopes,
+                            double time) {
+  const Eigen::Index last = times.size() - 1;
+  if (last < 0) return {};
+  if (!(time > times[0])) return values.col(0);
+  if (time >= times[last]) return values.col(last);
+  const Eigen::Index i = std::upper_bound(times.begin(), times.end(), time) - times.begin() - 1;
+  const double interval = times[i + 1] - times[i];
+  const double s = (time - times[i]) / interval;
+  // The Hermite polynomials on [0, 1], written around the first knot so that a path that rests is exactly constant.
+  const double rise = s * s * (3.0 - 2.0 * s);
+  const double slope_first = s * (1.0 - s) * (1.0 - s);
+  const double slope_second = -s * s * (1.0 - s);
+  return values.col(i) + rise * (values.col(i + 1) - values.col(i)) +
+         interval * (slope_first * slopes.col(i) + slope_second * slopes.col(i + 1));
+}
+
 }  // namespace
 
 HandlePath::HandlePath(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions)
@@ -57,20 +75,12 @@ HandlePath::HandlePath(const Eigen::VectorXd& times, const Eigen::MatrixXd& posi
   if (!slopes_.allFinite()) Fail("expected velocities that are finite numbers");
 }
 
-Eigen::VectorXd HandlePath::At(double time) const {
-  const Eigen::Index last = times_.size() - 1;
-  if (last < 0) return {};
-  if (!(time > times_[0])) return positions_.col(0);
-  if (time >= times_[last]) return positions_.col(last);
-  const Eigen::Index i = std::upper_bound(times_.begin(), times_.end(), time) - times_.begin() - 1;
-  const double interval = times_[i + 1] - times_[i];
-  const double s = (time - times_[i]) / interval;
-  // The Hermite polynomials on [0, 1], written around the first knot so that a path that rests is exactly constant.
-  const double rise = s * s * (3.0 - 2.0 * s);
-  const double slope_first = s * (1.0 - s) * (1.0 - s);
-  const double slope_second = -s * s * (1.0 - s);
-  return positions_.col(i) + rise * (positions_.col(i + 1) - positions_.col(i)) +
-         interval * (slope_first * slopes_.col(i) + slope_second * slopes_.col(i + 1));
+Eigen::VectorXd HandlePath::At(double time) const { return Interpolate(times_, positions_, slopes_, time); }
+
+// Slopes are linear in positions, and so is what lies between two knots.
+Eigen::VectorXd HandlePath::KnotWeights(double time) const {
+  const Eigen::MatrixXd knots = Eigen::MatrixXd::Identity(times_.size(), times_.size());
+  return Interpolate(times_, knots, ParabolaSlopes(times_, knots), time);
 }
 
 }  // namespace clothid

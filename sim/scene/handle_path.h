@@ -22,6 +22,8 @@ class HandlePath {
 
   // [3H] m.
   Eigen::VectorXd At(double time) const;
+  // [T] w with At(time) = positions() w: what a change of the positions does. It takes T^2 operations.
+  Eigen::VectorXd KnotWeights(double time) const;
 
  private:
   Eigen::VectorXd times_;

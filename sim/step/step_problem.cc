@@ -68,12 +68,13 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
 }
 
 StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
-                         const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace)
+                         const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace,
+                         const HandlePath* handle_offsets)
     : model_(model), parameters_(parameters), work_(*workspace), time_step_(time_step), end_time_(end_time) {
   const bool changed = work_.time_step != time_step || !SameMaterial(work_.material, parameters.material);
   if (changed) SetConstants();
   if (changed || model.drag() != nullptr) SetExternalImpulse();
-  SetHandles();
+  SetHandles(handle_offsets);
   work_.start_positions = positions;
   work_.start_velocities.resize(3 * model.num_free());
   double square = 0.0;
@@ -119,9 +120,10 @@ void StepProblem::SetExternalImpulse() {
   work_.external_norm = work_.external_impulse.norm();
 }
 
-void StepProblem::SetHandles() {
+void StepProblem::SetHandles(const HandlePath* offsets) {
   const Handles& handles = model_.scene().handles;
   if (handles.path.num_handles() > 0) work_.handle_positions = handles.path.At(end_time_);
+  if (offsets != nullptr) work_.handle_positions += offsets->At(end_time_);
 }
 
 int StepProblem::free_block(int candidate) const { return model_.free_index()[work_.candidates[candidate].node]; }

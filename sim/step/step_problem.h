@@ -72,9 +72,10 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
 class StepProblem {
  public:
   // From (x_n, v_n) [3N] over `time_step` to `end_time`. Model, parameters and workspace must outlive the problem,
-  // which has the workspace for itself.
+  // which has the workspace for itself. `handle_offsets` (may be null): added to the path of the handles.
   StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
-              const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace);
+              const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace,
+              const HandlePath* handle_offsets = nullptr);
 
   // The same step with every friction coefficient times `share`, on the same workspace.
   StepProblem WithFriction(double share) const;
@@ -112,7 +113,7 @@ class StepProblem {
   // Of the constructor.
   void SetConstants();
   void SetExternalImpulse();
-  void SetHandles();
+  void SetHandles(const HandlePath* offsets);
 
   // v, x, and the terms of g and its potential that are neither drag nor an internal force.
   void MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const;
