@@ -17,7 +17,9 @@
 // last one, so asking twice costs nothing; what was cancelled is not kept. Functions that are const fill this cache: a
 // cost belongs to one thread at a time, together with those that it shares the cache with (`AtPrecision`).
 //
-// Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate.
+// Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate; and one more where the start of
+// the recording is unknown, its n unknowns s (costs/start/unknown_start.h). Their prior is part of L then. Below, q is
+// all of them, [p + n].
 #ifndef CLOTHID_COSTS_ROLLOUT_COST_H_
 #define CLOTHID_COSTS_ROLLOUT_COST_H_
 
@@ -53,16 +55,22 @@ class RolloutCost : public ceres::CostFunction {
   // null; what is null is not differentiated.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
-  // L and dL/dq [p] for first-order methods, by one adjoint column (from the rows of `Evaluate` with the other
+  // L and dL/dq [p + n] for first-order methods, by one adjoint column (from the rows of `Evaluate` with the other
   // Jacobians). `gradient` may be null; entries of frozen blocks are zero. Returns as `Evaluate` does.
   bool EvaluateGradient(const Eigen::VectorXd& coordinates, double* cost, Eigen::VectorXd* gradient) const;
 
-  // e [m] with its full Jacobian, weighted by the loss and compressed to r rows, whatever `JacobianMethod` the cost
-  // has: |residuals| = |e|, and `jacobian` [r x p] has the same products with itself and with `residuals` as de/dq;
-  // columns of frozen blocks are zero. `frame_scores` (may be null) [p x T]: the parts of the gradient of L that the
-  // frames have, J_i^T e_i. For the covariance at a solution. Returns as `Evaluate` does.
+  // e [m], and the residuals of the prior, with their full Jacobian, weighted by the loss and compressed to r rows,
+  // whatever `JacobianMethod` the cost has: |residuals| = |e|, and `jacobian` [r x (p + n)] has the same products with
+  // itself and with `residuals` as de/dq; columns of frozen blocks are zero. `frame_scores` (may be null) [(p + n) x
+  // T]: the parts of the gradient of L that the frames have, J_i^T e_i. For the covariance at a solution. Returns as
+  // `Evaluate` does.
   bool Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
                  Eigen::MatrixXd* frame_scores = nullptr) const;
+
+  // The same along the p blocks alone, each of which moves the unknown start by its column of `follow` [n x p]: the
+  // columns J_b + J_s follow, the prior's rows with them, and the frames' scores [p x T]. Not cached.
+  bool LinearizeAlong(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow, Eigen::MatrixXd* jacobian,
+                      Eigen::VectorXd* residuals, Eigen::MatrixXd* frame_scores) const;
 
   // The prediction [R x T] m (see Observation), and the counts of their rollout (may be null). False where the rollout
   // failed.
@@ -84,6 +92,9 @@ class RolloutCost : public ceres::CostFunction {
 
   // J of an evaluation [num_residuals() x q].
   Eigen::MatrixXd RowsOf(const RolloutEvaluation& evaluation) const;
+  // Of the unknown start: its share of L, and the rows of its prior below those of the recording. Nothing without one.
+  double PriorAt(const Eigen::VectorXd& coordinates) const;
+  int num_prior_rows() const;
 
   std::shared_ptr<RolloutEvaluator> evaluator_;  // the cache
   Precision precision_ = Precision::kFull;

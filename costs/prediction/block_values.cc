@@ -41,9 +41,9 @@ Alignment BlockValues::AlignmentAt(const Eigen::VectorXd& coordinates) const {
 }
 
 Eigen::VectorXd BlockValues::DerivativesAt(const Eigen::VectorXd& coordinates, const std::vector<int>& active) const {
-  Eigen::VectorXd derivatives(static_cast<Eigen::Index>(active.size()));
+  Eigen::VectorXd derivatives = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(active.size()));
   for (Eigen::Index i = 0; i < derivatives.size(); ++i) {
-    derivatives[i] = blocks_[active[i]].ValueDerivative(coordinates[active[i]]);
+    if (active[i] < num_blocks()) derivatives[i] = blocks_[active[i]].ValueDerivative(coordinates[active[i]]);
   }
   return derivatives;
 }
@@ -51,6 +51,10 @@ Eigen::VectorXd BlockValues::DerivativesAt(const Eigen::VectorXd& coordinates, c
 SortedBlocks BlockValues::Sort(const std::vector<int>& active) const {
   SortedBlocks sorted;
   for (int place = 0; place < static_cast<int>(active.size()); ++place) {
+    if (active[place] >= num_blocks()) {
+      sorted.start_places.push_back(place);
+      continue;
+    }
     const std::optional<AlignmentId>& id = alignment_ids_[active[place]];
     if (!id) {
       sorted.parameters.push_back(ids_[active[place]]);

@@ -13,7 +13,7 @@
 
 namespace clothid {
 
-// Some blocks by what they are; each with its place in the list that they come from.
+// Some coordinates by what they are; each with its place in the list that they come from.
 struct SortedBlocks {
   std::vector<ParameterId> parameters;  // of the simulation
   std::vector<int> parameter_places;
@@ -21,6 +21,7 @@ struct SortedBlocks {
   std::vector<int> velocity_places;
   std::vector<AlignmentId> corrections;  // all other parameters of the recording
   std::vector<int> correction_places;
+  std::vector<int> start_places;  // of what follows the blocks: the unknown start, in its order
 
   bool has_only_parameters() const { return velocity_places.empty() && correction_places.empty(); }
 };
@@ -33,13 +34,15 @@ class BlockValues {
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   // The scene's nominal parameters with the starting values of the blocks.
   const Parameters& start() const { return start_; }
+  int num_blocks() const { return static_cast<int>(blocks_.size()); }
   // The first block of a kind; null where there is none.
   const ParameterBlock* Find(AlignmentKind kind) const;
 
-  // `coordinates` [p], in the order of the blocks. What is no block is as at the start, or zero.
+  // `coordinates` [p], in the order of the blocks; what follows does not matter. What is no block is as at the start,
+  // or zero.
   Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
   Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
-  // d value/d coordinate [q] of the blocks `active`.
+  // d value/d coordinate [q] of the blocks `active`; 1 for what follows the blocks.
   Eigen::VectorXd DerivativesAt(const Eigen::VectorXd& coordinates, const std::vector<int>& active) const;
   SortedBlocks Sort(const std::vector<int>& active) const;
 

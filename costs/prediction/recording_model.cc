@@ -28,6 +28,9 @@ Eigen::MatrixXd UniformVelocities(int num_nodes, const std::vector<int>& axes) {
   return velocities;
 }
 
+// Columns of a start beyond which they are for a Gauss-Newton matrix.
+constexpr Eigen::Index kManyColumns = 24;
+
 // The scene whose material has every term that the fit will change.
 Scene SceneAtStart(Scene scene, const Parameters& start) {
   scene.material = start.material;
@@ -39,25 +42,65 @@ Scene SceneAtStart(Scene scene, const Parameters& start) {
 
 }  // namespace
 
-RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer)
+RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer,
+                               std::shared_ptr<const UnknownStart> start)
     : name_(motion.name),
       values_(std::move(blocks), motion.scene),
       observation_(motion),
       interpolation_(InterpolationFor(motion, values_, observation_)),
       turn_center_(TurnCenter(motion)),
       simulator_(SceneAtStart(motion.scene, values_.start())),
-      observer_(std::move(observer)) {}
+      start_(std::move(start)),
+      observer_(std::move(observer)) {
+  if (start_ == nullptr && IsUnknown(motion.start_source)) start_ = std::make_shared<const UnknownStart>(motion);
+}
 
 FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
   return FramePrediction(values_.AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
 }
 
-std::optional<Eigen::VectorXd> RecordingModel::StartVelocities(const Eigen::VectorXd& coordinates) const {
-  if (values_.Find(AlignmentKind::kStartVelocity) == nullptr) return std::nullopt;
+RecordingModel::RolloutStart RecordingModel::StartAt(const Eigen::VectorXd& coordinates) const {
+  RolloutStart start;
+  if (start_ != nullptr) {
+    const Eigen::VectorXd unknowns = StartUnknowns(coordinates);
+    start.positions = start_->PositionsAt(unknowns);
+    start.velocities = start_->VelocitiesAt(unknowns);
+    start.handle_offsets = start_->HandleOffsetsAt(unknowns);
+  }
+  if (values_.Find(AlignmentKind::kStartVelocity) == nullptr) return start;
   const Eigen::Vector3d velocity = values_.AlignmentAt(coordinates).start_velocity;
-  Eigen::VectorXd velocities = scene().initial_velocities;
-  for (int node : simulator_.model().free_nodes()) velocities.segment<3>(3 * node) += velocity;
-  return velocities;
+  if (!start.velocities) start.velocities = scene().initial_velocities;
+  for (int node : simulator_.model().free_nodes()) start.velocities->segment<3>(3 * node) += velocity;
+  return start;
+}
+
+SensitivityDirections RecordingModel::DirectionsOf(const SortedBlocks& active, const Eigen::MatrixXd& along) const {
+  SensitivityDirections directions;
+  const auto num_axes = static_cast<Eigen::Index>(active.velocity_axes.size());
+  const auto num_active = static_cast<int>(active.start_places.size());
+  if (num_active > 0 && num_active != num_start_unknowns()) {
+    throw std::logic_error("derivatives along some unknowns of the start; expected all or none");
+  }
+  if (num_active > 0 || along.cols() > 0) {
+    directions = num_active > 0 ? start_->directions() : start_->DirectionsAlong(along);
+    const auto put_behind = [num_axes](Eigen::MatrixXd* columns) {
+      if (columns->cols() == 0 || num_axes == 0) return;
+      Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(columns->rows(), num_axes + columns->cols());
+      wider.rightCols(columns->cols()) = *columns;
+      *columns = std::move(wider);
+    };
+    put_behind(&directions.initial_positions);
+    put_behind(&directions.initial_velocities);
+    put_behind(&directions.handle_offsets);
+  }
+  directions.parameters = active.parameters;
+  if (num_axes == 0) return directions;
+  const Eigen::Index num_columns = std::max(num_axes, directions.initial_positions.cols());
+  if (directions.initial_velocities.cols() == 0) {
+    directions.initial_velocities = Eigen::MatrixXd::Zero(3 * observation_.num_nodes(), num_columns);
+  }
+  directions.initial_velocities.leftCols(num_axes) = UniformVelocities(observation_.num_nodes(), active.velocity_axes);
+  return directions;
 }
 
 SolverOptions RecordingModel::SolverAt(Precision precision) const {
@@ -77,9 +120,9 @@ Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const Pas
       Observe(RolloutPass::kRollout, step, pass.passes_left);
     };
   }
-  const std::optional<Eigen::VectorXd> velocities = StartVelocities(coordinates);
+  const RolloutStart start = StartAt(coordinates);
+  start.SetOn(&options);
   options.step_tolerance = SolverAt(pass.precision).step_tolerance;
-  options.initial_velocities = velocities ? &*velocities : nullptr;
   return clothid::Simulate(ParametersAt(coordinates), num_steps(), &simulator_, pass.cancel, options);
 }
 
@@ -104,11 +147,14 @@ SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordin
     Observe(RolloutPass::kForwardSweep, step, pass.passes_left);
   };
   const SolverOptions solver = SolverAt(pass.precision);
-  const std::optional<Eigen::VectorXd> velocities = StartVelocities(coordinates);
+  const RolloutStart start = StartAt(coordinates);
   SensitivityOptions options;
+  start.SetOn(&options);
   options.step_tolerance = solver.step_tolerance;
   options.adjoint_tolerance = solver.adjoint_tolerance;
-  options.initial_velocities = velocities ? &*velocities : nullptr;
+  if (directions.initial_positions.cols() > kManyColumns) {
+    options.adjoint_tolerance = std::max(solver.adjoint_tolerance, kStartAdjointTolerance);
+  }
   return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, pass.cancel,
                               options);
 }
@@ -150,6 +196,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
     all(sorted.velocity_places, Eigen::all) =
         UniformVelocities(observation_.num_nodes(), sorted.velocity_axes).transpose() * gradient.initial_velocities;
   }
+  if (!sorted.start_places.empty()) all(sorted.start_places, Eigen::all) = start_->PullBack(gradient);
   SetCorrectionRows(prediction, sorted, predicted, velocities, derivative, seeds, &all);
   return values_.DerivativesAt(coordinates, active).asDiagonal() * all;
 }
@@ -176,10 +223,12 @@ void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const 
 Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active,
                                                 int frame, const FrameStates& states) const {
   const Eigen::MatrixXd swept = prediction.Points(frame, states);
-  if (active.has_only_parameters()) return swept;
+  const auto num_swept = static_cast<Eigen::Index>(active.parameters.size() + active.start_places.size());
+  if (active.has_only_parameters()) return swept.leftCols(1 + num_swept);
   std::vector<int> places = active.parameter_places;
   places.insert(places.end(), active.velocity_places.begin(), active.velocity_places.end());
-  Eigen::MatrixXd all(swept.rows(), swept.cols() + static_cast<Eigen::Index>(active.corrections.size()));
+  places.insert(places.end(), active.start_places.begin(), active.start_places.end());
+  Eigen::MatrixXd all(swept.rows(), 1 + static_cast<Eigen::Index>(places.size() + active.corrections.size()));
   all.col(0) = swept.col(0);
   for (std::size_t i = 0; i < places.size(); ++i) all.col(1 + places[i]) = swept.col(1 + static_cast<Eigen::Index>(i));
   Eigen::VectorXd velocities;
@@ -191,22 +240,26 @@ Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& predictio
 }
 
 SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                              const FrameVisitor& visitor, const PassOptions& pass) {
+                                              const FrameVisitor& visitor, const PassOptions& pass,
+                                              const Eigen::MatrixXd* follow) {
   const FramePrediction prediction = PredictionAt(coordinates);
   const SortedBlocks sorted = values_.Sort(active);
   const Eigen::VectorXd derivatives = values_.DerivativesAt(coordinates, active);
+  // Per unit of the values, as all other columns.
+  Eigen::MatrixXd along;
+  if (follow != nullptr) along = *follow * derivatives.cwiseInverse().asDiagonal();
   FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
-    const Eigen::MatrixXd points = WithDerivatives(prediction, sorted, frame, states);
+    Eigen::MatrixXd points = WithDerivatives(prediction, sorted, frame, states);
+    if (along.cols() > 0) {
+      const Eigen::MatrixXd moved = prediction.Points(frame, states);
+      points.rightCols(along.cols()) += moved.rightCols(along.cols());
+    }
     Eigen::VectorXd residuals;
     Eigen::MatrixXd jacobian;
     observation_.LinearizeFrame(frame, points, &residuals, &jacobian);
     visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
   });
-  SensitivityDirections directions;
-  directions.parameters = sorted.parameters;
-  if (!sorted.velocity_axes.empty()) {
-    directions.initial_velocities = UniformVelocities(observation_.num_nodes(), sorted.velocity_axes);
-  }
+  const SensitivityDirections directions = DirectionsOf(sorted, along);
   Eigen::MatrixXd state;
   const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
     state.resize(positions.size(), 1 + derivative.cols());

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "costs/prediction/parameter_block.h"
 #include "costs/prediction/pass_step.h"
 #include "costs/prediction/rollout_cost_options.h"
+#include "costs/start/unknown_start.h"
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/observation/observation.h"
 #include "sim/derivative/adjoint.h"
@@ -44,22 +46,32 @@ struct RolloutStorage {
 
 // Owns everything it needs; one per thread. The parameters that are not blocks stay at the scene's nominal values,
 // those of the recording itself (costs/prediction/alignment.h) at zero: where none of them is a block, nothing is
-// corrected.
+// corrected. Where the start of the recording is unknown, its unknowns (costs/start/unknown_start.h) are coordinates,
+// too, after those of the blocks: the list `active` has all of them or none.
 class RecordingModel {
  public:
   // Every name of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
   // simulation are those that the starting values of the blocks and the scene's nominal values ask for. Throws `Error`
   // for names and for what `Observation` and `Simulator` reject. `observer`: told of every step of all passes; may be
-  // empty.
-  RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer = {});
+  // empty. `start`: that of the same cloth in another view of this recording; null: what the recording says.
+  RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer = {},
+                 std::shared_ptr<const UnknownStart> start = nullptr);
 
   const std::string& name() const { return name_; }
   const Observation& observation() const { return observation_; }
   const Scene& scene() const { return simulator_.scene(); }
   const std::vector<ParameterBlock>& blocks() const { return values_.blocks(); }
-  int num_blocks() const { return static_cast<int>(blocks().size()); }
+  int num_blocks() const { return static_cast<int>(blocks().size()); }               // p
+  int num_start_unknowns() const { return start_ == nullptr ? 0 : start_->size(); }  // n
+  int num_coordinates() const { return num_blocks() + num_start_unknowns(); }        // p + n
+  const std::shared_ptr<const UnknownStart>& shared_start() const { return start_; }
+  const UnknownStart* unknown_start() const { return start_.get(); }  // null: it is known
+  // The last n of `coordinates`.
+  Eigen::VectorXd StartUnknowns(const Eigen::VectorXd& coordinates) const {
+    return coordinates.tail(num_start_unknowns());
+  }
 
-  // `coordinates` [p], in the order of the blocks.
+  // `coordinates` [p + n], the blocks in their order.
   Parameters ParametersAt(const Eigen::VectorXd& coordinates) const { return values_.ParametersAt(coordinates); }
 
   int num_steps() const { return interpolation_.num_steps(); }
@@ -73,9 +85,9 @@ class RecordingModel {
   Rollout Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass, const RolloutStorage& storage,
                    Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
 
-  // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the blocks listed in `active`
-  // [q]. `predicted` and `velocities`: of the rollout. Throws `std::logic_error` where the time offset is active and
-  // velocities are missing.
+  // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the coordinates listed in
+  // `active` [q]. `predicted` and `velocities`: of the rollout. Throws `std::logic_error` where the time offset is
+  // active and velocities are missing.
   Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
                            const Eigen::VectorXd& coordinates, const std::vector<int>& active,
                            const Eigen::MatrixXd& seeds, const AdjointOptions& options, Precision precision);
@@ -84,8 +96,11 @@ class RecordingModel {
   // respect to the coordinates of the blocks `active`, [r x q].
   using FrameVisitor = std::function<void(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                                           const Eigen::MatrixXd& jacobian)>;
+  // `follow` (may be null) [n x q]: `active` are blocks alone, and the derivative along each of them moves the unknown
+  // start with it, by that column.
   SensitivityResult PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                const FrameVisitor& visitor, const PassOptions& pass);
+                                const FrameVisitor& visitor, const PassOptions& pass,
+                                const Eigen::MatrixXd* follow = nullptr);
 
  private:
   void Observe(RolloutPass pass, int num_done, int passes_left) const {
@@ -100,10 +115,25 @@ class RecordingModel {
                                     const SensitivityVisitor& visitor, const PassOptions& pass);
 
   FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
-  // Where rollouts do not start with the velocities of the scene: [3N] m/s.
-  std::optional<Eigen::VectorXd> StartVelocities(const Eigen::VectorXd& coordinates) const;
-  // The prediction at a frame, from states whose further columns are derivatives along `active.parameters` and then
-  // along the start velocities, and its derivatives in the order of the blocks: [R x (1 + q)].
+  // What a rollout has in place of the scene's start.
+  struct RolloutStart {
+    std::optional<Eigen::VectorXd> positions, velocities;  // [3N]
+    std::optional<HandlePath> handle_offsets;
+
+    // Into `RolloutOptions` or `SensitivityOptions`, which keep references.
+    template <typename Options>
+    void SetOn(Options* options) const {
+      options->initial_positions = positions ? &*positions : nullptr;
+      options->initial_velocities = velocities ? &*velocities : nullptr;
+      options->handle_offsets = handle_offsets ? &*handle_offsets : nullptr;
+    }
+  };
+  RolloutStart StartAt(const Eigen::VectorXd& coordinates) const;
+  // The columns of a forward sweep: of the parameters, then of the start velocity, then of the unknown start: those of
+  // all its unknowns where they are active, or `along` [n x q], if any, of them.
+  SensitivityDirections DirectionsOf(const SortedBlocks& active, const Eigen::MatrixXd& along) const;
+  // The prediction at a frame, from states whose further columns are derivatives along the directions of `active`, and
+  // its derivatives in the order of `active`: [R x (1 + q)].
   Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active, int frame,
                                   const FrameStates& states) const;
   // The rows of `gradient` that belong to corrections.
@@ -118,6 +148,7 @@ class RecordingModel {
   FrameInterpolation interpolation_;
   Eigen::Vector3d turn_center_;  // m
   Simulator simulator_;
+  std::shared_ptr<const UnknownStart> start_;  // null: the start is known
   PassObserver observer_;
 };
 

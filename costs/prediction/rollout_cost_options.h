@@ -32,6 +32,9 @@ enum class Precision {
 // residual, which is as near as a Gauss-Newton step from some way off leads anyway.
 inline constexpr double kLooseStepTolerance = 1e-3;
 inline constexpr double kLooseAdjointTolerance = 1e-6;
+// Of forward sweeps with the hundreds of columns of an unknown start, in either precision: they are for a Gauss-Newton
+// matrix alone, the gradient comes from the adjoint.
+inline constexpr double kStartAdjointTolerance = 1e-3;
 
 struct RolloutCostOptions {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;

@@ -22,7 +22,7 @@ void ExpectFinite(const Eigen::MatrixXd& gradients) {
 }  // namespace
 
 int AdjointRows::num_rows() const {
-  return 1 + options_->num_differences + std::max(kNumDisplacementModes, model_->num_blocks());
+  return 1 + options_->num_differences + std::max(kNumDisplacementModes, model_->num_coordinates());
 }
 
 // e first, so that it is in the span to rounding whatever follows.

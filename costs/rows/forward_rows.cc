@@ -66,7 +66,7 @@ void ForwardRows::MoveTo(RolloutEvaluation* evaluation) {
 
 ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const PassOptions& pass,
                          const RobustLoss& loss, int num_rows, bool keeps_jacobian, RecordingModel* model,
-                         CostStatistics* statistics) {
+                         CostStatistics* statistics, const Eigen::MatrixXd* follow) {
   const ScopedTimer timer(&statistics->derivative_seconds);
   ForwardRows result;
   FrameCollector collector(model->observation(), loss, active, keeps_jacobian, &result);
@@ -76,7 +76,7 @@ ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<i
   };
   ++statistics->rollouts;
   ++statistics->sweeps;
-  const SensitivityResult swept = model->PushForward(coordinates, active, add_frame, pass);
+  const SensitivityResult swept = model->PushForward(coordinates, active, add_frame, pass, follow);
   statistics->counts += swept.counts;
   if (swept.failure) throw std::runtime_error(swept.failure->ToString());
   result.counts = swept.counts;

@@ -29,7 +29,7 @@ struct ForwardRows {
 // counted it then, too.
 ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const PassOptions& pass,
                          const RobustLoss& loss, int num_rows, bool keeps_jacobian, RecordingModel* model,
-                         CostStatistics* statistics);
+                         CostStatistics* statistics, const Eigen::MatrixXd* follow = nullptr);
 
 }  // namespace clothid
 

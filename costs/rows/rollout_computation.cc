@@ -34,10 +34,12 @@ RolloutComputation::RolloutComputation(const RecordedMotion& motion, std::vector
   for (int i = 0; i < model_.num_blocks(); ++i) {
     if (!model_.blocks()[i].frozen) free_blocks_.push_back(i);
   }
+  free_coordinates_ = free_blocks_;
+  for (int i = model_.num_blocks(); i < model_.num_coordinates(); ++i) free_coordinates_.push_back(i);
 }
 
 int RolloutComputation::num_rows() const {
-  return options_.jacobian == JacobianMethod::kAdjoint ? adjoint_rows_.num_rows() : model_.num_blocks() + 1;
+  return options_.jacobian == JacobianMethod::kAdjoint ? adjoint_rows_.num_rows() : model_.num_coordinates() + 1;
 }
 
 bool RolloutComputation::TakesFirstJacobian() const {
@@ -45,8 +47,13 @@ bool RolloutComputation::TakesFirstJacobian() const {
          adjoint_rows_.last_jacobian().size() == 0 && !free_blocks_.empty();
 }
 
+bool RolloutComputation::TakesAdjointGradient(const EvaluationKey& key) const {
+  return key.need == EvaluationNeed::kGradient && model_.num_start_unknowns() > 0;
+}
+
 int RolloutComputation::PassesAfterRollout(const EvaluationKey& key) const {
   if (key.need == EvaluationNeed::kCost) return 0;
+  if (TakesAdjointGradient(key)) return 1;
   const bool is_numeric = options_.jacobian == JacobianMethod::kNumeric && key.need != EvaluationNeed::kExactRows;
   return is_numeric ? static_cast<int>(key.active.size()) : 1;
 }
@@ -66,7 +73,7 @@ void RolloutComputation::Complete(const EvaluationKey& key, const EvaluationCach
 void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                              CostStatistics* statistics) {
   if (evaluation->is_new() && TakesFirstJacobian()) AddForwardRows(free_blocks_, evaluation, statistics);
-  if (evaluation->is_new() && options_.jacobian == JacobianMethod::kSensitivity) {
+  if (evaluation->is_new() && options_.jacobian == JacobianMethod::kSensitivity && !TakesAdjointGradient(key)) {
     // Nearly every trial point is accepted and asked for its Jacobian next, so it comes along with the rollout.
     AddForwardRows(key.need == EvaluationNeed::kCost ? free_blocks_ : key.active, evaluation, statistics);
   }
@@ -120,13 +127,13 @@ void RolloutComputation::AddRows(const std::vector<int>& active, const Evaluatio
 void RolloutComputation::AddGradient(const std::vector<int>& active, const EvaluationCache& recent,
                                      RolloutEvaluation* evaluation, CostStatistics* statistics) {
   Eigen::VectorXd gradient;
-  if (options_.jacobian == JacobianMethod::kAdjoint) {
+  if (options_.jacobian == JacobianMethod::kAdjoint || model_.num_start_unknowns() > 0) {
     gradient = adjoint_rows_.GradientAt(*evaluation, active, &latest_rollout_, statistics);
   } else {
     if (evaluation->Lacks(EvaluationNeed::kRows, active)) AddRows(active, recent, evaluation, statistics);
     gradient = GradientOf(evaluation->rows, active);
   }
-  evaluation->gradient = Eigen::VectorXd::Zero(model_.num_blocks());
+  evaluation->gradient = Eigen::VectorXd::Zero(model_.num_coordinates());
   evaluation->gradient(active) = gradient;
   evaluation->has_gradient = true;
 }
@@ -145,6 +152,14 @@ void RolloutComputation::AddExactRows(const std::vector<int>& active, RolloutEva
             .rows;
   }
   evaluation->has_exact_rows = true;
+}
+
+ResidualRows RolloutComputation::RowsAlong(const Eigen::VectorXd& coordinates, Precision precision,
+                                           const Eigen::MatrixXd& follow, CostStatistics* statistics) {
+  const Eigen::MatrixXd own = follow(Eigen::all, free_blocks_);
+  return SweepForward(coordinates, free_blocks_, LastPass(precision), options_.loss,
+                      static_cast<int>(free_blocks_.size()) + 1, /*keeps_jacobian=*/false, &model_, statistics, &own)
+      .rows;
 }
 
 void RolloutComputation::Resume(const EvaluationKey& key, const EvaluationOutcome& outcome,

@@ -24,9 +24,15 @@ class RolloutComputation {
   RolloutComputation& operator=(const RolloutComputation&) = delete;
 
   // Adds what `key` asks for and `evaluation` lacks. What went wrong stands in `failure`, and all else is as it was
-  // then; only internal errors are thrown: no memory left, what a callback throws. `recent`: evaluations that may help. `statistics`: what it took is added, also of a failure.
+  // then; only internal errors are thrown: no memory left, what a callback throws. `recent`: evaluations that may help.
+  // `statistics`: what it took is added, also of a failure.
   void Complete(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                 CostStatistics* statistics);
+
+  // The rows of a forward sweep along the free blocks, each of which moves the unknown start by its column of `follow`
+  // [n x p]. Nothing is cached or kept in a journal. Throws `std::runtime_error` where the sweep fails.
+  ResidualRows RowsAlong(const Eigen::VectorXd& coordinates, Precision precision, const Eigen::MatrixXd& follow,
+                         CostStatistics* statistics);
 
   // Whether the next point that is new gets the first Jacobian, by a forward sweep.
   bool TakesFirstJacobian() const;
@@ -41,6 +47,8 @@ class RolloutComputation {
 
   int num_rows() const;                                                 // without the row of the loss
   const std::vector<int>& free_blocks() const { return free_blocks_; }  // not frozen
+  // The same, and the unknowns of the start.
+  const std::vector<int>& free_coordinates() const { return free_coordinates_; }
   const RolloutCostOptions& options() const { return options_; }
   const RecordingModel& model() const { return model_; }
 
@@ -56,13 +64,15 @@ class RolloutComputation {
   void AddGradient(const std::vector<int>& active, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                    CostStatistics* statistics);
   void AddExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  // The unknowns of a start are too many for a column each: their gradient comes from the adjoint, whatever the method.
+  bool TakesAdjointGradient(const EvaluationKey& key) const;
   // How many passes give the derivatives that are asked for, once there is a rollout.
   int PassesAfterRollout(const EvaluationKey& key) const;
   PassOptions LastPass(Precision precision) const { return {precision, options_.cancel, /*passes_left=*/0}; }
 
   RolloutCostOptions options_;
   RecordingModel model_;
-  std::vector<int> free_blocks_;
+  std::vector<int> free_blocks_, free_coordinates_;
   LatestRollout latest_rollout_;
   AdjointRows adjoint_rows_;
 };

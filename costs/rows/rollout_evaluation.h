@@ -54,7 +54,7 @@ struct RolloutEvaluation {
   bool has_rows = false;
   ResidualRows rows;
   bool has_gradient = false;
-  Eigen::VectorXd gradient;  // [p] dL/dq
+  Eigen::VectorXd gradient;  // [p + n] dL/dq, n the unknowns of the start
   bool has_exact_rows = false;
   ResidualRows exact_rows;  // of the sensitivities, whatever the method of `rows`
 

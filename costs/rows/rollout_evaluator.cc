@@ -1,5 +1,6 @@
 #include "costs/rows/rollout_evaluator.h"
 
+#include <stdexcept>
 #include <utility>
 
 namespace clothid {
@@ -28,6 +29,17 @@ const RolloutEvaluation& RolloutEvaluator::At(const EvaluationKey& key) {
   }
   last_failure_ = evaluation->failure;
   return *evaluation;
+}
+
+bool RolloutEvaluator::RowsAlong(const Eigen::VectorXd& coordinates, Precision precision, const Eigen::MatrixXd& follow,
+                                 ResidualRows* rows) {
+  last_failure_.clear();
+  try {
+    *rows = computation_.RowsAlong(coordinates, precision, follow, &statistics_);
+  } catch (const std::runtime_error& error) {
+    last_failure_ = model().name() + ": " + error.what();
+  }
+  return last_failure_.empty();
 }
 
 const RolloutEvaluation& RolloutEvaluator::TakeFailure(RolloutEvaluation* evaluation) {

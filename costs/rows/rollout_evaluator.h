@@ -31,11 +31,16 @@ class RolloutEvaluator {
   // A failure is remembered, but not where `RolloutCostOptions::cancel` was set: then the point is as it was before.
   const RolloutEvaluation& At(const EvaluationKey& key);
 
+  // See RolloutComputation::RowsAlong. False where it fails: see last_failure().
+  bool RowsAlong(const Eigen::VectorXd& coordinates, Precision precision, const Eigen::MatrixXd& follow,
+                 ResidualRows* rows);
+
   // Forgets what the last Jacobian was: the next points are far from it.
   void ForgetJacobian() { computation_.ForgetJacobian(); }
 
   int num_rows() const { return computation_.num_rows(); }  // without the row of the loss
   const std::vector<int>& free_blocks() const { return computation_.free_blocks(); }
+  const std::vector<int>& free_coordinates() const { return computation_.free_coordinates(); }
   const RolloutCostOptions& options() const { return computation_.options(); }
   const RecordingModel& model() const { return computation_.model(); }
   const CostStatistics& statistics() const { return statistics_; }

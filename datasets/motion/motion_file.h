@@ -25,7 +25,8 @@ namespace clothid {
 
 struct ReadMotionOptions {
   std::string scene_path;  // a scene.json to use instead of the embedded text; empty: the embedded one
-  // Where the scene gives no start: `kFirstFrame`, or `kSmoothed`, which needs no sigma but is better with it.
+  // Where the scene gives no start: any but `kScene`. All but `kFirstFrame` need no sigma but are better with it; an
+  // unknown start comes with one that is estimated where none is known.
   StartSource start = StartSource::kFirstFrame;
   // What sigma the recording has: `kRecorded`, its own, if any; `kEstimated` where it has none; `kGiven`: `sigma` of
   // all points in any case.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "datasets/motion/handle_measurements.h"
 #include "datasets/motion/motion_container.h"
 #include "datasets/motion/motion_file.h"
 #include "datasets/motion/noise_estimate.h"
@@ -113,20 +114,33 @@ Eigen::VectorXd ChooseSigma(const MotionTensors& tensors, const ReadMotionOption
     *source = SigmaSource::kGiven;
     return Eigen::VectorXd::Constant(num_points, options.sigma);
   }
-  if (tensors.sigma.size() > 0 || options.sigma_source != SigmaSource::kEstimated) return tensors.sigma;
+  const bool is_wanted = options.sigma_source == SigmaSource::kEstimated || IsUnknown(options.start);
+  if (tensors.sigma.size() > 0 || !is_wanted) return tensors.sigma;
   const double least = kLeastRelativeSigma * ClothSize(tensors.mesh);
   const Eigen::VectorXd sigma = EstimateSigma(tensors.times, tensors.positions, least);
   if (sigma.size() > 0) *source = SigmaSource::kEstimated;
   return sigma;
 }
 
-// The trend of the first frames, with an estimate in place of a sigma that is not known.
-FrameTrend StartTrend(const MotionTensors& tensors, Eigen::VectorXd sigma) {
+// Sigma, or an estimate of it where it is not known.
+Eigen::VectorXd LikelySigma(const MotionTensors& tensors, Eigen::VectorXd sigma) {
   const double least = kLeastRelativeSigma * ClothSize(tensors.mesh);
   if (sigma.size() == 0) sigma = EstimateSigma(tensors.times, tensors.positions, least);
   // Too few frames for an estimate: a thousandth of the cloth, as for residuals.
   if (sigma.size() == 0) sigma.setConstant(tensors.positions.rows() / 3, 1e-3 * ClothSize(tensors.mesh));
-  return FitFrameTrend(tensors.times, tensors.positions, sigma);
+  return sigma;
+}
+
+// From the first frames to a start that the cloth can have, where the scene leaves it to them.
+void SetSmoothStart(const MotionTensors& tensors, const FrameTrend& trend, const Eigen::VectorXd& sigma,
+                    bool is_velocity_open, RecordedMotion* motion) {
+  if (IsUnknown(motion->start_source)) {
+    motion->handle_measurements = MeasureHandles(tensors, motion->points, sigma, &motion->scene);
+  }
+  motion->scene.initial_positions = SmoothStartPositions(motion->scene, motion->points, trend);
+  if (is_velocity_open && motion->start_source != StartSource::kRest) {
+    motion->scene.initial_velocities = SmoothStartVelocities(motion->scene, motion->points, trend);
+  }
 }
 
 // Whether the scene leaves the start to the recording, and which of its parts.
@@ -164,7 +178,9 @@ RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, c
   motion.sigma = ChooseSigma(tensors, options, &motion.sigma_source);
   FrameTrend trend;
   trend.positions = tensors.positions.col(0).reshaped(3, motion.num_points());
-  if (options.start == StartSource::kSmoothed) trend = StartTrend(tensors, motion.sigma);
+  const bool is_smooth = options.start == StartSource::kSmoothed || IsUnknown(options.start);
+  const Eigen::VectorXd sigma = is_smooth ? LikelySigma(tensors, motion.sigma) : Eigen::VectorXd();
+  if (is_smooth) trend = FitFrameTrend(tensors.times, tensors.positions, sigma);
   const SceneDefaults defaults = MakeDefaults(tensors, motion.points, trend.positions, options.smooth_handles, path);
   const bool embedded = options.scene_path.empty();
   motion.scene_text = embedded ? tensors.scene_text : ReadFile(options.scene_path, kMaxJsonBytes);
@@ -173,10 +189,7 @@ RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, c
                             FolderOf(embedded ? path : options.scene_path), defaults);
   const OpenStart open = FindOpenStart(motion.scene_text, motion.name);
   motion.start_source = open.positions ? options.start : StartSource::kScene;
-  if (motion.start_source == StartSource::kSmoothed) {
-    motion.scene.initial_positions = SmoothStartPositions(motion.scene, motion.points, trend);
-    if (open.velocity) motion.scene.initial_velocities = SmoothStartVelocities(motion.scene, motion.points, trend);
-  }
+  if (is_smooth && open.positions) SetSmoothStart(tensors, trend, sigma, open.velocity, &motion);
   motion.scene_text = WithInlineSurfaces(motion.scene_text, motion.scene);
   motion.times = std::move(tensors.times);
   motion.positions = std::move(tensors.positions);

@@ -31,6 +31,21 @@ enum class StartSource {
   kScene,       // `initial` of the scene
   kFirstFrame,  // the first frame
   kSmoothed,    // the first frames, made a shape that the cloth can have (datasets/motion/start_state.h)
+  kRest,        // nobody knows it exactly: as smoothed, and a fit estimates the positions; released at rest
+  kMoving,      // the same, and the velocities with them
+};
+
+// Whether a fit estimates the start (costs/start/unknown_start.h).
+inline bool IsUnknown(StartSource source) { return source == StartSource::kRest || source == StartSource::kMoving; }
+
+// What was measured of handles whose place is not known exactly: their measured positions less the path that the scene
+// has of them.
+struct HandleMeasurements {
+  Eigen::VectorXd times;       // [K] s
+  Eigen::MatrixXd deviations;  // [3H x K] m, in the order of the scene's handles; NaN: not seen
+  Eigen::VectorXd sigma;       // [H] m, standard deviation of a coordinate
+
+  bool is_empty() const { return sigma.size() == 0; }
 };
 
 struct RecordedMotion {
@@ -48,6 +63,7 @@ struct RecordedMotion {
   Scene scene;  // with mesh, start state and duration of this recording
   SigmaSource sigma_source = SigmaSource::kUnknown;
   StartSource start_source = StartSource::kScene;
+  HandleMeasurements handle_measurements;  // of an unknown start alone; empty: the path of the handles is exact
   std::string scene_text;  // the JSON that the scene was read from, with the surfaces of obstacles in it
   std::string provenance;
   std::string sha256;  // of the file

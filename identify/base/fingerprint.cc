@@ -41,6 +41,10 @@ void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
         << "solver " << scene.solver.step_tolerance << " " << scene.solver.adjoint_tolerance << " "
         << scene.solver.max_newton_iterations << " " << scene.solver.max_substep_halvings << "\n";
   DescribeClouds(motion, text);
+  if (!IsUnknown(motion.start_source)) return;
+  const HandleMeasurements& handles = motion.handle_measurements;
+  *text << "unknown start " << static_cast<int>(motion.start_source) << " " << Digest(handles.times) << " "
+        << Digest(handles.deviations) << " " << Digest(handles.sigma) << "\n";
 }
 
 std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,

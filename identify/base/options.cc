@@ -94,6 +94,8 @@ void ParseSigma(const std::string& text, ReadMotionOptions* options) {
 StartSource ParseStartSource(const std::string& text) {
   if (text == "first") return StartSource::kFirstFrame;
   if (text == "smoothed") return StartSource::kSmoothed;
+  if (text == "rest") return StartSource::kRest;
+  if (text == "moving") return StartSource::kMoving;
   Fail("--initial: expected first or smoothed, got '" + Printable(text) + "'");
 }
 

@@ -24,13 +24,16 @@ FitEvaluator::RecordingResult FitEvaluator::EvaluateRows(int recording, const Ei
   const RolloutCost& cost = problem_->cost(recording, precision);
   const std::vector<int>& indices = problem_->block_indices(recording);
   Eigen::VectorXd residuals(cost.num_residuals());
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(cost.num_residuals(), coordinates.size());
+  const auto num_blocks = static_cast<Eigen::Index>(indices.size());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(cost.num_residuals(), num_blocks);
   std::vector<const double*> parameters;
   std::vector<double*> jacobians;
-  for (Eigen::Index i = 0; i < coordinates.size(); ++i) {
+  for (Eigen::Index i = 0; i < num_blocks; ++i) {
     parameters.push_back(coordinates.data() + i);
     jacobians.push_back(problem_->blocks()[indices[i]].frozen ? nullptr : jacobian.col(i).data());
   }
+  parameters.push_back(coordinates.data() + num_blocks);  // of an unknown start
+  jacobians.push_back(nullptr);
   RecordingResult result;
   result.ok = cost.Evaluate(parameters.data(), residuals.data(), jacobians.data());
   result.cost = 0.5 * residuals.squaredNorm();
@@ -76,7 +79,7 @@ bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative deriv
     return results[recording].ok;
   });
   if (!ok) return false;
-  const QuadraticModel model = Sum(results, coordinates);
+  const QuadraticModel model = Sum(results, coordinates, derivative);
   *cost = model.cost;
   if (gradient != nullptr) *gradient = model.gradient;
   if (derivative == Derivative::kRows) model_ = model;
@@ -85,19 +88,21 @@ bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative deriv
   return true;
 }
 
-QuadraticModel FitEvaluator::Sum(const std::vector<RecordingResult>& results,
-                                 const Eigen::VectorXd& coordinates) const {
+QuadraticModel FitEvaluator::Sum(const std::vector<RecordingResult>& results, const Eigen::VectorXd& coordinates,
+                                 Derivative derivative) const {
   const int num_blocks = problem_->num_blocks();
   QuadraticModel sum;
   sum.coordinates = coordinates;
-  sum.gradient = Eigen::VectorXd::Zero(num_blocks);
+  sum.gradient = Eigen::VectorXd::Zero(derivative == Derivative::kGradient ? problem_->num_coordinates() : num_blocks);
   sum.hessian = Eigen::MatrixXd::Zero(num_blocks, num_blocks);
   for (int r = 0; r < problem_->num_recordings(); ++r) {
     const RecordingResult& result = results[r];
-    const std::vector<int>& indices = problem_->block_indices(r);
+    const std::vector<int>& blocks = problem_->block_indices(r);
     sum.cost += result.cost;
-    if (result.gradient.size() > 0) sum.gradient(indices) += result.gradient;
-    if (result.hessian.size() > 0) sum.hessian(indices, indices) += result.hessian;
+    if (derivative == Derivative::kGradient) sum.gradient(problem_->coordinate_indices(r)) += result.gradient;
+    if (derivative != Derivative::kRows) continue;
+    sum.gradient(blocks) += result.gradient;
+    sum.hessian(blocks, blocks) += result.hessian;
   }
   return sum;
 }
@@ -118,33 +123,59 @@ void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precisi
   if (!first_.is_valid()) first_ = best_;
 }
 
-bool FitEvaluator::Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization) {
-  const int num_recordings = problem_->num_recordings();
-  std::vector<Eigen::MatrixXd> jacobians(static_cast<std::size_t>(num_recordings));
-  std::vector<Eigen::VectorXd> residuals(static_cast<std::size_t>(num_recordings));
-  std::vector<Eigen::MatrixXd> scores(static_cast<std::size_t>(num_recordings));
-  const bool ok = ForEachRecording([&](int recording) {
-    return problem_->cost(recording).Linearize(problem_->CoordinatesOf(recording, coordinates), &jacobians[recording],
-                                               &residuals[recording], &scores[recording]);
-  });
-  if (!ok) return false;
-  *linearization = Linearization();
-  linearization->gradient = Eigen::VectorXd::Zero(coordinates.size());
-  for (int r = 0; r < num_recordings; ++r) {
-    Eigen::MatrixXd& all = linearization->jacobian;
-    const Eigen::Index num_rows = all.rows();
-    all.conservativeResize(num_rows + jacobians[r].rows(), coordinates.size());
-    all.bottomRows(jacobians[r].rows()).setZero();
-    all.bottomRows(jacobians[r].rows())(Eigen::all, problem_->block_indices(r)) = jacobians[r];
-    linearization->gradient(problem_->block_indices(r)) += jacobians[r].transpose() * residuals[r];
-    Eigen::MatrixXd& own = linearization->frame_scores.emplace_back();
-    own.setZero(coordinates.size(), scores[r].cols());
-    own(problem_->block_indices(r), Eigen::all) = scores[r];
-    linearization->squared_residual += residuals[r].squaredNorm();
-    linearization->num_measurements += problem_->cost(r).model().observation().num_residuals();
-    linearization->sigma_is_known &= problem_->cost(r).model().observation().sigma_is_known();
+Linearization FitEvaluator::Collect(const std::vector<RecordingLinearization>& parts,
+                                    const std::vector<std::vector<int>>& indices, Eigen::Index num_columns) const {
+  Linearization sum;
+  sum.gradient = Eigen::VectorXd::Zero(num_columns);
+  for (std::size_t r = 0; r < parts.size(); ++r) {
+    const RecordingLinearization& part = parts[r];
+    const Observation& observation = problem_->cost(static_cast<int>(r)).model().observation();
+    const Eigen::Index num_rows = sum.jacobian.rows();
+    sum.jacobian.conservativeResize(num_rows + part.jacobian.rows(), num_columns);
+    sum.jacobian.bottomRows(part.jacobian.rows()).setZero();
+    sum.jacobian.bottomRows(part.jacobian.rows())(Eigen::all, indices[r]) = part.jacobian;
+    sum.gradient(indices[r]) += part.jacobian.transpose() * part.residuals;
+    Eigen::MatrixXd& own = sum.frame_scores.emplace_back();
+    own.setZero(num_columns, part.frame_scores.cols());
+    own(indices[r], Eigen::all) = part.frame_scores;
+    sum.squared_residual += part.residuals.squaredNorm();
+    sum.num_measurements += observation.num_residuals();
+    sum.sigma_is_known &= observation.sigma_is_known();
   }
-  return true;
+  return sum;
+}
+
+bool FitEvaluator::Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization, Precision precision) {
+  std::vector<RecordingLinearization> parts(static_cast<std::size_t>(problem_->num_recordings()));
+  std::vector<std::vector<int>> indices;
+  for (int r = 0; r < problem_->num_recordings(); ++r) indices.push_back(problem_->coordinate_indices(r));
+  const bool ok = ForEachRecording([&](int r) {
+    return problem_->cost(r, precision)
+        .Linearize(problem_->CoordinatesOf(r, coordinates), &parts[r].jacobian, &parts[r].residuals,
+                   &parts[r].frame_scores);
+  });
+  if (ok) *linearization = Collect(parts, indices, problem_->num_coordinates());
+  return ok;
+}
+
+bool FitEvaluator::LinearizeAlong(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow,
+                                  Linearization* linearization) {
+  std::vector<RecordingLinearization> parts(static_cast<std::size_t>(problem_->num_recordings()));
+  std::vector<std::vector<int>> indices;
+  std::vector<Eigen::MatrixXd> own_follow;
+  Eigen::Index first = 0;
+  for (int r = 0; r < problem_->num_recordings(); ++r) {
+    indices.push_back(problem_->block_indices(r));
+    const int num_unknowns = problem_->cost(r).model().num_start_unknowns();
+    own_follow.push_back(follow.middleRows(first, num_unknowns)(Eigen::all, indices.back()));
+    first += num_unknowns;
+  }
+  const bool ok = ForEachRecording([&](int r) {
+    return problem_->cost(r).LinearizeAlong(problem_->CoordinatesOf(r, coordinates), own_follow[r], &parts[r].jacobian,
+                                            &parts[r].residuals, &parts[r].frame_scores);
+  });
+  if (ok) *linearization = Collect(parts, indices, problem_->num_blocks());
+  return ok;
 }
 
 CostStatistics FitEvaluator::statistics() const {

@@ -17,7 +17,7 @@ namespace clothid {
 
 // A point with a cost.
 struct FitPoint {
-  Eigen::VectorXd coordinates;  // [p]; empty: no point was evaluated yet
+  Eigen::VectorXd coordinates;  // [p + n]; empty: no point was evaluated yet
   double cost = std::numeric_limits<double>::infinity();
   std::vector<Eigen::MatrixXd> predicted;  // per recording [R x T] m, see Observation
   RolloutCounts counts;                    // of its rollouts, summed over the recordings
@@ -25,11 +25,12 @@ struct FitPoint {
   bool is_valid() const { return coordinates.size() > 0; }
 };
 
-// The Gauss-Newton model of the cost at a point:  L(q + d) ~ cost + gradient . d + 1/2 d . hessian d.
+// The Gauss-Newton model of the cost at a point, for changes of the blocks:  L(q + d) ~ cost + gradient . d + 1/2 d .
+// hessian d.
 struct QuadraticModel {
-  Eigen::VectorXd coordinates;  // [p]
+  Eigen::VectorXd coordinates;  // [p + n]
   double cost = 0.0;
-  Eigen::VectorXd gradient;  // [p] J^T r; zero for frozen blocks
+  Eigen::VectorXd gradient;  // [p] J^T r; zero for frozen blocks; of an unknown start nothing is told
   Eigen::MatrixXd hessian;   // [p x p] J^T J; a zero row: no recording depends on the block, or it is frozen
 };
 
@@ -42,13 +43,18 @@ class FitEvaluator {
   FitEvaluator(const FitProblem* problem, int num_threads, EvaluationPurpose purpose = EvaluationPurpose::kFit);
 
   enum class Derivative { kNone, kRows, kGradient };
-  // The sum over the recordings, in their order. kGradient also fills `gradient` [p], which may else be null. False
+  // The sum over the recordings, in their order. kGradient also fills `gradient` [p + n], which may else be null. False
   // where a rollout failed: see last_failure().
   bool Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost, Eigen::VectorXd* gradient,
                 Precision precision = Precision::kFull);
 
-  // The full Jacobian of all recordings, by sensitivities. False as above.
-  bool Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization);
+  // The full Jacobian of all recordings, by sensitivities, with the columns of unknown starts. False as above.
+  bool Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization,
+                 Precision precision = Precision::kFull);
+
+  // The same along the p parameters alone, with which the unknown starts move by the columns of `follow` [n x p]
+  // (identify/uncertainty/marginal.h).
+  bool LinearizeAlong(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow, Linearization* linearization);
 
   // Of the last kRows evaluation that worked.
   const QuadraticModel& model() const { return model_; }
@@ -68,14 +74,23 @@ class FitEvaluator {
   struct RecordingResult {
     bool ok = false;
     double cost = 0.0;
-    Eigen::VectorXd gradient;  // of the recording's blocks, like the Hessian
+    Eigen::VectorXd gradient;  // of the recording's blocks, like the Hessian; kGradient: of all its coordinates
     Eigen::MatrixXd hessian;
   };
   RecordingResult EvaluateRecording(int recording, const Eigen::VectorXd& coordinates, Derivative derivative,
                                     Precision precision) const;
   RecordingResult EvaluateRows(int recording, const Eigen::VectorXd& coordinates, Precision precision) const;
-  QuadraticModel Sum(const std::vector<RecordingResult>& results, const Eigen::VectorXd& coordinates) const;
+  QuadraticModel Sum(const std::vector<RecordingResult>& results, const Eigen::VectorXd& coordinates,
+                     Derivative derivative) const;
   void Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision);
+
+  // What one recording tells of some coordinates.
+  struct RecordingLinearization {
+    Eigen::MatrixXd jacobian, frame_scores;
+    Eigen::VectorXd residuals;
+  };
+  Linearization Collect(const std::vector<RecordingLinearization>& parts, const std::vector<std::vector<int>>& indices,
+                        Eigen::Index num_columns) const;
 
   // work(recording) for all, timed; then the reason why one of them returned false, if so.
   bool ForEachRecording(const std::function<bool(int recording)>& work);

@@ -9,11 +9,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "identify/fit/estimate.h"
 #include "identify/fit/evaluator.h"
 #include "identify/fit/gauss_newton.h"
 #include "identify/fit/sigmoid_map.h"
+#include "identify/fit/start_estimate.h"
+#include "identify/fit/start_stage.h"
+#include "identify/uncertainty/marginal.h"
 
 namespace clothid {
 namespace {
@@ -34,6 +39,7 @@ struct StageGoal {
   double function_tolerance = 0.0;  // ... or its relative decrease of the cost
   double trust_region = kInitialTrustRegion;
   int first_iteration = 0;  // the number of its first
+  bool has_rows = true;     // whose rows tell of the next step
 };
 
 bool IsCancelled(const FitOptions& options) { return options.cancel != nullptr && options.cancel->load(); }
@@ -48,7 +54,8 @@ class Recorder : public ceres::IterationCallback {
     num_failures_ = evaluator_.num_failures();
     Add(goal_.first_iteration + summary.iteration);
     if (IsCancelled(options_)) return ceres::SOLVER_ABORT;
-    const bool has_model = options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
+    const bool has_model =
+        goal_.has_rows && options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
     return has_model && NextStepIsNegligible(problem_, evaluator_.model(), goal_.step, goal_.function_tolerance)
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
@@ -250,6 +257,62 @@ bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
          options.jacobian != JacobianMethod::kNumeric && !IsAllFrozen(problem);
 }
 
+int LastIteration(const Recorder& recorder) {
+  return recorder.iterations().empty() ? 0 : recorder.iterations().back().iteration;
+}
+
+// One run of the start stage, from the best point so far.
+StartStageResult EstimateStart(const FitOptions& options, Precision precision, const FitProblem& problem,
+                               Linearization known, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
+                               Recorder* recorder) {
+  StageGoal goal{precision};
+  goal.first_iteration = LastIteration(*recorder);
+  goal.has_rows = false;
+  recorder->StartStage(goal);
+  return RunStartStage(options, precision, options.max_iterations - goal.first_iteration, problem, std::move(known),
+                       recorder, coordinates, evaluator);
+}
+
+// The parameters with every start at its base, roughly; then all unknowns together, with loose rollouts and with full
+// ones. The last linearization is from near the estimate.
+std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitProblem* problem,
+                                                 Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
+                                                 Recorder* recorder, FitSummary* summary) {
+  const bool is_adaptive = IsAdaptive(options, *problem);
+  const StageGoal rough{is_adaptive ? Precision::kLoose : Precision::kFull, kShortStep, kLooseStepTolerance,
+                        kInitialTrustRegion, 0};
+  if (!IsAllFrozen(*problem)) {
+    if (options.method == FitMethod::kLevenbergMarquardt) {
+      RunLevenbergMarquardt(options, rough, problem, coordinates, evaluator, recorder, summary);
+    } else {
+      RunLbfgs(options, problem, evaluator, recorder, summary);
+      coordinates->head(problem->num_blocks()) = evaluator->best().coordinates.head(problem->num_blocks());
+    }
+  }
+  Linearization known;
+  if (is_adaptive && !IsCancelled(options)) {
+    known = EstimateStart(options, Precision::kLoose, *problem, {}, coordinates, evaluator, recorder).linearization;
+    if (IsCancelled(options)) return std::nullopt;
+    evaluator->SupersedeBest();
+  }
+  if (IsCancelled(options)) return std::nullopt;
+  double cost = 0.0;
+  evaluator->Evaluate(*coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr);
+  StartStageResult last =
+      EstimateStart(options, Precision::kFull, *problem, std::move(known), coordinates, evaluator, recorder);
+  summary->status = last.ok ? FitStatus::kConverged : FitStatus::kFailed;
+  summary->message = last.ok ? "converged" : last.failure;
+  if (!last.ok) return std::nullopt;
+  if (last.predicted_decrease > kStalledDecrease) {
+    summary->message = "stopped at a kink of the cost";
+    if (LastIteration(*recorder) >= options.max_iterations) {
+      summary->status = FitStatus::kNotConverged;
+      summary->message = "stopped at max_iterations";
+    }
+  }
+  return std::move(last.linearization);
+}
+
 void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
                   Recorder* recorder, FitSummary* summary) {
   if (IsAllFrozen(*problem)) {
@@ -272,6 +335,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   Eigen::VectorXd coordinates = problem->StartCoordinates();
   FitEvaluator evaluator(problem, options.num_threads);
   Recorder recorder(options, *problem, evaluator);
+  std::optional<Linearization> linearization;  // at the estimate, where it is known already
   problem->Restart();
 
   // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
@@ -281,7 +345,11 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr, first_precision)) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
   } else {
-    RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
+    if (problem->num_start_unknowns() > 0) {
+      linearization = RunWithUnknownStart(options, problem, &coordinates, &evaluator, &recorder, &summary);
+    } else {
+      RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
+    }
   }
   if (IsCancelled(options)) {
     summary.status = FitStatus::kInterrupted;
@@ -296,20 +364,55 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   summary.statistics = evaluator.statistics();
   summary.total_seconds = recorder.seconds();
   summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds());
+  summary.linearization = std::move(linearization);
   if (options.estimate_uncertainty && summary.has_estimate()) AddUncertainty(options, *problem, &summary);
   return summary;
 }
 
+namespace {
+
+// The parameters alone at the estimate: unknown starts eliminated, how they follow, and what would be known with them.
+struct EstimateLinearization {
+  Linearization parameters, known_start;
+  Eigen::MatrixXd follow;  // [n x p]
+};
+
+// H of all unknowns says how starts follow the parameters. Along with them, the parameters get derivatives of their own
+// at the estimate: what H misses there counts in second order only, since the starts follow so as to undo the most.
+bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSummary* summary,
+                       EstimateLinearization* estimate) {
+  std::optional<Linearization> all = std::exchange(summary->linearization, std::nullopt);
+  if (!all && !evaluator->Linearize(summary->coordinates, &all.emplace())) return false;
+  if (problem.num_start_unknowns() == 0) {
+    estimate->parameters = std::move(*all);
+    estimate->follow = Eigen::MatrixXd::Zero(0, problem.num_blocks());
+    return true;
+  }
+  FillStarts(problem, *all, summary);
+  estimate->known_start = KnownStart(*all, problem.num_blocks());
+  estimate->follow = Marginalize(std::move(*all), problem.num_blocks()).follow;
+  return evaluator->LinearizeAlong(summary->coordinates, estimate->follow, &estimate->parameters);
+}
+
+}  // namespace
+
 void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary) {
   if (IsCancelled(options)) return;
   FitEvaluator evaluator(&problem, options.num_threads, EvaluationPurpose::kInterval);
-  Linearization linearization;
-  if (evaluator.Linearize(summary->coordinates, &linearization)) {
-    linearization.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);
-    summary->uncertainty = EstimateUncertainty(problem.blocks(), summary->coordinates, linearization);
+  EstimateLinearization estimate;
+  if (LinearizeEstimate(problem, &evaluator, summary, &estimate)) {
+    estimate.parameters.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);
+    const Eigen::VectorXd blocks = summary->coordinates.head(problem.num_blocks());
+    summary->uncertainty = EstimateUncertainty(problem.blocks(), blocks, estimate.parameters);
+    if (problem.num_start_unknowns() > 0) {
+      const Uncertainty known = EstimateUncertainty(problem.blocks(), blocks, estimate.known_start);
+      for (int i = 0; i < problem.num_blocks(); ++i) {
+        summary->uncertainty->parameters[i].known_start_std = known.parameters[i].std;
+      }
+    }
     if (options.check_interval) {
-      summary->interval_check =
-          CheckInterval(problem.blocks(), summary->coordinates, summary->cost, *summary->uncertainty, &evaluator);
+      summary->interval_check = CheckInterval(problem.blocks(), summary->coordinates, summary->cost,
+                                              *summary->uncertainty, estimate.follow, &evaluator);
     }
   }
   summary->statistics += evaluator.statistics();

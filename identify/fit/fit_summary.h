@@ -23,6 +23,15 @@ enum class FitStatus {
 };
 std::string FitStatusName(FitStatus status);
 
+// What a fit found out about the start of a recording. Lengths and speeds are root mean squares over the free nodes, or
+// over the handles, of one coordinate; standard deviations are those of the unknowns, s and all.
+struct StartEstimate {
+  int recording = 0;
+  double moved = 0.0, position_std = 0.0;         // m: from the base (datasets/motion/start_state.h), and how sure
+  double handles_moved = 0.0, handle_std = 0.0;   // m, at the start; 0 where their path was exact
+  double speed_change = 0.0, velocity_std = 0.0;  // m/s; 0 where the cloth was released at rest
+};
+
 struct FittedParameter {
   std::string name;
   double value = 0.0;
@@ -37,9 +46,12 @@ struct FitSummary {
   FitStatus status = FitStatus::kFailed;
   std::string message = "the fit was not run";  // one line: why it ended
   std::vector<FittedParameter> parameters;
-  Eigen::VectorXd coordinates;             // [p] the internal coordinates of the estimate
+  Eigen::VectorXd coordinates;             // [p + n] of the estimate, see FitProblem
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
+  std::vector<StartEstimate> starts;  // of the recordings whose start was unknown, where there is an uncertainty
+  // At the estimate, where the fit ended with one; `AddUncertainty` takes it.
+  std::optional<Linearization> linearization;
   double cost = 0.0;
   PredictionError start_error;  // over all recordings, at the starting values, as they were evaluated
   PredictionError error;        // the same at the estimate

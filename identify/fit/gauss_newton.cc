@@ -23,7 +23,7 @@ std::vector<int> MovableBlocks(const FitProblem& problem, const QuadraticModel& 
 }  // namespace
 
 std::optional<Eigen::VectorXd> GaussNewtonStep(const FitProblem& problem, const QuadraticModel& model) {
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(model.coordinates.size());
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(problem.num_blocks());
   const std::vector<int> movable = MovableBlocks(problem, model);
   if (movable.empty()) return step;
   const Eigen::VectorXd gradient = model.gradient(movable);
@@ -53,7 +53,7 @@ Eigen::VectorXd NextPoint(const FitProblem& problem, const QuadraticModel& model
   Eigen::VectorXd next = model.coordinates;
   const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
   if (!step || !IsShort(problem, model, *step, length)) return next;
-  next += *step;
+  next.head(problem.num_blocks()) += *step;
   for (int i = 0; i < problem.num_blocks(); ++i) {
     const ParameterBlock& block = problem.blocks()[i];
     next[i] = std::clamp(next[i], block.ToCoordinate(block.lower_bound), block.ToCoordinate(block.upper_bound));

@@ -10,7 +10,7 @@
 
 namespace clothid {
 
-// d = -H^-1 g of the model [p] over the blocks that may move: not frozen, with influence, not pushed against a bound.
+// d = -H^-1 g of the model, [p], over the blocks that may move: not frozen, with influence, not pushed against a bound.
 // Zero where nothing may move; nothing where the model is singular.
 std::optional<Eigen::VectorXd> GaussNewtonStep(const FitProblem& problem, const QuadraticModel& model);
 

@@ -59,13 +59,16 @@ bool IntervalCheck::is_quadratic() const {
 
 std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& blocks,
                                            const Eigen::VectorXd& coordinates, double cost,
-                                           const Uncertainty& uncertainty, FitEvaluator* evaluator) {
+                                           const Uncertainty& uncertainty, const Eigen::MatrixXd& follow,
+                                           FitEvaluator* evaluator) {
   IntervalCheck check;
   check.parameter = WidestInterval(blocks, uncertainty);
   if (check.parameter < 0) return std::nullopt;
   const double std = uncertainty.parameters[check.parameter].coordinate_std;
   if (IsResolution(blocks[check.parameter], coordinates[check.parameter], std)) return std::nullopt;
-  const Eigen::VectorXd step = LeastCostlyStep(uncertainty, check.parameter);
+  const Eigen::VectorXd own_step = LeastCostlyStep(uncertainty, check.parameter);
+  Eigen::VectorXd step(coordinates.size());
+  step << own_step, follow * own_step;
   const double scale = uncertainty.residual_scale * uncertainty.parameters[check.parameter].widening;
   const auto rise_at = [&](const Eigen::VectorXd& end) {
     double end_cost = 0.0;

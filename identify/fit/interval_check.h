@@ -29,11 +29,13 @@ struct IntervalCheck {
   bool is_quadratic() const;
 };
 
-// Two evaluations of the cost. Absent where no parameter has an interval, or where it is that of the optimiser: without
-// noise there is no s to measure a rise by.
+// Two evaluations of the cost, at `coordinates` [p + n] moved; `follow` [n x p]: how unknown starts follow the
+// parameters (identify/uncertainty/marginal.h). Absent where no parameter has an interval, or where it is that of the
+// optimiser: without noise there is no s to measure a rise by.
 std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& blocks,
                                            const Eigen::VectorXd& coordinates, double cost,
-                                           const Uncertainty& uncertainty, FitEvaluator* evaluator);
+                                           const Uncertainty& uncertainty, const Eigen::MatrixXd& follow,
+                                           FitEvaluator* evaluator);
 
 }  // namespace clothid
 

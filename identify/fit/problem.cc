@@ -189,7 +189,11 @@ void FitProblem::AddCost(const RecordedMotion& motion, const FitOptions& options
   costs_.push_back(std::make_unique<RolloutCost>(motion, std::move(blocks), cost_options));
   loose_costs_.push_back(costs_.back()->AtPrecision(Precision::kLoose));
   if (tracker_ != nullptr) tracker_->AddRecording(costs_.back()->model().num_steps());
-  block_indices_.push_back(std::move(indices));
+  block_indices_.push_back(indices);
+  const int num_unknowns = costs_.back()->model().num_start_unknowns();
+  for (int i = 0; i < num_unknowns; ++i) indices.push_back(num_coordinates() + i);
+  num_start_unknowns_ += num_unknowns;
+  coordinate_indices_.push_back(std::move(indices));
 }
 
 void FitProblem::SetStart(const Eigen::VectorXd& coordinates) {
@@ -198,11 +202,13 @@ void FitProblem::SetStart(const Eigen::VectorXd& coordinates) {
     if (blocks_[i].ToCoordinate(blocks_[i].start) != coordinates[i])
       blocks_[i].start = blocks_[i].ToValue(coordinates[i]);
   }
+  start_unknowns_ = coordinates.tail(coordinates.size() - num_blocks());
 }
 
 Eigen::VectorXd FitProblem::StartCoordinates() const {
-  Eigen::VectorXd coordinates(num_blocks());
+  Eigen::VectorXd coordinates = Eigen::VectorXd::Zero(num_coordinates());
   for (int i = 0; i < num_blocks(); ++i) coordinates[i] = blocks_[i].ToCoordinate(blocks_[i].start);
+  coordinates.tail(start_unknowns_.size()) = start_unknowns_;
   return coordinates;
 }
 
@@ -213,7 +219,11 @@ Eigen::VectorXd FitProblem::Values(const Eigen::VectorXd& coordinates) const {
 }
 
 Eigen::VectorXd FitProblem::CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const {
-  return coordinates(block_indices_[recording]);
+  if (coordinates.size() == num_coordinates()) return coordinates(coordinate_indices_[recording]);
+  const std::vector<int>& indices = block_indices_[recording];
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(coordinate_indices_[recording].size()));
+  own.head(static_cast<Eigen::Index>(indices.size())) = coordinates(indices);
+  return own;
 }
 
 void FitProblem::Restart() {
@@ -240,6 +250,11 @@ std::unique_ptr<ceres::Problem> FitProblem::MakeCeresProblem(ceres::EvaluationCa
   for (int r = 0; r < num_recordings(); ++r) {
     std::vector<double*> parameters;
     for (int i : block_indices_[r]) parameters.push_back(coordinates->data() + i);
+    if (const int size = costs_[r]->model().num_start_unknowns(); size > 0) {
+      parameters.push_back(coordinates->data() + coordinate_indices_[r][block_indices_[r].size()]);
+      problem->AddParameterBlock(parameters.back(), size);
+      problem->SetParameterBlockConstant(parameters.back());
+    }
     const std::unique_ptr<RolloutCost>& own = precision == Precision::kFull ? costs_[r] : loose_costs_[r];
     if (!parameters.empty()) problem->AddResidualBlock(own.get(), nullptr, parameters);
   }

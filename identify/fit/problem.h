@@ -18,6 +18,10 @@ namespace clothid {
 
 // One `RolloutCost` per recording; a parameter is one block, shared by every recording whose scene has it (`mu.NAME`
 // may be in some scenes only), or, of `FitOptions::each`, one block per recording that has it.
+//
+// A point has the coordinates of the p blocks, and behind them, one recording after the other, the unknowns of those
+// starts that are unknown (costs/start/unknown_start.h): [p + n]. Where a point has the blocks' coordinates alone [p],
+// its starts are their bases.
 class FitProblem {
  public:
   // Starting values and bounds of a shared parameter come from the first recording that has it. Throws `Error` for what
@@ -31,17 +35,20 @@ class FitProblem {
   const RolloutCost& cost(int recording, Precision precision = Precision::kFull) const {
     return *(precision == Precision::kFull ? costs_ : loose_costs_)[recording];
   }
-  // The blocks that the cost of a recording takes, in its order.
+  // The blocks that the cost of a recording takes, in its order; and with its unknown start, all its coordinates.
   const std::vector<int>& block_indices(int recording) const { return block_indices_[recording]; }
+  const std::vector<int>& coordinate_indices(int recording) const { return coordinate_indices_[recording]; }
+  int num_coordinates() const { return num_blocks() + num_start_unknowns_; }
+  int num_start_unknowns() const { return num_start_unknowns_; }
 
-  // Where the next fit starts, and what it holds there. The coordinates must lie within the bounds.
+  // Where the next fit starts, and what it holds there. The coordinates, [p] or [p + n], must lie within the bounds.
   void SetStart(const Eigen::VectorXd& coordinates);
   void SetFrozen(int block, bool frozen) { blocks_[block].frozen = frozen; }
 
-  // Internal coordinates [p], and back to values in the parameters' own units.
+  // Internal coordinates [p + n], and those of the blocks back to values [p] in the parameters' own units.
   Eigen::VectorXd StartCoordinates() const;
   Eigen::VectorXd Values(const Eigen::VectorXd& coordinates) const;
-  // Those of the blocks of one recording.
+  // Those of one recording.
   Eigen::VectorXd CoordinatesOf(int recording, const Eigen::VectorXd& coordinates) const;
 
   // What every cost does of that name.
@@ -53,8 +60,9 @@ class FitProblem {
   // Throws the `Error` of the first journal that could not be used: evaluations have failed for that reason alone.
   void CheckJournals() const;
 
-  // The Ceres problem on `coordinates` [p], whose memory it keeps and changes: costs of a precision, bounds, constant
-  // blocks. It does not own the costs and calls `callback` before each evaluation.
+  // The Ceres problem on `coordinates` [p + n], whose memory it keeps and changes: costs of a precision, bounds,
+  // constant blocks, among them every unknown start. It does not own the costs and calls `callback` before each
+  // evaluation.
   std::unique_ptr<ceres::Problem> MakeCeresProblem(ceres::EvaluationCallback* callback, Eigen::VectorXd* coordinates,
                                                    Precision precision = Precision::kFull);
 
@@ -66,7 +74,9 @@ class FitProblem {
   std::shared_ptr<EvaluationTracker> tracker_;  // told by the costs, too
   std::vector<std::unique_ptr<RolloutCost>> costs_;
   std::vector<std::unique_ptr<RolloutCost>> loose_costs_;  // the same with Precision::kLoose
-  std::vector<std::vector<int>> block_indices_;
+  std::vector<std::vector<int>> block_indices_, coordinate_indices_;
+  int num_start_unknowns_ = 0;
+  Eigen::VectorXd start_unknowns_;  // where the next fit starts; empty: zero
 };
 
 // Whether parameter `name`, with or without the suffix of a recording, exists in `scene`: all but `mu.NAME` always do.

@@ -27,7 +27,8 @@ std::vector<Eigen::MatrixXd> PredictNodes(const std::vector<RecordedMotion>& mot
   for (int r = 0; r < problem.num_recordings(); ++r) {
     const RecordedMotion& motion = motions[static_cast<std::size_t>(r)];
     if (PointsAreNodes(motion) || !motion.clouds.empty()) continue;
-    RecordingModel model(WithAllNodes(motion), problem.cost(r).model().blocks());
+    const RecordingModel& fitted = problem.cost(r).model();
+    RecordingModel model(WithAllNodes(motion), fitted.blocks(), {}, fitted.shared_start());
     Eigen::MatrixXd nodes;
     const Rollout rollout = model.Simulate(problem.CoordinatesOf(r, summary.coordinates), {}, {}, &nodes);
     if (rollout.ok()) predicted[static_cast<std::size_t>(r)] = nodes;

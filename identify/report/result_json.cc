@@ -177,6 +177,10 @@ std::string SourceName(StartSource source) {
       return "first";
     case StartSource::kSmoothed:
       return "smoothed";
+    case StartSource::kRest:
+      return "rest";
+    case StartSource::kMoving:
+      return "moving";
   }
   return "unknown";
 }
@@ -185,7 +189,7 @@ std::string SourceName(StartSource source) {
 bool IsToldMore(const std::vector<RecordedMotion>& motions) {
   return std::any_of(motions.begin(), motions.end(), [](const RecordedMotion& motion) {
     return motion.sigma_source == SigmaSource::kGiven || motion.sigma_source == SigmaSource::kEstimated ||
-           motion.start_source == StartSource::kSmoothed;
+           (motion.start_source != StartSource::kScene && motion.start_source != StartSource::kFirstFrame);
   });
 }
 

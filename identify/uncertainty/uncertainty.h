@@ -66,6 +66,8 @@ struct ParameterUncertainty {
   double upper95 = std::numeric_limits<double>::quiet_NaN();
   double coordinate_std = std::numeric_limits<double>::quiet_NaN();   // of q
   double independent_std = std::numeric_limits<double>::quiet_NaN();  // the same if residuals were independent
+  // The same if the start were known exactly; NaN where nothing about it was fitted.
+  double known_start_std = std::numeric_limits<double>::quiet_NaN();
   double widening = 1.0;  // the interval of q over the one that it would have then, at least 1
   // From the estimate to the minimum of the quadratic model |e + J dq|^2/2 there, in standard deviations as of
   // independent residuals: large where a fit stopped early, or at a kink of the cost. NaN without a std.

@@ -1,0 +1,137 @@
+#include "costs/start/unknown_start.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <stdexcept>
+
+#include "costs/start/smooth_modes.h"
+#include "costs/start/start_prior.h"
+
+namespace clothid {
+namespace {
+
+// Knots of the offsets of a path that moves: one in so many measurements, no more than these, and no more than so many
+// unknowns in all.
+constexpr Eigen::Index kMeasurementsPerKnot = 8;
+constexpr Eigen::Index kMostKnots = 8;
+constexpr Eigen::Index kMostOffsets = 120;
+// Eigenvalues of P below this share of the largest are the rounding of zero: nothing is believed in that direction.
+constexpr double kRounding = 1e-13;
+
+Eigen::VectorXd OffsetKnots(const RecordedMotion& motion) {
+  const HandleMeasurements& measured = motion.handle_measurements;
+  if (measured.is_empty()) return {};
+  const Eigen::Index num_times = measured.times.size();
+  const Eigen::Index affordable = kMostOffsets / measured.deviations.rows();
+  const bool stands_still = motion.scene.handles.path.times().size() == 1;
+  const Eigen::Index count =
+      stands_still ? 1
+                   : std::clamp<Eigen::Index>(std::min(num_times / kMeasurementsPerKnot, affordable), 1, kMostKnots);
+  return Eigen::VectorXd::LinSpaced(count, measured.times[0], measured.times[num_times - 1]);
+}
+
+// Every mode along every axis: [3N x 3K].
+Eigen::MatrixXd AlongAxes(const Eigen::MatrixXd& modes) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(3 * modes.rows(), 3 * modes.cols());
+  for (Eigen::Index m = 0; m < modes.cols(); ++m) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (Eigen::Index node = 0; node < modes.rows(); ++node) columns(3 * node + axis, 3 * m + axis) = modes(node, m);
+    }
+  }
+  return columns;
+}
+
+HandlePath Offsets(const Eigen::VectorXd& times, const Eigen::VectorXd& values) {
+  return HandlePath(times, values.reshaped(values.size() / times.size(), times.size()));
+}
+
+}  // namespace
+
+UnknownStart::UnknownStart(const RecordedMotion& motion)
+    : base_positions_(motion.scene.initial_positions),
+      base_velocities_(motion.scene.initial_velocities),
+      knot_times_(OffsetKnots(motion)),
+      num_handles_(static_cast<Eigen::Index>(motion.scene.handles.nodes.size())) {
+  if (!IsUnknown(motion.start_source)) throw std::logic_error("the start of this recording is known");
+  const ShapePrior shape(motion.scene);
+  const bool is_moving = motion.start_source == StartSource::kMoving;
+  const Eigen::MatrixXd modes = SmoothModes(shape.model(), motion.scene.handles.nodes, kPositionModes);
+  const Eigen::MatrixXd along = AlongAxes(modes);
+  num_positions_ = static_cast<int>(along.cols());
+  num_offsets_ = static_cast<int>(3 * num_handles_ * knot_times_.size());
+  const Eigen::Index num_moved = num_positions_ + num_offsets_;
+  const Eigen::Index num_velocities = is_moving ? 3 * std::min<Eigen::Index>(kVelocityModes, modes.cols()) : 0;
+  const Eigen::Index size = num_moved + num_velocities, num_rows = along.rows();
+
+  directions_.initial_positions = Eigen::MatrixXd::Zero(num_rows, size);
+  directions_.initial_positions.leftCols(num_positions_) = along;
+  QuadraticPrior prior{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
+  if (num_offsets_ > 0) {
+    const HandlePath unit = Offsets(knot_times_, Eigen::VectorXd::Zero(num_offsets_));
+    const Eigen::MatrixXd response = AlongAxes(shape.HandleResponse(motion));
+    const Eigen::VectorXd at_start = unit.KnotWeights(motion.scene.start_time);
+    for (Eigen::Index k = 0; k < at_start.size(); ++k) {
+      directions_.initial_positions.middleCols(num_positions_ + k * response.cols(), response.cols()) =
+          at_start[k] * response;
+    }
+    directions_.handle_offsets = Eigen::MatrixXd::Zero(num_offsets_, size);
+    directions_.handle_offsets.middleCols(num_positions_, num_offsets_).setIdentity();
+    const HandleMeasurements& measured = motion.handle_measurements;
+    Eigen::MatrixXd weights(measured.times.size(), knot_times_.size());
+    for (Eigen::Index k = 0; k < weights.rows(); ++k) weights.row(k) = unit.KnotWeights(measured.times[k]).transpose();
+    AddHandleMeasurements(measured, weights, num_positions_, &prior);
+  }
+  shape.AddPositions(base_positions_, directions_.initial_positions.leftCols(num_moved), 0, &prior);
+  if (is_moving) {
+    directions_.initial_velocities = Eigen::MatrixXd::Zero(num_rows, size);
+    directions_.initial_velocities.rightCols(num_velocities) = along.leftCols(num_velocities);
+    shape.AddVelocities(base_positions_, base_velocities_, along.leftCols(num_velocities), num_moved, &prior);
+  }
+
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(prior.precision);
+  const Eigen::VectorXd& values = spectrum.eigenvalues();
+  const Eigen::Index rank = (values.array() > kRounding * values[size - 1]).count();
+  const Eigen::MatrixXd vectors = spectrum.eigenvectors().rightCols(rank);
+  root_ = values.tail(rank).cwiseSqrt().asDiagonal() * vectors.transpose();
+  mean_ = vectors * values.tail(rank).cwiseInverse().asDiagonal() * (vectors.transpose() * prior.information);
+}
+
+Eigen::VectorXd UnknownStart::PositionsAt(const Eigen::VectorXd& unknowns) const {
+  return base_positions_ + directions_.initial_positions * unknowns;
+}
+
+Eigen::VectorXd UnknownStart::VelocitiesAt(const Eigen::VectorXd& unknowns) const {
+  if (directions_.initial_velocities.cols() == 0) return base_velocities_;
+  return base_velocities_ + directions_.initial_velocities * unknowns;
+}
+
+std::optional<HandlePath> UnknownStart::HandleOffsetsAt(const Eigen::VectorXd& unknowns) const {
+  if (num_offsets_ == 0) return std::nullopt;
+  return Offsets(knot_times_, unknowns.segment(num_positions_, num_offsets_));
+}
+
+SensitivityDirections UnknownStart::DirectionsAlong(const Eigen::MatrixXd& combinations) const {
+  SensitivityDirections along;
+  along.initial_positions = directions_.initial_positions * combinations;
+  if (directions_.initial_velocities.cols() > 0) {
+    along.initial_velocities = directions_.initial_velocities * combinations;
+  }
+  if (num_offsets_ > 0) along.handle_offsets = directions_.handle_offsets * combinations;
+  return along;
+}
+
+// The rows of the handles in `initial_positions` are zero: what their start does stands in `handle_offsets`.
+Eigen::MatrixXd UnknownStart::PullBack(const RolloutGradient& gradient) const {
+  Eigen::MatrixXd sum = directions_.initial_positions.transpose() * gradient.initial_positions;
+  if (directions_.initial_velocities.cols() > 0) {
+    sum += directions_.initial_velocities.transpose() * gradient.initial_velocities;
+  }
+  if (num_offsets_ > 0) sum += directions_.handle_offsets.transpose() * gradient.handle_offsets;
+  return sum;
+}
+
+double UnknownStart::PriorAt(const Eigen::VectorXd& unknowns) const {
+  return 0.5 * PriorResiduals(unknowns).squaredNorm();
+}
+
+}  // namespace clothid

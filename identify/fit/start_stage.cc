@@ -1,0 +1,245 @@
+#include "identify/fit/start_stage.h"
+
+#include <ceres/cost_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace clothid {
+namespace {
+
+// The stage ends where the next step lowers the cost by less, in s^2: a step of 0.45 standard deviations with loose
+// rollouts, whose errors are of that size, and of 0.1 with full ones.
+constexpr double kLooseDecrease = 0.1;
+constexpr double kFullDecrease = 5e-3;
+// A step that lowers the cost by less than this share of what H says asks for a new one.
+constexpr double kPoorStep = 0.2;
+constexpr int kMostRounds = 8;
+constexpr int kMostIterations = 8;  // with one H
+constexpr double kTrustRegion = 1e4;
+
+// Where the unknowns that may move stand among all coordinates.
+std::vector<int> FreeCoordinates(const FitProblem& problem) {
+  std::vector<int> free;
+  for (int i = 0; i < problem.num_coordinates(); ++i) {
+    if (i >= problem.num_blocks() || !problem.blocks()[i].frozen) free.push_back(i);
+  }
+  return free;
+}
+
+// s^2 of a cost L = |e|^2/2.
+double SquaredScale(const Linearization& linearization, std::size_t num_parameters, double cost) {
+  const double degrees = linearization.num_measurements - static_cast<double>(num_parameters);
+  const double fitted = degrees > 0.0 ? 2.0 * cost / degrees : 1.0;
+  return linearization.sigma_is_known ? std::max(1.0, fitted) : fitted;
+}
+
+// C^T of the header, by a pivoted Cholesky factorisation that takes rounding for what it is.
+Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
+  const Eigen::LDLT<Eigen::MatrixXd> factor(matrix);
+  const Eigen::VectorXd diagonal = factor.vectorD().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::MatrixXd upper = factor.matrixU();
+  Eigen::MatrixXd permutation = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
+  permutation = factor.transpositionsP() * permutation;
+  return diagonal.asDiagonal() * (upper * permutation);
+}
+
+// The rows of the header over the free coordinates, one parameter block of Ceres.
+class LaggedRows : public ceres::CostFunction {
+ public:
+  LaggedRows(const FitProblem& problem, const Linearization& linearization, const Eigen::VectorXd& coordinates,
+             Precision precision, FitEvaluator* evaluator)
+      : problem_(problem),
+        free_(FreeCoordinates(problem)),
+        coordinates_(coordinates),
+        precision_(precision),
+        evaluator_(evaluator) {
+    const Eigen::MatrixXd jacobian = linearization.jacobian(Eigen::all, free_);
+    hessian_ = jacobian.transpose() * jacobian;
+    const Eigen::VectorXd gradient = linearization.gradient(free_);
+    const double squared = std::max(linearization.squared_residual, std::numeric_limits<double>::min());
+    root_ = RootOf(hessian_ - gradient * (gradient.transpose() / squared));
+    set_num_residuals(static_cast<int>(free_.size()) + 1);
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(free_.size()));
+  }
+
+  const std::vector<int>& free() const { return free_; }
+
+  Eigen::VectorXd Coordinates(const double* unknowns) const {
+    Eigen::VectorXd all = coordinates_;
+    all(free_) = Eigen::Map<const Eigen::VectorXd>(unknowns, static_cast<Eigen::Index>(free_.size()));
+    return all;
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const bool with_jacobian = jacobians != nullptr && jacobians[0] != nullptr;
+    const auto derivative = with_jacobian ? FitEvaluator::Derivative::kGradient : FitEvaluator::Derivative::kNone;
+    double cost = 0.0;
+    Eigen::VectorXd gradient;
+    if (!evaluator_->Evaluate(Coordinates(parameters[0]), derivative, &cost, &gradient, precision_)) return false;
+    Eigen::Map<Eigen::VectorXd> out(residuals, num_residuals());
+    out.setZero();
+    out[num_residuals() - 1] = std::sqrt(2.0 * cost);
+    if (!with_jacobian) return true;
+    gradient_ = gradient(free_);
+    cost_ = cost;
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<RowMajor> rows(jacobians[0], num_residuals(), root_.cols());
+    rows.topRows(root_.rows()) = root_;
+    rows.bottomRows<1>() =
+        gradient_.transpose() / std::max(out[num_residuals() - 1], std::numeric_limits<double>::min());
+    return true;
+  }
+
+  // What a Gauss-Newton step from there lowers the cost by; parameters that are pushed against a bound stay.
+  double PredictedDecrease(const Eigen::VectorXd& coordinates, const Eigen::VectorXd& gradient) const {
+    std::vector<int> movable;
+    for (int i = 0; i < static_cast<int>(free_.size()); ++i) {
+      if (free_[i] < problem_.num_blocks()) {
+        const ParameterBlock& block = problem_.blocks()[free_[i]];
+        const double q = coordinates[free_[i]];
+        if (q <= block.ToCoordinate(block.lower_bound) && gradient[i] > 0.0) continue;
+        if (q >= block.ToCoordinate(block.upper_bound) && gradient[i] < 0.0) continue;
+        if (!(hessian_(i, i) > 0.0)) continue;
+      }
+      movable.push_back(i);
+    }
+    const Eigen::VectorXd part = gradient(movable);
+    const Eigen::MatrixXd hessian = hessian_(movable, movable);
+    return 0.5 * part.dot(hessian.ldlt().solve(part));
+  }
+
+  // Of the last point with a Jacobian.
+  const Eigen::VectorXd& last_gradient() const { return gradient_; }
+  double last_cost() const { return cost_; }
+
+ private:
+  const FitProblem& problem_;
+  std::vector<int> free_;
+  Eigen::VectorXd coordinates_;  // of what does not move
+  Precision precision_;
+  FitEvaluator* evaluator_;
+  Eigen::MatrixXd hessian_;  // H
+  Eigen::MatrixXd root_;     // C^T
+  mutable Eigen::VectorXd gradient_;
+  mutable double cost_ = 0.0;
+};
+
+// Numbers iterations on over several runs of Ceres, each of which starts with the point where the one before it ended.
+class Renumbered : public ceres::IterationCallback {
+ public:
+  Renumbered(int num_before, ceres::IterationCallback* callback) : num_before_(num_before), callback_(callback) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (summary.iteration == 0) return ceres::SOLVER_CONTINUE;
+    ceres::IterationSummary renumbered = summary;
+    renumbered.iteration += num_before_;
+    return (*callback_)(renumbered);
+  }
+
+ private:
+  int num_before_;
+  ceres::IterationCallback* callback_;
+};
+
+// Ends the run where the next step is negligible, or H no longer fits.
+class StopLagging : public ceres::IterationCallback {
+ public:
+  StopLagging(const LaggedRows& rows, const double* unknowns, double negligible)
+      : rows_(rows), unknowns_(unknowns), negligible_(negligible) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (!summary.step_is_successful || summary.iteration == 0) return ceres::SOLVER_CONTINUE;
+    const bool is_poor = summary.relative_decrease < kPoorStep;
+    const double decrease = rows_.PredictedDecrease(rows_.Coordinates(unknowns_), rows_.last_gradient());
+    return is_poor || decrease <= negligible_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const LaggedRows& rows_;
+  const double* unknowns_;
+  double negligible_;
+};
+
+void SetBounds(const FitProblem& problem, const std::vector<int>& free, double* unknowns,
+               ceres::Problem* ceres_problem) {
+  for (int i = 0; i < static_cast<int>(free.size()) && free[i] < problem.num_blocks(); ++i) {
+    const ParameterBlock& block = problem.blocks()[free[i]];
+    ceres_problem->SetParameterLowerBound(unknowns, i, block.ToCoordinate(block.lower_bound));
+    ceres_problem->SetParameterUpperBound(unknowns, i, block.ToCoordinate(block.upper_bound));
+  }
+}
+
+// A few iterations with one H. How many there were.
+int RunLagged(const FitOptions& options, int num_before, int max_iterations, double negligible,
+              const FitProblem& problem, ceres::IterationCallback* callback, LaggedRows* rows,
+              Eigen::VectorXd* coordinates) {
+  Eigen::VectorXd unknowns = (*coordinates)(rows->free());
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem ceres_problem(ownership);
+  ceres_problem.AddResidualBlock(rows, nullptr, unknowns.data());
+  SetBounds(problem, rows->free(), unknowns.data(), &ceres_problem);
+  StopLagging stop(*rows, unknowns.data(), negligible);
+  ceres::Solver::Options solver;
+  solver.minimizer_type = ceres::TRUST_REGION;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.initial_trust_region_radius = kTrustRegion;
+  solver.max_num_iterations = max_iterations;
+  solver.function_tolerance = 0.0;
+  solver.parameter_tolerance = options.parameter_tolerance;
+  solver.num_threads = 1;
+  solver.logging_type = ceres::SILENT;
+  solver.update_state_every_iteration = true;
+  Renumbered renumbered(num_before, callback);
+  solver.callbacks = {&renumbered, &stop};
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &ceres_problem, &summary);
+  *coordinates = rows->Coordinates(unknowns.data());
+  return static_cast<int>(summary.iterations.size()) - 1;
+}
+
+}  // namespace
+
+StartStageResult RunStartStage(const FitOptions& options, Precision precision, int max_iterations,
+                               const FitProblem& problem, Linearization known, ceres::IterationCallback* callback,
+                               Eigen::VectorXd* coordinates, FitEvaluator* evaluator) {
+  const double tolerance = precision == Precision::kFull ? kFullDecrease : kLooseDecrease;
+  StartStageResult result;
+  result.linearization = std::move(known);
+  bool is_new = false;
+  int num_iterations = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    double cost = 0.0;
+    Eigen::VectorXd gradient;
+    is_new = round > 0 || result.linearization.jacobian.size() == 0;
+    // The gradient of the adjoint is as exact as the rollout; that of the sweep is not.
+    result.ok = (!is_new || evaluator->Linearize(*coordinates, &result.linearization, precision)) &&
+                evaluator->Evaluate(*coordinates, FitEvaluator::Derivative::kGradient, &cost, &gradient, precision);
+    if (!result.ok) {
+      result.failure = evaluator->last_failure();
+      return result;
+    }
+    result.linearization.gradient = gradient;
+    result.linearization.squared_residual = 2.0 * cost;
+    LaggedRows rows(problem, result.linearization, *coordinates, precision, evaluator);
+    const double scale = SquaredScale(result.linearization, problem.blocks().size(), cost);
+    result.predicted_decrease = rows.PredictedDecrease(*coordinates, gradient(rows.free())) / scale;
+    if (result.predicted_decrease <= tolerance || num_iterations >= max_iterations) return result;
+    num_iterations += RunLagged(options, num_iterations, std::min(max_iterations - num_iterations, kMostIterations),
+                                tolerance * scale, problem, callback, &rows, coordinates);
+    result.predicted_decrease = rows.PredictedDecrease(*coordinates, rows.last_gradient()) / scale;
+    const double gained = (cost - rows.last_cost()) / scale;
+    result.linearization.gradient(rows.free()) = rows.last_gradient();
+    result.linearization.squared_residual = 2.0 * rows.last_cost();
+    if (result.predicted_decrease <= tolerance || (is_new && !(gained > tolerance))) return result;
+    if (options.cancel != nullptr && options.cancel->load()) return result;
+  }
+  return result;
+}
+
+}  // namespace clothid

@@ -1,0 +1,44 @@
+#include "identify/uncertainty/marginal.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <utility>
+
+namespace clothid {
+
+Marginal Marginalize(Linearization linearization, Eigen::Index num_parameters) {
+  Marginal marginal;
+  const Eigen::Index p = num_parameters, n = linearization.jacobian.cols() - p;
+  marginal.follow = Eigen::MatrixXd::Zero(n, p);
+  if (n == 0) {
+    marginal.parameters = std::move(linearization);
+    return marginal;
+  }
+  const Eigen::MatrixXd& jacobian = linearization.jacobian;
+  Eigen::MatrixXd reordered = Eigen::MatrixXd::Zero(std::max(jacobian.rows(), n + p), n + p);
+  reordered.topRows(jacobian.rows()) << jacobian.rightCols(n), jacobian.leftCols(p);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(std::move(reordered));
+  const Eigen::MatrixXd factor = qr.matrixQR().topRows(n + p).triangularView<Eigen::Upper>();
+  marginal.follow = -factor.topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(factor.topRightCorner(n, p));
+  linearization.jacobian = factor.bottomRightCorner(p, p);
+  linearization.gradient =
+      (linearization.gradient.head(p) + marginal.follow.transpose() * linearization.gradient.tail(n)).eval();
+  for (Eigen::MatrixXd& scores : linearization.frame_scores) {
+    scores = (scores.topRows(p) + marginal.follow.transpose() * scores.bottomRows(n)).eval();
+  }
+  marginal.parameters = std::move(linearization);
+  return marginal;
+}
+
+Eigen::MatrixXd UnknownsCovariance(const Linearization& linearization, const std::vector<int>& free,
+                                   Eigen::Index num_parameters) {
+  const Eigen::Index n = linearization.jacobian.cols() - num_parameters,
+                     num_free = static_cast<Eigen::Index>(free.size());
+  Eigen::MatrixXd jacobian(linearization.jacobian.rows(), num_free + n);
+  jacobian << linearization.jacobian(Eigen::all, free), linearization.jacobian.rightCols(n);
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(jacobian);
+  const Eigen::MatrixXd inverse = decomposition.pseudoInverse();  // [(f + n) x r]
+  return inverse.bottomRows(n) * inverse.bottomRows(n).transpose();
+}
+
+}  // namespace clothid
