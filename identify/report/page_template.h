@@ -9,6 +9,10 @@
 
 namespace clothid {
 
+// What all pages have: page_style.css, and the scripts page_text.js and page_plot.js. Embedded by CMake.
+std::string_view PageStyle();
+std::string_view PageScript();
+
 // JSON that can stand inside of a <script>: in JSON "<" occurs in strings alone, and there it may be written otherwise.
 // What is not UTF-8 is replaced.
 std::string ScriptText(const nlohmann::ordered_json& json);

@@ -202,15 +202,18 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
 std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   std::string landscape;  // a page without one has nothing of it
   if (!checks.landscapes.empty()) landscape = "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
-  const std::size_t library_bytes = ReportPage().size() + ReplayScript().size() + ReportScript().size() +
-                                    landscape.size() + PlotlyLibrary().size() + PlotlyLicences().size();
+  const std::size_t library_bytes = PageStyle().size() + PageScript().size() + ReportPage().size() +
+                                    ReplayScript().size() + ReportScript().size() + landscape.size() +
+                                    PlotlyLibrary().size() + PlotlyLicences().size();
   const std::string data = ScriptText(DataJson(summary, checks, motions, library_bytes));
-  return FillPage(ReportPage(), {{"{{data}}", data},
+  return FillPage(ReportPage(), {{"{{style}}", PageStyle()},
+                                 {"{{data}}", data},
                                  {"{{licences}}", PlotlyLicences()},
                                  {"{{plotly}}", PlotlyLibrary()},
                                  {"{{replay}}", ReplayScript()},
                                  {"{{script}}", ReportScript()},
                                  {"{{landscape}}", landscape}});
+                                 {"{{page}}", PageScript()},
 }
 
 }  // namespace clothid

@@ -1,39 +1,11 @@
 'use strict';
 // Charts over time, points, iterations and parameters.
 
-const FONT = {family: 'system-ui, "Segoe UI", "DejaVu Sans", sans-serif', size: 12, color: '#1f2630'};
-const PLAIN_AXIS = {gridcolor: '#e9edf1', zerolinecolor: '#cfd6de', linecolor: '#cfd6de', ticks: 'outside', ticklen: 4,
-  tickcolor: '#cfd6de', exponentformat: 'power', automargin: true};
-
-function plot(target, traces, {x = {}, y = {}, margin = {}, ...more}) {
-  const axis = (own) => ({...PLAIN_AXIS, ...own, title: {text: own.title || '', standoff: 6}});
-  const layout = {font: FONT, margin: {l: 56, r: 14, t: 10, b: 40, ...margin}, paper_bgcolor: '#fff', plot_bgcolor: '#fff',
-    showlegend: false, legend: {orientation: 'h', x: 0, y: 1.02, yanchor: 'bottom'}, xaxis: axis(x), yaxis: axis(y),
-    ...more};
-  Plotly.react(target, traces, layout, {displayModeBar: false, responsive: true});
-}
-
 // A logarithmic axis where the values ask for one.
 function scaleOf(values) {
   const positive = values.filter((value) => value > 0);
   if (positive.length === 0 || values.some((value) => value !== null && value < 0)) return 'linear';
   return Math.max(...positive) / Math.min(...positive) > 30 ? 'log' : 'linear';
-}
-
-// Round numbers from `low` to `high`, about six.
-function roundMarks(low, high, isLog) {
-  const marks = [], ratio = high / low;
-  if (isLog && ratio > 4) {
-    const every = Math.ceil(Math.log10(ratio) / 6), factors = ratio > 1e3 ? [1] : ratio > 50 ? [1, 3] : [1, 2, 5];
-    for (let power = every * Math.floor(Math.log10(low) / every); power <= Math.log10(high); power += every) {
-      marks.push(...factors.map((factor) => Number((factor * 10 ** power).toPrecision(6))));
-    }
-  } else {
-    const rough = (high - low) / 7, unit = 10 ** Math.floor(Math.log10(rough));
-    const step = unit * [1, 2, 5, 10].find((factor) => factor * unit >= rough * (1 - 1e-9));
-    for (let i = Math.ceil(low / step); i * step <= high; ++i) marks.push(Number((i * step).toPrecision(12)));
-  }
-  return marks.filter((mark) => mark >= low && mark <= high);
 }
 
 // The axis of these values, logarithmic where they ask for that.
@@ -59,6 +31,7 @@ function drawPerFrame(recording) {
 function drawHistogram(recording) {
   const histogram = recording.histogram;
   if (!histogram) {
+    Plotly.purge('histogram');
     part('histogram-caption').textContent = 'There are no residuals to speak of.';
     return;
   }
@@ -72,6 +45,7 @@ function drawHistogram(recording) {
   const spread = histogram.axes.map(({mean, deviation}, i) =>
     `${'xyz'[i]} ${number(1e3 * mean, 3)} ± ${millimetres(deviation)}`);
   part('histogram-caption').textContent = `Mean and standard deviation: ${spread.join(', ')}.` +
+    (histogram.leaves_out_start ? ' Without the first frame, where the simulation starts.' : '') +
     (histogram.beyond > 0 ? ` Outside of the picture: ${count(histogram.beyond, 'coordinate')}.` : '');
 }
 
@@ -100,12 +74,13 @@ const SCALE_STOPS = SCALE.map((colour, i) => [i / (SCALE.length - 1), `rgb(${col
 function drawHeatMap(replay) {
   const {rows, together} = errorRows(replay);
   plot('heat-map', [{type: 'heatmap', z: rows, x: replay.times, y: rows.map((_, i) => i * together),
-    colorscale: SCALE_STOPS, zmin: 0, colorbar: {title: {text: 'mm', side: 'top'}, thickness: 12, outlinewidth: 0,
+    colorscale: SCALE_STOPS, zmin: 0, colorbar: {...colourBar('mm', narrow.matches), tickmode: 'auto', nticks: 6,
       exponentformat: 'power'}, hovertemplate: 'point %{y}, %{x:.4g} s: %{z:.3g} mm<extra></extra>'}],
-  {x: {title: 'time, s', ticks: ''}, y: {title: 'point', ticks: ''}});
+  {x: {title: 'time, s', ticks: ''}, y: {title: 'point', ticks: ''}, margin: narrow.matches ? {b: 112} : {}});
   part('heat-map-caption').textContent = 'Distance between recorded and predicted point; white: not seen, or a handle.' +
     (together > 1 ? ` Of ${together} points at a time the root mean square.` : '') +
-    (replay.every > 1 ? ` Every ${replay.every}th frame.` : '') + ' Click to see the frame in the replay.';
+    (replay.every > 1 ? ` Every ${replay.every}th frame.` : '') +
+    ` ${isTouch ? 'Tap' : 'Click'} to see the frame in the replay.`;
 }
 
 function drawConvergence() {

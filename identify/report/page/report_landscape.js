@@ -1,45 +1,14 @@
 'use strict';
 // Landscapes: maps of the cost over two parameters, with the estimate, its interval and the way to it.
 
-// From low to high: the valley is light, what is drawn over it dark or orange.
-const DEPTHS = [[0, '#f4f8fc'], [0.25, '#c3d7ea'], [0.5, '#8cb0d4'], [0.75, '#5381b3'], [1, '#274b73']];
-const MARKS = {estimate: '#1f2630', path: '#d9661f', failed: '#b3261e'};
-// Below this share of the largest value logarithmic colours end: the lowest cell itself may be zero.
-const LEAST_SHARE = 1e-3;
+// On a phone the legend takes this share of a map's height, at its lower end.
+const LEGEND_SHARE = 0.17;
 
 // What the colours show: the rmse in mm, where the cost tells it, else the cost.
 function measureOf(landscape) {
   const factor = landscape.rmse_of_root_cost;
   if (factor === null) return {name: 'cost', title: 'cost', unit: '', of: (cost) => cost};
   return {name: 'rmse', title: 'rmse, mm', unit: ' mm', of: (cost) => 1e3 * factor * Math.sqrt(cost)};
-}
-
-// Colours, 20 contours and the colour bar of these values; null: failed.
-function colouring(values, title) {
-  const seen = values.filter((value) => value !== null), lowest = Math.min(...seen), high = Math.max(...seen);
-  const isLog = high > 30 * lowest, low = isLog ? Math.max(lowest, LEAST_SHARE * high) : lowest;
-  const onScale = isLog ? (value) => value === null ? null : Math.log10(Math.max(value, low)) : (value) => value;
-  const size = (onScale(high) - onScale(low)) / 20, colorbar = {title: {text: title, side: 'top'}, thickness: 12,
-    outlinewidth: 0, tickmode: 'array', xpad: 6};
-  if (!(size > 0)) return {onScale, style: {showscale: false, contours: {coloring: 'fill'}}};
-  const marks = roundMarks(low, high, isLog);
-  return {onScale, style: {autocontour: false, zmin: onScale(low), zmax: onScale(high),
-    contours: {start: onScale(low) + size, end: onScale(high) - size / 2, size},
-    colorbar: {...colorbar, tickvals: marks.map(onScale), ticktext: marks.map((mark) => number(mark, 6))}}};
-}
-
-const titleOf = (axis) => {
-  const unit = UNITS[axis.parameter.replace(/@.*/, '')];
-  return plain(axis.parameter) + (unit ? `, ${unit}` : '');
-};
-
-// The axis as far as it was scanned.
-function mapAxis(axis, values) {
-  const ends = [values[0], values[values.length - 1]], isLog = axis.scale === 'log';
-  const marks = isLog ? {tickmode: 'array', tickvals: roundMarks(...ends, true)} : {nticks: 6};
-  if (isLog) marks.ticktext = marks.tickvals.map((mark) => number(mark, 6));
-  return {title: titleOf(axis), type: isLog ? 'log' : 'linear', range: isLog ? ends.map(Math.log10) : ends, ...marks,
-    showgrid: false, zeroline: false};
 }
 
 const isInside = (value, values) => value >= values[0] && value <= values[values.length - 1];
@@ -53,9 +22,10 @@ function cellTraces(landscape, window, measure) {
   const rows = (values) => y.map((_, row) => values.slice(row * nx, (row + 1) * nx));
   const traces = [];
   if (shown.some((value) => value !== null)) {
-    const {onScale, style} = colouring(shown, measure.title);
-    traces.push({type: 'contour', x, y, z: rows(shown.map(onScale)), text: rows(texts), colorscale: DEPTHS,
-      line: {width: 0.5, color: 'rgba(31,38,48,0.35)'}, hovertemplate: '%{text}<extra></extra>', ...style});
+    const bar = colourBar(measure.title, narrow.matches, LEGEND_SHARE);
+    const {onScale, style} = colouring({...limitsOfRmse(shown), bar});
+    traces.push({type: 'contour', x, y, z: rows(shown.map(onScale)), text: rows(texts),
+      hovertemplate: '%{text}<extra></extra>', ...style});
   }
   const {cells: failed, reasons} = window.failures;
   if (failed.length > 0) {
@@ -120,8 +90,8 @@ function windowCaption(landscape, window, measure) {
   const value = measure.of(window.cost[lowest]), estimate = landscape.estimate_rmse_m;
   lines.push(`Lowest cell: ${number(value, 4)}${measure.unit} at ${joined(place, ' ', ', ')}.`);
   // By more than what contours can show, and a hundredth.
-  const highest = measure.of(Math.max(...window.cost.filter((cost) => cost !== null)));
-  if (estimate !== null && value < 1e3 * estimate - Math.max(10 * estimate, LEAST_SHARE * highest)) {
+  const highest = measure.of(extent(window.cost)[1]);
+  if (estimate !== null && value < 1e3 * estimate - Math.max(10 * estimate, LEAST_RMSE_SHARE * highest)) {
     lines.push(`That is below the estimate's ${millimetres(estimate)}: a fit from there may end lower, --start ` +
       `${joined(place, '=', ',')}.`);
   }
@@ -137,14 +107,14 @@ function windowCaption(landscape, window, measure) {
 }
 
 function drawMap(landscape, window, measure) {
-  const box = element('div'), target = element('div', 'plot');
-  target.style.height = '400px';
+  const box = element('div'), target = element('div', 'plot map');
   box.append(target, element('p', 'caption', windowCaption(landscape, window, measure).join(' ')));
   const name = window.zoom === 1 ? '' : `<b>zoom: ${number(window.zoom, 4)} of either axis</b>`;
   const title = name ? {title: {text: name, x: 0.02, y: 0.98, font: {size: 13}}} : {};
   const draw = () => plot(target, [...cellTraces(landscape, window, measure), ...pathTraces(landscape, window),
     ...estimateTraces(landscape, window)], {x: mapAxis(landscape.x, window.x), y: mapAxis(landscape.y, window.y),
-    showlegend: true, margin: {t: name ? 64 : 40}, ...title});
+    showlegend: true, ...title, ...(narrow.matches ? {margin: {t: name ? 36 : 10, b: 175, r: 10},
+      legend: {orientation: 'h', x: 0, y: 0, yref: 'container', yanchor: 'bottom'}} : {margin: {t: name ? 64 : 40}})});
   return {box, draw};
 }
 
@@ -168,6 +138,7 @@ function showLandscape(landscape, index) {
     element('p', 'caption', landscapeCaption(landscape, measure)));
   part('starts-card').before(card);
   made.forEach(({draw}) => draw());
+  narrow.addEventListener('change', () => made.forEach(({draw}) => draw()));
 }
 
 data.landscapes.forEach(showLandscape);

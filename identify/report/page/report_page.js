@@ -26,6 +26,8 @@ function makeControls() {
     viewer.reset();
     redraw();
   });
+  part('replay-hint').textContent = isTouch ? 'One finger turns, two fingers move and zoom.'
+    : 'Drag to turn, shift and drag to move, wheel to zoom.';
   part('convergence-axis').addEventListener('change', drawConvergence);
   part('licences-details').addEventListener('toggle', () => {
     part('licences-shown').textContent = part('licences').textContent;
@@ -42,7 +44,7 @@ makeControls();
 drawConvergence();
 drawProfiles();
 viewer = makeViewer(part('canvas'));
-if (viewer) listenToMouse(part('canvas'));
+if (viewer) listenToPointers(part('canvas'));
 setLabels();
 requestAnimationFrame(advance);
 select(0);

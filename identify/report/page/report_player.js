@@ -77,6 +77,16 @@ function showMissing(reason) {
   part('replay-missing').textContent = reason;
 }
 
+function showErrors(replay) {
+  drawHeatMap(replay);
+  part('heat-map').removeAllListeners('plotly_click');
+  part('heat-map').on('plotly_click', ({points}) => {
+    if (!state.replay) return;
+    play(false);
+    showFrame(replay.times.indexOf(points[0].x));
+  });
+}
+
 async function showRecording(index) {
   const recording = data.recordings[index];
   drawPerFrame(recording);
@@ -87,6 +97,7 @@ async function showRecording(index) {
   state.wanted = index;
   state.isPlaying = false;
   if (recording.replay.left_out) {
+    narrow.onchange = null;
     Plotly.purge('heat-map');
     part('heat-map-caption').textContent = recording.replay.left_out;
     showMissing(recording.replay.left_out);
@@ -94,13 +105,8 @@ async function showRecording(index) {
   }
   const replay = await unpackReplay(recording.replay);
   if (state.wanted !== index) return;
-  drawHeatMap(replay);
-  part('heat-map').removeAllListeners('plotly_click');
-  part('heat-map').on('plotly_click', ({points}) => {
-    if (!state.replay) return;
-    play(false);
-    showFrame(replay.times.indexOf(points[0].x));
-  });
+  showErrors(replay);
+  narrow.onchange = () => showErrors(replay);
   if (!viewer) {
     showMissing('This browser has no WebGL 2, which the replay needs.');
     return;
@@ -120,12 +126,35 @@ function select(index) {
   showRecording(index).catch((error) => showMissing(`The replay cannot be shown: ${error}`));
 }
 
-function listenToMouse(canvas) {
-  canvas.addEventListener('pointerdown', (event) => canvas.setPointerCapture(event.pointerId));
+// What one pointer, or the first two fingers, do to the view.
+function listenToPointers(canvas) {
+  const held = new Map();
+  const between = () => {
+    const [[ax, ay], [bx, by]] = [...held.values()];
+    return {x: (ax + bx) / 2, y: (ay + by) / 2, spread: Math.hypot(bx - ax, by - ay) || 1};
+  };
+  canvas.addEventListener('pointerdown', (event) => {
+    if (held.size === 2) return;
+    canvas.setPointerCapture(event.pointerId);
+    held.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  for (const end of ['pointerup', 'pointercancel']) {
+    canvas.addEventListener(end, ({pointerId}) => held.delete(pointerId));
+  }
   canvas.addEventListener('pointermove', (event) => {
-    if (event.buttons === 0 || !state.replay) return;
-    if (event.shiftKey || event.buttons > 1) viewer.move(event.movementX, event.movementY);
-    else viewer.turn(event.movementX, event.movementY);
+    const last = held.get(event.pointerId), now = [event.clientX, event.clientY];
+    if (!last || !state.replay) return;
+    const before = held.size === 2 ? between() : null, dx = now[0] - last[0], dy = now[1] - last[1];
+    held.set(event.pointerId, now);
+    if (before) {
+      const after = between();
+      viewer.move(after.x - before.x, after.y - before.y);
+      viewer.zoom(before.spread / after.spread);
+    } else if (event.shiftKey || event.buttons > 1) {
+      viewer.move(dx, dy);
+    } else {
+      viewer.turn(dx, dy);
+    }
     redraw();
   });
   canvas.addEventListener('wheel', (event) => {

@@ -26,11 +26,16 @@ const FRAGMENT = `#version 300 es
     if (isPoint > 0.5 && length(gl_PointCoord - 0.5) > 0.5) discard;
     vec3 n = normalize(across + vec3(1e-9));
     if (dot(n, view) > 0.0) n = -n;
-    float bright = mix(1.0, 0.52 + 0.48 * max(dot(n, light), 0.0) + 0.12 * abs(dot(n, view)), lit);
+    float bright = 1.0;
+    if (lit > 1.5) bright = 0.84 + 0.16 * abs(dot(n, light));
+    else if (lit > 0.5) bright = 0.52 + 0.48 * max(dot(n, light), 0.0) + 0.12 * abs(dot(n, view));
     result = vec4(shade * bright * alpha, alpha);
   }`;
 
-const RECORDED = [0.176, 0.373, 0.604], RECORDED_CLOTH = [0.42, 0.62, 0.83], PREDICTED = [0.949, 0.631, 0.345], OBSTACLE = [0.80, 0.84, 0.88];
+// The colour `name` of the page's legend, of 0 .. 1.
+const legendColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim()
+  .match(/[0-9a-f]{2}/gi).map((digits) => parseInt(digits, 16) / 255);
+const RECORDED = legendColour('recorded'), PREDICTED = legendColour('predicted'), OBSTACLE = [0.80, 0.84, 0.88];
 const HANDLE = [0.13, 0.15, 0.19];
 
 // Draws into `canvas`; null where the browser has no WebGL.
@@ -65,14 +70,14 @@ function makeViewer(canvas) {
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   let replay = null, center = [0, 0, 0], radius = 1, yaw = 0, pitch = 0, distance = 1, shift = [0, 0, 0], planes = [];
 
-  function draw(mode, positions, indices, colours, {normals, push = 0, size = 1, alpha = 1} = {}) {
+  function draw(mode, positions, indices, colours, {normals, isCloth, push = 0, size = 1, alpha = 1} = {}) {
     [positions, normals || positions, colours].forEach((values, i) => {
       gl.bindBuffer(gl.ARRAY_BUFFER, attributes[i].buffer);
       gl.bufferData(gl.ARRAY_BUFFER, values, gl.DYNAMIC_DRAW);
     });
     gl.uniform1f(uniform.push, push * radius);
     gl.uniform1f(uniform.pointSize, size * (window.devicePixelRatio || 1));
-    gl.uniform1f(uniform.lit, normals ? 1 : 0);
+    gl.uniform1f(uniform.lit, !normals ? 0 : isCloth ? 2 : 1);
     gl.uniform1f(uniform.alpha, alpha);
     gl.uniform1f(uniform.isPoint, mode === gl.POINTS ? 1 : 0);
     if (!indices) {
@@ -92,6 +97,9 @@ function makeViewer(canvas) {
   function drawSurface(positions, indices, colours, options) {
     draw(gl.TRIANGLES, positions, indices, colours, {...options, normals: normalsOf(positions, indices)});
   }
+
+  // Lit from both sides alike, and never far from its colour in the legend.
+  function drawCloth(positions, indices, colours) { drawSurface(positions, indices, colours, {isCloth: true}); }
 
   function drawPoints(positions, points, colours, size) {
     const shownPositions = new Float32Array(3 * points.length), shownColours = new Float32Array(3 * points.length);
@@ -126,7 +134,7 @@ function makeViewer(canvas) {
     if (replay.hasNodes) {
       const colours = withErrors && replay.points_are_nodes ? errorColours(replay, frame)
         : uniformColours(nodes.length / 3, PREDICTED);
-      drawSurface(nodes, replay.faces, colours);
+      drawCloth(nodes, replay.faces, colours);
       drawEdges(nodes, HANDLE, 0.16);
       const handles = replay.handles.filter((node) => node < replay.node_count);
       drawPoints(nodes, handles, uniformColours(nodes.length / 3, HANDLE), 7);
@@ -162,7 +170,7 @@ function makeViewer(canvas) {
   function drawRecordedAlone(frame) {
     const recorded = positionsAt(replay, replay.recordedGrid, frame);
     if (replay.points_are_nodes) {
-      drawSurface(recorded, seenOnly(replay.faces, 3, recorded), uniformColours(replay.points, RECORDED_CLOTH));
+      drawCloth(recorded, seenOnly(replay.faces, 3, recorded), uniformColours(replay.points, RECORDED));
       drawEdges(recorded, HANDLE, 0.16);
     } else {
       drawPoints(recorded, allPoints(), uniformColours(replay.points, RECORDED), 8);
@@ -188,14 +196,14 @@ function makeViewer(canvas) {
       .concat([fx * tx, fy * ty, a * tz + b, -tz]));
   }
 
-  function drawView(x, width, drawCloth) {
+  function drawView(x, width, drawContent) {
     gl.viewport(x, 0, width, canvas.height);
     const {back, side, above} = axes();
     gl.uniformMatrix4fv(uniform.camera, false, cameraMatrix(width / canvas.height));
     gl.uniform3fv(uniform.view, add([0, 0, 0], back, -1));
     gl.uniform3fv(uniform.light, unit(add(add(add([0, 0, 0], back, 0.6), above, 0.7), side, -0.35)));
     drawObstacles();
-    drawCloth();
+    drawContent();
   }
 
   function frameScene() {

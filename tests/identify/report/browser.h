@@ -72,6 +72,54 @@ class Browser {
     return answer["result"].value("value", Json());
   }
 
+  // Makes the window as large as that.
+  void Resize(int width, int height) {
+    Call("Emulation.setDeviceMetricsOverride",
+         {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
+    WaitUntil("innerWidth === " + std::to_string(width));
+    WaitForFrames();
+  }
+
+  // From now on pages are held in the hand, also those that are opened later.
+  void UseFingers() { Call("Emulation.setTouchEmulationEnabled", {{"enabled", true}, {"maxTouchPoints", 2}}); }
+
+  // Fingers come down, move and leave again: [x, y] px of each, one array per moment.
+  void Touch(const std::vector<Json>& moments) {
+    for (std::size_t i = 0; i <= moments.size(); ++i) {
+      Json points = Json::array();
+      if (i < moments.size()) {
+        for (const Json& point : moments[i])
+          points.push_back({{"x", point[0]}, {"y", point[1]}, {"id", points.size()}});
+      }
+      const char* type = i == 0 ? "touchStart" : i < moments.size() ? "touchMove" : "touchEnd";
+      Call("Input.dispatchTouchEvent", {{"type", type}, {"touchPoints", points}});
+    }
+    WaitForFrames();
+  }
+
+  // Two frames later, all that was asked for has been drawn.
+  void WaitForFrames() { Evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"); }
+
+  // What stands out of the window, or of the card that it is in, at its right; one line each.
+  std::string WhatStandsOut() {
+    return Evaluate(R"((() => {
+      const found = [], page = document.documentElement;
+      if (page.scrollWidth > innerWidth) found.push(`the page: ${page.scrollWidth} of ${innerWidth} px`);
+      for (const box of document.querySelectorAll('.card, .tile, .stacked td, .plot, .views > *')) {
+        if (box.clientWidth === 0 || box.scrollWidth <= box.clientWidth + 1) continue;
+        found.push(`${box.tagName} ${box.id} ${box.className}: ${box.scrollWidth} of ${box.clientWidth} px`);
+      }
+      return found.join('\n');
+    })())");
+  }
+
+  // Controls that are too low for a finger, one line each.
+  std::string WhatIsTooSmall() {
+    return Evaluate(R"([...document.querySelectorAll('button, select, summary, input[type=range], label')]
+      .filter((made) => made.offsetWidth > 0 && made.getBoundingClientRect().height < 40)
+      .map((made) => `${made.tagName} ${made.id} ${made.textContent}`).join('\n'))");
+  }
+
   // A click of the mouse on the middle of an element.
   void Click(const std::string& id) {
     const Json box = Evaluate("(() => { const e = document.getElementById('" + id +

@@ -1,108 +1,14 @@
 // report.html in a headless Chromium: clicks through it and looks at the picture.
+#include "tests/identify/report/report_browser.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
-#include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
-#include <vector>
-
-#include "datasets/files/sha256.h"
-#include "tests/identify/report/browser.h"
-#include "tests/last_line.h"
-#include "tests/tools/tool_test.h"
 
 namespace clothid {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
-// A name that would change the title of a page that runs it, and a first recording of every node in it; markers in a
-// second, over every kind of obstacle.
-constexpr char kHostileName[] = "<img src=x onerror=document.title=name>.bin";
-
-class ReportBrowserTest : public ToolTest {
- protected:
-  void SetUp() override {
-    const std::optional<std::string> chromium = FindChromium();
-    if (!chromium) GTEST_SKIP() << "the package chromium is absent: install it, or set CHROMIUM to another Chromium";
-    WriteBytes(folder() / "pyramid.obj",
-               "v -0.2 0 -0.45\nv -0.1 0 -0.45\nv -0.1 0.1 -0.45\nv -0.2 0.1 -0.45\nv -0.15 0.05 -0.35\n"
-               "f 1 4 3 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
-    const std::string scene = WriteScene(nlohmann::ordered_json::parse(R"({
-      "clothid_scene": 1, "time_step": 0.01, "duration": 0.3,
-      "mesh": {"grid": {"nodes": [8, 8], "size": [0.3, 0.3]}}, "handles": [0, 1, 2, 3, 4, 5, 6, 7],
-      "obstacles": [{"name": "ball", "type": "sphere", "center": [0.15, 0.2, -0.12], "radius": 0.1, "mu": 0.5},
-                    {"type": "plane", "point": [0, 0, -0.5], "normal": [0, 0, 1]},
-                    {"type": "capsule", "from": [-0.1, 0.4, -0.4], "to": [0.4, 0.4, -0.4], "radius": 0.03},
-                    {"type": "mesh", "obj": "pyramid.obj"}],
-      "materials": {"density": 0.2, "k_stretch": 50, "k_bend": 2e-3, "drag": 0.1},
-      "solver": {"step_tolerance": 1e-6}})"));
-    const std::string simulate = "simulate --scene " + scene + " --set mu=0.2,k_stretch=120 --noise 0.002 ";
-    ASSERT_EQ(Run(simulate + "--seed 1 --output '" + kHostileName + "'").exit_code, 0);
-    ASSERT_EQ(Run(simulate + "--seed 2 --markers 12 --drop 0.1 --output markers.bin").exit_code, 0);
-    ASSERT_EQ(Run("identify --target '" + std::string(kHostileName) + ",markers.bin' --output out").exit_code, 0);
-    try {
-      browser_ = std::make_unique<Browser>(*chromium, 1200, 900);
-    } catch (const std::runtime_error&) {
-      const ToolResult alone = Run("'" + *chromium + "' --headless=new --no-sandbox --dump-dom about:blank");
-      if (alone.exit_code == 0) throw;
-      GTEST_SKIP() << "the package chromium is damaged: '" << *chromium << "' ends with: " << LastLine(alone.err);
-    }
-    browser_->Open((folder() / "out" / "report.html").string(), "state.replay && state.replay.frames == 31");
-  }
-
-  Browser& browser() { return *browser_; }
-  Json Text(const std::string& id) { return browser_->Evaluate("document.getElementById('" + id + "').textContent"); }
-
-  // What the screen shows of an element: pixels that differ from the one in a corner, and their number of colours.
-  struct Look {
-    double drawn = 0.0;  // share of the pixels
-    int colours = 0;
-    std::string picture;
-  };
-  Look LookAtReplay() { return LookAt("canvas"); }
-  Look LookAt(const std::string& id) {
-    // Two frames of the browser later, all that was asked for has been drawn.
-    browser_->Evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))");
-    Look look;
-    look.picture = browser_->Picture(id);
-    const Json counts = browser_->Evaluate(
-        "(async () => { const image = new Image(); image.src = 'data:image/png;base64," + look.picture +
-        "'; await image.decode(); const canvas = document.createElement('canvas'); canvas.width = image.width; "
-        "canvas.height = image.height; const context = canvas.getContext('2d'); context.drawImage(image, 0, 0); "
-        "const all = new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer); "
-        "return [all.filter(pixel => pixel !== all[all.length - 1]).length / all.length, new Set(all).size]; })()");
-    look.drawn = counts[0];
-    look.colours = counts[1];
-    return look;
-  }
-
-  // `landscape` of the markers, with one cell as if its rollout had failed.
-  void Scan() {
-    ASSERT_EQ(
-        Run("landscape --target markers.bin --x mu=0.05:0.6:4 --y k_stretch=30:480:4:log --output cost").exit_code, 0);
-    const fs::path csv = folder() / "cost" / "landscape.csv", plan = folder() / "cost" / "plan.json";
-    std::string cells = ReadBytes(csv), text = ReadBytes(plan);
-    const std::string before = Sha256Hex({cells});
-    const std::size_t row = cells.find('\n') + 1, end = cells.find('\n', row), cost = cells.find("gap,", row) + 4;
-    cells.insert(end, "\"<b onclick=x>step 3\"");
-    cells.erase(cost, cells.find(',', cost) - cost);
-    WriteBytes(csv, cells);
-    WriteBytes(plan, text.replace(text.find(before), before.size(), Sha256Hex({cells})));
-  }
-
-  void ExpectPeace() {
-    EXPECT_EQ(browser_->complaints(), std::vector<std::string>());
-    EXPECT_EQ(browser_->requests(), std::vector<std::string>());
-  }
-
- private:
-  std::unique_ptr<Browser> browser_;
-};
 
 TEST_F(ReportBrowserTest, ShowsTheNumbersOfTheResult) {
   const Json result = Json::parse(ReadBytes(folder() / "out" / "result.json"));
@@ -199,6 +105,30 @@ TEST_F(ReportBrowserTest, LooksInEveryWay) {
   browser().Click("reset");
   EXPECT_FALSE(pictures.insert(LookAtReplay().picture).second) << "back where it was";
   ExpectPeace();
+}
+
+// Seen from above and from below, a cloth is of its colour in the legend.
+TEST_F(ReportBrowserTest, ClothHasTheColourOfTheLegend) {
+  browser().Evaluate("(part('view').value = 'side', setLabels(), state.replay.obstacles = [], showFrame(5))");
+  for (const double pitch : {1.2, -1.2}) {
+    browser().Evaluate("(viewer.load(state.replay), viewer.turn(0, " + std::to_string((pitch - 0.32) / 0.008) +
+                       "), redraw())");
+    const std::string picture = LookAtReplay().picture;
+    for (const std::string name : {"recorded", "predicted"}) {
+      const Hue seen = HueIn(picture, name);
+      EXPECT_GT(seen.share, 0.03) << name << " " << pitch;
+      EXPECT_GT(seen.brightness, 0.8) << name << " " << pitch;
+      EXPECT_LT(seen.brightness, 1.02) << name << " " << pitch;
+    }
+  }
+  ExpectPeace();
+}
+
+TEST_F(ReportBrowserTest, SaysWhereTheStartIsLeftOut) {
+  const std::string sentence = "Without the first frame, where the simulation starts.";
+  EXPECT_EQ(Text("histogram-caption").get<std::string>().find(sentence), std::string::npos);
+  browser().Evaluate("(data.recordings[0].histogram.leaves_out_start = true, drawHistogram(data.recordings[0]))");
+  EXPECT_NE(Text("histogram-caption").get<std::string>().find(sentence), std::string::npos);
 }
 
 TEST_F(ReportBrowserTest, ShowsTheLandscape) {
