@@ -110,12 +110,16 @@ Eigen::VectorXd FrameErrors(const Eigen::MatrixXd& point_errors) {
   return errors;
 }
 
+bool StartsAtFirstFrame(const RecordedMotion& motion) { return motion.start_source != StartSource::kScene; }
+
 std::vector<ResidualHistogram> ResidualHistograms(const Observation& observation, const RecordedMotion& motion,
                                                   const Eigen::MatrixXd& predicted, double range, int num_bins) {
   std::vector<ResidualHistogram> histograms(3);
   std::array<double, 3> sums = {0.0, 0.0, 0.0}, squares = {0.0, 0.0, 0.0}, seen_counts = {0.0, 0.0, 0.0};
+  const bool leaves_out_start = StartsAtFirstFrame(motion);
   for (ResidualHistogram& histogram : histograms) histogram.counts.assign(static_cast<std::size_t>(num_bins), 0);
   ForEachResidual(observation, motion, predicted, [&](const SeenCoordinate& seen, double difference) {
+    if (leaves_out_start && seen.frame == 0) return;
     const std::size_t axis = static_cast<std::size_t>(seen.axis);
     sums[axis] += difference;
     squares[axis] += difference * difference;

@@ -24,11 +24,15 @@ Eigen::VectorXd FrameErrors(const Eigen::MatrixXd& point_errors);
 struct ResidualHistogram {
   std::vector<int> counts;  // of equal bins from -range to range
   int num_beyond = 0;       // outside of them
-  double mean = 0.0;        // m
+  double mean = 0.0;        // m; NaN where nothing was seen
   double deviation = 0.0;   // m, the standard deviation; NaN where nothing was seen
 };
 
-// One histogram per axis, of `num_bins` bins from -range to range (m).
+// Whether simulations of this recording start from its first frame: what is left of an error there tells nothing.
+bool StartsAtFirstFrame(const RecordedMotion& motion);
+
+// One histogram per axis, of `num_bins` bins from -range to range (m), without the first frame where
+// `StartsAtFirstFrame`.
 std::vector<ResidualHistogram> ResidualHistograms(const Observation& observation, const RecordedMotion& motion,
                                                   const Eigen::MatrixXd& predicted, double range, int num_bins);
 

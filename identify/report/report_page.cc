@@ -111,13 +111,16 @@ Json HistogramJson(const Observation& observation, const RecordedMotion& motion,
   if (!(range > 0.0)) return nullptr;
   Json axes = Json::array();
   int num_beyond = 0;
+  bool is_empty = true;
   for (const ResidualHistogram& axis : ResidualHistograms(observation, motion, predicted, range, kNumBins)) {
     axes.push_back({{"counts", axis.counts},
                     {"mean", RoundedJson(axis.mean, kDigits)},
                     {"deviation", RoundedJson(axis.deviation, kDigits)}});
     num_beyond += axis.num_beyond;
+    is_empty = is_empty && std::isnan(axis.mean);
   }
-  return {{"range", range}, {"axes", axes}, {"beyond", num_beyond}};
+  if (is_empty) return nullptr;
+  return {{"range", range}, {"axes", axes}, {"beyond", num_beyond}, {"leaves_out_start", StartsAtFirstFrame(motion)}};
 }
 
 // What the page may spend on each recording.
@@ -210,10 +213,10 @@ std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const
                                  {"{{data}}", data},
                                  {"{{licences}}", PlotlyLicences()},
                                  {"{{plotly}}", PlotlyLibrary()},
+                                 {"{{page}}", PageScript()},
                                  {"{{replay}}", ReplayScript()},
                                  {"{{script}}", ReportScript()},
                                  {"{{landscape}}", landscape}});
-                                 {"{{page}}", PageScript()},
 }
 
 }  // namespace clothid

@@ -74,6 +74,32 @@ TEST(FitQualityTest, HistogramsCountEveryCoordinate) {
   EXPECT_NEAR(axes[2].deviation, 0.0, 1e-9);
 }
 
+// Where the first frame is the start of the simulation, it leaves no residual.
+TEST(FitQualityTest, HistogramsAreWithoutTheStart) {
+  RecordedMotion motion = NoisyMotion();
+  const Observation observation(motion);
+  Eigen::MatrixXd predicted = motion.positions;
+  predicted.rightCols(motion.num_frames() - 1).array() += 0.001;
+  const auto count_all = [&] {
+    int total = 0;
+    for (const ResidualHistogram& axis : ResidualHistograms(observation, motion, predicted, 0.005, 11)) {
+      total += std::accumulate(axis.counts.begin(), axis.counts.end(), axis.num_beyond);
+    }
+    return total;
+  };
+  motion.start_source = StartSource::kScene;
+  EXPECT_FALSE(StartsAtFirstFrame(motion));
+  EXPECT_EQ(count_all(), observation.num_residuals());
+  for (const StartSource source : {StartSource::kFirstFrame, StartSource::kSmoothed}) {
+    motion.start_source = source;
+    EXPECT_TRUE(StartsAtFirstFrame(motion));
+    EXPECT_EQ(count_all(), observation.num_residuals() - observation.first_row(1));
+    const std::vector<ResidualHistogram> axes = ResidualHistograms(observation, motion, predicted, 0.005, 11);
+    EXPECT_EQ(axes[0].counts[5], 0) << "no zeros";
+    EXPECT_NEAR(axes[0].mean, 0.001, 1e-12);
+  }
+}
+
 std::vector<std::string> Limits(double sigma, double residual_scale, double correlation, int substeps) {
   MotionOptions options;
   options.noise = 1e-3;

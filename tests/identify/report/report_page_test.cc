@@ -111,6 +111,14 @@ FitSummary WavingFit(const RecordedMotion& motion) {
   return summary;
 }
 
+int NumCounted(const Json& histogram) {
+  int total = histogram["beyond"];
+  for (const Json& axis : histogram["axes"]) {
+    for (const int count : axis["counts"]) total += count;
+  }
+  return total;
+}
+
 TEST(ReportPageTest, HoldsWhatTheFitFound) {
   const std::vector<RecordedMotion> motions = TwoMotions();
   const FitSummary summary = RunFit(motions);
@@ -134,11 +142,19 @@ TEST(ReportPageTest, HoldsWhatTheFitFound) {
   EXPECT_EQ(second["name"], kHostileName);
   EXPECT_EQ(second["per_frame"]["rmse"].size(), 21u);
   EXPECT_GT(second["per_frame"]["start_rmse"][20], second["per_frame"]["rmse"][20]);
-  int num_residuals = second["histogram"]["beyond"];
-  for (const Json& axis : second["histogram"]["axes"]) {
-    for (const int count : axis["counts"]) num_residuals += count;
-  }
-  EXPECT_EQ(num_residuals, Observation(motions[1]).num_residuals());
+  EXPECT_EQ(NumCounted(second["histogram"]), Observation(motions[1]).num_residuals());
+  EXPECT_EQ(second["histogram"]["leaves_out_start"], false);
+}
+
+// Where a simulation starts from the first frame, its residuals say nothing.
+TEST(ReportPageTest, HistogramsAreWithoutTheStart) {
+  std::vector<RecordedMotion> motions = TwoMotions();
+  motions[1].start_source = StartSource::kFirstFrame;
+  const FitSummary summary = RunFit(motions);
+  const Json histogram = PageData(ReportHtml(summary, FitChecks(), motions))["recordings"][1]["histogram"];
+  const Observation observation(motions[1]);
+  EXPECT_EQ(NumCounted(histogram), observation.num_residuals() - observation.first_row(1));
+  EXPECT_EQ(histogram["leaves_out_start"], true);
 }
 
 TEST(ReportPageTest, ReplayHasRecordedAndPredictedPositions) {
