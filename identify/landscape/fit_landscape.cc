@@ -1,9 +1,7 @@
 #include "identify/landscape/fit_landscape.h"
 
-#include <cmath>
 #include <utility>
 
-#include "datasets/observation/observation.h"
 #include "identify/landscape/landscape_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
@@ -74,9 +72,15 @@ FitLandscape ReadFitLandscape(const std::string& folder, const std::vector<Recor
   const int setting = FindSetting(folder, part.landscape.plan, motion);
   found.num_other_settings = static_cast<int>(part.landscape.plan.settings.size()) - 1;
   found.landscape = OneSetting(std::move(part.landscape), setting);
-  const bool is_same_sigma =
-      motion.sigma_source == SigmaSource::kUnknown || motion.sigma_source == SigmaSource::kRecorded;
-  if (is_same_sigma) found.rmse_of_root_cost = RmseOfRootCost(motion);
+  const LandscapeSigma of_fit = SigmaOf(motion);
+  // A scan of clothid 0.1 does not say: it had that of the recording.
+  const bool is_told = motion.sigma_source == SigmaSource::kGiven || motion.sigma_source == SigmaSource::kEstimated;
+  found.has_other_sigma = part.origin.sigma ? !IsSameSigma(*part.origin.sigma, of_fit) : is_told;
+  if (part.origin.sigma) {
+    found.rmse_of_root_cost = part.origin.sigma->rmse_of_root_cost;
+  } else if (!is_told) {
+    found.rmse_of_root_cost = of_fit.rmse_of_root_cost;
+  }
   return found;
 }
 
@@ -91,17 +95,6 @@ void MatchLandscape(const std::vector<ParameterBlock>& blocks, FitLandscape* lan
     const bool is_held = i != landscape->x.index && i != landscape->y.index;
     if (concerns && is_held && !block.frozen) landscape->others.push_back(block.name);
   }
-}
-
-double RmseOfRootCost(const RecordedMotion& motion) {
-  const Observation observation(motion);
-  const double sigma = observation.sigma(observation.coordinates().front().point);
-  double num_points = 0.0;
-  for (const SeenCoordinate& seen : observation.coordinates()) {
-    if (observation.sigma(seen.point) != sigma) return std::nan("");
-    num_points += seen.point < observation.num_points() ? 1.0 / 3.0 : 1.0;
-  }
-  return sigma * std::sqrt(2.0 / num_points);
 }
 
 }  // namespace clothid

@@ -9,6 +9,7 @@
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/landscape/landscape.h"
+#include "identify/landscape/landscape_sigma.h"
 
 namespace clothid {
 
@@ -19,12 +20,13 @@ struct LandscapeParameter {
 };
 
 struct FitLandscape {
-  std::string folder;          // for messages
-  int recording = 0;           // the fitted one that was scanned, counted from 0
-  Landscape landscape;         // one setting: the scene as it is, in the contact mode of the fit; all windows
-  int num_other_settings = 0;  // left out
-  // m: rmse of a cell = this sqrt(cost). NaN where the cost does not tell the rmse: points differ in sigma, or the fit
-  // has another sigma than the recording, with which `landscape` scans.
+  std::string folder;            // for messages
+  int recording = 0;             // the fitted one that was scanned, counted from 0
+  Landscape landscape;           // one setting: the scene as it is, in the contact mode of the fit; all windows
+  int num_other_settings = 0;    // left out
+  bool has_other_sigma = false;  // than the fit
+  // m: rmse of a cell = this sqrt(cost). NaN where the cost does not tell the rmse: points differ in sigma, or the scan
+  // does not say what it had.
   double rmse_of_root_cost = std::numeric_limits<double>::quiet_NaN();
   LandscapeParameter x, y;          // by `MatchLandscape`
   std::vector<std::string> others;  // fitted as well, but held in all cells; by `MatchLandscape`
@@ -37,10 +39,6 @@ FitLandscape ReadFitLandscape(const std::string& folder, const std::vector<Recor
 
 // Finds both axes among the parameters of a fit. Throws `Error` (kUsage), naming the folder, where one is not fitted.
 void MatchLandscape(const std::vector<ParameterBlock>& blocks, FitLandscape* landscape);
-
-// m: the factor between the root mean square distance of seen points and the square root of the cost without a loss,
-//   rmse = sigma sqrt(2 L/n),   n the seen coordinates over 3, and the points of clouds; NaN unless all have one sigma.
-double RmseOfRootCost(const RecordedMotion& motion);
 
 }  // namespace clothid
 

@@ -1,6 +1,7 @@
 #include "identify/landscape/landscape_folder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -73,6 +74,22 @@ LandscapePlan ReadPlan(const JsonNode& root) {
   return plan;
 }
 
+SigmaSource ReadSigmaSource(const JsonNode& node) {
+  for (const SigmaSource source :
+       {SigmaSource::kUnknown, SigmaSource::kRecorded, SigmaSource::kGiven, SigmaSource::kEstimated}) {
+    if (node.String() == SigmaSourceName(source)) return source;
+  }
+  node.Fail("expected \"unknown\", \"recorded\", \"given\" or \"estimated\"");
+}
+
+LandscapeSigma ReadSigma(const JsonNode& node) {
+  const auto read = [&](const char* key) {
+    const JsonNode number = node.Require(key, "a number > 0 or null");
+    return number.is(JsonValue::Kind::kNull) ? std::nan("") : number.PositiveNumber();
+  };
+  return {ReadSigmaSource(node.Require("source", "a text")), read("sigma_m"), read("rmse_of_root_cost_m")};
+}
+
 LandscapeOrigin ReadOrigin(const JsonNode& root) {
   LandscapeOrigin origin;
   const JsonNode provenance = root.Require("provenance", "an object");
@@ -82,6 +99,7 @@ LandscapeOrigin ReadOrigin(const JsonNode& root) {
   const JsonNode truth = root.Require("truth", "an object");
   for (const std::string& name : truth.keys()) origin.truth[name] = truth.Find(name)->Number();
   origin.fingerprint = root.Require("fingerprint", "a text").String();
+  if (const std::optional<JsonNode> sigma = root.Find("sigma")) origin.sigma = ReadSigma(*sigma);
   const JsonNode shard = root.Require("shard", "an object or null");
   if (!shard.is(JsonValue::Kind::kNull)) {
     origin.shard.count = shard.Require("count", "an integer").Integer(2, kMaxLandscapeCells);

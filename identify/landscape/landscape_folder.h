@@ -8,9 +8,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "identify/landscape/landscape.h"
+#include "identify/landscape/landscape_sigma.h"
 
 namespace clothid {
 
@@ -29,6 +31,7 @@ struct LandscapeOrigin {
   std::map<std::string, double> truth;  // the parameters that the measured data was simulated with; empty: none
   std::string fingerprint;              // of everything that determines the cells of all shards [64 digits]
   LandscapeShard shard;
+  std::optional<LandscapeSigma> sigma;  // of the residuals; absent in scans of clothid 0.1
 };
 
 struct LandscapePart {

@@ -101,8 +101,8 @@ std::vector<std::string> Notes(const FitLandscape& landscape, const std::vector<
   if (motion.start_source == StartSource::kSmoothed) {
     notes.push_back("The map starts at the first frame, the fit at a smoothed one.");
   }
-  if (motion.sigma_source == SigmaSource::kGiven || motion.sigma_source == SigmaSource::kEstimated) {
-    notes.push_back("The map has the sigma of the recording, the fit another.");
+  if (landscape.has_other_sigma) {
+    notes.push_back("The costs of the map are of another sigma than those of the fit: `landscape --sigma` sets it.");
   }
   if (landscape.num_other_settings > 0) {
     notes.push_back("Other settings that were scanned, " + std::to_string(landscape.num_other_settings) +

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "identify/base/version.h"
+#include "identify/landscape/landscape_sigma.h"
 
 namespace clothid {
 namespace {
@@ -155,20 +156,6 @@ Json ContactEventsJson(const RolloutCounts& counts) {
           {"obstacle_switches", counts.obstacle_switches}};
 }
 
-std::string SourceName(SigmaSource source) {
-  switch (source) {
-    case SigmaSource::kUnknown:
-      return "unknown";
-    case SigmaSource::kRecorded:
-      return "recorded";
-    case SigmaSource::kGiven:
-      return "given";
-    case SigmaSource::kEstimated:
-      return "estimated";
-  }
-  return "unknown";
-}
-
 std::string SourceName(StartSource source) {
   switch (source) {
     case StartSource::kScene:
@@ -198,7 +185,7 @@ Json RecordingsJson(const std::vector<RecordedMotion>& motions) {
   Json json = Json::array();
   for (const RecordedMotion& motion : motions) {
     const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : std::numeric_limits<double>::quiet_NaN();
-    json.push_back({{"sigma_source", SourceName(motion.sigma_source)},
+    json.push_back({{"sigma_source", SigmaSourceName(motion.sigma_source)},
                     {"sigma_m", NumberJson(sigma)},
                     {"initial", SourceName(motion.start_source)}});
   }

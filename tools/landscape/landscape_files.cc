@@ -1,5 +1,6 @@
 #include "tools/landscape/landscape_files.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -10,6 +11,15 @@
 
 namespace clothid {
 namespace {
+
+nlohmann::ordered_json SigmaJson(const LandscapeSigma& sigma) {
+  const auto number = [](double value) {
+    return std::isnan(value) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
+  };
+  return {{"source", SigmaSourceName(sigma.source)},
+          {"sigma_m", number(sigma.value)},
+          {"rmse_of_root_cost_m", number(sigma.rmse_of_root_cost)}};
+}
 
 nlohmann::ordered_json PlanJson(const LandscapePlan& plan, const LandscapeOrigin& origin, const std::string& csv) {
   nlohmann::ordered_json json;
@@ -32,6 +42,7 @@ nlohmann::ordered_json PlanJson(const LandscapePlan& plan, const LandscapeOrigin
   if (!origin.shard.is_whole()) json["shard"] = {{"index", origin.shard.index}, {"count", origin.shard.count}};
   json["truth"] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : origin.truth) json["truth"][name] = value;
+  if (origin.sigma) json["sigma"] = SigmaJson(*origin.sigma);
   json["fingerprint"] = origin.fingerprint;
   json["landscape_sha256"] = Sha256Hex({csv});
   json["provenance"] = {{"version", origin.version}, {"git", origin.git}, {"input_sha256", origin.input_sha256}};

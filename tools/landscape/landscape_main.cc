@@ -10,9 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/motion/motion_file.h"
 #include "datasets/motion/recorded_motion.h"
+#include "identify/base/options.h"
 #include "identify/base/output_folder.h"
 #include "identify/base/version.h"
+#include "identify/landscape/landscape_sigma.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
@@ -38,6 +41,7 @@ DEFINE_bool(zoom_only, false, "leaves out the whole of the axes");
 DEFINE_string(sweep, "", "numbers of the scene to vary, KEY=NUMBER[,...][;KEY=...]");
 DEFINE_string(set, "", "true parameters, NAME=VALUE[,...]: their rollouts replace the measured data");
 DEFINE_string(contact, "", "contact mode: gap, velocity or both; empty: the scene's");
+DEFINE_string(sigma, "recorded", "standard deviation of a coordinate: recorded, auto or a number in m");
 DEFINE_bool(gradients, false, "the adjoint gradient at every cell");
 DEFINE_string(shard, "", "I/N: only the cells I, I + N, I + 2 N, ..");
 DEFINE_bool(resume, false, "continue a scan that was stopped");
@@ -65,6 +69,9 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
   --contact MODE      gap, velocity, or both for every setting in either (the scene's own)
   --set LIST          true parameters, those on the axes and others, which are held at them: in every setting and mode
                       their own rollout is compared with instead of what was measured
+  --sigma SIGMA       standard deviation of a measured coordinate, as of identify: recorded: that of the recording, if
+                      it has one; auto: where it has none, estimated from the scatter of its points in time; a number
+                      in m: that of every point (recorded). With the same, costs are those of identify
   --gradients         the adjoint gradient at every cell, on a log axis by the logarithm
   --shard I/N         only the cells I, I + N, I + 2 N, .., 0 <= I < N
   --resume            continue a scan that was stopped, ending in the same bytes; starts one that was not
@@ -95,14 +102,21 @@ LandscapeFlags PlanFlags() {
   return flags;
 }
 
+ReadMotionOptions ReadingFromFlags() {
+  ReadMotionOptions options;
+  options.scene_path = FLAGS_scene;
+  ParseSigma(FLAGS_sigma, &options);
+  return options;
+}
+
 // The recording as it is read in every setting.
-std::vector<RecordedMotion> ReadSettings(const LandscapePlan& plan) {
+std::vector<RecordedMotion> ReadSettings(const LandscapePlan& plan, const ReadMotionOptions& reading) {
   std::vector<RecordedMotion> motions;
   for (std::size_t i = 0; i < plan.settings.size(); ++i) {
     const LandscapeSetting& setting = plan.settings[i];
     const bool is_as_before = i > 0 && plan.settings[i - 1].name == setting.name;
     motions.push_back(is_as_before ? motions.back()
-                                   : ReadMotionVariant(FLAGS_target, FLAGS_scene, ParseSweep(setting.name).front()));
+                                   : ReadMotionVariant(FLAGS_target, reading, ParseSweep(setting.name).front()));
     motions.back().scene.contact_mode = setting.contact_mode;
   }
   return motions;
@@ -112,16 +126,18 @@ LandscapeRunOptions OptionsFromFlags() {
   if (FLAGS_threads < 1) throw Error(ErrorKind::kUsage, "--threads: expected a number >= 1");
   if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see landscape --help");
   const auto truth = ParseParameterValues(FLAGS_set, "--set");
+  const ReadMotionOptions reading = ReadingFromFlags();
   LandscapeRunOptions options;
   options.origin.shard = ParseShard(FLAGS_shard);
-  options.scan.plan = MakeLandscapePlan(PlanFlags(), ReadMotionVariant(FLAGS_target, FLAGS_scene, {}).scene);
-  options.scan.motions = ReadSettings(options.scan.plan);
+  options.scan.plan = MakeLandscapePlan(PlanFlags(), ReadMotionVariant(FLAGS_target, reading, {}).scene);
+  options.scan.motions = ReadSettings(options.scan.plan, reading);
   options.scan.num_threads = FLAGS_threads;
   options.scan.cancel = &CatchInterrupts();
   options.origin.version = Version();
   options.origin.git = GitHash();
   options.origin.input_sha256 = options.scan.motions.front().sha256;
   options.origin.truth = truth;
+  options.origin.sigma = SigmaOf(options.scan.motions.front());
   options.origin.fingerprint = LandscapeFingerprint(options.scan.plan, options.scan.motions, truth);
   if (!truth.empty()) MeasureTruth(truth, &options.scan);
   options.folder = FLAGS_output;
@@ -213,7 +229,7 @@ struct Subcommand {
 constexpr Subcommand kSubcommands[] = {{"merge", "output", Merge}, {"plot", "", Plot}};
 // What a command line without a name of one of them takes.
 constexpr char kScanFlags[] =
-    "target scene x y zoom_around zoom zoom_only sweep set contact gradients shard resume threads output";
+    "target scene x y zoom_around zoom zoom_only sweep set contact sigma gradients shard resume threads output";
 
 int RunSubcommand(const Subcommand& command, const std::vector<std::string>& arguments) {
   std::vector<CommandFlags> flags = {{"a scan", kScanFlags}};

@@ -7,7 +7,6 @@
 #include <optional>
 #include <set>
 
-#include "datasets/motion/motion_file.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 
@@ -136,9 +135,7 @@ std::string ChangeScene(const std::string& scene_text, const std::vector<std::st
   return scene.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-RecordedMotion ReadMotionVariant(const std::string& path, const std::string& scene_path, const SceneVariant& variant) {
-  ReadMotionOptions options;
-  options.scene_path = scene_path;
+RecordedMotion ReadMotionVariant(const std::string& path, ReadMotionOptions options, const SceneVariant& variant) {
   RecordedMotion motion = ReadMotion(path, options);
   if (variant.empty()) return motion;
   options.change_scene = [&](const std::string& text) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/motion/motion_file.h"
 #include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
@@ -40,9 +41,9 @@ std::string VariantName(const SceneVariant& variant);
 std::string ChangeScene(const std::string& scene_text, const std::vector<std::string>& obstacle_names,
                         const SceneVariant& variant);
 
-// `ReadMotion` with the scene of `scene_path` (empty: that in the file) and these changes. Throws `Error`: what
-// `ReadMotion` does for the scene as it is, else kUsage, naming --sweep and the variant.
-RecordedMotion ReadMotionVariant(const std::string& path, const std::string& scene_path, const SceneVariant& variant);
+// `ReadMotion` with these options, and with these changes of the scene. Throws `Error`: what `ReadMotion` does for the
+// scene as it is, else kUsage, naming --sweep and the variant.
+RecordedMotion ReadMotionVariant(const std::string& path, ReadMotionOptions options, const SceneVariant& variant);
 
 }  // namespace clothid
 

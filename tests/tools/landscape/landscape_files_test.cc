@@ -56,9 +56,12 @@ TEST_F(LandscapeFilesTest, ReadBackExactly) {
     ExpectSameLandscape(part.landscape, landscape);
     EXPECT_EQ(part.origin.truth, MadeUpOrigin({}).truth);
     EXPECT_EQ(part.origin.fingerprint, MadeUpOrigin({}).fingerprint);
+    ASSERT_TRUE(part.origin.sigma);
+    EXPECT_TRUE(IsSameSigma(*part.origin.sigma, *MadeUpOrigin({}).sigma));
+    EXPECT_EQ(part.origin.sigma->rmse_of_root_cost, MadeUpOrigin({}).sigma->rmse_of_root_cost);
     const std::string again = Write(part.landscape, part.origin, "again");
     for (const char* name : {kLandscapeCsv, kTimingCsv, kPlanJson}) EXPECT_EQ(Bytes(again, name), Bytes(folder, name));
-    ExpectSameLandscape(ReadLandscape(folder), landscape);
+    ExpectSameLandscape(ReadWholeLandscape(folder).landscape, landscape);
   }
 }
 
@@ -80,7 +83,7 @@ TEST_F(LandscapeFilesTest, RefusesDamagedRows) {
                                   const char* expected) {
     const std::string folder = Write(landscape, MadeUpOrigin({}), "damaged");
     Replace(folder, kLandscapeCsv, before, after);
-    ExpectError([&] { ReadLandscape(folder); }, ErrorKind::kBadData, {where, expected});
+    ExpectError([&] { ReadWholeLandscape(folder); }, ErrorKind::kBadData, {where, expected});
   };
   expect_refused("x,y,", "y,x,", "landscape.csv:1", "header");
   expect_refused("\n0.25,", "\n0.35,", "landscape.csv:3", "of this cell in the plan");
@@ -94,17 +97,36 @@ TEST_F(LandscapeFilesTest, RefusesDamagedRows) {
   expect_refused(", badly\"", ", badly", "landscape.csv:4", "reason");
   const std::string folder = Write(landscape, MadeUpOrigin({}), "damaged");
   std::ofstream(std::filesystem::path(folder) / kLandscapeCsv, std::ios::app) << "1";
-  ExpectError([&] { ReadLandscape(folder); }, ErrorKind::kBadData, {"landscape.csv", "plan.json"});
+  ExpectError([&] { ReadWholeLandscape(folder); }, ErrorKind::kBadData, {"landscape.csv", "plan.json"});
+}
+
+// A scan of clothid 0.1, and one whose points differ in sigma.
+TEST_F(LandscapeFilesTest, SigmaMayBeMissing) {
+  LandscapeOrigin origin = MadeUpOrigin({});
+  origin.sigma.reset();
+  EXPECT_FALSE(ReadWholeLandscape(Write(MadeUpLandscape(false), origin, "old")).origin.sigma);
+  origin.sigma.emplace().source = SigmaSource::kRecorded;
+  const LandscapePart part = ReadWholeLandscape(Write(MadeUpLandscape(false), origin, "differ"));
+  ASSERT_TRUE(part.origin.sigma);
+  EXPECT_TRUE(std::isnan(part.origin.sigma->value));
+  EXPECT_TRUE(IsSameSigma(*part.origin.sigma, *origin.sigma));
+  EXPECT_FALSE(IsSameSigma(*part.origin.sigma, *MadeUpOrigin({}).sigma));
 }
 
 TEST_F(LandscapeFilesTest, RefusesDamagedPlans) {
   const auto expect_refused = [&](const std::string& before, const std::string& after, const char* expected) {
     const std::string folder = Write(MadeUpLandscape(false), MadeUpOrigin({}), "damaged");
     Replace(folder, kPlanJson, before, after);
-    ExpectError([&] { ReadLandscape(folder); }, ErrorKind::kBadData, {"plan.json", expected});
+    ExpectError([&] { ReadWholeLandscape(folder); }, ErrorKind::kBadData, {"plan.json", expected});
   };
   expect_refused("clothid.landscape/1", "clothid.landscape/2", "schema");
+  expect_refused("\"given\"", "\"guessed\"", "sigma.source");
+  expect_refused("\"sigma_m\": 0.3", "\"sigma_m\": -0.3", "sigma.sigma_m");
+  expect_refused("\"rmse_of_root_cost_m\"", "\"rmse_m\"", "rmse_of_root_cost_m");
   expect_refused("\"cells\": 4", "\"cells\": 1", "cells");
+  expect_refused("\"given\"", "\"guessed\"", "sigma.source");
+  expect_refused("\"sigma_m\": 0.3", "\"sigma_m\": -0.3", "sigma.sigma_m");
+  expect_refused("\"rmse_of_root_cost_m\"", "\"rmse_m\"", "rmse_of_root_cost_m");
   expect_refused("\"cells\": 4", "\"cells\": 2000001", "at most");
   expect_refused("\"log\"", "\"cubic\"", "scale");
   expect_refused("\"velocity\"", "\"both\"", "contact");
@@ -114,8 +136,8 @@ TEST_F(LandscapeFilesTest, RefusesDamagedPlans) {
   expect_refused("\"fingerprint\"", "\"thumbprint\"", "fingerprint");
   const std::string folder = Write(MadeUpLandscape(false), MadeUpOrigin({}), "damaged");
   Replace(folder, kTimingCsv, "\n3,", "\n4,");
-  ExpectError([&] { ReadLandscape(folder); }, ErrorKind::kBadData, {"timing.csv:5", "cell 3"});
-  ExpectError([&] { ReadLandscape(folder_.File("nowhere")); }, ErrorKind::kIo, {"nowhere", "plan.json"});
+  ExpectError([&] { ReadWholeLandscape(folder); }, ErrorKind::kBadData, {"timing.csv:5", "cell 3"});
+  ExpectError([&] { ReadWholeLandscape(folder_.File("nowhere")); }, ErrorKind::kIo, {"nowhere", "plan.json"});
 }
 
 class LandscapeMergeTest : public LandscapeFilesTest {
@@ -157,7 +179,7 @@ TEST_F(LandscapeMergeTest, RefusesWhatIsNotOneScan) {
   other.fingerprint = std::string(64, 'c');
   ExpectRefused({first, Write(landscape_, other, "other"), third}, ErrorKind::kUsage, {"other", "another scan"});
   ExpectRefused({first, second, folder_.File("nowhere")}, ErrorKind::kIo, {"nowhere"});
-  ExpectError([&] { ReadLandscape(first); }, ErrorKind::kBadData, {"0_3", "shard 0 of 3", "merge"});
+  ExpectError([&] { ReadWholeLandscape(first); }, ErrorKind::kBadData, {"0_3", "shard 0 of 3", "merge"});
   { LandscapeStore store(second, landscape_.plan, MadeUpOrigin({1, 3})); }
   ExpectRefused({first, second, third}, ErrorKind::kBadData, {"1_3", "--resume"});
 }

@@ -52,6 +52,7 @@ inline LandscapeOrigin MadeUpOrigin(const LandscapeShard& shard) {
   origin.input_sha256 = std::string(64, 'b');
   origin.truth = {{"k_stretch", 100.0}, {"mu.ball", 0.1 + 0.2}};
   origin.fingerprint = std::string(64, 'a');
+  origin.sigma = {SigmaSource::kGiven, 0.1 + 0.2, 1.0 / 3.0};
   origin.shard = shard;
   return origin;
 }

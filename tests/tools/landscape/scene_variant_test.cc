@@ -104,13 +104,19 @@ class VariantOfARecordingTest : public testing::Test {
     WriteMotion(RecordRollout(rollout, scene, kScene, {}), path_);
   }
 
+  static ReadMotionOptions WithScene(const std::string& path) {
+    ReadMotionOptions options;
+    options.scene_path = path;
+    return options;
+  }
+
   TemporaryFolder folder_;
   std::string path_;
 };
 
 TEST_F(VariantOfARecordingTest, HasTheRecordingsMeshAndTheChangedScene) {
-  const RecordedMotion plain = ReadMotionVariant(path_, "", {});
-  const RecordedMotion changed = ReadMotionVariant(path_, "", Variant("ball.radius=0.25;time_step=0.005;touch=1e-3"));
+  const RecordedMotion plain = ReadMotionVariant(path_, {}, {});
+  const RecordedMotion changed = ReadMotionVariant(path_, {}, Variant("ball.radius=0.25;time_step=0.005;touch=1e-3"));
   EXPECT_EQ(plain.scene_text, ReadMotion(path_).scene_text);
   EXPECT_EQ(changed.scene.touch, 1e-3);
   EXPECT_EQ(changed.scene.time_step, 0.005);
@@ -121,12 +127,12 @@ TEST_F(VariantOfARecordingTest, HasTheRecordingsMeshAndTheChangedScene) {
   EXPECT_NE(changed.scene_text, plain.scene_text);
 
   const std::string scene = folder_.Write("other.json", R"({"clothid_scene": 1, "time_step": 0.01, "touch": 0.5})");
-  EXPECT_EQ(ReadMotionVariant(path_, scene, Variant("touch=0.25;time_step=0.02")).scene.time_step, 0.02);
+  EXPECT_EQ(ReadMotionVariant(path_, WithScene(scene), Variant("touch=0.25;time_step=0.02")).scene.time_step, 0.02);
 }
 
 TEST_F(VariantOfARecordingTest, NamesTheFlagAndTheVariant) {
   const auto expect_refused = [&](const std::string& text, const char* expected) {
-    ExpectError([&] { ReadMotionVariant(path_, "", Variant(text)); }, ErrorKind::kUsage,
+    ExpectError([&] { ReadMotionVariant(path_, {}, Variant(text)); }, ErrorKind::kUsage,
                 {"--sweep", text.c_str(), expected});
   };
   expect_refused("bal.center.x=1", "key 'bal'");
@@ -135,10 +141,10 @@ TEST_F(VariantOfARecordingTest, NamesTheFlagAndTheVariant) {
   expect_refused("gravity.x=1", "key 'gravity'");
   expect_refused("contact=1", "key 'contact'");
   expect_refused("solver.max_newton_iterations=2.5", "integer");
-  ExpectError([&] { ReadMotionVariant(path_, "", Variant("ball.center.w=1")); }, ErrorKind::kUsage,
+  ExpectError([&] { ReadMotionVariant(path_, {}, Variant("ball.center.w=1")); }, ErrorKind::kUsage,
               {"--sweep: 'ball.center.w': 'w'"});
-  ExpectError([&] { ReadMotionVariant(path_ + "x", "", Variant("touch=1")); }, ErrorKind::kIo, {path_.c_str()});
-  ExpectError([&] { ReadMotionVariant(path_, folder_.Write("bad.json", "{"), Variant("touch=1")); },
+  ExpectError([&] { ReadMotionVariant(path_ + "x", {}, Variant("touch=1")); }, ErrorKind::kIo, {path_.c_str()});
+  ExpectError([&] { ReadMotionVariant(path_, WithScene(folder_.Write("bad.json", "{")), Variant("touch=1")); },
               ErrorKind::kBadData, {"bad.json"});
 }
 

@@ -1,0 +1,54 @@
+#include "identify/landscape/landscape_sigma.h"
+
+#include <cmath>
+
+#include "datasets/observation/observation.h"
+
+namespace clothid {
+namespace {
+
+bool IsSame(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+}  // namespace
+
+std::string SigmaSourceName(SigmaSource source) {
+  switch (source) {
+    case SigmaSource::kUnknown:
+      return "unknown";
+    case SigmaSource::kRecorded:
+      return "recorded";
+    case SigmaSource::kGiven:
+      return "given";
+    case SigmaSource::kEstimated:
+      return "estimated";
+  }
+  return "unknown";
+}
+
+LandscapeSigma SigmaOf(const RecordedMotion& motion) {
+  LandscapeSigma sigma;
+  sigma.source = motion.sigma_source;
+  sigma.rmse_of_root_cost = RmseOfRootCost(motion);
+  const Observation observation(motion);
+  if (!std::isnan(sigma.rmse_of_root_cost)) {
+    sigma.value = observation.sigma(observation.coordinates().front().point);
+  }
+  return sigma;
+}
+
+bool IsSameSigma(const LandscapeSigma& a, const LandscapeSigma& b) {
+  return a.source == b.source && IsSame(a.value, b.value);
+}
+
+double RmseOfRootCost(const RecordedMotion& motion) {
+  const Observation observation(motion);
+  const double sigma = observation.sigma(observation.coordinates().front().point);
+  double num_points = 0.0;
+  for (const SeenCoordinate& seen : observation.coordinates()) {
+    if (observation.sigma(seen.point) != sigma) return std::nan("");
+    num_points += seen.point < observation.num_points() ? 1.0 / 3.0 : 1.0;
+  }
+  return sigma * std::sqrt(2.0 / num_points);
+}
+
+}  // namespace clothid
