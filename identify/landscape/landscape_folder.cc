@@ -178,6 +178,4 @@ LandscapePart ReadWholeLandscape(const std::string& folder) {
   return part;
 }
 
-Landscape ReadLandscape(const std::string& folder) { return ReadWholeLandscape(folder).landscape; }
-
 }  // namespace clothid

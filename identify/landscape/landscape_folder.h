@@ -42,14 +42,12 @@ struct LandscapePart {
 // Whether the folder holds a finished landscape or shard.
 bool HasLandscape(const std::string& folder);
 
-// The finished landscape in a folder. Of the counts of cells there are those that have a column. Throws `Error`: kIo
-// where a file cannot be opened, kBadData where one is damaged or the folder holds a shard or a scan that was stopped.
-Landscape ReadLandscape(const std::string& folder);
-
-// The same, with its origin, of any shard.
+// The finished landscape or shard in a folder. Of the counts of cells there are those that have a column. Throws
+// `Error`: kIo where a file cannot be opened, kBadData where one is damaged or the folder holds a scan that was
+// stopped.
 LandscapePart ReadLandscapePart(const std::string& folder);
 
-// The same, of a whole scan alone.
+// The same, of a whole scan alone: kBadData where it is a shard.
 LandscapePart ReadWholeLandscape(const std::string& folder);
 
 }  // namespace clothid

@@ -209,8 +209,8 @@ int Merge(const std::vector<std::string>& folders) {
 int Plot(const std::vector<std::string>& folders) {
   const std::atomic<bool>& interrupted = CatchInterrupts();
   if (folders.size() != 1) throw Error(ErrorKind::kUsage, "plot: expected one folder; see landscape --help");
-  const Landscape landscape = ReadLandscape(folders.front());
-  const LandscapePictures pictures = PlotLandscape(landscape, Summarize(landscape), folders.front());
+  const LandscapePart part = ReadWholeLandscape(folders.front());
+  const LandscapePictures pictures = PlotLandscape(part, Summarize(part.landscape), folders.front());
   std::cout << pictures.html << "\n";
   if (pictures.note.empty()) {
     std::cout << pictures.png << "\n";

@@ -1,7 +1,9 @@
 #include "tools/landscape/landscape_plot.h"
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -14,8 +16,9 @@
 namespace clothid {
 
 // The files of these names, embedded by CMake.
-std::string_view LandscapePage();    // landscape_page.html
-std::string_view LandscapeScript();  // plot_landscape
+std::string_view LandscapePage();        // page/landscape_page.html
+std::string_view LandscapePageScript();  // page/landscape_*.js
+std::string_view LandscapeScript();      // plot_landscape
 
 namespace {
 
@@ -48,8 +51,41 @@ Json CellsJson(const Landscape& landscape, int setting, int window) {
   return json;
 }
 
-std::string DataText(const Landscape& landscape, const LandscapeSummary& summary) {
+// The true value of a parameter: its own, or the one of all obstacles for that of one. Nothing where it was not set.
+std::optional<double> TrueValue(const std::map<std::string, double>& truth, const std::string& parameter) {
+  for (const std::string& name : {parameter, parameter.substr(0, parameter.find('.'))}) {
+    if (const auto found = truth.find(name); found != truth.end()) return found->second;
+  }
+  return std::nullopt;
+}
+
+Json TruthJson(const LandscapePart& part) {
+  const LandscapeWindow& window = part.landscape.plan.windows.front();
+  const std::optional<double> x = TrueValue(part.origin.truth, window.x.parameter);
+  const std::optional<double> y = TrueValue(part.origin.truth, window.y.parameter);
+  return x && y ? Json{{"x", *x}, {"y", *y}} : Json(nullptr);
+}
+
+Json SigmaJson(const LandscapeOrigin& origin) {
+  if (!origin.sigma) return nullptr;
+  return {{"source", SigmaSourceName(origin.sigma->source)},
+          {"sigma_m", RoundedJson(origin.sigma->value, 12)},
+          {"rmse_of_root_cost_m", RoundedJson(origin.sigma->rmse_of_root_cost, 12)}};
+}
+
+Json ProvenanceJson(const LandscapeOrigin& origin) {
+  return {{"version", origin.version},
+          {"git", origin.git},
+          {"input_sha256", origin.input_sha256},
+          {"truth", Json(origin.truth)}};
+}
+
+std::string DataText(const LandscapePart& part, const LandscapeSummary& summary) {
+  const Landscape& landscape = part.landscape;
   Json json = {{"summary", Json::parse(SummaryJson(summary))},
+               {"truth", TruthJson(part)},
+               {"sigma", SigmaJson(part.origin)},
+               {"provenance", ProvenanceJson(part.origin)},
                {"x", Json::array()},
                {"y", Json::array()},
                {"cells", Json::array()}};
@@ -91,16 +127,20 @@ std::string WritePng(const std::string& folder, OutputFolder* output) {
 
 }  // namespace
 
-std::string LandscapeHtml(const Landscape& landscape, const LandscapeSummary& summary) {
-  const std::string data = DataText(landscape, summary);
-  return FillPage(LandscapePage(), {{"{{data}}", data}, {"{{plotly}}", PlotlyLibrary()}});
+std::string LandscapeHtml(const LandscapePart& part, const LandscapeSummary& summary) {
+  const std::string data = DataText(part, summary);
+  return FillPage(LandscapePage(), {{"{{style}}", PageStyle()},
+                                    {"{{data}}", data},
+                                    {"{{licences}}", PlotlyLicences()},
+                                    {"{{plotly}}", PlotlyLibrary()},
+                                    {"{{page}}", PageScript()},
+                                    {"{{script}}", LandscapePageScript()}});
 }
 
-LandscapePictures PlotLandscape(const Landscape& landscape, const LandscapeSummary& summary,
-                                const std::string& folder) {
+LandscapePictures PlotLandscape(const LandscapePart& part, const LandscapeSummary& summary, const std::string& folder) {
   OutputFolder output(folder);
   output.KeepJournals();
-  output.Write("landscape.html", LandscapeHtml(landscape, summary));
+  output.Write("landscape.html", LandscapeHtml(part, summary));
   output.Commit();
   LandscapePictures pictures;
   pictures.html = (std::filesystem::path(folder) / "landscape.html").string();

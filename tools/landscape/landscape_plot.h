@@ -4,15 +4,16 @@
 
 #include <string>
 
-#include "identify/landscape/landscape.h"
+#include "identify/landscape/landscape_folder.h"
 #include "tools/landscape/landscape_summary.h"
 
 namespace clothid {
 
-// The text of landscape.html: settings side by side, windows below each other, contours and surface of each, with
-// contact frequency and roughness. One file: the plotting library is inside, no address of a server is asked for
+// The text of landscape.html: settings side by side, windows below each other, map and surface of each, with the lowest
+// cell, the truth of `landscape --set`, cells that failed, contact frequency and roughness. It looks like report.html
+// and fits a phone. One file: the plotting library is inside, no address of a server is asked for
 // anything, and its Content-Security-Policy lets no browser do so. Whatever names hold is shown, never run.
-std::string LandscapeHtml(const Landscape& landscape, const LandscapeSummary& summary);
+std::string LandscapeHtml(const LandscapePart& part, const LandscapeSummary& summary);
 
 struct LandscapePictures {
   std::string html, png;  // their paths; an empty one was not written
@@ -23,7 +24,7 @@ struct LandscapePictures {
 // tools/plots/plot_landscape, whose text this library holds, with the python3 on the path or else /usr/bin/python3;
 // where none has matplotlib it is left out, and an older one is removed. Throws `Error` (kIo) where the HTML cannot be
 // written.
-LandscapePictures PlotLandscape(const Landscape& landscape, const LandscapeSummary& summary, const std::string& folder);
+LandscapePictures PlotLandscape(const LandscapePart& part, const LandscapeSummary& summary, const std::string& folder);
 
 }  // namespace clothid
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
+#include <string_view>
 
 #include "identify/report/vendor/plotly.h"
 #include "tests/expect_error.h"
@@ -36,13 +37,14 @@ Landscape WithHoles() {
   return landscape;
 }
 
-// The page without the library, whose own text mentions addresses.
-std::string OwnText(const std::string& html) {
-  const std::string library(PlotlyLibrary());
-  const std::size_t start = html.find(library);
-  EXPECT_NE(start, std::string::npos);
-  EXPECT_EQ(library.find("</script"), std::string::npos);
-  return html.substr(0, start) + html.substr(start + library.size());
+// The page without the library and its licences, whose own texts mention addresses.
+std::string OwnText(std::string html) {
+  for (const std::string_view foreign : {PlotlyLibrary(), PlotlyLicences()}) {
+    EXPECT_NE(html.find(foreign), std::string::npos);
+    EXPECT_EQ(foreign.find("</script"), std::string::npos);
+    html.erase(html.find(foreign), foreign.size());
+  }
+  return html;
 }
 
 nlohmann::json DataOf(const std::string& html) {
@@ -53,7 +55,7 @@ nlohmann::json DataOf(const std::string& html) {
 
 TEST(LandscapeHtml, HoldsEveryWindowOfEverySetting) {
   const Landscape landscape = WithHoles();
-  const nlohmann::json data = DataOf(LandscapeHtml(landscape, Summarize(landscape)));
+  const nlohmann::json data = DataOf(LandscapeHtml({landscape, {}}, Summarize(landscape)));
   ASSERT_EQ(data["summary"]["settings"].size(), 4u);
   EXPECT_EQ(data["summary"]["settings"][0]["name"], "ball.center.x=0.05");
   EXPECT_EQ(data["summary"]["settings"][3]["name"], kHostileName);
@@ -80,7 +82,7 @@ TEST(LandscapeHtml, HoldsEveryWindowOfEverySetting) {
 
 TEST(LandscapeHtml, IsOneFile) {
   const Landscape landscape = WithHoles();
-  const std::string own = OwnText(LandscapeHtml(landscape, Summarize(landscape)));
+  const std::string own = OwnText(LandscapeHtml({landscape, {}}, Summarize(landscape)));
   EXPECT_EQ(own.find("http:"), std::string::npos);
   EXPECT_EQ(own.find("https:"), std::string::npos);
   EXPECT_FALSE(std::regex_search(own, std::regex("<(script|link|iframe|img)[^>]*(src|href)", std::regex::icase)));
@@ -90,17 +92,17 @@ TEST(LandscapeHtml, IsOneFile) {
 
 TEST(LandscapeHtml, NamesCannotEndTheirScript) {
   const Landscape landscape = WithHoles();
-  const std::string own = OwnText(LandscapeHtml(landscape, Summarize(landscape)));
+  const std::string own = OwnText(LandscapeHtml({landscape, {}}, Summarize(landscape)));
   EXPECT_EQ(own.find("<img"), std::string::npos);
   EXPECT_EQ(own.find("<did>"), std::string::npos);
   const std::regex tag("<script|</script>");
-  EXPECT_EQ(std::distance(std::sregex_iterator(own.begin(), own.end(), tag), std::sregex_iterator()), 6);
+  EXPECT_EQ(std::distance(std::sregex_iterator(own.begin(), own.end(), tag), std::sregex_iterator()), 10);
 }
 
 TEST(LandscapeHtml, WithoutGradientsThereAreNone) {
   Landscape landscape = WithHoles();
   landscape.plan.has_gradients = false;
-  const nlohmann::json data = DataOf(LandscapeHtml(landscape, Summarize(landscape)));
+  const nlohmann::json data = DataOf(LandscapeHtml({landscape, {}}, Summarize(landscape)));
   EXPECT_EQ(data["cells"][0].count("gradient_x"), 0u);
   EXPECT_TRUE(data["summary"]["settings"][0]["windows"][0]["roughness"]["gradient_gap"].is_null());
 }
@@ -111,9 +113,9 @@ TEST(PlotLandscape, WritesBothPictures) {
   const LandscapeSummary summary = Summarize(landscape);
   folder.Write("landscape.csv", BumpyCsv(landscape));
   folder.Write("summary.json", SummaryJson(summary));
-  const LandscapePictures pictures = PlotLandscape(landscape, summary, folder.path());
+  const LandscapePictures pictures = PlotLandscape({landscape, {}}, summary, folder.path());
   EXPECT_EQ(pictures.html, folder.File("landscape.html"));
-  EXPECT_EQ(ReadBytes(pictures.html), LandscapeHtml(landscape, summary));
+  EXPECT_EQ(ReadBytes(pictures.html), LandscapeHtml({landscape, {}}, summary));
   const std::string unusable = WhyNoPythonModule("python3-matplotlib", "matplotlib.pyplot");
   if (!unusable.empty()) {
     EXPECT_EQ(pictures.note.find("landscape.png is left out: "), 0u) << pictures.note;
@@ -131,7 +133,8 @@ TEST(PlotLandscape, ALeftOutPictureLeavesNoOlderOne) {
   const TemporaryFolder folder;
   const Landscape landscape = WithHoles();
   folder.Write("landscape.png", "of another scan");
-  const LandscapePictures pictures = PlotLandscape(landscape, Summarize(landscape), folder.path());  // no landscape.csv
+  const LandscapePictures pictures =
+      PlotLandscape({landscape, {}}, Summarize(landscape), folder.path());  // no landscape.csv
   EXPECT_EQ(pictures.png, "");
   EXPECT_EQ(pictures.note.find("landscape.png is left out: "), 0u) << pictures.note;
   EXPECT_EQ(std::count(pictures.note.begin(), pictures.note.end(), '\n'), 0) << pictures.note;
@@ -143,7 +146,7 @@ TEST(PlotLandscape, AFolderThatIsAFile) {
   const TemporaryFolder folder;
   const Landscape landscape = WithHoles();
   const std::string path = folder.Write("file", "");
-  ExpectError([&] { PlotLandscape(landscape, Summarize(landscape), path); }, ErrorKind::kIo, {"file"});
+  ExpectError([&] { PlotLandscape({landscape, {}}, Summarize(landscape), path); }, ErrorKind::kIo, {"file"});
 }
 
 TEST(OptionalPackage, IsPresentAbsentOrDamaged) {
