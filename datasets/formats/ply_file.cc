@@ -210,7 +210,7 @@ class PlyReader {
 }  // namespace
 
 Mesh ReadPly(const std::string& path) {
-  const std::string bytes = ReadFile(path, kMaxPlyBytes);
+  const std::string bytes = ReadText(path, kMaxPlyBytes);
   return PlyReader(path, bytes).Read();
 }
 

@@ -15,6 +15,7 @@ namespace clothid {
 namespace {
 
 constexpr std::string_view kFirstColumn = "%time";
+constexpr std::size_t kMaxMark = 3;            // bytes of a byte order mark
 constexpr double kNanoseconds = 1e9;           // per second
 constexpr double kUnitLengthTolerance = 1e-2;  // of a quaternion
 
@@ -25,7 +26,7 @@ bool EndsWith(std::string_view text, std::string_view end) {
 // The cells of a table of numbers, line by line, with errors that name file, line and column.
 class RosTable {
  public:
-  explicit RosTable(const std::string& path) : path_(path), text_(ReadFile(path, kMaxRosCsvBytes)), rest_(text_) {
+  explicit RosTable(const std::string& path) : path_(path), text_(ReadText(path, kMaxRosCsvBytes)), rest_(text_) {
     const std::optional<std::string_view> header = TakeLine(&rest_);
     if (!header || header->substr(0, kFirstColumn.size()) != kFirstColumn) {
       Fail("expected a header that starts with '" + std::string(kFirstColumn) + "'");
@@ -177,10 +178,11 @@ Eigen::Vector4d ReadQuaternion(const RosTable& table, const std::size_t (&column
 
 bool IsRosCsv(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string start(kFirstColumn.size(), '\0');
+  std::string start(kMaxMark + kFirstColumn.size(), '\0');
   if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read");
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
-  return start == kFirstColumn;
+  StripByteOrderMark(path, &start);
+  return start.compare(0, kFirstColumn.size(), kFirstColumn) == 0;
 }
 
 PointTracks ReadRosGrid(const std::string& path) {

@@ -48,6 +48,7 @@ std::string FirstLine(const std::string& path) {
   if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read: " + std::strerror(errno));
   std::string start(kMaxHeaderLine, '\0');
   start.resize(std::fread(start.data(), 1, start.size(), file.get()));
+  StripByteOrderMark(path, &start);
   std::string_view rest = start;
   return std::string(TakeLine(&rest).value_or(""));
 }

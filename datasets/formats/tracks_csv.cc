@@ -48,11 +48,6 @@ std::vector<std::string> SplitCsv(std::string_view line) {
   }
 }
 
-std::string_view WithoutByteOrderMark(std::string_view text) {
-  constexpr std::string_view kMark = "\xef\xbb\xbf";
-  return text.substr(0, kMark.size()) == kMark ? text.substr(kMark.size()) : text;
-}
-
 // Where the five columns stand; the number of cells where one is missing, or there twice.
 std::array<std::size_t, 5> FindColumns(const std::vector<std::string>& cells) {
   std::array<std::size_t, 5> places;
@@ -85,8 +80,8 @@ class TracksCsvReader {
   explicit TracksCsvReader(const std::string& path) : path_(path) {}
 
   PointTracks Read() {
-    const std::string text = ReadFile(path_, kMaxTracksCsvBytes);
-    std::string_view rest = WithoutByteOrderMark(text);
+    const std::string text = ReadText(path_, kMaxTracksCsvBytes);
+    std::string_view rest = text;
     while (const std::optional<std::string_view> line = TakeLine(&rest)) {
       ++line_;
       if (line_ == 1) {
@@ -225,7 +220,7 @@ std::string CsvCell(const std::string& label) {
 }  // namespace
 
 bool IsTracksCsvHeader(std::string_view line) {
-  const std::vector<std::string> cells = SplitCsv(WithoutByteOrderMark(line));
+  const std::vector<std::string> cells = SplitCsv(line);
   const std::array<std::size_t, 5> places = FindColumns(cells);
   return std::find(places.begin(), places.end(), cells.size()) == places.end();
 }

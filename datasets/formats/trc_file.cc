@@ -42,7 +42,7 @@ std::vector<std::string> Words(std::string_view line) {
 
 class TrcReader {
  public:
-  explicit TrcReader(const std::string& path) : path_(path), text_(ReadFile(path, kMaxTrcBytes)), rest_(text_) {}
+  explicit TrcReader(const std::string& path) : path_(path), text_(ReadText(path, kMaxTrcBytes)), rest_(text_) {}
 
   PointTracks Read() {
     ReadType();

@@ -208,7 +208,7 @@ Eigen::Matrix3Xd FitPose(const Mesh& mesh, const Eigen::Matrix3Xd& cloud) {
 MotionTensors ImportClouds(const CloudImportOptions& options) {
   CheckOptions(options);
   const std::vector<std::string> files = ListCloudFiles(options.input);
-  const std::string text = ReadFile(options.scene_path, kMaxJsonBytes);
+  const std::string text = ReadText(options.scene_path, kMaxJsonBytes);
   const Scene scene = ParseScene(text, options.scene_path, fs::path(options.scene_path).parent_path().string());
   MotionTensors motion;
   motion.times = Times(options, files.size());

@@ -17,7 +17,7 @@ namespace {
 // Where the tool holds each of the nodes [3 x H] m.
 Eigen::Matrix3Xd ReadOffsets(const std::string& path, const std::vector<int>& nodes) {
   Eigen::Matrix3Xd offsets(3, static_cast<Eigen::Index>(nodes.size()));
-  const JsonValue document = ParseJson(ReadFile(path, kMaxJsonBytes), path);
+  const JsonValue document = ParseJson(ReadText(path, kMaxJsonBytes), path);
   const JsonNode root(document, path);
   for (const std::string& key : root.keys()) {
     const bool known = std::any_of(nodes.begin(), nodes.end(), [&](int node) { return std::to_string(node) == key; });

@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 // Of a scene that may leave out its duration, because a recording has its own.
 Mesh MeshOfScene(const std::string& path) {
-  std::string text = ReadFile(path, kMaxJsonBytes);
+  std::string text = ReadText(path, kMaxJsonBytes);
   const JsonValue document = ParseJson(text, path);
   const JsonNode root(document, path);
   if (!root.Find("mesh")) {

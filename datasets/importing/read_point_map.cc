@@ -27,7 +27,7 @@ class PointMapReader {
   }
 
   PointMap Read() {
-    const std::string text = ReadFile(path_, kMaxPointMapBytes);
+    const std::string text = ReadText(path_, kMaxPointMapBytes);
     std::string_view rest = text;
     std::map<int, Entry> entries;
     bool of_nodes = true;

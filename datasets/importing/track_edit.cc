@@ -115,7 +115,7 @@ Eigen::VectorXd ReadTimes(const std::string& path) {
     if (array.shape.size() != 1) throw Error(ErrorKind::kBadData, path + ": expected an array of shape (T)");
     times = std::move(array.values);
   } else {
-    const std::string text = ReadFile(path, kMaxTimesBytes);
+    const std::string text = ReadText(path, kMaxTimesBytes);
     std::string_view rest = text;
     for (int line_number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++line_number) {
       const std::string_view word = TakeWord(&*line);

@@ -58,7 +58,7 @@ Eigen::Isometry3d ToIsometry(const JsonNode& node, const Eigen::Matrix4d& matrix
 }
 
 Eigen::Isometry3d ReadJsonTransform(const std::string& path) {
-  const JsonValue document = ParseJson(ReadFile(path, kMaxJsonBytes), path);
+  const JsonValue document = ParseJson(ReadText(path, kMaxJsonBytes), path);
   const JsonNode root(document, path);
   root.ExpectKeys({"matrix", "rotation", "translation"});
   const auto matrix = root.Find("matrix"), rotation = root.Find("rotation"), translation = root.Find("translation");

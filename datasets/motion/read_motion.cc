@@ -183,7 +183,7 @@ RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, c
   if (is_smooth) trend = FitFrameTrend(tensors.times, tensors.positions, sigma);
   const SceneDefaults defaults = MakeDefaults(tensors, motion.points, trend.positions, options.smooth_handles, path);
   const bool embedded = options.scene_path.empty();
-  motion.scene_text = embedded ? tensors.scene_text : ReadFile(options.scene_path, kMaxJsonBytes);
+  motion.scene_text = embedded ? tensors.scene_text : ReadText(options.scene_path, kMaxJsonBytes);
   if (options.change_scene) motion.scene_text = options.change_scene(motion.scene_text);
   motion.scene = ParseScene(motion.scene_text, embedded ? path + ": scene" : options.scene_path,
                             FolderOf(embedded ? path : options.scene_path), defaults);

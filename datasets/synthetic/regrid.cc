@@ -91,7 +91,7 @@ void ExpectHandlesHeld(const GridScene& old, const Scene& scene, const std::arra
 GridScene ReadGridScene(const std::string& path) {
   GridScene result;
   result.path = path;
-  result.text = ReadFile(path, kMaxJsonBytes);
+  result.text = ReadText(path, kMaxJsonBytes);
   result.scene = ParseScene(result.text, path, FolderOf(path));
   const nlohmann::json mesh = nlohmann::json::parse(result.text)["mesh"];
   if (!mesh.contains("grid")) {

@@ -25,6 +25,10 @@ std::string_view WithoutPlus(std::string_view text) {
   return text.size() > 1 && text[0] == '+' && text[1] != '-' ? text.substr(1) : text;
 }
 
+bool StartsWith(std::string_view text, std::string_view start) { return text.substr(0, start.size()) == start; }
+
+bool IsControl(unsigned char c) { return c < 0x20 || c == 0x7f; }
+
 template <typename T>
 std::optional<T> ParseWhole(std::string_view text) {
   text = WithoutPlus(text);
@@ -51,6 +55,20 @@ std::string ReadFile(const std::string& path, std::uint64_t max_bytes) {
   }
   if (std::ferror(file.get())) ThrowUnreadable(path, errno);
   return bytes;
+}
+
+std::string ReadText(const std::string& path, std::uint64_t max_bytes) {
+  std::string text = ReadFile(path, max_bytes);
+  StripByteOrderMark(path, &text);
+  return text;
+}
+
+void StripByteOrderMark(const std::string& path, std::string* start) {
+  constexpr std::string_view kUtf8 = "\xef\xbb\xbf", kUtf16 = "\xff\xfe", kUtf16BigEndian = "\xfe\xff";
+  if (StartsWith(*start, kUtf16) || StartsWith(*start, kUtf16BigEndian)) {
+    throw Error(ErrorKind::kBadData, path + ": is text in UTF-16; expected UTF-8 or ASCII");
+  }
+  if (StartsWith(*start, kUtf8)) start->erase(0, kUtf8.size());
 }
 
 std::optional<std::string_view> TakeLine(std::string_view* rest) {

@@ -14,6 +14,13 @@ namespace clothid {
 // `max_bytes`.
 std::string ReadFile(const std::string& path, std::uint64_t max_bytes);
 
+// The text of a file, without the mark that UTF-8 may begin with (U+FEFF, "byte order mark"): editors and spreadsheets
+// write it. Throws `Error` as `ReadFile` does, and kBadData for UTF-16.
+std::string ReadText(const std::string& path, std::uint64_t max_bytes);
+
+// The same for the first bytes of a file, which `path` names in an error.
+void StripByteOrderMark(const std::string& path, std::string* start);
+
 // Takes the next line off the front of `rest`, without its end ("\n" or "\r\n"); nothing when `rest` is empty.
 std::optional<std::string_view> TakeLine(std::string_view* rest);
 

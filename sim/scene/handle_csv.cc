@@ -42,7 +42,7 @@ bool AppendRow(std::string_view line, std::size_t count, std::vector<double>* va
 }  // namespace
 
 HandlePath ReadHandleCsv(const std::string& path, int num_handles) {
-  const std::string text = ReadFile(path, kMaxHandleCsvBytes);
+  const std::string text = ReadText(path, kMaxHandleCsvBytes);
   const std::size_t columns = 1 + 3 * static_cast<std::size_t>(num_handles);
   std::string_view rest = text;
   std::vector<double> values;

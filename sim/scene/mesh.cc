@@ -118,7 +118,7 @@ class ObjReader {
   explicit ObjReader(const std::string& path) : path_(path) {}
 
   Mesh Read() {
-    const std::string text = ReadFile(path_, kMaxObjBytes);
+    const std::string text = ReadText(path_, kMaxObjBytes);
     std::string_view rest = text;
     while (std::optional<std::string_view> line = TakeLine(&rest)) {
       ++line_;

@@ -255,6 +255,8 @@ class SceneReader {
   Scene scene_;
 };
 
+std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
+
 }  // namespace
 
 Scene ParseScene(const std::string& text, const std::string& source, const std::string& folder,
@@ -265,8 +267,12 @@ Scene ParseScene(const std::string& text, const std::string& source, const std::
   return scene;
 }
 
-Scene ReadScene(const std::string& path) {
-  return ParseScene(ReadFile(path, kMaxJsonBytes), path, std::filesystem::path(path).parent_path().string());
+Scene ReadScene(const std::string& path) { return ParseScene(ReadText(path, kMaxJsonBytes), path, FolderOf(path)); }
+
+std::vector<std::string> FilesOfScene(const std::string& path) {
+  std::vector<std::string> files = {path};
+  CollectFiles(ParseJson(ReadText(path, kMaxJsonBytes), path), FolderOf(path), &files);
+  return files;
 }
 
 }  // namespace clothid

@@ -142,7 +142,7 @@ int RunSensor() {
     throw Error(ErrorKind::kUsage, has_path ? "--handles_output is missing: the scene moves its handles"
                                             : "--handles_output: the scene moves no handles");
   }
-  const Sensor sensor = ParseSensor(ReadFile(FLAGS_sensor, kMaxJsonBytes), FLAGS_sensor);
+  const Sensor sensor = ParseSensor(ReadText(FLAGS_sensor, kMaxJsonBytes), FLAGS_sensor);
   const std::vector<TrueParameter> truth =
       MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
   CheckFileCanBeWritten(FLAGS_output);
@@ -162,7 +162,7 @@ int Run(const std::vector<std::string>& arguments) {
   if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output is missing; see simulate --help");
   if (!FLAGS_sensor.empty()) return RunSensor();
   if (!FLAGS_handles_output.empty()) throw Error(ErrorKind::kUsage, "--handles_output: expected with --sensor");
-  const std::string scene_text = ReadFile(FLAGS_scene, kMaxJsonBytes);
+  const std::string scene_text = ReadText(FLAGS_scene, kMaxJsonBytes);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
   const std::atomic<bool>& interrupted = CatchInterrupts();
