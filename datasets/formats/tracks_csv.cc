@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/files/frame_names.h"
 #include "datasets/formats/track_cells.h"
 #include "datasets/formats/track_checks.h"
 #include "sim/base/error.h"
@@ -59,19 +61,13 @@ std::array<std::size_t, 5> FindColumns(const std::vector<std::string>& cells) {
   return places;
 }
 
-// The number that an id is; nothing where it is a name, or a number that would not be written like this.
-std::optional<long long> IdNumber(const std::string& id) {
-  const std::optional<long long> number = ParseInteger(id);
-  return number && *number >= 0 && std::to_string(*number) == id ? number : std::nullopt;
-}
-
-// The order that sorts `keys`.
-template <typename Key>
-std::vector<int> SortingOrder(const std::vector<Key>& keys) {
-  std::vector<int> order(keys.size());
+// The order that sorts `items`.
+template <typename T, typename Less>
+std::vector<int> SortingOrder(const std::vector<T>& items, const Less& less) {
+  std::vector<int> order(items.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return keys[static_cast<std::size_t>(a)] < keys[static_cast<std::size_t>(b)]; });
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return less(items[static_cast<std::size_t>(a)], items[static_cast<std::size_t>(b)]); });
   return order;
 }
 
@@ -158,21 +154,10 @@ class TracksCsvReader {
     return known->second;
   }
 
-  // The order in which points are handed on.
-  std::vector<int> PointOrder() const {
-    std::vector<long long> numbers;
-    for (const std::string& id : ids_) {
-      const std::optional<long long> number = IdNumber(id);
-      if (!number) break;
-      numbers.push_back(*number);
-    }
-    if (numbers.size() < ids_.size()) numbers.assign(ids_.size(), 0);
-    return SortingOrder(numbers);
-  }
-
   PointTracks Tracks() const {
     CheckTrackSize(path_, ids_.size(), times_.size());
-    const std::vector<int> points = PointOrder(), frames = SortingOrder(times_);
+    const std::vector<int> points = SortingOrder(ids_, &NaturalLess),
+                           frames = SortingOrder(times_, std::less<double>());
     PointTracks tracks;
     tracks.name = path_;
     tracks.times.resize(static_cast<Eigen::Index>(times_.size()));

@@ -22,15 +22,16 @@ inline constexpr std::uint64_t kMaxTracksCsvBytes = std::uint64_t{1} << 29;
 bool IsTracksCsvHeader(std::string_view line);
 
 // Reads such a file. Rows come in any order, as long as those of one time stand together; frames are sorted by time.
-// Points are sorted by id where every id is an integer >= 0, else they stand in the order in which they first appear.
-// Labels are the ids, or none where these are 0, 1, .., P - 1. Throws `Error`: kIo where the file cannot be read, else
-// kBadData naming file, line and column, also for a file of more than kMaxTracksCsvBytes.
+// Points are sorted by id in natural order, in which runs of digits count as numbers (NaturalLess of
+// datasets/files/frame_names.h): the order of the rows, and who is missing in which frame, do not matter. Labels are
+// the ids, or none where these are 0, 1, .., P - 1. Throws `Error`: kIo where the file cannot be read, else kBadData
+// naming file, line and column, also for a file of more than kMaxTracksCsvBytes.
 PointTracks ReadTracksCsv(const std::string& path);
 
-// The text of a file from which `ReadTracksCsv` makes the same times and positions, bit for bit (points are sorted
-// where labels are integers). Points without a label are called 0, 1, .. `tracks` must have times, and labels that
-// differ and are free of control characters; else throws `Error` (kUsage). A point that is not seen has no row, except
-// in the first frame, which names every point, and where the frame would have no row at all.
+// The text of a file from which `ReadTracksCsv` makes the same times and positions, bit for bit, the points sorted by
+// label. Points without a label are called 0, 1, .. `tracks` must have times, and labels that differ and are free of
+// control characters; else throws `Error` (kUsage). A point that is not seen has no row, except in the first frame,
+// which names every point, and where the frame would have no row at all.
 std::string TracksCsvText(const PointTracks& tracks);
 
 }  // namespace clothid

@@ -34,7 +34,7 @@ TEST_F(TracksCsvTest, ReadsColumnsByName) {
   EXPECT_EQ(tracks.faces.cols(), 0);
 }
 
-TEST_F(TracksCsvTest, SortsTimesAndNumbersAndKeepsTheOrderOfNames) {
+TEST_F(TracksCsvTest, SortsTimesAndIds) {
   const PointTracks numbers = Read("\xef\xbb\xbft,id,x,y,z\n2,10,5,0,0\n2,9,4,0,0\n\n1,10,2,0,0\n1,0,1,0,0\n");
   EXPECT_EQ(numbers.times, Eigen::Vector2d(1, 2));
   EXPECT_EQ(numbers.labels, (Labels{"0", "9", "10"}));
@@ -43,8 +43,19 @@ TEST_F(TracksCsvTest, SortsTimesAndNumbersAndKeepsTheOrderOfNames) {
   EXPECT_TRUE(std::isnan(numbers.positions(3, 0)));
   EXPECT_EQ(numbers.positions(3, 1), 4.0);
   EXPECT_EQ(Read("t,id,x,y,z\n0,1,0,0,0\n0,0,0,0,0\n").labels, Labels{});
-  EXPECT_EQ(Read("t,id,x,y,z\n0,b,0,0,0\n0,a,0,0,0\n").labels, (Labels{"b", "a"}));
-  EXPECT_EQ(Read("t,id,x,y,z\n0,01,0,0,0\n0,0,0,0,0\n").labels, (Labels{"01", "0"}));
+  EXPECT_EQ(Read("t,id,x,y,z\n0,b,0,0,0\n0,a,0,0,0\n").labels, (Labels{"a", "b"}));
+  EXPECT_EQ(Read("t,id,x,y,z\n0,p10,0,0,0\n0,p9,0,0,0\n").labels, (Labels{"p9", "p10"}));
+  EXPECT_EQ(Read("t,id,x,y,z\n0,01,0,0,0\n0,0,0,0,0\n").labels, (Labels{"0", "01"}));
+}
+
+// Else all nodes after it would be other nodes.
+TEST_F(TracksCsvTest, APointThatIsMissingAtFirstKeepsItsPlace) {
+  const PointTracks tracks = Read("t,id,x,y,z\n0,n1,1,0,0\n0,n3,3,0,0\n1,n1,1,0,0\n1,n2,2,0,0\n1,n3,3,0,0\n");
+  EXPECT_EQ(tracks.labels, (Labels{"n1", "n2", "n3"}));
+  EXPECT_EQ(tracks.positions(0, 0), 1.0);
+  EXPECT_TRUE(std::isnan(tracks.positions(3, 0)));
+  EXPECT_EQ(tracks.positions(6, 0), 3.0);
+  EXPECT_EQ(tracks.positions(3, 1), 2.0);
 }
 
 TEST_F(TracksCsvTest, TakesEmptyCellsAndNanForMissing) {
