@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
+#include <optional>
 #include <system_error>
 
 #include "sim/base/error.h"
@@ -37,6 +39,40 @@ int CompareNaturally(std::string_view a, std::string_view b) {
     }
   }
   return a.empty() ? (b.empty() ? 0 : -1) : 1;
+}
+
+// A name with its runs of digits taken out of it.
+struct NameParts {
+  std::string text;                  // a '#' in place of every run
+  std::vector<std::string> numbers;  // the runs, without leading zeros
+};
+
+NameParts SplitName(std::string_view name) {
+  NameParts parts;
+  while (!name.empty()) {
+    if (IsDigit(name.front())) {
+      parts.numbers.emplace_back(TakeDigits(&name));
+      parts.text += '#';
+    } else {
+      parts.text += name.front();
+      name.remove_prefix(1);
+    }
+  }
+  return parts;
+}
+
+// The run of digits that names differ in; nothing where that is not one alone.
+std::optional<std::size_t> RunThatDiffers(const std::vector<NameParts>& names) {
+  std::optional<std::size_t> place;
+  for (const NameParts& name : names) {
+    if (name.text != names[0].text) return std::nullopt;
+    for (std::size_t k = 0; k < name.numbers.size(); ++k) {
+      if (name.numbers[k] == names[0].numbers[k]) continue;
+      if (place.value_or(k) != k) return std::nullopt;
+      place = k;
+    }
+  }
+  return place;
 }
 
 // The name of a file with one run of '#'.
@@ -111,7 +147,26 @@ std::vector<std::string> FramePaths(const std::string& path, const std::string& 
   return names;
 }
 
-std::string FrameName(const std::string& path, int number) {
+std::vector<long long> FrameNumbers(const std::vector<std::string>& paths) {
+  constexpr std::size_t kMaxDigits = 18;
+  std::vector<NameParts> names;
+  for (const std::string& path : paths) names.push_back(SplitName(path));
+  const std::optional<std::size_t> place = RunThatDiffers(names);
+  if (!place) return {};
+  std::vector<long long> numbers;
+  long long step = 0;
+  for (const NameParts& name : names) {
+    const std::string& digits = name.numbers[*place];
+    if (digits.size() > kMaxDigits) return {};
+    numbers.push_back(digits.empty() ? 0 : std::stoll(digits));
+    step = std::gcd(step, numbers.back() - numbers.front());
+  }
+  const long long first = numbers.front();
+  for (long long& number : numbers) number = (number - first) / step;
+  return numbers.back() + 1 == static_cast<long long>(numbers.size()) ? std::vector<long long>() : numbers;
+}
+
+std::string FrameName(const std::string& path, long long number) {
   const Pattern pattern = SplitPattern(path);
   const std::string digits = std::to_string(number);
   return pattern.before + std::string(pattern.width - std::min(pattern.width, digits.size()), '0') + digits +

@@ -20,9 +20,14 @@ bool IsFramePattern(const std::string& path);
 // pattern has more than one run of '#', kBadData where two files have the same number.
 std::vector<std::string> FramePaths(const std::string& path, const std::string& extension);
 
+// The numbers of the frames that the files of a sequence, in natural order, have by their names, from 0 on and in units
+// of their common step: 0, 1, 3 for f10, f20 and f40. Empty where none is left out, and where names do not differ in
+// one run of digits alone, or one of more than 18, which is no number of a frame.
+std::vector<long long> FrameNumbers(const std::vector<std::string>& paths);
+
 // The name of frame `number` of a pattern: the number with zeros in front up to as many digits as there are '#'.
 // Without the folder.
-std::string FrameName(const std::string& pattern, int number);
+std::string FrameName(const std::string& pattern, long long number);
 
 }  // namespace clothid
 

@@ -54,6 +54,7 @@ PointTracks ReadMeshSequence(const std::string& path, const MeshFormat& format) 
   const std::vector<std::string> paths = FramePaths(path, format.extension);
   PointTracks tracks;
   tracks.name = path;
+  tracks.frame_numbers = FrameNumbers(paths);
   for (std::size_t frame = 0; frame < paths.size(); ++frame) {
     const Mesh mesh = format.read(paths[frame]);
     if (frame == 0) {
@@ -82,7 +83,10 @@ void WriteMeshSequence(const PointTracks& tracks, const std::string& path, const
     throw Error(ErrorKind::kUsage, path + ": expected '#' for the number of the frame, like " + example);
   }
   std::vector<std::string> names;
-  for (int frame = 0; frame < tracks.num_frames(); ++frame) names.push_back(FrameName(path, frame));
+  for (int frame = 0; frame < tracks.num_frames(); ++frame) {
+    const bool is_numbered = !tracks.frame_numbers.empty();
+    names.push_back(FrameName(path, is_numbered ? tracks.frame_numbers[static_cast<std::size_t>(frame)] : frame));
+  }
   FileGroup group(path);
   CheckForOtherFrames(path, names, format.extension);
   for (int frame = 0; frame < tracks.num_frames(); ++frame) {

@@ -21,10 +21,11 @@ struct MeshFormat {
 std::string ObjText(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const Eigen::Matrix3Xi& faces);
 
 // Reads the files that `path` stands for (FramePaths of datasets/files/frame_names.h). Faces are those of the first,
-// and the others must have as many vertices. The files know no times. Throws `Error`, naming the file.
+// and the others must have as many vertices. The files know no times, but their numbers (FrameNumbers). Throws `Error`,
+// naming the file.
 PointTracks ReadMeshSequence(const std::string& path, const MeshFormat& format);
 
-// Writes frame i to the file that the pattern `path` ("cloth_####.obj") has for number i; without '#', the only frame
+// Writes a frame to the file that the pattern `path` ("cloth_####.obj") has for its number; without '#', the only frame
 // to `path`. All or none (datasets/files/file_group.h). Throws `Error`: kUsage where there is no '#' for several
 // frames, or a file matches the pattern that would not be replaced, since it would be read as a frame; kIo where a file
 // cannot be written.

@@ -18,6 +18,9 @@ struct PointTracks {
   Eigen::MatrixXd positions;        // [3P x T] in the file's own unit; NaN: not seen
   std::vector<std::string> labels;  // [P] names of the points; empty: the file has none
   Eigen::Matrix3Xi faces;           // [3 x F] indices of points; empty: the file has none
+  // [T] of the frames, from 0 on, of a sequence of files that leaves numbers out: 0, 1, 3 where the third file is
+  // missing. Empty: frame i has number i.
+  std::vector<long long> frame_numbers;
 
   int num_points() const { return static_cast<int>(positions.rows() / 3); }
   int num_frames() const { return static_cast<int>(positions.cols()); }

@@ -1,6 +1,8 @@
 #include "datasets/formats/track_checks.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <unordered_set>
 
 #include "sim/base/error.h"
@@ -37,6 +39,15 @@ void CheckTimes(const PointTracks& tracks) {
       Fail(tracks.name, frame + ", " + ShortestText(tracks.times[i]) + " s, is not after the one before it, " +
                             ShortestText(tracks.times[i - 1]) + " s");
     }
+  }
+}
+
+void CheckNumbers(const PointTracks& tracks) {
+  const std::vector<long long>& numbers = tracks.frame_numbers;
+  if (numbers.empty()) return;
+  const bool increase = std::adjacent_find(numbers.begin(), numbers.end(), std::greater_equal<>()) == numbers.end();
+  if (numbers.size() != static_cast<std::size_t>(tracks.num_frames()) || numbers.front() != 0 || !increase) {
+    Fail(tracks.name, "expected increasing numbers of its frames from 0 on");
   }
 }
 
@@ -83,6 +94,7 @@ void CheckTracks(const PointTracks& tracks) {
                           std::to_string(tracks.num_points()) + " points");
   }
   CheckTimes(tracks);
+  CheckNumbers(tracks);
   CheckPositions(tracks);
   CheckFaces(tracks);
 }

@@ -18,7 +18,8 @@ inline constexpr std::uint64_t kMaxTrackBytes = std::uint64_t{1} << 32;
 void CheckTrackSize(const std::string& source, std::uint64_t num_points, std::uint64_t num_frames);
 
 // Throws `Error` (kBadData), prefixed by the name of `tracks`, unless its sizes are as above and agree with each other,
-// times are finite and strictly increasing, positions finite or NaN, and faces made of its points.
+// times are finite and strictly increasing, numbers of frames, too, positions finite or NaN, and faces made of its
+// points.
 void CheckTracks(const PointTracks& tracks);
 
 // Throws `Error` (kUsage) naming `format` unless `tracks` has times, every point is seen in every frame, or the labels

@@ -17,6 +17,7 @@
 
 #include "datasets/files/frame_names.h"
 #include "datasets/importing/handle_tracks.h"
+#include "datasets/importing/track_edit.h"
 #include "datasets/motion/scene_text.h"
 #include "datasets/observation/cloth_surface.h"
 #include "sim/base/error.h"
@@ -73,17 +74,14 @@ void CheckOptions(const CloudImportOptions& options) {
   Require(options.sigma >= 0.0 && std::isfinite(options.sigma), "sigma: expected a standard deviation >= 0 in m");
 }
 
-Eigen::VectorXd Times(const CloudImportOptions& options, std::size_t num_frames) {
-  if (options.times.size() == 0) {
-    const Eigen::Index count = static_cast<Eigen::Index>(num_frames);
-    return Eigen::VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1)) / options.frame_rate;
-  }
-  if (options.times.size() != static_cast<Eigen::Index>(num_frames)) {
-    throw Error(ErrorKind::kBadData, options.input + ": expected a file for each of the " +
-                                         std::to_string(options.times.size()) + " times, found " +
-                                         std::to_string(num_frames));
-  }
-  return options.times;
+Eigen::VectorXd Times(const CloudImportOptions& options, const std::vector<std::string>& files) {
+  const auto count = static_cast<Eigen::Index>(files.size());
+  const std::vector<long long> numbers = FrameNumbers(files);
+  if (options.times.size() == 0) return TimesAtRate(options.frame_rate, count, numbers, options.input);
+  const Eigen::VectorXd times = TimesOfNumbers(options.times, numbers);
+  if (times.size() == count) return times;
+  throw Error(ErrorKind::kBadData, options.input + ": expected a file for each of the " + std::to_string(times.size()) +
+                                       " times, found " + std::to_string(count));
 }
 
 // Every node at its start in the first frame, and not seen afterwards.
@@ -211,7 +209,7 @@ MotionTensors ImportClouds(const CloudImportOptions& options) {
   const std::string text = ReadText(options.scene_path, kMaxJsonBytes);
   const Scene scene = ParseScene(text, options.scene_path, fs::path(options.scene_path).parent_path().string());
   MotionTensors motion;
-  motion.times = Times(options, files.size());
+  motion.times = Times(options, files);
   motion.mesh = scene.mesh;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const Eigen::Matrix3Xd cloud = MeanPerVoxel(ReadCloud(files[i], options.scale), options.voxel);

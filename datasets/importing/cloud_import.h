@@ -18,8 +18,8 @@ struct CloudImportOptions {
   // the names, numbers in them by their value.
   std::string input;
   std::string scene_path;        // scene.json
-  double frame_rate = 0.0;       // Hz, from time 0 on; or
-  Eigen::VectorXd times;         // [T] s
+  double frame_rate = 0.0;       // Hz, from time 0 on, gaps where the names leave numbers out; or
+  Eigen::VectorXd times;         // [T] s, of the files or of all numbers
   double scale = 1.0;            // m per unit of the files
   double voxel = 0.0;            // m, the side of cubes, each of which keeps the mean of its points; 0: keep all
   int max_points = 0;            // per frame, chosen at random by `seed`, after the cubes; 0: all

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -34,10 +35,9 @@ void Check(const TrackEdit& edit) {
 
 Eigen::VectorXd TimesOf(const PointTracks& tracks, const TrackEdit& edit) {
   const Eigen::Index count = tracks.num_frames();
-  Eigen::VectorXd times = edit.times.size() > 0 ? edit.times : tracks.times;
-  if (edit.frame_rate > 0.0) {
-    times = Eigen::VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1)) / edit.frame_rate;
-  }
+  Eigen::VectorXd times =
+      edit.times.size() > 0 ? TimesOfNumbers(edit.times, tracks.frame_numbers) : Eigen::VectorXd(tracks.times);
+  if (edit.frame_rate > 0.0) times = TimesAtRate(edit.frame_rate, count, tracks.frame_numbers, tracks.name);
   if (times.size() == 0) {
     throw Error(ErrorKind::kUsage, tracks.name + ": holds no times; expected a frame rate or a file of times");
   }
@@ -72,6 +72,14 @@ std::vector<int> KeptFrames(const PointTracks& tracks, const TrackEdit& edit, in
   return kept;
 }
 
+// Those of the frames kept, from 0 on.
+void KeepNumbers(const std::vector<int>& frames, std::vector<long long>* numbers) {
+  if (numbers->empty()) return;
+  std::vector<long long> kept;
+  for (const int frame : frames) kept.push_back((*numbers)[frame] - (*numbers)[frames.front()]);
+  *numbers = std::move(kept);
+}
+
 // A product with NaN is NaN, also in the coordinates that a turn about an axis leaves alone.
 void Transform(const TrackEdit& edit, Eigen::MatrixXd* positions) {
   *positions *= edit.scale;
@@ -86,6 +94,23 @@ void Transform(const TrackEdit& edit, Eigen::MatrixXd* positions) {
 
 }  // namespace
 
+Eigen::VectorXd TimesAtRate(double frame_rate, Eigen::Index count, const std::vector<long long>& numbers,
+                            const std::string& source) {
+  Eigen::VectorXd times(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    times[i] = static_cast<double>(numbers.empty() ? i : numbers[static_cast<std::size_t>(i)]) / frame_rate;
+  }
+  const long long num_missing = numbers.empty() ? 0 : numbers.back() + 1 - count;
+  if (num_missing <= count) return times;
+  throw Error(ErrorKind::kBadData, source + ": the numbers in the names of its " + std::to_string(count) +
+                                       " files leave out " + std::to_string(num_missing) +
+                                       "; expected numbers of frames, or times of the files instead of a frame rate");
+}
+
+Eigen::VectorXd TimesOfNumbers(const Eigen::VectorXd& times, const std::vector<long long>& numbers) {
+  return !numbers.empty() && times.size() == numbers.back() + 1 ? Eigen::VectorXd(times(numbers)) : times;
+}
+
 EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit) {
   Check(edit);
   const int end = std::min(edit.end_frame, tracks.num_frames());
@@ -98,6 +123,7 @@ EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit) {
   result.tracks = tracks;
   result.tracks.times = TimesOf(tracks, edit)(result.frames);
   result.tracks.positions = tracks.positions(Eigen::all, result.frames);
+  KeepNumbers(result.frames, &result.tracks.frame_numbers);
   Transform(edit, &result.tracks.positions);
   if (edit.start_at) {
     const double first = result.tracks.times[0];

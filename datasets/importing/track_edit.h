@@ -16,8 +16,9 @@ namespace clothid {
 
 inline constexpr std::uint64_t kMaxTimesBytes = std::uint64_t{1} << 28;
 
-// Positions are multiplied by `scale`, then transformed. Times come from `times`, else from `frame_rate`, else from the
-// file; they are multiplied by `time_scale`, frames are left out, and the first frame left is put at `start_at`.
+// Positions are multiplied by `scale`, then transformed. Times come from `times`, one per frame or per number of a
+// sequence, else from `frame_rate`, else from the file; they are multiplied by `time_scale`, frames are left out, and
+// the first frame left is put at `start_at`.
 struct TrackEdit {
   double scale = 1.0;
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // of positions in m
@@ -35,6 +36,15 @@ struct EditedTracks {
   std::vector<int> frames;  // [T] those of the file that were kept
   double time_shift = 0.0;  // s: what `start_at` added to all times
 };
+
+// The times of `count` frames at equal intervals from 0 s on. Where the names of their files leave numbers out, so do
+// the times: `numbers` are those of PointTracks::frame_numbers. Throws `Error` (kBadData), led by `source`, where more
+// numbers are left out than there are: those are no numbers of frames at this rate.
+Eigen::VectorXd TimesAtRate(double frame_rate, Eigen::Index count, const std::vector<long long>& numbers,
+                            const std::string& source);
+
+// Times [T] given for all numbers of frames where the files leave some out: those of the files; else as they are.
+Eigen::VectorXd TimesOfNumbers(const Eigen::VectorXd& times, const std::vector<long long>& numbers);
 
 // Throws `Error`: kUsage for an edit that is out of range, or where neither file nor edit has times; kBadData where the
 // times do not fit the frames or do not increase. Points that are seen in part are not seen where axes turn.

@@ -44,7 +44,7 @@ class CloudImportTest : public testing::Test {
 };
 
 TEST_F(CloudImportTest, FramesAreInTheOrderOfTheirNumbers) {
-  for (const int number : {10, 9, 100, 0}) {
+  for (const int number : {10, 9, 11, 8}) {
     WriteCloud("frame_" + std::to_string(number) + ".npy", Eigen::Matrix3Xd::Constant(3, 2, number));
   }
   folder_.Write("clouds/notes.txt", "no cloud");
@@ -53,7 +53,7 @@ TEST_F(CloudImportTest, FramesAreInTheOrderOfTheirNumbers) {
   const MotionTensors motion = ImportClouds(options_);
   ASSERT_EQ(motion.clouds.size(), 4U);
   EXPECT_EQ(motion.clouds[1](0, 0), 4.5);
-  EXPECT_EQ(motion.clouds[3](2, 1), 50.0);
+  EXPECT_EQ(motion.clouds[3](2, 1), 5.5);
   EXPECT_NEAR(motion.times[3], 0.3, 1e-15);
   EXPECT_EQ(motion.cloud_sigma, 0.004);
   EXPECT_EQ(motion.positions.rows(), 0);
@@ -69,6 +69,22 @@ TEST_F(CloudImportTest, FramesAreInTheOrderOfTheirNumbers) {
   options_.frame_rate = 0.0;
   options_.times = Eigen::Vector2d(1.0, 1.7);
   EXPECT_EQ(ImportClouds(options_).times, options_.times);
+}
+
+TEST_F(CloudImportTest, AMissingFileLeavesAGapOfTime) {
+  for (const int number : {0, 1, 3}) WriteCloud(std::to_string(number) + ".npy", Eigen::Matrix3Xd::Zero(3, 2));
+  EXPECT_TRUE(ImportClouds(options_).times.isApprox(Eigen::Vector3d(0.0, 0.1, 0.3), 1e-15));
+  options_.frame_rate = 0.0;
+  options_.times = Eigen::Vector4d(0.0, 1.0, 2.0, 3.5);
+  EXPECT_EQ(ImportClouds(options_).times, Eigen::Vector3d(0.0, 1.0, 3.5));
+  options_.times = Eigen::Vector3d(0.0, 1.0, 2.0);
+  EXPECT_EQ(ImportClouds(options_).times, options_.times);
+  options_.times = Eigen::Vector2d(0.0, 1.0);
+  ExpectError([&] { ImportClouds(options_); }, ErrorKind::kBadData, {"each of the 2 times, found 3"});
+  WriteCloud("100.npy", Eigen::Matrix3Xd::Zero(3, 2));
+  options_.times.resize(0);
+  options_.frame_rate = 10.0;
+  ExpectError([&] { ImportClouds(options_); }, ErrorKind::kBadData, {"its 4 files leave out 97"});
 }
 
 TEST_F(CloudImportTest, LeavesOutRowsThatAreNotFinite) {

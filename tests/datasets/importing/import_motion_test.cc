@@ -89,6 +89,27 @@ TEST_F(ImportTest, TakesTimesFromElsewhere) {
   ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"60 times", "found 3"});
 }
 
+// A frame that is missing leaves a gap of time, not frames that come too early.
+TEST_F(ImportTest, NumbersOfFramesGiveTimes) {
+  tracks_.times.resize(0);
+  for (int frame = 0; frame < kCaptureFrames; ++frame) tracks_.frame_numbers.push_back(frame < 7 ? frame : frame + 1);
+  options_.edit.frame_rate = 10.0;
+  options_.edit.first_frame = 5;
+  const MotionTensors motion = ImportMotion(tracks_, options_);
+  EXPECT_DOUBLE_EQ(motion.times[1], 0.6);
+  EXPECT_DOUBLE_EQ(motion.times[2], 0.8);
+  EXPECT_EQ(EditTracks(tracks_, options_.edit).tracks.frame_numbers[2], 3);
+  options_.edit.frame_rate = 0.0;
+  options_.edit.times = Eigen::VectorXd::LinSpaced(kCaptureFrames + 1, 0.0, 6.0);  // of the missing one, too
+  EXPECT_DOUBLE_EQ(ImportMotion(tracks_, options_).times[2], 0.8);
+  options_.edit.times = Eigen::VectorXd::LinSpaced(kCaptureFrames, 0.0, 5.9);
+  EXPECT_DOUBLE_EQ(ImportMotion(tracks_, options_).times[2], 0.7);
+  options_.edit.times.resize(0);
+  options_.edit.frame_rate = 10.0;
+  tracks_.frame_numbers.back() = 1000;
+  ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"capture.csv: ", "60 files leave out 941"});
+}
+
 TEST_F(ImportTest, ReadsTimesOfFrames) {
   EXPECT_EQ(ReadTimes(folder_.Write("times.txt", "0\n 0.5 \r\n\n1e0\n")), Eigen::Vector3d(0, 0.5, 1));
   const auto expect_bad = [&](const std::string& text, const char* fragment) {
