@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "datasets/files/file_kind.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
@@ -57,10 +58,17 @@ std::string ReadBytes(std::ifstream* file, const std::string& path, std::uint64_
   return bytes;
 }
 
-std::uint64_t HeaderLength(const std::string& bytes, const std::string& path, std::uint64_t file_size) {
+// Where the first bytes tell that the file is another's.
+void RefuseOtherKinds(const std::string& start, const std::string& path) {
+  const std::string kind = FileKind(start);
+  if (!kind.empty()) Fail(path, "is " + kind + "; expected a recording, motion.bin");
+}
+
+std::uint64_t HeaderLength(const std::string& start, const std::string& path, std::uint64_t file_size) {
   std::uint64_t length = 0;
-  std::memcpy(&length, bytes.data(), kLengthSize);
+  std::memcpy(&length, start.data(), kLengthSize);
   const std::uint64_t limit = std::min(file_size - kLengthSize, kMaxHeaderBytes);
+  if (length > limit || (start.size() > kLengthSize && start[kLengthSize] != '{')) RefuseOtherKinds(start, path);
   if (length > limit) {
     Fail(path, "its header claims " + std::to_string(length) + " bytes; expected at most " + std::to_string(limit) +
                    " in this file");
@@ -157,8 +165,10 @@ Safetensors ReadSafetensors(const std::string& path) {
   }
   if (file_size < kLengthSize) Fail(path, "is shorter than the 8 bytes of a header length");
   Safetensors result;
-  result.length_bytes = ReadBytes(&file, path, kLengthSize);
-  const std::uint64_t header_size = HeaderLength(result.length_bytes, path, file_size);
+  const std::string start = ReadBytes(&file, path, std::min<std::uint64_t>(file_size, kKindBytes));
+  const std::uint64_t header_size = HeaderLength(start, path, file_size);
+  file.seekg(kLengthSize);
+  result.length_bytes = start.substr(0, kLengthSize);
   result.header = ReadBytes(&file, path, header_size);
   const std::size_t data_size = file_size - kLengthSize - header_size;
   const std::string source = path + ": header";

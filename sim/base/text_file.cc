@@ -112,9 +112,29 @@ std::string ShortestText(double value) {
 std::string Printable(std::string_view text) {
   std::string result(text.substr(0, kMaxPrintable));
   for (char& c : result) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    if (IsControl(static_cast<unsigned char>(c))) c = '?';
   }
   return text.size() > kMaxPrintable ? result + "..." : result;
+}
+
+std::string Escaped(std::string_view text) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const unsigned char c = static_cast<unsigned char>(text[i]);
+    const unsigned char next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
+    const bool is_long_control = c == 0xc2 && next >= 0x80 && next < 0xa0;
+    if (c == '\n') {
+      result += "\\n";
+    } else if (IsControl(c) || is_long_control) {
+      const unsigned char code = is_long_control ? next : c;
+      result += {'\\', 'x', kDigits[code >> 4], kDigits[code & 15]};
+      i += is_long_control ? 1 : 0;
+    } else {
+      result += text[i];
+    }
+  }
+  return result;
 }
 
 }  // namespace clothid

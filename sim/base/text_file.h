@@ -40,6 +40,10 @@ std::string ShortestText(double value);
 // `text` fit for a one-line message: control characters become '?', and what is long is cut.
 std::string Printable(std::string_view text);
 
+// `text`, whole, fit for a terminal: control characters, also those of two bytes in UTF-8 (U+0080 to U+009F), become
+// "\x1b" and the like, a line end "\n", a backslash stays.
+std::string Escaped(std::string_view text);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_BASE_TEXT_FILE_H_

@@ -7,6 +7,7 @@
 #include "datasets/checking/motion_check.h"
 #include "datasets/motion/motion_file.h"
 #include "sim/base/error.h"
+#include "sim/base/text_file.h"
 #include "tools/motion/motion_commands.h"
 
 DEFINE_bool(json, false, "check: findings as JSON");
@@ -21,7 +22,7 @@ int MotionCheck(const std::string& path) {
   if (FLAGS_json) {
     std::cout << FindingsJson(findings, path);
   } else {
-    std::cout << path << ": valid\n";
+    std::cout << Escaped(path) << ": valid\n";
     PrintCoverage(motion);
     std::cout << "\n" << FindingsTable(findings);
   }

@@ -8,6 +8,7 @@
 #include "datasets/checking/track_statistics.h"
 #include "datasets/motion/motion_file.h"
 #include "sim/base/error.h"
+#include "sim/base/text_file.h"
 #include "tools/motion/motion_clouds.h"
 #include "tools/motion/motion_commands.h"
 
@@ -122,11 +123,11 @@ void PrintCoverage(const RecordedMotion& motion) {
 int MotionInfo(const std::string& path) {
   const MotionTensors tensors = ReadMotionTensors(path);
   const RecordedMotion motion = ReadMotion(path);
-  std::cout << path << "\n";
+  std::cout << Escaped(path) << "\n";
   PrintTensors(tensors);
   PrintCoverage(motion);
   PrintScene(motion.scene);
-  std::cout << "provenance " << motion.provenance << "\nsha256 " << motion.sha256 << "\n";
+  std::cout << "provenance " << Escaped(motion.provenance) << "\nsha256 " << motion.sha256 << "\n";
   return kExitSuccess;
 }
 

@@ -68,6 +68,25 @@ TEST_F(MotionTest, CheckAcceptsAGoodFile) {
   EXPECT_NE(result.out.find("gaps 0"), std::string::npos) << result.out;
 }
 
+// A recording comes from anywhere, and its text is not to act on the terminal.
+TEST_F(MotionTest, InfoEscapesControlCharacters) {
+  Json header = Header(good_);
+  header["__metadata__"]["provenance"] =
+      "\x1b]0;title\x07\nred \xc2\x9b"
+      "31m";
+  WriteBytes(folder() / "bad.bin", WithHeader(good_, header));
+  const ToolResult result = Run("motion info bad.bin");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("\nprovenance \\x1b]0;title\\x07\\nred \\x9b31m\n"), std::string::npos) << result.out;
+}
+
+TEST_F(MotionTest, NamesOtherKindsOfFiles) {
+  ExpectBad("\x1f\x8b" + std::string(200, 'x'), "bad.bin: is packed with gzip; expected a recording, motion.bin");
+  ExpectBad(std::string("\x1f\x8b\x08\0\0\0\0\0", 8) + std::string(600000, 'x'), "is packed with gzip");
+  ExpectBad(SphereScene().dump(), "bad.bin: is JSON text");
+  ExpectBad("t,id,x,y,z\n0,0,1,2,3\n", "bad.bin: is text");
+}
+
 TEST_F(MotionTest, RefusesWrongCommands) {
   ExpectRefused("motion", 1, "command");
   ExpectRefused("motion inspect good.bin", 1, "'inspect'");
