@@ -5,6 +5,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <new>
 
 #include "sim/base/error.h"
 
@@ -38,6 +39,9 @@ int ReportErrors(const std::string& name, const std::function<int()>& work) {
   } catch (const Error& error) {
     std::cerr << name << ": " << error.what() << "\n";
     return ExitCodeOf(error.kind());
+  } catch (const std::bad_alloc&) {
+    std::cerr << name << ": memory ran out\n";
+    return kExitInternal;
   } catch (const std::exception& error) {
     std::cerr << name << ": internal error: " << error.what() << "\n";
     return kExitInternal;

@@ -20,7 +20,8 @@ bool IsInterrupted();
 void CatchFileSizeLimit();
 
 // The exit code that `work` returns. What it throws ends here, as one line on stderr, led by `name`, and as an exit
-// code: an `Error` as `ExitCodeOf` says, any other exception as an internal error, kExitInternal.
+// code: an `Error` as `ExitCodeOf` says, memory that ran out and any other exception, an internal error, as
+// kExitInternal.
 int ReportErrors(const std::string& name, const std::function<int()>& work);
 
 // For the end of main(): `exit_code`, unless what was printed on stdout could not be written. That is a line on stderr,

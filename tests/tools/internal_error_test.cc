@@ -1,6 +1,7 @@
 // An error of a program itself, here a lack of memory, is neither wrong usage nor a fit that did not converge.
 #include <gtest/gtest.h>
 
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -26,21 +27,22 @@ TEST(ReportErrorsTest, TellsInternalErrorsFromOthers) {
   EXPECT_EQ(ReportErrors("tool", []() -> int { throw Error(ErrorKind::kBadData, "a.bin: expected b"); }), kExitBadData);
   EXPECT_EQ(ReportErrors("tool", []() -> int { throw Error(ErrorKind::kUsage, "--c: expected d"); }), kExitUsageOrIo);
   EXPECT_EQ(ReportErrors("tool", []() -> int { throw std::logic_error("e"); }), kExitInternal);
+  EXPECT_EQ(ReportErrors("tool", []() -> int { throw std::bad_alloc(); }), kExitInternal);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "tool: a.bin: expected b\ntool: --c: expected d\ntool: internal error: e\n");
+            "tool: a.bin: expected b\ntool: --c: expected d\ntool: internal error: e\ntool: memory ran out\n");
 }
 
 TEST_F(InternalErrorTest, NoMemoryLeftForAFit) {
   ExpectSuccess("simulate --scene " + WriteScene(BareScene()) + " --output good.bin");
   ExpectRefused("bash -c 'ulimit -v 2000000; exec identify --target good.bin --starts 1000000000 --output result'",
-                kExitInternal, "identify: internal error: std::bad_alloc");
+                kExitInternal, "identify: memory ran out");
 }
 
 TEST_F(InternalErrorTest, NoMemoryLeftForASimulation) {
   nlohmann::ordered_json scene = BareScene();
   scene["mesh"]["grid"]["nodes"] = {1000, 1000};
   ExpectRefused("bash -c 'ulimit -v 200000; exec simulate --scene " + WriteScene(scene) + " --output large.bin'",
-                kExitInternal, "simulate: internal error: std::bad_alloc");
+                kExitInternal, "simulate: memory ran out");
 }
 
 }  // namespace
