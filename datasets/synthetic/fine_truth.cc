@@ -17,14 +17,15 @@ Eigen::VectorXd FineTruth::PointsAt(double time) const {
   return (1.0 - fraction) * from + fraction * Interpolate(points, rollout.positions(before + 1));
 }
 
-FineTruth SimulateFineTruth(const GridScene& grid_scene, const std::vector<TrueParameter>& truth) {
+FineTruth SimulateFineTruth(const GridScene& grid_scene, const std::vector<TrueParameter>& truth,
+                            const RolloutOptions& options) {
   FineTruth result;
   result.nodes = {2 * grid_scene.nodes[0] - 1, 2 * grid_scene.nodes[1] - 1};
   result.scene = Regrid(grid_scene, result.nodes);
   result.scene.time_step = grid_scene.scene.time_step / kTrueStepDivisor;
   result.scene.duration = grid_scene.scene.num_steps() * grid_scene.scene.time_step;
   result.points = PlaceOnMesh(result.scene.mesh, grid_scene.scene.mesh.rest_positions);
-  result.rollout = SimulateTruth(truth, grid_scene.path, result.scene);
+  result.rollout = SimulateTruth(truth, grid_scene.path, result.scene, options);
   return result;
 }
 

@@ -30,7 +30,8 @@ struct FineTruth {
 };
 
 // As long as the scene has steps. Throws `Error` for what `Regrid` rejects and where a step does not converge.
-FineTruth SimulateFineTruth(const GridScene& grid_scene, const std::vector<TrueParameter>& truth);
+FineTruth SimulateFineTruth(const GridScene& grid_scene, const std::vector<TrueParameter>& truth,
+                            const RolloutOptions& options = {});
 
 }  // namespace clothid
 

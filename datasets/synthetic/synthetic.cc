@@ -9,6 +9,7 @@
 #include <sstream>
 #include <vector>
 
+#include "datasets/formats/track_checks.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/motion/scene_text.h"
 #include "sim/base/error.h"
@@ -51,7 +52,7 @@ bool HasCloud(const SyntheticOptions& options) { return options.num_cloud_points
 // Clouds take the place of the nodes, not of markers.
 bool SeesNoNodes(const SyntheticOptions& options) { return options.num_markers == 0 && HasCloud(options); }
 
-void CheckOptions(const SyntheticOptions& options, const Scene& scene) {
+void CheckRanges(const SyntheticOptions& options, const Scene& scene) {
   Require(std::isfinite(options.noise_sigma) && options.noise_sigma >= 0.0,
           "noise " + ToString(options.noise_sigma) + ": expected a standard deviation >= 0 in m");
   Require(options.drop_fraction >= 0.0 && options.drop_fraction < 1.0,
@@ -63,6 +64,20 @@ void CheckOptions(const SyntheticOptions& options, const Scene& scene) {
   Require(options.num_cloud_points >= 0 && options.num_cloud_points <= kMaxCloudPointsPerFrame,
           "cloud " + std::to_string(options.num_cloud_points) + ": expected 0 to " +
               std::to_string(kMaxCloudPointsPerFrame) + " points per frame");
+}
+
+// Points are counted as they are in memory, in double precision.
+void CheckSize(const SyntheticOptions& options, const Scene& scene, Eigen::Index num_frames) {
+  const double nodes = SeesNoNodes(options)      ? 0
+                       : options.num_markers > 0 ? options.num_markers
+                                                 : scene.mesh.num_nodes();
+  const double points = nodes + options.num_cloud_points + scene.handles.path.num_handles();
+  const double bytes = points * 3.0 * sizeof(double) * static_cast<double>(num_frames);
+  constexpr double kMegabyte = 1 << 20;
+  Require(bytes <= static_cast<double>(kMaxTrackBytes),
+          "frame_rate " + ToString(options.frame_rate) + ": " + std::to_string(num_frames) + " frames of " +
+              ToString(points) + " points take " + std::to_string(std::llround(bytes / kMegabyte)) +
+              " MB; expected at most " + std::to_string(kMaxTrackBytes >> 20) + " MB");
 }
 
 // [P], ascending; empty: every node.
@@ -204,10 +219,17 @@ Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps) {
   return steps;
 }
 
+void CheckSyntheticOptions(const SyntheticOptions& options, const Scene& scene, const std::string& scene_text) {
+  CheckRanges(options, scene);
+  CheckSize(options, scene, FrameSteps(options.frame_rate, scene.time_step, scene.num_steps()).size());
+  RecordingText(scene, scene_text, options);
+}
+
 MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const std::string& scene_text,
                             const SyntheticOptions& options) {
-  CheckOptions(options, scene);
+  CheckRanges(options, scene);
   const Eigen::VectorXd frame_steps = FrameSteps(options.frame_rate, scene.time_step, rollout.num_steps());
+  CheckSize(options, scene, frame_steps.size());
   MotionTensors motion;
   motion.times = scene.start_time + (scene.time_step * frame_steps.array());
   motion.single_precision = options.single_precision;

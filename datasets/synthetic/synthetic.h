@@ -34,12 +34,18 @@ struct SyntheticOptions {
 // than two frames or more than kMaxFrames.
 Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps);
 
+// Throws `Error` (kUsage) where `RecordRollout` would for a rollout of all of `scene`: for options out of range, a
+// start that they spoil, and a recording of more than 4 GB of positions and clouds. To be asked before a long
+// simulation.
+void CheckSyntheticOptions(const SyntheticOptions& options, const Scene& scene, const std::string& scene_text);
+
 // What the sensor saw of `rollout`, which must be ok() and come from `scene`; positions between steps are interpolated
 // linearly. Same arguments, same result. `scene_text` is the JSON that `scene` was read from. The recording is
 // self-contained: what the text takes from files is in its tensors or, the surfaces of obstacles, in the text in it,
 // which no longer mentions the files. Paths of moving handles are sampled at the frames, without noise. Throws `Error`:
-// kUsage for options out of range, and where a start read from a file would have to come from a first frame that noise,
-// markers, drops or F32 have spoiled; kBadData where the surfaces are too large for a scene's text.
+// kUsage for options out of range, where a start read from a file would have to come from a first frame that noise,
+// markers, drops or F32 have spoiled, and before the memory of a recording that is too large is asked for; kBadData
+// where the surfaces are too large for a scene's text.
 MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const std::string& scene_text,
                             const SyntheticOptions& options);
 

@@ -20,7 +20,8 @@ std::vector<TrueParameter> MakeTrueParameters(const std::map<std::string, double
   return parameters;
 }
 
-Rollout SimulateTruth(const std::vector<TrueParameter>& truth, const std::string& source, Scene scene) {
+Rollout SimulateTruth(const std::vector<TrueParameter>& truth, const std::string& source, Scene scene,
+                      const RolloutOptions& options) {
   Parameters parameters = scene.nominal_parameters();
   for (const TrueParameter& parameter : truth) {
     SetParameter(ParseParameter(parameter.name, scene.obstacle_names()), parameter.value, &parameters);
@@ -28,7 +29,7 @@ Rollout SimulateTruth(const std::vector<TrueParameter>& truth, const std::string
   scene.material = parameters.material;  // bending and air are there where the truth has them
   const int num_steps = scene.num_steps();
   Simulator simulator(std::move(scene));
-  Rollout rollout = Simulate(parameters, num_steps, &simulator);
+  Rollout rollout = Simulate(parameters, num_steps, &simulator, nullptr, options);
   if (!rollout.ok()) {
     throw Error(ErrorKind::kBadData,
                 source + ": the true parameters cannot be simulated: " + rollout.failure->ToString());

@@ -26,7 +26,8 @@ std::vector<TrueParameter> MakeTrueParameters(const std::map<std::string, double
 
 // The whole of `scene` with the true parameters and its nominal values for all others. Throws `Error` (kBadData), led
 // by `source`, where a step does not converge.
-Rollout SimulateTruth(const std::vector<TrueParameter>& truth, const std::string& source, Scene scene);
+Rollout SimulateTruth(const std::vector<TrueParameter>& truth, const std::string& source, Scene scene,
+                      const RolloutOptions& options = {});
 
 // What `ReadMotion` would make of the file of a recording (see `RecordRollout`), but for a path of handles, which stays
 // exact between frames. `options` without markers.

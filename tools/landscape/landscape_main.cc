@@ -21,11 +21,11 @@
 #include "sim/base/text_file.h"
 #include "sim/scene/parameters.h"
 #include "tools/base/command_line.h"
+#include "tools/base/count_progress.h"
 #include "tools/landscape/landscape_files.h"
 #include "tools/landscape/landscape_merge.h"
 #include "tools/landscape/landscape_plan.h"
 #include "tools/landscape/landscape_plot.h"
-#include "tools/landscape/landscape_progress.h"
 #include "tools/landscape/landscape_run.h"
 #include "tools/landscape/landscape_store.h"
 #include "tools/landscape/landscape_summary.h"
@@ -167,7 +167,7 @@ int Scan() {
   LandscapeRunOptions options = OptionsFromFlags();
   LandscapeRunResult result;
   {
-    LandscapeProgress progress(&std::cerr, isatty(STDERR_FILENO) != 0);
+    CountProgress progress(&std::cerr, isatty(STDERR_FILENO) != 0, "cells", CountProgress::End::kTold);
     options.on_progress = [&](int num_done, int num_cells, int num_kept) {
       progress.Print(num_done, num_cells, num_kept);
     };
