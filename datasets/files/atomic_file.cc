@@ -91,13 +91,6 @@ class HiddenFile {
   bool is_mine_ = false;
 };
 
-// Devices and pipes, which nothing can be put in the place of.
-bool IsStream(const std::string& path) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
-}
-
 void WriteToStream(const std::string& path, std::initializer_list<std::string_view> parts) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0) Fail(path);
@@ -122,6 +115,12 @@ void WriteFileAtomically(const std::string& path, std::initializer_list<std::str
 
 void CheckFileCanBeWritten(const std::string& path) {
   if (!IsStream(path)) HiddenFile(path).Open();
+}
+
+bool IsStream(const std::string& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
 bool FlushToDisk(const std::string& path) {

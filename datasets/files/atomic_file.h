@@ -19,6 +19,9 @@ void WriteFileAtomically(const std::string& path, std::initializer_list<std::str
 // before they write. Changes nothing.
 void CheckFileCanBeWritten(const std::string& path);
 
+// Whether `path` is there and is neither a file nor a folder: a device or a pipe, which nothing takes the place of.
+bool IsStream(const std::string& path);
+
 // Flushes a file, or the names in a folder, to the disk: after a power cut they are there. Whether that worked; else
 // errno is set.
 bool FlushToDisk(const std::string& path);

@@ -57,6 +57,10 @@ Eigen::Matrix3Xi ReadFaces(const fs::path& path, int num_points) {
 
 }  // namespace
 
+std::vector<std::string> NpyPaths(const std::string& path) {
+  return {path, Beside(path, ".times.npy").string(), Beside(path, ".faces.npy").string()};
+}
+
 PointTracks ReadNpyTracks(const std::string& path) {
   const NpyArray array = ReadNpy(path);
   if (array.shape.size() != 3 || array.shape[2] != 3) FailOfShape(path, "(frames, points, 3)", array.shape);

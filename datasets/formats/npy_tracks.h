@@ -5,10 +5,14 @@
 #define CLOTHID_DATASETS_FORMATS_NPY_TRACKS_H_
 
 #include <string>
+#include <vector>
 
 #include "datasets/formats/point_tracks.h"
 
 namespace clothid {
+
+// The names of the three.
+std::vector<std::string> NpyPaths(const std::string& path);
 
 // Reads NAME.npy and the two files beside it. NaN: not seen. Throws `Error`, naming the file: kIo where one cannot be
 // read, kBadData where an array is of another shape or type.

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <vector>
 
 #include "datasets/files/atomic_file.h"
 #include "datasets/files/frame_names.h"
@@ -79,7 +80,19 @@ TrackFormat FormatOfFolder(const std::string& path) {
   return has_obj ? TrackFormat::kObjSequence : TrackFormat::kPlySequence;
 }
 
-TrackFormat FormatOfExtension(const std::string& path) {
+// Of a sequence that need not be there.
+std::vector<std::string> FramePathsOrNone(const std::string& path, const std::string& extension) {
+  try {
+    return FramePaths(path, extension);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kBadData) throw;
+    return {path};
+  }
+}
+
+}  // namespace
+
+TrackFormat OutputFormatOf(const std::string& path) {
   const std::string extension = Extension(path);
   if (extension == ".npy") return TrackFormat::kNpy;
   if (extension == ".csv") return TrackFormat::kTidyCsv;
@@ -91,13 +104,22 @@ TrackFormat FormatOfExtension(const std::string& path) {
   throw Error(ErrorKind::kUsage, path + ": unknown format; " + kKnown);
 }
 
-}  // namespace
-
 TrackFormat FormatOf(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return FormatOfFolder(path);
-  const TrackFormat format = FormatOfExtension(path);
+  const TrackFormat format = OutputFormatOf(path);
   return format == TrackFormat::kTidyCsv ? FormatOfCsv(path) : format;
+}
+
+std::vector<std::string> TrackPaths(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    return FramePaths(path, FormatOfFolder(path) == TrackFormat::kObjSequence ? ".obj" : ".ply");
+  }
+  const std::string extension = Extension(path);
+  if (extension == ".npy") return NpyPaths(path);
+  const bool is_sequence = (extension == ".obj" || extension == ".ply") && IsFramePattern(path);
+  return is_sequence ? FramePathsOrNone(path, extension) : std::vector<std::string>{path};
 }
 
 PointTracks ReadTracks(const std::string& path) {
@@ -124,7 +146,7 @@ PointTracks ReadTracks(const std::string& path) {
 
 void WriteTracks(const PointTracks& tracks, const std::string& path) {
   CheckTracks(tracks);
-  switch (FormatOfExtension(path)) {
+  switch (OutputFormatOf(path)) {
     case TrackFormat::kNpy:
       return WriteNpyTracks(tracks, path);
     case TrackFormat::kTidyCsv:

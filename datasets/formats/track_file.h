@@ -4,6 +4,7 @@
 #define CLOTHID_DATASETS_FORMATS_TRACK_FILE_H_
 
 #include <string>
+#include <vector>
 
 #include "datasets/formats/point_tracks.h"
 
@@ -24,6 +25,13 @@ enum class TrackFormat {
 // exists, its first line. Throws `Error`: kUsage naming the formats that are known, kIo where a folder or .csv file
 // cannot be read.
 TrackFormat FormatOf(const std::string& path);
+
+// The format that `WriteTracks` gives a file of this name. Throws `Error` (kUsage) naming the formats that are known.
+TrackFormat OutputFormatOf(const std::string& path);
+
+// The files that tracks called `path` stand in, as far as they are there: those of a sequence, those beside a .npy;
+// `path` itself where there is none. Throws `Error` as FormatOf does for a folder.
+std::vector<std::string> TrackPaths(const std::string& path);
 
 // Reads tracks of any format but kVtp. The result is in itself consistent: sizes agree, times are finite and increase,
 // positions are finite or NaN, faces made of its points. Throws `Error`, naming the file: kUsage as above, kIo where it

@@ -257,6 +257,19 @@ class SceneReader {
 
 std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
 
+// The texts of the keys that JsonNode::Path is asked of.
+void CollectFiles(const JsonValue& value, const std::string& folder, std::vector<std::string>* files) {
+  for (std::size_t i = 0; i < value.items.size(); ++i) {
+    const JsonValue& item = value.items[i];
+    const std::string key = i < value.keys.size() ? value.keys[i] : "";
+    const bool is_start = key == "positions" && item.text != "rest";
+    if (item.kind == Kind::kString && (key == "obj" || key == "path" || is_start)) {
+      files->push_back((std::filesystem::path(folder) / item.text).string());
+    }
+    CollectFiles(item, folder, files);
+  }
+}
+
 }  // namespace
 
 Scene ParseScene(const std::string& text, const std::string& source, const std::string& folder,

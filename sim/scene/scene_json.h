@@ -3,6 +3,7 @@
 #define CLOTHID_SIM_SCENE_SCENE_JSON_H_
 
 #include <string>
+#include <vector>
 
 #include "sim/scene/scene.h"
 
@@ -27,6 +28,11 @@ Scene ParseScene(const std::string& text, const std::string& source, const std::
 
 // ParseScene of a file's content. Throws `Error` (kIo) where it cannot be read.
 Scene ReadScene(const std::string& path);
+
+// The scene.json `path` and the files that it names, there or not: of meshes, of a path of handles, of a start. For
+// programs that must not write over them. Throws `Error` where `path` cannot be read or is no JSON; keys that are wrong
+// are left to ReadScene.
+std::vector<std::string> FilesOfScene(const std::string& path);
 
 }  // namespace clothid
 

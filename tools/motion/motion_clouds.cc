@@ -6,10 +6,13 @@
 #include <iostream>
 
 #include "datasets/files/atomic_file.h"
+#include "datasets/files/overwrite.h"
 #include "datasets/importing/cloud_import.h"
 #include "datasets/importing/track_edit.h"
 #include "datasets/motion/motion_file.h"
+#include "datasets/motion/motion_name.h"
 #include "sim/base/error.h"
+#include "sim/scene/scene_json.h"
 #include "tools/motion/motion_commands.h"
 
 DECLARE_string(scene);
@@ -42,12 +45,22 @@ CloudImportOptions OptionsFromFlags(const std::string& input) {
   return options;
 }
 
+std::vector<std::string> InputFiles(const std::string& clouds) {
+  std::vector<std::string> files = ListCloudFiles(clouds);
+  files.push_back(FLAGS_times);
+  if (FLAGS_scene.empty()) return files;
+  for (const std::string& file : FilesOfScene(FLAGS_scene)) files.push_back(file);
+  return files;
+}
+
 }  // namespace
 
 int ConvertClouds(const std::vector<std::string>& arguments) {
   if (arguments.size() != 2) {
     throw Error(ErrorKind::kUsage, "convert_clouds: expected a folder or pattern of .npy files, and a file to write");
   }
+  ExpectMotionName(arguments[1]);
+  RefuseOverwrite(arguments[1], InputFiles(arguments[0]));
   CheckFileCanBeWritten(arguments[1]);
   WriteMotion(ImportClouds(OptionsFromFlags(arguments[0])), arguments[1]);
   const RecordedMotion motion = ReadMotion(arguments[1]);

@@ -8,13 +8,16 @@
 #include <vector>
 
 #include "datasets/files/atomic_file.h"
+#include "datasets/files/overwrite.h"
 #include "datasets/formats/track_file.h"
 #include "datasets/importing/import_motion.h"
 #include "datasets/importing/transform_file.h"
 #include "datasets/motion/motion_file.h"
+#include "datasets/motion/motion_name.h"
 #include "datasets/synthetic/synthetic.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "sim/scene/scene_json.h"
 #include "tools/motion/motion_commands.h"
 
 DEFINE_string(scene, "", "convert: scene.json of the recording");
@@ -60,8 +63,6 @@ bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag)
 [[noreturn]] void FailFlag(const std::string& flag, const std::string& message) {
   throw Error(ErrorKind::kUsage, "--" + flag + ": " + message);
 }
-
-bool IsMotionFile(const std::string& path) { return std::filesystem::path(path).extension() == ".bin"; }
 
 double ParseFlagNumber(const std::string& flag, const std::string& text) {
   const std::optional<double> value = ParseNumber(text);
@@ -174,6 +175,19 @@ void SetHandleFile(ImportOptions* options) {
   options->handle_file = file;
 }
 
+// No input is to be lost to an output.
+void CheckOutputs(const std::string& input, const std::string& output) {
+  std::vector<std::string> inputs = TrackPaths(input);
+  for (const std::string& file : {FLAGS_faces, FLAGS_transform, FLAGS_times, FLAGS_map, FLAGS_handles,
+                                  FLAGS_handle_offsets, FLAGS_handle_transform}) {
+    inputs.push_back(file);
+  }
+  if (!FLAGS_scene.empty()) {
+    for (const std::string& file : FilesOfScene(FLAGS_scene)) inputs.push_back(file);
+  }
+  for (const std::string& file : TrackPaths(output)) RefuseOverwrite(file, inputs);
+}
+
 // The flags that were given, and the names of files in place of their paths.
 std::string Provenance(const std::string& input) {
   std::string text = "converted from " + std::filesystem::path(input).filename().string();
@@ -206,7 +220,7 @@ int ToMotionFile(const std::string& input, const std::string& output, ImportOpti
   SetHandleFile(&options);
   options.sigma = FLAGS_sigma;
   MotionTensors motion;
-  if (IsMotionFile(input)) {
+  if (IsMotionName(input)) {
     const MotionTensors read = ReadMotionTensors(input);
     options.provenance = (read.provenance.empty() ? "" : read.provenance + "; ") + Provenance(input);
     motion = ConvertMotion(read, input, options);
@@ -223,7 +237,7 @@ int ToTrackFile(const std::string& input, const std::string& output, const Impor
   for (const char* flag : kSceneFlags) {
     if (IsSet(flag)) FailFlag(flag, "expected with a motion.bin to write, a name that ends in .bin");
   }
-  PointTracks tracks = IsMotionFile(input) ? ToTracks(ReadMotionTensors(input), input) : ReadTracks(input);
+  PointTracks tracks = IsMotionName(input) ? ToTracks(ReadMotionTensors(input), input) : ReadTracks(input);
   tracks = EditTracks(tracks, options.edit).tracks;
   if (options.mesh) {
     MapToNodes(tracks, *options.mesh);
@@ -238,10 +252,12 @@ int ToTrackFile(const std::string& input, const std::string& output, const Impor
 }  // namespace
 
 int MotionConvert(const std::string& input, const std::string& output) {
+  if (!IsMotionName(output)) OutputFormatOf(output);
+  CheckOutputs(input, output);
   ImportOptions options;
   options.edit = EditFromFlags();
   options.mesh = MeshFromFlags();
-  return IsMotionFile(output) ? ToMotionFile(input, output, options) : ToTrackFile(input, output, options);
+  return IsMotionName(output) ? ToMotionFile(input, output, options) : ToTrackFile(input, output, options);
 }
 
 }  // namespace clothid

@@ -1,5 +1,6 @@
 // simulate: makes a recording with known parameters from a scene.
 #include <gflags/gflags.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <filesystem>
@@ -8,8 +9,10 @@
 #include <vector>
 
 #include "datasets/files/atomic_file.h"
+#include "datasets/files/overwrite.h"
 #include "datasets/formats/track_file.h"
 #include "datasets/motion/motion_file.h"
+#include "datasets/motion/motion_name.h"
 #include "datasets/synthetic/capture.h"
 #include "datasets/synthetic/sensor.h"
 #include "datasets/synthetic/synthetic.h"
@@ -22,6 +25,7 @@
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene_json.h"
 #include "tools/base/command_line.h"
+#include "tools/base/count_progress.h"
 
 DEFINE_string(scene, "", "scene.json to simulate");
 DEFINE_string(output, "", "motion.bin to write");
@@ -128,6 +132,35 @@ void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
             << counts.branch_switches << " branch switches, " << counts.obstacle_switches << " obstacle switches\n";
 }
 
+// Tells on stderr, while it lives, where a rollout stands that takes long.
+class StepProgress {
+ public:
+  RolloutOptions options(int num_steps) {
+    RolloutOptions options;
+    options.visitor = [this, num_steps](int step, const Eigen::VectorXd&) {
+      if (step > 0) progress_.Print(step, num_steps);
+    };
+    return options;
+  }
+
+ private:
+  CountProgress progress_{&std::cerr, isatty(STDERR_FILENO) != 0, "steps", CountProgress::End::kQuiet};
+};
+
+// No input is to be lost to an output, and no output to the other one.
+void CheckOutputs() {
+  std::vector<std::string> inputs = FilesOfScene(FLAGS_scene);
+  inputs.push_back(FLAGS_sensor);
+  const std::vector<std::string> outputs = FLAGS_sensor.empty() ? std::vector{FLAGS_output} : TrackPaths(FLAGS_output);
+  for (const std::string& output : outputs) RefuseOverwrite(output, inputs);
+  RefuseOverwrite(FLAGS_handles_output, inputs);
+  for (const std::string& output : outputs) {
+    if (!IsSameFile(FLAGS_handles_output, output)) continue;
+    throw Error(ErrorKind::kUsage,
+                "--handles_output: " + FLAGS_handles_output + ": expected another file than --output");
+  }
+}
+
 // The files of a laboratory.
 int RunSensor() {
   for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32"}) {
@@ -146,7 +179,11 @@ int RunSensor() {
   const std::vector<TrueParameter> truth =
       MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
   CheckFileCanBeWritten(FLAGS_output);
-  const Capture capture = TakeCapture(grid_scene, SimulateFineTruth(grid_scene, truth), sensor, FLAGS_seed);
+  const FineTruth fine_truth = [&] {
+    StepProgress progress;
+    return SimulateFineTruth(grid_scene, truth, progress.options(kTrueStepDivisor * grid_scene.scene.num_steps()));
+  }();
+  const Capture capture = TakeCapture(grid_scene, fine_truth, sensor, FLAGS_seed);
   if (has_path) {
     WriteFileAtomically(FLAGS_handles_output, {HandleCsv(capture.handles.times, capture.handles.positions)});
   }
@@ -160,15 +197,26 @@ int Run(const std::vector<std::string>& arguments) {
   if (!arguments.empty()) throw Error(ErrorKind::kUsage, "unexpected argument '" + arguments.front() + "'");
   if (FLAGS_scene.empty()) throw Error(ErrorKind::kUsage, "--scene is missing; see simulate --help");
   if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output is missing; see simulate --help");
+  if (FLAGS_threads < 1) throw Error(ErrorKind::kUsage, "--threads: expected a number >= 1");
+  if (FLAGS_sensor.empty()) {
+    ExpectMotionName(FLAGS_output);
+  } else {
+    OutputFormatOf(FLAGS_output);
+  }
+  CheckOutputs();
   if (!FLAGS_sensor.empty()) return RunSensor();
   if (!FLAGS_handles_output.empty()) throw Error(ErrorKind::kUsage, "--handles_output: expected with --sensor");
   const std::string scene_text = ReadText(FLAGS_scene, kMaxJsonBytes);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
+  CheckSyntheticOptions(OptionsFromFlags(), scene, scene_text);
   const std::atomic<bool>& interrupted = CatchInterrupts();
   CheckFileCanBeWritten(FLAGS_output);
   Simulator simulator(scene);
-  const Rollout rollout = Simulate(truth, scene.num_steps(), &simulator, &interrupted);
+  const Rollout rollout = [&] {
+    StepProgress progress;
+    return Simulate(truth, scene.num_steps(), &simulator, &interrupted, progress.options(scene.num_steps()));
+  }();
   if (interrupted) {
     std::cerr << "simulate: interrupted, nothing is written\n";
     return kExitInterrupted;

@@ -143,6 +143,49 @@ TEST_F(TrackFileTest, OrdersFramesByNumber) {
   ExpectError([&] { ReadTracks(folder_.File("absent/f#.obj")); }, ErrorKind::kIo, {"absent: cannot be read"});
 }
 
+TEST_F(TrackFileTest, NumbersOfFramesKeepTheirGaps) {
+  using Numbers = std::vector<long long>;
+  EXPECT_EQ(FrameNumbers({"f0.obj", "f1.obj", "f3.obj"}), (Numbers{0, 1, 3}));
+  EXPECT_EQ(FrameNumbers({"take2/f010.obj", "take2/f020.obj", "take2/f50.obj"}), (Numbers{0, 1, 4}));
+  EXPECT_EQ(FrameNumbers({"f0.obj", "f10.obj", "f20.obj"}), Numbers());
+  EXPECT_EQ(FrameNumbers({"f7.obj"}), Numbers());
+  EXPECT_EQ(FrameNumbers({"a.obj", "b3.obj"}), Numbers());
+  EXPECT_EQ(FrameNumbers({"1_f0.obj", "2_f3.obj", "3_f4.obj"}), Numbers());
+  EXPECT_EQ(FrameNumbers({"f1.obj", "f2.obj", "f99999999999999999999.obj"}), Numbers());
+
+  fs::create_directory(folder_.File("frames"));
+  WriteTracks(Tracks(), folder_.File("frames/f##.obj"));
+  EXPECT_EQ(ReadTracks(folder_.File("frames")).frame_numbers, Numbers());
+  fs::remove(folder_.File("frames/f02.obj"));
+  const Numbers expected = {0, 1, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  for (const char* name : {"frames", "frames/f#.obj"}) {
+    EXPECT_EQ(ReadTracks(folder_.File(name)).frame_numbers, expected) << name;
+  }
+  WriteTracks(ReadTracks(folder_.File("frames")), folder_.File("g##.ply"));
+  EXPECT_FALSE(fs::exists(folder_.File("g02.ply")));
+  EXPECT_TRUE(fs::exists(folder_.File("g11.ply")));
+}
+
+TEST_F(TrackFileTest, ByteOrderMarksAreNoContent) {
+  const std::string mark = "\xef\xbb\xbf", obj = mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_EQ(ReadTracks(folder_.Write("a.obj", obj)).num_points(), 3);
+  WriteTracks(Tracks(), folder_.File("b.trc"));
+  EXPECT_EQ(ReadTracks(folder_.Write("c.trc", mark + Text("b.trc"))).num_points(), 5);
+  EXPECT_EQ(ReadTracks(folder_.Write("d.csv", mark + "t,id,x,y,z\n0,a,1,2,3\n")).labels[0], "a");
+  EXPECT_EQ(FormatOf(folder_.Write("e.csv", mark + "%time,field.size\n")), TrackFormat::kRosCsv);
+}
+
+TEST_F(TrackFileTest, ListsItsFiles) {
+  EXPECT_EQ(TrackPaths("a.npy"), (std::vector<std::string>{"a.npy", "a.times.npy", "a.faces.npy"}));
+  EXPECT_EQ(TrackPaths("a.bin"), std::vector<std::string>{"a.bin"});
+  EXPECT_EQ(TrackPaths("absent/a_#.obj"), std::vector<std::string>{"absent/a_#.obj"});
+  folder_.Write("a_1.obj", "");
+  folder_.Write("a_20.obj", "");
+  const std::vector<std::string> frames = {folder_.File("a_1.obj"), folder_.File("a_20.obj")};
+  EXPECT_EQ(TrackPaths(folder_.File("a_##.obj")), frames);
+  EXPECT_EQ(TrackPaths(folder_.path()), frames);
+}
+
 TEST_F(TrackFileTest, RefusesMixedSequences) {
   folder_.Write("f1.obj", "v 0 0 0\nv 1 0 0\n");
   folder_.Write("f2.obj", "v 0 0 0\n");

@@ -400,6 +400,22 @@ TEST(ReadScene, ReadsAnObjMeshAndNamesItsFaults) {
   ExpectError([&] { ReadScene(folder.File("none.json")); }, ErrorKind::kIo, {"none.json: cannot be read"});
 }
 
+TEST(FilesOfScene, ListsTheSceneAndWhatItNames) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.Write("scene.json", R"({
+    "mesh": {"obj": "cloth.obj"},
+    "handles": {"nodes": [4], "path": "/absolute/gripper.csv"},
+    "initial": {"positions": "sub/start.npy"},
+    "obstacles": [{"type": "mesh", "obj": "table.obj"}, {"name": "path"}]
+  })");
+  EXPECT_EQ(FilesOfScene(scene), (std::vector<std::string>{scene, folder.File("cloth.obj"), "/absolute/gripper.csv",
+                                                           folder.File("sub/start.npy"), folder.File("table.obj")}));
+  folder.Write("scene.json", R"({"mesh": 3, "handles": [0], "initial": {"positions": "rest"}})");
+  EXPECT_EQ(FilesOfScene(scene), std::vector<std::string>{scene});
+  folder.Write("scene.json", "{");
+  ExpectError([&] { FilesOfScene(scene); }, kBadData, {"scene.json:1: not valid JSON"});
+}
+
 // ---- Scenes inside recordings
 
 SceneDefaults Recording() {

@@ -1,6 +1,7 @@
 // `motion convert` and the findings of `motion check` as a user meets them.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -65,6 +66,24 @@ TEST_F(ConvertTest, TheSameInputsGiveTheSameBytes) {
   const std::string bytes = ReadBytes(folder() / "cloth.bin");
   ExpectSuccess(kConvert);
   EXPECT_EQ(ReadBytes(folder() / "cloth.bin"), bytes);
+}
+
+TEST_F(ConvertTest, RefusesToReplaceItsInputs) {
+  ExpectSuccess(kConvert);
+  std::filesystem::create_symlink("cloth.bin", folder() / "link.bin");
+  std::filesystem::create_hard_link(folder() / "cloth.bin", folder() / "hard.bin");
+  for (const char* output : {"cloth.bin", "./cloth.bin", "link.bin", "hard.bin"}) {
+    ExpectRefused(std::string("motion convert cloth.bin ") + output, 1, std::string(output) + ": would replace ");
+  }
+  ExpectSuccess("motion convert grid.csv b_#.ply");
+  ExpectRefused("motion convert 'b_#.ply' 'b_##.ply' --frame_rate 10", 1, "b_0.ply: would replace an input");
+  ExpectRefused("motion convert b_1.ply 'b_#.ply' --frame_rate 10", 1, "b_1.ply: would replace an input");
+  WriteBytes(folder() / "b.times.npy", "times");
+  ExpectRefused("motion convert grid.csv b.npy --times b.times.npy", 1, "b.times.npy: would replace an input");
+  ExpectRefused("motion convert cloth.bin grid.csv --faces grid.csv", 1, "grid.csv: would replace an input");
+  WriteBytes(folder() / "scene.json", R"({"clothid_scene": 1, "handles": {"nodes": [0], "path": "path.bin"}})");
+  WriteBytes(folder() / "path.bin", "a path");
+  ExpectRefused("motion convert grid.csv path.bin --scene scene.json", 1, "path.bin: would replace an input");
 }
 
 TEST_F(ConvertTest, RefusesWrongFlags) {

@@ -70,9 +70,14 @@ TEST_F(MotionCloudsTest, RefusesWhatItCannotConvert) {
   WriteClouds({Eigen::Matrix3Xd::Zero(3, 4), Eigen::Matrix3Xd::Zero(3, 4)});
   WriteScene(BareScene());
   WriteBytes(folder() / "bad.npy", "no array");
+  WriteBytes(folder() / "bad.bin", "no array");
   ExpectRefused("motion convert_clouds clouds", 1, "convert_clouds");
   ExpectRefused("motion convert_clouds clouds c.bin --frame_rate 25", 1, "scene");
   ExpectRefused("motion convert_clouds clouds c.bin --scene scene.json", 1, "frame rate");
+  ExpectRefused("motion convert_clouds clouds c.npy --scene scene.json --frame_rate 25", 1,
+                "c.npy: expected a name that");
+  ExpectRefused("motion convert_clouds '*.bin' bad.bin --scene scene.json --frame_rate 25", 1,
+                "would replace an input");
   ExpectRefused("motion convert_clouds nowhere c.bin --scene scene.json --frame_rate 25", 2, "nowhere");
   ExpectRefused("motion convert_clouds bad.npy c.bin --scene scene.json --frame_rate 25", 2, "bad.npy");
   ExpectRefused("motion convert_clouds clouds c.bin --scene absent.json --frame_rate 25", 1, "absent.json");

@@ -88,6 +88,45 @@ TEST_F(SimulateTest, RefusesWrongFlags) {
   ExpectRefused(command + "--frame_rate=-5", 1, "frame_rate");
   ExpectRefused(command + "--frame_rate=1", 1, "frame_rate");
   ExpectRefused(command + "--seed=-1", 1, "seed");
+  ExpectRefused(command + "--threads=0", 1, "threads");
+}
+
+TEST_F(SimulateTest, RefusesToReplaceItsInputs) {
+  Json json = SphereScene();
+  json["mesh"]["grid"]["nodes"] = {4, 4};
+  json["handles"] = {{"nodes", {0}}, {"path", "path.csv"}};
+  WriteBytes(folder() / "path.csv", "time,x0,y0,z0\n0,0,0,0\n");
+  WriteBytes(folder() / "sensor.json", R"({"clothid_sensor": 1, "interval": [0.01, 0.01]})");
+  const std::string scene = WriteScene(json, "scene.bin");
+  ExpectRefused("simulate --scene scene.bin --output scene.bin", 1, "scene.bin: would replace an input");
+  ExpectRefused("simulate --scene scene.bin --output ../$(basename $PWD)/scene.bin", 1, "the input scene.bin");
+  const std::string sensor = "simulate --scene scene.bin --sensor sensor.json --output ";
+  ExpectRefused(sensor + "path.csv --handles_output new.csv", 1, "path.csv: would replace an input");
+  ExpectRefused(sensor + "new.csv --handles_output path.csv", 1, "path.csv: would replace an input");
+  ExpectRefused(sensor + "new.csv --handles_output sensor.json", 1, "sensor.json: would replace an input");
+  ExpectRefused(sensor + "new.csv --handles_output ./new.csv", 1, "--handles_output: ./new.csv: expected another file");
+  ExpectRefused(sensor + "new.npy --handles_output new.times.npy", 1, "expected another file than --output");
+}
+
+TEST_F(SimulateTest, RefusesNamesOfOtherFormats) {
+  const std::string command = "simulate --scene " + WriteScene(SphereScene()) + " --output ";
+  for (const char* name : {"out.csv", "out.npy", "out"}) {
+    ExpectRefused(command + name, 1, std::string(name) + ": expected a name that ends in .bin");
+  }
+  ExpectSuccess(command + "/dev/null");
+  WriteBytes(folder() / "sensor.json", R"({"clothid_sensor": 1})");
+  ExpectRefused(command + "out.bin --sensor sensor.json", 1, "out.bin: unknown format");
+}
+
+// Neither after a long simulation nor by a lack of memory.
+TEST_F(SimulateTest, RefusesRecordingsThatAreTooLarge) {
+  Json scene = SphereScene();
+  scene["mesh"]["grid"]["nodes"] = {60, 60};
+  scene["handles"] = {0};
+  const std::string command = "simulate --scene " + WriteScene(scene) + " --output out.bin ";
+  ExpectRefused(command + "--frame_rate 1e7", 1,
+                "500001 frames of 3600 points take 41199 MB; expected at most 4096 MB");
+  ExpectRefused(command + "--frame_rate 1e6 --cloud 1000000", 1, "frames of 1e+06 points take");
 }
 
 TEST_F(SimulateTest, RefusesWrongParameters) {
