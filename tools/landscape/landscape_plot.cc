@@ -24,6 +24,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Exit codes of a python3 that is not there, and of plot_landscape without matplotlib.
+constexpr int kNoProgram = 127, kNoMatplotlib = 3;
+
 Json ValuesJson(const LandscapeAxis& axis) {
   Json values = Json::array();
   for (int i = 0; i < axis.num_cells; ++i) values.push_back(axis.Value(i));
@@ -113,6 +116,7 @@ std::string WritePng(const std::string& folder, OutputFolder* output) {
   std::error_code ignored;
   std::filesystem::remove(std::filesystem::path(folder) / name, ignored);
   std::string reason;
+  bool has_drawn = false;  // a python3 with matplotlib: why it failed is the reason, not what another one lacks
   for (const char* python : {"python3", "/usr/bin/python3"}) {
     const ProgramResult result =
         RunProgram({python, "-c", std::string(LandscapeScript()), folder, output->TemporaryPath(name)});
@@ -120,7 +124,10 @@ std::string WritePng(const std::string& folder, OutputFolder* output) {
       output->Commit();
       return "";
     }
-    if (reason.empty()) reason = result.exit_code == 127 ? "there is no python3" : LastLine(result.err);
+    const bool draws = result.exit_code != kNoProgram && result.exit_code != kNoMatplotlib;
+    if (has_drawn || (!draws && !reason.empty())) continue;
+    has_drawn = draws;
+    reason = result.exit_code == kNoProgram ? "there is no python3" : LastLine(result.err);
   }
   return name + " is left out: " + reason;
 }

@@ -142,6 +142,27 @@ TEST(PlotLandscape, ALeftOutPictureLeavesNoOlderOne) {
   EXPECT_EQ(std::distance(begin(files), end(files)), 1);
 }
 
+// The first python3 lacks matplotlib, which is not why there is no picture.
+TEST(PlotLandscape, SaysWhichFileIsDamaged) {
+  const std::string unusable = WhyNoPythonModule("python3-matplotlib", "matplotlib.pyplot");
+  if (!unusable.empty()) GTEST_SKIP() << unusable;
+  const TemporaryFolder folder, programs;
+  std::filesystem::permissions(programs.Write("python3", "#!/bin/sh\necho 'no matplotlib' >&2\nexit 3\n"),
+                               std::filesystem::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (programs.path() + ":" + path).c_str(), 1);
+  const Landscape landscape = WithHoles();
+  const LandscapeSummary summary = Summarize(landscape);
+  folder.Write("landscape.csv", BumpyCsv(landscape));
+  for (const std::string& text : {std::string("{"), std::string("[]"), std::string("{\"settings\": []}"),
+                                  SummaryJson(summary).replace(SummaryJson(summary).find("minimum"), 7, "maximum")}) {
+    folder.Write("summary.json", text);
+    const std::string note = PlotLandscape(landscape, summary, folder.path()).note;
+    EXPECT_NE(note.find("summary.json is damaged: "), std::string::npos) << note;
+  }
+  setenv("PATH", path.c_str(), 1);
+}
+
 TEST(PlotLandscape, AFolderThatIsAFile) {
   const TemporaryFolder folder;
   const Landscape landscape = WithHoles();
