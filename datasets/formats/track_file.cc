@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/files/atomic_file.h"
+#include "datasets/files/file_kind.h"
 #include "datasets/files/frame_names.h"
 #include "datasets/formats/mesh_sequence.h"
 #include "datasets/formats/npy_tracks.h"
@@ -60,8 +61,10 @@ TrackFormat FormatOfCsv(const std::string& path) {
   const std::string line = FirstLine(path);
   if (line.compare(0, 5, "%time") == 0) return TrackFormat::kRosCsv;
   if (IsTracksCsvHeader(line)) return TrackFormat::kTidyCsv;
-  throw Error(ErrorKind::kUsage, path + ": expected a header with t, id, x, y and z, or one of ROS that starts with " +
-                                     "%time, found '" + Printable(line) + "'");
+  const std::string kind = FileKind(line);
+  throw Error(ErrorKind::kUsage, path + ": " + (kind.empty() || kind == "text" ? "" : "is " + kind + "; ") +
+                                     "expected a header with t, id, x, y and z, or one of ROS that starts with %time" +
+                                     (kind == "text" ? ", found '" + Printable(line) + "'" : ""));
 }
 
 TrackFormat FormatOfFolder(const std::string& path) {

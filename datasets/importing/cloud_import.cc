@@ -18,6 +18,7 @@
 #include "datasets/files/frame_names.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/importing/track_edit.h"
+#include "datasets/motion/motion_validation.h"
 #include "datasets/motion/scene_text.h"
 #include "datasets/observation/cloth_surface.h"
 #include "sim/base/error.h"
@@ -227,6 +228,7 @@ MotionTensors ImportClouds(const CloudImportOptions& options) {
   }
   if (start_is_first_frame) TrackStart(scene, &motion);
   SetHandlePaths(scene.handles, &motion);
+  ValidateMotionTensors(motion, options.input);
   motion.provenance = "point clouds: " + std::to_string(files.size()) + " files";
   return motion;
 }

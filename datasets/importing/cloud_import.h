@@ -52,7 +52,7 @@ Eigen::Matrix3Xd FitPose(const Mesh& mesh, const Eigen::Matrix3Xd& cloud);
 // A recording of clouds alone, self-contained as one of `RecordRollout` is. The scene has to give the mesh; a start
 // that it reads from a file becomes the first frame of tracked nodes, which are not seen afterwards. Paths of handles
 // are sampled at the times. Throws `Error`: kUsage for options that contradict each other, kBadData and kIo as the
-// readers do.
+// readers do, and where ValidateMotionTensors does.
 MotionTensors ImportClouds(const CloudImportOptions& options);
 
 }  // namespace clothid

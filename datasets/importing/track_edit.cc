@@ -17,8 +17,7 @@ namespace {
 
 void RequirePositive(double value, const std::string& what) {
   if (std::isfinite(value) && value > 0.0) return;
-  throw Error(ErrorKind::kUsage,
-              what + " " + ShortestText(std::isfinite(value) ? value : 0.0) + ": expected a finite number > 0");
+  throw Error(ErrorKind::kUsage, what + " " + ShortestText(value) + ": expected a finite number > 0");
 }
 
 void Check(const TrackEdit& edit) {

@@ -34,7 +34,7 @@ std::vector<std::string> Split(std::string_view text, char separator);
 std::optional<double> ParseNumber(std::string_view text);
 std::optional<long long> ParseInteger(std::string_view text);
 
-// The shortest text of which `ParseNumber` makes exactly `value`, which must be finite.
+// The shortest text of which `ParseNumber` makes exactly `value`; "nan", "inf" or "-inf" of one that is not finite.
 std::string ShortestText(double value);
 
 // `text` fit for a one-line message: control characters become '?', and what is long is cut.

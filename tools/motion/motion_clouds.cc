@@ -62,8 +62,9 @@ int ConvertClouds(const std::vector<std::string>& arguments) {
   ExpectMotionName(arguments[1]);
   RefuseOverwrite(arguments[1], InputFiles(arguments[0]));
   CheckFileCanBeWritten(arguments[1]);
-  WriteMotion(ImportClouds(OptionsFromFlags(arguments[0])), arguments[1]);
-  const RecordedMotion motion = ReadMotion(arguments[1]);
+  const MotionTensors tensors = ImportClouds(OptionsFromFlags(arguments[0]));
+  const RecordedMotion motion = InterpretMotion(tensors, arguments[0]);
+  WriteMotion(tensors, arguments[1]);
   std::cout << arguments[1] << ": " << motion.num_frames() << " frames\n";
   PrintClouds(motion);
   return kExitSuccess;

@@ -75,7 +75,8 @@ int Check(const std::vector<std::string>& files) {
 }
 
 int Convert(const std::vector<std::string>& files) {
-  if (files.size() != 2) throw Error(ErrorKind::kUsage, "convert: expected a file to read and one to write");
+  if (files.size() != 2 || files[0].empty() || files[1].empty())
+    throw Error(ErrorKind::kUsage, "convert: expected a file to read and one to write");
   return MotionConvert(files[0], files[1]);
 }
 

@@ -179,15 +179,16 @@ int RunSensor() {
   const std::vector<TrueParameter> truth =
       MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
   CheckFileCanBeWritten(FLAGS_output);
+  if (has_path) CheckFileCanBeWritten(FLAGS_handles_output);
   const FineTruth fine_truth = [&] {
     StepProgress progress;
     return SimulateFineTruth(grid_scene, truth, progress.options(kTrueStepDivisor * grid_scene.scene.num_steps()));
   }();
   const Capture capture = TakeCapture(grid_scene, fine_truth, sensor, FLAGS_seed);
+  WriteTracks(capture.points, FLAGS_output);  // first: not every format can hold every motion
   if (has_path) {
     WriteFileAtomically(FLAGS_handles_output, {HandleCsv(capture.handles.times, capture.handles.positions)});
   }
-  WriteTracks(capture.points, FLAGS_output);
   std::cout << FLAGS_output << ": " << capture.points.num_frames() << " frames of " << capture.points.num_points()
             << " points\n";
   return kExitSuccess;

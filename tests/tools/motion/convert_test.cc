@@ -68,6 +68,14 @@ TEST_F(ConvertTest, TheSameInputsGiveTheSameBytes) {
   EXPECT_EQ(ReadBytes(folder() / "cloth.bin"), bytes);
 }
 
+TEST_F(ConvertTest, SaysWhatATableIsInstead) {
+  WriteBytes(folder() / "packed.csv", "\x1f\x8b\x08\x08 bytes");
+  ExpectRefused("motion convert packed.csv out.npy", 1,
+                "packed.csv: is packed with gzip; expected a header with t, id");
+  ExpectRefused("motion convert grid.csv out.npy --scale nan", 1, "nan");
+  ExpectRefused("motion convert '' out.npy", 1, "convert: expected a file to read and one to write");
+}
+
 TEST_F(ConvertTest, RefusesToReplaceItsInputs) {
   ExpectSuccess(kConvert);
   std::filesystem::create_symlink("cloth.bin", folder() / "link.bin");

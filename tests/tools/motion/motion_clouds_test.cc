@@ -78,6 +78,9 @@ TEST_F(MotionCloudsTest, RefusesWhatItCannotConvert) {
                 "c.npy: expected a name that");
   ExpectRefused("motion convert_clouds '*.bin' bad.bin --scene scene.json --frame_rate 25", 1,
                 "would replace an input");
+  ExpectRefused("motion convert_clouds clouds c.bin --scene scene.json --frame_rate 1e300", 2,
+                "clouds: scene: key 'duration'");
+  ExpectRefused("motion convert_clouds clouds/0.npy c.bin --scene scene.json --frame_rate 1", 2, "at least two frames");
   ExpectRefused("motion convert_clouds nowhere c.bin --scene scene.json --frame_rate 25", 2, "nowhere");
   ExpectRefused("motion convert_clouds bad.npy c.bin --scene scene.json --frame_rate 25", 2, "bad.npy");
   ExpectRefused("motion convert_clouds clouds c.bin --scene absent.json --frame_rate 25", 1, "absent.json");

@@ -118,6 +118,18 @@ TEST_F(SimulateTest, RefusesNamesOfOtherFormats) {
   ExpectRefused(command + "out.bin --sensor sensor.json", 1, "out.bin: unknown format");
 }
 
+TEST_F(SimulateTest, AFormatThatCannotHoldTheMotionLeavesNothing) {
+  Json scene = SphereScene();
+  scene["handles"] = {{"nodes", {0}}, {"path", "path.csv"}};
+  WriteBytes(folder() / "path.csv", "time,x0,y0,z0\n0,0,0,0\n");
+  WriteBytes(folder() / "sensor.json", R"({"clothid_sensor": 1, "interval": [0.01, 0.01], "drop_fraction": 0.5})");
+  ExpectRefused(
+      "simulate --scene " + WriteScene(scene) + " --sensor sensor.json --output a_#.obj --handles_output h.csv", 1,
+      "OBJ has no word for that");
+  ExpectRefused("simulate --scene scene.json --sensor sensor.json --output a.npy --handles_output absent/h.csv", 1,
+                "absent/h.csv: cannot be written");
+}
+
 // Neither after a long simulation nor by a lack of memory.
 TEST_F(SimulateTest, RefusesRecordingsThatAreTooLarge) {
   Json scene = SphereScene();
