@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/consumer/consumer_test.h"
+#include "tests/page_blocks.h"
 
 namespace clothid {
 namespace {
@@ -20,6 +21,28 @@ std::map<std::string, double> ParseNumbers(const std::string& text) {
   std::string name;
   for (double number = 0.0; words >> name >> number;) numbers[name] = number;
   return numbers;
+}
+
+// The program of the README, as it stands there.
+TEST_F(ExamplesTest, Readme) {
+  Success("mkdir fit");
+  for (const Block& block : ReadBlocks(ReadBytes(CLOTHID_SOURCE_DIR "/README.md"))) {
+    if (block.language == "cpp" || block.language == "cmake")
+      WriteBytes(folder() / "fit" / FileName(block), block.content);
+  }
+  Success(CONFIGURE " -S fit -B build -DCMAKE_PREFIX_PATH='" + std::string(kPrefix) + "'");
+  Success(BUILD " build");
+  const std::string out = Success("build/fit " CLOTHID_SOURCE_DIR "/datasets/capture.motion.bin");
+  // As `identify` prints them in the README.
+  EXPECT_EQ(FirstMissingLine("...\nmu 0.3479, 95 % interval 0.3087 .. 0.3871\n"
+                             "k_stretch 24.78, 95 % interval 22.03 .. 27.86\n"
+                             "time_offset 0.01062, 95 % interval 0.008686 .. 0.01256\n",
+                             out),
+            "")
+      << out;
+  EXPECT_EQ(out.rfind("converged: ", 0), 0u) << out;
+  EXPECT_EQ(Run("build/fit").exit_code, 1);
+  EXPECT_EQ(Run("build/fit absent.bin").exit_code, 2);
 }
 
 TEST_F(ExamplesTest, JointFit) {
