@@ -73,6 +73,31 @@ TEST_F(PackageTest, PrefixWorksWhereverItIsMoved) {
   Success("./link motion check out.bin");
 }
 
+// Every page of the sources is there, and no link to a file leads nowhere.
+TEST_F(PackageTest, PagesAreThereWithWhatTheyLinkTo) {
+  const fs::path root = fs::path(kPrefix) / "share/doc/clothid";
+  for (const char* name : {"README.md", "CHANGELOG.md", "identify/tutorial.md", "identify/faq.md",
+                           "identify/glossary.md", "sim/README.md", "datasets/README.md", "costs/README.md",
+                           "identify/README.md", "tools/README.md", "tests/README.md", "datasets/scene.md"}) {
+    EXPECT_EQ(ReadBytes(root / name), ReadBytes(fs::path(CLOTHID_SOURCE_DIR) / name)) << name;
+  }
+  const std::regex link(R"(\]\(([^)#\s]+)(#[^)\s]*)?\))");
+  int num_links = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(root)) {
+    if (entry.path().extension() != ".md") continue;
+    const std::string text = ReadBytes(entry.path());
+    for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match) {
+      const std::string target = (*match)[1];
+      if (target.find("://") != std::string::npos) continue;
+      EXPECT_TRUE(fs::exists(entry.path().parent_path() / target)) << entry.path() << " -> " << target;
+      ++num_links;
+    }
+  }
+  EXPECT_GT(num_links, 50);
+  const std::string help = Success(std::string(kPrefix) + "/bin/clothid --help");
+  EXPECT_NE(help.find("\n  " + fs::canonical(root / "README.md").string() + "\n"), std::string::npos) << help;
+}
+
 TEST_F(PackageTest, LibrariesCarryTheVersionOfTheirInterface) {
   for (const std::string component : {"sim", "datasets", "costs", "identify"}) {
     const std::string library = "libclothid_" + component + ".so";
@@ -208,6 +233,7 @@ TEST_F(PackageTest, DebianPackage) {
   }
   Success("mkdir root && dpkg-deb -x package/*.deb root");
   EXPECT_EQ(Run("test -e root/usr/bin/identify").exit_code, 1);
+  EXPECT_EQ(Run("test -s root/usr/share/doc/clothid/identify/tutorial.md").exit_code, 0);
   const std::string root = fs::canonical(folder() / "root").string();
   EXPECT_EQ(Success("root/usr/bin/clothid identify --version").rfind("identify (clothid)", 0), 0u);
   ExpectLibrariesBelow("root/usr/libexec/clothid/identify", root, 4);
