@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "sim/base/error.h"
@@ -284,6 +285,8 @@ Scene ReadScene(const std::string& path) { return ParseScene(ReadText(path, kMax
 
 std::vector<std::string> FilesOfScene(const std::string& path) {
   std::vector<std::string> files = {path};
+  std::error_code ignored;
+  if (std::filesystem::is_fifo(path, ignored)) return files;
   CollectFiles(ParseJson(ReadText(path, kMaxJsonBytes), path), FolderOf(path), &files);
   return files;
 }

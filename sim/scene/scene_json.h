@@ -30,8 +30,8 @@ Scene ParseScene(const std::string& text, const std::string& source, const std::
 Scene ReadScene(const std::string& path);
 
 // The scene.json `path` and the files that it names, there or not: of meshes, of a path of handles, of a start. For
-// programs that must not write over them. Throws `Error` where `path` cannot be read or is no JSON; keys that are wrong
-// are left to ReadScene.
+// programs that must not write over them. Of a pipe, which is read once, it alone. Throws `Error` where `path` cannot
+// be read or is no JSON; keys that are wrong are left to ReadScene.
 std::vector<std::string> FilesOfScene(const std::string& path);
 
 }  // namespace clothid

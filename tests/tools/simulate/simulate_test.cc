@@ -108,6 +108,12 @@ TEST_F(SimulateTest, RefusesToReplaceItsInputs) {
   ExpectRefused(sensor + "new.npy --handles_output new.times.npy", 1, "expected another file than --output");
 }
 
+TEST_F(SimulateTest, ReadsAPipeOnce) {
+  const std::string bytes = Record(SphereScene(), "");
+  ExpectSuccess("bash -c 'simulate --scene <(cat scene.json) --output piped.bin'");
+  EXPECT_EQ(ReadBytes(folder() / "piped.bin"), bytes);
+}
+
 TEST_F(SimulateTest, RefusesNamesOfOtherFormats) {
   const std::string command = "simulate --scene " + WriteScene(SphereScene()) + " --output ";
   for (const char* name : {"out.csv", "out.npy", "out"}) {
