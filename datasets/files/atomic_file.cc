@@ -34,13 +34,24 @@ void WriteAll(int descriptor, const std::string& path, std::initializer_list<std
   }
 }
 
+// The file that a name leads to, which need not be there. What is still a link leads nowhere.
+fs::path BehindLinks(const fs::path& path) {
+  constexpr int kMostLinks = 40;
+  std::error_code error;
+  const fs::path present = fs::canonical(path, error);
+  if (!error) return present;
+  fs::path target = path;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i) {
+    target = target.parent_path() / fs::read_symlink(target, error);
+  }
+  return target;
+}
+
 // The file that disappears unless it is published, while this process holds its lock.
 class HiddenFile {
  public:
   explicit HiddenFile(const std::string& path) : path_(path) {
-    std::error_code error;
-    const fs::path behind_links = fs::canonical(path, error);
-    target_ = error ? fs::path(path) : behind_links;
+    target_ = BehindLinks(path);
     hidden_ = target_;
     hidden_.replace_filename("." + target_.filename().string() + ".part");
   }
@@ -54,6 +65,7 @@ class HiddenFile {
   void Open() {
     std::error_code ignored;
     if (fs::is_directory(target_, ignored)) Fail(path_, std::strerror(EISDIR));
+    if (fs::is_symlink(target_, ignored)) Fail(path_, std::strerror(ELOOP));
     while (!is_mine_) {
       if (descriptor_ >= 0) ::close(descriptor_);
       descriptor_ = ::open(hidden_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);

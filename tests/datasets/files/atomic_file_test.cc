@@ -55,6 +55,20 @@ TEST_F(AtomicFileTest, FollowsLinks) {
   EXPECT_EQ(Names(), (std::set<std::string>{"file", "sub"}));
 }
 
+TEST_F(AtomicFileTest, MakesTheFileThatALinkLeadsTo) {
+  fs::create_directory(folder_.File("sub"));
+  fs::create_symlink("second", folder_.File("first"));
+  fs::create_symlink("sub/new", folder_.File("second"));
+  CheckFileCanBeWritten(folder_.File("first"));
+  WriteFileAtomically(folder_.File("first"), {"text"});
+  EXPECT_TRUE(fs::is_symlink(folder_.File("first")));
+  EXPECT_EQ(Bytes("sub/new"), "text");
+  fs::create_symlink("loop", folder_.File("loop"));
+  ExpectError([&] { WriteFileAtomically(folder_.File("loop"), {"text"}); }, ErrorKind::kIo,
+              {"loop: cannot be written: Too many levels of symbolic links"});
+  EXPECT_TRUE(fs::is_symlink(folder_.File("loop")));
+}
+
 TEST_F(AtomicFileTest, RefusesASecondWriterAndTakesOverFromADeadOne) {
   const std::string hidden = folder_.Write(".file.part", "what a process that was killed has left");
   const int other = ::open(hidden.c_str(), O_WRONLY);
