@@ -1,7 +1,9 @@
 #include "datasets/formats/ros_csv.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -179,7 +181,7 @@ Eigen::Vector4d ReadQuaternion(const RosTable& table, const std::size_t (&column
 bool IsRosCsv(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string start(kMaxMark + kFirstColumn.size(), '\0');
-  if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read");
+  if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read: " + std::strerror(errno));
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   StripByteOrderMark(path, &start);
   return start.compare(0, kFirstColumn.size(), kFirstColumn) == 0;

@@ -114,6 +114,11 @@ TrackFormat FormatOf(const std::string& path) {
   return format == TrackFormat::kTidyCsv ? FormatOfCsv(path) : format;
 }
 
+bool HoldsFaces(TrackFormat format) {
+  return format == TrackFormat::kNpy || format == TrackFormat::kObjSequence || format == TrackFormat::kPlySequence ||
+         format == TrackFormat::kVtp;
+}
+
 std::vector<std::string> TrackPaths(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {

@@ -29,6 +29,9 @@ TrackFormat FormatOf(const std::string& path);
 // The format that `WriteTracks` gives a file of this name. Throws `Error` (kUsage) naming the formats that are known.
 TrackFormat OutputFormatOf(const std::string& path);
 
+// Whether files of a format hold triangles beside the positions.
+bool HoldsFaces(TrackFormat format);
+
 // The files that tracks called `path` stand in, as far as they are there: those of a sequence, those beside a .npy;
 // `path` itself where there is none. Throws `Error` as FormatOf does for a folder.
 std::vector<std::string> TrackPaths(const std::string& path);

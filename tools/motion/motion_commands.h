@@ -18,6 +18,9 @@ int MotionCheck(const std::string& path);
 // From any format to any other, as the flags say.
 int MotionConvert(const std::string& input, const std::string& output);
 
+// A time in s with six digits, more where it takes them to tell 0.1 ms: clocks count from 1970.
+std::string TimeText(double seconds);
+
 // How a recording covers time and points, in three lines on stdout.
 void PrintCoverage(const RecordedMotion& motion);
 

@@ -208,9 +208,10 @@ std::string Provenance(const std::string& input) {
 }
 
 void PrintSummary(const MotionTensors& motion, const std::string& path) {
-  std::cout << path << ": " << motion.times.size() << " frames from " << motion.times[0] << " s to "
-            << motion.times[motion.times.size() - 1] << " s, " << motion.positions.rows() / 3 << " points on a mesh of "
-            << motion.mesh.num_nodes() << " nodes, " << motion.handle_index.size() << " handles\n";
+  std::cout << path << ": " << motion.times.size() << " frames from " << TimeText(motion.times[0]) << " s to "
+            << TimeText(motion.times[motion.times.size() - 1]) << " s, " << motion.positions.rows() / 3
+            << " points on a mesh of " << motion.mesh.num_nodes() << " nodes, " << motion.handle_index.size()
+            << " handles\n";
 }
 
 int ToMotionFile(const std::string& input, const std::string& output, ImportOptions options) {
@@ -244,8 +245,12 @@ int ToTrackFile(const std::string& input, const std::string& output, const Impor
     tracks.faces = options.mesh->faces;
   }
   WriteTracks(tracks, output);
-  std::cout << output << ": " << tracks.num_frames() << " frames, " << tracks.num_points() << " points, "
-            << tracks.faces.cols() << " faces\n";
+  const TrackFormat format = OutputFormatOf(output);
+  const std::string name =
+      format == TrackFormat::kVtp ? std::filesystem::path(output).replace_extension(".pvd").string() : output;
+  std::cout << name << ": " << tracks.num_frames() << " frames, " << tracks.num_points() << " points";
+  if (HoldsFaces(format)) std::cout << ", " << tracks.faces.cols() << " faces";
+  std::cout << "\n";
   return kExitSuccess;
 }
 

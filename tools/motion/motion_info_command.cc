@@ -1,7 +1,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <iostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -101,11 +103,21 @@ void PrintScene(const Scene& scene) {
 
 }  // namespace
 
+std::string TimeText(double seconds) {
+  constexpr int kDigits = 6, kDecimals = 4;
+  const double size = std::abs(seconds);
+  std::ostringstream text;
+  text << std::setprecision(
+              std::max(kDigits, kDecimals + (size > 1.0 ? static_cast<int>(std::ceil(std::log10(size))) : 0)))
+       << seconds;
+  return text.str();
+}
+
 void PrintCoverage(const RecordedMotion& motion) {
   const Coverage coverage = Measure(motion);
   const long long num_seen_at_most = static_cast<long long>(motion.num_points()) * motion.num_frames();
-  std::cout << "frames " << motion.num_frames() << ", from " << motion.times[0] << " s to "
-            << motion.times[motion.num_frames() - 1] << " s";
+  std::cout << "frames " << motion.num_frames() << ", from " << TimeText(motion.times[0]) << " s to "
+            << TimeText(motion.times[motion.num_frames() - 1]) << " s";
   if (motion.num_frames() > 1) {
     std::cout << ", rate " << 1.0 / coverage.median_interval << " Hz (median), longest interval "
               << coverage.longest_interval << " s";

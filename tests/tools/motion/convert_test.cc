@@ -68,6 +68,16 @@ TEST_F(ConvertTest, TheSameInputsGiveTheSameBytes) {
   EXPECT_EQ(ReadBytes(folder() / "cloth.bin"), bytes);
 }
 
+TEST_F(ConvertTest, SaysWhatItWrote) {
+  ExpectSuccess(kConvert);
+  EXPECT_EQ(Run("motion convert cloth.bin a.npy").out, "a.npy: 3 frames, 4 points, 2 faces\n");
+  EXPECT_EQ(Run("motion convert cloth.bin a.csv").out, "a.csv: 3 frames, 4 points\n");
+  EXPECT_EQ(Run("motion convert cloth.bin a.vtp").out, "a.pvd: 3 frames, 4 points, 2 faces\n");
+  const ToolResult late = Run("motion convert cloth.bin late.bin --start_at 1.7e9");
+  EXPECT_NE(late.out.find("from 1700000000 s to 1700000000.2 s"), std::string::npos) << late.out;
+  EXPECT_NE(Run("motion check late.bin").out.find("from 1700000000 s to 1700000000.2 s"), std::string::npos);
+}
+
 TEST_F(ConvertTest, SaysWhatATableIsInstead) {
   WriteBytes(folder() / "packed.csv", "\x1f\x8b\x08\x08 bytes");
   ExpectRefused("motion convert packed.csv out.npy", 1,
