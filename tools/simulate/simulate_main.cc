@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -110,6 +111,19 @@ SyntheticOptions OptionsFromFlags() {
   return options;
 }
 
+// Every step of a rollout is kept. Throws where the machine cannot hold even the positions and velocities of them: it
+// would end the process without a word.
+void CheckMemory(double num_nodes, double num_steps) {
+  constexpr double kGigabyte = 1 << 30;
+  const double bytes = num_steps * (sizeof(StepRecord) + 6.0 * sizeof(double) * num_nodes);
+  const double most = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (bytes <= most) return;
+  throw Error(ErrorKind::kUsage, FLAGS_scene + ": " + ShortestText(num_steps) + " steps of " + ShortestText(num_nodes) +
+                                     " nodes take at least " + std::to_string(std::llround(bytes / kGigabyte)) +
+                                     " GB of memory; this machine has " +
+                                     std::to_string(std::llround(most / kGigabyte)));
+}
+
 // Nodes sticking at the end of a solve, summed over the solves.
 int CountStick(const Rollout& rollout) {
   int num_stick = 0;
@@ -178,6 +192,8 @@ int RunSensor() {
   const Sensor sensor = ParseSensor(ReadText(FLAGS_sensor, kMaxJsonBytes), FLAGS_sensor);
   const std::vector<TrueParameter> truth =
       MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
+  CheckMemory((2.0 * grid_scene.nodes[0] - 1.0) * (2.0 * grid_scene.nodes[1] - 1.0),
+              kTrueStepDivisor * static_cast<double>(grid_scene.scene.num_steps()));
   CheckFileCanBeWritten(FLAGS_output);
   if (has_path) CheckFileCanBeWritten(FLAGS_handles_output);
   const FineTruth fine_truth = [&] {
@@ -211,6 +227,7 @@ int Run(const std::vector<std::string>& arguments) {
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
   CheckSyntheticOptions(OptionsFromFlags(), scene, scene_text);
+  CheckMemory(scene.mesh.num_nodes(), scene.num_steps());
   const std::atomic<bool>& interrupted = CatchInterrupts();
   CheckFileCanBeWritten(FLAGS_output);
   Simulator simulator(scene);

@@ -147,6 +147,16 @@ TEST_F(SimulateTest, RefusesRecordingsThatAreTooLarge) {
   ExpectRefused(command + "--frame_rate 1e6 --cloud 1000000", 1, "frames of 1e+06 points take");
 }
 
+TEST_F(SimulateTest, RefusesRolloutsThatNoMachineHolds) {
+  Json scene = BareScene();
+  scene["mesh"]["grid"]["nodes"] = {300, 300};
+  scene["handles"] = {0};
+  scene["time_step"] = 1e-4;
+  scene["duration"] = 1000.0;
+  ExpectRefused("simulate --scene " + WriteScene(scene) + " --output out.bin --frame_rate 0.01", 1,
+                "scene.json: 1e+07 steps of 90000 nodes take at least 4");
+}
+
 TEST_F(SimulateTest, RefusesWrongParameters) {
   const std::string command = "simulate --scene " + WriteScene(SphereScene()) + " --output out.bin --set ";
   ExpectRefused(command + "mu=nan", 1, "mu=nan");
