@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <system_error>
@@ -136,6 +138,7 @@ std::vector<std::string> FramePaths(const std::string& path, const std::string& 
     throw Error(ErrorKind::kUsage, path + ": expected files of a sequence, found none that " +
                                        (is_pattern ? "matches" : "ends in " + extension));
   }
+  if (is_folder) ExpectOneSequence(path, names);
   std::sort(names.begin(), names.end(), &NaturalLess);
   const auto twin = std::adjacent_find(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
     return CompareNaturally(a, b) == 0;
@@ -145,6 +148,19 @@ std::vector<std::string> FramePaths(const std::string& path, const std::string& 
   }
   for (std::string& name : names) name = (folder / name).string();
   return names;
+}
+
+void ExpectOneSequence(const std::string& folder, std::vector<std::string> names) {
+  std::sort(names.begin(), names.end(), &NaturalLess);  // folders list them in any order
+  std::map<std::string, std::vector<std::string>> by_text;
+  for (const std::string& name : names) by_text[SplitName(name).text].push_back(name);
+  const auto fewer = [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); };
+  const auto most = std::max_element(by_text.begin(), by_text.end(), fewer);
+  const bool is_numbered = most->first.find('#') != std::string::npos && most->second.size() > 1;
+  if (by_text.size() == 1 || !is_numbered) return;
+  const auto other = most == by_text.begin() ? std::next(most) : by_text.begin();
+  throw Error(ErrorKind::kUsage, folder + ": " + other->second.front() + " is not numbered like " +
+                                     most->second.front() + "; expected one sequence, or a pattern of its names");
 }
 
 std::vector<long long> FrameNumbers(const std::vector<std::string>& paths) {

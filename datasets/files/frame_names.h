@@ -16,9 +16,13 @@ bool IsFramePattern(const std::string& path);
 
 // The files of the sequence `path`, in natural order: a pattern, whose '#' match digits, however many; a folder, of
 // which every file that ends in `extension` (".obj", in any letter case) belongs to it and files with a leading dot do
-// not; else the file itself. Throws `Error`: kIo where a folder cannot be read, kUsage where there is no such file or a
-// pattern has more than one run of '#', kBadData where two files have the same number.
+// not; else the file itself. Throws `Error`: kIo where a folder cannot be read, kUsage where there is no such file, a
+// pattern has more than one run of '#' or ExpectOneSequence throws, kBadData where two files have the same number.
 std::vector<std::string> FramePaths(const std::string& path, const std::string& extension);
+
+// Throws `Error` (kUsage), naming two of them, where some of the files `names` of a folder are numbered alike and
+// another one is named otherwise: a second sequence, or the rest shape beside one, is no frame of it.
+void ExpectOneSequence(const std::string& folder, std::vector<std::string> names);
 
 // The numbers of the frames that the files of a sequence, in natural order, have by their names, from 0 on and in units
 // of their common step: 0, 1, 3 for f10, f20 and f40. Empty where none is left out, and where names do not differ in

@@ -51,9 +51,11 @@ std::vector<std::string> FilesOfFolder(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> files;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->path().extension() == ".npy") files.push_back(it->path().string());
+    if (it->path().extension() == ".npy") files.push_back(it->path().filename().string());
   }
   if (error) throw Error(ErrorKind::kIo, folder + ": cannot be read: " + error.message());
+  if (!files.empty()) ExpectOneSequence(folder, files);
+  for (std::string& file : files) file = (fs::path(folder) / file).string();
   return files;
 }
 

@@ -50,7 +50,7 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   simulate --scene FILE --output FILE [flags]
 
   --scene FILE       scene.json (every key: datasets/README.md)
-  --output FILE      motion.bin to write
+  --output FILE      motion.bin to write, a name that ends in .bin
   --set LIST         true parameters in place of the scene's nominal ones: mu, mu.OBSTACLE, k_stretch, k_bend,
                      density, drag, damping. They are written nowhere in the recording.
   --noise SIGMA      Gaussian noise on every coordinate, standard deviation in m (0)

@@ -166,6 +166,22 @@ TEST_F(TrackFileTest, NumbersOfFramesKeepTheirGaps) {
   EXPECT_TRUE(fs::exists(folder_.File("g11.ply")));
 }
 
+TEST_F(TrackFileTest, AFolderIsOneSequence) {
+  ExpectOneSequence("folder", {"a.obj", "b.obj", "c1.obj"});
+  ExpectOneSequence("folder", {"take2_1.obj", "take2_02.obj"});
+  fs::create_directory(folder_.File("frames"));
+  WriteTracks(Tracks(), folder_.File("frames/f##.obj"));
+  folder_.Write("frames/rest.obj", Text("frames/f00.obj"));
+  ExpectError([&] { ReadTracks(folder_.File("frames")); }, ErrorKind::kUsage,
+              {"frames: rest.obj is not numbered like f00.obj"});
+  EXPECT_EQ(ReadTracks(folder_.File("frames/f#.obj")).num_frames(), 12);
+  ExpectError(
+      [] {
+        ExpectOneSequence("folder", {"a1.obj", "b1.obj", "b2.obj"});
+      },
+      ErrorKind::kUsage, {"folder: a1.obj is not numbered like b1.obj; expected one sequence"});
+}
+
 TEST_F(TrackFileTest, ByteOrderMarksAreNoContent) {
   const std::string mark = "\xef\xbb\xbf", obj = mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   EXPECT_EQ(ReadTracks(folder_.Write("a.obj", obj)).num_points(), 3);

@@ -85,6 +85,8 @@ TEST_F(CloudImportTest, AMissingFileLeavesAGapOfTime) {
   options_.times.resize(0);
   options_.frame_rate = 10.0;
   ExpectError([&] { ImportClouds(options_); }, ErrorKind::kBadData, {"its 4 files leave out 97"});
+  WriteCloud("rest.npy", Eigen::Matrix3Xd::Zero(3, 2));
+  ExpectError([&] { ImportClouds(options_); }, ErrorKind::kUsage, {"clouds: rest.npy is not numbered like "});
 }
 
 TEST_F(CloudImportTest, LeavesOutRowsThatAreNotFinite) {
