@@ -67,6 +67,10 @@ PointTracks ReadMeshSequence(const std::string& path, const MeshFormat& format) 
                                            " vertices; expected " + std::to_string(tracks.num_points()) + " as in " +
                                            paths[0]);
     }
+    if (mesh.num_faces() > 0 && tracks.faces.cols() > 0 && mesh.faces != tracks.faces) {
+      throw Error(ErrorKind::kBadData, paths[frame] + ": has other triangles than " + paths[0] +
+                                           "; expected the same points in every file, in the same order");
+    }
     tracks.positions.col(static_cast<Eigen::Index>(frame)) = mesh.rest_positions.reshaped();
   }
   CheckTracks(tracks);

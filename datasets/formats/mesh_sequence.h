@@ -21,8 +21,8 @@ struct MeshFormat {
 std::string ObjText(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const Eigen::Matrix3Xi& faces);
 
 // Reads the files that `path` stands for (FramePaths of datasets/files/frame_names.h). Faces are those of the first,
-// and the others must have as many vertices. The files know no times, but their numbers (FrameNumbers). Throws `Error`,
-// naming the file.
+// and the others must have as many vertices, and the same faces where they have any. The files know no times, but their
+// numbers (FrameNumbers). Throws `Error`, naming the file.
 PointTracks ReadMeshSequence(const std::string& path, const MeshFormat& format);
 
 // Writes a frame to the file that the pattern `path` ("cloth_####.obj") has for its number; without '#', the only frame

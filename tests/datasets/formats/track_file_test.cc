@@ -209,6 +209,13 @@ TEST_F(TrackFileTest, RefusesMixedSequences) {
               {"f2.obj: has 1 vertices; expected 2 as in ", "f1.obj"});
   folder_.Write("f2.obj", "v 0 0 0\nv 1 nan 0\n");
   ExpectError([&] { ReadTracks(folder_.File("f#.obj")); }, ErrorKind::kBadData, {"f2.obj:2: "});
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  folder_.Write("f1.obj", points + "f 1 2 3\nf 1 3 4\n");
+  folder_.Write("f2.obj", points);
+  EXPECT_EQ(ReadTracks(folder_.File("f#.obj")).num_frames(), 2);
+  folder_.Write("f2.obj", points + "f 1 2 4\nf 2 3 4\n");
+  ExpectError([&] { ReadTracks(folder_.File("f#.obj")); }, ErrorKind::kBadData,
+              {"f2.obj: has other triangles than ", "f1.obj"});
   folder_.Write("empty.obj", "# nothing\n");
   ExpectError([&] { ReadTracks(folder_.File("empty.obj")); }, ErrorKind::kBadData, {"empty.obj: holds no point"});
 }
