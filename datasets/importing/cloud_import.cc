@@ -229,6 +229,7 @@ MotionTensors ImportClouds(const CloudImportOptions& options) {
     motion.mesh.rest_positions = FitPose(scene.mesh, motion.clouds.front());
   }
   if (start_is_first_frame) TrackStart(scene, &motion);
+  ExpectOneClock(scene.handles, motion.times, options.scene_path);
   SetHandlePaths(scene.handles, &motion);
   ValidateMotionTensors(motion, options.input);
   motion.provenance = "point clouds: " + std::to_string(files.size()) + " files";

@@ -52,16 +52,23 @@ HandlePath PathOfTool(const HandleFile& file, const std::vector<int>& nodes) {
   }
 }
 
+[[noreturn]] void FailOfClock(const HandlePath& path, const Eigen::VectorXd& times, const std::string& source,
+                              const std::string& expected) {
+  const Eigen::VectorXd& known = path.times();
+  throw Error(ErrorKind::kBadData, source + ": is known from " + std::to_string(known[0]) + " s to " +
+                                       std::to_string(known[known.size() - 1]) +
+                                       " s on the clock of the recording, which lasts from " +
+                                       std::to_string(times[0]) + " s to " + std::to_string(times[times.size() - 1]) +
+                                       " s; expected " + expected);
+}
+
 void ExpectCovered(const HandlePath& path, const Eigen::VectorXd& times, const std::string& source) {
   const Eigen::VectorXd& known = path.times();
   double longest = 0.0;
   for (Eigen::Index i = 1; i < known.size(); ++i) longest = std::max(longest, known[i] - known[i - 1]);
   const double first = known[0], last = known[known.size() - 1];
   if (known.size() == 1 || (times[0] >= first - longest && times[times.size() - 1] <= last + longest)) return;
-  throw Error(ErrorKind::kBadData, source + ": is known from " + std::to_string(first) + " s to " +
-                                       std::to_string(last) + " s on the clock of the recording, which lasts from " +
-                                       std::to_string(times[0]) + " s to " + std::to_string(times[times.size() - 1]) +
-                                       " s; expected another time offset");
+  FailOfClock(path, times, source, "another time offset");
 }
 
 // The knots that the path between `first` and `last` s depends on: those between, and two on either side, for slopes
@@ -75,6 +82,12 @@ auto NeededKnots(const Eigen::VectorXd& knots, double first, double last) {
 }
 
 }  // namespace
+
+void ExpectOneClock(const Handles& handles, const Eigen::VectorXd& times, const std::string& source) {
+  const Eigen::VectorXd& known = handles.path.times();
+  if (known.size() < 2 || (times[0] <= known[known.size() - 1] && times[times.size() - 1] >= known[0])) return;
+  FailOfClock(handles.path, times, source + ": the path of its handles", "one clock for both");
+}
 
 void SetHandlePaths(const Handles& handles, MotionTensors* motion) {
   if (handles.nodes.empty() || handles.path.num_handles() == 0) return;

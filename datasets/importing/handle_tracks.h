@@ -14,6 +14,10 @@
 
 namespace clothid {
 
+// Throws `Error` (kBadData), led by `source`, the name of a scene, where no frame lies within the times of the path of
+// its handles, if it has one: they would stand still at an end of it, which is that of another clock.
+void ExpectOneClock(const Handles& handles, const Eigen::VectorXd& times, const std::string& source);
+
 // Gives `motion` the handles of a scene with their path at its times; none where they do not move.
 void SetHandlePaths(const Handles& handles, MotionTensors* motion);
 

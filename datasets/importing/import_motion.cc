@@ -126,7 +126,10 @@ void SetScene(const ImportOptions& options, const std::string& source, MotionTen
   read.scene_path = options.scene_path;
   read.smooth_handles = false;
   const RecordedMotion motion = InterpretMotion(*tensors, source, read);
-  if (tensors->handle_index.empty()) KeepHandlePaths(motion.scene.handles, tensors);
+  if (tensors->handle_index.empty()) {
+    ExpectOneClock(motion.scene.handles, tensors->times, options.scene_path);
+    KeepHandlePaths(motion.scene.handles, tensors);
+  }
   tensors->scene_text = WithoutFiles(motion.scene_text, options.scene_path, options.mesh.has_value());
 }
 

@@ -89,6 +89,18 @@ TEST_F(CloudImportTest, AMissingFileLeavesAGapOfTime) {
   ExpectError([&] { ImportClouds(options_); }, ErrorKind::kUsage, {"clouds: rest.npy is not numbered like "});
 }
 
+TEST_F(CloudImportTest, HandlesHaveTheClockOfTheClouds) {
+  for (const int number : {0, 1, 2}) WriteCloud(std::to_string(number) + ".npy", Eigen::Matrix3Xd::Zero(3, 2));
+  std::string text = kScene;
+  text.insert(text.rfind('}'), R"(, "handles": {"nodes": [0], "path": "path.csv"})");
+  folder_.Write("scene.json", text);
+  folder_.Write("path.csv", "time,x0,y0,z0\n0,0,0,0\n0.1,0,0,0\n");
+  EXPECT_EQ(ImportClouds(options_).handle_positions.cols(), 3);
+  folder_.Write("path.csv", "time,x0,y0,z0\n0.3,0,0,0\n0.4,0,0,0\n");
+  ExpectError([&] { ImportClouds(options_); }, ErrorKind::kBadData,
+              {"scene.json: the path of its handles", "one clock"});
+}
+
 TEST_F(CloudImportTest, LeavesOutRowsThatAreNotFinite) {
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Random(3, 4);
   points(1, 2) = kNaN;

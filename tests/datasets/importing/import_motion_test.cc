@@ -282,6 +282,9 @@ TEST_F(ImportTest, TakesMeshAndHandlesFromAScene) {
   EXPECT_EQ(scene["handles"], nlohmann::json::array({7}));
   EXPECT_EQ(scene["obstacles"][0]["vertices"].size(), 4U);
   EXPECT_EQ(motion.scene_text.find(".obj"), std::string::npos);
+  folder_.Write("path.csv", "time,x0,y0,z0\n100,1,2,3\n102,3,2,3\n");
+  ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData,
+              {"scene.json: the path of its handles: is known from 100.000000 s to 102.000000 s", "one clock"});
 }
 
 TEST_F(ImportTest, RefusesWhatDoesNotFit) {
