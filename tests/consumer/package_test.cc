@@ -224,7 +224,8 @@ TEST_F(PackageTest, PkgConfig) {
 }
 
 TEST_F(PackageTest, DebianPackage) {
-  if (Run("command -v dpkg-deb && command -v dpkg-shlibdeps").exit_code != 0) GTEST_SKIP() << "a package is absent: dpkg or dpkg-dev";
+  if (Run("command -v dpkg-deb && command -v dpkg-shlibdeps").exit_code != 0)
+    GTEST_SKIP() << "a package is absent: dpkg or dpkg-dev";
   Success(CPACK " -G DEB --config '" CLOTHID_BINARY_DIR "/CPackConfig.cmake' -B package");
   const std::string control = Success("dpkg-deb --info package/*.deb");
   for (const char* line : {"Package: clothid\n", "Version: " CLOTHID_VERSION, "libcholmod", "libopenblas0-serial",
