@@ -22,8 +22,8 @@
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
 #include "identify/checks/holdout.h"
-#include "identify/checks/verdict.h"
 #include "identify/fit/fit.h"
+#include "identify/verdict/verdict.h"
 #include "sim/base/error.h"
 
 namespace clothid {

@@ -8,7 +8,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/observation/observation.h"
-#include "identify/checks/verdict.h"
+#include "identify/verdict/verdict.h"
 
 namespace clothid {
 

@@ -8,8 +8,8 @@
 #include "datasets/motion/motion_file.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/output_folder.h"
-#include "identify/checks/verdict.h"
 #include "identify/fit/fit.h"
+#include "identify/verdict/verdict.h"
 
 namespace clothid {
 

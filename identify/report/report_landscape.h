@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
-#include "identify/checks/verdict.h"
 #include "identify/fit/fit.h"
 #include "identify/landscape/fit_landscape.h"
+#include "identify/verdict/verdict.h"
 
 namespace clothid {
 

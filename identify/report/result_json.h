@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
-#include "identify/checks/verdict.h"
 #include "identify/fit/fit.h"
+#include "identify/verdict/verdict.h"
 
 namespace clothid {
 

@@ -1,6 +1,6 @@
 // What a fit means, in words and as an exit code.
-#ifndef CLOTHID_IDENTIFY_CHECKS_VERDICT_H_
-#define CLOTHID_IDENTIFY_CHECKS_VERDICT_H_
+#ifndef CLOTHID_IDENTIFY_VERDICT_VERDICT_H_
+#define CLOTHID_IDENTIFY_VERDICT_VERDICT_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -49,4 +49,4 @@ std::vector<std::string> Verdict(const FitSummary& summary, const FitChecks& che
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_CHECKS_VERDICT_H_
+#endif  // CLOTHID_IDENTIFY_VERDICT_VERDICT_H_

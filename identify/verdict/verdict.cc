@@ -1,4 +1,4 @@
-#include "identify/checks/verdict.h"
+#include "identify/verdict/verdict.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Exit codes in their order, and what the words say.
-#include "identify/checks/verdict.h"
+#include "identify/verdict/verdict.h"
 
 #include <gtest/gtest.h>
 
