@@ -2,7 +2,6 @@
 
 #include <ceres/crs_matrix.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -11,14 +10,13 @@
 
 #include "identify/base/join_words.h"
 #include "identify/uncertainty/correlated_scores.h"
+#include "identify/uncertainty/scaled_jacobian.h"
 
 namespace clothid {
 namespace {
 
 // Changes of the prediction up to this many standard deviations are not seen.
 constexpr double kVisible = 2.0;
-// Entries of a singular vector below this are the rounding of zero.
-constexpr double kVectorRounding = 1e-6;
 // Entries of a direction below this share of its largest are left out of its words.
 constexpr double kNegligibleShare = 0.01;
 // Correlations of successive residuals are taken as at most this: a recording would have to be long to tell more.
@@ -33,67 +31,6 @@ std::vector<int> FreeBlocks(const std::vector<ParameterBlock>& blocks) {
   }
   return free;
 }
-
-// J D over some of the parameters, decomposed.
-class ScaledJacobian {
- public:
-  ScaledJacobian(const std::vector<ParameterBlock>& blocks, const Eigen::MatrixXd& jacobian, std::vector<int> indices)
-      : indices_(std::move(indices)), ranges_(static_cast<Eigen::Index>(indices_.size())) {
-    if (indices_.empty()) return;
-    for (Eigen::Index i = 0; i < size(); ++i) ranges_[i] = blocks[indices_[i]].CoordinateRange();
-    const Eigen::MatrixXd scaled = jacobian(Eigen::all, indices_) * ranges_.asDiagonal();
-    // Padding to at least p rows gives every right singular vector.
-    Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(std::max(scaled.rows(), scaled.cols()), scaled.cols());
-    padded.topRows(scaled.rows()) = scaled;
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(padded, Eigen::ComputeThinV);
-    singular_values_ = svd.singularValues();
-    vectors_ = (svd.matrixV().array().abs() < kVectorRounding).select(0.0, svd.matrixV());
-  }
-
-  Eigen::Index size() const { return ranges_.size(); }
-  const std::vector<int>& indices() const { return indices_; }
-  const Eigen::VectorXd& singular_values() const { return singular_values_; }
-
-  // ((J D)^T J D)^-1 at (i, j), infinite where a direction of singular value zero takes part.
-  double Inverse(Eigen::Index i, Eigen::Index j) const {
-    double sum = 0.0;
-    for (Eigen::Index k = 0; k < size(); ++k) {
-      const double product = vectors_(i, k) * vectors_(j, k);
-      if (product != 0.0) sum += product / (singular_values_[k] * singular_values_[k]);
-    }
-    return sum;
-  }
-  // Entry i of (J^T J)^-1 `vector` [p].
-  double Solve(Eigen::Index i, const Eigen::VectorXd& vector) const {
-    double sum = 0.0;
-    for (Eigen::Index j = 0; j < size(); ++j) sum += ranges_[i] * Inverse(i, j) * ranges_[j] * vector[indices_[j]];
-    return sum;
-  }
-  // The same of every column of `vectors` [p x T]: [1 x T].
-  Eigen::RowVectorXd SolveRow(Eigen::Index i, const Eigen::MatrixXd& vectors) const {
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(vectors.cols());
-    for (Eigen::Index j = 0; j < size(); ++j) sum += ranges_[i] * Inverse(i, j) * ranges_[j] * vectors.row(indices_[j]);
-    return sum;
-  }
-  double VisibleChange(Eigen::Index i) const { return 1.0 / std::sqrt(Inverse(i, i)); }
-  // Of q, for s = 1.
-  double CoordinateStd(Eigen::Index i) const { return ranges_[i] * std::sqrt(Inverse(i, i)); }
-
-  // The k-th right singular vector as a change of q [p], its largest entry 1.
-  Eigen::VectorXd Direction(Eigen::Index k, Eigen::Index num_blocks) const {
-    Eigen::VectorXd direction = Eigen::VectorXd::Zero(num_blocks);
-    direction(indices_) = ranges_.cwiseProduct(vectors_.col(k));
-    Eigen::Index largest = 0;
-    direction.cwiseAbs().maxCoeff(&largest);
-    return direction / direction[largest];
-  }
-
- private:
-  std::vector<int> indices_;
-  Eigen::VectorXd ranges_;
-  Eigen::VectorXd singular_values_;
-  Eigen::MatrixXd vectors_;
-};
 
 bool IsCommonFactor(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction,
                     const std::vector<int>& parts) {
