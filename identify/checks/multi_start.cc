@@ -54,7 +54,7 @@ bool IsSameMinimum(const std::vector<ParameterBlock>& blocks, const std::optiona
     if (uncertainty) {
       const ParameterUncertainty& parameter = uncertainty->parameters[i];
       // What the measurements do not determine ends anywhere.
-      if (!parameter.identifiable) continue;
+      if (!parameter.visible) continue;
       if (parameter.coordinate_std > tolerance) tolerance = parameter.coordinate_std;
     }
     if (std::abs(blocks[i].ToCoordinate(a[i]) - blocks[i].ToCoordinate(b[i])) > tolerance) return false;

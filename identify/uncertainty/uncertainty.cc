@@ -2,6 +2,7 @@
 
 #include <ceres/crs_matrix.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -21,6 +22,10 @@ constexpr double kVisible = 2.0;
 constexpr double kNegligibleShare = 0.01;
 // Correlations of successive residuals are taken as at most this: a recording would have to be long to tell more.
 constexpr double kHighest = 0.97;
+// Steps of some resolutions are what an optimiser leaves.
+constexpr double kLeftResolutions = 10.0;
+// Nobody knows a stiffness to less than this factor from end to end.
+constexpr double kWidestBelief = 1e4;
 // Logarithmic entries that differ by less than this share are one common factor.
 constexpr double kCommonFactor = 0.02;
 
@@ -63,7 +68,7 @@ std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const E
 void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                    const Eigen::VectorXd& gradient, const ScaledJacobian& jacobian, double scale,
                    Uncertainty* uncertainty) {
-  const auto has_std = [&](Eigen::Index i) { return uncertainty->parameters[jacobian.indices()[i]].identifiable; };
+  const auto has_std = [&](Eigen::Index i) { return uncertainty->parameters[jacobian.indices()[i]].visible; };
   for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
     if (!has_std(i)) continue;
     const int index = jacobian.indices()[i];
@@ -120,7 +125,7 @@ void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eige
   if (linearization.frame_scores.empty() || fitted_scale < kRoundingResiduals) return;
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
-    if (uncertainty->parameters[jacobian.indices()[i]].identifiable) rows.push_back(i);
+    if (uncertainty->parameters[jacobian.indices()[i]].visible) rows.push_back(i);
   }
   if (rows.empty()) return;
   FrameSeries influences;
@@ -144,6 +149,53 @@ void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eige
   uncertainty->is_widened = true;
   uncertainty->quantile95 = Student95(ScoreDegreesOfFreedom(influences, correlation));
   WidenIntervals(blocks, coordinates, jacobian, rows, covariance, uncertainty);
+}
+
+// What the Gauss-Newton step over the rows of `jacobian` that have a standard deviation promises, and which parameters
+// have stalled by it.
+void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                 const Eigen::VectorXd& gradient, const ScaledJacobian& jacobian, Uncertainty* uncertainty) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
+    if (uncertainty->parameters[jacobian.indices()[i]].visible) rows.push_back(i);
+  }
+  if (rows.empty()) return;
+  const auto size = static_cast<Eigen::Index>(rows.size());
+  Eigen::VectorXd step(size);
+  Eigen::MatrixXd covariance(size, size);
+  for (Eigen::Index a = 0; a < size; ++a) {
+    const int index = jacobian.indices()[rows[a]];
+    step[a] = -jacobian.Solve(rows[a], gradient);
+    for (Eigen::Index b = 0; b < size; ++b) {
+      covariance(a, b) = std::pow(uncertainty->residual_scale, 2) * jacobian.Covariance(rows[a], rows[b]);
+    }
+    covariance(a, a) += std::pow(kLeftResolutions * blocks[index].Resolution(coordinates[index]), 2);
+  }
+  uncertainty->predicted_decrease = 0.5 * step.dot(covariance.ldlt().solve(step));
+  if (!(uncertainty->predicted_decrease > kStalledDecrease)) return;
+  const Eigen::ArrayXd parts = 0.5 * step.array().square() / covariance.diagonal().array();
+  const double least = std::min(kStalledDecrease, parts.maxCoeff());
+  for (Eigen::Index a = 0; a < size; ++a) {
+    uncertainty->parameters[jacobian.indices()[rows[a]]].stalled = parts[a] >= least;
+  }
+}
+
+// What of the visible parameters the intervals tell; those that stalled lose theirs.
+void JudgeIntervals(const std::vector<ParameterBlock>& blocks, Uncertainty* uncertainty) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    ParameterUncertainty& parameter = uncertainty->parameters[i];
+    if (std::isnan(parameter.coordinate_std)) continue;
+    const bool is_log = blocks[i].scale == ParameterScale::kLog;
+    const double widest = is_log ? std::log(kWidestBelief) : std::numeric_limits<double>::infinity();
+    const double believed_std = std::min(blocks[i].CoordinateRange(), widest) / std::sqrt(12.0);
+    if (is_log) parameter.factor = std::exp(2.0 * uncertainty->quantile95 * parameter.coordinate_std);
+    parameter.share_of_belief = uncertainty->quantile95 * parameter.coordinate_std / (kNormal95 * believed_std);
+    parameter.reaches_lower = parameter.lower95 <= blocks[i].lower_bound;
+    parameter.reaches_upper = parameter.upper95 >= blocks[i].upper_bound;
+    parameter.identifiable =
+        !parameter.stalled && !parameter.reaches_lower && !parameter.reaches_upper && !parameter.is_hardly_told();
+    if (parameter.stalled) parameter.std = parameter.lower95 = parameter.upper95 = std::nan("");
+  }
 }
 
 }  // namespace
@@ -209,7 +261,7 @@ Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const
     ParameterUncertainty& parameter = uncertainty.parameters[free[i]];
     parameter.at_bound = blocks[free[i]].IsAtBound(coordinates[free[i]]);
     parameter.visible_change = jacobian.VisibleChange(i);
-    parameter.identifiable = parameter.visible_change > visible;
+    parameter.visible = parameter.visible_change > visible;
     if (!parameter.at_bound) off_bounds.push_back(free[i]);
   }
   for (Eigen::Index k = jacobian.size() - 1; k >= 0 && jacobian.singular_values()[k] <= visible; --k) {
@@ -222,6 +274,8 @@ Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const
   const ScaledJacobian inner(blocks, linearization.jacobian, off_bounds);
   FillIntervals(blocks, coordinates, linearization.gradient, inner, uncertainty.residual_scale, &uncertainty);
   AccountForCorrelation(blocks, coordinates, linearization, inner, fitted_scale, &uncertainty);
+  FindStalled(blocks, coordinates, linearization.gradient, inner, &uncertainty);
+  JudgeIntervals(blocks, &uncertainty);
   return uncertainty;
 }
 

@@ -15,9 +15,24 @@
 // Identifiability asks how much the prediction can tell. Parameter i is moved from its lower to its upper bound. All
 // others move along, in the way that best undoes the change of the whitened prediction. What is left of the change is
 //   c_i = 1/sqrt([((J D)^T J D)^-1]_ii),   D = diag(range of q_i between its bounds).
-// It is identifiable where c_i > 2 max(1, s): two standard deviations of the noise, or of what the model leaves
+// It is visible where c_i > 2 max(1, s): two standard deviations of the noise, or of what the model leaves
 // unexplained. The right singular vectors of J D with singular values below that are the directions nobody sees:
 // multiplying all stiffnesses, damping, density and drag by one factor is one of them in every recording.
+//
+// A visible parameter may still be told too little to be called identifiable:
+//   - Its interval reaches a bound: what ends it there is the bound, not the recording.
+//   - Its interval is hardly narrower than what was believed before: that every value of q between the bounds is as
+//     likely, which has the standard deviation range/sqrt(12), the range of a logarithmic q at most that of a factor of
+//     1e4, for bounds that are wider only keep the optimiser from wandering. Identifiable asks for a third of that: a
+//     variance above 1/9 of that of the belief adds little to it. In numbers: an interval of mu below 1.5 in all with
+//     bounds of 0 and 2, ends of a stiffness that differ by less than a factor of 32.
+//   - The fit stalled. At a minimum the model |e + J d|^2/2 promises no lower cost. Where it promises one lower by more
+//     than 0.1 s^2 the fit stopped early, or at a kink of the cost, whose derivative is that of one side: the
+//     covariance is not that of the cost, and no interval is given. The decrease that the model promises by the step
+//     d = -(J^T J)^-1 J^T e over the parameters off their bounds is
+//       1/2 d . C^-1 d,   C = s^2 (J^T J)^-1 + diag((10 r)^2),
+//     in which steps of some resolutions of the fit count for next to nothing; d_i^2/(2 C_ii) is the part that a single
+//     parameter has in it. Fits that converge stay far below.
 #ifndef CLOTHID_IDENTIFY_UNCERTAINTY_UNCERTAINTY_H_
 #define CLOTHID_IDENTIFY_UNCERTAINTY_UNCERTAINTY_H_
 
@@ -59,22 +74,36 @@ struct Linearization {
 Linearization Linearize(const std::vector<double*>& coordinates, int num_measurements, bool sigma_is_known,
                         ceres::Problem* problem);
 
+// Above this share of the standard deviation that was believed before a parameter is hardly told.
+inline constexpr double kHardlyTold = 1.0 / 3.0;
+// A fit has stalled where the model at its end promises a cost that is lower by more than this, in s^2.
+inline constexpr double kStalledDecrease = 0.1;
+
 struct ParameterUncertainty {
-  // Of the value, in its own unit. NaN: frozen, at its bound or not identifiable.
+  // Of the value, in its own unit. NaN: frozen, at its bound, not visible or stalled.
   double std = std::numeric_limits<double>::quiet_NaN();
   double lower95 = std::numeric_limits<double>::quiet_NaN();
   double upper95 = std::numeric_limits<double>::quiet_NaN();
-  double coordinate_std = std::numeric_limits<double>::quiet_NaN();   // of q
+  double coordinate_std = std::numeric_limits<double>::quiet_NaN();   // of q; also where the fit stalled
   double independent_std = std::numeric_limits<double>::quiet_NaN();  // the same if residuals were independent
   // The same if the start were known exactly; NaN where nothing about it was fitted.
   double known_start_std = std::numeric_limits<double>::quiet_NaN();
   double widening = 1.0;  // the interval of q over the one that it would have then, at least 1
   // From the estimate to the minimum of the quadratic model |e + J dq|^2/2 there, in standard deviations as of
-  // independent residuals: large where a fit stopped early, or at a kink of the cost. NaN without a std.
+  // independent residuals: large where a fit stopped early, or at a kink of the cost. NaN without a coordinate_std.
   double distance = std::numeric_limits<double>::quiet_NaN();
   double visible_change = 0.0;  // c_i, in standard deviations of the measurements; 0 where frozen
-  bool at_bound = false;        // within 1e-3 of the range from one of its bounds
-  bool identifiable = false;    // false where frozen, too
+  // The half-width of the interval of q over that of what was believed before. NaN without a coordinate_std.
+  double share_of_belief = std::numeric_limits<double>::quiet_NaN();
+  double factor = std::numeric_limits<double>::quiet_NaN();  // between the ends of an interval of a logarithmic q
+  bool reaches_lower = false, reaches_upper = false;         // the interval is cut at a bound
+  bool at_bound = false;                                     // within 1e-3 of the range from one of its bounds
+  bool visible = false;                                      // false where frozen, too
+  bool stalled = false;  // takes part in what the model promises beyond the estimate
+  // Visible and not at its bound, not stalled, the interval narrower than the belief and within the bounds.
+  bool identifiable = false;
+
+  bool is_hardly_told() const { return share_of_belief > kHardlyTold || (reaches_lower && reaches_upper); }
 };
 
 // A direction in which parameters can move between their bounds unseen.
@@ -86,10 +115,11 @@ struct HiddenDirection {
 
 struct Uncertainty {
   std::vector<ParameterUncertainty> parameters;    // [p]
-  Eigen::MatrixXd correlation;                     // [p x p] of q; NaN in rows and columns without a std
+  Eigen::MatrixXd correlation;                     // [p x p] of q; NaN in rows and columns without a coordinate_std
   Eigen::VectorXd singular_values;                 // of J D over the free parameters, decreasing
   std::vector<HiddenDirection> hidden_directions;  // the most hidden first
   double residual_scale = 0.0;                     // s
+  double predicted_decrease = 0.0;                 // of the cost by the model at the estimate, in s^2
 
   // Residuals are not independent, and intervals are those of the sandwich.
   bool is_widened = false;

@@ -184,7 +184,8 @@ TEST(FitTest, RobustLossIgnoresOutliers) {
 }
 
 TEST(FitTest, SaysWhatIsNotIdentifiable) {
-  const FitSummary summary = RunFit({SwingMotion()}, OptionsFor({"mu", "k_stretch"}));
+  const RecordedMotion motion = MakeMotion(SwingScene(), {{{"k_stretch", 150.0}}, 0.0, 0.0, 0.0});
+  const FitSummary summary = RunFit({motion}, OptionsFor({"mu", "k_stretch"}));
   ASSERT_EQ(summary.parameters.size(), 2u);
   ASSERT_TRUE(summary.uncertainty.has_value());
   EXPECT_FALSE(summary.uncertainty->parameters[0].identifiable);
@@ -192,6 +193,17 @@ TEST(FitTest, SaysWhatIsNotIdentifiable) {
   ASSERT_EQ(summary.uncertainty->hidden_directions.size(), 1u);
   EXPECT_EQ(summary.uncertainty->hidden_directions[0].words, "mu");
   EXPECT_EQ(summary.parameters[0].value, summary.parameters[0].start);
+}
+
+// Bending and drag are held at wrong values: what is left of the error lasts, and the interval that counts with that is
+// wider than the bounds.
+TEST(FitTest, SaysWhatIsHardlyTold) {
+  const FitSummary summary = RunFit({SwingMotion()}, OptionsFor({"k_stretch"}));
+  ASSERT_TRUE(summary.uncertainty.has_value());
+  const ParameterUncertainty& k = summary.uncertainty->parameters[0];
+  EXPECT_TRUE(k.visible);
+  EXPECT_TRUE(k.reaches_lower && k.reaches_upper);
+  EXPECT_FALSE(k.identifiable);
 }
 
 TEST(FitTest, KnowsThatItStoppedEarly) {

@@ -96,10 +96,83 @@ TEST(UncertaintyTest, IntervalsEndAtTheBounds) {
   const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0)};
   const Uncertainty result = EstimateUncertainty(blocks, Eigen::VectorXd::Constant(1, 0.1),
                                                  MakeLinearization(2.0 * Eigen::MatrixXd::Ones(4, 1), 0.0, true));
-  EXPECT_TRUE(result.parameters[0].identifiable);
+  EXPECT_TRUE(result.parameters[0].visible);
+  EXPECT_TRUE(result.parameters[0].reaches_lower);
+  EXPECT_FALSE(result.parameters[0].reaches_upper);
+  EXPECT_FALSE(result.parameters[0].identifiable) << "the bound ends its interval, not the recording";
   EXPECT_NEAR(result.parameters[0].std, 0.25, 1e-9);
   EXPECT_EQ(result.parameters[0].lower95, 0.0);
   EXPECT_NEAR(result.parameters[0].upper95, 0.1 + 1.96 * 0.25, 1e-4);
+}
+
+// An interval that is hardly narrower than what was believed before: for mu from 0 to 2 a standard deviation of a third
+// of 2/sqrt(12) = 0.577, for a stiffness a third of that of a factor of 1e4, although its bounds are a factor of 1e6.
+TEST(UncertaintyTest, AnIntervalAsWideAsTheBeliefTellsHardlyAnything) {
+  const double mu_limit = 2.0 / std::sqrt(12.0) / 3.0, k_limit = std::log(1e4) / std::sqrt(12.0) / 3.0;
+  for (const double factor : {0.99, 1.01}) {
+    const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0), Log("k_stretch")};
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2, 2);
+    jacobian.diagonal() << 1.0 / (factor * mu_limit), 1.0 / (factor * k_limit);
+    const Uncertainty result =
+        EstimateUncertainty(blocks, Eigen::Vector2d(1.0, 0.0), MakeLinearization(jacobian, 0.0, true));
+    for (const ParameterUncertainty& parameter : result.parameters) {
+      EXPECT_TRUE(parameter.visible);
+      EXPECT_NEAR(parameter.share_of_belief, factor / 3.0, 1e-6);
+      EXPECT_EQ(parameter.is_hardly_told(), factor > 1.0);
+      EXPECT_EQ(parameter.identifiable, factor < 1.0);
+      EXPECT_FALSE(std::isnan(parameter.lower95)) << "that it is wide is the answer";
+    }
+    EXPECT_NEAR(result.parameters[1].factor, std::exp(2.0 * kNormal95 * factor * k_limit), 1e-3);
+  }
+}
+
+TEST(UncertaintyTest, AnIntervalFromBoundToBoundTellsNothing) {
+  const std::vector<ParameterBlock> blocks = {Linear("mu", 0.9, 1.1)};
+  const Uncertainty result = EstimateUncertainty(blocks, Eigen::VectorXd::Ones(1),
+                                                 MakeLinearization(Eigen::MatrixXd::Constant(1, 1, 15.0), 0.0, true));
+  EXPECT_TRUE(result.parameters[0].visible);
+  EXPECT_TRUE(result.parameters[0].is_hardly_told());
+  EXPECT_FALSE(result.parameters[0].identifiable);
+}
+
+// The step to the minimum of the model, in standard deviations: 0.4 of them promise 0.08 s^2, 0.5 of them 0.125 s^2.
+TEST(UncertaintyTest, AFitThatStalledHasNoInterval) {
+  const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0), Log("k_stretch")};
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2, 2);
+  jacobian.diagonal() << 100.0, 50.0;
+  for (const double distance : {0.4, 0.5}) {
+    Linearization linearization = MakeLinearization(jacobian, 0.0, true);
+    linearization.gradient = Eigen::Vector2d(0.0, 50.0 * distance);
+    const Uncertainty result = EstimateUncertainty(blocks, Eigen::Vector2d(0.5, 0.0), linearization);
+    EXPECT_NEAR(result.predicted_decrease, 0.5 * distance * distance, 1e-6);
+    EXPECT_FALSE(result.parameters[0].stalled) << "it has no part in it";
+    EXPECT_TRUE(result.parameters[0].identifiable);
+    const ParameterUncertainty& k = result.parameters[1];
+    EXPECT_EQ(k.stalled, distance > 0.45);
+    EXPECT_EQ(k.identifiable, distance < 0.45);
+    for (const double value : {k.std, k.lower95, k.upper95}) EXPECT_EQ(std::isnan(value), k.stalled);
+    EXPECT_NEAR(k.coordinate_std, 0.02, 1e-6);
+  }
+}
+
+// Of two parameters that take part alike in no more than the limit each, both have stalled.
+TEST(UncertaintyTest, AStallOfSeveralParametersIsSeen) {
+  const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0), Linear("nu", 0.0, 2.0)};
+  Linearization linearization = MakeLinearization(100.0 * Eigen::MatrixXd::Identity(2, 2), 0.0, true);
+  linearization.gradient = 100.0 * Eigen::Vector2d(0.4, 0.4);
+  const Uncertainty result = EstimateUncertainty(blocks, Eigen::Vector2d(0.5, 0.5), linearization);
+  EXPECT_NEAR(result.predicted_decrease, 0.16, 1e-6);
+  for (const ParameterUncertainty& parameter : result.parameters) EXPECT_TRUE(parameter.stalled);
+}
+
+TEST(UncertaintyTest, StepsOfSomeResolutionsAreNoStall) {
+  const std::vector<ParameterBlock> blocks = {Log("k_stretch")};
+  for (const double resolutions : {1.0, 100.0}) {
+    Linearization linearization = MakeLinearization(Eigen::MatrixXd::Constant(4, 1, 1e3), 1e-20, false);
+    linearization.gradient = Eigen::VectorXd::Constant(1, 4e6 * resolutions * 1e-6);
+    const Uncertainty result = EstimateUncertainty(blocks, Eigen::VectorXd::Zero(1), linearization);
+    EXPECT_EQ(result.parameters[0].stalled, resolutions > 10.0);
+  }
 }
 
 TEST(UncertaintyTest, AParameterWithoutInfluenceSpoilsNoOther) {
@@ -125,21 +198,21 @@ TEST(UncertaintyTest, VisibleChangeIsThatOfTheWholeRange) {
     const Uncertainty result = EstimateUncertainty(blocks, Eigen::VectorXd::Ones(1),
                                                    MakeLinearization(Eigen::MatrixXd::Constant(1, 1, a), 0.0, true));
     EXPECT_NEAR(result.parameters[0].visible_change, 2.0 * a, 1e-12);
-    EXPECT_EQ(result.parameters[0].identifiable, a > 1.0);
+    EXPECT_EQ(result.parameters[0].visible, a > 1.0);
   }
 }
 
 TEST(UncertaintyTest, UnexplainedResidualsHideWhatIsSmall) {
   const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0)};
   const Eigen::MatrixXd jacobian = Eigen::MatrixXd::Constant(101, 1, 0.5);  // moves the prediction by 10
-  const auto identifiable = [&](double scale) {
+  const auto visible = [&](double scale) {
     return EstimateUncertainty(blocks, Eigen::VectorXd::Ones(1),
                                MakeLinearization(jacobian, 100.0 * scale * scale, true))
         .parameters[0]
-        .identifiable;
+        .visible;
   };
-  EXPECT_TRUE(identifiable(4.0));
-  EXPECT_FALSE(identifiable(6.0));
+  EXPECT_TRUE(visible(4.0));
+  EXPECT_FALSE(visible(6.0));
 }
 
 // J u = 0 for the common factor of the first three.
@@ -173,6 +246,8 @@ TEST(UncertaintyTest, AParameterAtItsBoundIsHeldThere) {
   const Uncertainty result =
       EstimateUncertainty(blocks, Eigen::Vector2d(2.0, 0.0), MakeLinearization(jacobian, 0.0, true));
   EXPECT_TRUE(result.parameters[0].at_bound);
+  EXPECT_TRUE(result.parameters[0].visible);
+  EXPECT_FALSE(result.parameters[0].identifiable) << "the cost still falls beyond";
   EXPECT_TRUE(std::isnan(result.parameters[0].std));
   EXPECT_FALSE(result.parameters[1].at_bound);
   EXPECT_NEAR(result.parameters[1].coordinate_std, 1.0 / jacobian.col(1).norm(), 1e-9);
