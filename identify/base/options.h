@@ -65,6 +65,7 @@ struct FitOptions {
   double parameter_tolerance = 1e-5;
   bool estimate_uncertainty = true;  // one forward sweep at the estimate
   bool check_interval = true;        // of that uncertainty: two rollouts, where there is noise
+  int max_continuations = 3;         // fits from lower points that this check meets
   // Where evaluations are kept and, when the same fit is run again, replayed, counts and seconds included
   // (total_seconds are those of the last run alone). One file per recording, .journal_1.bin or .journal_TAG_1.bin and
   // so on, see costs/rows/evaluation_journal.h; whoever runs the fit removes it. Fits in one folder need different

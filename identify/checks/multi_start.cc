@@ -6,6 +6,8 @@
 #include <random>
 #include <utility>
 
+#include "identify/fit/continued_fit.h"
+
 namespace clothid {
 namespace {
 
@@ -124,6 +126,7 @@ FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiSt
   FitOptions each = options;
   each.estimate_uncertainty = false;
   FitSummary best;
+  std::size_t best_start = 0;
   CostStatistics statistics;
   double total_seconds = 0.0, solver_seconds = 0.0;
   const std::vector<Eigen::VectorXd> points = StartPoints(problem->blocks(), options.num_starts, options.seed);
@@ -135,7 +138,10 @@ FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiSt
     statistics += summary.statistics;
     total_seconds += summary.total_seconds;
     solver_seconds += summary.solver_seconds;
-    if (s == 0 || IsBetter(summary, best)) best = summary;
+    if (s == 0 || IsBetter(summary, best)) {
+      best = summary;
+      best_start = s;
+    }
     if (summary.status == FitStatus::kInterrupted) {
       best.status = FitStatus::kInterrupted;
       best.message = summary.message;
@@ -146,7 +152,12 @@ FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiSt
   best.statistics = statistics;
   best.total_seconds = total_seconds;
   best.solver_seconds = solver_seconds;
-  if (options.estimate_uncertainty && best.has_estimate()) AddUncertainty(options, *problem, &best);
+  if (options.estimate_uncertainty && best.has_estimate()) {
+    AddUncertainty(options, *problem, &best);
+    ContinueFromLowerPoints(options, &Fit, problem, &best);
+    StartResult& start = result->starts[best_start];
+    if (best.num_continuations > 0) start = Describe(best, start.start);
+  }
   FindMinima(problem->blocks(), best, result);
   FindAmbiguities(problem->blocks(), result);
   return best;

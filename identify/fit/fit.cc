@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "identify/fit/continued_fit.h"
 #include "identify/fit/estimate.h"
 #include "identify/fit/evaluator.h"
 #include "identify/fit/gauss_newton.h"
@@ -365,7 +366,10 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   summary.total_seconds = recorder.seconds();
   summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds());
   summary.linearization = std::move(linearization);
-  if (options.estimate_uncertainty && summary.has_estimate()) AddUncertainty(options, *problem, &summary);
+  if (options.estimate_uncertainty && summary.has_estimate()) {
+    AddUncertainty(options, *problem, &summary);
+    ContinueFromLowerPoints(options, &Fit, problem, &summary);
+  }
   return summary;
 }
 

@@ -18,6 +18,9 @@ namespace clothid {
 // that step leads with full ones, to the end. Forward differences need full precision throughout. kLbfgs:
 // `ceres::GradientProblem` has no bounds, so it works on u with  q = lower + (upper - lower) sigmoid(4 u/(upper -
 // lower) + c),  dq/du = 1 in the middle, c such that u = 0 is the start; q the internal coordinate.
+//
+// Where FitOptions::estimate_uncertainty asks for it, the uncertainty of the estimate comes with it, and where the
+// check of its interval meets a point of lower cost, the fit goes on from there (identify/fit/continued_fit.h).
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
 
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or

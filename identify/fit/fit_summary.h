@@ -60,6 +60,7 @@ struct FitSummary {
   std::vector<Eigen::MatrixXd> predicted;  // the same at the estimate
   RolloutCounts counts;                    // of the rollouts at the estimate, summed over the recordings
   std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
+  int num_continuations = 0;               // how often the fit went on from a lower point (continued_fit.h)
   CostStatistics statistics;
   double total_seconds = 0.0;
   double solver_seconds = 0.0;  // outside of rollouts and derivatives

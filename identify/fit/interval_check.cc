@@ -7,6 +7,10 @@
 namespace clothid {
 namespace {
 
+// Costs that differ by less than this, in s^2 and relative to themselves, differ by the rounding of rollouts.
+constexpr double kRiseRounding = 1e-3;
+constexpr double kCostRounding = 1e-7;
+
 // Whether q lies within the bounds.
 bool IsInside(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates) {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -57,6 +61,8 @@ bool IntervalCheck::is_quadratic() const {
   return is_near(rise_below) && is_near(rise_above);
 }
 
+double IntervalCheck::lowest_rise() const { return std::fmin(rise_below, rise_above); }
+
 std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& blocks,
                                            const Eigen::VectorXd& coordinates, double cost,
                                            const Uncertainty& uncertainty, const Eigen::MatrixXd& follow,
@@ -70,13 +76,19 @@ std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& bl
   Eigen::VectorXd step(coordinates.size());
   step << own_step, follow * own_step;
   const double scale = uncertainty.residual_scale * uncertainty.parameters[check.parameter].widening;
+  double lowest = (1.0 - kCostRounding) * cost;
   const auto rise_at = [&](const Eigen::VectorXd& end) {
     double end_cost = 0.0;
     if (!IsInside(blocks, end) ||
         !evaluator->Evaluate(end, FitEvaluator::Derivative::kNone, &end_cost, /*gradient=*/nullptr)) {
       return std::numeric_limits<double>::quiet_NaN();
     }
-    return 2.0 * (end_cost - cost) / (scale * scale);
+    const double rise = 2.0 * (end_cost - cost) / (scale * scale);
+    if (end_cost < lowest && rise < -kRiseRounding) {
+      lowest = end_cost;
+      check.better = end;
+    }
+    return rise;
   };
   check.rise_below = rise_at(coordinates - step);
   check.rise_above = rise_at(coordinates + step);

@@ -2,7 +2,8 @@
 //
 // A cloth that buckles has a rough cost: its derivative at the estimate is that of a small dent, and the interval from
 // it is far too narrow. So the cost is looked at where it should have risen by 3.84 s^2/2: at both ends of the interval
-// of the parameter whose interval is widest relative to its bounds, the others moved as the covariance says.
+// of the parameter whose interval is widest relative to its bounds, the others moved as the covariance says. An end
+// with a lower cost than the estimate is a point to go on from (identify/fit/continued_fit.h).
 #ifndef CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
 #define CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
 
@@ -24,9 +25,14 @@ struct IntervalCheck {
   // quadratic. NaN: the rollout failed, or the end lies outside the bounds.
   double rise_below = std::numeric_limits<double>::quiet_NaN();
   double rise_above = std::numeric_limits<double>::quiet_NaN();
+  // [p] the internal coordinates of the end of lower cost, where that is below the cost of the estimate by more than
+  // rounding; empty: neither is.
+  Eigen::VectorXd better;
 
   // Both within a factor of two.
   bool is_quadratic() const;
+  // The least of both that is known.
+  double lowest_rise() const;
 };
 
 // Two evaluations of the cost, at `coordinates` [p + n] moved; `follow` [n x p]: how unknown starts follow the
