@@ -97,8 +97,10 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --help, --version
 
 Ctrl-C saves the best point so far. Exit codes: 0 fitted; 1 usage, or a file that cannot be opened or written;
-2 bad data; 3 not converged; 4 a parameter is not identifiable or stands at its bound; 5 the estimates predict what
-was held out worse than the nominal parameters; 70 internal error; 130 interrupted.
+2 bad data; 3 not converged; 4 a parameter is not identifiable, hardly told, or at its bound; 5 the estimates predict
+what was held out worse than the nominal parameters; 6 no estimate must be used: the error is of the size of the cloth
+or larger than the motion, the start is elsewhere, or the fit passed by a lower point; 70 internal error;
+130 interrupted. Where several apply: 70, 130, 1, 2, 3, 6, 4, 5.
 
 Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape

@@ -75,8 +75,8 @@ class Run {
     if (options_.on_examined) options_.on_examined(summary_);
     if (summary_.has_estimate() && folder_ != nullptr) Write();
     RunResult result;
-    result.exit_code = FitExitCode(summary_, checks_);
-    result.verdict = Verdict(summary_, checks_);
+    result.verdict = Judge(summary_, checks_);
+    result.exit_code = result.verdict.exit_code;
     if (summary_.has_estimate()) result.table = ResultTable(summary_, checks_);
     result.summary = std::move(summary_);
     result.checks = std::move(checks_);
@@ -122,6 +122,7 @@ class Run {
 
   // What was asked for beside the fit.
   void Examine() {
+    checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
     for (const std::string& name : options_.profiles) {
       if (!summary_.uncertainty || is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, &problem_, &summary_.statistics));

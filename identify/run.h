@@ -63,8 +63,8 @@ struct RunResult {
   // Without an estimate (`FitSummary::has_estimate`) its message says why, nothing was written, and `table` is empty.
   FitSummary summary;
   FitChecks checks;
-  ExitCode exit_code = kExitNotConverged;  // of `FitExitCode`
-  std::vector<std::string> verdict;        // of `Verdict`
+  ExitCode exit_code = kExitNotConverged;  // of the verdict
+  Verdict verdict;                         // of `Judge`
   std::string table;                       // of `ResultTable`
 };
 

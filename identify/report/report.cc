@@ -82,17 +82,10 @@ std::string CloudRow(const CloudError& error, const CloudError& start) {
          percent(start) + "\n";
 }
 
-std::string Remark(const FitSummary& summary, const FitChecks& checks, int index) {
-  if (summary.parameters[index].frozen) return "frozen";
-  if (!IsIdentifiable(summary, checks, index).value_or(true)) return "not identifiable";
-  return summary.parameters[index].at_bound ? "at its bound" : "";
-}
-
 // "0.2398 .. 0.2402": with as many digits as tell the ends apart.
 std::string Interval(const FitSummary& summary, const FitChecks& checks, int index) {
-  if (!IsIdentifiable(summary, checks, index).value_or(false)) return "-";
+  if (!HasInterval(summary, checks, index)) return "-";
   const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
-  if (std::isnan(uncertainty.std)) return "-";
   constexpr int kFewestDigits = 3, kMostDigits = 9;
   const double relative_std = uncertainty.std / std::max(std::abs(summary.parameters[index].value), uncertainty.std);
   const int digits =
@@ -176,14 +169,14 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     const FittedParameter& parameter = summary.parameters[i];
     print_row(parameter.name, ShortNumber(parameter.value, 8), Interval(summary, checks, i),
-              ShortNumber(parameter.start, 6), Remark(summary, checks, i));
+              ShortNumber(parameter.start, 6), ParameterRemark(summary, checks, i));
   }
   table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
         << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
   if (summary.error.cloud.num_points > 0.0) table << CloudRow(summary.error.cloud, summary.start_error.cloud);
   if (std::isfinite(summary.error.fit_percent())) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
-          << summary.start_error.fit_percent() << " %\n";
+          << summary.start_error.fit_percent() << " % (0 %: no better than a cloth at rest)\n";
   }
   if (checks.gradient_check) {
     table << "gradient check  adjoint against sensitivity " << std::setprecision(3)
@@ -196,7 +189,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
     table << "note            " << summary.statistics.counts.substeps
           << " substeps were taken: each makes the cost jump a little\n";
   }
-  for (const std::string& line : Verdict(summary, checks)) table << "verdict         " << line << "\n";
+  for (const std::string& line : Judge(summary, checks).Lines()) table << "verdict         " << line << "\n";
   return table.str();
 }
 

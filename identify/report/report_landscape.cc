@@ -133,8 +133,7 @@ double ValueAt(const LandscapeParameter& parameter, const FitSummary& summary, d
 
 Json RegionJson(const FitLandscape& landscape, const FitSummary& summary, const FitChecks& checks) {
   for (const int index : {landscape.x.index, landscape.y.index}) {
-    // A value that another start contradicts has no region either.
-    if (!IsIdentifiable(summary, checks, index).value_or(false)) return nullptr;
+    if (!HasInterval(summary, checks, index)) return nullptr;
   }
   const Eigen::Matrix2Xd region = ConfidenceRegion(landscape, summary);
   if (region.cols() == 0) return nullptr;

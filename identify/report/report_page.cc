@@ -176,6 +176,15 @@ Json RecordingJson(const RecordedMotion& motion, const Observation& observation,
           {"replay", ReplayJson(replay, room.replay_bytes)}};
 }
 
+// What stands beside each parameter.
+Json RemarksJson(const FitSummary& summary, const FitChecks& checks) {
+  Json remarks = Json::object();
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    remarks[summary.parameters[i].name] = ParameterRemark(summary, checks, static_cast<int>(i));
+  }
+  return remarks;
+}
+
 Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
               std::size_t library_bytes) {
   std::vector<Observation> observations;
@@ -183,6 +192,7 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
   Json json = {{"result", Json::parse(ResultJson(summary, checks, motions))},
                {"start_rmse_m", summary.start_error.rmse()},
                {"start_fit_percent", RoundedJson(summary.start_error.fit_percent(), 10)},
+               {"remarks", RemarksJson(summary, checks)},
                {"limits", FitLimits(summary, motions, observations)},
                {"convergence", ConvergenceJson(summary)},
                {"profiles", ProfilesJson(checks)},

@@ -25,22 +25,22 @@ Json NamedJson(const std::vector<FittedParameter>& parameters, const Eigen::Vect
   return json;
 }
 
-Json ParametersJson(const FitSummary& summary, const FitChecks& checks) {
+Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict) {
   Json json = Json::object();
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const FittedParameter& parameter = summary.parameters[i];
     const ParameterUncertainty uncertainty =
         summary.uncertainty ? summary.uncertainty->parameters[i] : ParameterUncertainty();
     const std::optional<bool> identifiable = IsIdentifiable(summary, checks, static_cast<int>(i));
-    // A value that another start contradicts has no small interval either.
-    const bool has_interval = identifiable.value_or(false);
+    const bool has_interval = HasInterval(summary, checks, static_cast<int>(i));
     json[parameter.name] = {{"value", parameter.value},
                             {"std", has_interval ? NumberJson(uncertainty.std) : Json(nullptr)},
                             {"lower95", has_interval ? NumberJson(uncertainty.lower95) : Json(nullptr)},
                             {"upper95", has_interval ? NumberJson(uncertainty.upper95) : Json(nullptr)},
                             {"start", parameter.start},
                             {"at_bound", parameter.at_bound},
-                            {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)}};
+                            {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)},
+                            {"usable", UsabilityName(verdict.parameters[i])}};
   }
   return json;
 }
@@ -76,6 +76,7 @@ Json UncertaintyJson(const FitSummary& summary) {
                {"residual_autocorrelation", NumberJson(summary.error.autocorrelation())},
                {"visible_change", visible},
                {"distance_to_minimum", distance},
+               {"predicted_decrease", NumberJson(uncertainty.predicted_decrease)},
                {"singular_values", singular_values},
                {"correlation", correlation},
                {"hidden_directions", directions},
@@ -205,9 +206,11 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   Json json;
   json["schema"] = "clothid.result/1";
   json["status"] = FitStatusName(summary.status);
-  json["exit_code"] = static_cast<int>(FitExitCode(summary, checks));
-  json["verdict"] = Verdict(summary, checks);
-  json["parameters"] = ParametersJson(summary, checks);
+  const Verdict verdict = Judge(summary, checks);
+  json["exit_code"] = static_cast<int>(verdict.exit_code);
+  json["usable"] = UsabilityName(verdict.overall);
+  json["verdict"] = verdict.Lines();
+  json["parameters"] = ParametersJson(summary, checks, verdict);
   json["rmse_m"] = summary.error.rmse();
   json["fit_percent"] = summary.error.fit_percent();
   if (summary.error.cloud.num_points > 0.0) json["cloud"] = CloudJson(summary.error.cloud);
@@ -219,6 +222,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["cost"] = summary.cost;
   json["jacobian"] = JacobianMethodName(checks.jacobian);
   json["iterations"] = summary.num_iterations();
+  if (summary.num_continuations > 0) json["continuations"] = summary.num_continuations;
   json["rollouts"] = summary.statistics.rollouts;
   json["sweeps"] = summary.statistics.sweeps;
   json["failed_steps"] = summary.statistics.counts.failed_steps;

@@ -1,51 +1,38 @@
-// What a fit means, in words and as an exit code.
+// What a fit means: whether its answer can be used, in words, and as an exit code.
+//
+// A verdict is made of reasons. Each speaks of some parameters or of the whole answer, says whether they can be used
+// all the same, and names figures. The overall line is the conclusion from all of them; the reasons follow in the order
+// of their weight, first what forbids the whole answer, then what forbids single parameters, then what asks for care,
+// then what is good to know. Limits and their derivations stand with the reasons, in identify/verdict/*_reasons.cc, and
+// in identify/README.md.
 #ifndef CLOTHID_IDENTIFY_VERDICT_VERDICT_H_
 #define CLOTHID_IDENTIFY_VERDICT_VERDICT_H_
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "identify/base/options.h"
-#include "identify/checks/gradient_check.h"
-#include "identify/checks/holdout.h"
-#include "identify/checks/multi_start.h"
-#include "identify/checks/profile.h"
-#include "identify/checks/step_check.h"
-#include "identify/fit/fit.h"
-#include "identify/landscape/fit_landscape.h"
+#include "identify/fit/fit_summary.h"
+#include "identify/verdict/fit_checks.h"
+#include "identify/verdict/told.h"
+#include "identify/verdict/usability.h"
 #include "sim/base/error.h"
 
 namespace clothid {
 
-// What a run looked at beside the fit itself, and how it was called. Absent: not asked for.
-struct FitChecks {
-  JacobianMethod jacobian = JacobianMethod::kAdjoint;
-  std::optional<GradientCheck> gradient_check;
-  std::optional<MultiStart> starts;
-  std::vector<Profile> profiles;
-  std::vector<FitLandscape> landscapes;  // which `MatchLandscape` has seen
-  std::optional<StepCheck> step_check;
-  std::optional<Holdout> holdout;
-  std::vector<Eigen::MatrixXd> predicted_nodes;  // see identify/report/node_prediction.h
-  std::string flags;                             // the command line
-  std::uint64_t seed = 0;
-  int num_threads = 1;
+struct Verdict {
+  Usability overall = Usability::kDoNotUse;
+  std::vector<Usability> parameters;  // [p]; of a frozen one kUsable
+  std::string line;                   // "usable: ..", "usable with care: ..", "do not use mu (..)", "do not use: .."
+  std::vector<std::string> reasons;   // one line each, the gravest first
+  ExitCode exit_code = kExitNotConverged;
+
+  std::vector<std::string> Lines() const;  // the overall line and the reasons
 };
 
-// Whether the recordings determine parameter `index`: its derivative says so, and no other start ended at another value
-// that fits as well. Absent: frozen, or the derivative at the estimate could not be evaluated.
-std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& checks, int index);
+Verdict Judge(const FitSummary& summary, const FitChecks& checks);
 
-// Where several apply: 130, 3, 4, 5 in that order.
+// That of the verdict. Where several apply: 130, 3, 6, 4, 5 in that order.
 ExitCode FitExitCode(const FitSummary& summary, const FitChecks& checks);
-
-// One line each: how the fit ended, what is not identifiable and why, what stands at its bound, where the other starts
-// ended and why the first minimum is preferred, what the time step and the held-out measurements say, where the cost
-// jumps.
-std::vector<std::string> Verdict(const FitSummary& summary, const FitChecks& checks);
 
 }  // namespace clothid
 

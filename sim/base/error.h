@@ -36,7 +36,7 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
-// Exit codes of the programs. Where several apply: 70, 130, 1, 2, 3, 4, 5 in that order.
+// Exit codes of the programs. Where several apply: 70, 130, 1, 2, 3, 6, 4, 5 in that order.
 enum ExitCode : int {
   kExitSuccess = 0,
   kExitUsageOrIo = 1,
@@ -44,6 +44,7 @@ enum ExitCode : int {
   kExitNotConverged = 3,
   kExitNotIdentifiable = 4,  // a fitted parameter is not determined by the recordings, or stands at its bound
   kExitHoldoutFailed = 5,    // the estimates predict what was held out worse than the nominal parameters
+  kExitDoNotUse = 6,         // the fit converged on what cannot be right: no estimate must be used
   kExitInternal = 70,        // EX_SOFTWARE of sysexits.h: an error of clothid itself, or no memory left
   kExitInterrupted = 130,
 };

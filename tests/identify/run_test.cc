@@ -83,7 +83,7 @@ TEST_F(RunTest, GivesWhatTheProgramGives) {
   const Json json = Json::parse(ReadBytes(folder() / "by_call/result.json"));
   EXPECT_EQ(json["starts"]["starts"].size(), 2u) << json["starts"];
   for (const char* part : {"holdout", "profiles", "step_check", "gradient_check"}) EXPECT_FALSE(json[part].is_null());
-  EXPECT_EQ(json["verdict"], Json(result.verdict));
+  EXPECT_EQ(json["verdict"], Json(result.verdict.Lines()));
 }
 
 TEST_F(RunTest, TakesRecordingsInMemoryAndWritesNothingUnasked) {

@@ -1,17 +1,20 @@
 'use strict';
 // What the fit found, in words and tables: verdict, estimates, tiles, other minima, provenance.
 
-const STATUS = {0: ['fitted', 'good'], 3: ['not converged', 'bad'], 4: ['not identifiable, or at a bound', 'warn'],
-  5: ['worse than nominal on what was held out', 'warn'], 130: ['interrupted', 'warn']};
+const USABLE = {'yes': ['usable', 'good'], 'with care': ['usable with care', 'warn'], 'no': ['do not use', 'bad']};
 
 function fillHead() {
-  const [words, kind] = STATUS[result.exit_code] || [result.status, 'bad'];
+  let [words, kind] = USABLE[result.usable];
+  if (result.usable === 'with care' && result.verdict[0].startsWith('do not use')) words = 'use in part';
+  if (result.status !== 'converged') words += `: ${result.status.replace('_', ' ')}`;
   part('status').textContent = words;
   part('status').classList.add(kind);
+  part('overall').textContent = result.verdict[0];
+  part('overall').classList.add(kind);
   const names = data.recordings.map((recording) => recording.name).join(', ');
   part('about').textContent = names;
   document.title = `Fit report: ${names}`;
-  fillList('verdict', result.verdict);
+  fillList('verdict', result.verdict.slice(1));
   fillList('limits', data.limits.length > 0 ? data.limits : ['Nothing that can be told.']);
 }
 
@@ -23,11 +26,6 @@ function interval(parameter) {
   return `${number(parameter.lower95, digits)} … ${number(parameter.upper95, digits)}`;
 }
 
-function remark(parameter) {
-  if (parameter.identifiable === false) return 'not identifiable';
-  return parameter.at_bound ? 'at its bound' : '';
-}
-
 function fillEstimates() {
   const rows = Object.entries(result.parameters).map(([name, parameter]) => {
     const title = element('td', '', `${name} `);
@@ -35,7 +33,8 @@ function fillEstimates() {
     const estimate = element('td', 'number estimate', number(parameter.value, 8));
     estimate.dataset.parameter = name;
     const bounds = element('td', 'number', interval(parameter));
-    if (remark(parameter)) bounds.append(' ', element('span', 'remark', remark(parameter)));
+    const kind = parameter.usable === 'no' ? 'remark bad' : 'remark';
+    if (data.remarks[name]) bounds.append(' ', element('span', kind, data.remarks[name]));
     return [title, estimate, bounds, element('td', 'number', number(parameter.start, 6))];
   });
   fillTable('estimates', ['parameter', 'estimate', '95 % interval', 'start'], rows);
@@ -47,7 +46,7 @@ function fillEstimates() {
 function fillTiles() {
   const holdout = result.holdout, seconds = result.seconds.total;
   const tiles = [['rmse', millimetres(result.rmse_m), `start: ${millimetres(data.start_rmse_m)}`, 'rmse'],
-    ['fit', percent(result.fit_percent), `start: ${percent(data.start_fit_percent)}`, 'fit'],
+    ['fit', percent(result.fit_percent), `start: ${percent(data.start_fit_percent)}; 0 %: a cloth at rest`, 'fit'],
     ['run time', `${number(seconds, 3)} s`, `${count(result.iterations, 'iteration')}, ${count(result.rollouts, 'rollout')}`,
       'seconds']];
   if (holdout) {

@@ -56,20 +56,23 @@ TEST(ReportTest, ResultHasItsSchema) {
   checks.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "nominal: failed"};
   const Json json = Json::parse(ResultJson(summary, checks, motions));
   EXPECT_EQ(Keys(json),
-            (std::vector<std::string>{"schema",   "status",      "exit_code",    "verdict",        "parameters",
-                                      "rmse_m",   "fit_percent", "holdout",      "uncertainty",    "starts",
-                                      "profiles", "step_check",  "cost",         "jacobian",       "iterations",
-                                      "rollouts", "sweeps",      "failed_steps", "contact_events", "gradient_check",
-                                      "seconds",  "provenance"}));
+            (std::vector<std::string>{"schema",         "status",   "exit_code",   "usable",       "verdict",
+                                      "parameters",     "rmse_m",   "fit_percent", "holdout",      "uncertainty",
+                                      "starts",         "profiles", "step_check",  "cost",         "jacobian",
+                                      "iterations",     "rollouts", "sweeps",      "failed_steps", "contact_events",
+                                      "gradient_check", "seconds",  "provenance"}));
   EXPECT_EQ(json["schema"], "clothid.result/1");
   EXPECT_EQ(json["status"], "converged");
   EXPECT_EQ(json["exit_code"], 0);
   EXPECT_EQ(Keys(json["parameters"]), (std::vector<std::string>{"mu.ball", "k_stretch"}));
   const Json& stretch = json["parameters"]["k_stretch"];
-  EXPECT_EQ(Keys(stretch),
-            (std::vector<std::string>{"value", "std", "lower95", "upper95", "start", "at_bound", "identifiable"}));
+  EXPECT_EQ(Keys(stretch), (std::vector<std::string>{"value", "std", "lower95", "upper95", "start", "at_bound",
+                                                     "identifiable", "usable"}));
   EXPECT_EQ(stretch["value"].get<double>(), summary.parameters[1].value) << "numbers read back exactly";
   EXPECT_EQ(stretch["identifiable"], true);
+  EXPECT_EQ(stretch["usable"], "yes");
+  EXPECT_EQ(json["usable"], "yes");
+  EXPECT_EQ(json["verdict"][0], "usable: every fitted parameter is identifiable");
   EXPECT_EQ(stretch["std"].get<double>(), summary.uncertainty->parameters[1].std);
   EXPECT_LT(stretch["lower95"].get<double>(), stretch["value"].get<double>());
   EXPECT_GT(stretch["upper95"].get<double>(), stretch["value"].get<double>());

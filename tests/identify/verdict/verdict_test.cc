@@ -1,4 +1,4 @@
-// Exit codes in their order, and what the words say.
+// Whether an answer can be used: the overall line, exit codes in their order, and what every reason says.
 #include "identify/verdict/verdict.h"
 
 #include <gtest/gtest.h>
@@ -22,15 +22,216 @@ FitSummary Converged() {
   summary.parameters = {parameter};
   summary.uncertainty.emplace();
   summary.uncertainty->parameters.resize(1);
+  summary.uncertainty->parameters[0].visible = true;
   summary.uncertainty->parameters[0].identifiable = true;
   summary.uncertainty->parameters[0].std = 0.01;
   return summary;
 }
 
 bool Says(const FitSummary& summary, const FitChecks& checks, const std::string& words) {
-  const std::vector<std::string> lines = Verdict(summary, checks);
+  const std::vector<std::string> lines = Judge(summary, checks).Lines();
   return std::any_of(lines.begin(), lines.end(),
                      [&](const std::string& line) { return line.find(words) != std::string::npos; });
+}
+
+// A recording of one point, seen twice, that moves by `motion` (root mean square distance to its mean, m) and is
+// predicted with the error `rmse` (m); the cloth is 1 m.
+RecordingFit Recording(double rmse, double motion) {
+  RecordingFit recording;
+  recording.name = "a.bin";
+  recording.cloth_size = 1.0;
+  recording.error.num_coordinates = 6.0;
+  recording.error.squared_error = 2.0 * rmse * rmse;
+  recording.error.squared_motion = 2.0 * motion * motion;
+  return recording;
+}
+
+FitChecks With(const RecordingFit& recording) {
+  FitChecks checks;
+  checks.recordings = {recording};
+  return checks;
+}
+
+FittedParameter Named(const std::string& name) {
+  FittedParameter parameter;
+  parameter.name = name;
+  parameter.value = 1.0;
+  return parameter;
+}
+
+// mu, k_stretch and drag, all of them fine.
+FitSummary ThreeParameters() {
+  FitSummary summary = Converged();
+  summary.parameters = {Named("mu"), Named("k_stretch"), Named("drag")};
+  summary.uncertainty->parameters.resize(3, summary.uncertainty->parameters[0]);
+  return summary;
+}
+
+TEST(VerdictTest, TheOverallLineLeads) {
+  const Verdict verdict = Judge(Converged(), {});
+  EXPECT_EQ(verdict.overall, Usability::kUsable);
+  EXPECT_EQ(verdict.line, "usable: every fitted parameter is identifiable");
+  EXPECT_EQ(verdict.Lines(), (std::vector<std::string>{verdict.line}));
+  EXPECT_EQ(Judge(FitSummary(), {}).line, "do not use: failed: the fit was not run");
+  FitSummary interrupted = Converged();
+  interrupted.status = FitStatus::kInterrupted;
+  interrupted.message = "interrupted";
+  EXPECT_EQ(Judge(interrupted, {}).Lines(), (std::vector<std::string>{"do not use: interrupted"}));
+  interrupted.status = FitStatus::kNotConverged;
+  interrupted.message = "stopped at max_iterations";
+  EXPECT_EQ(Judge(interrupted, {}).line, "do not use: not converged: stopped at max_iterations");
+}
+
+TEST(VerdictTest, SaysWhichParametersCanBeUsed) {
+  FitSummary summary = ThreeParameters();
+  summary.parameters[1].at_bound = true;
+  Verdict verdict = Judge(summary, {});
+  EXPECT_EQ(verdict.line, "do not use k_stretch (at its bound); usable: mu and drag");
+  EXPECT_EQ(verdict.overall, Usability::kWithCare) << "some of it can be used";
+  EXPECT_EQ(verdict.parameters, (std::vector<Usability>{Usability::kUsable, Usability::kDoNotUse, Usability::kUsable}));
+  summary.uncertainty->parameters[2].factor = 7.0;
+  EXPECT_EQ(Judge(summary, {}).line,
+            "do not use k_stretch (at its bound); usable: mu; with care: drag (the interval of drag is wide)");
+  summary.parameters[1].at_bound = false;
+  EXPECT_EQ(Judge(summary, {}).line, "usable with care: the interval of drag is wide");
+  EXPECT_EQ(FitExitCode(summary, {}), 0);
+  for (FittedParameter& parameter : summary.parameters) parameter.at_bound = true;
+  verdict = Judge(summary, {});
+  EXPECT_EQ(verdict.line, "do not use mu, k_stretch and drag (at its bound)");
+  EXPECT_EQ(verdict.overall, Usability::kDoNotUse);
+  summary.parameters[0].frozen = true;
+  EXPECT_EQ(Judge(summary, {}).line, "do not use k_stretch and drag (at its bound)");
+}
+
+TEST(VerdictTest, TheGravestReasonComesFirst) {
+  FitSummary summary = ThreeParameters();
+  summary.counts.obstacle_switches = 3;
+  summary.parameters[1].at_bound = true;
+  summary.interval_check = IntervalCheck{0, 3.7, 120.0, {}};
+  const FitChecks checks = With(Recording(2.0, 0.1));
+  const std::vector<std::string> reasons = Judge(summary, checks).reasons;
+  const std::vector<std::string> expected = {"the fit is negative", "the error is of the size of the cloth",
+                                             "k_stretch stands at its bound", "the interval of mu cannot be relied on",
+                                             "at the estimate 3 contacts jump"};
+  ASSERT_EQ(reasons.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(reasons[i].rfind(expected[i], 0), 0u) << reasons[i];
+}
+
+TEST(VerdictTest, ANegativeFitMustNotBeUsed) {
+  const Verdict bad = Judge(Converged(), With(Recording(0.09, 0.05)));
+  EXPECT_EQ(bad.exit_code, 6);
+  EXPECT_EQ(bad.line, "do not use: the fit is negative (-80 %)");
+  EXPECT_TRUE(Says(Converged(), With(Recording(0.09, 0.05)),
+                   "every point at rest at its mean place would be nearer to the recording, rmse 50 mm against 90 mm"));
+  EXPECT_EQ(Judge(Converged(), With(Recording(0.03, 0.05))).overall, Usability::kUsable) << "40 %";
+  EXPECT_EQ(Judge(Converged(), With(Recording(0.045, 0.05))).line, "usable with care: the fit is low (10 %)");
+  // A cloth that hangs still has no motion to compare with.
+  const Verdict still = Judge(Converged(), With(Recording(0.03, 0.01)));
+  EXPECT_EQ(still.exit_code, 0);
+  EXPECT_EQ(still.line, "usable with care: the fit is negative (-200 %)");
+  EXPECT_EQ(Judge(Converged(), With(Recording(0.005, 0.004))).overall, Usability::kUsable) << "half a percent of it";
+  RecordingFit noisy = Recording(0.03, 0.025);
+  noisy.noise = 0.025;
+  EXPECT_EQ(Judge(Converged(), With(noisy)).overall, Usability::kUsable) << "the noise explains it";
+}
+
+TEST(VerdictTest, AnErrorOfTheSizeOfTheClothMustNotBeUsed) {
+  const Verdict bad = Judge(Converged(), With(Recording(0.3, 2.0)));
+  EXPECT_EQ(bad.exit_code, 6);
+  EXPECT_EQ(bad.line, "do not use: the error is of the size of the cloth");
+  EXPECT_EQ(bad.reasons[0], "the error is of the size of the cloth: rmse 300 mm, 30 % of the 1000 mm of the cloth");
+  EXPECT_EQ(Judge(Converged(), With(Recording(0.15, 2.0))).line, "usable with care: the error is large");
+  FitChecks two = With(Recording(0.01, 2.0));
+  two.recordings.push_back(Recording(0.3, 2.0));
+  two.recordings[1].name = "b.bin";
+  EXPECT_EQ(Judge(Converged(), two).line, "do not use: b.bin: the error is of the size of the cloth");
+}
+
+TEST(VerdictTest, AStartThatIsElsewhereMustNotBeUsed) {
+  RecordingFit recording = Recording(0.01, 2.0);
+  recording.start = StartDifference{0.01, 0.001, 1.0};
+  EXPECT_EQ(Judge(Converged(), With(recording)).overall, Usability::kUsable);
+  recording.start->rms = 0.05;
+  EXPECT_EQ(Judge(Converged(), With(recording)).exit_code, 0);
+  EXPECT_EQ(Judge(Converged(), With(recording)).line,
+            "usable with care: the scene's start is not where the first frame shows the cloth");
+  recording.start->rms = 0.12;
+  EXPECT_EQ(Judge(Converged(), With(recording)).exit_code, 6);
+  EXPECT_TRUE(Says(Converged(), With(recording), "120 mm off (root mean square), 12 % of the cloth's size"));
+}
+
+TEST(VerdictTest, AnIntervalFromBoundToBoundTellsNothing) {
+  FitSummary summary = Converged();
+  ParameterUncertainty& mu = summary.uncertainty->parameters[0];
+  mu.identifiable = false;
+  mu.reaches_lower = mu.reaches_upper = true;
+  Verdict verdict = Judge(summary, {});
+  EXPECT_EQ(verdict.exit_code, 4);
+  EXPECT_EQ(verdict.line, "do not use mu (hardly told by the recording)");
+  EXPECT_TRUE(Says(summary, {}, "mu is hardly told by the recording: its 95 % interval reaches from bound to bound"));
+  EXPECT_EQ(ParameterRemark(summary, {}, 0), "hardly told");
+  EXPECT_TRUE(HasInterval(summary, {}, 0)) << "that it is wide is the answer";
+  mu.reaches_upper = false;
+  mu.share_of_belief = 0.5;
+  EXPECT_TRUE(Says(summary, {}, "its 95 % interval is 0.5 of what was believed before, and reaches a bound"));
+  // Narrow, at one bound.
+  mu.share_of_belief = 0.1;
+  verdict = Judge(summary, {});
+  EXPECT_EQ(verdict.exit_code, 4) << "never called identifiable";
+  EXPECT_EQ(verdict.line, "usable with care: the interval of mu reaches its lower bound");
+  EXPECT_EQ(ParameterRemark(summary, {}, 0), "reaches a bound");
+}
+
+TEST(VerdictTest, ALowerPointThatIsLeftMustNotBeUsed) {
+  FitSummary summary = Converged();
+  summary.interval_check = IntervalCheck{0, -7.2, 4.0, Eigen::VectorXd::Ones(1)};
+  EXPECT_EQ(FitExitCode(summary, {}), 6);
+  EXPECT_EQ(Judge(summary, {}).line, "do not use: a point of lower cost was met");
+  EXPECT_TRUE(Says(summary, {}, "at an end of it the cost \"rises\" by -7.2 instead of 3.84"));
+  summary.num_continuations = 3;
+  EXPECT_TRUE(Says(summary, {}, "after the fit had gone on from such a point 3 times"));
+  summary.interval_check->rise_below = -0.1;
+  EXPECT_EQ(FitExitCode(summary, {}), 0) << "a tenth of what a standard deviation costs";
+  EXPECT_EQ(Judge(summary, {}).overall, Usability::kWithCare);
+  summary.interval_check = IntervalCheck{0, 3.7, 4.0, {}};
+  summary.num_continuations = 1;
+  EXPECT_EQ(Judge(summary, {}).line, "usable with care: the cost has more than one minimum");
+  EXPECT_TRUE(Says(summary, {}, "the fit went on 1 time from a point of lower cost"));
+}
+
+TEST(VerdictTest, AStalledFitHasNoInterval) {
+  FitSummary summary = ThreeParameters();
+  summary.uncertainty->predicted_decrease = 2.1;
+  for (const int i : {0, 2}) {
+    summary.uncertainty->parameters[i].stalled = true;
+    summary.uncertainty->parameters[i].identifiable = false;
+    summary.uncertainty->parameters[i].std = kNaN;
+    summary.uncertainty->parameters[i].distance = 1.2 + 0.2 * i;
+  }
+  EXPECT_EQ(FitExitCode(summary, {}), 4);
+  EXPECT_EQ(Judge(summary, {}).line, "do not use mu and drag (the fit stalled); usable: k_stretch");
+  EXPECT_TRUE(Says(summary, {},
+                   "mu is 1.2 and drag 1.6 standard deviations from the minimum of the quadratic model at "
+                   "the estimate, which promises a cost lower by 2.1 s^2"));
+  EXPECT_FALSE(HasInterval(summary, {}, 0));
+  EXPECT_EQ(ParameterRemark(summary, {}, 0), "stalled");
+}
+
+TEST(VerdictTest, AnOpenProfileTellsNothing) {
+  FitChecks checks;
+  Profile profile;
+  profile.parameter = "mu";
+  profile.points = {{0.3, 0.0, Eigen::VectorXd::Constant(1, 0.3)}};
+  profile.lower95 = 0.1;
+  checks.profiles = {profile};
+  EXPECT_EQ(Judge(Converged(), checks).line, "usable with care: the profile of mu is open on one side");
+  checks.profiles[0].lower95 = kNaN;
+  EXPECT_EQ(FitExitCode(Converged(), checks), 4);
+  checks.profiles[0].lower95 = 0.1;
+  checks.profiles[0].upper95 = 0.5;
+  checks.profiles[0].points.push_back({0.4, -5.0, Eigen::VectorXd::Constant(1, 0.4)});
+  EXPECT_EQ(FitExitCode(Converged(), checks), 6) << "the estimate is not the minimum";
+  EXPECT_TRUE(Says(Converged(), checks, "a lower cost was found at mu 0.4: fit again from there"));
 }
 
 TEST(VerdictTest, ExitCodesInTheirOrder) {
@@ -39,13 +240,16 @@ TEST(VerdictTest, ExitCodesInTheirOrder) {
   EXPECT_EQ(FitExitCode(summary, checks), 0);
   checks.holdout = Holdout{0.2, 0.1, ""};
   EXPECT_EQ(FitExitCode(summary, checks), 5);
+  EXPECT_EQ(Judge(summary, checks).overall, Usability::kDoNotUse);
   summary.parameters[0].at_bound = true;
   EXPECT_EQ(FitExitCode(summary, checks), 4);
   summary.parameters[0].at_bound = false;
-  summary.uncertainty->parameters[0].identifiable = false;
+  summary.uncertainty->parameters[0].visible = summary.uncertainty->parameters[0].identifiable = false;
   EXPECT_EQ(FitExitCode(summary, checks), 4);
   summary.uncertainty.reset();
   EXPECT_EQ(FitExitCode(summary, checks), 4) << "nothing vouches for the estimate";
+  checks.recordings = {Recording(2.0, 0.1)};
+  EXPECT_EQ(FitExitCode(summary, checks), 6);
   summary.status = FitStatus::kNotConverged;
   EXPECT_EQ(FitExitCode(summary, checks), 3);
   summary.status = FitStatus::kInterrupted;
@@ -70,7 +274,7 @@ TEST(VerdictTest, SaysWhatIsHiddenAndWhatStandsAtItsBound) {
   EXPECT_TRUE(Says(summary, {}, "mu stands at its bound"));
   EXPECT_FALSE(Says(summary, {}, "every fitted parameter is identifiable"));
   summary = Converged();
-  summary.uncertainty->parameters[0].identifiable = false;
+  summary.uncertainty->parameters[0].visible = summary.uncertainty->parameters[0].identifiable = false;
   summary.uncertainty->hidden_directions.push_back({Eigen::VectorXd::Ones(1), 0.5, "mu"});
   EXPECT_TRUE(Says(summary, {}, "not identifiable: mu: moved from bound to bound, the prediction changes by 0.5"));
   EXPECT_NE(ResultTable(summary, {}).find("not identifiable"), std::string::npos);
@@ -83,6 +287,7 @@ TEST(VerdictTest, SaysWhereResidualsAreNotIndependent) {
   summary.error.successive_products = 0.6;
   EXPECT_TRUE(Says(summary, {}, "correlated from frame to frame (0.6)"));
   EXPECT_TRUE(Says(summary, {}, "too narrow by a factor of about 2"));
+  EXPECT_EQ(Judge(summary, {}).line, "usable with care: residuals are correlated from frame to frame");
   summary.error.successive_products = 0.1;
   EXPECT_FALSE(Says(summary, {}, "correlated"));
 }
@@ -104,19 +309,11 @@ TEST(VerdictTest, SaysByHowMuchIntervalsWereWidened) {
 
 TEST(VerdictTest, SaysWhereTheCostIsNotQuadratic) {
   FitSummary summary = Converged();
-  summary.interval_check = IntervalCheck{0, 3.7, 4.0};
+  summary.interval_check = IntervalCheck{0, 3.7, 4.0, {}};
   EXPECT_FALSE(Says(summary, {}, "cannot be relied on"));
   summary.interval_check->rise_above = 120.0;
   EXPECT_TRUE(
       Says(summary, {}, "the interval of mu cannot be relied on: at its ends the cost rises by 3.7 and 1.2e+02"));
-}
-
-TEST(VerdictTest, SaysWhereAFitStoppedEarly) {
-  FitSummary summary = Converged();
-  summary.uncertainty->parameters[0].distance = 0.1;
-  EXPECT_FALSE(Says(summary, {}, "stopped early"));
-  summary.uncertainty->parameters[0].distance = 25.0;
-  EXPECT_TRUE(Says(summary, {}, "mu is 25 standard deviations from the minimum of the quadratic model"));
 }
 
 FitChecks TwoMinima(double cost_rise) {
@@ -166,6 +363,9 @@ TEST(VerdictTest, SaysHowFarHalfTheStepMovesIt) {
   checks.step_check->values = Eigen::VectorXd::Constant(1, 0.33);
   checks.step_check->changes = Eigen::VectorXd::Constant(1, 0.03);
   EXPECT_TRUE(Says(Converged(), checks, "at half the time step mu moves by 0.03 (10 %), 3 standard deviations"));
+  EXPECT_EQ(Judge(Converged(), checks).line, "usable with care: half the time step moves mu");
+  checks.step_check->values[0] = 0.302;
+  EXPECT_EQ(Judge(Converged(), checks).overall, Usability::kUsable) << "a fifth of a standard deviation";
 }
 
 }  // namespace

@@ -1,0 +1,160 @@
+// Reasons that lie in what was looked at beside the fit.
+#include <algorithm>
+#include <cmath>
+
+#include "identify/verdict/reason.h"
+
+namespace clothid {
+namespace {
+
+// A profile that falls below the estimate by more than the first was not the minimum; in s^2, by more than the second
+// the fit should have ended elsewhere.
+constexpr double kProfileRounding = 1e-3;
+constexpr double kLowerCost = 0.1;
+// What half the time step moves by more than this, in standard deviations and relative to the value, the step has a
+// part in.
+constexpr double kFarStds = 2.0;
+constexpr double kFarShare = 0.01;
+
+Reason Remark(const std::string& line) { return {Usability::kUsable, kExitSuccess, {}, "", line}; }
+
+void AddMinimum(const FitSummary& summary, const MultiStart& starts, const Minimum& other,
+                std::vector<Reason>* reasons) {
+  constexpr double kFarHigher = 1e4;
+  const std::string line = std::to_string(other.num_starts) + " of " + std::to_string(starts.starts.size()) +
+                           " ended in another minimum, " + ValuesText(summary, other.values) + ", rmse " +
+                           MillimetreText(other.rmse) + ": ";
+  if (other.is_distinguishable()) {
+    const double ratio = other.cost / starts.minima.front().cost;
+    reasons->push_back(Remark(line + "not preferred, its cost is " +
+                              (ratio < kFarHigher ? NumberText(ratio, 3) + " times" : "far above") + " the lowest"));
+    return;
+  }
+  std::vector<int> ambiguous;
+  for (int i = 0; i < static_cast<int>(starts.ambiguous.size()); ++i) {
+    if (starts.ambiguous[i]) ambiguous.push_back(i);
+  }
+  if (ambiguous.empty()) {
+    reasons->push_back(Remark(line + "the recording cannot tell it from the preferred one"));
+    return;
+  }
+  reasons->push_back({Usability::kDoNotUse, kExitNotIdentifiable, ambiguous, "another minimum fits as well",
+                      line + "the recording cannot tell it from the preferred one"});
+}
+
+void AddStarts(const FitSummary& summary, const MultiStart& starts, std::vector<Reason>* reasons) {
+  const std::string total = std::to_string(starts.starts.size());
+  const auto num_unconverged = std::count_if(starts.starts.begin(), starts.starts.end(),
+                                             [](const StartResult& start) { return start.minimum < 0; });
+  if (num_unconverged > 0) {
+    reasons->push_back(Remark(std::to_string(num_unconverged) + " of " + total + " starts did not converge"));
+  }
+  if (starts.minima.empty()) return;
+  const Minimum& first = starts.minima.front();
+  reasons->push_back(Remark(std::to_string(first.num_starts) + " of " + total +
+                            " starts ended in the same minimum, rmse " + MillimetreText(first.rmse) +
+                            (starts.minima.size() > 1 ? ": the preferred one" : "")));
+  for (std::size_t m = 1; m < starts.minima.size(); ++m) AddMinimum(summary, starts, starts.minima[m], reasons);
+}
+
+int IndexOf(const FitSummary& summary, const std::string& name) {
+  const auto it = std::find_if(summary.parameters.begin(), summary.parameters.end(),
+                               [&](const FittedParameter& parameter) { return parameter.name == name; });
+  return static_cast<int>(it - summary.parameters.begin());
+}
+
+void AddProfileInterval(const FitSummary& summary, const Profile& profile, std::vector<Reason>* reasons) {
+  const auto end = [](double value) { return std::isnan(value) ? std::string("open") : NumberText(value, 6); };
+  const std::string line = "profile of " + profile.parameter + ": 95 % interval " + end(profile.lower95) + " .. " +
+                           end(profile.upper95) +
+                           (profile.has_no_noise ? ": that of the optimiser, there is no noise" : "");
+  const int num_open = (std::isnan(profile.lower95) ? 1 : 0) + (std::isnan(profile.upper95) ? 1 : 0);
+  const std::vector<int> parameter = {IndexOf(summary, profile.parameter)};
+  if (num_open == 2) {
+    reasons->push_back({Usability::kDoNotUse, kExitNotIdentifiable, parameter, "its profile is open", line});
+  } else if (num_open == 1) {
+    reasons->push_back({Usability::kWithCare, kExitSuccess, parameter,
+                        "the profile of " + profile.parameter + " is open on one side", line});
+  } else {
+    reasons->push_back(Remark(line));
+  }
+}
+
+void AddProfiles(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  for (const Profile& profile : checks.profiles) {
+    AddProfileInterval(summary, profile, reasons);
+    const auto lowest =
+        std::min_element(profile.points.begin(), profile.points.end(),
+                         [](const ProfilePoint& a, const ProfilePoint& b) { return a.cost_rise < b.cost_rise; });
+    if (lowest == profile.points.end() || !(lowest->cost_rise < -kProfileRounding)) continue;
+    const bool is_clear = -0.5 * lowest->cost_rise > kLowerCost;
+    reasons->push_back({is_clear ? Usability::kDoNotUse : Usability::kWithCare,
+                        is_clear ? kExitDoNotUse : kExitSuccess,
+                        {},
+                        "a profile met a point of lower cost",
+                        "profile of " + profile.parameter + ": a lower cost was found at " +
+                            ValuesText(summary, lowest->values) + ": fit again from there"});
+  }
+}
+
+// "mu moves by 0.01 (4 %), 3 standard deviations", and whether that is far.
+std::string Move(const FitSummary& summary, const StepCheck& check, int index, bool* is_far) {
+  const FittedParameter& parameter = summary.parameters[index];
+  const double change = check.values[index] - parameter.value;
+  const double std = summary.uncertainty ? summary.uncertainty->parameters[index].std : std::nan("");
+  std::string text = parameter.name + " moves by " + NumberText(change, 3);
+  if (parameter.value != 0.0) text += " (" + NumberText(100.0 * change / parameter.value, 3) + " %)";
+  if (!std::isnan(std)) text += ", " + NumberText(std::abs(change) / std, 3) + " standard deviations";
+  *is_far = !(std::abs(change) <= kFarStds * std) && std::abs(change) > kFarShare * std::abs(parameter.value);
+  return text;
+}
+
+void AddStepCheck(const FitSummary& summary, const StepCheck& check, std::vector<Reason>* reasons) {
+  if (check.changes.size() == 0) {
+    reasons->push_back({Usability::kWithCare,
+                        kExitSuccess,
+                        {},
+                        "half the time step could not be simulated",
+                        "step check: the rollout at half the time step failed"});
+    return;
+  }
+  std::string moves;
+  std::vector<int> far;
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    if (summary.parameters[i].frozen) continue;
+    bool is_far = false;
+    moves += (moves.empty() ? "" : ", ") + Move(summary, check, i, &is_far);
+    if (is_far) far.push_back(i);
+  }
+  std::string line = "at half the time step " + moves;
+  if (check.status != FitStatus::kConverged) line += "; that fit ended as " + FitStatusName(check.status);
+  if (far.empty()) return reasons->push_back(Remark(line));
+  const std::string brief = "half the time step moves " + NamesText(summary, far);
+  reasons->push_back({Usability::kWithCare, kExitSuccess, far, brief, line});
+}
+
+void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
+  const std::string brief = holdout.failure.empty()
+                                ? "what was held out is predicted worse than by the nominal parameters"
+                                : "what was held out cannot be predicted";
+  const auto add = [&](const std::string& line) {
+    reasons->push_back(holdout.has_failed() ? Reason{Usability::kDoNotUse, kExitHoldoutFailed, {}, brief, line}
+                                            : Remark(line));
+  };
+  if (!holdout.failure.empty()) add("held out: " + holdout.failure);
+  if (std::isnan(holdout.rmse) || std::isnan(holdout.nominal_rmse)) return;
+  add(std::string("held out: the estimates predict ") + (holdout.has_failed() ? "worse" : "better") +
+      " than the nominal parameters, rmse " + MillimetreText(holdout.rmse) + " against " +
+      MillimetreText(holdout.nominal_rmse));
+}
+
+}  // namespace
+
+void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  if (checks.starts) AddStarts(summary, *checks.starts, reasons);
+  AddProfiles(summary, checks, reasons);
+  if (checks.step_check) AddStepCheck(summary, *checks.step_check, reasons);
+  if (checks.holdout) AddHoldout(*checks.holdout, reasons);
+}
+
+}  // namespace clothid

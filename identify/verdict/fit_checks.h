@@ -1,0 +1,40 @@
+// What a run knows of a fit beside the fit itself.
+#ifndef CLOTHID_IDENTIFY_VERDICT_FIT_CHECKS_H_
+#define CLOTHID_IDENTIFY_VERDICT_FIT_CHECKS_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/base/options.h"
+#include "identify/checks/gradient_check.h"
+#include "identify/checks/holdout.h"
+#include "identify/checks/multi_start.h"
+#include "identify/checks/profile.h"
+#include "identify/checks/step_check.h"
+#include "identify/landscape/fit_landscape.h"
+#include "identify/verdict/recording_fit.h"
+
+namespace clothid {
+
+// What a run looked at beside the fit itself, and how it was called. Absent: not asked for.
+struct FitChecks {
+  JacobianMethod jacobian = JacobianMethod::kAdjoint;
+  std::optional<GradientCheck> gradient_check;
+  std::optional<MultiStart> starts;
+  std::vector<Profile> profiles;
+  std::vector<FitLandscape> landscapes;  // which `MatchLandscape` has seen
+  std::optional<StepCheck> step_check;
+  std::optional<Holdout> holdout;
+  std::vector<RecordingFit> recordings;          // of `DescribeRecordings`; empty: nobody looked
+  std::vector<Eigen::MatrixXd> predicted_nodes;  // see identify/report/node_prediction.h
+  std::string flags;                             // the command line
+  std::uint64_t seed = 0;
+  int num_threads = 1;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_VERDICT_FIT_CHECKS_H_

@@ -1,0 +1,142 @@
+// Reasons that lie in what the recordings tell of each parameter.
+#include <utility>
+
+#include "identify/base/join_words.h"
+#include "identify/verdict/reason.h"
+#include "identify/verdict/told.h"
+
+namespace clothid {
+namespace {
+
+// Ends of an interval that differ by more than this factor are worth a word.
+constexpr double kWideFactor = 5.0;
+
+Reason Forbidden(std::vector<int> parameters, const std::string& brief, const std::string& line) {
+  return {Usability::kDoNotUse, kExitNotIdentifiable, std::move(parameters), brief, line};
+}
+
+std::vector<int> FreeParameters(const FitSummary& summary) {
+  std::vector<int> free;
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    if (!summary.parameters[i].frozen) free.push_back(i);
+  }
+  return free;
+}
+
+void AddHidden(const FitSummary& summary, const std::vector<int>& hidden, std::vector<Reason>* reasons) {
+  if (hidden.empty()) return;
+  const std::string brief = "not told by the recording";
+  const std::vector<HiddenDirection>& directions = summary.uncertainty->hidden_directions;
+  if (directions.empty()) {
+    reasons->push_back(Forbidden(hidden, brief, "not identifiable: " + NamesText(summary, hidden)));
+  }
+  for (const HiddenDirection& direction : directions) {
+    reasons->push_back(Forbidden(hidden, brief,
+                                 "not identifiable: " + direction.words +
+                                     ": moved from bound to bound, the prediction changes by " +
+                                     NumberText(direction.visible_change, 2) + " standard deviations"));
+  }
+}
+
+void AddStalled(const FitSummary& summary, const std::vector<int>& stalled, std::vector<Reason>* reasons) {
+  if (stalled.empty()) return;
+  std::vector<std::string> distances;
+  for (const int i : stalled) {
+    distances.push_back(summary.parameters[i].name + (distances.empty() ? " is " : " ") +
+                        NumberText(summary.uncertainty->parameters[i].distance, 2));
+  }
+  reasons->push_back(
+      Forbidden(stalled, "the fit stalled",
+                JoinWords(distances) +
+                    " standard deviations from the minimum of the quadratic model at the estimate, which promises a " +
+                    "cost lower by " + NumberText(summary.uncertainty->predicted_decrease, 2) +
+                    " s^2: the fit stopped early, or at a kink of the cost; no interval is given"));
+}
+
+void AddHardlyTold(const FitSummary& summary, int index, std::vector<Reason>* reasons) {
+  const std::string& name = summary.parameters[index].name;
+  const ParameterUncertainty& parameter = summary.uncertainty->parameters[index];
+  if (parameter.is_hardly_told()) {
+    const std::string how =
+        parameter.reaches_lower && parameter.reaches_upper
+            ? "reaches from bound to bound"
+            : "is " + NumberText(parameter.share_of_belief, 2) + " of what was believed before" +
+                  (parameter.reaches_lower || parameter.reaches_upper ? ", and reaches a bound" : "");
+    reasons->push_back(Forbidden(
+        {index}, "hardly told by the recording",
+        name + " is hardly told by the recording: its 95 % interval " + how + "; give narrower bounds or freeze it"));
+    return;
+  }
+  // Its value is known, but not from this side.
+  const std::string side = parameter.reaches_lower ? "lower" : "upper";
+  const std::string brief = "the interval of " + name + " reaches its " + side + " bound";
+  reasons->push_back(
+      {Usability::kWithCare,
+       kExitNotIdentifiable,
+       {index},
+       brief,
+       brief + ": the recording tells only " + (parameter.reaches_lower ? "how large" : "how small") + " it can be"});
+}
+
+void AddUndetermined(const FitSummary& summary, const std::vector<int>& free, std::vector<Reason>* reasons) {
+  std::vector<int> hidden, stalled;
+  for (const int i : free) {
+    const ParameterUncertainty& parameter = summary.uncertainty->parameters[i];
+    const bool reaches_bound = parameter.reaches_lower || parameter.reaches_upper;
+    if (summary.parameters[i].at_bound) {
+      reasons->push_back(
+          Forbidden({i}, "at its bound", summary.parameters[i].name + " stands at its bound: no interval is given"));
+    } else if (parameter.stalled) {
+      stalled.push_back(i);
+    } else if (parameter.visible && (parameter.is_hardly_told() || reaches_bound)) {
+      AddHardlyTold(summary, i, reasons);
+    }
+    if (!parameter.visible) hidden.push_back(i);
+  }
+  AddStalled(summary, stalled, reasons);
+  AddHidden(summary, hidden, reasons);
+}
+
+void AddWide(const FitSummary& summary, int index, std::vector<Reason>* reasons) {
+  const ParameterUncertainty& parameter = summary.uncertainty->parameters[index];
+  if (!parameter.identifiable || !(parameter.factor > kWideFactor)) return;
+  const std::string brief = "the interval of " + summary.parameters[index].name + " is wide";
+  reasons->push_back({Usability::kWithCare,
+                      kExitSuccess,
+                      {index},
+                      brief,
+                      brief + ": its ends differ by a factor of " + NumberText(parameter.factor, 2)});
+}
+
+void AddIntervalCheck(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  if (!summary.interval_check || summary.interval_check->is_quadratic()) return;
+  const IntervalCheck& check = *summary.interval_check;
+  if (check.better.size() > 0 || !IsIdentifiable(summary, checks, check.parameter).value_or(false)) return;
+  const auto rise = [](double value) {
+    return std::isnan(value) ? std::string("nothing that can be told") : NumberText(value, 2);
+  };
+  const std::string brief = "the interval of " + summary.parameters[check.parameter].name + " cannot be relied on";
+  reasons->push_back({Usability::kWithCare,
+                      kExitSuccess,
+                      {check.parameter},
+                      brief,
+                      brief + ": at its ends the cost rises by " + rise(check.rise_below) + " and " +
+                          rise(check.rise_above) + " instead of 3.84; see --profile and --starts"});
+}
+
+}  // namespace
+
+void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  const std::vector<int> free = FreeParameters(summary);
+  if (free.empty()) return;
+  if (!summary.uncertainty) {
+    if (summary.status != FitStatus::kConverged) return;
+    reasons->push_back(Forbidden(free, "no interval", "no interval is given: there is no derivative at the estimate"));
+    return;
+  }
+  AddUndetermined(summary, free, reasons);
+  AddIntervalCheck(summary, checks, reasons);
+  for (const int i : free) AddWide(summary, i, reasons);
+}
+
+}  // namespace clothid

@@ -1,0 +1,43 @@
+// One reason for a verdict, and who looks for which.
+#ifndef CLOTHID_IDENTIFY_VERDICT_REASON_H_
+#define CLOTHID_IDENTIFY_VERDICT_REASON_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "identify/fit/fit_summary.h"
+#include "identify/verdict/fit_checks.h"
+#include "identify/verdict/usability.h"
+#include "sim/base/error.h"
+
+namespace clothid {
+
+struct Reason {
+  Usability usability = Usability::kUsable;  // of what it speaks of
+  ExitCode exit_code = kExitSuccess;
+  std::vector<int> parameters;  // of which it speaks; empty: of the whole answer
+  // For the overall line; empty where usable. Of the whole answer and with care a clause, "the error is of the size of
+  // the cloth"; of parameters that are not to be used a few words, "at its bound".
+  std::string brief;
+  std::string line;  // with figures; empty: `brief` says it all
+};
+
+// Each appends what it finds. The fit: its end, its error in every recording, its residuals, the points that its checks
+// have met.
+void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
+// Its parameters: what the recordings tell of each, and what their intervals are worth.
+void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
+// What was looked at besides: other starts, profiles, half the time step, held-out measurements.
+void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
+
+// "4.123", with that many digits; "1.234 mm" of metres; "mu 0.3, k_stretch 50" of the values of all that are not
+// frozen; "mu and drag" of names.
+std::string NumberText(double value, int digits = 4);
+std::string MillimetreText(double metres);
+std::string ValuesText(const FitSummary& summary, const Eigen::VectorXd& values);
+std::string NamesText(const FitSummary& summary, const std::vector<int>& parameters);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_VERDICT_REASON_H_

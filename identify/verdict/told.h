@@ -1,0 +1,28 @@
+// What the recordings tell of a parameter.
+#ifndef CLOTHID_IDENTIFY_VERDICT_TOLD_H_
+#define CLOTHID_IDENTIFY_VERDICT_TOLD_H_
+
+#include <optional>
+#include <string>
+
+#include "identify/fit/fit_summary.h"
+#include "identify/verdict/fit_checks.h"
+
+namespace clothid {
+
+// Whether the recordings determine parameter `index`: its derivative and its interval say so
+// (identify/uncertainty/uncertainty.h), and no other start ended at another value that fits as well. Absent: frozen, or
+// the derivative at the estimate could not be evaluated.
+std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& checks, int index);
+
+// Whether parameter `index` has an interval to show. One that is hardly told has, for that it is wide is the answer;
+// one whose value another start contradicts, or that the fit stalled at, has none.
+bool HasInterval(const FitSummary& summary, const FitChecks& checks, int index);
+
+// What stands beside a parameter in a table: "frozen", "not identifiable", "hardly told", "stalled", "reaches a bound",
+// "at its bound", or nothing.
+std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, int index);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_VERDICT_TOLD_H_
