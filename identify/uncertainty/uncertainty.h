@@ -24,7 +24,7 @@
 //   - Its interval is hardly narrower than what was believed before: that every value of q between the bounds is as
 //     likely, which has the standard deviation range/sqrt(12), the range of a logarithmic q at most that of a factor of
 //     1e4, for bounds that are wider only keep the optimiser from wandering. Identifiable asks for a third of that: a
-//     variance above 1/9 of that of the belief adds little to it. In numbers: an interval of mu below 1.5 in all with
+//     variance above 1/9 of that of the belief adds little to it. In numbers: an interval of mu narrower than 0.75 with
 //     bounds of 0 and 2, ends of a stiffness that differ by less than a factor of 32.
 //   - The fit stalled. At a minimum the model |e + J d|^2/2 promises no lower cost. Where it promises one lower by more
 //     than 0.1 s^2 the fit stopped early, or at a kink of the cost, whose derivative is that of one side: the
