@@ -97,10 +97,12 @@ CoverageSummary Summarize(const std::vector<CoverageFit>& fits, const TrueParame
   summary.name = parameter.name;
   summary.num_fits = static_cast<int>(fits.size());
   double mean = 0.0, squares = 0.0;
+  const auto num_intervals = static_cast<double>(
+      std::count_if(fits.begin(), fits.end(), [&](const CoverageFit& fit) { return !std::isnan(fit.std[i]); }));
   for (const CoverageFit& fit : fits) {
     mean += fit.value[i] / summary.num_fits;
-    summary.mean_std += fit.std[i] / summary.num_fits;
-    summary.mean_width += (fit.upper95[i] - fit.lower95[i]) / summary.num_fits;
+    if (!std::isnan(fit.std[i])) summary.mean_std += fit.std[i] / num_intervals;
+    if (!std::isnan(fit.std[i])) summary.mean_width += (fit.upper95[i] - fit.lower95[i]) / num_intervals;
     summary.num_covered += fit.lower95[i] <= parameter.value && parameter.value <= fit.upper95[i];
   }
   for (const CoverageFit& fit : fits) squares += std::pow(fit.value[i] - mean, 2);
