@@ -23,10 +23,6 @@
 
 namespace clothid {
 
-// A Gauss-Newton step that lowers the cost by less than this many s^2 is that of a fit that has arrived: 0.1 is a step
-// of 0.45 standard deviations.
-inline constexpr double kStalledDecrease = 0.1;
-
 struct StartStageResult {
   bool ok = false;      // false: a derivative failed
   std::string failure;  // why
