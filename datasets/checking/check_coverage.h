@@ -9,10 +9,12 @@
 
 namespace clothid {
 
-// Frame rate, gaps, missing points.
+// Frame rate, gaps, missing points; frames and points that are copies of others, where there are any.
 std::vector<Finding> CheckCoverage(const CheckedMotion& checked);
-// All that can be said of clouds without tracked points: frame rate, gaps, time step.
+// Frame rate and gaps alone, for clouds without tracked points.
 std::vector<Finding> CheckTimes(const CheckedMotion& checked);
+// Whether the path of the handles is known all the time; for handles that move. Empty where it is.
+std::vector<Finding> CheckPathTimes(const CheckedMotion& checked);
 // The time step of the scene against the frame rate.
 Finding CheckTimeStep(const CheckedMotion& checked);
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "datasets/checking/finding_words.h"
 #include "datasets/checking/grid_orders.h"
 
 namespace clothid {
@@ -13,37 +14,13 @@ namespace {
 
 constexpr double kQuiet = 1e-3;       // noise over the size of the cloth that counts as none
 constexpr double kSigmaFactor = 3.0;  // between the noise that the file states and the one estimated
+constexpr double kWrongSigma = 30.0;  // likewise: another unit
 constexpr double kCoarse = 0.3;       // noise over spacing from which neighbours cannot be told apart
 constexpr Eigen::Index kMaxOrderPoints = 20000;
 constexpr double kLongEdge = 1.6;     // a pair over its own median length and that of its frame: torn apart
 constexpr double kTornShare = 0.04;   // of the pairs: from here a frame counts as out of order
 constexpr double kStrayShare = 0.15;  // of the points: so many may be far off in a frame without its order being wrong
 constexpr double kJump = 0.1;         // of the spacing: less is no jump of the cloth
-constexpr double kPointJump = 0.3;    // likewise of a point
-constexpr double kNoiseJump = 8.0;    // standard deviations: less is no jump of a point
-constexpr double kSameLength = 0.05;  // of the edges, by share
-constexpr double kWrongLength = 0.2;
-constexpr double kUnitTolerance = 0.2;
-
-// A unit that a length ratio may give away.
-struct Unit {
-  double ratio;      // recorded over rest
-  const char* text;  // the hint
-};
-constexpr Unit kUnits[] = {
-    {1000.0, "the points seem to be in mm: motion convert --scale 0.001"},
-    {100.0, "the points seem to be in cm: motion convert --scale 0.01"},
-    {1.0 / 0.0254, "the points seem to be in inches: motion convert --scale 0.0254"},
-    {1.0 / 0.3048, "the points seem to be in feet: motion convert --scale 0.3048"},
-    {10.0, "the points seem to be in dm: motion convert --scale 0.1"},
-    {0.001, "the mesh seems to be in mm and the points in m: give the mesh in m"},
-    {0.01, "the mesh seems to be in cm and the points in m: give the mesh in m"},
-    {0.0254, "the mesh seems to be in inches and the points in m: give the mesh in m"},
-};
-
-double PointJumpFloor(const CheckedMotion& checked) {
-  return std::max(kPointJump * checked.spacing, kNoiseJump * checked.noise.rms());
-}
 
 // The pairs of a frame, of which some are long, and points that are left out together with their pairs.
 class TornPairs {
@@ -124,7 +101,11 @@ Finding JumpsOfCloth(const CheckedMotion& checked, const Eigen::MatrixXd& positi
   finding.what = "jumps of the cloth";
   // The noise of a median over the points.
   const double noise = checked.noise_floor / std::sqrt(static_cast<double>(checked.motion.num_points()));
-  finding.frames = ClothJumps(checked.motion.times, positions, kJump * checked.spacing + noise);
+  // Nor is what gravity may do to a cloth within an interval, unless handles pull it farther.
+  const Scene& scene = checked.motion.scene;
+  const double fall =
+      scene.handles.path.num_handles() > 0 ? 0.0 : scene.gravity.norm() * std::pow(checked.median_interval, 2);
+  finding.frames = ClothJumps(checked.motion.times, positions, kJump * checked.spacing + noise + fall);
   finding.value = finding.frames.empty() ? "none" : "into " + Named("frame", finding.frames);
   if (!finding.frames.empty()) {
     finding.severity = Severity::kWarning;
@@ -142,7 +123,7 @@ Finding JumpsOfPoints(const CheckedMotion& checked, Eigen::MatrixXd positions, c
   std::set<int> frames, points;
   std::string first;
   int count = 0;
-  for (const auto& [frame, point] : PointJumps(checked.motion.times, positions, PointJumpFloor(checked))) {
+  for (const auto& [frame, point] : PointJumps(checked.motion.times, positions, checked.point_jump_floor())) {
     frames.insert(frame);
     points.insert(point);
     if (++count <= 3) first += (first.empty() ? "" : ", ") + std::to_string(point) + " in " + std::to_string(frame);
@@ -157,42 +138,6 @@ Finding JumpsOfPoints(const CheckedMotion& checked, Eigen::MatrixXd positions, c
         "them, or fit with a robust loss";
   }
   return finding;
-}
-
-// How the lengths would be if the other axis of a grid ran fastest; NaN where the points are no such grid.
-double TransposedRatio(const CheckedMotion& checked) {
-  const std::vector<std::vector<int>> orders = GridOrders(checked.rest_points);
-  double least = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t k = 1; k < orders.size(); ++k) {
-    std::vector<PointPair> pairs = checked.pairs;
-    for (PointPair& pair : pairs) pair = {orders[k][pair.first], orders[k][pair.second], pair.rest_length};
-    const Eigen::MatrixXd ratios = LengthRatios(pairs, checked.motion.positions);
-    const double ratio = Median(ratios.reshaped());
-    if (!(ratio >= least)) least = ratio;
-  }
-  return least;
-}
-
-void JudgeLengths(const CheckedMotion& checked, double ratio, double start_ratio, Finding* finding) {
-  for (const Unit& unit : kUnits) {
-    if (std::abs(std::log(ratio / unit.ratio)) > kUnitTolerance) continue;
-    finding->severity = Severity::kProblem;
-    finding->hint = unit.text;
-    return;
-  }
-  // A soft cloth that swings is stretched most of the time, but seldom where it starts.
-  const double off = std::min(std::abs(std::log(ratio)), std::abs(std::log(start_ratio)));
-  if (!(off > kSameLength)) return;
-  finding->severity = off > kWrongLength ? Severity::kWarning : Severity::kNote;
-  finding->hint =
-      "the mesh at rest is of another size than the recorded cloth, or the cloth is stretched or folded at "
-      "the start; the fit takes the difference for strain";
-  if (checked.rest_points.cols() > kMaxOrderPoints || off <= kWrongLength) return;
-  if (std::abs(std::log(TransposedRatio(checked))) < 0.5 * off) {
-    finding->hint =
-        "neighbours of the mesh are no neighbours in the recording; with the other axis of the grid running "
-        "fastest they are: motion convert --transpose";
-  }
 }
 
 }  // namespace
@@ -220,6 +165,11 @@ Finding CheckNoise(const CheckedMotion& checked) {
   } else if (stated > kSigmaFactor * noise.rms()) {
     finding.severity = Severity::kNote;
     finding.hint = "less than the file says: intervals will be wider than they need to be";
+  }
+  // A simulation that was given the noise of another sensor has none at all.
+  if (stated > kWrongSigma * noise.rms() && stated > kCoarse * checked.spacing) {
+    finding.severity = Severity::kWarning;
+    finding.hint = "far less than the file says: --sigma and the tensor `sigma` are in m";
   }
   if (noise.rms() > kCoarse * checked.spacing) {
     finding.severity = Severity::kWarning;
@@ -260,24 +210,6 @@ std::vector<Finding> CheckJumps(const CheckedMotion& checked, const std::vector<
   for (const int frame : left_out) positions.col(frame).setConstant(std::numeric_limits<double>::quiet_NaN());
   const Finding of_cloth = JumpsOfCloth(checked, positions);
   return {of_cloth, JumpsOfPoints(checked, positions, of_cloth.frames)};
-}
-
-Finding CheckEdges(const CheckedMotion& checked) {
-  Finding finding;
-  finding.what = "edge lengths";
-  if (checked.pairs.empty()) {
-    finding.value = "not compared: no neighbouring points";
-    return finding;
-  }
-  const Eigen::MatrixXd ratios = LengthRatios(checked.pairs, checked.motion.positions);
-  const double ratio = Median(ratios.reshaped());
-  double start_ratio = std::numeric_limits<double>::quiet_NaN();
-  for (Eigen::Index frame = 0; frame < ratios.cols() && std::isnan(start_ratio); ++frame) {
-    start_ratio = Median(ratios.col(frame));
-  }
-  finding.value = Rounded(ratio) + " of the mesh at rest (median), " + Rounded(start_ratio) + " at the start";
-  JudgeLengths(checked, ratio, start_ratio, &finding);
-  return finding;
 }
 
 }  // namespace clothid

@@ -1,4 +1,4 @@
-// Findings about the measured points alone: noise, order, jumps, lengths.
+// Findings about the measured points alone: noise, order, jumps.
 #ifndef CLOTHID_DATASETS_CHECKING_CHECK_POINTS_H_
 #define CLOTHID_DATASETS_CHECKING_CHECK_POINTS_H_
 
@@ -13,7 +13,6 @@ Finding CheckNoise(const CheckedMotion& checked);
 Finding CheckOrder(const CheckedMotion& checked);
 // Of the cloth and of points. `left_out`: frames that are known to be wrong.
 std::vector<Finding> CheckJumps(const CheckedMotion& checked, const std::vector<int>& left_out);
-Finding CheckEdges(const CheckedMotion& checked);
 
 }  // namespace clothid
 

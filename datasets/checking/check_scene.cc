@@ -6,21 +6,37 @@
 #include <numeric>
 #include <set>
 
+#include "datasets/checking/finding_words.h"
+
 namespace clothid {
 namespace {
 
 constexpr double kTouching = 1e-3;             // of the cloth's size: a gap that counts as contact
 constexpr double kDeep = 0.05;                 // of the cloth's size: no point of a cloth is so deep in an obstacle
+constexpr double kSunk = 0.01;                 // of the cloth's size: nor are half of those that touch
+constexpr double kManyTouch = 0.2;             // share of the points that tells where the obstacle is
+constexpr double kFarOutside = 0.02;           // share of a cloud's points that may be anywhere
+constexpr double kSupport = 0.3;               // cosine: an obstacle that gravity pulls away from
+constexpr double kWall = 0.2;                  // cosine: an obstacle that carries nothing
+constexpr double kFallTime = 2.0;              // times sqrt(size / gravity): by then it has fallen twice its size
 constexpr double kSideways = 60.0;             // degrees
 constexpr double kRadian = 57.29577951308232;  // degrees
+constexpr double kEarth = 9.81;                // m/s^2
+constexpr double kEarthTolerance = 0.05;       // by share; the poles and the equator differ by 0.5 %
+constexpr double kLightFabric = 0.031, kHeavyFabric = 0.488;  // kg/m^2
+constexpr double kBeyondFabric = 3.0;                     // as a factor: nothing is woven or knitted so light or heavy
+constexpr double kLargeCloth = 10.0, kSmallCloth = 0.01;  // m
 
-// The obstacle that is nearest to a place, and how near.
-double GapAt(const Scene& scene, const Eigen::Vector3d& place) {
-  double gap = std::numeric_limits<double>::infinity();
+// The gap to the obstacle that is nearest to a place, and its normal.
+SurfacePoint NearestSurface(const Scene& scene, const Eigen::Vector3d& place) {
+  SurfacePoint nearest;
+  nearest.gap = std::numeric_limits<double>::infinity();
   for (const SceneObstacle& obstacle : scene.obstacles) {
-    gap = std::min(gap, obstacle.shape->Closest(place).gap - obstacle.contact_distance);
+    SurfacePoint surface = obstacle.shape->Closest(place);
+    surface.gap -= obstacle.contact_distance;
+    if (surface.gap < nearest.gap) nearest = surface;
   }
-  return gap;
+  return nearest;
 }
 
 Finding CheckStart(const CheckedMotion& checked) {
@@ -31,7 +47,7 @@ Finding CheckStart(const CheckedMotion& checked) {
   std::vector<int> nodes;
   const double tolerance = kTouching * checked.cloth_size;
   for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
-    const double gap = GapAt(scene, scene.initial_positions.segment<3>(3 * node));
+    const double gap = NearestSurface(scene, scene.initial_positions.segment<3>(3 * node)).gap;
     if (gap < -tolerance) nodes.push_back(node);
     deepest = std::max(deepest, -gap);
   }
@@ -45,39 +61,31 @@ Finding CheckStart(const CheckedMotion& checked) {
   return finding;
 }
 
-Finding CheckTouch(const CheckedMotion& checked, bool* touches) {
-  const RecordedMotion& motion = checked.motion;
+Finding TellTouch(const CheckedMotion& checked, const Touch& touch) {
   Finding finding;
   finding.what = "contact";
-  double least = std::numeric_limits<double>::infinity();
-  std::vector<int> touching, deep;
-  for (int frame = 0; frame < motion.num_frames(); ++frame) {
-    double gap = std::numeric_limits<double>::infinity();
-    for (int p = 0; p < motion.num_points(); ++p) {
-      const Eigen::Vector3d place = motion.positions.col(frame).segment<3>(3 * p);
-      if (place.allFinite()) gap = std::min(gap, GapAt(motion.scene, place));
-    }
-    if (gap <= kTouching * checked.cloth_size + checked.noise_floor) touching.push_back(frame);
-    if (gap < -kDeep * checked.cloth_size - checked.noise_floor) deep.push_back(frame);
-    least = std::min(least, gap);
-  }
-  *touches = !touching.empty();
-  finding.value = "least gap " + Millimetres(least) + ", in contact in " + std::to_string(touching.size()) + " of " +
-                  std::to_string(motion.num_frames()) + " frames";
-  if (touching.empty()) {
+  finding.value = "least gap " + Millimetres(touch.least_gap) + ", in contact in " +
+                  std::to_string(touch.frames.size()) + " of " + std::to_string(checked.motion.num_frames()) +
+                  " frames";
+  if (touch.frames.empty()) {
     finding.severity = Severity::kWarning;
     finding.hint = "the cloth touches nothing: friction cannot be told from this recording";
-  } else if (!deep.empty()) {
-    finding.frames = deep;
+  } else if (!touch.deep.empty()) {
+    finding.frames = touch.deep;
     finding.severity = Severity::kWarning;
-    finding.hint = "points are deep inside an obstacle in " + Named("frame", deep) +
+    finding.hint = "points are deep inside an obstacle in " + Named("frame", touch.deep) +
                    ": check frame of reference, unit and obstacles";
+  } else if (touch.share > kManyTouch && touch.depth > kSunk * checked.cloth_size + checked.noise_floor / 3.0) {
+    finding.severity = Severity::kWarning;
+    finding.value += "; points that touch are " + Millimetres(touch.depth) + " inside (median)";
+    finding.hint = "the obstacle is elsewhere: its place, contact distance, frame of reference";
   }
   return finding;
 }
 
 // Mean of the points that are no handles and seen in a frame, minus that of the handles; NaN where none is.
-Eigen::Vector3d HangDirection(const RecordedMotion& motion, int frame, const std::set<int>& handles) {
+Eigen::Vector3d HangDirection(const CheckedMotion& checked, int frame, const std::set<int>& handles) {
+  const RecordedMotion& motion = checked.motion;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
   for (int p = 0; p < motion.num_points(); ++p) {
@@ -86,6 +94,11 @@ Eigen::Vector3d HangDirection(const RecordedMotion& motion, int frame, const std
     if (is_handle || !place.allFinite()) continue;
     sum += place;
     ++count;
+  }
+  if (motion.num_points() == 0) {
+    const Eigen::Matrix3Xd cloud = checked.Cloud(frame);
+    sum = cloud.rowwise().sum();
+    count = static_cast<int>(cloud.cols());
   }
   const Handles& held = motion.scene.handles;
   const Eigen::VectorXd path = held.path.num_handles() > 0 ? held.path.At(motion.times[frame]) : Eigen::VectorXd();
@@ -97,25 +110,118 @@ Eigen::Vector3d HangDirection(const RecordedMotion& motion, int frame, const std
   return sum / count - top / static_cast<double>(held.nodes.size());
 }
 
+Finding CheckSupport(const Touch& touch) {
+  Finding finding;
+  finding.what = "direction of gravity";
+  finding.severity = Severity::kWarning;
+  finding.value = "it pulls the cloth off the obstacle that it lies on (" +
+                  Rounded(kRadian * std::acos(std::clamp(-touch.support, -1.0, 1.0))) + " degrees to its normal)";
+  finding.hint = "sign or axis of gravity, or another frame of reference";
+  return finding;
+}
+
+Finding Unusual(const std::string& what, Severity severity, const std::string& value, const std::string& hint) {
+  Finding finding;
+  finding.what = what;
+  finding.severity = severity;
+  finding.value = value;
+  finding.hint = hint;
+  return finding;
+}
+
+std::vector<Finding> CheckGravitySize(const Scene& scene) {
+  const double size = scene.gravity.norm();
+  const std::string value = Rounded(size) + " m/s^2";
+  if (size == 0.0) return {Unusual("gravity", Severity::kNote, "none", "right where nothing can fall, as on a frame")};
+  if (std::abs(size - kEarth) <= kEarthTolerance * kEarth) return {};
+  return {Unusual("gravity", Severity::kWarning, value, "on earth it is 9.81; `gravity` in the scene is in m/s^2")};
+}
+
+std::vector<Finding> CheckDensity(const Scene& scene) {
+  const double density = scene.nominal_parameters().material.density;
+  if (density >= kLightFabric && density <= kHeavyFabric) return {};
+  const std::string value = Rounded(density) + " kg/m^2; nine in ten fabrics have 0.031 to 0.488";
+  if (density >= kLightFabric / kBeyondFabric && density <= kBeyondFabric * kHeavyFabric) {
+    return {
+        Unusual("density", Severity::kNote, value, "weigh it if it is a guess: stiffness is fitted relative to it")};
+  }
+  const bool is_grams = density >= 1e3 * kLightFabric / kBeyondFabric;
+  return {Unusual("density", Severity::kWarning, value,
+                  is_grams ? "is it in g/m^2? `density` in the scene is mass per area in kg/m^2"
+                           : "`density` in the scene is mass per area in kg/m^2; stiffness is fitted relative to it")};
+}
+
+std::vector<Finding> CheckClothSize(const CheckedMotion& checked) {
+  if (checked.cloth_size >= kSmallCloth && checked.cloth_size <= kLargeCloth) return {};
+  return {Unusual("size of the cloth", Severity::kWarning,
+                  Rounded(checked.cloth_size) + " m, the square root of the area of the mesh",
+                  "points, mesh, handles and obstacles are in m: motion convert --scale, and numbers in the scene")};
+}
+
 }  // namespace
 
-std::vector<Finding> CheckContact(const CheckedMotion& checked, bool* touches) {
+Touch FindTouch(const CheckedMotion& checked) {
+  const RecordedMotion& motion = checked.motion;
+  Touch touch;
+  touch.num_free = motion.num_frames();
+  touch.least_gap = std::numeric_limits<double>::infinity();
+  if (motion.scene.obstacles.empty()) return touch;
+  const Eigen::Vector3d down = motion.scene.gravity.normalized();
+  const double near = kTouching * checked.cloth_size + checked.noise_floor;
+  const double far_inside = kDeep * checked.cloth_size + checked.noise_floor;
+  std::vector<double> touching;  // gaps
+  double num_places = 0.0;
+  for (int frame = 0; frame < motion.num_frames(); ++frame) {
+    std::vector<double> gaps;
+    const Eigen::Matrix3Xd places = checked.Places(frame);
+    for (const auto& place : places.colwise()) {
+      const SurfacePoint surface = NearestSurface(motion.scene, place);
+      gaps.push_back(surface.gap);
+      if (!(surface.gap <= near)) continue;
+      touching.push_back(surface.gap);
+      touch.support -= surface.normal.dot(down);
+    }
+    if (gaps.empty()) continue;
+    num_places += static_cast<double>(gaps.size());
+    const double stray = motion.num_points() > 0 ? 0.0 : kFarOutside;
+    const auto lowest = gaps.begin() + static_cast<std::ptrdiff_t>(stray * static_cast<double>(gaps.size()));
+    std::nth_element(gaps.begin(), lowest, gaps.end());
+    touch.least_gap = std::min(touch.least_gap, *lowest);
+    if (*lowest < -far_inside) touch.deep.push_back(frame);
+    if (!(*lowest <= near)) continue;
+    if (touch.frames.empty()) touch.num_free = frame;
+    touch.frames.push_back(frame);
+  }
+  if (touching.empty()) return touch;
+  touch.share = static_cast<double>(touching.size()) / num_places;
+  touch.support /= static_cast<double>(touching.size());
+  touch.depth = -Median(std::move(touching));
+  return touch;
+}
+
+std::vector<Finding> CheckContact(const CheckedMotion& checked, const Touch& touch) {
+  if (!checked.motion.scene.obstacles.empty()) return {CheckStart(checked), TellTouch(checked, touch)};
   Finding contact;
   contact.what = "contact";
   contact.value = "no obstacles: friction has no meaning";
-  if (checked.motion.scene.obstacles.empty()) return {contact};
-  contact = CheckTouch(checked, touches);
-  return {CheckStart(checked), contact};
+  return {contact};
 }
 
-std::vector<Finding> CheckGravity(const CheckedMotion& checked) {
+std::vector<Finding> CheckGravity(const CheckedMotion& checked, const Touch& touch) {
   const RecordedMotion& motion = checked.motion;
   const Handles& handles = motion.scene.handles;
-  if (handles.nodes.empty() || motion.scene.gravity.isZero(0.0)) return {};
+  if (motion.scene.gravity.isZero(0.0)) return {};
+  if (touch.share > kManyTouch && touch.support < -kSupport) return {CheckSupport(touch)};
+  // What few points touch may pull the cloth anywhere.
+  const bool lies_on_a_wall = touch.share > kManyTouch && std::abs(touch.support) < kWall;
+  if (handles.nodes.empty() || checked.stands_out || (!touch.frames.empty() && !lies_on_a_wall)) return {};
   const std::set<int> held(handles.nodes.begin(), handles.nodes.end());
   Eigen::Vector3d hangs = Eigen::Vector3d::Zero();
+  // A cloth that was let go needs some time until it hangs.
+  const double falling = kFallTime * std::sqrt(checked.cloth_size / motion.scene.gravity.norm());
   for (int frame = 0; frame < motion.num_frames(); ++frame) {
-    const Eigen::Vector3d direction = HangDirection(motion, frame, held);
+    if (motion.times[frame] - motion.times[0] < falling) continue;
+    const Eigen::Vector3d direction = HangDirection(checked, frame, held);
     if (direction.allFinite()) hangs += direction;
   }
   if (!(hangs.norm() > 0.0)) return {};
@@ -129,6 +235,15 @@ std::vector<Finding> CheckGravity(const CheckedMotion& checked) {
     finding.hint = "another frame of reference, such as a camera's? See motion convert --transform";
   }
   return {finding};
+}
+
+std::vector<Finding> CheckConstants(const CheckedMotion& checked) {
+  std::vector<Finding> findings;
+  for (const std::vector<Finding>& some :
+       {CheckClothSize(checked), CheckGravitySize(checked.motion.scene), CheckDensity(checked.motion.scene)}) {
+    findings.insert(findings.end(), some.begin(), some.end());
+  }
+  return findings;
 }
 
 }  // namespace clothid

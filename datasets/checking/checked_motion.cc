@@ -1,6 +1,7 @@
 #include "datasets/checking/checked_motion.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -11,6 +12,11 @@ constexpr Eigen::Index kMaxMarkers = 3000;        // points off the nodes whose 
 constexpr std::size_t kMaxPairValues = 10000000;  // pairs times frames
 constexpr int kNeighbours = 4;                    // of a marker
 constexpr double kNoiseFloor = 3.0;               // in standard deviations
+constexpr Eigen::Index kMaxCloudPoints = 1000;    // that are looked at in a frame
+constexpr double kStiff =
+    0.5;  // bending length over the cloth's size: a strip of twice that length points 41 degrees down
+constexpr double kPointJump = 0.3;  // of the spacing: less is no jump of a point
+constexpr double kNoiseJump = 8.0;  // standard deviations: likewise
 
 Eigen::Vector3d RestPosition(const ObservedPoint& point, const Mesh& mesh) {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -89,6 +95,10 @@ CheckedMotion::CheckedMotion(const RecordedMotion& recorded)
   for (int p = 0; p < motion.num_points(); ++p) {
     rest_points.col(p) = RestPosition(motion.points[p], motion.scene.mesh);
   }
+  // The bending length is that of Peirce (1930).
+  const Material material = motion.scene.nominal_parameters().material;
+  const double weight = material.density * motion.scene.gravity.norm();
+  stands_out = weight > 0.0 && std::cbrt(material.bending_stiffness / weight) > kStiff * cloth_size;
   pairs = FindPairs(motion, rest_points);
   std::vector<double> lengths, intervals;
   for (const PointPair& pair : pairs) lengths.push_back(pair.rest_length);
@@ -96,7 +106,29 @@ CheckedMotion::CheckedMotion(const RecordedMotion& recorded)
   for (int i = 1; i < motion.num_frames(); ++i) intervals.push_back(motion.times[i] - motion.times[i - 1]);
   median_interval = Median(std::move(intervals));
   const double known = motion.sigma.size() > 0 ? Median(motion.sigma) : 0.0;
-  noise_floor = kNoiseFloor * std::max(known, noise.rms());
+  noise_floor = kNoiseFloor * (motion.num_points() > 0 ? std::max(known, noise.rms()) : motion.cloud_sigma);
 }
+
+Eigen::Matrix3Xd CheckedMotion::Cloud(int frame) const {
+  if (motion.clouds.empty()) return Eigen::Matrix3Xd(3, 0);
+  const Eigen::Matrix3Xd& cloud = motion.clouds[frame];
+  const Eigen::Index stride = 1 + (cloud.cols() - 1) / kMaxCloudPoints;
+  return cloud(Eigen::all, Eigen::seq(0, cloud.cols() - 1, stride));
+}
+
+Eigen::Matrix3Xd CheckedMotion::Places(int frame) const {
+  Eigen::Matrix3Xd places(3, motion.num_points());
+  Eigen::Index count = 0;
+  for (int p = 0; p < motion.num_points(); ++p) {
+    const Eigen::Vector3d place = motion.positions.col(frame).segment<3>(3 * static_cast<Eigen::Index>(p));
+    if (place.allFinite()) places.col(count++) = place;
+  }
+  const Eigen::Matrix3Xd cloud = Cloud(frame);
+  places.conservativeResize(Eigen::NoChange, count + cloud.cols());
+  places.rightCols(cloud.cols()) = cloud;
+  return places;
+}
+
+double CheckedMotion::point_jump_floor() const { return std::max(kPointJump * spacing, kNoiseJump * noise.rms()); }
 
 }  // namespace clothid

@@ -24,11 +24,6 @@ struct Finding {
   std::vector<int> points;  // likewise
 };
 
-// For values and hints: three digits; a length in mm; "frames 3, 7, .. (12 of them)", with "frame" for one.
-std::string Rounded(double value);
-std::string Millimetres(double length);
-std::string Named(const std::string& what, const std::vector<int>& numbers);
-
 }  // namespace clothid
 
 #endif  // CLOTHID_DATASETS_CHECKING_FINDING_H_

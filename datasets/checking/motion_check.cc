@@ -5,10 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "datasets/checking/check_clouds.h"
 #include "datasets/checking/check_coverage.h"
+#include "datasets/checking/check_edges.h"
+#include "datasets/checking/check_fall.h"
 #include "datasets/checking/check_handles.h"
 #include "datasets/checking/check_points.h"
 #include "datasets/checking/check_scene.h"
+#include "datasets/checking/check_start.h"
 #include "datasets/checking/checked_motion.h"
 
 namespace clothid {
@@ -25,26 +29,43 @@ std::vector<std::string> Wrapped(const std::string& text, std::size_t width) {
   return lines;
 }
 
+// Handles, obstacles, gravity.
+std::vector<Finding> CheckAgainstScene(const CheckedMotion& checked) {
+  std::vector<Finding> findings = CheckHandles(checked);
+  const Touch touch = FindTouch(checked);
+  for (const std::vector<Finding>& more :
+       {CheckContact(checked, touch), CheckGravity(checked, touch), CheckFall(checked, touch.num_free)}) {
+    findings.insert(findings.end(), more.begin(), more.end());
+  }
+  return findings;
+}
+
 }  // namespace
 
 std::vector<Finding> CheckMotion(const RecordedMotion& motion) {
   const CheckedMotion checked(motion);
-  if (motion.num_points() == 0) return CheckTimes(checked);
-  std::vector<Finding> findings = CheckCoverage(checked);
+  std::vector<Finding> findings;
   const auto add = [&](const std::vector<Finding>& more) { findings.insert(findings.end(), more.begin(), more.end()); };
-  const Finding edges = CheckEdges(checked);
-  if (edges.severity == Severity::kProblem) {
-    add({edges, CheckTimeStep(checked)});
-    return findings;
+  if (motion.num_points() > 0) {
+    add(CheckCoverage(checked));
+    const Finding edges = CheckEdges(checked);
+    if (Worst(findings) == Severity::kProblem || edges.severity == Severity::kProblem) {
+      if (edges.severity == Severity::kProblem) add({edges});
+      add({CheckTimeStep(checked)});
+      return findings;
+    }
+    const Finding order = CheckOrder(checked);
+    add({CheckNoise(checked), order});
+    add(CheckJumps(checked, order.frames));
+    add({edges});
+    if (edges.severity < Severity::kWarning) add(CheckPlaces(checked));
+    add(CheckFirstFrame(checked));
+  } else {
+    add(CheckTimes(checked));
   }
-  const Finding order = CheckOrder(checked);
-  add({CheckNoise(checked), order});
-  add(CheckJumps(checked, order.frames));
-  add({edges});
-  add(CheckHandles(checked));
-  bool touches = false;
-  add(CheckContact(checked, &touches));
-  if (!touches) add(CheckGravity(checked));
+  add(CheckClouds(checked));
+  if (Worst(findings) < Severity::kProblem) add(CheckAgainstScene(checked));
+  add(CheckConstants(checked));
   add({CheckTimeStep(checked)});
   return findings;
 }

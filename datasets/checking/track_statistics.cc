@@ -13,6 +13,7 @@ constexpr double kTrim = 3.0;                // residuals above this multiple of
 constexpr int kWindow = 4;                   // frames on each side that say what is usual
 constexpr double kClothJump = 4.0;           // of the usual step
 constexpr double kPointJump = 6.0;           // of the usual deviation
+constexpr double kShared = 0.25;             // of a deviation: less in the frame beside it, where half is expected
 
 Eigen::VectorXd Intervals(const Eigen::VectorXd& times) {
   return times.tail(times.size() - 1) - times.head(times.size() - 1);
@@ -54,6 +55,16 @@ Eigen::MatrixXd Deviations(const Eigen::VectorXd& times, const Eigen::MatrixXd& 
     result.col(frame) = off.colwise().norm().transpose();
   }
   return result;
+}
+
+// A point that is off in frame i is off the lines of the frames beside it, too, by half as much. Where only one of the
+// outer lines shows it, the frame at the end is the one that is off.
+int FrameOfJump(const Eigen::VectorXd& deviations, Eigen::Index frame) {
+  const Eigen::Index last = deviations.size() - 1;
+  const auto is_alone = [&](Eigen::Index other) { return deviations[other] < kShared * deviations[frame]; };
+  if (frame == 1 && last > 2 && is_alone(2)) return 0;
+  if (frame == last - 1 && last > 2 && is_alone(last - 2)) return static_cast<int>(last);
+  return static_cast<int>(frame);
 }
 
 }  // namespace
@@ -146,9 +157,11 @@ std::vector<std::pair<int, int>> PointJumps(const Eigen::VectorXd& times, const 
       Eigen::VectorXd own = deviations.row(p).transpose();
       own.segment<3>(frame - 1).setConstant(std::numeric_limits<double>::quiet_NaN());
       const double usual = Usual(own, frame);
-      if (deviation > kPointJump * usual) jumps.emplace_back(static_cast<int>(frame), static_cast<int>(p));
+      if (!(deviation > kPointJump * usual)) continue;
+      jumps.emplace_back(FrameOfJump(deviations.row(p).transpose(), frame), static_cast<int>(p));
     }
   }
+  std::sort(jumps.begin(), jumps.end());
   return jumps;
 }
 

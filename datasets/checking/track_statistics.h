@@ -45,7 +45,8 @@ Eigen::MatrixXd LengthRatios(const std::vector<PointPair>& pairs, const Eigen::M
 std::vector<int> ClothJumps(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions, double floor);
 
 // Places (frame, point) at which a point leaves its path for one frame and returns: it is off the line between the
-// frames before and after by more than `floor` m and by more than six times what it and its cloth are otherwise.
+// frames before and after by more than `floor` m and by more than six times what it and its cloth are otherwise. In the
+// first and the last frame, which have no such line, that of the frame beside them tells: it is off by half as much.
 std::vector<std::pair<int, int>> PointJumps(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions,
                                             double floor);
 

@@ -14,7 +14,8 @@ constexpr char kHelp[] = R"(motion: looks at recordings, checks and converts the
 
   motion info FILE                  tensors, times, points, scene, provenance
   motion check FILE [--json]        what is wrong or doubtful before any fit: gaps, missing, jumping and reordered
-                                    points, noise, unit, handles, contact, frame of reference; a verdict and a hint each
+                                    points, noise, unit, start, handles, contact, gravity, clock, frame of reference,
+                                    clouds; a verdict and a hint each
   motion convert IN OUT [flags]     from a file of another program or a motion.bin (a name ending in .bin) to another
 
   convert, points and clock:

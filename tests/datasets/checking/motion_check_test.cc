@@ -208,8 +208,8 @@ TEST(MotionCheck, FindsPointsListedAlongTheOtherAxis) {
   grid.size = {5 * kCaptureSpacing, 7 * kCaptureSpacing};
   tensors.mesh = MakeGrid(grid);
   tensors.sigma = Eigen::VectorXd::Constant(48, kCaptureNoise);
-  tensors.handle_index.clear();
-  tensors.handle_positions.resize(0, 0);
+  tensors.handle_index = {0};
+  tensors.handle_positions = tensors.handle_positions.topRows<3>().eval();
   tensors.scene_text = R"({"clothid_scene": 1})";
   const Finding finding = OnlyFinding(tensors, "edge lengths");
   EXPECT_EQ(finding.severity, Severity::kWarning);
@@ -220,6 +220,8 @@ TEST(MotionCheck, FindsHandlesThatStandStill) {
   MotionTensors tensors = MadeUpCapture();
   tensors.handle_index.clear();
   tensors.handle_positions.resize(0, 0);
+  tensors.scene_text =
+      R"({"clothid_scene": 1, "time_step": 0.005, "handles": [0, 7], "initial": {"velocity": [0.48, 0, 0]}})";
   EXPECT_NE(OnlyFinding(tensors, "handles").hint.find("--handle_nodes"), std::string::npos);
 }
 

@@ -1,0 +1,250 @@
+#include "datasets/checking/check_fall.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "datasets/checking/finding_words.h"
+
+namespace clothid {
+namespace {
+
+constexpr int kFewestPoints = 8;
+constexpr double kOffCentre = 0.1;     // of the cloth's size: the points stand for the cloth if their mean is so near
+constexpr double kGain = 0.3;          // of the larger of both energies
+constexpr double kLeastFall = 0.01;    // of the cloth's size: a smaller drop tells nothing
+constexpr double kLeastDrop = 0.02;    // of the cloth's size: likewise of energy
+constexpr double kQuietEnergy = 0.05;  // noise of the kinetic energy, relative to the largest energy
+constexpr int kFewestFrames = 5, kMostFrames = 12;
+constexpr double kShortFall = 0.15;  // of the cloth's size: as far as it falls it is taken to keep its shape
+constexpr double kWrongFall = 0.3;   // of gravity
+constexpr double kSlowFall = 0.4;    // likewise: the air holds no cloth back that much at once
+constexpr double kHeld = 0.2;        // likewise: a point that falls so little is held
+constexpr double kNoiseFall = 4.0;   // standard deviations
+constexpr double kNear = 0.1;        // of the cloth's size: handles all around pull nowhere
+
+bool HasOtherForces(const Scene& scene) {
+  return scene.handles.path.num_handles() > 0 || !scene.node_force.isZero(0.0) || scene.gravity.isZero(0.0) ||
+         (scene.has_drag() && (!scene.wind.mean.isZero(0.0) || !scene.wind.gust.isZero(0.0)));
+}
+
+bool StandForCloth(const CheckedMotion& checked) {
+  const Eigen::Vector3d off =
+      checked.rest_points.rowwise().mean() - checked.motion.scene.mesh.rest_positions.rowwise().mean();
+  return checked.motion.num_points() >= kFewestPoints && off.norm() < kOffCentre * checked.cloth_size;
+}
+
+// The mean of how far points went from one frame to another, over those that are seen in both.
+Eigen::Vector3d MeanStep(const Eigen::MatrixXd& positions, Eigen::Index from, Eigen::Index to) {
+  const Eigen::Matrix3Xd step = (positions.col(to) - positions.col(from)).reshaped(3, positions.rows() / 3);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (Eigen::Index p = 0; p < step.cols(); ++p) {
+    if (!step.col(p).allFinite()) continue;
+    sum += step.col(p);
+    ++count;
+  }
+  return sum / count;
+}
+
+// 1/2 mean |v_0|^2, m^2/s^2, without what noise makes of it, but at least that of the mean.
+double StartEnergy(const CheckedMotion& checked) {
+  const RecordedMotion& motion = checked.motion;
+  const double interval = motion.times[1] - motion.times[0];
+  const Eigen::Matrix3Xd velocities =
+      (motion.positions.col(1) - motion.positions.col(0)).reshaped(3, motion.num_points()) / interval;
+  double sum = 0.0;
+  int count = 0;
+  for (Eigen::Index p = 0; p < velocities.cols(); ++p) {
+    if (!velocities.col(p).allFinite()) continue;
+    sum += 0.5 * velocities.col(p).squaredNorm();
+    ++count;
+  }
+  const double noise = 3.0 * checked.noise.sigma.squaredNorm() / 3.0 / (interval * interval);
+  const double of_mean = 0.5 * MeanStep(motion.positions, 0, 1).squaredNorm() / (interval * interval);
+  const double of_points = count > 0 ? sum / count - noise : std::numeric_limits<double>::quiet_NaN();
+  return std::max(of_mean, of_points);
+}
+
+// What the cloth has more than at the start, per mass, m^2/s^2.
+struct EnergyGain {
+  double most = 0.0;   // kinetic energy and that of gravity together
+  double scale = 0.0;  // the larger of both alone
+  int frame = 0;       // of the most
+};
+
+// Nothing where noise hides the kinetic energy.
+std::optional<EnergyGain> FindGain(const CheckedMotion& checked) {
+  const RecordedMotion& motion = checked.motion;
+  const int num_frames = motion.num_frames();
+  Eigen::VectorXd potential(num_frames);
+  for (int frame = 0; frame < num_frames; ++frame) {
+    potential[frame] = -motion.scene.gravity.dot(MeanStep(motion.positions, 0, frame));
+  }
+  if (!potential.allFinite()) return std::nullopt;
+  EnergyGain gain;
+  gain.scale = potential.cwiseAbs().maxCoeff();
+  // Velocities over so many frames that noise does not count.
+  const double variance = 3.0 * checked.noise.rms() * checked.noise.rms() / motion.num_points();
+  const double least_time = std::sqrt(variance / std::max(kQuietEnergy * gain.scale, 1e-300));
+  const double num_intervals = std::max(1.0, std::ceil(least_time / checked.median_interval));
+  if (!(4.0 * num_intervals < num_frames)) return std::nullopt;
+  const int stride = static_cast<int>(num_intervals);
+  const double start = StartEnergy(checked);
+  for (int frame = 0; frame + stride < num_frames; ++frame) {
+    const double interval = motion.times[frame + stride] - motion.times[frame];
+    const double speed = MeanStep(motion.positions, frame, frame + stride).norm() / interval;
+    const double kinetic = 0.5 * speed * speed;
+    gain.scale = std::max(gain.scale, kinetic);
+    const double more = kinetic + 0.5 * (potential[frame] + potential[frame + stride]) - start;
+    if (!(more > gain.most)) continue;
+    gain.most = more;
+    gain.frame = frame;
+  }
+  return gain;
+}
+
+std::vector<Finding> CheckEnergy(const CheckedMotion& checked) {
+  const std::optional<EnergyGain> gain = FindGain(checked);
+  const double least = kLeastDrop * checked.cloth_size * checked.motion.scene.gravity.norm();
+  if (!gain || !(gain->most > kGain * gain->scale) || !(gain->scale > least)) return {};
+  Finding finding;
+  finding.what = "energy";
+  finding.severity = Severity::kWarning;
+  finding.frames = {gain->frame};
+  finding.value = "the cloth gains " + Rounded(gain->most) + " J per kg by frame " + std::to_string(gain->frame) +
+                  ", with nothing but gravity to move it";
+  finding.hint =
+      "size and direction of gravity, frame rate (motion convert --frame_rate, --time_scale), order of the frames in "
+      "time? Or it started stretched";
+  return {finding};
+}
+
+// The frames over which the cloth falls but little, from the first one.
+int NumFallingFrames(const CheckedMotion& checked, int num_free) {
+  const RecordedMotion& motion = checked.motion;
+  int count = std::min({num_free, motion.num_frames(), kMostFrames});
+  while (count > 1 && MeanStep(motion.positions, 0, count - 1).norm() > kShortFall * checked.cloth_size) --count;
+  return count;
+}
+
+// The direction in which handles at rest can pull; zero without handles, nothing where it is not one direction: around
+// the cloth, or clamped so that a stiff cloth stands out.
+bool PullDirection(const CheckedMotion& checked, Eigen::Vector3d* direction) {
+  const Scene& scene = checked.motion.scene;
+  direction->setZero();
+  if (scene.handles.nodes.empty()) return true;
+  if (checked.stands_out) return false;
+  const Eigen::Matrix3Xd held =
+      scene.initial_positions.reshaped(3, scene.mesh.num_nodes())(Eigen::all, scene.handles.nodes);
+  const Eigen::Vector3d centre = held.rowwise().mean();
+  const Eigen::Matrix3Xd around = held.colwise() - centre;
+  const Eigen::Vector3d along = around.col(around.cols() - 1).normalized();
+  const Eigen::Matrix3Xd across = around - along * (along.transpose() * around);
+  if (around.cols() > 2 && across.colwise().norm().maxCoeff() > 0.5 * checked.spacing) return false;
+  const Eigen::Vector3d pull = centre - scene.initial_positions.reshaped(3, scene.mesh.num_nodes()).rowwise().mean();
+  if (pull.norm() < kNear * checked.cloth_size) return false;
+  *direction = pull.normalized();
+  return true;
+}
+
+// A parabola through the means of the points in the first frames.
+struct MeanFall {
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // m/s^2
+  double noise_factor = 0.0;                               // 1/s^2: its standard deviation over that of a mean
+  double length = 0.0;                                     // m: how far the mean comes
+};
+
+MeanFall FitFall(const CheckedMotion& checked, int num_frames) {
+  const RecordedMotion& motion = checked.motion;
+  Eigen::MatrixXd powers(num_frames, 3), means(num_frames, 3);
+  for (int frame = 0; frame < num_frames; ++frame) {
+    const double time = motion.times[frame] - motion.times[0];
+    powers.row(frame) << 1.0, time, 0.5 * time * time;
+    means.row(frame) = MeanStep(motion.positions, 0, frame).transpose();
+  }
+  const Eigen::Matrix3d covariance = (powers.transpose() * powers).inverse();
+  MeanFall fall;
+  fall.acceleration = (covariance * powers.transpose() * means).row(2).transpose();
+  fall.noise_factor = std::sqrt(covariance(2, 2));
+  fall.length = means.rowwise().norm().maxCoeff();
+  return fall;
+}
+
+// Points that do not fall although nothing is touched and the scene has no handles. In air they fall by a fifth
+// of what gravity alone would make, at least.
+std::vector<Finding> CheckHeldPoints(const CheckedMotion& checked, int num_free) {
+  const RecordedMotion& motion = checked.motion;
+  const int last = std::min(num_free, motion.num_frames()) - 1;
+  if (!motion.scene.handles.nodes.empty() || last < 1) return {};
+  const double noise = kNoiseFall * std::sqrt(2.0) * checked.noise.rms();
+  const double needed = noise / kHeld + kLeastFall * checked.cloth_size;
+  int frame = 1;
+  const auto fall = [&] {
+    return 0.5 * motion.scene.gravity.norm() * std::pow(motion.times[frame] - motion.times[0], 2);
+  };
+  while (frame < last && fall() < needed) ++frame;
+  if (fall() < needed) return {};
+  Finding finding;
+  finding.what = "held points";
+  for (int p = 0; p < motion.num_points(); ++p) {
+    const Eigen::Vector3d velocity =
+        motion.scene.initial_velocities.segment<3>(3 * static_cast<Eigen::Index>(motion.points[p].nodes[0]));
+    const Eigen::Vector3d moved =
+        (motion.positions.col(frame) - motion.positions.col(0)).segment<3>(3 * static_cast<Eigen::Index>(p));
+    const Eigen::Vector3d fallen = moved - velocity * (motion.times[frame] - motion.times[0]);
+    if (std::abs(fallen.dot(motion.scene.gravity.normalized())) < kHeld * fall()) finding.points.push_back(p);
+  }
+  if (finding.points.empty()) return {};
+  finding.severity = Severity::kWarning;
+  finding.value = Named("point", finding.points) + " in the air until frame " + std::to_string(frame) +
+                  ", and the scene has no handles";
+  finding.hint = "what holds them? `handles` in the scene, or motion convert --handle_nodes";
+  return {finding};
+}
+
+std::vector<Finding> CheckFreeFall(const CheckedMotion& checked, int num_free) {
+  const RecordedMotion& motion = checked.motion;
+  const int count = NumFallingFrames(checked, num_free);
+  Eigen::Vector3d pull;
+  const double num_nodes = motion.scene.mesh.num_nodes();
+  const double num_free_nodes = num_nodes - static_cast<double>(motion.scene.handles.nodes.size());
+  if (count < kFewestFrames || num_free_nodes < 1.0 || !PullDirection(checked, &pull)) return {};
+  const MeanFall fall = FitFall(checked, count);
+  const Eigen::Vector3d acceleration = fall.acceleration * (num_nodes / num_free_nodes);
+  const auto across = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d { return v - pull * pull.dot(v); };
+  const Eigen::Vector3d measured = across(acceleration), given = across(motion.scene.gravity);
+  const double size = motion.scene.gravity.norm();
+  const double of_mean = kNoiseFall * checked.noise.rms() / std::sqrt(1.0 * motion.num_points());
+  const double noise = of_mean * fall.noise_factor;
+  if (fall.length < kLeastFall * checked.cloth_size + of_mean || noise > kWrongFall * size) return {};
+  Finding finding;
+  finding.what = "fall";
+  finding.value = "by " + Rounded(measured.norm()) + " m/s^2 in the first " + std::to_string(count) +
+                  " frames; gravity alone: " + Rounded(given.norm());
+  // The air holds a light cloth back.
+  const Eigen::Vector3d down = given.normalized();
+  const double along = measured.dot(down), room = kWrongFall * size + noise;
+  const bool is_slow = along<kSlowFall * given.norm() - noise, is_fast = along> given.norm() + room;
+  if (!is_slow && !is_fast && (measured - along * down).norm() <= room) return {finding};
+  finding.severity = Severity::kWarning;
+  finding.hint = "size and direction of gravity, frame rate: motion convert --frame_rate, --time_scale";
+  return {finding};
+}
+
+}  // namespace
+
+std::vector<Finding> CheckFall(const CheckedMotion& checked, int num_free) {
+  if (HasOtherForces(checked.motion.scene) || !StandForCloth(checked) || checked.motion.num_frames() < kFewestFrames) {
+    return {};
+  }
+  std::vector<Finding> findings = CheckHeldPoints(checked, num_free);
+  const auto add = [&](const std::vector<Finding>& more) { findings.insert(findings.end(), more.begin(), more.end()); };
+  if (findings.empty()) add(CheckFreeFall(checked, num_free));
+  add(CheckEnergy(checked));
+  return findings;
+}
+
+}  // namespace clothid

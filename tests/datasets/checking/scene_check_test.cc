@@ -1,0 +1,186 @@
+// What `motion check` says of a recording against its scene: the start, the handles, gravity, constants, clouds; and
+// that its hints name what is wrong.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "datasets/checking/check_start.h"
+#include "datasets/checking/motion_check.h"
+#include "tests/datasets/importing/made_up_capture.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Finding> Check(const MotionTensors& tensors) {
+  ReadMotionOptions options;
+  options.smooth_handles = false;
+  return CheckMotion(InterpretMotion(tensors, "capture", options));
+}
+
+// The finding of this name; one without a name where there is none.
+Finding FindingOf(const MotionTensors& tensors, const std::string& what) {
+  for (const Finding& finding : Check(tensors)) {
+    if (finding.what == what) return finding;
+  }
+  return {};
+}
+
+void ExpectWarning(const MotionTensors& tensors, const std::string& what, const std::string& hint) {
+  const Finding finding = FindingOf(tensors, what);
+  EXPECT_EQ(finding.severity, Severity::kWarning) << what << "\n" << FindingsTable(Check(tensors));
+  EXPECT_NE(finding.hint.find(hint), std::string::npos) << finding.hint;
+}
+
+// The capture in a scene whose cloth starts where the mesh is: at rest, in the plane of the capture.
+MotionTensors StartAtRest() {
+  MotionTensors tensors = MadeUpCapture();
+  for (int p = 0; p < 64; ++p) tensors.mesh.rest_positions.col(p) = CapturedPlace(p % 8, p / 8, 0.0);
+  tensors.scene_text =
+      R"({"clothid_scene": 1, "time_step": 0.005, "handles": [0, 7], "initial": {"positions": "rest"}})";
+  return tensors;
+}
+
+// A cloth of 8 x 8 nodes that is let go and falls as a whole, without handles.
+MotionTensors FreeFall(double gravity) {
+  MotionTensors tensors = MadeUpCapture(Eigen::VectorXd::LinSpaced(15, 0.0, 0.25));
+  tensors.handle_index.clear();
+  tensors.handle_positions.resize(0, 0);
+  tensors.scene_text = R"({"clothid_scene": 1, "time_step": 0.005})";
+  const Eigen::VectorXd start = tensors.positions.col(0);
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> noise(0.0, kCaptureNoise);
+  for (Eigen::Index frame = 0; frame < tensors.times.size(); ++frame) {
+    tensors.positions.col(frame) = start;
+    tensors.positions.col(frame).reshaped(3, 64).row(2).array() -= 0.5 * gravity * std::pow(tensors.times[frame], 2);
+    for (double& coordinate : tensors.positions.col(frame)) coordinate += noise(generator);
+  }
+  return tensors;
+}
+
+TEST(SceneCheck, TellsWhereTheClothStarts) {
+  MotionTensors tensors = StartAtRest();
+  EXPECT_EQ(FindingOf(tensors, "first frame").severity, Severity::kOk);
+  tensors.mesh.rest_positions.row(0).array() += 0.03;
+  ExpectWarning(tensors, "first frame", "all of them are off by (-29");
+  ExpectWarning(tensors, "start of handles", "their path begins elsewhere");
+  tensors.mesh.rest_positions.row(0).array() += 3.0;
+  EXPECT_EQ(FindingOf(tensors, "first frame").severity, Severity::kProblem);
+}
+
+TEST(SceneCheck, NamesMistakenAxesAndOrders) {
+  MotionTensors tensors = StartAtRest();
+  for (auto point : tensors.positions.reshaped(3, tensors.positions.size() / 3).colwise()) {
+    point = Eigen::Vector3d(point.z(), -point.x(), point.y());
+  }
+  EXPECT_NE(FindingOf(tensors, "first frame").hint.find("axes (-y, z, x)"), std::string::npos);
+  tensors = StartAtRest();
+  const Eigen::MatrixXd before = tensors.positions;
+  for (int p = 0; p < 64; ++p) {
+    tensors.positions.middleRows<3>(3 * p) = before.middleRows<3>(3 * (p / 8 + 8 * (p % 8)));
+  }
+  ExpectWarning(tensors, "first frame", "another order of the grid");
+}
+
+TEST(SceneCheck, ExplainsTurnedPoints) {
+  Eigen::Matrix3Xd expected = MadeUpCapture().positions.col(0).reshaped(3, 64);
+  expected.colwise() -= expected.rowwise().mean().eval();
+  const Eigen::AngleAxisd turn(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized());
+  const Eigen::Matrix3Xd turned = (turn.toRotationMatrix() * expected).colwise() + Eigen::Vector3d(0.3, 0.2, 0.1);
+  EXPECT_NE(Explanation(expected, turned, {}).find("turned and shifted"), std::string::npos);
+  EXPECT_EQ(Explanation(expected, expected * 1.3, {}), "");
+}
+
+TEST(SceneCheck, NamesOutliersOfTheFirstFrame) {
+  MotionTensors tensors = MadeUpCapture();
+  tensors.positions.col(0).segment<3>(3 * 20).array() += 0.05;
+  ExpectWarning(tensors, "first frame", "--skip_frames 0");
+  EXPECT_EQ(FindingOf(tensors, "first frame").points, std::vector<int>{20});
+  EXPECT_EQ(FindingOf(tensors, "jumps of points").frames, std::vector<int>{0});
+  ReadMotionOptions options;
+  options.start = StartSource::kSmoothed;  // which an outlier does not move
+  for (const Finding& finding : CheckMotion(InterpretMotion(tensors, "capture", options))) {
+    EXPECT_TRUE(finding.severity < Severity::kWarning || finding.what == "jumps of points") << finding.what;
+  }
+}
+
+TEST(SceneCheck, TellsThatNothingIsSeen) {
+  MotionTensors tensors = StartAtRest();
+  tensors.positions.setConstant(kNaN);
+  const std::vector<Finding> findings = Check(tensors);
+  EXPECT_EQ(FindingOf(tensors, "missing points").severity, Severity::kProblem);
+  EXPECT_EQ(FindingsTable(findings).find("in mm"), std::string::npos) << FindingsTable(findings);
+}
+
+TEST(SceneCheck, MeasuresAFreeFall) {
+  EXPECT_EQ(FindingOf(FreeFall(9.81), "fall").severity, Severity::kOk);
+  EXPECT_NE(FindingOf(FreeFall(9.81), "fall").value.find("gravity alone: 9.81"), std::string::npos);
+  EXPECT_LE(Worst(Check(FreeFall(9.81))), Severity::kNote) << FindingsTable(Check(FreeFall(9.81)));
+  ExpectWarning(FreeFall(5.0), "fall", "--frame_rate");
+  ExpectWarning(FreeFall(-9.81), "fall", "direction of gravity");
+  ExpectWarning(FreeFall(20.0), "energy", "--frame_rate");
+}
+
+TEST(SceneCheck, KnowsUsualConstants) {
+  MotionTensors tensors = MadeUpCapture();
+  const auto with = [&](const std::string& constant) {
+    tensors.scene_text = R"({"clothid_scene": 1, "time_step": 0.005, "handles": [0, 7], )" + constant + "}";
+    return tensors;
+  };
+  EXPECT_EQ(FindingOf(with(R"("materials": {"density": 0.2})"), "density").what, "");
+  EXPECT_EQ(FindingOf(with(R"("materials": {"density": 0.7})"), "density").severity, Severity::kNote);
+  ExpectWarning(with(R"("materials": {"density": 200})"), "density", "g/m^2");
+  ExpectWarning(with(R"("materials": {"density": 0.002})"), "density", "kg/m^2");
+  ExpectWarning(with(R"("gravity": [0, 0, -9810])"), "gravity", "9.81");
+  EXPECT_EQ(FindingOf(with(R"("gravity": [0, 0, 0])"), "gravity").severity, Severity::kNote);
+}
+
+TEST(SceneCheck, FindsHolesInThePathOfHandles) {
+  MotionTensors tensors = MadeUpCapture();
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < tensors.times.size(); ++k) {
+    if (k < 20 || k > 35) kept.push_back(k);
+  }
+  tensors.handle_times = tensors.times(kept);
+  tensors.handle_positions = tensors.handle_positions(Eigen::all, kept).eval();
+  EXPECT_NE(FindingOf(tensors, "path of handles").value.find("0.567 s from 0.633 s on"), std::string::npos)
+      << FindingOf(tensors, "path of handles").value;
+}
+
+TEST(SceneCheck, FindsCopies) {
+  MotionTensors tensors = MadeUpCapture();
+  tensors.positions.col(30) = tensors.positions.col(31) = tensors.positions.col(29);
+  EXPECT_EQ(FindingOf(tensors, "repeated frames").frames, (std::vector<int>{30, 31}));
+  tensors = MadeUpCapture();
+  tensors.positions.middleRows<3>(3 * 9) = tensors.positions.middleRows<3>(3 * 50);
+  EXPECT_EQ(FindingOf(tensors, "repeated points").points, std::vector<int>{50});
+}
+
+TEST(SceneCheck, LooksAtClouds) {
+  MotionTensors tensors = MadeUpCapture();
+  for (Eigen::Index frame = 0; frame < tensors.times.size(); ++frame) {
+    tensors.clouds.emplace_back(tensors.positions.col(frame).reshaped(3, 64));
+  }
+  tensors.positions.resize(0, tensors.times.size());
+  tensors.sigma.resize(0);
+  tensors.cloud_sigma = kCaptureNoise;
+  tensors.node_index.clear();
+  Eigen::MatrixXd rest(3, 64);
+  for (int p = 0; p < 64; ++p) rest.col(p) = CapturedPlace(p % 8, p / 8, 0.0);
+  tensors.mesh.rest_positions = rest;
+  tensors.scene_text =
+      R"({"clothid_scene": 1, "time_step": 0.005, "handles": [0, 7], "initial": {"positions": "rest"}})";
+  EXPECT_EQ(Worst(Check(tensors)), Severity::kOk) << FindingsTable(Check(tensors));
+  MotionTensors far = tensors, large = tensors;
+  for (Eigen::Matrix3Xd& cloud : far.clouds) cloud.row(1).array() += 318.0;
+  EXPECT_EQ(FindingOf(far, "place of clouds").severity, Severity::kProblem);
+  for (Eigen::Matrix3Xd& cloud : large.clouds) cloud *= 1000.0;
+  EXPECT_NE(FindingOf(large, "size of clouds").hint.find("--scale 0.001"), std::string::npos);
+  MotionTensors late = tensors;
+  late.handle_positions.reshaped(3, late.handle_positions.size() / 3).row(1).array() += 0.2;
+  ExpectWarning(late, "clouds near handles", "frame of reference");
+}
+
+}  // namespace
+}  // namespace clothid
