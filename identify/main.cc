@@ -30,6 +30,7 @@ DEFINE_string(method, "lm", "lm or lbfgs");
 DEFINE_string(loss, "none", "none, huber:A or cauchy:A");
 DEFINE_string(sigma, "recorded", "standard deviation of a coordinate: recorded, auto or a number in m");
 DEFINE_string(initial, "first", "where the cloth starts if the scene does not say: first or smoothed");
+DEFINE_bool(check, true, "check the recordings before the fit, as motion check does");
 DEFINE_bool(check_gradients, false, "compare adjoint, sensitivities and finite differences at the start");
 DEFINE_int32(max_iterations, 50, "iterations before the fit counts as not converged");
 DEFINE_int32(threads, 1, "recordings simulated side by side");
@@ -78,6 +79,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       that of every point of every recording (recorded)
   --initial START     where the cloth starts if the scene does not say: first: at the first frame; smoothed: at a
                       shape without noise, near the first frames and outside of obstacles, with their velocity (first)
+  --check=false       fit without a look at the recordings: else what `motion check` warns of is told before the fit,
+                      and what it calls a problem, such as mm for m, ends the run with exit code 2
   --check_gradients   compare adjoint, sensitivities and central differences at the start
   --max_iterations N  (50)
   --threads N         recordings simulated side by side; the result does not depend on it (1)
@@ -144,6 +147,7 @@ RunOptions OptionsFromFlags(const std::string& command_line) {
   ParseSigma(FLAGS_sigma, &options.reading);
   options.step_tolerance = FLAGS_step_tolerance;
   options.fit = FitOptionsFromFlags();
+  options.check_recordings = FLAGS_check;
   options.check_gradients = FLAGS_check_gradients;
   options.profiles = ParseNames(FLAGS_profile, "--profile");
   options.check_step = FLAGS_check_step;
@@ -163,6 +167,10 @@ std::string CommandLine(int argc, char** argv) {
 
 // Has the run tell on stderr where it stands.
 void ShowProgress(ProgressPrinter* printer, std::vector<std::string>* names, RunOptions* options) {
+  options->on_finding = [](const std::string& recording, const Finding& finding) {
+    std::cerr << "identify: " << recording << ": warning: " << finding.what << ": " << finding.value << "; "
+              << finding.hint << "\n";
+  };
   options->on_problem = [names](const std::vector<std::string>& of_problem) { *names = of_problem; };
   options->fit.on_progress = [printer](const EvaluationProgress& progress) { printer->Print(progress); };
   options->fit.on_iteration = [printer, names](const FitIteration& iteration) { printer->Print(*names, iteration); };

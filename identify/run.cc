@@ -4,6 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include "datasets/checking/motion_check.h"
+#include "datasets/motion/motion_validation.h"
 #include "identify/base/output_folder.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
@@ -27,9 +29,24 @@ std::vector<RecordedMotion> ReadAll(const std::vector<std::string>& paths, const
   return motions;
 }
 
+// What is found in a recording. Throws `Error` (kBadData) where it is a problem.
+std::vector<Finding> CheckRecording(const RunOptions& options, const RecordedMotion& motion) {
+  ValidateMotion(motion);
+  std::vector<Finding> findings = CheckMotion(motion);
+  for (const Finding& finding : findings) {
+    if (finding.severity == Severity::kProblem) {
+      throw Error(ErrorKind::kBadData, motion.name + ": cannot be fitted as it is: " + finding.what + ": " +
+                                           finding.value + "; " + finding.hint + " (--check=false fits it anyway)");
+    }
+    if (finding.severity == Severity::kWarning && options.on_finding) options.on_finding(motion.name, finding);
+  }
+  return findings;
+}
+
 // The recordings to fit and those, or their frames, to judge on, and landscapes of the first.
 struct RunInputs {
   std::vector<RecordedMotion> fitted, held_out;
+  std::vector<std::vector<Finding>> findings;  // of those that are fitted
   std::vector<FitLandscape> landscapes;
 };
 
@@ -37,6 +54,10 @@ RunInputs ReadInputs(const RunOptions& options) {
   RunInputs inputs;
   inputs.fitted = options.targets.empty() ? ReadAll(options.target_paths, options) : options.targets;
   inputs.held_out = options.holdouts.empty() ? ReadAll(options.holdout_paths, options) : options.holdouts;
+  if (options.check_recordings) {
+    for (const RecordedMotion& motion : inputs.fitted) inputs.findings.push_back(CheckRecording(options, motion));
+    for (const RecordedMotion& motion : inputs.held_out) CheckRecording(options, motion);
+  }
   if (options.step_tolerance > 0.0) {
     for (std::vector<RecordedMotion>* motions : {&inputs.fitted, &inputs.held_out}) {
       for (RecordedMotion& motion : *motions) motion.scene.solver.step_tolerance = options.step_tolerance;
@@ -62,6 +83,7 @@ class Run {
     for (const std::string& name : options.profiles) FindFreeBlock(problem_, name, "--profile");
     for (FitLandscape& landscape : inputs_.landscapes) MatchLandscape(problem_.blocks(), &landscape);
     checks_.landscapes = std::move(inputs_.landscapes);
+    checks_.findings = std::move(inputs_.findings);
     checks_.jacobian = fit_options_.jacobian;
     checks_.flags = options.command_line;
     checks_.seed = fit_options_.seed;

@@ -7,9 +7,9 @@
 //   const RunResult result = Identify(options);
 //   if (result.exit_code == kExitSuccess) Use(result.summary.values());
 //
-// What happens, in this order: the recordings are read, frames are held out, the gradients compared, the fit is run,
-// from one start or several, then the profiles, the fit at half the step and the prediction of what was held out, then
-// the files are written, all or none.
+// What happens, in this order: the recordings are read and checked, frames are held out, the gradients compared, the
+// fit is run, from one start or several, then the profiles, the fit at half the step and the prediction of what was
+// held out, then the files are written, all or none.
 #ifndef CLOTHID_IDENTIFY_RUN_H_
 #define CLOTHID_IDENTIFY_RUN_H_
 
@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/checking/finding.h"
 #include "datasets/motion/motion_file.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
@@ -38,6 +39,9 @@ struct RunOptions {
   std::optional<FrameRange> holdout_frames;
   ReadMotionOptions reading;    // of all files: scene, start, sigma
   double step_tolerance = 0.0;  // relative residual of a time step, in all recordings; 0: that of each scene
+  // What `motion check` looks for is looked for in every recording before anything is fitted, held-out ones among them.
+  // A problem ends the run.
+  bool check_recordings = true;
   // The fit itself with its callbacks, which see the main fit, and its `cancel`, which ends the whole run.
   FitOptions fit;
   // Beside the fit.
@@ -51,9 +55,10 @@ struct RunOptions {
   bool resume = false;       // goes on with what a killed run left in `output`, and keeps such a journal
   std::string command_line;  // "flags" of result.json
   // Told on the thread of the call; may be empty. What they throw leaves `Identify`.
-  std::function<void(const std::vector<std::string>& names)> on_problem;  // of all parameters, before the fit
-  std::function<void(const FitSummary&)> on_fitted;                       // the main fit has ended
-  std::function<void(const FitSummary&)> on_examined;                     // nothing but the files is left to do
+  std::function<void(const std::string& recording, const Finding&)> on_finding;  // warnings, before the fit
+  std::function<void(const std::vector<std::string>& names)> on_problem;         // of all parameters, before the fit
+  std::function<void(const FitSummary&)> on_fitted;                              // the main fit has ended
+  std::function<void(const FitSummary&)> on_examined;                            // nothing but the files is left to do
 
   // Throws `Error` (kUsage) naming the first value that is out of range or goes with no other.
   void Validate() const;
@@ -69,9 +74,9 @@ struct RunResult {
 };
 
 // Throws `Error`: kUsage for what `Validate` rejects and for parameters that are not fitted or not known; kIo and
-// kBadData for files. Nothing is left behind then, nor where anything else is thrown: an internal error, or what a
-// callback has thrown. How the fit itself ends never throws: see `exit_code`. The same on any number of threads but for
-// the seconds.
+// kBadData for files and for recordings in which a check finds a problem. Nothing is left behind then, nor where
+// anything else is thrown: an internal error, or what a callback has thrown. How the fit itself ends never throws: see
+// `exit_code`. The same on any number of threads but for the seconds.
 RunResult Identify(const RunOptions& options);
 
 }  // namespace clothid

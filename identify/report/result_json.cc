@@ -193,6 +193,25 @@ Json RecordingsJson(const std::vector<RecordedMotion>& motions) {
   return json;
 }
 
+// Of every recording what is graver than ok; null where nothing is, or nothing was checked.
+Json FindingsOfRecordings(const FitChecks& checks) {
+  Json json = Json::array();
+  bool is_ok = true;
+  for (const std::vector<Finding>& findings : checks.findings) {
+    Json of_recording = Json::array();
+    for (const Finding& finding : findings) {
+      if (finding.severity == Severity::kOk) continue;
+      of_recording.push_back({{"what", finding.what},
+                              {"verdict", SeverityName(finding.severity)},
+                              {"value", finding.value},
+                              {"hint", finding.hint}});
+    }
+    is_ok = is_ok && of_recording.empty();
+    json.push_back(of_recording);
+  }
+  return is_ok ? Json(nullptr) : json;
+}
+
 Json ProvenanceJson(const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   std::string sha256;
   for (const RecordedMotion& motion : motions) sha256 += (sha256.empty() ? "" : ",") + motion.sha256;
@@ -233,6 +252,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
                      {"derivative", summary.statistics.derivative_seconds},
                      {"solver", summary.solver_seconds}};
   if (IsToldMore(motions)) json["recordings"] = RecordingsJson(motions);
+  if (const Json findings = FindingsOfRecordings(checks); !findings.is_null()) json["findings"] = findings;
   json["provenance"] = ProvenanceJson(checks, motions);
   return json.dump(2) + "\n";
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/checking/finding.h"
 #include "identify/base/options.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/holdout.h"
@@ -29,6 +30,7 @@ struct FitChecks {
   std::optional<StepCheck> step_check;
   std::optional<Holdout> holdout;
   std::vector<RecordingFit> recordings;          // of `DescribeRecordings`; empty: nobody looked
+  std::vector<std::vector<Finding>> findings;    // of every recording, before the fit
   std::vector<Eigen::MatrixXd> predicted_nodes;  // see identify/report/node_prediction.h
   std::string flags;                             // the command line
   std::uint64_t seed = 0;

@@ -98,5 +98,20 @@ TEST_F(IdentifyTest, RefusesBadRecordings) {
   ExpectRefused("identify --target good.bin --scene bad.json --output result", 2, "handels");
 }
 
+// What `motion check` calls a problem ends the run before the fit; what it warns of is told.
+TEST_F(IdentifyTest, ChecksRecordingsFirst) {
+  ExpectSuccess("motion convert good.bin mm.bin --scale 1000");
+  const std::string fit = "identify --fit k_stretch --max_iterations 1 --report=false --output result --target ";
+  ExpectRefused(fit + "mm.bin", 2, "mm.bin: cannot be fitted as it is: edge lengths");
+  ExpectRefused(fit + "good.bin,mm.bin", 2, "--scale 0.001 (--check=false fits it anyway)");
+  EXPECT_NE(Run(fit + "mm.bin --check=false").exit_code, 2);
+  nlohmann::ordered_json scene = SphereScene();
+  scene["materials"]["density"] = 150;
+  WriteScene(scene, "grams.json");
+  const std::string told = Run(fit + "good.bin --scene grams.json").err;
+  EXPECT_EQ(told.rfind("identify: good.bin: warning: density: 150 kg/m^2", 0), 0u) << told;
+  EXPECT_EQ(Run(fit + "good.bin --scene grams.json --check=false").err.find("warning"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace clothid

@@ -1,6 +1,7 @@
 // `Identify` as a call: it gives what the program gives, in memory and in files, and tells what it does.
 #include "identify/run.h"
 
+#include <algorithm>
 #include <atomic>
 #include <new>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "identify/report/result_json.h"
+#include "tests/expect_error.h"
 #include "tests/tools/tool_test.h"
 
 namespace clothid {
@@ -100,6 +102,46 @@ TEST_F(RunTest, TakesRecordingsInMemoryAndWritesNothingUnasked) {
   EXPECT_EQ(WithoutRun(ResultJson(from_memory.summary, from_memory.checks, motions)),
             WithoutRun(ResultJson(from_files.summary, from_files.checks, motions)));
   EXPECT_EQ(from_memory.exit_code, from_files.exit_code);
+}
+
+TEST_F(RunTest, ChecksRecordingsBeforeTheFit) {
+  RunOptions options = Options();
+  options.targets = {ReadMotion(options.target_paths.front())};
+  options.target_paths.clear();
+  RecordedMotion& motion = options.targets.front();
+  motion.scene.gravity *= 100.0;  // in cm/s^2
+  std::vector<std::string> told;
+  options.on_finding = [&](const std::string&, const Finding& finding) { told.push_back(finding.what); };
+  options.output = Path("result");
+  options.fit.max_iterations = 1;
+  const RunResult result = Identify(options);
+  EXPECT_EQ(std::count(told.begin(), told.end(), "gravity"), 1);
+  ASSERT_EQ(result.checks.findings.size(), 1u);
+  const Json findings = Json::parse(ReadBytes(folder() / "result/result.json"))["findings"];
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_TRUE(std::any_of(findings[0].begin(), findings[0].end(), [](const Json& finding) {
+    return finding["what"] == "gravity" && finding["verdict"] == "warning";
+  })) << findings;
+}
+
+TEST_F(RunTest, AProblemOfARecordingEndsTheRun) {
+  RunOptions options = Options();
+  options.targets = {ReadMotion(options.target_paths.front()), ReadMotion(Path("held_out.bin"))};
+  options.target_paths.clear();
+  options.targets.back().positions *= 1000.0;
+  options.output = Path("result");
+  bool is_started = false;
+  options.on_problem = [&](const std::vector<std::string>&) { is_started = true; };
+  const std::set<std::string> before = Files();
+  ExpectError([&] { Identify(options); }, ErrorKind::kBadData, {"held_out.bin", "edge lengths", "--scale 0.001"});
+  options.holdouts = {options.targets.back()};
+  options.targets.pop_back();
+  ExpectError([&] { Identify(options); }, ErrorKind::kBadData, {"held_out.bin", "edge lengths", "--scale 0.001"});
+  EXPECT_FALSE(is_started);
+  EXPECT_EQ(Files(), before);
+  options.check_recordings = false;
+  EXPECT_TRUE(Identify(options).checks.findings.empty());
+  EXPECT_TRUE(is_started);
 }
 
 TEST_F(RunTest, TellsWhereItStands) {
