@@ -117,7 +117,8 @@ TEST(SceneCheck, MeasuresAFreeFall) {
   EXPECT_EQ(FindingOf(FreeFall(9.81), "fall").severity, Severity::kOk);
   EXPECT_NE(FindingOf(FreeFall(9.81), "fall").value.find("gravity alone: 9.81"), std::string::npos);
   EXPECT_LE(Worst(Check(FreeFall(9.81))), Severity::kNote) << FindingsTable(Check(FreeFall(9.81)));
-  ExpectWarning(FreeFall(5.0), "fall", "--frame_rate");
+  ExpectWarning(FreeFall(2.5), "fall", "--frame_rate");
+  EXPECT_EQ(FindingOf(FreeFall(6.0), "fall").severity, Severity::kOk) << "in air";
   ExpectWarning(FreeFall(-9.81), "fall", "direction of gravity");
   ExpectWarning(FreeFall(20.0), "energy", "--frame_rate");
 }
