@@ -100,7 +100,8 @@ std::vector<int> TransposedOrder(const Eigen::Matrix3Xd& points) {
   return order;
 }
 
-// How far a frame in `order` is from `reference` [3 x P], up to a shift of the whole: the median over the points, m.
+// How far a frame in `order` is from `reference` [3 x P], up to a shift of the whole: the root mean square over the
+// points, m.
 double Misfit(const Eigen::Matrix3Xd& frame, const std::vector<int>& order, const Eigen::Matrix3Xd& reference) {
   Eigen::Matrix3Xd moved(3, frame.cols());
   Eigen::Index num_seen = 0;
@@ -109,9 +110,8 @@ double Misfit(const Eigen::Matrix3Xd& frame, const std::vector<int>& order, cons
     if (difference.allFinite()) moved.col(num_seen++) = difference;
   }
   if (2 * num_seen < frame.cols()) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Matrix3Xd seen = moved.leftCols(num_seen);
-  const Eigen::VectorXd distances = (seen.colwise() - seen.rowwise().mean()).colwise().norm().transpose();
-  return std::sqrt(distances.squaredNorm() / static_cast<double>(num_seen));
+  const Eigen::Vector3d mean = moved.leftCols(num_seen).rowwise().mean();  // once, not once for every point
+  return std::sqrt((moved.leftCols(num_seen).colwise() - mean).squaredNorm() / static_cast<double>(num_seen));
 }
 
 Eigen::Matrix3Xd InOrder(const Eigen::Matrix3Xd& frame, const std::vector<int>& order) {

@@ -147,7 +147,8 @@ bool IsCollinear(const Eigen::Matrix3Xd& points) {
 // Every point's place, after the points [3 x P] are moved onto the rest shape.
 template <typename NearestPlace>
 std::vector<Place> PlaceAll(Eigen::Matrix3Xd points, const NearestPlace& nearest) {
-  const double extent = (points.colwise() - points.rowwise().mean()).colwise().norm().maxCoeff();
+  const Eigen::Vector3d mean = points.rowwise().mean();  // once, not once for every point
+  const double extent = (points.colwise() - mean).colwise().norm().maxCoeff();
   std::vector<Place> places(static_cast<std::size_t>(points.cols()));
   Eigen::Matrix3Xd targets = points;
   for (int i = 0; i < kMaxAlignments; ++i) {
