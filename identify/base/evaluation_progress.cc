@@ -17,19 +17,19 @@ void EvaluationTracker::AddRecording(int num_steps) {
 void EvaluationTracker::Begin(EvaluationPurpose purpose) {
   progress_.purpose = purpose;
   start_ = clock_();
-  num_done_ = 0.0;
+  num_done_ = 0;
   num_passes_ = 1;
   for (Recording& recording : recordings_) recording.has_begun = recording.has_ended = false;
 }
 
 void EvaluationTracker::AddStep(int recording, const PassStep& step) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (num_done_ == 0.0) ++progress_.evaluation;
+  if (num_done_ == 0) ++progress_.evaluation;
   Recording& own = recordings_[recording];
   if (!own.has_begun) num_passes_ = 1 + step.passes_left;
   own.has_begun = true;
   own.steps_left = static_cast<double>(step.num_steps) * (1 + step.passes_left) - step.num_done;
-  num_done_ += 1.0;
+  progress_.num_done = ++num_done_;
   progress_.recording = recording;
   progress_.step = step;
   progress_.seconds = clock_() - start_;

@@ -21,9 +21,11 @@ struct EvaluationProgress {
   int recording = 0;  // from 0 on, the one that the step is of
   int num_recordings = 0;
   PassStep step;
+  int num_done = 0;      // steps of the evaluation, of all recordings and passes
   double seconds = 0.0;  // since the evaluation began
   // An estimate: as if every step that is left, of all recordings and passes, took as long as those so far. Reverse
-  // sweeps are quicker than rollouts, steps in contact slower than free ones.
+  // sweeps are quicker than rollouts, steps in contact slower than free ones, and the first steps wait for what is set
+  // up once.
   double seconds_left = 0.0;
 };
 
@@ -55,9 +57,9 @@ class EvaluationTracker {
   std::mutex mutex_;
   std::vector<Recording> recordings_;
   EvaluationProgress progress_;
-  double start_ = 0.0;     // s
-  double num_done_ = 0.0;  // steps
-  int num_passes_ = 1;     // of a recording that has yet to begin, as far as others tell
+  double start_ = 0.0;  // s
+  int num_done_ = 0;    // steps
+  int num_passes_ = 1;  // of a recording that has yet to begin, as far as others tell
 };
 
 }  // namespace clothid

@@ -10,6 +10,9 @@ namespace clothid {
 namespace {
 
 constexpr char kEraseToEnd[] = "\033[K";
+// How many steps of an evaluation, and iterations of a fit, tell how long the others take. The first ones set up what
+// is made once, or start far from the solution.
+constexpr int kFewestSteps = 10, kFewestIterations = 3;
 // s. An evaluation that takes less does not show its steps; between two such lines.
 constexpr double kTerminalPatience = 1.0, kTerminalInterval = 0.2, kPlainInterval = 10.0;
 
@@ -46,26 +49,40 @@ std::string StepLine(const EvaluationProgress& progress) {
     line << ", recording " << progress.recording + 1 << " of " << progress.num_recordings;
   }
   line << ", " << PassName(progress.step.pass) << ": step " << progress.step.num_done << " of "
-       << progress.step.num_steps << ", about " << Duration(progress.seconds_left) << " left";
+       << progress.step.num_steps;
+  if (progress.num_done >= kFewestSteps) line << ", about " << Duration(progress.seconds_left) << " left";
   return line.str();
 }
 
 }  // namespace
 
-ProgressPrinter::ProgressPrinter(std::ostream* out, bool is_terminal, int max_iterations, std::function<double()> clock)
+ProgressPrinter::ProgressPrinter(std::ostream* out, bool is_terminal, int max_iterations, std::function<double()> clock,
+                                 std::function<int()> columns)
     : out_(out),
       is_terminal_(is_terminal),
       max_iterations_(max_iterations),
       clock_(clock ? std::move(clock) : SteadySeconds),
+      columns_(std::move(columns)),
       last_output_(clock_()) {}
 
 ProgressPrinter::~ProgressPrinter() { EndLine(); }
 
 // A step is not worth a line that stays.
 void ProgressPrinter::EndLine() {
-  if (open_line_ == OpenLine::kIteration) *out_ << "\n" << std::flush;
+  if (open_line_ == OpenLine::kIteration) {
+    if (Cut(open_text_) != open_text_) *out_ << "\r" << open_text_ << kEraseToEnd;
+    *out_ << "\n" << std::flush;
+  }
   if (open_line_ == OpenLine::kStep) *out_ << "\r" << kEraseToEnd << std::flush;
   open_line_ = OpenLine::kNone;
+}
+
+std::string ProgressPrinter::Cut(const std::string& line) const {
+  const std::string end = "...";
+  // A character in the last column may start the next row.
+  const int room = (columns_ ? columns_() : 0) - 1 - static_cast<int>(end.size());
+  if (room <= 0 || line.size() < static_cast<std::size_t>(room) + end.size() + 1) return line;
+  return line.substr(0, static_cast<std::size_t>(room)) + end;
 }
 
 void ProgressPrinter::Rewrite(const std::string& line, OpenLine what) {
@@ -75,8 +92,9 @@ void ProgressPrinter::Rewrite(const std::string& line, OpenLine what) {
     return;
   }
   if (what == OpenLine::kStep && open_line_ == OpenLine::kIteration) EndLine();
-  *out_ << "\r" << line << kEraseToEnd << std::flush;
+  *out_ << "\r" << Cut(line) << kEraseToEnd << std::flush;
   open_line_ = what;
+  open_text_ = line;
 }
 
 void ProgressPrinter::PrintStart(int start, int num_starts) {
@@ -104,10 +122,10 @@ void ProgressPrinter::Print(const std::vector<std::string>& names, const FitIter
   line << "iteration " << iteration.iteration << "  cost " << std::setprecision(6) << iteration.cost;
   for (std::size_t i = 0; i < names.size(); ++i) line << "  " << names[i] << " " << iteration.values[i];
   line << "  rollouts " << iteration.rollouts;
-  if (is_terminal_ && num_timed_ > 0) {
+  if (is_terminal_ && num_timed_ >= kFewestIterations) {
     const double seconds_each = timed_seconds_ / num_timed_;
-    line << std::setprecision(2) << "  " << seconds_each << " s/iteration, at most " << std::setprecision(3)
-         << seconds_each * iterations_left_ << " s left";
+    line << std::setprecision(2) << "  " << seconds_each << " s/iteration, at most "
+         << Duration(seconds_each * iterations_left_) << " left";
   }
   Rewrite(line.str(), OpenLine::kIteration);
 }
@@ -118,11 +136,11 @@ bool ProgressPrinter::IsDue(const EvaluationProgress& progress) const {
   return progress.seconds >= kTerminalPatience && since_last >= kTerminalInterval;
 }
 
-// Nothing before an iteration is timed.
+// Nothing before enough iterations are timed.
 std::string ProgressPrinter::FitLeft() const {
-  if (num_timed_ == 0 || iterations_left_ <= 0) return "";
-  return "; fit: up to " + std::to_string(iterations_left_) + " iterations more, about " +
-         Duration(timed_seconds_ / num_timed_ * iterations_left_);
+  if (num_timed_ < kFewestIterations || iterations_left_ <= 0) return "";
+  return "; fit: at most " + std::to_string(iterations_left_) + " iterations and " +
+         Duration(timed_seconds_ / num_timed_ * iterations_left_) + " more";
 }
 
 void ProgressPrinter::Print(const EvaluationProgress& progress) {

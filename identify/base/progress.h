@@ -14,13 +14,17 @@ namespace clothid {
 
 // On a terminal one line is rewritten, with rate and time left; elsewhere every iteration is a line of its own, without
 // the estimate of time. Evaluations that take long, a second on a terminal and ten elsewhere, tell where they are:
-//   evaluation 8, reverse sweep: step 120 of 299, about 14 s left; fit: up to 47 iterations more, about 33 min
-// on a terminal below the line of the iteration, elsewhere when nothing was told for ten seconds.
+//   evaluation 8, reverse sweep: step 120 of 299, about 14 s left; fit: at most 47 iterations and 33 min more
+// on a terminal below the line of the iteration, elsewhere when nothing was told for ten seconds. Times are told once
+// ten steps and three iterations were timed. A line that is rewritten is cut where the terminal ends; one that stays is
+// whole.
 class ProgressPrinter {
  public:
   // `out` must outlive the printer. The time left of a fit is that until `max_iterations`, as if they took as long as
-  // those so far; a fit converges earlier. `clock`: s, from any origin on; empty: the steady one.
-  ProgressPrinter(std::ostream* out, bool is_terminal, int max_iterations, std::function<double()> clock = {});
+  // those so far; a fit converges earlier. `clock`: s, from any origin on; empty: the steady one. `columns`: how wide
+  // the terminal is, 0 where that is not known; empty: 0.
+  ProgressPrinter(std::ostream* out, bool is_terminal, int max_iterations, std::function<double()> clock = {},
+                  std::function<int()> columns = {});
   ~ProgressPrinter();
   ProgressPrinter(const ProgressPrinter&) = delete;
   ProgressPrinter& operator=(const ProgressPrinter&) = delete;
@@ -39,6 +43,8 @@ class ProgressPrinter {
 
   void EndLine();
   void Rewrite(const std::string& line, OpenLine what);
+  // `line`, or its begin and "..." where the terminal has no room for it.
+  std::string Cut(const std::string& line) const;
   bool IsDue(const EvaluationProgress& progress) const;
   std::string FitLeft() const;
 
@@ -46,8 +52,10 @@ class ProgressPrinter {
   bool is_terminal_;
   int max_iterations_;
   std::function<double()> clock_;
+  std::function<int()> columns_;
   OpenLine open_line_ = OpenLine::kNone;
-  double last_output_;  // when, s
+  std::string open_text_;  // of that line, uncut
+  double last_output_;     // when, s
   // The fit under way. Iterations without a step were replayed from a journal, and say nothing about those to come.
   bool has_stepped_ = false;    // since the last iteration
   int num_timed_ = 0;           // iterations with steps

@@ -100,6 +100,7 @@ class ProgressPrinterTest : public testing::Test {
     progress.purpose = purpose;
     progress.num_recordings = num_recordings_;
     progress.step = {RolloutPass::kReverseSweep, 120, 299, 0};
+    progress.num_done = num_done_;
     progress.seconds = time - start;
     progress.seconds_left = 14.4;
     printer->Print(progress);
@@ -110,7 +111,7 @@ class ProgressPrinterTest : public testing::Test {
     return text;
   }
 
-  int num_recordings_ = 1;
+  int num_recordings_ = 1, num_done_ = 120;
   double now_ = 0.0;
   std::ostringstream out_;
   std::function<double()> clock_ = [this] { return now_; };
@@ -159,13 +160,19 @@ TEST_F(ProgressPrinterTest, TimeLeftOfTheFitGoesWithTheIterationsThatAreLeft) {
   PrintIteration(0, 20.0, &printer);
   PrintStep(30.0, 20.0, &printer);
   PrintIteration(1, 60.0, &printer);
-  Take();
   PrintStep(70.0, 60.0, &printer);
-  EXPECT_EQ(Take(), kStep + std::string("; fit: up to 49 iterations more, about 33 min\n"));
-  PrintStep(80.0, 60.0, &printer, EvaluationPurpose::kInterval);
+  PrintIteration(2, 100.0, &printer);
+  Take();
+  PrintStep(110.0, 100.0, &printer);
+  EXPECT_EQ(Take(), kStep + std::string("\n")) << "two iterations do not tell how long the others take";
+  PrintIteration(3, 140.0, &printer);
+  Take();
+  PrintStep(150.0, 140.0, &printer);
+  EXPECT_EQ(Take(), kStep + std::string("; fit: at most 47 iterations and 31 min more\n"));
+  PrintStep(160.0, 140.0, &printer, EvaluationPurpose::kInterval);
   EXPECT_EQ(Take(), "intervals, " + std::string(kStep) + "\n");
   printer.EndFit();
-  PrintStep(90.0, 60.0, &printer);
+  PrintStep(170.0, 140.0, &printer);
   EXPECT_EQ(Take(), kStep + std::string("\n"));
 }
 
@@ -176,10 +183,39 @@ TEST_F(ProgressPrinterTest, ReplayedIterationsAreNotTimed) {
   Take();
   PrintStep(11.0, 0.9, &printer);
   EXPECT_EQ(Take(), kStep + std::string("\n"));
-  PrintIteration(10, 720.9, &printer);
-  Take();
-  PrintStep(740.0, 720.9, &printer);
-  EXPECT_EQ(Take(), kStep + std::string("; fit: up to 10 iterations more, about 2 h 0 min\n"));
+  for (int i = 10; i < 13; ++i) {
+    PrintIteration(i, 0.9 + 720.0 * (i - 9), &printer);
+    Take();
+    PrintStep(20.0 + 720.0 * (i - 9), 0.9 + 720.0 * (i - 9), &printer);
+  }
+  EXPECT_EQ(Take(), kStep + std::string("; fit: at most 8 iterations and 96 min more\n"));
+}
+
+// The first steps set up what the others use.
+TEST_F(ProgressPrinterTest, FirstStepsDoNotTellTheTimeLeft) {
+  ProgressPrinter printer(&out_, /*is_terminal=*/false, 20, clock_);
+  num_done_ = 9;
+  PrintStep(10.0, 0.0, &printer);
+  EXPECT_EQ(Take(), "evaluation 3, reverse sweep: step 120 of 299\n");
+  num_done_ = 10;
+  PrintStep(20.0, 0.0, &printer);
+  EXPECT_EQ(Take(), kStep + std::string("\n"));
+}
+
+TEST_F(ProgressPrinterTest, LinesThatAreRewrittenFitTheTerminal) {
+  int columns = 30;
+  ProgressPrinter printer(&out_, /*is_terminal=*/true, 50, clock_, [&] { return columns; });
+  PrintIteration(0, 5.0, &printer);
+  EXPECT_EQ(Take(), "\r" + std::string(kIteration0).substr(0, 26) + "...\033[K");
+  PrintStep(6.0, 5.0, &printer);
+  EXPECT_EQ(Take(), "\r" + std::string(kIteration0) + "\033[K\n\r" + std::string(kStep).substr(0, 26) + "...\033[K")
+      << "what stays is whole";
+  columns = static_cast<int>(std::string(kIteration0).size()) + 1;
+  PrintIteration(0, 7.0, &printer);
+  EXPECT_EQ(Take(), "\r" + std::string(kIteration0) + "\033[K");
+  columns = 0;  // not known
+  PrintStep(8.0, 7.0, &printer);
+  EXPECT_EQ(Take(), "\n\r" + std::string(kStep) + "\033[K");
 }
 
 TEST_F(ProgressPrinterTest, NamesTheRecordingOfSeveral) {
