@@ -34,8 +34,20 @@ constexpr double kExplained = 1.2;
 // Of the mean square, from which on something that lasts is worth a word.
 constexpr double kLasting = 0.1;
 
-void AddNoise(const FitSummary& summary, const std::vector<Observation>& observations,
-              std::vector<std::string>* lines) {
+// Whose word the noise is.
+std::string NoiseName(const std::vector<RecordedMotion>& motions) {
+  const auto is_all = [&](SigmaSource source) {
+    return std::all_of(motions.begin(), motions.end(),
+                       [&](const RecordedMotion& motion) { return motion.sigma_source == source; });
+  };
+  if (is_all(SigmaSource::kEstimated)) return "noise that was estimated from the scatter of the points";
+  if (is_all(SigmaSource::kGiven)) return "noise that --sigma states";
+  if (is_all(SigmaSource::kRecorded)) return "noise that the recording states";
+  return "noise that is assumed";
+}
+
+void AddNoise(const FitSummary& summary, const std::vector<RecordedMotion>& motions,
+              const std::vector<Observation>& observations, std::vector<std::string>* lines) {
   if (!summary.uncertainty) return;
   const double scale = summary.uncertainty->residual_scale;
   const bool is_known = std::all_of(observations.begin(), observations.end(),
@@ -47,12 +59,11 @@ void AddNoise(const FitSummary& summary, const std::vector<Observation>& observa
         "The recording does not state its noise, so the intervals take all of the remaining error for noise: how "
         "large the error should be at best is not known.");
   } else if (scale <= kExplained) {
-    lines->push_back("The noise that the recording states explains the error: residuals are " + Number(scale) +
+    lines->push_back("The " + NoiseName(motions) + " explains the error: residuals are " + Number(scale) +
                      " times its standard deviation. A better fit would be a fit of the noise.");
   } else {
-    lines->push_back("Residuals are " + Number(scale) +
-                     " times the noise that the recording states: the model misses something, or there is more noise "
-                     "than stated.");
+    lines->push_back("Residuals are " + Number(scale) + " times the " + NoiseName(motions) +
+                     ": the model misses something, or there is more noise than that.");
   }
 }
 
@@ -142,7 +153,7 @@ std::vector<ResidualHistogram> ResidualHistograms(const Observation& observation
 std::vector<std::string> FitLimits(const FitSummary& summary, const std::vector<RecordedMotion>& motions,
                                    const std::vector<Observation>& observations) {
   std::vector<std::string> lines;
-  AddNoise(summary, observations, &lines);
+  AddNoise(summary, motions, observations, &lines);
   AddLasting(summary, &lines);
   AddUnseen(motions, &lines);
   const int num_substeps = summary.counts.substeps;

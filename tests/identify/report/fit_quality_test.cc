@@ -100,11 +100,13 @@ TEST(FitQualityTest, HistogramsAreWithoutTheStart) {
   }
 }
 
-std::vector<std::string> Limits(double sigma, double residual_scale, double correlation, int substeps) {
+std::vector<std::string> Limits(double sigma, double residual_scale, double correlation, int substeps,
+                                SigmaSource source = SigmaSource::kRecorded) {
   MotionOptions options;
   options.noise = 1e-3;
   options.sigma = sigma;
-  const std::vector<RecordedMotion> motions = {MakeMotion(SwingScene(), options)};
+  std::vector<RecordedMotion> motions = {MakeMotion(SwingScene(), options)};
+  motions.front().sigma_source = source;
   FitSummary summary;
   summary.uncertainty.emplace();
   summary.uncertainty->residual_scale = residual_scale;
@@ -124,6 +126,11 @@ TEST(FitQualityTest, LimitsInWords) {
   EXPECT_NE(Joined(Limits(1e-3, 1.02, 0.0, 0)).find("explains the error: residuals are 1.02 times"), std::string::npos);
   EXPECT_NE(Joined(Limits(1e-3, 1.02, 0.0, 0)).find("like the noise of a sensor"), std::string::npos);
   EXPECT_NE(Joined(Limits(1e-3, 3.5, 0.64, 0)).find("3.5 times the noise that the recording states"),
+            std::string::npos);
+  EXPECT_NE(Joined(Limits(1e-3, 3.5, 0.64, 0, SigmaSource::kGiven)).find("3.5 times the noise that --sigma states"),
+            std::string::npos);
+  EXPECT_NE(Joined(Limits(1e-3, 1.0, 0.0, 0, SigmaSource::kEstimated))
+                .find("The noise that was estimated from the scatter of the points explains"),
             std::string::npos);
   EXPECT_NE(Joined(Limits(1e-3, 3.5, 0.64, 0)).find("Of 1 mm rmse about 0.8 mm last"), std::string::npos);
   EXPECT_NE(Joined(Limits(0.0, 1.1, 0.0, 0)).find("does not state its noise"), std::string::npos);
