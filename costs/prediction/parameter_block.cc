@@ -105,7 +105,10 @@ double ParameterBlock::CoordinateRange() const { return ToCoordinate(upper_bound
 
 bool ParameterBlock::IsAtBound(double coordinate) const {
   const double distance = std::min(coordinate - ToCoordinate(lower_bound), ToCoordinate(upper_bound) - coordinate);
-  return distance <= kAtBound * CoordinateRange();
+  const double own_range = is_signed                       ? 2.0
+                           : scale == ParameterScale::kLog ? 2.0 * std::log(kBoundFactor)
+                                                           : kMaxFriction;
+  return distance <= kAtBound * std::min(CoordinateRange(), own_range);
 }
 
 double ParameterBlock::Resolution(double coordinate) const {

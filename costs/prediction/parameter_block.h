@@ -47,7 +47,8 @@ struct ParameterBlock {
   double ValueDerivative(double coordinate) const;
   // From bound to bound, in the internal coordinate.
   double CoordinateRange() const;
-  // Within 1e-3 of the range from one of the bounds, which a bounded optimiser may reach asymptotically.
+  // Within 1e-3 of the range from one of the bounds, or of the range without given bounds if that is smaller: from 0 to
+  // kMaxFriction, over kBoundFactor up and down, +- unit. A bounded optimiser may reach a bound asymptotically only.
   bool IsAtBound(double coordinate) const;
   // The smallest change of the coordinate that a fit goes for: 1e-6 of the value, of friction below 0.01 1e-8, of the
   // recording's own parameters below a tenth of their unit 1e-7 of that.

@@ -97,7 +97,7 @@ struct ParameterUncertainty {
   double share_of_belief = std::numeric_limits<double>::quiet_NaN();
   double factor = std::numeric_limits<double>::quiet_NaN();  // between the ends of an interval of a logarithmic q
   bool reaches_lower = false, reaches_upper = false;         // the interval is cut at a bound
-  bool at_bound = false;                                     // within 1e-3 of the range from one of its bounds
+  bool at_bound = false;                                     // see `ParameterBlock::IsAtBound`
   bool visible = false;                                      // false where frozen, too
   bool stalled = false;  // takes part in what the model promises beyond the estimate
   // Visible and not at its bound, not stalled, the interval narrower than the belief and within the bounds.

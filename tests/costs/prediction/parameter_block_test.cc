@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "tests/costs/synthetic_motion.h"
@@ -24,6 +25,26 @@ TEST(ParameterBlockTest, CoordinatesInvertAndDifferentiate) {
       EXPECT_NEAR(block.ValueDerivative(q), difference, 1e-9 * std::max(1.0, value));
     }
   }
+}
+
+TEST(ParameterBlockTest, WideBoundsDoNotComeNearer) {
+  const Scene scene = SphereScene();
+  const auto is_at_bound = [&](const std::string& name, const char* lower, const char* upper, double value) {
+    ParameterOverrides overrides;
+    if (*lower != 0) overrides.lower_bounds[name] = std::atof(lower);
+    if (*upper != 0) overrides.upper_bounds[name] = std::atof(upper);
+    const ParameterBlock block = MakeParameterBlock(name, scene, overrides);
+    return block.IsAtBound(block.ToCoordinate(value));
+  };
+  EXPECT_TRUE(is_at_bound("mu", "", "", 0.0019));
+  EXPECT_FALSE(is_at_bound("mu", "", "", 0.0021));
+  EXPECT_TRUE(is_at_bound("mu", "", "500", 0.0019));
+  EXPECT_FALSE(is_at_bound("mu", "", "500", 0.47));
+  EXPECT_TRUE(is_at_bound("mu", "", "500", 499.999));
+  EXPECT_TRUE(is_at_bound("mu", "0.1", "0.3", 0.1001)) << "narrow bounds count as they are";
+  EXPECT_FALSE(is_at_bound("mu", "0.1", "0.3", 0.1003));
+  EXPECT_TRUE(is_at_bound("k_stretch", "1e-100", "1e100", 1.01e-100));
+  EXPECT_FALSE(is_at_bound("k_stretch", "1e-100", "1e100", 1.1e-100));
 }
 
 TEST(ParameterBlockTest, DefaultsComeFromTheScene) {
