@@ -15,6 +15,7 @@
 #include "identify/landscape/fit_landscape.h"
 #include "identify/report/node_prediction.h"
 #include "identify/report/report.h"
+#include "sim/base/phase_seconds.h"
 
 namespace clothid {
 namespace {
@@ -95,11 +96,12 @@ class Run {
     if (CheckGradientsAtStart()) RunFit();
     if (summary_.has_estimate()) Examine();
     if (options_.on_examined) options_.on_examined(summary_);
-    if (summary_.has_estimate() && folder_ != nullptr) Write();
     RunResult result;
+    if (summary_.has_estimate()) result.table = ResultTable(summary_, checks_);
+    if (summary_.has_estimate() && options_.on_table) options_.on_table(result.table);
+    if (summary_.has_estimate() && folder_ != nullptr) Write();
     result.verdict = Judge(summary_, checks_);
     result.exit_code = result.verdict.exit_code;
-    if (summary_.has_estimate()) result.table = ResultTable(summary_, checks_);
     result.summary = std::move(summary_);
     result.checks = std::move(checks_);
     return result;
@@ -107,7 +109,13 @@ class Run {
 
  private:
   static std::unique_ptr<OutputFolder> OpenFolder(const RunOptions& options) {
-    return options.output.empty() ? nullptr : std::make_unique<OutputFolder>(options.output);
+    if (options.output.empty()) return nullptr;
+    for (const std::string& path : options.target_paths)
+      ExpectNotReplaced("--target", path, options.output, IsReportFile);
+    for (const std::string& path : options.holdout_paths)
+      ExpectNotReplaced("--holdout", path, options.output, IsReportFile);
+    ExpectNotReplaced("--scene", options.reading.scene_path, options.output, IsReportFile);
+    return std::make_unique<OutputFolder>(options.output);
   }
 
   static FitOptions FitOptionsOf(const RunOptions& options, const OutputFolder* folder) {
@@ -144,6 +152,7 @@ class Run {
 
   // What was asked for beside the fit.
   void Examine() {
+    const ScopedTimer timer(&summary_.total_seconds);
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
     for (const std::string& name : options_.profiles) {
       if (!summary_.uncertainty || is_cancelled()) break;
@@ -159,7 +168,7 @@ class Run {
     }
     if (is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
-      summary_.message = "interrupted";
+      summary_.message = kInterruptedMessage;
     }
   }
 

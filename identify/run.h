@@ -9,7 +9,7 @@
 //
 // What happens, in this order: the recordings are read and checked, frames are held out, the gradients compared, the
 // fit is run, from one start or several, then the profiles, the fit at half the step and the prediction of what was
-// held out, then the files are written, all or none.
+// held out, then the files are written, all or none (but see `WriteReport`).
 #ifndef CLOTHID_IDENTIFY_RUN_H_
 #define CLOTHID_IDENTIFY_RUN_H_
 
@@ -59,6 +59,8 @@ struct RunOptions {
   std::function<void(const std::vector<std::string>& names)> on_problem;         // of all parameters, before the fit
   std::function<void(const FitSummary&)> on_fitted;                              // the main fit has ended
   std::function<void(const FitSummary&)> on_examined;                            // nothing but the files is left to do
+  // `RunResult::table`, where there is one, before the files are written: what goes wrong there does not lose it.
+  std::function<void(const std::string& table)> on_table;
 
   // Throws `Error` (kUsage) naming the first value that is out of range or goes with no other.
   void Validate() const;
@@ -73,10 +75,10 @@ struct RunResult {
   std::string table;                       // of `ResultTable`
 };
 
-// Throws `Error`: kUsage for what `Validate` rejects and for parameters that are not fitted or not known; kIo and
-// kBadData for files and for recordings in which a check finds a problem. Nothing is left behind then, nor where
-// anything else is thrown: an internal error, or what a callback has thrown. How the fit itself ends never throws: see
-// `exit_code`. The same on any number of threads but for the seconds.
+// Throws `Error`: kUsage for what `Validate` rejects, for parameters that are not fitted or not known, and for an input
+// that a result would replace; kIo and kBadData for files and for recordings in which a check finds a problem. Nothing
+// is left behind then, nor where anything else is thrown: an internal error, or what a callback has thrown. How the fit
+// itself ends never throws: see `exit_code`. The same on any number of threads but for the seconds.
 RunResult Identify(const RunOptions& options);
 
 }  // namespace clothid

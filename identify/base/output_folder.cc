@@ -36,6 +36,18 @@ std::vector<fs::path> MissingFolders(const fs::path& path) {
 
 }  // namespace
 
+void ExpectNotReplaced(const std::string& flag, const std::string& input, const std::string& folder,
+                       const IsResult& is_result) {
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    std::error_code ignored;
+    if (!is_result(entry->path().filename().string()) || !fs::equivalent(entry->path(), input, ignored)) continue;
+    throw Error(ErrorKind::kUsage, flag + ": " + input + ": the results in --output " + folder +
+                                       " would replace it; choose another folder");
+  }
+}
+
 OutputFolder::OutputFolder(const std::string& path) {
   if (path.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
   path_ = fs::absolute(path).lexically_normal();
@@ -79,8 +91,16 @@ void OutputFolder::Lock() {
   Fail(path_, "another process is writing its results there");
 }
 
+// Its lock went with it.
+void OutputFolder::MakeAgain() {
+  if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+  MakeFolders();
+  Lock();
+}
+
 std::string OutputFolder::TemporaryPath(const std::string& name) {
   std::error_code error;
+  if (!fs::exists(path_, error)) MakeAgain();
   if (fs::create_directory(hidden_, error)) old_journals_ = Journals();
   if (error) Fail(hidden_, "cannot make the folder: " + error.message());
   if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
@@ -89,6 +109,12 @@ std::string OutputFolder::TemporaryPath(const std::string& name) {
 
 void OutputFolder::Write(const std::string& name, const std::string& content) {
   WriteFileAtomically(TemporaryPath(name), {content});
+}
+
+void OutputFolder::Drop(const std::string& name) {
+  std::error_code ignored;
+  fs::remove(hidden_ / name, ignored);
+  names_.erase(std::remove(names_.begin(), names_.end(), name), names_.end());
 }
 
 void OutputFolder::CheckPlaces() const {
@@ -101,8 +127,25 @@ void OutputFolder::CheckPlaces() const {
   }
 }
 
+// Best effort: what cannot be removed stays.
+void OutputFolder::RemoveEarlier() const {
+  if (!is_result_) return;
+  std::vector<fs::path> earlier;
+  std::error_code error;
+  for (fs::directory_iterator entry(path_, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    std::error_code ignored;
+    const bool is_written = std::find(names_.begin(), names_.end(), name) != names_.end();
+    if (is_result_(name) && !is_written && !entry->is_directory(ignored)) earlier.push_back(entry->path());
+  }
+  std::error_code ignored;
+  for (const fs::path& path : earlier) fs::remove(path, ignored);
+}
+
 void OutputFolder::Commit() {
   CheckPlaces();
+  RemoveEarlier();
   for (const std::string& name : names_) {
     std::error_code error;
     fs::rename(hidden_ / name, path_ / name, error);

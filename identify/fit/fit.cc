@@ -354,7 +354,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   }
   if (IsCancelled(options)) {
     summary.status = FitStatus::kInterrupted;
-    summary.message = "interrupted";
+    summary.message = kInterruptedMessage;
   }
   // A loose point is better than none only where somebody has stopped the fit there.
   const bool has_estimate = evaluator.best().is_valid() && (!evaluator.best_is_superseded() || IsCancelled(options));

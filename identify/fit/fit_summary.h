@@ -32,6 +32,9 @@ struct StartEstimate {
   double speed_change = 0.0, velocity_std = 0.0;  // m/s; 0 where the cloth was released at rest
 };
 
+// `FitSummary::message` of a fit that was interrupted.
+inline constexpr char kInterruptedMessage[] = "stopped on request, at the best point so far";
+
 struct FittedParameter {
   std::string name;
   double value = 0.0;
@@ -62,8 +65,11 @@ struct FitSummary {
   std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
   int num_continuations = 0;               // how often the fit went on from a lower point (continued_fit.h)
   CostStatistics statistics;
+  // Wall time of this run, what was examined beside the fit included. `statistics` sums rollouts and derivatives over
+  // recordings, which may be simulated side by side, and counts those that a journal gave with the seconds they once
+  // took: then they exceed it.
   double total_seconds = 0.0;
-  double solver_seconds = 0.0;  // outside of rollouts and derivatives
+  double solver_seconds = 0.0;  // of the fit, outside of rollouts and derivatives
 
   bool has_estimate() const { return !parameters.empty(); }
   int num_iterations() const { return iterations.empty() ? 0 : iterations.back().iteration; }

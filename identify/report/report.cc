@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <iomanip>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
-#include <system_error>
+#include <string_view>
 
 #include "datasets/importing/handle_tracks.h"
 #include "identify/base/version.h"
@@ -94,6 +93,26 @@ std::string Interval(const FitSummary& summary, const FitChecks& checks, int ind
   return ShortNumber(uncertainty.lower95, shown) + " .. " + ShortNumber(uncertainty.upper95, shown);
 }
 
+std::string PredictionName(std::size_t recording) {
+  return recording == 0 ? "predicted.bin" : "predicted_" + std::to_string(recording + 1) + ".bin";
+}
+
+// All or none of them.
+void WriteLargeFiles(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
+                     OutputFolder* folder, const ReportOptions& options) {
+  try {
+    for (std::size_t r = 0; r < motions.size(); ++r) {
+      const MotionTensors tensors = PredictedMotion(motions[r], summary.predicted[r], summary.parameters);
+      WriteMotion(tensors, folder->TemporaryPath(PredictionName(r)));
+    }
+    if (options.page) folder->Write(kReportName, ReportHtml(summary, checks, motions));
+  } catch (const Error&) {
+    for (std::size_t r = 0; r < motions.size(); ++r) folder->Drop(PredictionName(r));
+    folder->Drop(kReportName);
+    throw;
+  }
+}
+
 }  // namespace
 
 std::string ConvergenceCsv(const FitSummary& summary) {
@@ -141,20 +160,30 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
   return tensors;
 }
 
+bool IsReportFile(const std::string& name) {
+  static constexpr std::array<std::string_view, 5> kNames = {"result.json", "convergence.csv", "profile.csv",
+                                                             "predicted.bin", kReportName};
+  if (std::find(kNames.begin(), kNames.end(), name) != kNames.end()) return true;
+  static constexpr std::string_view kBegin = "predicted_", kEnd = ".bin";
+  if (name.size() <= kBegin.size() + kEnd.size() || name.compare(0, kBegin.size(), kBegin) != 0) return false;
+  const std::size_t end = name.size() - kEnd.size();
+  return name.compare(end, kEnd.size(), kEnd) == 0 && name.find_first_not_of("0123456789", kBegin.size()) == end;
+}
+
 void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
                  OutputFolder* folder, const ReportOptions& options) {
+  folder->RemoveOthers(IsReportFile);
   folder->Write("result.json", ResultJson(summary, checks, motions));
   folder->Write("convergence.csv", ConvergenceCsv(summary));
   if (!checks.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, checks));
-  for (std::size_t r = 0; r < motions.size(); ++r) {
-    const std::string name = r == 0 ? "predicted.bin" : "predicted_" + std::to_string(r + 1) + ".bin";
-    WriteMotion(PredictedMotion(motions[r], summary.predicted[r], summary.parameters), folder->TemporaryPath(name));
+  try {
+    WriteLargeFiles(summary, checks, motions, folder, options);
+  } catch (const Error& error) {
+    folder->KeepJournals();
+    folder->Commit();
+    throw Error(error.kind(), error.what() + std::string("; result.json is written, without predictions and report"));
   }
-  if (options.page) folder->Write(kReportName, ReportHtml(summary, checks, motions));
   folder->Commit();
-  // That of another fit would be taken for one of this.
-  std::error_code ignored;
-  if (!options.page) std::filesystem::remove(std::filesystem::path(folder->path()) / kReportName, ignored);
 }
 
 std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {

@@ -23,13 +23,18 @@ std::string ProfileCsv(const FitSummary& summary, const FitChecks& checks);
 MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixXd& predicted,
                               const std::vector<FittedParameter>& parameters);
 
+// Whether `WriteReport` writes files of this name: result.json, convergence.csv, profile.csv, predicted.bin,
+// predicted_2.bin and so on, report.html.
+bool IsReportFile(const std::string& name);
+
 struct ReportOptions {
   bool page = true;  // report.html
 };
 
 // Writes and commits result.json, convergence.csv, profile.csv where profiles were asked for, predicted.bin of the
-// first recording, predicted_2.bin of the second and so on, and report.html. An older report.html is replaced, or
-// removed where none is asked for. The fit must have an estimate. Throws `Error` (kIo).
+// first recording, predicted_2.bin of the second and so on, and report.html, in place of all such files that are there.
+// The fit must have an estimate. Throws `Error` (kIo). Where that is about predictions or the page, which are large,
+// the others are there without them, and the journals stay for a fit that resumes; else nothing is.
 void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
                  OutputFolder* folder, const ReportOptions& options = {});
 

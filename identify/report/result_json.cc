@@ -254,7 +254,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   if (IsToldMore(motions)) json["recordings"] = RecordingsJson(motions);
   if (const Json findings = FindingsOfRecordings(checks); !findings.is_null()) json["findings"] = findings;
   json["provenance"] = ProvenanceJson(checks, motions);
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace clothid

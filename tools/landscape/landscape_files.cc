@@ -51,15 +51,21 @@ nlohmann::ordered_json PlanJson(const LandscapePlan& plan, const LandscapeOrigin
 
 }  // namespace
 
+bool IsLandscapeFile(const std::string& name) {
+  return name == kLandscapeCsv || name == kTimingCsv || name == kPlanJson || name == kSummaryJson;
+}
+
 void WriteLandscape(const Landscape& landscape, const LandscapeOrigin& origin, OutputFolder* folder) {
   std::string csv = RowHeader(landscape.plan) + "\n", timing = "cell,seconds\n";
   for (const int cell : origin.shard.Cells(landscape.plan)) {
     csv += CellRow(landscape.plan, cell, landscape.cells[cell]) + "\n";
     timing += std::to_string(cell) + "," + ShortestText(landscape.cells[cell].seconds) + "\n";
   }
+  folder->RemoveOthers(IsLandscapeFile);
   folder->Write(kLandscapeCsv, csv);
   folder->Write(kTimingCsv, timing);
-  folder->Write(kPlanJson, PlanJson(landscape.plan, origin, csv).dump(2) + "\n");
+  const nlohmann::ordered_json plan = PlanJson(landscape.plan, origin, csv);
+  folder->Write(kPlanJson, plan.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   if (origin.shard.is_whole()) folder->Write(kSummaryJson, SummaryJson(Summarize(landscape)));
 }
 

@@ -78,8 +78,8 @@ function fillProvenance() {
   };
   const rows = [['command line', code(`identify ${provenance.flags}`)],
     ['clothid', code(`${provenance.version}, git ${provenance.git}`)],
-    ['seconds', element('td', '', `${number(seconds.total, 3)} in all: rollouts ${number(seconds.rollout, 3)}, derivatives ` +
-      `${number(seconds.derivative, 3)}, solver ${number(seconds.solver, 3)}`)],
+    ['seconds', element('td', '', `${number(seconds.total, 3)} in all; summed over recordings: rollouts ` +
+      `${number(seconds.rollout, 3)}, derivatives ${number(seconds.derivative, 3)}; solver ${number(seconds.solver, 3)}`)],
     ['work', element('td', '', `${count(result.rollouts, 'rollout')}, ${count(result.sweeps, 'sweep')}, Jacobian ` +
       `${result.jacobian}, ${count(provenance.threads, 'thread')}, seed ${provenance.seed}`)]];
   for (const recording of data.recordings) {

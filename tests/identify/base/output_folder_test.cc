@@ -124,6 +124,48 @@ TEST_F(OutputFolderTest, CommitsAllOrNothing) {
   EXPECT_EQ(NumEntries(root_), 1);
 }
 
+TEST_F(OutputFolderTest, CommitRemovesEarlierResults) {
+  for (const char* name : {"x.txt", "old.txt", "old.csv"}) std::ofstream(root_ / name) << "old";
+  fs::create_directory(root_ / "folder.txt");
+  {
+    OutputFolder folder(root_.string());
+    folder.RemoveOthers([](const std::string& name) { return fs::path(name).extension() == ".txt"; });
+    folder.Write("x.txt", "new");
+    folder.Write("y.txt", "new");
+    folder.Drop("y.txt");
+    EXPECT_EQ(NumEntries(root_), 5);
+    folder.Commit();
+  }
+  EXPECT_EQ(NumEntries(root_), 3);
+  EXPECT_EQ(Read(root_ / "x.txt"), "new");
+  EXPECT_EQ(Read(root_ / "old.csv"), "old");
+  EXPECT_TRUE(fs::exists(root_ / "folder.txt"));
+}
+
+TEST_F(OutputFolderTest, AFolderThatWasRemovedIsMadeAgain) {
+  OutputFolder folder((root_ / "a" / "b").string());
+  fs::remove_all(root_ / "a");
+  folder.Write("x.txt", "new");
+  ExpectError([&] { OutputFolder second(folder.path()); }, ErrorKind::kIo, {"b: another process"});
+  folder.Commit();
+  EXPECT_EQ(Read(root_ / "a" / "b" / "x.txt"), "new");
+}
+
+TEST_F(OutputFolderTest, RefusesInputsThatResultsWouldReplace) {
+  const auto is_result = [](const std::string& name) { return name == "x.bin"; };
+  const std::string folder = (root_ / "a").string();
+  ExpectNotReplaced("--target", folder + "/x.bin", folder, is_result);
+  fs::create_directory(folder);
+  for (const char* name : {"x.bin", "y.bin"}) std::ofstream(fs::path(folder) / name) << "old";
+  ExpectNotReplaced("--target", folder + "/y.bin", folder, is_result);
+  ExpectNotReplaced("--target", folder + "/absent.bin", folder, is_result);
+  fs::create_symlink(folder + "/x.bin", root_ / "link.bin");
+  for (const std::string& input : {folder + "/x.bin", folder + "/../a/x.bin", (root_ / "link.bin").string()}) {
+    ExpectError([&] { ExpectNotReplaced("--target", input, folder + "/", is_result); }, ErrorKind::kUsage,
+                {"--target: ", input.c_str(), "would replace it"});
+  }
+}
+
 TEST_F(OutputFolderTest, KeepsJournalsOnRequest) {
   {
     OutputFolder folder((root_ / "a").string());

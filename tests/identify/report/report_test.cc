@@ -10,6 +10,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "identify/report/report_page.h"
 #include "identify/report/result_json.h"
 #include "tests/costs/synthetic_motion.h"
 
@@ -131,6 +132,27 @@ TEST(ReportTest, ContactsAreCountedAtTheEstimate) {
   EXPECT_EQ(summary.counts.branch_switches, counts.branch_switches);
 }
 
+TEST(ReportTest, NamesThatAreNoUtf8AreReplaced) {
+  std::vector<RecordedMotion> motions = TwoMotions();
+  for (RecordedMotion& motion : motions) motion.name = "r\xff.bin";
+  FitChecks checks;
+  checks.flags = "--target r\xff.bin";
+  const FitSummary summary = RunFit(motions, 1);
+  EXPECT_EQ(Json::parse(ResultJson(summary, checks, motions))["provenance"]["flags"], "--target r\xef\xbf\xbd.bin");
+  EXPECT_NE(ReportHtml(summary, checks, motions).find("r\xef\xbf\xbd.bin"), std::string::npos);
+}
+
+TEST(ReportTest, KnowsItsFiles) {
+  for (const char* name : {"result.json", "convergence.csv", "profile.csv", "report.html", "predicted.bin",
+                           "predicted_2.bin", "predicted_10.bin"}) {
+    EXPECT_TRUE(IsReportFile(name)) << name;
+  }
+  for (const char* name : {"", "result", "predicted_.bin", "predicted_2x.bin", "predicted_2.bin.bak",
+                           "drape.motion.bin", "xpredicted_2.bin", "predicted_.", "landscape.csv"}) {
+    EXPECT_FALSE(IsReportFile(name)) << name;
+  }
+}
+
 TEST(ReportTest, SameBytesOnEveryRunAndOnTwoThreads) {
   const std::vector<RecordedMotion> motions = TwoMotions();
   const auto text = [&](int num_threads) {
@@ -188,13 +210,21 @@ TEST(ReportTest, WritesItsFiles) {
   EXPECT_EQ(Json::parse(result)["status"], "converged");
   EXPECT_GT(std::filesystem::file_size(root + "/result/report.html"), 1000000u);
   {
-    // An older page would be taken for one of this fit.
+    // Older files would be taken for those of this fit.
+    for (const char* name : {"profile.csv", "predicted_3.bin", "predicted_x.bin", "notes.txt"}) {
+      std::ofstream(root + "/result/" + name) << "old";
+    }
     OutputFolder folder(root + "/result");
     ReportOptions options;
     options.page = false;
     WriteReport(summary, FitChecks(), motions, &folder, options);
   }
-  EXPECT_FALSE(std::filesystem::exists(root + "/result/report.html"));
+  for (const char* name : {"report.html", "profile.csv", "predicted_3.bin"}) {
+    EXPECT_FALSE(std::filesystem::exists(root + "/result/" + name)) << name;
+  }
+  for (const char* name : {"predicted_2.bin", "predicted_x.bin", "notes.txt"}) {
+    EXPECT_TRUE(std::filesystem::exists(root + "/result/" + name)) << name;
+  }
   EXPECT_TRUE(std::filesystem::exists(root + "/result/result.json"));
   std::filesystem::remove_all(root);
 }
