@@ -1,12 +1,14 @@
 // identify: binds the command line to the options of a fit and runs it.
 #include <gflags/gflags.h>
 #include <glog/logging.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "identify/base/command_line.h"
 #include "identify/base/options.h"
 #include "identify/base/progress.h"
 #include "identify/base/version.h"
@@ -15,6 +17,7 @@
 #include "identify/run.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
+#include "sim/base/text_file.h"
 
 DEFINE_string(target, "", "recordings to fit, separated by commas");
 DEFINE_string(scene, "", "scene.json to use instead of the one in each recording");
@@ -109,10 +112,8 @@ Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape
 )";
 
-bool IsSet(const char* flag) {
-  std::string value;
-  return gflags::GetCommandLineOption(flag, &value) && value == "true";
-}
+const ListFlags kLists = {{"target", ','}, {"fit", ','},     {"each", ','},      {"start", ','},  {"lower", ','},
+                          {"upper", ','},  {"profile", ','}, {"landscape", ','}, {"holdout", ','}};
 
 FitOptions FitOptionsFromFlags() {
   FitOptions options;
@@ -134,7 +135,7 @@ FitOptions FitOptionsFromFlags() {
 }
 
 RunOptions OptionsFromFlags(const std::string& command_line) {
-  if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see --help");
+  if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see identify --help");
   if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
   RunOptions options;
   options.target_paths = ParseNames(FLAGS_target, "--target");
@@ -165,6 +166,12 @@ std::string CommandLine(int argc, char** argv) {
   return line;
 }
 
+// 0 where stderr is no terminal.
+int TerminalColumns() {
+  winsize size = {};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
 // Has the run tell on stderr where it stands.
 void ShowProgress(ProgressPrinter* printer, std::vector<std::string>* names, RunOptions* options) {
   options->on_finding = [](const std::string& recording, const Finding& finding) {
@@ -184,42 +191,37 @@ void ShowProgress(ProgressPrinter* printer, std::vector<std::string>* names, Run
   };
 }
 
-int IdentifyFromFlags(const std::string& command_line) {
+int IdentifyFromFlags(const std::vector<std::string>& arguments, const std::string& command_line) {
+  if (!arguments.empty()) {
+    throw Error(ErrorKind::kUsage, "'" + Printable(arguments.front()) + "': expected flags only; see identify --help");
+  }
   RunOptions options = OptionsFromFlags(command_line);
   options.fit.cancel = &CatchInterrupts();
-  ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.fit.max_iterations);
+  ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.fit.max_iterations, {}, TerminalColumns);
   std::vector<std::string> names;
   ShowProgress(&printer, &names, &options);
-  const RunResult result = Identify(options);
-  std::cout << result.table;
-  return result.exit_code;
-}
-
-int Answer(int argc, char** argv, const std::string& command_line) {
-  if (IsSet("help") || IsSet("helpfull") || IsSet("helpshort")) {
-    std::cout << kHelp;
-    return kExitSuccess;
-  }
-  if (IsSet("version")) {
-    std::cout << "identify (clothid) " << Version() << " git " << GitHash() << "\n";
-    return kExitSuccess;
-  }
-  if (argc > 1) throw Error(ErrorKind::kUsage, std::string("'") + argv[1] + "': expected flags only; see --help");
-  return IdentifyFromFlags(command_line);
+  int output_code = kExitSuccess;
+  options.on_table = [&output_code](const std::string& table) {
+    std::cout << table;
+    output_code = FinishOutput("identify", kExitSuccess);
+    std::cout.clear();  // that was told
+  };
+  const ExitCode exit_code = Identify(options).exit_code;
+  return output_code == kExitSuccess || exit_code == kExitInterrupted ? exit_code : output_code;
 }
 
 }  // namespace
 }  // namespace clothid
 
 int main(int argc, char** argv) {
-  const std::string command_line = clothid::CommandLine(argc, argv);
-  clothid::CatchFileSizeLimit();
   // Ceres logs through glog: to stderr, and only what is fatal unless -v asks for more.
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_FATAL;
-  gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
-  if (FLAGS_v > 0) FLAGS_minloglevel = google::GLOG_INFO;
-  google::InitGoogleLogging(argv[0]);
-  return clothid::FinishOutput(
-      "identify", clothid::ReportErrors("identify", [&] { return clothid::Answer(argc, argv, command_line); }));
+  const std::string version = "identify (clothid) " + clothid::Version() + " git " + clothid::GitHash();
+  return clothid::RunCommandLine({"identify", clothid::kHelp, version, clothid::kLists}, argc, argv,
+                                 [&](const std::vector<std::string>& arguments) {
+                                   if (FLAGS_v > 0) FLAGS_minloglevel = google::GLOG_INFO;
+                                   google::InitGoogleLogging(argv[0]);
+                                   return clothid::IdentifyFromFlags(arguments, clothid::CommandLine(argc, argv));
+                                 });
 }

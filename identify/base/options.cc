@@ -29,7 +29,8 @@ void FitOptions::Validate() const {
 std::vector<std::string> ParseNames(const std::string& text, const std::string& flag) {
   std::vector<std::string> names;
   if (text.empty()) return names;
-  for (const std::string& name : Split(text, ',')) {
+  for (const std::string& item : Split(text, ',')) {
+    const std::string name(Trimmed(item));
     if (name.empty()) Fail(flag + ": expected names separated by single commas, got '" + Printable(text) + "'");
     if (std::count(names.begin(), names.end(), name) > 0) Fail(flag + ": '" + name + "' is given twice");
     names.push_back(name);

@@ -82,7 +82,8 @@ struct FitOptions {
   void Validate() const;
 };
 
-// "a,b,c". Throws `Error` (kUsage), naming `flag`, for an empty item or one given twice.
+// "a,b,c", with or without blanks around the items. Throws `Error` (kUsage), naming `flag`, for an empty item or one
+// given twice.
 std::vector<std::string> ParseNames(const std::string& text, const std::string& flag);
 // "lm" or "lbfgs"; "adjoint", "sensitivity" or "numeric"; "adaptive" or "full". Throw `Error` (kUsage).
 FitMethod ParseFitMethod(const std::string& text);

@@ -87,6 +87,12 @@ std::string_view TakeWord(std::string_view* rest) {
   return word;
 }
 
+std::string_view Trimmed(std::string_view text) {
+  constexpr char kBlanks[] = " \t";
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
+}
+
 std::vector<std::string> Split(std::string_view text, char separator) {
   std::vector<std::string> items;
   for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {

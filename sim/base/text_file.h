@@ -27,6 +27,9 @@ std::optional<std::string_view> TakeLine(std::string_view* rest);
 // Takes the next word (a run without blanks and tabs) off the front of `rest`; empty when there is none.
 std::string_view TakeWord(std::string_view* rest);
 
+// `text` without the blanks and tabs at its ends.
+std::string_view Trimmed(std::string_view text);
+
 // The items of `text` between separators: one more than there are separators, empty ones included.
 std::vector<std::string> Split(std::string_view text, char separator);
 

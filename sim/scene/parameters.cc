@@ -82,11 +82,11 @@ std::map<std::string, double> ParseParameterValues(const std::string& text, cons
   for (const std::string& item : Split(text, ',')) {
     const std::size_t equals = item.find('=');
     const std::optional<double> value =
-        equals == std::string::npos ? std::nullopt : ParseNumber(std::string_view(item).substr(equals + 1));
-    if (equals == 0 || !value) {
+        equals == std::string::npos ? std::nullopt : ParseNumber(Trimmed(std::string_view(item).substr(equals + 1)));
+    const std::string name(Trimmed(std::string_view(item).substr(0, equals)));
+    if (name.empty() || !value) {
       throw Error(ErrorKind::kUsage, flag + ": expected NAME=NUMBER, a finite one, got '" + Printable(item) + "'");
     }
-    const std::string name = item.substr(0, equals);
     if (!values.emplace(name, *value).second) {
       throw Error(ErrorKind::kUsage, flag + ": '" + Printable(name) + "' is given twice");
     }

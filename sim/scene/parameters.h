@@ -38,7 +38,7 @@ struct ParameterId {
 ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names);
 std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names);
 
-// "mu=0.3,k_stretch=300" -> {{"k_stretch", 300}, {"mu", 0.3}}. Empty text: empty map. Throws `Error` (kUsage), naming
+// "mu=0.3, k_stretch=300" -> {{"k_stretch", 300}, {"mu", 0.3}}. Empty text: empty map. Throws `Error` (kUsage), naming
 // `flag`, unless every item is NAME=NUMBER with a finite number and every name is there once. The names may be any.
 std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag);
 

@@ -20,7 +20,13 @@ class IdentifyTest : public ToolTest {
 TEST_F(IdentifyTest, RefusesWrongFlags) {
   ExpectRefused("identify --output result", 1, "--target");
   ExpectRefused("identify --target good.bin extra", 1, "'extra'");
-  ExpectFlagsRefused("--bogus", "bogus");
+  ExpectFlagsRefused("--bogus", "identify: --bogus: unknown flag; see identify --help");
+  ExpectFlagsRefused("--threads 1.5", "identify: --threads: expected a whole number, got '1.5'");
+  ExpectFlagsRefused("--seed -1", "identify: --seed: expected a whole number >= 0, got '-1'");
+  ExpectFlagsRefused("--step_tolerance nan", "identify: --step_tolerance: expected a finite number, got 'nan'");
+  ExpectFlagsRefused("--check_step=maybe", "identify: --check_step: expected true or false, got 'maybe'");
+  ExpectFlagsRefused("--fit", "identify: --fit: expected a value behind it");
+  ExpectFlagsRefused("--fit mu --fit mu", "--fit: 'mu' is given twice");
   ExpectFlagsRefused("--jacobian exact", "exact");
   ExpectFlagsRefused("--method newton", "newton");
   ExpectFlagsRefused("--loss cubic", "cubic");
@@ -29,6 +35,47 @@ TEST_F(IdentifyTest, RefusesWrongFlags) {
   ExpectFlagsRefused("--fit mu,,k_stretch", "--fit");
   ExpectFlagsRefused("--fit weight", "weight");
   ExpectFlagsRefused("--fit mu.ghost", "mu.ghost");
+}
+
+TEST_F(IdentifyTest, HelpHasAShortForm) {
+  for (const char* program : {"identify", "simulate"}) {
+    const ToolResult help = Run(std::string(program) + " -h");
+    EXPECT_EQ(help.exit_code, 0) << program;
+    EXPECT_EQ(help.out, Run(std::string(program) + " --help").out);
+    EXPECT_EQ(help.out.rfind(std::string(program) + ": ", 0), 0u) << help.out;
+  }
+}
+
+TEST_F(IdentifyTest, ListsMayBeGivenInPartsAndWithBlanks) {
+  const std::string fit = "identify --target good.bin --report=false --output ";
+  const ToolResult whole = Run(fit + "whole --fit mu,k_stretch --start mu=0.2,k_stretch=110");
+  EXPECT_NE(whole.out.find("\nmu "), std::string::npos) << whole.err;
+  EXPECT_NE(whole.out.find("\nk_stretch "), std::string::npos);
+  EXPECT_EQ(Run(fit + "parts --fit mu --fit=k_stretch --start mu=0.2 --start k_stretch=110").out, whole.out);
+  EXPECT_EQ(Run(fit + "blanks --fit 'mu, k_stretch' --start ' mu = 0.2, k_stretch = 110'").out, whole.out);
+  EXPECT_EQ(
+      Run(fit + "last --max-iterations 1 --fit mu,k_stretch --start mu=0.2,k_stretch=110 --max_iterations 50").out,
+      whole.out)
+      << "of other flags the last counts";
+}
+
+TEST_F(IdentifyTest, NamesThatAreNoUtf8LoseNoFit) {
+  std::filesystem::copy_file(folder() / "good.bin", folder() / "g\xff.bin");
+  const ToolResult fit = Run("identify --target 'g\xff.bin' --fit k_stretch --output 'r\xff'");
+  EXPECT_EQ(fit.exit_code, 0) << fit.err;
+  const auto result = nlohmann::json::parse(ReadBytes(folder() / "r\xff" / "result.json"));
+  EXPECT_NE(result["provenance"]["flags"].get<std::string>().find("g\xef\xbf\xbd.bin"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(folder() / "r\xff" / "report.html"));
+}
+
+TEST_F(IdentifyTest, RefusesToReplaceWhatItReads) {
+  EXPECT_EQ(Run("identify --target good.bin --fit k_stretch --report=false --output r").exit_code, 0);
+  ExpectRefused("identify --target r/predicted.bin --output r", 1,
+                "--target: r/predicted.bin: the results in --output r");
+  ExpectRefused("identify --target good.bin --holdout ./r/predicted.bin --output r", 1, "--holdout: ./r/predicted.bin");
+  std::filesystem::copy_file(folder() / "scene.json", folder() / "r/profile.csv");
+  ExpectRefused("identify --target good.bin --scene r/profile.csv --output r/", 1, "--scene: r/profile.csv");
+  EXPECT_EQ(Run("identify --target r/predicted.bin --fit k_stretch --report=false --output other").exit_code, 0);
 }
 
 TEST_F(IdentifyTest, RefusesWrongParameters) {

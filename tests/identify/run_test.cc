@@ -157,9 +157,20 @@ TEST_F(RunTest, TellsWhereItStands) {
   options.fit.on_progress = [&](const EvaluationProgress& progress) { num_evaluations = progress.evaluation; };
   options.on_fitted = [&](const FitSummary&) { tell("fitted"); };
   options.on_examined = [&](const FitSummary&) { tell("examined"); };
-  Identify(options);
+  std::string table;
+  options.on_table = [&](const std::string& text) {
+    tell("table");
+    table = text;
+    EXPECT_FALSE(std::filesystem::exists(Path("result/result.json"))) << "a table is not lost with the files";
+  };
+  options.output = Path("result");
+  const RunResult result = Identify(options);
+  EXPECT_EQ(table, result.table);
+  const CostStatistics& statistics = result.summary.statistics;
+  EXPECT_GE(result.summary.total_seconds, statistics.rollout_seconds + statistics.derivative_seconds)
+      << "the total has the profile and the fit at half the step, as its parts have";
   EXPECT_EQ(told, (std::vector<std::string>{"problem of k_stretch", "start 0", "iterations", "start 1", "iterations",
-                                            "fitted", "examined"}))
+                                            "fitted", "examined", "table"}))
       << "of the fits of profiles and of the step check nothing is told";
   EXPECT_GT(num_evaluations, 0);
 }
@@ -173,6 +184,7 @@ TEST_F(RunTest, EndsWhereItIsCancelled) {
   const RunResult result = Identify(options);
   EXPECT_EQ(result.exit_code, kExitInterrupted);
   EXPECT_EQ(result.summary.status, FitStatus::kInterrupted);
+  EXPECT_EQ(result.verdict.front(), "interrupted: stopped on request, at the best point so far");
   EXPECT_TRUE(result.checks.profiles.empty());
   EXPECT_FALSE(result.checks.step_check);
   EXPECT_TRUE(std::filesystem::exists(folder() / "result/result.json")) << "the best point is not lost";

@@ -3,35 +3,14 @@
 #include <gflags/gflags.h>
 
 #include <algorithm>
-#include <iostream>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 
 #include "identify/base/join_words.h"
-#include "sim/base/program.h"
 
 namespace clothid {
 namespace {
-
-// gflags' own switches for help; each of them gets the tool's short help.
-bool IsSet(const char* flag) {
-  std::string value;
-  return gflags::GetCommandLineOption(flag, &value) && value == "true";
-}
-
-int Answer(const std::string& name, const std::string& help, const std::vector<std::string>& arguments,
-           const Command& command) {
-  if (IsSet("help") || IsSet("helpfull") || IsSet("helpshort")) {
-    std::cout << help;
-    return kExitSuccess;
-  }
-  if (IsSet("version")) {
-    std::cout << name << " (clothid) " << CLOTHID_VERSION << "\n";
-    return kExitSuccess;
-  }
-  return command(arguments);
-}
 
 bool IsGiven(const std::string& flag) {
   gflags::CommandLineFlagInfo info;
@@ -41,11 +20,9 @@ bool IsGiven(const std::string& flag) {
 
 }  // namespace
 
-int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command) {
-  CatchFileSizeLimit();
-  gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  return FinishOutput(name, ReportErrors(name, [&] { return Answer(name, help, arguments, command); }));
+int RunCommand(const std::string& name, const std::string& help, int argc, char** argv, const Command& command,
+               const ListFlags& lists) {
+  return RunCommandLine({name, help, name + " (clothid) " + CLOTHID_VERSION, lists}, argc, argv, command);
 }
 
 void RejectOtherFlags(const std::string& command, const std::vector<CommandFlags>& commands) {

@@ -252,4 +252,6 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 }  // namespace clothid
 
-int main(int argc, char** argv) { return clothid::RunCommand("simulate", clothid::kHelp, argc, argv, clothid::Run); }
+int main(int argc, char** argv) {
+  return clothid::RunCommand("simulate", clothid::kHelp, argc, argv, clothid::Run, {{"set", ','}});
+}

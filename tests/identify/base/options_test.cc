@@ -11,7 +11,8 @@ namespace {
 TEST(OptionsTest, ParsesNames) {
   EXPECT_TRUE(ParseNames("", "--fit").empty());
   EXPECT_EQ(ParseNames("mu,k_stretch", "--fit"), (std::vector<std::string>{"mu", "k_stretch"}));
-  for (const char* text : {",", "mu,", "mu,,drag", "mu,mu"}) {
+  EXPECT_EQ(ParseNames(" mu, k_stretch\t", "--fit"), ParseNames("mu,k_stretch", "--fit"));
+  for (const char* text : {",", "mu,", "mu,,drag", "mu, ,drag", "mu,mu", "mu, mu"}) {
     ExpectError([&] { ParseNames(text, "--fit"); }, ErrorKind::kUsage, {"--fit"});
   }
 }

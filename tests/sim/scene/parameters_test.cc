@@ -34,6 +34,7 @@ TEST(ParseParameterValues, ReadsNamesAndNumbers) {
   EXPECT_TRUE(ParseParameterValues("", "--start").empty());
   const std::map<std::string, double> values = ParseParameterValues("mu=0.1,k_stretch=5e1", "--start");
   EXPECT_EQ(values, (std::map<std::string, double>{{"mu", 0.1}, {"k_stretch", 50.0}}));
+  EXPECT_EQ(ParseParameterValues(" mu = 0.1, k_stretch= 5e1 ", "--start"), values);
 }
 
 TEST(ParseParameterValues, NamesTheFlagAndWhatIsWrong) {
