@@ -17,8 +17,8 @@
 #include <thread>
 #include <vector>
 
-#include "tests/tools/tool_process.h"
 #include "tests/last_line.h"
+#include "tests/tools/tool_process.h"
 #include "tests/tools/tool_test.h"
 
 namespace clothid {
@@ -321,6 +321,23 @@ TEST_F(HostileTest, AFitWhoseResultsCannotBeWrittenGoesOnFromItsEnd) {
   fs::remove(out() / "result.json");
   EXPECT_EQ(Run(command).exit_code, 0);
   EXPECT_EQ(ReadOut().size(), kIdentify.results.size());
+}
+
+// What fits is there: the table, and the small files without those that are of another fit.
+TEST_F(HostileTest, AFitWhoseReportDoesNotFitKeepsItsResult) {
+  const std::optional<std::string> isolated = Namespace();
+  if (!isolated) GTEST_SKIP() << "mounting is not permitted";
+  const ToolResult result =
+      Run(*isolated +
+          " sh -c 'mount -t tmpfs -o size=256k none out && echo old > out/predicted.bin && "
+          "echo old > out/predicted_2.bin && " +
+          Line(kIdentify.words) + " --resume; echo exit $?; ls out; cat out/result.json; ls -A out | grep journal'");
+  EXPECT_EQ(result.out.rfind("parameter ", 0), 0u) << result.out;
+  EXPECT_NE(result.out.find("exit 1\nconvergence.csv\nresult.json\n{"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("\n}\n.journal_1.bin\n"), std::string::npos) << "a fit that resumes goes on from its end";
+  EXPECT_NE(LastLine(result.err).find("report.html: cannot be written: No space left on device; result.json is "),
+            std::string::npos)
+      << result.err;
 }
 
 TEST_F(HostileTest, MotionNoticesFullStandardOutput) {

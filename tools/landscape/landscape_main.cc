@@ -129,8 +129,10 @@ LandscapeRunOptions OptionsFromFlags() {
   const ReadMotionOptions reading = ReadingFromFlags();
   LandscapeRunOptions options;
   options.origin.shard = ParseShard(FLAGS_shard);
-  options.scan.plan = MakeLandscapePlan(PlanFlags(), ReadMotionVariant(FLAGS_target, reading, {}).scene);
+  const Scene own = ReadMotionVariant(FLAGS_target, reading, {}).scene;
+  options.scan.plan = MakeLandscapePlan(PlanFlags(), own);
   options.scan.motions = ReadSettings(options.scan.plan, reading);
+  CheckSweep(options.scan.plan, own, options.scan.motions);
   options.scan.num_threads = FLAGS_threads;
   options.scan.cancel = &CatchInterrupts();
   options.origin.version = Version();
@@ -141,6 +143,8 @@ LandscapeRunOptions OptionsFromFlags() {
   options.origin.fingerprint = LandscapeFingerprint(options.scan.plan, options.scan.motions, truth);
   if (!truth.empty()) MeasureTruth(truth, &options.scan);
   options.folder = FLAGS_output;
+  ExpectNotReplaced("--target", FLAGS_target, FLAGS_output, IsLandscapeFile);
+  if (!FLAGS_scene.empty()) ExpectNotReplaced("--scene", FLAGS_scene, FLAGS_output, IsLandscapeFile);
   options.resume = FLAGS_resume;
   return options;
 }
@@ -252,4 +256,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 }  // namespace clothid
 
-int main(int argc, char** argv) { return clothid::RunCommand("landscape", clothid::kHelp, argc, argv, clothid::Run); }
+int main(int argc, char** argv) {
+  return clothid::RunCommand("landscape", clothid::kHelp, argc, argv, clothid::Run,
+                             {{"zoom_around", ','}, {"zoom", ','}, {"set", ','}, {"sweep", ';'}});
+}

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
@@ -103,7 +104,25 @@ void CheckNumCells(const LandscapeWindow& whole, std::size_t num_settings, std::
   }
 }
 
+// What the cells of an axis set, as the scene has it.
+std::vector<double> ValuesOn(const LandscapeAxis& axis, const Scene& scene) {
+  const ParameterId id = ParseParameter(axis.parameter, scene.obstacle_names());
+  const Parameters nominal = scene.nominal_parameters();
+  if (id.kind == ParameterKind::kFriction && id.obstacle == kAllObstacles) return nominal.friction_coefficients;
+  return {GetParameter(nominal, id)};
+}
+
 }  // namespace
+
+void CheckSweep(const LandscapePlan& plan, const Scene& own, const std::vector<RecordedMotion>& motions) {
+  const LandscapeWindow& window = plan.windows.front();
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    for (const auto& [flag, axis] : {std::pair("--x", &window.x), std::pair("--y", &window.y)}) {
+      if (ValuesOn(*axis, motions[i].scene) == ValuesOn(*axis, own)) continue;
+      Fail("--sweep", "'" + plan.settings[i].name + "': changes '" + axis->parameter + "', which is on " + flag);
+    }
+  }
+}
 
 LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene) {
   const LandscapeWindow whole = ParseWhole(flags, scene.obstacle_names());

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/motion/recorded_motion.h"
 #include "identify/landscape/landscape.h"
 #include "sim/scene/scene.h"
 
@@ -24,6 +25,10 @@ struct LandscapeFlags {
 // Windows by falling zoom. Settings: every variant of the sweep in every contact mode, the mode fastest. Throws `Error`
 // (kUsage), naming the flag, also where an axis is part of the other.
 LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene);
+
+// `motions`: the recording in every setting of the plan; `own`: the scene that the sweep changes. Throws `Error`
+// (kUsage), naming --sweep, where it changes what is on an axis: every cell sets that itself.
+void CheckSweep(const LandscapePlan& plan, const Scene& own, const std::vector<RecordedMotion>& motions);
 
 // "I/N" with 0 <= I < N; empty: the whole. Throws `Error` (kUsage), naming --shard.
 LandscapeShard ParseShard(const std::string& text);

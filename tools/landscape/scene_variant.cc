@@ -83,6 +83,15 @@ Json* Find(const std::vector<std::string>& segments, std::size_t first, const st
   return node;
 }
 
+// Throws `Error` (kUsage) for keys of a scene that say nothing about the cost of a recording.
+void ExpectHasEffect(const SceneVariant& variant) {
+  for (const SceneChange& change : variant) {
+    const std::string key = Split(change.key, '.').front();
+    if (key == "duration") Fail(change.key, "has no effect: a recording has its own duration");
+    if (key == "parameters") Fail(change.key, "has no effect: starts and bounds are those of a fit");
+  }
+}
+
 }  // namespace
 
 std::vector<SceneVariant> ParseSweep(const std::string& text) {
@@ -138,14 +147,18 @@ std::string ChangeScene(const std::string& scene_text, const std::vector<std::st
 RecordedMotion ReadMotionVariant(const std::string& path, ReadMotionOptions options, const SceneVariant& variant) {
   RecordedMotion motion = ReadMotion(path, options);
   if (variant.empty()) return motion;
+  ExpectHasEffect(variant);
   options.change_scene = [&](const std::string& text) {
     return ChangeScene(text, motion.scene.obstacle_names(), variant);
   };
   try {
     return ReadMotion(path, options);
   } catch (const Error& error) {
-    const std::string problem = error.what();
+    std::string problem = error.what();
     if (problem.rfind("--sweep", 0) == 0) throw;
+    if (problem.find("expected an array") != std::string::npos) {
+      problem += "; the scene has to have the array that x, y, z or an index picks from";
+    }
     Fail(VariantName(variant), problem);
   }
 }

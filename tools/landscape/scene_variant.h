@@ -42,7 +42,8 @@ std::string ChangeScene(const std::string& scene_text, const std::vector<std::st
                         const SceneVariant& variant);
 
 // `ReadMotion` with these options, and with these changes of the scene. Throws `Error`: what `ReadMotion` does for the
-// scene as it is, else kUsage, naming --sweep and the variant.
+// scene as it is, else kUsage, naming --sweep and the variant; also for changes without any effect: `duration`, which a
+// recording has of its own, and `parameters`, which are for fits.
 RecordedMotion ReadMotionVariant(const std::string& path, ReadMotionOptions options, const SceneVariant& variant);
 
 }  // namespace clothid

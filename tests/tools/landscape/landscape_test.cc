@@ -174,7 +174,9 @@ TEST_F(LandscapeTest, RefusesAStoreThatDoesNotFit) {
   const fs::path store = folder() / "killed" / ".landscape_cells";
   ExpectRefused(Scan("--resume --shard 0/3 --output killed"), 1, ".landscape_cells: is of a scan with another");
   ExpectRefused(Scan("--resume --sweep touch=1e-3 --output killed"), 1, "is of a scan with another");
-  ExpectRefused(Scan("--resume --set mu=0.21,k_stretch=120 --output killed"), 1, "is of a scan with another");
+  std::vector<std::string> other = kScan;
+  *std::next(std::find(other.begin(), other.end(), "--set")) = "mu=0.21,k_stretch=120";
+  ExpectRefused(Line(other) + " --resume --output killed", 1, "is of a scan with another");
   const std::string bytes = ReadBytes(store);
   std::string damaged = bytes;
   damaged[bytes.size() / 2] = static_cast<char>(damaged[bytes.size() / 2] ^ 1);
@@ -224,6 +226,13 @@ TEST_F(LandscapeTest, NamesTheWrongFlag) {
   expect_refused("--zoom 0.1", "--zoom");
   expect_refused("--sweep bal.center.x=0", "--sweep: 'bal.center.x=0'");
   expect_refused("--sweep 'ball.center.x=0;contact=1'", "--sweep");
+  expect_refused("--sweep ball.center.x=0 --sweep ball.center.x=1", "'ball.center.x': is there twice");
+  expect_refused("--sweep ball.mu=0.1", "--sweep: 'ball.mu=0.1': changes 'mu', which is on --x");
+  expect_refused("--sweep 'touch=1e-3;materials.k_stretch=100,70'",
+                 "--sweep: 'touch=0.001;materials.k_stretch=70': changes 'k_stretch', which is on --y");
+  expect_refused("--sweep duration=1e9", "--sweep: 'duration': has no effect");
+  expect_refused("--sweep wind.mean.x=1",
+                 "key 'wind.mean': expected an array of three numbers; the scene has to have the array");
   expect_refused("--contact all", "--contact");
   expect_refused("--set mu=0.3", "--set");
   expect_refused("--shard 3/3", "--shard");
@@ -236,6 +245,22 @@ TEST_F(LandscapeTest, NamesTheWrongFlag) {
   ExpectRefused("landscape --x mu=0:0.6:5 --y k_stretch=20:500:5", 1, "--target");
   WriteBytes(folder() / "bad.bin", "no recording");
   ExpectRefused("landscape --target bad.bin --x mu=0:0.6:5 --y k_stretch=20:500:5", 2, "bad.bin");
+}
+
+TEST_F(LandscapeTest, RefusesToReplaceWhatItReads) {
+  fs::create_directory(folder() / "b");
+  fs::copy_file(folder() / "a.bin", folder() / "b/plan.json");
+  ExpectRefused("landscape --target b/plan.json --x mu=0:0.6:5 --y k_stretch=20:500:5 --output ./b", 1,
+                "--target: b/plan.json: the results in --output ./b would replace it");
+}
+
+TEST_F(LandscapeTest, AShardLeavesNoSummaryOfAnotherScan) {
+  const std::string scan = "landscape --target a.bin --x mu=0:0.6:2 --y k_stretch=20:500:2 --output part";
+  ExpectScan(scan);
+  EXPECT_TRUE(fs::exists(folder() / "part/summary.json"));
+  ExpectScan(scan + " --shard 0/2");
+  EXPECT_FALSE(fs::exists(folder() / "part/summary.json"));
+  EXPECT_TRUE(fs::exists(folder() / "part/plan.json"));
 }
 
 TEST_F(LandscapeTest, AStoreThatCannotBeWrittenEndsTheScan) {

@@ -139,8 +139,13 @@ TEST_F(VariantOfARecordingTest, NamesTheFlagAndTheVariant) {
   expect_refused("ball.centre.x=1", "centre");
   expect_refused("touch=-1", "key 'touch'");
   expect_refused("gravity.x=1", "key 'gravity'");
+  expect_refused("gravity.x=1", "the scene has to have the array");
   expect_refused("contact=1", "key 'contact'");
   expect_refused("solver.max_newton_iterations=2.5", "integer");
+  ExpectError([&] { ReadMotionVariant(path_, {}, Variant("duration=1")); }, ErrorKind::kUsage,
+              {"--sweep: 'duration': has no effect"});
+  ExpectError([&] { ReadMotionVariant(path_, {}, Variant("parameters.mu.nominal=1")); }, ErrorKind::kUsage,
+              {"--sweep: 'parameters.mu.nominal': has no effect"});
   ExpectError([&] { ReadMotionVariant(path_, {}, Variant("ball.center.w=1")); }, ErrorKind::kUsage,
               {"--sweep: 'ball.center.w': 'w'"});
   ExpectError([&] { ReadMotionVariant(path_ + "x", {}, Variant("touch=1")); }, ErrorKind::kIo, {path_.c_str()});
