@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "costs/prediction/pass_step.h"
@@ -36,6 +37,10 @@ inline constexpr double kLooseAdjointTolerance = 1e-6;
 // matrix alone, the gradient comes from the adjoint.
 inline constexpr double kStartAdjointTolerance = 1e-3;
 
+// The room that predictions and first Jacobians have in a journal, bytes: those of a recording of some megabytes, all
+// of them.
+inline constexpr std::uint64_t kJournalRoom = std::uint64_t{512} << 20;
+
 struct RolloutCostOptions {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   AdjointOptions adjoint;  // of the reverse sweeps
@@ -48,7 +53,7 @@ struct RolloutCostOptions {
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of a rollout's steps; beyond it they are made twice
   const std::atomic<bool>* cancel = nullptr;        // ends the rollout under way as failed; must outlive the cost
   std::shared_ptr<EvaluationJournal> journal;       // of this cost alone; null: nothing is replayed or kept
-  PassObserver on_step;                             // what is replayed has no steps; may be empty
+  PassObserver on_step;  // what is replayed has none but of predictions made again; may be empty
 
   bool is_cancelled() const { return cancel != nullptr && cancel->load(); }
 };

@@ -14,9 +14,23 @@ namespace {
 
 struct RecordTooShort {};
 
-// The two archives have the same face, so that each structure below lists its fields once for both.
+// The archives have the same face, so that each structure below lists its fields once for all of them.
+class Counter {
+ public:
+  void Bytes(const void* /*bytes*/, std::size_t count) { count_ += count; }
+  Eigen::Index Size(Eigen::Index size, std::size_t /*item_bytes*/) {
+    count_ += sizeof(size);
+    return size;
+  }
+  std::size_t count() const { return count_; }
+
+ private:
+  std::size_t count_ = 0;
+};
+
 class Writer {
  public:
+  explicit Writer(std::size_t count) { text_.reserve(count); }
   void Bytes(const void* bytes, std::size_t count) { text_.append(static_cast<const char*>(bytes), count); }
   Eigen::Index Size(Eigen::Index size, std::size_t /*item_bytes*/) {
     Bytes(&size, sizeof(size));
@@ -134,21 +148,31 @@ void Field(Archive* archive, EvaluationOutcome* value) {
   Fields(archive, &evaluation, &statistics, &rollout_coordinates, &first_jacobian);
 }
 
-std::string KeyBytes(EvaluationKey key) {
-  Writer writer;
-  Field(&writer, &key);
+// In memory of just that size: predictions are large.
+template <typename... Values>
+std::string BytesOf(Values*... values) {
+  Counter counter;
+  Fields(&counter, values...);
+  Writer writer(counter.count());
+  Fields(&writer, values...);
   return writer.Take();
 }
 
 RecordFile::Kind JournalKind() {
-  return {"clothid journal 3", "a journal of evaluations, version 3",
+  return {"clothid journal 4", "a journal of evaluations, version 4",
           "is the journal of a fit with other recordings, flags or program; remove it, or use another --output"};
 }
 
 }  // namespace
 
-EvaluationJournal::EvaluationJournal(const std::string& path, const std::string& fingerprint)
-    : file_(path, JournalKind(), fingerprint) {}
+EvaluationJournal::EvaluationJournal(const std::string& path, const std::string& fingerprint, std::uint64_t room)
+    : file_(path, JournalKind(), fingerprint), room_(room) {}
+
+void EvaluationJournal::TakeRoom(const EvaluationOutcome& outcome) {
+  const auto bytes =
+      static_cast<std::uint64_t>(outcome.evaluation.predicted.size() + outcome.first_jacobian.size()) * sizeof(double);
+  room_ -= std::min(room_, bytes);
+}
 
 std::optional<EvaluationOutcome> EvaluationJournal::Replay(const EvaluationKey& key) {
   std::string payload;
@@ -157,7 +181,8 @@ std::optional<EvaluationOutcome> EvaluationJournal::Replay(const EvaluationKey& 
     return std::nullopt;
   }
   ++num_records_;
-  const std::string wanted = KeyBytes(key);
+  EvaluationKey asked = key;
+  const std::string wanted = BytesOf(&asked);
   EvaluationOutcome outcome;
   try {
     if (std::string_view(payload).substr(0, wanted.size()) != wanted) throw RecordTooShort();
@@ -167,14 +192,14 @@ std::optional<EvaluationOutcome> EvaluationJournal::Replay(const EvaluationKey& 
     throw Error(ErrorKind::kBadData, file_.path() + ": record " + std::to_string(num_records_) +
                                          " is not of the evaluation that this fit needs; remove the journal");
   }
+  TakeRoom(outcome);
   return outcome;
 }
 
-void EvaluationJournal::Append(EvaluationKey key, EvaluationOutcome outcome) {
-  Writer writer;
-  Fields(&writer, &key, &outcome);
-  file_.Append(writer.Take());
+void EvaluationJournal::Append(EvaluationKey key, EvaluationOutcome* outcome) {
+  file_.Append(BytesOf(&key, outcome));
   ++num_records_;
+  TakeRoom(*outcome);
 }
 
 }  // namespace clothid

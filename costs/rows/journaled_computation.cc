@@ -1,5 +1,8 @@
 #include "costs/rows/journaled_computation.h"
 
+#include <cstdint>
+#include <stdexcept>
+
 namespace clothid {
 
 void JournaledComputation::Complete(const EvaluationKey& key, const EvaluationCache& recent,
@@ -9,27 +12,35 @@ void JournaledComputation::Complete(const EvaluationKey& key, const EvaluationCa
   }
   try {
     if (error_) throw *error_;
-    if (const auto outcome = journal_->Replay(key)) {
-      Replay(key, *outcome, recent, evaluation);
-      *statistics += outcome->statistics;
+    if (auto outcome = journal_->Replay(key)) {
+      const CostStatistics counted_before = outcome->statistics;
+      Replay(key, *std::move(outcome), recent, evaluation);
+      *statistics += counted_before;
     } else {
       ComputeAndAppend(key, recent, evaluation, statistics);
     }
   } catch (const Error& error) {
     error_ = error;
     evaluation->failure = error.what();
+  } catch (const std::runtime_error& error) {  // of a prediction that was to be made again
+    evaluation->failure = computation_->model().name() + ": " + error.what();
+    if (!computation_->options().is_cancelled()) error_ = Error(ErrorKind::kBadData, evaluation->failure);
   }
 }
 
-void JournaledComputation::Replay(const EvaluationKey& key, const EvaluationOutcome& outcome,
-                                  const EvaluationCache& recent, RolloutEvaluation* evaluation) {
+// A prediction that the journal had no room for is made again.
+void JournaledComputation::Replay(const EvaluationKey& key, EvaluationOutcome outcome, const EvaluationCache& recent,
+                                  RolloutEvaluation* evaluation) {
+  const bool was_new = evaluation->is_new();
+  const bool took_first_jacobian = was_new && computation_->TakesFirstJacobian();
   Eigen::MatrixXd predicted = std::move(evaluation->predicted);
-  *evaluation = outcome.evaluation;
+  *evaluation = std::move(outcome.evaluation);
   if (evaluation->is_new()) evaluation->predicted = std::move(predicted);
+  if (evaluation->is_new() && evaluation->ok()) evaluation->predicted = computation_->PredictAgain(key);
   if (!evaluation->is_new()) {
     evaluation->residuals = computation_->model().observation().Residuals(evaluation->predicted);
   }
-  computation_->Resume(key, outcome, recent, *evaluation);
+  computation_->Resume(key, std::move(outcome), took_first_jacobian, recent, *evaluation);
 }
 
 void JournaledComputation::ComputeAndAppend(const EvaluationKey& key, const EvaluationCache& recent,
@@ -40,11 +51,30 @@ void JournaledComputation::ComputeAndAppend(const EvaluationKey& key, const Eval
   computation_->Complete(key, recent, evaluation, &outcome.statistics);
   *statistics += outcome.statistics;
   if (computation_->options().is_cancelled()) return;
-  outcome.evaluation = *evaluation;
   outcome.rollout_coordinates = computation_->rollout_coordinates();
-  if (takes_first_jacobian) outcome.first_jacobian = computation_->last_jacobian();
-  if (!was_new || !evaluation->ok()) outcome.evaluation.predicted.resize(0, 0);
-  journal_->Append(key, std::move(outcome));
+  const Eigen::Index num_first = takes_first_jacobian ? computation_->last_jacobian().size() : 0;
+  const bool has_room = journal_->HasRoomFor(static_cast<std::uint64_t>(evaluation->predicted.size() + num_first));
+  if (has_room && num_first > 0) outcome.first_jacobian = computation_->last_jacobian();
+  Append(key, was_new && evaluation->ok() && has_room, std::move(outcome), evaluation);
+}
+
+// Predictions are large, so they are moved there and back.
+void JournaledComputation::Append(const EvaluationKey& key, bool with_prediction, EvaluationOutcome outcome,
+                                  RolloutEvaluation* evaluation) {
+  Eigen::MatrixXd predicted;
+  if (!with_prediction) predicted.swap(evaluation->predicted);
+  outcome.evaluation = std::move(*evaluation);
+  const auto give_back = [&] {
+    *evaluation = std::move(outcome.evaluation);
+    if (!with_prediction) predicted.swap(evaluation->predicted);
+  };
+  try {
+    journal_->Append(key, &outcome);
+  } catch (...) {
+    give_back();
+    throw;
+  }
+  give_back();
 }
 
 }  // namespace clothid

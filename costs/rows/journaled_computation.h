@@ -29,10 +29,12 @@ class JournaledComputation {
   const std::optional<Error>& error() const { return error_; }
 
  private:
-  void Replay(const EvaluationKey& key, const EvaluationOutcome& outcome, const EvaluationCache& recent,
+  void Replay(const EvaluationKey& key, EvaluationOutcome outcome, const EvaluationCache& recent,
               RolloutEvaluation* evaluation);
   void ComputeAndAppend(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                         CostStatistics* statistics);
+  // `outcome`: all but the evaluation, which is as it was afterwards.
+  void Append(const EvaluationKey& key, bool with_prediction, EvaluationOutcome outcome, RolloutEvaluation* evaluation);
 
   RolloutComputation* computation_;
   std::shared_ptr<EvaluationJournal> journal_;

@@ -42,6 +42,10 @@ void LatestRollout::DropUnless(Precision precision) {
 }
 
 void LatestRollout::Resume(const Eigen::VectorXd& coordinates, Precision precision) {
+  const bool is_known =
+      coordinates_.size() > 0 && coordinates_.size() == coordinates.size() && coordinates_ == coordinates;
+  if (is_known && precision_ == precision && !is_pending_) return;
+  rollout_ = Rollout();
   coordinates_ = coordinates;
   precision_ = precision;
   is_pending_ = true;

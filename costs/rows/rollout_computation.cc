@@ -70,14 +70,28 @@ void RolloutComputation::Complete(const EvaluationKey& key, const EvaluationCach
   }
 }
 
+void RolloutComputation::AddPrediction(const EvaluationKey& key, RolloutEvaluation* evaluation,
+                                       CostStatistics* statistics) {
+  if (TakesFirstJacobian()) return AddForwardRows(free_blocks_, evaluation, statistics);
+  if (options_.jacobian != JacobianMethod::kSensitivity || TakesAdjointGradient(key)) {
+    return AddCost(key, evaluation, statistics);
+  }
+  // Nearly every trial point is accepted and asked for its Jacobian next, so it comes along with the rollout.
+  AddForwardRows(key.need == EvaluationNeed::kCost ? free_blocks_ : key.active, evaluation, statistics);
+}
+
+Eigen::MatrixXd RolloutComputation::PredictAgain(const EvaluationKey& key) {
+  RolloutEvaluation evaluation;
+  evaluation.coordinates = key.coordinates;
+  evaluation.precision = key.precision;
+  CostStatistics counted_before;
+  AddPrediction(key, &evaluation, &counted_before);
+  return std::move(evaluation.predicted);
+}
+
 void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                              CostStatistics* statistics) {
-  if (evaluation->is_new() && TakesFirstJacobian()) AddForwardRows(free_blocks_, evaluation, statistics);
-  if (evaluation->is_new() && options_.jacobian == JacobianMethod::kSensitivity && !TakesAdjointGradient(key)) {
-    // Nearly every trial point is accepted and asked for its Jacobian next, so it comes along with the rollout.
-    AddForwardRows(key.need == EvaluationNeed::kCost ? free_blocks_ : key.active, evaluation, statistics);
-  }
-  if (evaluation->is_new()) AddCost(key, evaluation, statistics);
+  if (evaluation->is_new()) AddPrediction(key, evaluation, statistics);
   if (!evaluation->Lacks(key.need, key.active)) return;
   switch (key.need) {
     case EvaluationNeed::kCost:
@@ -162,10 +176,10 @@ ResidualRows RolloutComputation::RowsAlong(const Eigen::VectorXd& coordinates, P
       .rows;
 }
 
-void RolloutComputation::Resume(const EvaluationKey& key, const EvaluationOutcome& outcome,
+void RolloutComputation::Resume(const EvaluationKey& key, EvaluationOutcome outcome, bool took_first_jacobian,
                                 const EvaluationCache& recent, const RolloutEvaluation& evaluation) {
-  if (outcome.first_jacobian.size() > 0) {
-    adjoint_rows_.SetLastJacobian(outcome.first_jacobian);
+  if (took_first_jacobian) {
+    if (outcome.first_jacobian.size() > 0) adjoint_rows_.SetLastJacobian(std::move(outcome.first_jacobian));
   } else if (key.need == EvaluationNeed::kRows && options_.jacobian == JacobianMethod::kAdjoint && evaluation.ok()) {
     adjoint_rows_.Resume(evaluation, recent);
   }

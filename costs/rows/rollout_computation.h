@@ -34,16 +34,21 @@ class RolloutComputation {
   ResidualRows RowsAlong(const Eigen::VectorXd& coordinates, Precision precision, const Eigen::MatrixXd& follow,
                          CostStatistics* statistics);
 
+  // The prediction of a point that is new, made as `Complete` makes it, bit by bit; with it, the first Jacobian. Throws
+  // `std::runtime_error` where it fails. What is known of the latest rollout is void until `Resume`.
+  Eigen::MatrixXd PredictAgain(const EvaluationKey& key);
+
   // Whether the next point that is new gets the first Jacobian, by a forward sweep.
   bool TakesFirstJacobian() const;
   // The next points are far from those before: the subspace of the adjoint starts afresh.
   void ForgetJacobian() { adjoint_rows_.SetLastJacobian(Eigen::MatrixXd()); }
 
   // What an outcome tells beside its evaluation, and the way back: as if `Complete` had just computed `evaluation`.
+  // `took_first_jacobian`: in doing so; where the outcome does not have it, it was made again.
   const Eigen::VectorXd& rollout_coordinates() const { return latest_rollout_.coordinates(); }
   const Eigen::MatrixXd& last_jacobian() const { return adjoint_rows_.last_jacobian(); }
-  void Resume(const EvaluationKey& key, const EvaluationOutcome& outcome, const EvaluationCache& recent,
-              const RolloutEvaluation& evaluation);
+  void Resume(const EvaluationKey& key, EvaluationOutcome outcome, bool took_first_jacobian,
+              const EvaluationCache& recent, const RolloutEvaluation& evaluation);
 
   int num_rows() const;                                                 // without the row of the loss
   const std::vector<int>& free_blocks() const { return free_blocks_; }  // not frozen
@@ -56,6 +61,8 @@ class RolloutComputation {
   // Each of these adds its part or throws.
   void Add(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
            CostStatistics* statistics);
+  // Prediction and cost of a point that is new, with rows where they come along.
+  void AddPrediction(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
   void AddCost(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
   // Cost and rows, whose Jacobian is the first where the adjoint asks for one.
   void AddForwardRows(const std::vector<int>& active, RolloutEvaluation* evaluation, CostStatistics* statistics);

@@ -79,10 +79,12 @@ struct RolloutEvaluation {
 
 // What became of a question: an evaluation, and what it left behind for those that follow.
 struct EvaluationOutcome {
-  RolloutEvaluation evaluation;         // `predicted` is empty where it was known before or the evaluation failed
+  // `predicted` is empty where it was known before, the evaluation failed, or a journal had no room for it.
+  RolloutEvaluation evaluation;
   CostStatistics statistics;            // what it added
   Eigen::VectorXd rollout_coordinates;  // whose rollout was kept afterwards; empty: none
-  Eigen::MatrixXd first_jacobian;       // J [m x q] where the evaluation took the first one; what follows needs it
+  // J [m x q] where the evaluation took the first one, which those that follow need; not without its prediction.
+  Eigen::MatrixXd first_jacobian;
 };
 
 }  // namespace clothid

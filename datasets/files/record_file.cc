@@ -83,7 +83,8 @@ RecordFile::Next RecordFile::Read(std::string* payload) {
 
 void RecordFile::Append(std::string_view payload) {
   Truncate();
-  Write(MakeFrame(payload).append(payload));
+  Write(MakeFrame(payload));
+  Write(payload);
 }
 
 // What a file system leaves where a power cut came between the size of the file and its bytes.

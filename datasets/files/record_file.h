@@ -41,9 +41,9 @@ class RecordFile {
   // Reads the next record. Throws `Error` (kIo).
   Next Read(std::string* payload);
 
-  // Adds a record behind those that were read, with one write(), which the end of the process cannot undo; whatever
-  // stood there is cut off. The end of the machine may take the records of the last half minute: to flush each to the
-  // disk would take longer than to make a small one again. Throws `Error` (kIo).
+  // Adds a record behind those that were read; whatever stood there is cut off. The end of the process cannot undo it
+  // once it is added, and tears it before. The end of the machine may take the records of the last half minute: to
+  // flush each to the disk would take longer than to make a small one again. Throws `Error` (kIo).
   void Append(std::string_view payload);
   // Cuts off what stands behind the records that were read or added. Throws `Error` (kIo).
   void Truncate();

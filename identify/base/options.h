@@ -72,6 +72,9 @@ struct FitOptions {
   // tags. Empty: nowhere.
   std::string journal_folder;
   std::string journal_tag;
+  // Bytes of every journal for predictions, less than 1 GiB; those that find no room there are simulated again when the
+  // fit is.
+  std::uint64_t journal_room = kJournalRoom;
   const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
   std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty

@@ -117,7 +117,7 @@ std::shared_ptr<EvaluationJournal> OpenJournal(const FitOptions& options, const 
   const std::string tag = options.journal_tag.empty() ? "" : options.journal_tag + "_";
   const std::string name = kJournalPrefix + tag + std::to_string(recording + 1) + ".bin";
   return std::make_shared<EvaluationJournal>((std::filesystem::path(options.journal_folder) / name).string(),
-                                             fingerprint);
+                                             fingerprint, options.journal_room);
 }
 
 std::shared_ptr<EvaluationTracker> MakeTracker(const ProgressObserver& observer) {

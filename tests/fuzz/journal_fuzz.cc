@@ -11,12 +11,13 @@ int clothid::FuzzJournal(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   static const MemoryFile file;
   const std::string fingerprint(64, '0');
-  file.Write("clothid journal 3\n" + fingerprint + "\n" + RecordBytes(data[0], AsText(data + 1, size - 1)));
+  file.Write("clothid journal 4\n" + fingerprint + "\n" + RecordBytes(data[0], AsText(data + 1, size - 1)));
   Accepts(
       [&] {
         EvaluationJournal journal(file.path(), fingerprint);
         while (journal.Replay(EvaluationKey())) continue;
-        journal.Append(EvaluationKey(), EvaluationOutcome());
+        EvaluationOutcome outcome;
+        journal.Append(EvaluationKey(), &outcome);
       },
       file.path());
   return 0;

@@ -96,6 +96,10 @@ void ExpectSame(const EvaluationOutcome& a, const EvaluationOutcome& b) {
   EXPECT_TRUE(SameBits(a.first_jacobian, b.first_jacobian));
 }
 
+void Append(const EvaluationKey& key, EvaluationOutcome outcome, EvaluationJournal* journal) {
+  journal->Append(key, &outcome);
+}
+
 class EvaluationJournalTest : public testing::Test {
  protected:
   EvaluationJournalTest() {
@@ -117,7 +121,7 @@ class EvaluationJournalTest : public testing::Test {
     EvaluationJournal journal(path_, kFingerprint);
     std::vector<std::size_t> sizes = {Read().size()};
     for (int i = 0; i < count; ++i) {
-      journal.Append(KeyNumber(i), OutcomeNumber(i));
+      Append(KeyNumber(i), OutcomeNumber(i), &journal);
       sizes.push_back(Read().size());
     }
     return sizes;
@@ -139,7 +143,7 @@ TEST_F(EvaluationJournalTest, GivesBackEveryBit) {
   {
     EvaluationJournal journal(path_, kFingerprint);
     EXPECT_EQ(ReplayAll(&journal), 3);
-    journal.Append(KeyNumber(3), FailedOutcome());
+    Append(KeyNumber(3), FailedOutcome(), &journal);
     EXPECT_EQ(journal.num_records(), 4);
   }
   EvaluationJournal journal(path_, kFingerprint);
@@ -148,6 +152,23 @@ TEST_F(EvaluationJournalTest, GivesBackEveryBit) {
   ASSERT_TRUE(failed.has_value());
   ExpectSame(*failed, FailedOutcome());
   EXPECT_FALSE(journal.Replay(KeyNumber(4)).has_value());
+}
+
+TEST_F(EvaluationJournalTest, KnowsItsRoom) {
+  constexpr std::uint64_t kEach = 3 * 2 + 3 * 2;  // the numbers of a prediction and a first Jacobian
+  {
+    EvaluationJournal journal(path_, kFingerprint, 2 * kEach * sizeof(double));
+    EXPECT_TRUE(journal.HasRoomFor(2 * kEach));
+    EXPECT_FALSE(journal.HasRoomFor(2 * kEach + 1));
+    Append(KeyNumber(0), OutcomeNumber(0), &journal);
+    EXPECT_TRUE(journal.HasRoomFor(kEach));
+    EXPECT_FALSE(journal.HasRoomFor(kEach + 1));
+  }
+  EvaluationJournal journal(path_, kFingerprint, kEach * sizeof(double));
+  EXPECT_TRUE(journal.HasRoomFor(kEach));
+  journal.Replay(KeyNumber(0));
+  EXPECT_FALSE(journal.HasRoomFor(1)) << "what is replayed takes its room";
+  EXPECT_TRUE(journal.HasRoomFor(0));
 }
 
 TEST_F(EvaluationJournalTest, GoesOnFromEveryTornTail) {
@@ -160,7 +181,7 @@ TEST_F(EvaluationJournalTest, GoesOnFromEveryTornTail) {
     {
       EvaluationJournal journal(path_, kFingerprint);
       ASSERT_EQ(ReplayAll(&journal), num_whole) << length;
-      for (int i = num_whole; i < 3; ++i) journal.Append(KeyNumber(i), OutcomeNumber(i));
+      for (int i = num_whole; i < 3; ++i) Append(KeyNumber(i), OutcomeNumber(i), &journal);
     }
     ASSERT_EQ(Read(), whole) << length;
   }

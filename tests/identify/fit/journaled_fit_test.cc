@@ -175,6 +175,20 @@ TEST_P(PrefixTest, AnyPrefixOfTheJournalsLeadsToTheSameEnd) {
   ExpectSame(RunFit(), uninterrupted);
   EXPECT_EQ(Read(0), journals[0]);
   EXPECT_EQ(Read(1), journals[1]);
+  // Predictions that find no room in the journal are made again, in the same bits.
+  for (const std::uint64_t room : {std::uint64_t{0}, std::uint64_t{20000}}) {
+    options_.journal_room = room;
+    for (int r : {0, 1}) Write(r, "");
+    ExpectSame(RunFit(), uninterrupted);
+    const std::string small[] = {Read(0), Read(1)};
+    EXPECT_LT(small[1].size(), journals[1].size() / 2) << room;
+    const std::vector<std::size_t> small_ends[] = {RecordEnds(small[0]), RecordEnds(small[1])};
+    for (std::size_t i = 0; i < small_ends[1].size(); i += 3) {
+      for (int r : {0, 1}) Write(r, small[r].substr(0, small_ends[r][std::min(i, small_ends[r].size() - 1)]));
+      ExpectSame(RunFit(), uninterrupted);
+      EXPECT_EQ(RecordEnds(Read(1)), small_ends[1]) << room << " " << i;
+    }
+  }
   RecordProperty("records", static_cast<int>(ends[0].size() + ends[1].size()) - 2);
 }
 
