@@ -80,9 +80,9 @@ class Run {
         inputs_(ReadInputs(options)),
         folder_(OpenFolder(options)),
         fit_options_(FitOptionsOf(options, folder_.get())),
-        problem_(inputs_.fitted, fit_options_) {
-    for (const std::string& name : options.profiles) FindFreeBlock(problem_, name, "--profile");
-    for (FitLandscape& landscape : inputs_.landscapes) MatchLandscape(problem_.blocks(), &landscape);
+        problem_(std::make_unique<FitProblem>(inputs_.fitted, fit_options_)) {
+    for (const std::string& name : options.profiles) FindFreeBlock(*problem_, name, "--profile");
+    for (FitLandscape& landscape : inputs_.landscapes) MatchLandscape(problem_->blocks(), &landscape);
     checks_.landscapes = std::move(inputs_.landscapes);
     checks_.findings = std::move(inputs_.findings);
     checks_.jacobian = fit_options_.jacobian;
@@ -129,7 +129,7 @@ class Run {
   void TellParameters() const {
     if (!options_.on_problem) return;
     std::vector<std::string> names;
-    for (const ParameterBlock& block : problem_.blocks()) names.push_back(block.name);
+    for (const ParameterBlock& block : problem_->blocks()) names.push_back(block.name);
     options_.on_problem(names);
   }
 
@@ -145,8 +145,8 @@ class Run {
 
   void RunFit() {
     const bool has_one_start = fit_options_.num_starts == 1;
-    summary_ = has_one_start ? Fit(fit_options_, &problem_)
-                             : FitFromStarts(fit_options_, &problem_, &checks_.starts.emplace());
+    summary_ = has_one_start ? Fit(fit_options_, problem_.get())
+                             : FitFromStarts(fit_options_, problem_.get(), &checks_.starts.emplace());
     if (options_.on_fitted) options_.on_fitted(summary_);
   }
 
@@ -156,15 +156,15 @@ class Run {
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
     for (const std::string& name : options_.profiles) {
       if (!summary_.uncertainty || is_cancelled()) break;
-      checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, &problem_, &summary_.statistics));
+      checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));
     }
     if (options_.check_step && !is_cancelled()) {
-      checks_.step_check = CheckStep(inputs_.fitted, fit_options_, problem_, summary_);
+      checks_.step_check = CheckStep(inputs_.fitted, fit_options_, *problem_, summary_);
       summary_.statistics += checks_.step_check->statistics;
     }
     if (!inputs_.held_out.empty()) {
       const HeldOut held_out = options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings;
-      checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_.blocks(), summary_.values(), held_out);
+      checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out);
     }
     if (is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
@@ -174,10 +174,11 @@ class Run {
 
   void Write() {
     if (summary_.status == FitStatus::kInterrupted) folder_->KeepJournals();
-    problem_.CheckJournals();
+    problem_->CheckJournals();
     ReportOptions report;
     report.page = options_.report_page;
-    if (report.page) checks_.predicted_nodes = PredictNodes(inputs_.fitted, problem_, summary_);
+    if (report.page) checks_.predicted_nodes = PredictNodes(inputs_.fitted, *problem_, summary_);
+    problem_.reset();  // what is to be written takes memory of its own
     WriteReport(summary_, checks_, inputs_.fitted, folder_.get(), report);
   }
 
@@ -185,7 +186,7 @@ class Run {
   RunInputs inputs_;
   std::unique_ptr<OutputFolder> folder_;  // null: nothing is written
   FitOptions fit_options_;
-  FitProblem problem_;
+  std::unique_ptr<FitProblem> problem_;  // until the files are written
   FitSummary summary_;
   FitChecks checks_;
 };
