@@ -100,7 +100,9 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --resume            continue a fit that was killed, ending in the same bytes: keeps a journal in DIR while it runs
   --output DIR        result.json, convergence.csv, predicted.bin, profile.csv, report.html (clothid_result)
   --report=false      no report.html, a page that any browser shows, with a 3D replay
-  --help, --version
+  -h, --help; --version
+
+Lists may be given in parts: --fit mu --fit k_stretch.
 
 Ctrl-C saves the best point so far. Exit codes: 0 fitted; 1 usage, or a file that cannot be opened or written;
 2 bad data; 3 not converged; 4 a parameter is not identifiable, hardly told, or at its bound; 5 the estimates predict

@@ -121,7 +121,9 @@ Eigen::VectorXd FrameErrors(const Eigen::MatrixXd& point_errors) {
   return errors;
 }
 
-bool StartsAtFirstFrame(const RecordedMotion& motion) { return motion.start_source != StartSource::kScene; }
+bool StartsAtFirstFrame(const RecordedMotion& motion) {
+  return motion.start_source != StartSource::kScene && !IsUnknown(motion.start_source);
+}
 
 std::vector<ResidualHistogram> ResidualHistograms(const Observation& observation, const RecordedMotion& motion,
                                                   const Eigen::MatrixXd& predicted, double range, int num_bins) {

@@ -79,7 +79,7 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
                       OpenBLAS: shards side by side are faster
   --output DIR        landscape.csv, a row per cell; timing.csv; plan.json; summary.json: minimum, roughness and
                       contact events of every window (landscape_result)
-  --help, --version
+  -h, --help; --version
 
 Every cell is on disk once it is done: Ctrl-C or kill lose no more than the cells under way. Exit codes: 0 done, even
 with failed cells, which have no cost; 1 usage, or a file that cannot be opened or written; 2 bad data; 70 internal
