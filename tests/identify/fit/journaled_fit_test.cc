@@ -208,6 +208,24 @@ TEST_F(JournaledFitTest, AnInterruptedFitGoesOn) {
   }
 }
 
+// While a prediction that found no room is made again.
+TEST_F(JournaledFitTest, AFitThatIsInterruptedInItsReplayGoesOn) {
+  options_.journal_room = 0;
+  const FitSummary uninterrupted = RunFit();
+  const std::string journal = Read(1);
+  for (const int last_evaluation : {1, 3}) {
+    std::atomic<bool> cancel{false};
+    FitOptions interrupted = options_;
+    interrupted.cancel = &cancel;
+    interrupted.on_progress = [&](const EvaluationProgress& progress) {
+      if (progress.evaluation == last_evaluation) cancel = true;
+    };
+    EXPECT_EQ(RunFit(motions_, interrupted).status, FitStatus::kInterrupted);
+    EXPECT_EQ(Read(1), journal) << last_evaluation;
+    ExpectSame(RunFit(), uninterrupted);
+  }
+}
+
 // Their derivatives need more of a rollout than its journal keeps.
 TEST_F(JournaledFitTest, AFitOfTheRecordingsOwnParametersGoesOn) {
   options_.each = {"time_offset", "turn.y", "v0.x"};
