@@ -52,61 +52,49 @@ int PointOf(int node, const std::vector<ObservedPoint>& points) {
   return -1;
 }
 
-HandleMeasurements MeasureStandingHandles(const MotionTensors& tensors, const std::vector<ObservedPoint>& points,
-                                          const Eigen::VectorXd& sigma, Scene* scene) {
-  const std::vector<int>& nodes = scene->handles.nodes;
-  const Eigen::Index num_handles = static_cast<Eigen::Index>(nodes.size());
-  HandleMeasurements measured;
-  measured.times = tensors.times;
-  measured.deviations = Eigen::MatrixXd::Constant(3 * num_handles, tensors.times.size(), kNaN);
-  measured.sigma = Eigen::VectorXd::Constant(num_handles, kUnseenSigma * ClothSize(scene->mesh));
-  for (Eigen::Index i = 0; i < num_handles; ++i) {
-    const int point = PointOf(nodes[i], points);
-    auto start = scene->initial_positions.segment<3>(3 * nodes[i]);
-    const bool is_seen = point >= 0 && tensors.positions.middleRows<3>(3 * point).array().isFinite().any();
-    if (!is_seen) {
-      measured.deviations.block<3, 1>(3 * i, 0).setZero();
-      continue;
-    }
-    measured.sigma[i] = sigma[point];
-    for (int axis = 0; axis < 3; ++axis) {
-      Eigen::RowVectorXd values = tensors.positions.row(3 * point + axis);
-      const double mean = RobustMean(sigma[point], &values);
-      if (!std::isnan(mean)) start[axis] = mean;
-      measured.deviations.row(3 * i + axis) = values.array() - start[axis];
-    }
-  }
-  Eigen::VectorXd places(3 * num_handles);
-  for (Eigen::Index i = 0; i < num_handles; ++i) {
-    places.segment<3>(3 * i) = scene->initial_positions.segment<3>(3 * nodes[i]);
-  }
-  scene->handles.path = HandlePath(Eigen::VectorXd::Constant(1, scene->start_time), places);
-  return measured;
-}
-
-HandleMeasurements MeasurePath(const MotionTensors& tensors, const Scene& scene) {
-  HandleMeasurements measured;
-  measured.times = tensors.handle_times.size() > 0 ? tensors.handle_times : tensors.times;
-  const double least = 1e-3 * kExactSigma * ClothSize(scene.mesh);
-  measured.sigma = EstimateSigma(measured.times, tensors.handle_positions, least);
-  if (measured.sigma.size() == 0) return {};  // too few times to tell
-  measured.deviations = tensors.handle_positions;
-  for (Eigen::Index k = 0; k < measured.times.size(); ++k) {
-    measured.deviations.col(k) -= scene.handles.path.At(measured.times[k]);
-  }
-  return measured;
+bool IsExact(const HandleMeasurements& measured, const Scene& scene) {
+  return measured.sigma.size() > 0 && measured.sigma.maxCoeff() < kExactSigma * ClothSize(scene.mesh);
 }
 
 }  // namespace
 
-HandleMeasurements MeasureHandles(const MotionTensors& tensors, const std::vector<ObservedPoint>& points,
-                                  const Eigen::VectorXd& sigma, Scene* scene) {
-  if (scene->handles.nodes.empty()) return {};
-  const bool is_path_measured = !tensors.handle_index.empty();
-  if (!is_path_measured && scene->handles.path.num_handles() > 0) return {};
-  HandleMeasurements measured =
-      is_path_measured ? MeasurePath(tensors, *scene) : MeasureStandingHandles(tensors, points, sigma, scene);
-  if (measured.sigma.size() > 0 && measured.sigma.maxCoeff() < kExactSigma * ClothSize(scene->mesh)) return {};
+HandleMeasurements MeasureStandingHandles(const Eigen::VectorXd& sigma, RecordedMotion* motion) {
+  Scene& scene = motion->scene;
+  const std::vector<int>& nodes = scene.handles.nodes;
+  const Eigen::Index num_handles = static_cast<Eigen::Index>(nodes.size());
+  HandleMeasurements measured;
+  measured.times = motion->times;
+  measured.deviations = Eigen::MatrixXd::Constant(3 * num_handles, motion->times.size(), kNaN);
+  measured.sigma = Eigen::VectorXd::Constant(num_handles, kUnseenSigma * ClothSize(scene.mesh));
+  Eigen::VectorXd places(3 * num_handles);
+  for (Eigen::Index i = 0; i < num_handles; ++i) {
+    const int point = PointOf(nodes[i], motion->points);
+    auto start = scene.initial_positions.segment<3>(3 * nodes[i]);
+    if (point < 0 || !motion->positions.middleRows<3>(3 * point).array().isFinite().any()) {
+      measured.deviations.block<3, 1>(3 * i, 0).setZero();
+    } else {
+      measured.sigma[i] = sigma[point];
+      for (int axis = 0; axis < 3; ++axis) {
+        Eigen::RowVectorXd values = motion->positions.row(3 * point + axis);
+        const double mean = RobustMean(sigma[point], &values);
+        if (!std::isnan(mean)) start[axis] = mean;
+        measured.deviations.row(3 * i + axis) = values.array() - start[axis];
+      }
+    }
+    places.segment<3>(3 * i) = start;
+  }
+  scene.handles.path = HandlePath(Eigen::VectorXd::Constant(1, scene.start_time), places);
+  return IsExact(measured, scene) ? HandleMeasurements() : measured;
+}
+
+HandleMeasurements MeasureHandlePath(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions,
+                                     const Scene& scene) {
+  HandleMeasurements measured;
+  measured.times = times;
+  measured.sigma = EstimateSigma(times, positions, 1e-3 * kExactSigma * ClothSize(scene.mesh));
+  if (measured.sigma.size() == 0 || IsExact(measured, scene)) return {};
+  measured.deviations = positions;
+  for (Eigen::Index k = 0; k < times.size(); ++k) measured.deviations.col(k) -= scene.handles.path.At(times[k]);
   return measured;
 }
 

@@ -134,8 +134,14 @@ Eigen::VectorXd LikelySigma(const MotionTensors& tensors, Eigen::VectorXd sigma)
 // From the first frames to a start that the cloth can have, where the scene leaves it to them.
 void SetSmoothStart(const MotionTensors& tensors, const FrameTrend& trend, const Eigen::VectorXd& sigma,
                     bool is_velocity_open, RecordedMotion* motion) {
-  if (IsUnknown(motion->start_source)) {
-    motion->handle_measurements = MeasureHandles(tensors, motion->points, sigma, &motion->scene);
+  const Handles& handles = motion->scene.handles;
+  if (!IsUnknown(motion->start_source) || handles.nodes.empty()) {
+    // Nothing is measured, or nothing is to be made of it.
+  } else if (!tensors.handle_index.empty()) {
+    const Eigen::VectorXd& times = tensors.handle_times.size() > 0 ? tensors.handle_times : motion->times;
+    motion->handle_measurements = MeasureHandlePath(times, tensors.handle_positions, motion->scene);
+  } else if (handles.path.num_handles() == 0) {
+    motion->handle_measurements = MeasureStandingHandles(sigma, motion);
   }
   motion->scene.initial_positions = SmoothStartPositions(motion->scene, motion->points, trend);
   if (is_velocity_open && motion->start_source != StartSource::kRest) {
@@ -189,10 +195,10 @@ RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, c
                             FolderOf(embedded ? path : options.scene_path), defaults);
   const OpenStart open = FindOpenStart(motion.scene_text, motion.name);
   motion.start_source = open.positions ? options.start : StartSource::kScene;
-  if (is_smooth && open.positions) SetSmoothStart(tensors, trend, sigma, open.velocity, &motion);
-  motion.scene_text = WithInlineSurfaces(motion.scene_text, motion.scene);
   motion.times = std::move(tensors.times);
   motion.positions = std::move(tensors.positions);
+  if (is_smooth && open.positions) SetSmoothStart(tensors, trend, sigma, open.velocity, &motion);
+  motion.scene_text = WithInlineSurfaces(motion.scene_text, motion.scene);
   motion.clouds = std::move(tensors.clouds);
   const bool is_given = options.sigma_source == SigmaSource::kGiven;
   motion.cloud_sigma = is_given ? options.sigma : tensors.cloud_sigma;

@@ -97,7 +97,7 @@ StartSource ParseStartSource(const std::string& text) {
   if (text == "smoothed") return StartSource::kSmoothed;
   if (text == "rest") return StartSource::kRest;
   if (text == "moving") return StartSource::kMoving;
-  Fail("--initial: expected first or smoothed, got '" + Printable(text) + "'");
+  Fail("--initial: expected first, smoothed, rest or moving, got '" + Printable(text) + "'");
 }
 
 std::string JacobianMethodName(JacobianMethod method) {

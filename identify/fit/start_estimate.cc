@@ -69,7 +69,7 @@ void FillStarts(const FitProblem& problem, const Linearization& linearization, F
 Linearization KnownStart(const Linearization& linearization, int num_parameters) {
   Linearization known = linearization;
   known.jacobian = linearization.jacobian.leftCols(num_parameters);
-  known.gradient = linearization.gradient.head(num_parameters);
+  known.gradient = Eigen::VectorXd::Zero(num_parameters);
   known.frame_scores.clear();
   return known;
 }

@@ -11,7 +11,7 @@ namespace clothid {
 // Fills FitSummary::starts. `linearization` [r x (p + n)] at the summary's coordinates.
 void FillStarts(const FitProblem& problem, const Linearization& linearization, FitSummary* summary);
 
-// As if the starts were known to be what they are estimated to be: the first p columns.
+// As if the starts were known to be what they are estimated to be, and this were the minimum: the first p columns.
 Linearization KnownStart(const Linearization& linearization, int num_parameters);
 
 }  // namespace clothid

@@ -12,10 +12,14 @@
 namespace clothid {
 namespace {
 
-// The stage ends where the next step lowers the cost by less, in s^2: a step of 0.45 standard deviations with loose
-// rollouts, whose errors are of that size, and of 0.1 with full ones.
+// The stage ends where what the next step promises, in s^2, is less: by moving the parameters, a step of 0.45 standard
+// deviations with loose rollouts, whose errors are of that size, and of 0.1 with full ones; in all, with hundreds of
+// unknowns, what no parameter notices.
 constexpr double kLooseDecrease = 0.1;
 constexpr double kFullDecrease = 5e-3;
+constexpr double kUnnoticedDecrease = 1.0;
+// A new H that gained no more than this, in s^2, will not gain more by another one: the cost has kinks.
+constexpr double kStuckGain = 0.5;
 // A step that lowers the cost by less than this share of what H says asks for a new one.
 constexpr double kPoorStep = 0.2;
 constexpr int kMostRounds = 8;
@@ -46,6 +50,21 @@ Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
   Eigen::MatrixXd permutation = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
   permutation = factor.transpositionsP() * permutation;
   return diagonal.asDiagonal() * (upper * permutation);
+}
+
+// In all, and what of it moves the parameters, the starts eliminated.
+struct PredictedDecrease {
+  double total = 0.0, of_parameters = 0.0;
+
+  bool is_below(double tolerance, double scale) const {
+    return of_parameters <= tolerance * scale && total <= kUnnoticedDecrease * scale;
+  }
+};
+
+// Whether a parameter is pushed against one of its bounds.
+bool IsHeld(double coordinate, double gradient, const ParameterBlock& block) {
+  return (coordinate <= block.ToCoordinate(block.lower_bound) && gradient > 0.0) ||
+         (coordinate >= block.ToCoordinate(block.upper_bound) && gradient < 0.0);
 }
 
 // The rows of the header over the free coordinates, one parameter block of Ceres.
@@ -96,21 +115,27 @@ class LaggedRows : public ceres::CostFunction {
   }
 
   // What a Gauss-Newton step from there lowers the cost by; parameters that are pushed against a bound stay.
-  double PredictedDecrease(const Eigen::VectorXd& coordinates, const Eigen::VectorXd& gradient) const {
+  PredictedDecrease DecreaseAt(const Eigen::VectorXd& coordinates, const Eigen::VectorXd& gradient) const {
     std::vector<int> movable;
+    int num_parameters = 0;
     for (int i = 0; i < static_cast<int>(free_.size()); ++i) {
-      if (free_[i] < problem_.num_blocks()) {
-        const ParameterBlock& block = problem_.blocks()[free_[i]];
-        const double q = coordinates[free_[i]];
-        if (q <= block.ToCoordinate(block.lower_bound) && gradient[i] > 0.0) continue;
-        if (q >= block.ToCoordinate(block.upper_bound) && gradient[i] < 0.0) continue;
-        if (!(hessian_(i, i) > 0.0)) continue;
+      const bool is_parameter = free_[i] < problem_.num_blocks();
+      if (is_parameter &&
+          (IsHeld(coordinates[free_[i]], gradient[i], problem_.blocks()[free_[i]]) || !(hessian_(i, i) > 0.0))) {
+        continue;
       }
       movable.push_back(i);
+      num_parameters += is_parameter ? 1 : 0;
     }
-    const Eigen::VectorXd part = gradient(movable);
-    const Eigen::MatrixXd hessian = hessian_(movable, movable);
-    return 0.5 * part.dot(hessian.ldlt().solve(part));
+    const Eigen::LDLT<Eigen::MatrixXd> factor(hessian_(movable, movable));
+    const Eigen::VectorXd part = gradient(movable), step = factor.solve(part);
+    PredictedDecrease decrease;
+    decrease.total = 0.5 * part.dot(step);
+    const Eigen::MatrixXd units = Eigen::MatrixXd::Identity(part.size(), num_parameters);
+    const Eigen::MatrixXd covariance = factor.solve(units).topRows(num_parameters);
+    const Eigen::VectorXd own = step.head(num_parameters);
+    decrease.of_parameters = 0.5 * own.dot(covariance.ldlt().solve(own));
+    return decrease;
   }
 
   // Of the last point with a Jacobian.
@@ -149,20 +174,20 @@ class Renumbered : public ceres::IterationCallback {
 // Ends the run where the next step is negligible, or H no longer fits.
 class StopLagging : public ceres::IterationCallback {
  public:
-  StopLagging(const LaggedRows& rows, const double* unknowns, double negligible)
-      : rows_(rows), unknowns_(unknowns), negligible_(negligible) {}
+  StopLagging(const LaggedRows& rows, const double* unknowns, double tolerance, double scale)
+      : rows_(rows), unknowns_(unknowns), tolerance_(tolerance), scale_(scale) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (!summary.step_is_successful || summary.iteration == 0) return ceres::SOLVER_CONTINUE;
     const bool is_poor = summary.relative_decrease < kPoorStep;
-    const double decrease = rows_.PredictedDecrease(rows_.Coordinates(unknowns_), rows_.last_gradient());
-    return is_poor || decrease <= negligible_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    const PredictedDecrease next = rows_.DecreaseAt(rows_.Coordinates(unknowns_), rows_.last_gradient());
+    return is_poor || next.is_below(tolerance_, scale_) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
   const LaggedRows& rows_;
   const double* unknowns_;
-  double negligible_;
+  double tolerance_, scale_;
 };
 
 void SetBounds(const FitProblem& problem, const std::vector<int>& free, double* unknowns,
@@ -175,7 +200,7 @@ void SetBounds(const FitProblem& problem, const std::vector<int>& free, double* 
 }
 
 // A few iterations with one H. How many there were.
-int RunLagged(const FitOptions& options, int num_before, int max_iterations, double negligible,
+int RunLagged(const FitOptions& options, int num_before, int max_iterations, double tolerance, double scale,
               const FitProblem& problem, ceres::IterationCallback* callback, LaggedRows* rows,
               Eigen::VectorXd* coordinates) {
   Eigen::VectorXd unknowns = (*coordinates)(rows->free());
@@ -184,7 +209,7 @@ int RunLagged(const FitOptions& options, int num_before, int max_iterations, dou
   ceres::Problem ceres_problem(ownership);
   ceres_problem.AddResidualBlock(rows, nullptr, unknowns.data());
   SetBounds(problem, rows->free(), unknowns.data(), &ceres_problem);
-  StopLagging stop(*rows, unknowns.data(), negligible);
+  StopLagging stop(*rows, unknowns.data(), tolerance, scale);
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
   solver.linear_solver_type = ceres::DENSE_QR;
@@ -228,15 +253,17 @@ StartStageResult RunStartStage(const FitOptions& options, Precision precision, i
     result.linearization.squared_residual = 2.0 * cost;
     LaggedRows rows(problem, result.linearization, *coordinates, precision, evaluator);
     const double scale = SquaredScale(result.linearization, problem.blocks().size(), cost);
-    result.predicted_decrease = rows.PredictedDecrease(*coordinates, gradient(rows.free())) / scale;
-    if (result.predicted_decrease <= tolerance || num_iterations >= max_iterations) return result;
+    PredictedDecrease next = rows.DecreaseAt(*coordinates, gradient(rows.free()));
+    result.predicted_decrease = next.of_parameters / scale;
+    if (next.is_below(tolerance, scale) || num_iterations >= max_iterations) return result;
     num_iterations += RunLagged(options, num_iterations, std::min(max_iterations - num_iterations, kMostIterations),
-                                tolerance * scale, problem, callback, &rows, coordinates);
-    result.predicted_decrease = rows.PredictedDecrease(*coordinates, rows.last_gradient()) / scale;
+                                tolerance, scale, problem, callback, &rows, coordinates);
+    next = rows.DecreaseAt(*coordinates, rows.last_gradient());
+    result.predicted_decrease = next.of_parameters / scale;
     const double gained = (cost - rows.last_cost()) / scale;
     result.linearization.gradient(rows.free()) = rows.last_gradient();
     result.linearization.squared_residual = 2.0 * rows.last_cost();
-    if (result.predicted_decrease <= tolerance || (is_new && !(gained > tolerance))) return result;
+    if (next.is_below(tolerance, scale) || (is_new && !(gained > kStuckGain))) return result;
     if (options.cancel != nullptr && options.cancel->load()) return result;
   }
   return result;

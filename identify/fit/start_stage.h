@@ -26,7 +26,8 @@ namespace clothid {
 struct StartStageResult {
   bool ok = false;      // false: a derivative failed
   std::string failure;  // why
-  // At the last point: what the next step would lower the cost by, in s^2 (identify/uncertainty/uncertainty.h).
+  // At the last point: what the next step would lower the cost by, in s^2 (identify/uncertainty/uncertainty.h), by
+  // moving the parameters, the starts eliminated.
   double predicted_decrease = std::numeric_limits<double>::infinity();
   // H from the last place where it was made; gradient and cost at the last point.
   Linearization linearization;

@@ -93,6 +93,15 @@ std::string Interval(const FitSummary& summary, const FitChecks& checks, int ind
   return ShortNumber(uncertainty.lower95, shown) + " .. " + ShortNumber(uncertainty.upper95, shown);
 }
 
+std::string StartRow(const StartEstimate& start) {
+  const auto with_std = [](double value, double std) { return ShortNumber(1e3 * value, 3) + " +- " + ShortNumber(1e3 * std, 3); };
+  std::string row = "start           recording " + std::to_string(start.recording + 1) +
+                    ": estimated, cloth moved by " + with_std(start.moved, start.position_std) + " mm";
+  if (start.handle_std > 0.0) row += ", handles by " + with_std(start.handles_moved, start.handle_std) + " mm";
+  if (start.velocity_std > 0.0) row += ", velocity by " + with_std(start.speed_change, start.velocity_std) + " mm/s";
+  return row + " (root mean square of a coordinate)\n";
+}
+
 std::string PredictionName(std::size_t recording) {
   return recording == 0 ? "predicted.bin" : "predicted_" + std::to_string(recording + 1) + ".bin";
 }
@@ -207,6 +216,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
           << summary.start_error.fit_percent() << " % (0 %: no better than a cloth at rest)\n";
   }
+  for (const StartEstimate& start : summary.starts) table << StartRow(start);
   if (checks.gradient_check) {
     table << "gradient check  adjoint against sensitivity " << std::setprecision(3)
           << checks.gradient_check->adjoint_vs_sensitivity << ", against central differences "

@@ -41,6 +41,7 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
                             {"at_bound", parameter.at_bound},
                             {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)},
                             {"usable", UsabilityName(verdict.parameters[i])}};
+    if (!summary.starts.empty()) json[parameter.name]["known_start_std"] = NumberJson(uncertainty.known_start_std);
   }
   return json;
 }
@@ -182,13 +183,21 @@ bool IsToldMore(const std::vector<RecordedMotion>& motions) {
 }
 
 // What was assumed about every recording: the mean over its points of the sigma of residuals, and the start.
-Json RecordingsJson(const std::vector<RecordedMotion>& motions) {
+Json RecordingsJson(const FitSummary& summary, const std::vector<RecordedMotion>& motions) {
   Json json = Json::array();
   for (const RecordedMotion& motion : motions) {
     const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : std::numeric_limits<double>::quiet_NaN();
     json.push_back({{"sigma_source", SigmaSourceName(motion.sigma_source)},
                     {"sigma_m", NumberJson(sigma)},
                     {"initial", SourceName(motion.start_source)}});
+  }
+  for (const StartEstimate& start : summary.starts) {
+    json[start.recording]["start"] = {{"moved_m", start.moved},
+                                      {"std_m", start.position_std},
+                                      {"handles_moved_m", start.handles_moved},
+                                      {"handle_std_m", start.handle_std},
+                                      {"speed_change_m_s", start.speed_change},
+                                      {"velocity_std_m_s", start.velocity_std}};
   }
   return json;
 }
@@ -251,7 +260,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
                      {"rollout", summary.statistics.rollout_seconds},
                      {"derivative", summary.statistics.derivative_seconds},
                      {"solver", summary.solver_seconds}};
-  if (IsToldMore(motions)) json["recordings"] = RecordingsJson(motions);
+  if (IsToldMore(motions)) json["recordings"] = RecordingsJson(summary, motions);
   if (const Json findings = FindingsOfRecordings(checks); !findings.is_null()) json["findings"] = findings;
   json["provenance"] = ProvenanceJson(checks, motions);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

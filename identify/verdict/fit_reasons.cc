@@ -95,6 +95,24 @@ void AddStart(const RecordingFit& recording, const std::string& prefix, std::vec
                           "frame"});
 }
 
+// How much of the doubt comes from the start: nothing against the fit.
+void AddEstimatedStart(const FitSummary& summary, std::vector<Reason>* reasons) {
+  if (summary.starts.empty() || !summary.uncertainty) return;
+  std::string factors;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const ParameterUncertainty& parameter = summary.uncertainty->parameters[i];
+    if (std::isnan(parameter.std) || std::isnan(parameter.known_start_std)) continue;
+    factors += (factors.empty() ? "" : ", ") + summary.parameters[i].name + " " +
+               NumberText(parameter.std / parameter.known_start_std, 2);
+  }
+  reasons->push_back({Usability::kUsable,
+                      kExitSuccess,
+                      {},
+                      "",
+                      "the start was estimated with the parameters" +
+                          (factors.empty() ? "" : "; standard deviations are larger for it by " + factors)});
+}
+
 // "mu 2.1, k_stretch 3": by how much intervals are wider than those of independent residuals.
 std::string Widenings(const FitSummary& summary) {
   std::string text;
@@ -212,6 +230,7 @@ void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vect
     AddStart(recording, prefix, reasons);
   }
   AddLowerPoint(summary, reasons);
+  AddEstimatedStart(summary, reasons);
   AddCorrelation(summary, reasons);
   AddFarPoints(summary, reasons);
   AddObstacleSwitches(summary, reasons);

@@ -184,7 +184,8 @@ TEST_F(RunTest, EndsWhereItIsCancelled) {
   const RunResult result = Identify(options);
   EXPECT_EQ(result.exit_code, kExitInterrupted);
   EXPECT_EQ(result.summary.status, FitStatus::kInterrupted);
-  EXPECT_EQ(result.verdict.front(), "interrupted: stopped on request, at the best point so far");
+  EXPECT_NE(result.verdict.line.find("interrupted: stopped on request, at the best point so far"), std::string::npos)
+      << result.verdict.line;
   EXPECT_TRUE(result.checks.profiles.empty());
   EXPECT_FALSE(result.checks.step_check);
   EXPECT_TRUE(std::filesystem::exists(folder() / "result/result.json")) << "the best point is not lost";

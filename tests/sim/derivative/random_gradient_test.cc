@@ -62,7 +62,7 @@ class RandomDerivative {
 
   // w . (S u), and the sum of the sizes of its terms, against which rounding is to be seen.
   double BySensitivity(Simulator* simulator, double* size) const {
-    const SensitivityDirections directions{ids_, position_direction_, velocity_direction_};
+    const SensitivityDirections directions{ids_, position_direction_, velocity_direction_, {}};
     Eigen::VectorXd direction(parameter_direction_.size() + 1);
     direction << parameter_direction_, 1.0;
     return Sweep(directions, direction, simulator, size);

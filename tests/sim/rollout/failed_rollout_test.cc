@@ -53,7 +53,7 @@ TEST(FailedRolloutTest, EveryStepMeetsItsToleranceOrIsTheEnd) {
     int last_seen = -1;
     const auto visitor = [&](int step, const Eigen::VectorXd&, const Eigen::MatrixXd&) { last_seen = step; };
     const SensitivityResult forward =
-        PushForward(parameters, num_steps, {{{ParameterKind::kStretchStiffness}}, {}, {}}, visitor, &simulator);
+        PushForward(parameters, num_steps, {{{ParameterKind::kStretchStiffness}}, {}, {}, {}}, visitor, &simulator);
     EXPECT_EQ(forward.failure.has_value(), !rollout.ok());
     EXPECT_EQ(last_seen, rollout.num_steps());
   }

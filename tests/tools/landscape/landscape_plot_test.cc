@@ -157,7 +157,7 @@ TEST(PlotLandscape, SaysWhichFileIsDamaged) {
   for (const std::string& text : {std::string("{"), std::string("[]"), std::string("{\"settings\": []}"),
                                   SummaryJson(summary).replace(SummaryJson(summary).find("minimum"), 7, "maximum")}) {
     folder.Write("summary.json", text);
-    const std::string note = PlotLandscape(landscape, summary, folder.path()).note;
+    const std::string note = PlotLandscape({landscape, {}}, summary, folder.path()).note;
     EXPECT_NE(note.find("summary.json is damaged: "), std::string::npos) << note;
   }
   setenv("PATH", path.c_str(), 1);
