@@ -131,6 +131,12 @@ Eigen::VectorXd LikelySigma(const MotionTensors& tensors, Eigen::VectorXd sigma)
   return sigma;
 }
 
+// What is asked for, or what the first frames say of it. A trend that needs one frame alone has followed none.
+StartSource ChooseStart(StartSource asked, const FrameTrend& trend) {
+  if (asked != StartSource::kEstimated) return asked;
+  return trend.velocities.size() > 0 || trend.num_frames == 1 ? StartSource::kMoving : StartSource::kRest;
+}
+
 // From the first frames to a start that the cloth can have, where the scene leaves it to them.
 void SetSmoothStart(const MotionTensors& tensors, const FrameTrend& trend, const Eigen::VectorXd& sigma,
                     bool is_velocity_open, RecordedMotion* motion) {
@@ -194,7 +200,7 @@ RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, c
   motion.scene = ParseScene(motion.scene_text, embedded ? path + ": scene" : options.scene_path,
                             FolderOf(embedded ? path : options.scene_path), defaults);
   const OpenStart open = FindOpenStart(motion.scene_text, motion.name);
-  motion.start_source = open.positions ? options.start : StartSource::kScene;
+  motion.start_source = open.positions ? ChooseStart(options.start, trend) : StartSource::kScene;
   motion.times = std::move(tensors.times);
   motion.positions = std::move(tensors.positions);
   if (is_smooth && open.positions) SetSmoothStart(tensors, trend, sigma, open.velocity, &motion);

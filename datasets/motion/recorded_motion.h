@@ -33,10 +33,13 @@ enum class StartSource {
   kSmoothed,    // the first frames, made a shape that the cloth can have (datasets/motion/start_state.h)
   kRest,        // nobody knows it exactly: as smoothed, and a fit estimates the positions; released at rest
   kMoving,      // the same, and the velocities with them
+  kEstimated,   // asks for one of these two: kMoving, unless the first frames show no velocity; no recording has it
 };
 
 // Whether a fit estimates the start (costs/start/unknown_start.h).
-inline bool IsUnknown(StartSource source) { return source == StartSource::kRest || source == StartSource::kMoving; }
+inline bool IsUnknown(StartSource source) {
+  return source == StartSource::kRest || source == StartSource::kMoving || source == StartSource::kEstimated;
+}
 
 // What was measured of handles whose place is not known exactly: their measured positions less the path that the scene
 // has of them.

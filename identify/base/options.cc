@@ -95,9 +95,10 @@ void ParseSigma(const std::string& text, ReadMotionOptions* options) {
 StartSource ParseStartSource(const std::string& text) {
   if (text == "first") return StartSource::kFirstFrame;
   if (text == "smoothed") return StartSource::kSmoothed;
+  if (text == "estimated") return StartSource::kEstimated;
   if (text == "rest") return StartSource::kRest;
   if (text == "moving") return StartSource::kMoving;
-  Fail("--initial: expected first, smoothed, rest or moving, got '" + Printable(text) + "'");
+  Fail("--initial: expected estimated, rest, moving, smoothed or first, got '" + Printable(text) + "'");
 }
 
 std::string JacobianMethodName(JacobianMethod method) {

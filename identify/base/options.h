@@ -93,8 +93,8 @@ FitMethod ParseFitMethod(const std::string& text);
 JacobianMethod ParseJacobianMethod(const std::string& text);
 FitPrecision ParseFitPrecision(const std::string& text);
 std::string JacobianMethodName(JacobianMethod method);
-// "recorded", "auto" or a number > 0 in m: what `ReadMotionOptions` is to do about sigma; "first", "smoothed", "rest" or
-// "moving": about the start. Throw `Error` (kUsage).
+// "recorded", "auto" or a number > 0 in m: what `ReadMotionOptions` is to do about sigma; "estimated", "rest",
+// "moving", "smoothed" or "first": about the start. Throw `Error` (kUsage).
 void ParseSigma(const std::string& text, ReadMotionOptions* options);
 StartSource ParseStartSource(const std::string& text);
 // METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).

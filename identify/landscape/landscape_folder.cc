@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "datasets/files/sha256.h"
+#include "identify/base/source_names.h"
 #include "identify/landscape/landscape_row.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"

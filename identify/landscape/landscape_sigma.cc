@@ -11,20 +11,6 @@ bool IsSame(double a, double b) { return a == b || (std::isnan(a) && std::isnan(
 
 }  // namespace
 
-std::string SigmaSourceName(SigmaSource source) {
-  switch (source) {
-    case SigmaSource::kUnknown:
-      return "unknown";
-    case SigmaSource::kRecorded:
-      return "recorded";
-    case SigmaSource::kGiven:
-      return "given";
-    case SigmaSource::kEstimated:
-      return "estimated";
-  }
-  return "unknown";
-}
-
 LandscapeSigma SigmaOf(const RecordedMotion& motion) {
   LandscapeSigma sigma;
   sigma.source = motion.sigma_source;

@@ -3,14 +3,10 @@
 #define CLOTHID_IDENTIFY_LANDSCAPE_LANDSCAPE_SIGMA_H_
 
 #include <limits>
-#include <string>
 
 #include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
-
-// "unknown", "recorded", "given" or "estimated".
-std::string SigmaSourceName(SigmaSource source);
 
 struct LandscapeSigma {
   SigmaSource source = SigmaSource::kUnknown;

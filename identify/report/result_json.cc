@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "identify/base/source_names.h"
 #include "identify/base/version.h"
-#include "identify/landscape/landscape_sigma.h"
 
 namespace clothid {
 namespace {
@@ -158,22 +158,6 @@ Json ContactEventsJson(const RolloutCounts& counts) {
           {"obstacle_switches", counts.obstacle_switches}};
 }
 
-std::string SourceName(StartSource source) {
-  switch (source) {
-    case StartSource::kScene:
-      return "scene";
-    case StartSource::kFirstFrame:
-      return "first";
-    case StartSource::kSmoothed:
-      return "smoothed";
-    case StartSource::kRest:
-      return "rest";
-    case StartSource::kMoving:
-      return "moving";
-  }
-  return "unknown";
-}
-
 // Whether the user had a say in what is assumed about a recording.
 bool IsToldMore(const std::vector<RecordedMotion>& motions) {
   return std::any_of(motions.begin(), motions.end(), [](const RecordedMotion& motion) {
@@ -189,7 +173,7 @@ Json RecordingsJson(const FitSummary& summary, const std::vector<RecordedMotion>
     const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : std::numeric_limits<double>::quiet_NaN();
     json.push_back({{"sigma_source", SigmaSourceName(motion.sigma_source)},
                     {"sigma_m", NumberJson(sigma)},
-                    {"initial", SourceName(motion.start_source)}});
+                    {"initial", StartSourceName(motion.start_source)}});
   }
   for (const StartEstimate& start : summary.starts) {
     json[start.recording]["start"] = {{"moved_m", start.moved},

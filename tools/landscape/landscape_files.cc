@@ -5,6 +5,7 @@
 #include <string>
 
 #include "datasets/files/sha256.h"
+#include "identify/base/source_names.h"
 #include "identify/landscape/landscape_row.h"
 #include "sim/base/text_file.h"
 #include "tools/landscape/landscape_summary.h"

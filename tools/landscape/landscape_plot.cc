@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "identify/base/output_folder.h"
+#include "identify/base/source_names.h"
 #include "identify/report/page_template.h"
 #include "identify/report/vendor/plotly.h"
 #include "tools/base/run_program.h"
