@@ -66,21 +66,7 @@ UnknownStart::UnknownStart(const RecordedMotion& motion)
   directions_.initial_positions = Eigen::MatrixXd::Zero(num_rows, size);
   directions_.initial_positions.leftCols(num_positions_) = along;
   QuadraticPrior prior{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
-  if (num_offsets_ > 0) {
-    const HandlePath unit = Offsets(knot_times_, Eigen::VectorXd::Zero(num_offsets_));
-    const Eigen::MatrixXd response = AlongAxes(shape.HandleResponse(motion));
-    const Eigen::VectorXd at_start = unit.KnotWeights(motion.scene.start_time);
-    for (Eigen::Index k = 0; k < at_start.size(); ++k) {
-      directions_.initial_positions.middleCols(num_positions_ + k * response.cols(), response.cols()) =
-          at_start[k] * response;
-    }
-    directions_.handle_offsets = Eigen::MatrixXd::Zero(num_offsets_, size);
-    directions_.handle_offsets.middleCols(num_positions_, num_offsets_).setIdentity();
-    const HandleMeasurements& measured = motion.handle_measurements;
-    Eigen::MatrixXd weights(measured.times.size(), knot_times_.size());
-    for (Eigen::Index k = 0; k < weights.rows(); ++k) weights.row(k) = unit.KnotWeights(measured.times[k]).transpose();
-    AddHandleMeasurements(measured, weights, num_positions_, &prior);
-  }
+  if (num_offsets_ > 0) AddHandles(motion, shape, &prior);
   shape.AddPositions(base_positions_, directions_.initial_positions.leftCols(num_moved), 0, &prior);
   if (is_moving) {
     directions_.initial_velocities = Eigen::MatrixXd::Zero(num_rows, size);
@@ -88,9 +74,29 @@ UnknownStart::UnknownStart(const RecordedMotion& motion)
     shape.AddVelocities(base_positions_, base_velocities_, along.leftCols(num_velocities), num_moved, &prior);
   }
 
+  SetPrior(prior);
+}
+
+void UnknownStart::AddHandles(const RecordedMotion& motion, const ShapePrior& shape, QuadraticPrior* prior) {
+  const HandlePath unit = Offsets(knot_times_, Eigen::VectorXd::Zero(num_offsets_));
+  const Eigen::MatrixXd response = AlongAxes(shape.HandleResponse(motion));
+  const Eigen::VectorXd at_start = unit.KnotWeights(motion.scene.start_time);
+  for (Eigen::Index k = 0; k < at_start.size(); ++k) {
+    directions_.initial_positions.middleCols(num_positions_ + k * response.cols(), response.cols()) =
+        at_start[k] * response;
+  }
+  directions_.handle_offsets = Eigen::MatrixXd::Zero(num_offsets_, directions_.initial_positions.cols());
+  directions_.handle_offsets.middleCols(num_positions_, num_offsets_).setIdentity();
+  const HandleMeasurements& measured = motion.handle_measurements;
+  Eigen::MatrixXd weights(measured.times.size(), knot_times_.size());
+  for (Eigen::Index k = 0; k < weights.rows(); ++k) weights.row(k) = unit.KnotWeights(measured.times[k]).transpose();
+  AddHandleMeasurements(measured, weights, num_positions_, prior);
+}
+
+void UnknownStart::SetPrior(const QuadraticPrior& prior) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(prior.precision);
   const Eigen::VectorXd& values = spectrum.eigenvalues();
-  const Eigen::Index rank = (values.array() > kRounding * values[size - 1]).count();
+  const Eigen::Index rank = (values.array() > kRounding * values[values.size() - 1]).count();
   const Eigen::MatrixXd vectors = spectrum.eigenvectors().rightCols(rank);
   root_ = values.tail(rank).cwiseSqrt().asDiagonal() * vectors.transpose();
   mean_ = vectors * values.tail(rank).cwiseInverse().asDiagonal() * (vectors.transpose() * prior.information);

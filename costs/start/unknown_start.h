@@ -30,6 +30,9 @@
 
 namespace clothid {
 
+class ShapePrior;
+struct QuadraticPrior;
+
 // Modes per coordinate of positions and of velocities. A mesh of fewer free nodes has as many.
 inline constexpr int kPositionModes = 60;
 inline constexpr int kVelocityModes = 30;
@@ -63,6 +66,10 @@ class UnknownStart {
   const Eigen::MatrixXd& prior_jacobian() const { return root_; }
 
  private:
+  // Of the constructor: the directions of the handles and what was measured of them; and U and m.
+  void AddHandles(const RecordedMotion& motion, const ShapePrior& shape, QuadraticPrior* prior);
+  void SetPrior(const QuadraticPrior& prior);
+
   Eigen::VectorXd base_positions_, base_velocities_;  // [3N]
   Eigen::VectorXd knot_times_;                        // s; empty: exact handles
   Eigen::Index num_handles_ = 0;
