@@ -24,6 +24,12 @@ DEFINE_string(nodes, "", "nodes along the first axis of the grids; empty: see --
 DEFINE_string(steps, "", "discretization: divisors of the time step; else a number of steps; empty: see --help");
 DEFINE_int32(repeats, 3, "repetitions, of which the table gives medians");
 DEFINE_int32(seeds, 40, "noisy recordings per setting");
+DEFINE_string(initial, "scene", "coverage: the start of the fits: scene, first, smoothed, rest or moving");
+DEFINE_double(cut, 0.0, "coverage: s of the motion that are over when the recording begins");
+DEFINE_double(sigma, 0.0, "coverage: standard deviation of noise, m, in place of --noise");
+DEFINE_double(frame_rate, 0.0, "coverage: frames per second; not given: one per step");
+DEFINE_int32(markers, 0, "coverage: free nodes seen; 0: all nodes");
+DEFINE_double(start_factor, clothid::kStartFactor, "coverage: start over truth of the parameters");
 DEFINE_string(sensor, "", "coverage: sensor.json of a camera and a gripper; empty: white noise");
 DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
 DEFINE_string(quantities, "", "accuracy: of forward, gradient, fit; empty: all");
@@ -84,6 +90,16 @@ BackpropCaseOptions CasesFromFlags(const std::vector<int>& nodes) {
   return options;
 }
 
+// Those of `identify --initial`, and the scene's own.
+StartSource StartFromFlag() {
+  if (FLAGS_initial == "scene") return StartSource::kScene;
+  for (const char* name : {"first", "smoothed", "rest", "moving"}) {
+    if (FLAGS_initial == name) return ParseStartSource(name);
+  }
+  throw Error(ErrorKind::kUsage,
+              "--initial: expected scene, first, smoothed, rest or moving, got '" + Printable(FLAGS_initial) + "'");
+}
+
 }  // namespace
 
 JacobianBenchmarkOptions JacobianOptionsFromFlags() {
@@ -115,7 +131,16 @@ CoverageOptions CoverageOptionsFromFlags() {
   options.truth = ParseParameterValues(FLAGS_set, "--set");
   if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
   options.sensor_path = FLAGS_sensor;
+  options.import = {StartFromFlag(), FLAGS_cut};
   options.noise = FLAGS_noise;
+  if (IsGiven("sigma")) options.sigma = FLAGS_sigma;
+  if (options.sigma && IsGiven("noise")) {
+    throw Error(ErrorKind::kUsage,
+                "--sigma: expected without --noise, which says the same relative to the cloth's size");
+  }
+  if (IsGiven("frame_rate")) options.frame_rate = FLAGS_frame_rate;
+  options.num_markers = FLAGS_markers;
+  options.start_factor = FLAGS_start_factor;
   options.num_seeds = FLAGS_seeds;
   options.seed = FLAGS_seed;
   options.num_threads = FLAGS_threads;

@@ -14,6 +14,7 @@
 #include "tools/benchmark/benchmark_flags.h"
 #include "tools/benchmark/benchmark_help.h"
 #include "tools/benchmark/benchmark_progress.h"
+#include "tools/benchmark/fits/coverage_table.h"
 #include "tools/benchmark/fits/figure3_table.h"
 
 DECLARE_string(output);
@@ -63,7 +64,8 @@ constexpr Subcommand kSubcommands[] = {
            DiscretizationOptionsFromFlags(), RunDiscretizationBenchmark, DiscretizationTable,
            {{"discretization.csv", DiscretizationCsv}});
      }},
-    {"coverage", "scene set sensor seeds settings noise seed threads output",
+    {"coverage",
+     "scene set sensor initial cut seeds settings noise sigma frame_rate markers start_factor seed threads output",
      [] {
        return RunBenchmark<CoverageOptions, CoverageBenchmark>(CoverageOptionsFromFlags(), RunCoverageBenchmark,
                                                                CoverageTable, {{"coverage.csv", CoverageCsv}});

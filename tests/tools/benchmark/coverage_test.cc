@@ -2,12 +2,17 @@
 // deviations are those of the estimates.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
+#include "sim/scene/scene_json.h"
 #include "tests/tools/small_drape.h"
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/fits/benchmark_coverage.h"
+#include "tools/benchmark/fits/coverage_table.h"
 
 namespace clothid {
 namespace {
@@ -118,6 +123,146 @@ TEST_F(CoverageTest, RecordingsOfASensor) {
   EXPECT_EQ(CoverageCsv(RunCoverageBenchmark(options)), CoverageCsv(benchmark));
 }
 
+// A fit without an interval is refused, neither covered nor missed.
+TEST_F(CoverageTest, SummarizesFitsOfAnUnknownStart) {
+  CoverageBenchmark benchmark;
+  benchmark.start = StartSource::kRest;
+  benchmark.truth = {{"k_stretch", 10.0, false}};
+  const double kNaN = std::nan("");
+  const double rows[4][5] = {
+      {9, 2, 5, 13, 1}, {16, 2, 12, 20, 0.5}, {13, 1, 11, 15, 0.25}, {11, kNaN, kNaN, kNaN, kNaN}};
+  for (const auto& [value, std, lower, upper, known_start_std] : rows) {
+    CoverageFit fit;
+    fit.setting = "full";
+    fit.value = {value};
+    fit.std = {std};
+    fit.lower95 = {lower};
+    fit.upper95 = {upper};
+    fit.known_start_std = {known_start_std};
+    fit.rollouts = 10;
+    benchmark.fits.push_back(fit);
+  }
+  benchmark.fits[3].rollouts = 20;
+  const std::vector<CoverageSummary> summaries = SummarizeCoverage(benchmark);
+  ASSERT_EQ(summaries.size(), 1u);
+  EXPECT_EQ(summaries[0].num_fits, 4);
+  EXPECT_EQ(summaries[0].num_covered, 1);
+  EXPECT_EQ(summaries[0].num_refused, 1);
+  EXPECT_DOUBLE_EQ(summaries[0].mean_error_ratio, (-0.5 + 3.0 + 3.0) / 3.0);
+  EXPECT_DOUBLE_EQ(summaries[0].mean_start_ratio, (2.0 + 4.0 + 4.0) / 3.0);
+  EXPECT_DOUBLE_EQ(summaries[0].mean_rollouts, 12.5);
+  const std::string table = CoverageTable(benchmark);
+  EXPECT_NE(table.find("refused  bias, reported std  width over known start  rollouts\n"), std::string::npos) << table;
+  EXPECT_NE(table.find("        1                1.83                    3.33      12.5\n"), std::string::npos)
+      << table;
+}
+
+TEST_F(CoverageTest, WhatNoFitSaysIsNoNumber) {
+  CoverageBenchmark benchmark;
+  benchmark.start = StartSource::kMoving;
+  benchmark.truth = {{"mu", 0.3, true}};
+  const std::vector<double> none = {std::nan("")};
+  for (const double value : {0.3, 0.4}) {
+    CoverageFit fit;
+    fit.setting = "full";
+    fit.value = {value};
+    fit.std = fit.lower95 = fit.upper95 = fit.known_start_std = none;
+    benchmark.fits.push_back(fit);
+  }
+  const std::vector<CoverageSummary> summaries = SummarizeCoverage(benchmark);
+  EXPECT_EQ(summaries[0].num_refused, 2);
+  EXPECT_TRUE(std::isnan(summaries[0].mean_std));
+  EXPECT_TRUE(std::isnan(summaries[0].mean_width));
+  EXPECT_EQ(CoverageTable(benchmark).find("nan"), std::string::npos) << CoverageTable(benchmark);
+}
+
+// Released at rest, seen in noise, imported without its start.
+TEST_F(CoverageTest, AStartThatNobodyKnows) {
+  CoverageOptions options = SmallOptions();
+  options.settings = {"full"};
+  options.import.start = StartSource::kRest;
+  options.sigma = 0.002;
+  options.frame_rate = 50.0;
+  options.start_factor = 1.2;
+  const CoverageBenchmark benchmark = RunCoverageBenchmark(options);
+  ASSERT_EQ(benchmark.fits.size(), 2u);
+  for (const CoverageFit& fit : benchmark.fits) {
+    EXPECT_EQ(fit.status, FitStatus::kConverged) << "seed " << fit.seed;
+    EXPECT_NEAR(fit.rmse, std::sqrt(3.0) * 0.002, 0.0003) << "seed " << fit.seed;
+    for (std::size_t i = 0; i < benchmark.truth.size(); ++i) {
+      EXPECT_GT(fit.std[i], fit.known_start_std[i]) << benchmark.truth[i].name;
+      // Five standard deviations: a bias, not bad luck.
+      EXPECT_NEAR(fit.value[i], benchmark.truth[i].value, 5.0 * fit.std[i]) << benchmark.truth[i].name;
+    }
+  }
+  for (const CoverageSummary& summary : SummarizeCoverage(benchmark)) EXPECT_GT(summary.mean_start_ratio, 1.0);
+}
+
+TEST_F(CoverageTest, TheFirstFrameMisleads) {
+  CoverageOptions options = SmallOptions();
+  options.settings = {"full"};
+  options.import.start = StartSource::kFirstFrame;
+  options.sigma = 0.002;
+  const std::vector<CoverageSummary> summaries = SummarizeCoverage(RunCoverageBenchmark(options));
+  ASSERT_EQ(summaries.size(), 2u);
+  EXPECT_GT(std::abs(summaries[1].mean_error_ratio), 3.0);
+  EXPECT_TRUE(std::isnan(summaries[1].mean_start_ratio));  // it was taken for true
+}
+
+// The truth of `SmallOptions` as it was, and what a user has of it.
+struct SmallTruth {
+  std::string text = SmallDrape(6);
+  Scene scene = ParseScene(text, "scene.json", "");
+  Rollout rollout = SimulateTruth({{"mu", 0.24, true}, {"k_stretch", 70.0, false}}, "scene.json", scene);
+
+  RecordedMotion Import(const ImportOfRollout& import, int num_markers, std::uint64_t seed) const {
+    SyntheticOptions synthetic;
+    synthetic.noise_sigma = 1e-3;
+    synthetic.frame_rate = 50.0;
+    synthetic.num_markers = num_markers;
+    synthetic.seed = seed;
+    return ImportRollout(import, rollout, scene, text, synthetic);
+  }
+};
+
+TEST_F(CoverageTest, ImportsWhatIsLeftAfterTheCut) {
+  const SmallTruth truth;
+  const RecordedMotion motion = truth.Import({StartSource::kMoving, 0.1}, 0, 1);
+  EXPECT_EQ(motion.start_source, StartSource::kMoving);
+  ASSERT_EQ(motion.num_frames(), 16);
+  EXPECT_DOUBLE_EQ(motion.times[0], 0.1);
+  EXPECT_DOUBLE_EQ(motion.scene.start_time, 0.1);
+  EXPECT_DOUBLE_EQ(motion.scene.duration, 0.3);
+  const Rollout& rollout = truth.rollout;
+  EXPECT_LT((motion.positions.col(15) - rollout.positions(40)).cwiseAbs().maxCoeff(), 6e-3);
+  EXPECT_LT((motion.scene.initial_positions - rollout.positions(10)).cwiseAbs().maxCoeff(), 6e-3);
+  const Eigen::VectorXd velocities = (rollout.positions(11) - rollout.positions(9)) / (2.0 * truth.scene.time_step);
+  EXPECT_LT((motion.scene.initial_velocities - velocities).norm(), 0.5 * velocities.norm());  // of a few noisy frames
+}
+
+TEST_F(CoverageTest, EverySeedSeesOtherMarkers) {
+  const SmallTruth truth;
+  const auto nodes = [&](std::uint64_t seed) {
+    std::vector<int> seen;
+    for (const ObservedPoint& point : truth.Import({StartSource::kRest, 0.0}, 7, seed).points) {
+      seen.push_back(point.nodes[0]);
+    }
+    return seen;
+  };
+  EXPECT_EQ(nodes(1).size(), 7u);
+  EXPECT_EQ(nodes(1), nodes(1));
+  EXPECT_NE(nodes(1), nodes(2));
+}
+
+// Markers of the scene's own start: fewer points tell less.
+TEST_F(CoverageTest, MarkersOfAKnownStart) {
+  CoverageOptions options = SmallOptions();
+  options.settings = {"full"};
+  const double all = SummarizeCoverage(RunCoverageBenchmark(options))[0].mean_std;
+  options.num_markers = 9;
+  EXPECT_GT(SummarizeCoverage(RunCoverageBenchmark(options))[0].mean_std, 1.4 * all);
+}
+
 TEST_F(CoverageTest, RefusesWhatItCannotRun) {
   WriteBytes(folder() / "scene.json", SmallDrape(6));
   const std::string valid = "benchmark coverage --scene scene.json --set mu=0.24,k_stretch=70 ";
@@ -129,6 +274,22 @@ TEST_F(CoverageTest, RefusesWhatItCannotRun) {
   ExpectRefused(valid + "--threads 0", 1, "--threads");
   ExpectRefused(valid + "--sensor absent.json", 1, "absent.json");
   ExpectRefused(valid + "--sensor absent.json --settings full", 1, "'full'");
+  ExpectRefused(valid + "--initial known", 1,
+                "--initial: expected scene, first, smoothed, rest or moving, got 'known'");
+  ExpectRefused(valid + "--sigma 0", 1, "--sigma");
+  ExpectRefused(valid + "--sigma 0.001 --noise 0.01", 1, "--noise");
+  ExpectRefused(valid + "--frame_rate 0", 1, "--frame_rate");
+  ExpectRefused(valid + "--frame_rate 1", 1, "frame_rate 1");
+  ExpectRefused(valid + "--start_factor 0", 1, "--start_factor");
+  ExpectRefused(valid + "--cut 0.2", 1, "--initial");
+  ExpectRefused(valid + "--initial rest --cut -1", 1, "--cut");
+  ExpectRefused(valid + "--initial moving --cut 0.4", 1, "--cut: 0.4 s");
+  ExpectRefused(valid + "--markers -1", 1, "--markers");
+  ExpectRefused(valid + "--markers 31", 1, "markers 31");
+  ExpectRefused(valid + "--initial first --markers 9", 1, "--markers");
+  for (const char* flag : {"--sigma 0.001", "--frame_rate 30", "--markers 9", "--initial rest"}) {
+    ExpectRefused(valid + "--sensor absent.json " + flag, 1, "--sensor");
+  }
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iomanip>
 #include <limits>
 #include <optional>
-#include <sstream>
+#include <string>
+#include <vector>
 
 #include "identify/base/parallel_for.h"
 #include "identify/fit/problem.h"
@@ -33,11 +33,29 @@ const std::vector<std::string>& KnownSettings(const CoverageOptions& options) {
 
 SyntheticOptions SensorOptions(const CoverageOptions& options, const CoverageFit& fit, const Scene& scene) {
   SyntheticOptions synthetic;
-  synthetic.noise_sigma = options.noise * ClothSize(scene.mesh);
+  synthetic.noise_sigma = options.sigma ? *options.sigma : options.noise * ClothSize(scene.mesh);
+  synthetic.num_markers = options.num_markers;
   synthetic.seed = fit.seed;
+  if (options.frame_rate) synthetic.frame_rate = *options.frame_rate;
   if (fit.setting == "half") synthetic.drop_fraction = 0.5;
-  if (fit.setting == "third") synthetic.frame_rate = 1.0 / (3.0 * scene.time_step);
+  if (fit.setting == "third") {
+    synthetic.frame_rate = options.frame_rate ? *options.frame_rate / 3.0 : 1.0 / (3.0 * scene.time_step);
+  }
   return synthetic;
+}
+
+// The fits to come, by setting, then seed.
+std::vector<CoverageFit> PlanFits(const CoverageOptions& options) {
+  std::vector<CoverageFit> fits;
+  for (const std::string& setting : options.settings.empty() ? KnownSettings(options) : options.settings) {
+    for (int i = 0; i < options.num_seeds; ++i) {
+      CoverageFit fit;
+      fit.setting = setting;
+      fit.seed = options.seed + static_cast<std::uint64_t>(i);
+      fits.push_back(fit);
+    }
+  }
+  return fits;
 }
 
 // Makes the recording of a fit: of a rollout of the scene, with white noise, or of a finer one, by a sensor.
@@ -55,7 +73,10 @@ class Recorder {
 
   RecordedMotion Record(const CoverageFit& fit) const {
     if (sensor_case_) return RecordSensorCase(*sensor_case_, fit.setting, fit.seed);
-    return MakeRecording(rollout_, scene_, scene_text_, SensorOptions(options_, fit, scene_));
+    const SyntheticOptions synthetic = SensorOptions(options_, fit, scene_);
+    const bool is_exact = options_.import.start == StartSource::kScene && options_.num_markers == 0;
+    return is_exact ? MakeRecording(rollout_, scene_, scene_text_, synthetic)
+                    : ImportRollout(options_.import, rollout_, scene_, scene_text_, synthetic);
   }
 
  private:
@@ -66,14 +87,15 @@ class Recorder {
   std::optional<SensorCase> sensor_case_;
 };
 
-void RunFit(const std::vector<TrueParameter>& truth, const RecordedMotion& recording, CoverageFit* fit) {
+void RunFit(const std::vector<TrueParameter>& truth, double start_factor, const RecordedMotion& recording,
+            CoverageFit* fit) {
   FitOptions options;
   options.jacobian = JacobianMethod::kSensitivity;
   options.check_interval = false;
   options.loss = LossOfSetting(fit->setting);
   for (const TrueParameter& parameter : truth) {
     options.parameters.push_back(parameter.name);
-    if (parameter.name != kTimeOffset) options.overrides.start[parameter.name] = kStartFactor * parameter.value;
+    if (parameter.name != kTimeOffset) options.overrides.start[parameter.name] = start_factor * parameter.value;
   }
   FitProblem problem({recording}, options);
   const FitSummary summary = Fit(options, &problem);
@@ -84,31 +106,41 @@ void RunFit(const std::vector<TrueParameter>& truth, const RecordedMotion& recor
     fit->std.push_back(uncertainty[i].std);
     fit->lower95.push_back(uncertainty[i].lower95);
     fit->upper95.push_back(uncertainty[i].upper95);
+    fit->known_start_std.push_back(uncertainty[i].known_start_std);
   }
   fit->rmse = summary.has_estimate() ? summary.error.rmse() : kNaN;
   fit->rollouts = summary.statistics.rollouts;
   fit->status = summary.status;
 }
 
-// Of parameter i over the fits of one setting.
-CoverageSummary Summarize(const std::vector<CoverageFit>& fits, const TrueParameter& parameter, std::size_t i) {
-  CoverageSummary summary;
-  summary.setting = fits.front().setting;
-  summary.name = parameter.name;
-  summary.num_fits = static_cast<int>(fits.size());
-  double mean = 0.0, squares = 0.0;
-  const auto num_intervals = static_cast<double>(
-      std::count_if(fits.begin(), fits.end(), [&](const CoverageFit& fit) { return !std::isnan(fit.std[i]); }));
-  for (const CoverageFit& fit : fits) {
-    mean += fit.value[i] / summary.num_fits;
-    if (!std::isnan(fit.std[i])) summary.mean_std += fit.std[i] / num_intervals;
-    if (!std::isnan(fit.std[i])) summary.mean_width += (fit.upper95[i] - fit.lower95[i]) / num_intervals;
-    summary.num_covered += fit.lower95[i] <= parameter.value && parameter.value <= fit.upper95[i];
+void RequireSettings(const CoverageOptions& options) {
+  const std::vector<std::string>& known = KnownSettings(options);
+  for (const std::string& setting : options.settings) {
+    Require(std::find(known.begin(), known.end(), setting) != known.end(),
+            "--settings: '" + Printable(setting) + "': expected " +
+                (options.sensor_path.empty() ? "full, half or third" : "clean, faults, huber, outliers or markers"));
   }
-  for (const CoverageFit& fit : fits) squares += std::pow(fit.value[i] - mean, 2);
-  summary.empirical_std = std::sqrt(squares / (summary.num_fits - 1));
-  summary.bias = mean - parameter.value;
-  return summary;
+}
+
+// What is asked of recordings that are made without a sensor.
+void RequireRecordings(const CoverageOptions& options) {
+  const StartSource start = options.import.start;
+  Require(!options.sigma || (std::isfinite(*options.sigma) && *options.sigma > 0.0),
+          "--sigma: expected a number > 0 in m");
+  Require(!options.frame_rate || (std::isfinite(*options.frame_rate) && *options.frame_rate > 0.0),
+          "--frame_rate: expected a number > 0 in Hz");
+  Require(options.num_markers >= 0, "--markers: expected a number >= 0; 0: all nodes");
+  Require(options.num_markers == 0 || start != StartSource::kFirstFrame,
+          "--markers: a first frame of markers shows no start; expected --initial scene, smoothed, rest or moving");
+  Require(std::isfinite(options.import.cut) && options.import.cut >= 0.0, "--cut: expected a number >= 0 in s");
+  Require(options.import.cut == 0.0 || start != StartSource::kScene,
+          "--cut: the scene's start is not that of a recording that begins later; expected another --initial");
+  if (options.sensor_path.empty()) return;
+  const std::string has_own = ": expected without --sensor, whose recordings have their own";
+  Require(!options.sigma, "--sigma" + has_own);
+  Require(!options.frame_rate, "--frame_rate" + has_own);
+  Require(options.num_markers == 0, "--markers" + has_own);
+  Require(start == StartSource::kScene, "--initial: expected scene with --sensor");
 }
 
 }  // namespace
@@ -119,12 +151,9 @@ void CoverageOptions::Validate() const {
   Require(std::isfinite(noise) && noise > 0.0, "--noise: expected a number > 0, relative to the cloth's size");
   Require(num_seeds >= 2, "--seeds: expected a number >= 2");
   Require(num_threads >= 1, "--threads: expected a number >= 1");
-  const std::vector<std::string>& known = KnownSettings(*this);
-  for (const std::string& setting : settings) {
-    Require(std::find(known.begin(), known.end(), setting) != known.end(),
-            "--settings: '" + Printable(setting) + "': expected " +
-                (sensor_path.empty() ? "full, half or third" : "clean, faults, huber, outliers or markers"));
-  }
+  Require(std::isfinite(start_factor) && start_factor > 0.0, "--start_factor: expected a number > 0");
+  RequireSettings(*this);
+  RequireRecordings(*this);
 }
 
 CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
@@ -133,76 +162,27 @@ CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
   const std::string folder = std::filesystem::path(options.scene_path).parent_path().string();
   const Scene scene = ParseScene(scene_text, options.scene_path, folder);
   CoverageBenchmark benchmark;
+  benchmark.start = options.import.start;
   benchmark.truth = MakeTrueParameters(options.truth, scene);
-  const Recorder recorder(options, benchmark.truth, scene, scene_text);
-  if (!options.sensor_path.empty()) benchmark.truth.push_back({kTimeOffset, kClockError, false});
-  for (const std::string& setting : options.settings.empty() ? KnownSettings(options) : options.settings) {
-    for (int i = 0; i < options.num_seeds; ++i) {
-      CoverageFit fit;
-      fit.setting = setting;
-      fit.seed = options.seed + static_cast<std::uint64_t>(i);
-      benchmark.fits.push_back(fit);
+  benchmark.fits = PlanFits(options);
+  if (options.sensor_path.empty()) {
+    for (const CoverageFit& fit : benchmark.fits) {
+      if (fit.seed == options.seed) CheckImport(options.import, SensorOptions(options, fit, scene), scene, scene_text);
     }
   }
+  const Recorder recorder(options, benchmark.truth, scene, scene_text);
+  if (!options.sensor_path.empty()) benchmark.truth.push_back({kTimeOffset, kClockError, false});
   const int num_fits = static_cast<int>(benchmark.fits.size());
   ParallelFor(
       num_fits, options.num_threads,
       [&](int i) {
         CoverageFit* fit = &benchmark.fits[i];
-        RunFit(benchmark.truth, recorder.Record(*fit), fit);
+        RunFit(benchmark.truth, options.start_factor, recorder.Record(*fit), fit);
       },
       [&](int i, int num_done) {
         if (options.on_fit) options.on_fit(benchmark.fits[i], num_done, num_fits);
       });
   return benchmark;
-}
-
-std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmark) {
-  std::vector<CoverageSummary> summaries;
-  for (auto begin = benchmark.fits.begin(); begin != benchmark.fits.end();) {
-    const auto end = std::find_if(begin, benchmark.fits.end(),
-                                  [&](const CoverageFit& fit) { return fit.setting != begin->setting; });
-    for (std::size_t i = 0; i < benchmark.truth.size(); ++i) {
-      summaries.push_back(Summarize({begin, end}, benchmark.truth[i], i));
-    }
-    begin = end;
-  }
-  return summaries;
-}
-
-std::string CoverageTable(const CoverageBenchmark& benchmark) {
-  std::ostringstream out;
-  out << "setting  parameter      covered  width   reported std  empirical std  ratio  bias, std\n";
-  const std::vector<CoverageSummary> summaries = SummarizeCoverage(benchmark);
-  for (std::size_t i = 0; i < summaries.size(); ++i) {
-    const CoverageSummary &summary = summaries[i], &first = summaries[i % benchmark.truth.size()];
-    std::ostringstream covered;
-    covered << summary.num_covered << " of " << summary.num_fits;
-    out << std::left << std::setw(9) << summary.setting << std::setw(12) << summary.name << std::right << std::setw(10)
-        << covered.str() << std::fixed << std::setprecision(2) << std::setw(7) << summary.mean_width / first.mean_width
-        << std::defaultfloat << std::setprecision(4) << std::setw(15) << summary.mean_std << std::setw(15)
-        << summary.empirical_std << std::fixed << std::setprecision(2) << std::setw(7) << summary.std_ratio()
-        << std::setw(11) << summary.bias / summary.empirical_std << std::defaultfloat << "\n";
-  }
-  return out.str();
-}
-
-std::string CoverageCsv(const CoverageBenchmark& benchmark) {
-  std::ostringstream out;
-  out << std::setprecision(std::numeric_limits<double>::max_digits10) << "setting,seed";
-  for (const TrueParameter& parameter : benchmark.truth) {
-    const std::string& name = parameter.name;
-    out << "," << name << ",std_" << name << ",lower95_" << name << ",upper95_" << name;
-  }
-  out << ",rmse_m,rollouts,status\n";
-  for (const CoverageFit& fit : benchmark.fits) {
-    out << fit.setting << "," << fit.seed;
-    for (std::size_t i = 0; i < fit.value.size(); ++i) {
-      out << "," << fit.value[i] << "," << fit.std[i] << "," << fit.lower95[i] << "," << fit.upper95[i];
-    }
-    out << "," << fit.rmse << "," << fit.rollouts << "," << FitStatusName(fit.status) << "\n";
-  }
-  return out.str();
 }
 
 }  // namespace clothid

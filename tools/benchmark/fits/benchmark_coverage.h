@@ -1,21 +1,24 @@
 // benchmark coverage: do the intervals of a fit contain the truth as often as they say?
 //
 // A rollout with known parameters is seen again and again with noise of its own, each time fitted from start values
-// that are off by `kStartFactor`, and the intervals at the solution (identify/uncertainty/uncertainty.h) are held
+// that are off by a factor, and the intervals at the solution (identify/uncertainty/uncertainty.h) are held
 // against the truth and against the scatter of the estimates; all that under several settings of the sensor. With a
 // sensor.json the truth is finer than the model, and recordings have the faults of a laboratory's
-// (tools/benchmark/fits/sensor_case.h).
+// (tools/benchmark/fits/sensor_case.h). Without the scene's start the fit takes it from the recording or estimates it
+// (tools/benchmark/fits/imported_recording.h).
 #ifndef CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 #define CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/synthetic/true_recording.h"
 #include "identify/fit/fit.h"
+#include "tools/benchmark/fits/imported_recording.h"
 
 namespace clothid {
 
@@ -23,7 +26,7 @@ namespace clothid {
 // third frame.
 inline const std::vector<std::string> kCoverageSettings = {"full", "half", "third"};
 
-// Start over truth: many standard deviations off, and near enough for three rollouts a fit.
+// Start over truth where nothing else is said: many standard deviations off, and near enough for three rollouts a fit.
 inline constexpr double kStartFactor = 1.05;
 
 // One fit. Depends on the options alone.
@@ -31,6 +34,7 @@ struct CoverageFit {
   std::string setting;
   std::uint64_t seed = 0;
   std::vector<double> value, std, lower95, upper95;  // per parameter; NaN where there are none
+  std::vector<double> known_start_std;               // the std if the start were known; NaN where none was estimated
   double rmse = 0.0;                                 // m
   int rollouts = 0;
   FitStatus status = FitStatus::kFailed;
@@ -43,9 +47,15 @@ struct CoverageOptions {
   std::string sensor_path;
   std::vector<std::string> settings;  // empty: all, `kCoverageSettings` or with a sensor `kSensorSettings`
   double noise = 0.01;                // standard deviation on every coordinate, relative to the cloth's size
-  int num_seeds = 40;                 // recordings per setting
-  std::uint64_t seed = 1;             // the first
-  int num_threads = 1;                // fits side by side; results do not depend on it
+  // Of the recordings; with a sensor, which has its own, none of these four.
+  std::optional<double> sigma;         // m, in place of `noise`
+  std::optional<double> frame_rate;    // Hz; absent: one frame per step
+  int num_markers = 0;                 // free nodes seen, other ones with every seed; 0: all nodes
+  ImportOfRollout import;              // where the fit takes the start from, and how much of the motion went before it
+  double start_factor = kStartFactor;  // start over truth of the parameters
+  int num_seeds = 40;                  // recordings per setting
+  std::uint64_t seed = 1;              // the first
+  int num_threads = 1;                 // fits side by side; results do not depend on it
   // After every fit, in the order in which they end; never two at a time. May be empty.
   std::function<void(const CoverageFit& fit, int num_done, int num_fits)> on_fit;
 
@@ -54,35 +64,13 @@ struct CoverageOptions {
 };
 
 struct CoverageBenchmark {
+  StartSource start = StartSource::kScene;  // of the fits
   std::vector<TrueParameter> truth;
   std::vector<CoverageFit> fits;  // by setting, then seed
 };
 
-// Of one setting and parameter.
-struct CoverageSummary {
-  std::string setting, name;
-  int num_fits = 0;
-  int num_covered = 0;         // intervals that contain the truth; a fit without one is not among them
-  double mean_width = 0.0;     // of the 95 % intervals
-  double mean_std = 0.0;       // reported
-  double empirical_std = 0.0;  // of the estimates about their mean
-  double bias = 0.0;           // mean estimate - truth
-
-  double coverage() const { return static_cast<double>(num_covered) / num_fits; }
-  double std_ratio() const { return mean_std / empirical_std; }
-};
-
 // Throws `Error` for options and scenes that cannot be used and where the rollout with the true parameters fails.
 CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options);
-
-// By setting, then parameter. A value that a fit does not have is NaN, and so is what depends on it.
-std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmark);
-
-// One line per setting and parameter; widths relative to the first setting, biases in empirical standard deviations.
-std::string CoverageTable(const CoverageBenchmark& benchmark);
-
-// One row per fit.
-std::string CoverageCsv(const CoverageBenchmark& benchmark);
 
 }  // namespace clothid
 

@@ -1,0 +1,65 @@
+#include "tools/benchmark/fits/imported_recording.h"
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "datasets/motion/motion_file.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+// A frame this little before the cut, in steps, is at the cut: both are rounded numbers.
+constexpr double kSameStep = 1e-6;
+
+// Of the first frame at the cut or after it; the number of frames where there is none. `times` [T] ascend.
+Eigen::Index FirstFrame(const Eigen::VectorXd& times, const ImportOfRollout& import, const Scene& scene) {
+  const double begin = scene.start_time + import.cut - kSameStep * scene.time_step;
+  return (times.array() < begin).count();
+}
+
+void DropFrames(Eigen::Index num_dropped, MotionTensors* tensors) {
+  const Eigen::Index num_frames = tensors->times.size() - num_dropped;
+  tensors->times = tensors->times.tail(num_frames).eval();
+  tensors->positions = tensors->positions.rightCols(num_frames).eval();
+  // `RecordRollout` samples the path of handles at the frames.
+  if (!tensors->handle_index.empty()) {
+    tensors->handle_positions = tensors->handle_positions.rightCols(num_frames).eval();
+  }
+}
+
+// The text of a scene that says nothing of what the recording has to tell.
+std::string OpenText(const std::string& scene_text, const ImportOfRollout& import) {
+  nlohmann::ordered_json scene = nlohmann::ordered_json::parse(scene_text);
+  if (import.start != StartSource::kScene) scene.erase("initial");
+  if (import.cut > 0.0) scene.erase("duration");
+  return scene.dump();
+}
+
+}  // namespace
+
+void CheckImport(const ImportOfRollout& import, const SyntheticOptions& options, const Scene& scene,
+                 const std::string& scene_text) {
+  CheckSyntheticOptions(options, scene, scene_text);
+  const Eigen::VectorXd steps = FrameSteps(options.frame_rate, scene.time_step, scene.num_steps());
+  const Eigen::VectorXd times = scene.start_time + scene.time_step * steps.array();
+  if (times.size() - FirstFrame(times, import, scene) >= 2) return;
+  throw Error(ErrorKind::kUsage, "--cut: " + ShortestText(import.cut) +
+                                     " s: expected at least two frames after it, of " + std::to_string(times.size()) +
+                                     " in " + ShortestText(times[times.size() - 1] - times[0]) + " s");
+}
+
+RecordedMotion ImportRollout(const ImportOfRollout& import, const Rollout& rollout, const Scene& scene,
+                             const std::string& scene_text, const SyntheticOptions& options) {
+  MotionTensors tensors = RecordRollout(rollout, scene, scene_text, options);
+  DropFrames(FirstFrame(tensors.times, import, scene), &tensors);
+  ReadMotionOptions reading;
+  // `kScene`: nothing is left open, as the text in a recording has its start.
+  if (import.start != StartSource::kScene) reading.start = import.start;
+  reading.change_scene = [&](const std::string& text) { return OpenText(text, import); };
+  return InterpretMotion(std::move(tensors), "recording", reading);
+}
+
+}  // namespace clothid
