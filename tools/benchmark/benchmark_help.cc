@@ -77,8 +77,8 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
   --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
   --sigma M         coverage: standard deviation of noise in m, in place of --noise
-  --initial START   coverage: what the fits start from: scene (its own start), first, smoothed, rest, moving; rest is true
-                    of a scene that starts at rest (scene)
+  --initial START   coverage: what fits start from: scene (its own start), or first, smoothed, rest, moving as in
+                    identify --help; rest is true of a scene that starts at rest, without --cut (scene)
   --cut SECONDS     coverage: the recording begins so much after the scene's start, in motion (0)
   --frame_rate HZ   coverage: frames per second; `third` has a third of them (one per step)
   --markers N       coverage: free nodes seen, other ones with every seed; not with --initial first; 0: all nodes (0)

@@ -1,11 +1,11 @@
 // benchmark coverage: do the intervals of a fit contain the truth as often as they say?
 //
 // A rollout with known parameters is seen again and again with noise of its own, each time fitted from start values
-// that are off by a factor, and the intervals at the solution (identify/uncertainty/uncertainty.h) are held
-// against the truth and against the scatter of the estimates; all that under several settings of the sensor. With a
-// sensor.json the truth is finer than the model, and recordings have the faults of a laboratory's
-// (tools/benchmark/fits/sensor_case.h). Without the scene's start the fit takes it from the recording or estimates it
-// (tools/benchmark/fits/imported_recording.h).
+// that are off by a factor, and the intervals at the solution (identify/uncertainty/uncertainty.h) are held against the
+// truth and against the scatter of the estimates; all that under several settings of the sensor. With a sensor.json the
+// truth is finer than the model, and recordings have the faults of a laboratory's (tools/benchmark/fits/sensor_case.h).
+// Or the fit is not told the scene's start and takes it from the recording, or estimates it
+// (tools/benchmark/fits/imported_recording.h). tools/benchmark/fits/coverage_table.h sums fits up.
 #ifndef CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 #define CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 
