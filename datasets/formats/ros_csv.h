@@ -23,7 +23,7 @@ struct PoseTrack {
   Eigen::Matrix4Xd rotations;  // [4 x T] unit quaternions x, y, z, w: from the body's axes to those of the file
 };
 
-// Whether `path` starts with "%time". Throws `Error` (kIo) where it cannot be read.
+// Whether `path` starts with "%time". Throws `Error`: kIo where it cannot be read, kBadData where it is in UTF-16.
 bool IsRosCsv(const std::string& path);
 
 // A grid of n x n points per row: the column `field.size` holds n, from `field.x0` on stand all x, all y, all z.

@@ -5,7 +5,7 @@
 int clothid::FuzzRosCsv(const std::uint8_t* data, std::size_t size) {
   static const MemoryFile file;
   file.Write(AsText(data, size));
-  IsRosCsv(file.path());
+  Accepts([&] { IsRosCsv(file.path()); }, file.path());
   PointTracks tracks;
   if (Accepts([&] { tracks = ReadRosGrid(file.path()); }, file.path())) {
     Check(tracks.times.size() == tracks.positions.cols() && tracks.num_points() > 0, "positions at every time");
