@@ -164,12 +164,23 @@ class Run {
     }
     if (!inputs_.held_out.empty()) {
       const HeldOut held_out = options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings;
-      checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out);
+      checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
+                                        options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>());
     }
     if (is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
       summary_.message = kInterruptedMessage;
     }
+  }
+
+  // Where the recordings were found to start.
+  std::vector<HeldOutStart> FittedStarts() const {
+    std::vector<HeldOutStart> starts;
+    for (int r = 0; r < problem_->num_recordings(); ++r) {
+      const RecordingModel& model = problem_->cost(r).model();
+      starts.push_back({model.shared_start(), model.StartUnknowns(problem_->CoordinatesOf(r, summary_.coordinates))});
+    }
+    return starts;
   }
 
   void Write() {

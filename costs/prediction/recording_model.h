@@ -66,8 +66,9 @@ class RecordingModel {
   int num_coordinates() const { return num_blocks() + num_start_unknowns(); }        // p + n
   const std::shared_ptr<const UnknownStart>& shared_start() const { return start_; }
   const UnknownStart* unknown_start() const { return start_.get(); }  // null: it is known
-  // The last n of `coordinates`.
+  // The last n of `coordinates` [p + n]; of those of the blocks alone [p] zero, the base of the start.
   Eigen::VectorXd StartUnknowns(const Eigen::VectorXd& coordinates) const {
+    if (coordinates.size() == num_blocks()) return Eigen::VectorXd::Zero(num_start_unknowns());
     return coordinates.tail(num_start_unknowns());
   }
 

@@ -22,8 +22,9 @@ constexpr double kInfluence = 1e-8;
 // One way of computing the cost and its gradient at the start.
 class Differentiator {
  public:
-  Differentiator(const std::vector<RecordedMotion>& motions, FitOptions options, JacobianMethod method)
-      : problem_(motions, WithMethod(std::move(options), method)),
+  Differentiator(const std::vector<RecordedMotion>& motions, const FitOptions& options, JacobianMethod method)
+      : method_(method),
+        problem_(motions, WithMethod(options, method)),
         start_(problem_.StartCoordinates()),
         evaluator_(&problem_, options.num_threads) {}
 
@@ -39,7 +40,10 @@ class Differentiator {
   std::optional<Eigen::VectorXd> Gradient() {
     double cost = 0.0;
     Eigen::VectorXd gradient;
-    if (!evaluator_.Evaluate(start_, FitEvaluator::Derivative::kGradient, &cost, &gradient)) return std::nullopt;
+    // With an unknown start every method has the gradient of the adjoint; the rows are the method's own.
+    const bool by_rows = problem_.num_start_unknowns() > 0 && method_ != JacobianMethod::kAdjoint;
+    const auto derivative = by_rows ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kGradient;
+    if (!evaluator_.Evaluate(start_, derivative, &cost, &gradient)) return std::nullopt;
     return gradient;
   }
   const std::string& last_failure() const { return evaluator_.last_failure(); }
@@ -51,6 +55,7 @@ class Differentiator {
     return options;
   }
 
+  JacobianMethod method_;
   FitProblem problem_;
   Eigen::VectorXd start_;
   FitEvaluator evaluator_;

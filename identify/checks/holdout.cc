@@ -24,9 +24,18 @@ void AddError(const Eigen::VectorXd& coordinates, RecordingModel* model, Predict
   }
 }
 
+// The coordinates of blocks, with those of the start that a fit has estimated.
+Eigen::VectorXd WithStart(const std::vector<double>& coordinates, const HeldOutStart& start) {
+  const auto num_blocks = static_cast<Eigen::Index>(coordinates.size());
+  Eigen::VectorXd all(num_blocks + start.unknowns.size());
+  all << Eigen::Map<const Eigen::VectorXd>(coordinates.data(), num_blocks), start.unknowns;
+  return all;
+}
+
 // `recording`: its index among the fitted ones; -1: none of them.
-void AddEstimateError(const RecordedMotion& motion, int recording, const std::vector<ParameterBlock>& blocks,
-                      const Eigen::VectorXd& values, PredictionError* sum, std::string* failure) {
+void AddEstimateError(const RecordedMotion& motion, int recording, const HeldOutStart& start,
+                      const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& values, PredictionError* sum,
+                      std::string* failure) {
   std::vector<ParameterBlock> own;
   std::vector<double> coordinates;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -34,9 +43,8 @@ void AddEstimateError(const RecordedMotion& motion, int recording, const std::ve
     own.push_back(blocks[i]);
     coordinates.push_back(blocks[i].ToCoordinate(values[i]));
   }
-  RecordingModel model(motion, own);
-  AddError(Eigen::Map<Eigen::VectorXd>(coordinates.data(), static_cast<Eigen::Index>(own.size())), &model, sum,
-           failure);
+  RecordingModel model(motion, own, {}, start.start);
+  AddError(WithStart(coordinates, start), &model, sum, failure);
 }
 
 std::optional<int> ParseFrame(std::string_view text) {
@@ -49,15 +57,16 @@ std::optional<int> ParseFrame(std::string_view text) {
 }  // namespace
 
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
-                        const Eigen::VectorXd& values, HeldOut held_out) {
+                        const Eigen::VectorXd& values, HeldOut held_out, const std::vector<HeldOutStart>& starts) {
   PredictionError at_nominal, at_estimate;
   std::string nominal_failure, estimate_failure;
   for (std::size_t r = 0; r < motions.size(); ++r) {
     const RecordedMotion& motion = motions[r];
-    RecordingModel nominal(motion, {});
-    AddError(Eigen::VectorXd(), &nominal, &at_nominal, &nominal_failure);
+    const HeldOutStart start = starts.empty() ? HeldOutStart() : starts[r];
+    RecordingModel nominal(motion, {}, {}, start.start);
+    AddError(WithStart({}, start), &nominal, &at_nominal, &nominal_failure);
     const int recording = held_out == HeldOut::kFrames ? static_cast<int>(r) : -1;
-    AddEstimateError(motion, recording, blocks, values, &at_estimate, &estimate_failure);
+    AddEstimateError(motion, recording, start, blocks, values, &at_estimate, &estimate_failure);
   }
   Holdout holdout;
   if (nominal_failure.empty()) holdout.nominal_rmse = at_nominal.rmse();

@@ -4,10 +4,12 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
+#include "costs/start/unknown_start.h"
 #include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
@@ -26,11 +28,19 @@ enum class HeldOut {
   kFrames,      // of the fitted recordings, in their order
 };
 
+// The start of a recording as a fit of it has estimated it; none: that of the scene, or the base of an unknown one.
+struct HeldOutStart {
+  std::shared_ptr<const UnknownStart> start;
+  Eigen::VectorXd unknowns;  // [n]
+};
+
 // Over all of `motions`. `values` [p] are the estimates of `blocks`; parameters that the scene of a recording does not
 // have are left out, all others stay at its nominal values, those of the recording itself
-// (costs/prediction/alignment.h) at zero. Throws `Error` where `RecordingModel` does.
+// (costs/prediction/alignment.h) at zero. `starts`: of every one, or empty; both predictions start there. Throws
+// `Error` where `RecordingModel` does.
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
-                        const Eigen::VectorXd& values, HeldOut held_out = HeldOut::kRecordings);
+                        const Eigen::VectorXd& values, HeldOut held_out = HeldOut::kRecordings,
+                        const std::vector<HeldOutStart>& starts = {});
 
 // Frames by number: begin, begin + 1, .., end - 1.
 struct FrameRange {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "identify/fit/fit.h"
+#include "identify/run.h"
 #include "tests/costs/start/forget_start.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/sim/shipped_scenes.h"
@@ -64,6 +65,29 @@ TEST(UnknownStartFitTest, FindsTheTruthWhereTheFirstFrameDoesNot) {
     for (int i = 0; i < 2; ++i) worst_of_first = std::max(worst_of_first, std::abs(Deviation(spoiled, i)));
   }
   EXPECT_GT(worst_of_first, 5.0) << "the first frame is no start";
+}
+
+// What is held out of a recording starts where the rest of it was found to start, other recordings at their base.
+TEST(UnknownStartFitTest, ChecksKnowOfTheStart) {
+  RunOptions options;
+  options.targets = {ForgetStart(StartSource::kRest, NoisyDrape(1))};
+  options.fit.parameters = {"mu", "k_stretch"};
+  options.fit.overrides.start = {{"mu", 0.36}, {"k_stretch", 110.0}};
+  options.check_recordings = false;
+  options.check_gradients = true;
+  options.holdout_frames = FrameRange{20, 25};
+  const RunResult frames = Identify(options);
+  ASSERT_TRUE(frames.checks.holdout.has_value());
+  EXPECT_LT(frames.checks.holdout->rmse, 2.1 * kNoise) << "sqrt(3) of it is noise";
+  const GradientCheck& gradients = *frames.checks.gradient_check;
+  EXPECT_GT(gradients.adjoint_vs_sensitivity, 0.0) << "two ways, not one";
+  EXPECT_LT(gradients.adjoint_vs_sensitivity, 1e-8);
+  EXPECT_LT(gradients.adjoint_vs_fd, 1e-4);
+  options.check_gradients = false;
+  options.holdout_frames.reset();
+  options.holdouts = {ForgetStart(StartSource::kRest, NoisyDrape(2))};
+  const RunResult other = Identify(options);
+  EXPECT_LT(other.checks.holdout->rmse, other.checks.holdout->nominal_rmse);
 }
 
 TEST(UnknownStartFitTest, EveryRecordingHasAStartOfItsOwn) {
