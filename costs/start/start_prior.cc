@@ -12,7 +12,7 @@ namespace {
 
 // Standard deviations of the strain of a triangle and of the angle between two, and of their rates.
 constexpr double kStrain = 0.03, kAngle = 0.1;
-constexpr double kStrainRate = 0.3, kAngleRate = 3.0;  // 1/s
+constexpr double kStrainRate = 0.6, kAngleRate = 6.0;  // 1/s
 
 Scene WholeCloth(const Scene& scene) {
   Scene whole;

@@ -11,12 +11,13 @@
 // What is believed beforehand: strain and bending of x_0, and their rates of v_0, are those of a cloth, and handles are
 // where they were measured:
 //   sum over triangles |F - R|^2/(2 e^2) + x_0^T Q x_0/(6 b^2)                     e = 0.03, b = 0.1
-//   the same of v_0, to second order about x_b, with                               e = 0.3/s, b = 3/s
+//   the same of v_0, to second order about x_b, with                               e = 0.6/s, b = 6/s
 //   sum over measurements of handles |offset - deviation|^2/(2 sigma^2)            datasets/motion/recorded_motion.h
 // a the mean area of triangles, L and Q the matrices of sim/cloth/. Taken to second order about the base:
 //   prior(s) = 1/2 (s - m)^T P (s - m) = 1/2 |U (s - m)|^2.
 // Independent priors on the modes would leave velocities of 1 to 2 m/s open. A strain of 1 % in place of 3 % would bias
-// the stiffness: gravity strains a cloth, too.
+// the stiffness: gravity strains a cloth, too. Rates of half the size would pull friction by a third of its deviation
+// in a cloth that is on its way, without telling it any better.
 #ifndef CLOTHID_COSTS_START_UNKNOWN_START_H_
 #define CLOTHID_COSTS_START_UNKNOWN_START_H_
 
@@ -33,9 +34,10 @@ namespace clothid {
 class ShapePrior;
 struct QuadraticPrior;
 
-// Modes per coordinate of positions and of velocities. A mesh of fewer free nodes has as many.
-inline constexpr int kPositionModes = 60;
-inline constexpr int kVelocityModes = 30;
+// Modes per coordinate of positions and of velocities. Twice as many neither cover better nor narrow an interval. A
+// mesh of fewer free nodes has as many.
+inline constexpr int kPositionModes = 30;
+inline constexpr int kVelocityModes = 20;
 
 class UnknownStart {
  public:

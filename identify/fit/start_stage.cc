@@ -13,13 +13,13 @@ namespace clothid {
 namespace {
 
 // The stage ends where what the next step promises, in s^2, is less: by moving the parameters, a step of 0.45 standard
-// deviations with loose rollouts, whose errors are of that size, and of 0.1 with full ones; in all, with hundreds of
-// unknowns, what no parameter notices.
+// deviations with loose rollouts, whose errors are of that size, and of 0.1 with full ones; in all, per unknown, a step
+// of 0.2 standard deviations: unknowns that are off by so much in no common direction move no parameter further.
 constexpr double kLooseDecrease = 0.1;
 constexpr double kFullDecrease = 5e-3;
-constexpr double kUnnoticedDecrease = 1.0;
-// A new H that gained no more than this, in s^2, will not gain more by another one: the cost has kinks.
-constexpr double kStuckGain = 0.5;
+constexpr double kUnnoticedDecrease = 0.02;
+// A new H that gained no more than this per unknown, in s^2, will not gain more by another one: the cost has kinks.
+constexpr double kStuckGain = 0.01;
 // A step that lowers the cost by less than this share of what H says asks for a new one.
 constexpr double kPoorStep = 0.2;
 constexpr int kMostRounds = 8;
@@ -52,12 +52,12 @@ Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
   return diagonal.asDiagonal() * (upper * permutation);
 }
 
-// In all, and what of it moves the parameters, the starts eliminated.
+// By all unknowns together, the mean of one; and by moving the parameters, the starts eliminated.
 struct PredictedDecrease {
-  double total = 0.0, of_parameters = 0.0;
+  double per_unknown = 0.0, of_parameters = 0.0;
 
   bool is_below(double tolerance, double scale) const {
-    return of_parameters <= tolerance * scale && total <= kUnnoticedDecrease * scale;
+    return of_parameters <= tolerance * scale && per_unknown <= kUnnoticedDecrease * scale;
   }
 };
 
@@ -130,7 +130,7 @@ class LaggedRows : public ceres::CostFunction {
     const Eigen::LDLT<Eigen::MatrixXd> factor(hessian_(movable, movable));
     const Eigen::VectorXd part = gradient(movable), step = factor.solve(part);
     PredictedDecrease decrease;
-    decrease.total = 0.5 * part.dot(step);
+    decrease.per_unknown = 0.5 * part.dot(step) / static_cast<double>(part.size());
     const Eigen::MatrixXd units = Eigen::MatrixXd::Identity(part.size(), num_parameters);
     const Eigen::MatrixXd covariance = factor.solve(units).topRows(num_parameters);
     const Eigen::VectorXd own = step.head(num_parameters);
@@ -263,7 +263,8 @@ StartStageResult RunStartStage(const FitOptions& options, Precision precision, i
     const double gained = (cost - rows.last_cost()) / scale;
     result.linearization.gradient(rows.free()) = rows.last_gradient();
     result.linearization.squared_residual = 2.0 * rows.last_cost();
-    if (next.is_below(tolerance, scale) || (is_new && !(gained > kStuckGain))) return result;
+    const bool is_stuck = is_new && !(gained > kStuckGain * static_cast<double>(rows.free().size()));
+    if (next.is_below(tolerance, scale) || is_stuck) return result;
     if (options.cancel != nullptr && options.cancel->load()) return result;
   }
   return result;
