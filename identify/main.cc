@@ -32,7 +32,7 @@ DEFINE_string(precision, "adaptive", "adaptive or full");
 DEFINE_string(method, "lm", "lm or lbfgs");
 DEFINE_string(loss, "none", "none, huber:A or cauchy:A");
 DEFINE_string(sigma, "recorded", "standard deviation of a coordinate: recorded, auto or a number in m");
-DEFINE_string(initial, "first",
+DEFINE_string(initial, "estimated",
               "where the cloth starts if the scene does not say: estimated, rest, moving, smoothed or first");
 DEFINE_bool(check, true, "check the recordings before the fit, as motion check does");
 DEFINE_bool(check_gradients, false, "compare adjoint, sensitivities and finite differences at the start");
@@ -85,7 +85,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       parameters, the handles' places with it, released at rest or with a velocity of its own:
                       intervals count with what nobody knows of the start; estimated: moving, unless the first frames
                       show no velocity; smoothed: at a shape without noise, near the first frames and outside of
-                      obstacles, with their velocity; first: at the first frame, noise and all (first)
+                      obstacles, with their velocity; first: at the first frame, noise and all (estimated)
   --check=false       fit without a look at the recordings: else what `motion check` warns of is told before the fit,
                       and what it calls a problem, such as mm for m, ends the run with exit code 2
   --check_gradients   compare adjoint, sensitivities and central differences at the start

@@ -24,16 +24,11 @@ constexpr double kStuckGain = 0.01;
 constexpr double kPoorStep = 0.2;
 constexpr int kMostRounds = 8;
 constexpr int kMostIterations = 8;  // with one H
+// Ceres shortens a step of bounded unknowns by a line search first.
+constexpr int kMostShortenings = 4;
+// Trust regions of Levenberg-Marquardt: the first, and how much larger than where the last ended the next H may start.
 constexpr double kTrustRegion = 1e4;
-
-// Where the unknowns that may move stand among all coordinates.
-std::vector<int> FreeCoordinates(const FitProblem& problem) {
-  std::vector<int> free;
-  for (int i = 0; i < problem.num_coordinates(); ++i) {
-    if (i >= problem.num_blocks() || !problem.blocks()[i].frozen) free.push_back(i);
-  }
-  return free;
-}
+constexpr double kRegionGrowth = 30.0;
 
 // s^2 of a cost L = |e|^2/2.
 double SquaredScale(const Linearization& linearization, std::size_t num_parameters, double cost) {
@@ -67,13 +62,28 @@ bool IsHeld(double coordinate, double gradient, const ParameterBlock& block) {
          (coordinate >= block.ToCoordinate(block.upper_bound) && gradient < 0.0);
 }
 
+// Where the unknowns that may move stand among all coordinates. Parameters that are held stay: else the bounds would
+// cut every step short for all the others.
+std::vector<int> FreeCoordinates(const FitProblem& problem, const Eigen::VectorXd& coordinates,
+                                 const Eigen::VectorXd& gradient) {
+  std::vector<int> free;
+  for (int i = 0; i < problem.num_coordinates(); ++i) {
+    if (i < problem.num_blocks()) {
+      const ParameterBlock& block = problem.blocks()[i];
+      if (block.frozen || IsHeld(coordinates[i], gradient[i], block)) continue;
+    }
+    free.push_back(i);
+  }
+  return free;
+}
+
 // The rows of the header over the free coordinates, one parameter block of Ceres.
 class LaggedRows : public ceres::CostFunction {
  public:
   LaggedRows(const FitProblem& problem, const Linearization& linearization, const Eigen::VectorXd& coordinates,
              Precision precision, FitEvaluator* evaluator)
       : problem_(problem),
-        free_(FreeCoordinates(problem)),
+        free_(FreeCoordinates(problem, coordinates, linearization.gradient)),
         coordinates_(coordinates),
         precision_(precision),
         evaluator_(evaluator) {
@@ -104,31 +114,32 @@ class LaggedRows : public ceres::CostFunction {
     out.setZero();
     out[num_residuals() - 1] = std::sqrt(2.0 * cost);
     if (!with_jacobian) return true;
-    gradient_ = gradient(free_);
+    gradient_ = gradient;
     cost_ = cost;
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> rows(jacobians[0], num_residuals(), root_.cols());
     rows.topRows(root_.rows()) = root_;
     rows.bottomRows<1>() =
-        gradient_.transpose() / std::max(out[num_residuals() - 1], std::numeric_limits<double>::min());
+        gradient(free_).transpose() / std::max(out[num_residuals() - 1], std::numeric_limits<double>::min());
     return true;
   }
 
-  // What a Gauss-Newton step from there lowers the cost by; parameters that are pushed against a bound stay.
+  // What a Gauss-Newton step of the free coordinates from there lowers the cost by; parameters that are held by then,
+  // and those that do nothing, stay. The gradient is that of all coordinates.
   PredictedDecrease DecreaseAt(const Eigen::VectorXd& coordinates, const Eigen::VectorXd& gradient) const {
     std::vector<int> movable;
     int num_parameters = 0;
     for (int i = 0; i < static_cast<int>(free_.size()); ++i) {
       const bool is_parameter = free_[i] < problem_.num_blocks();
       if (is_parameter &&
-          (IsHeld(coordinates[free_[i]], gradient[i], problem_.blocks()[free_[i]]) || !(hessian_(i, i) > 0.0))) {
+          (IsHeld(coordinates[free_[i]], gradient[free_[i]], problem_.blocks()[free_[i]]) || !(hessian_(i, i) > 0.0))) {
         continue;
       }
       movable.push_back(i);
       num_parameters += is_parameter ? 1 : 0;
     }
     const Eigen::LDLT<Eigen::MatrixXd> factor(hessian_(movable, movable));
-    const Eigen::VectorXd part = gradient(movable), step = factor.solve(part);
+    const Eigen::VectorXd part = gradient(free_)(movable), step = factor.solve(part);
     PredictedDecrease decrease;
     decrease.per_unknown = 0.5 * part.dot(step) / static_cast<double>(part.size());
     const Eigen::MatrixXd units = Eigen::MatrixXd::Identity(part.size(), num_parameters);
@@ -138,7 +149,7 @@ class LaggedRows : public ceres::CostFunction {
     return decrease;
   }
 
-  // Of the last point with a Jacobian.
+  // Of the last point with a Jacobian; the gradient of all coordinates.
   const Eigen::VectorXd& last_gradient() const { return gradient_; }
   double last_cost() const { return cost_; }
 
@@ -178,7 +189,12 @@ class StopLagging : public ceres::IterationCallback {
       : rows_(rows), unknowns_(unknowns), tolerance_(tolerance), scale_(scale) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    if (!summary.step_is_successful || summary.iteration == 0) return ceres::SOLVER_CONTINUE;
+    if (summary.iteration == 0) return ceres::SOLVER_CONTINUE;
+    if (!summary.step_is_successful) {
+      // Where H was made, shorter steps lead down; elsewhere they need not.
+      return has_moved_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    }
+    has_moved_ = true;
     const bool is_poor = summary.relative_decrease < kPoorStep;
     const PredictedDecrease next = rows_.DecreaseAt(rows_.Coordinates(unknowns_), rows_.last_gradient());
     return is_poor || next.is_below(tolerance_, scale_) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
@@ -188,6 +204,7 @@ class StopLagging : public ceres::IterationCallback {
   const LaggedRows& rows_;
   const double* unknowns_;
   double tolerance_, scale_;
+  bool has_moved_ = false;
 };
 
 void SetBounds(const FitProblem& problem, const std::vector<int>& free, double* unknowns,
@@ -201,7 +218,7 @@ void SetBounds(const FitProblem& problem, const std::vector<int>& free, double* 
 
 // A few iterations with one H. How many there were.
 int RunLagged(const FitOptions& options, int num_before, int max_iterations, double tolerance, double scale,
-              const FitProblem& problem, ceres::IterationCallback* callback, LaggedRows* rows,
+              const FitProblem& problem, ceres::IterationCallback* callback, LaggedRows* rows, double* trust_region,
               Eigen::VectorXd* coordinates) {
   Eigen::VectorXd unknowns = (*coordinates)(rows->free());
   ceres::Problem::Options ownership;
@@ -213,8 +230,9 @@ int RunLagged(const FitOptions& options, int num_before, int max_iterations, dou
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
   solver.linear_solver_type = ceres::DENSE_QR;
-  solver.initial_trust_region_radius = kTrustRegion;
+  solver.initial_trust_region_radius = *trust_region;
   solver.max_num_iterations = max_iterations;
+  solver.max_num_line_search_step_size_iterations = kMostShortenings;
   solver.function_tolerance = 0.0;
   solver.parameter_tolerance = options.parameter_tolerance;
   solver.num_threads = 1;
@@ -225,6 +243,7 @@ int RunLagged(const FitOptions& options, int num_before, int max_iterations, dou
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
   *coordinates = rows->Coordinates(unknowns.data());
+  *trust_region = std::min(kTrustRegion, kRegionGrowth * summary.iterations.back().trust_region_radius);
   return static_cast<int>(summary.iterations.size()) - 1;
 }
 
@@ -238,6 +257,7 @@ StartStageResult RunStartStage(const FitOptions& options, Precision precision, i
   result.linearization = std::move(known);
   bool is_new = false;
   int num_iterations = 0;
+  double trust_region = kTrustRegion;
   for (int round = 0; round < kMostRounds; ++round) {
     double cost = 0.0;
     Eigen::VectorXd gradient;
@@ -253,15 +273,15 @@ StartStageResult RunStartStage(const FitOptions& options, Precision precision, i
     result.linearization.squared_residual = 2.0 * cost;
     LaggedRows rows(problem, result.linearization, *coordinates, precision, evaluator);
     const double scale = SquaredScale(result.linearization, problem.blocks().size(), cost);
-    PredictedDecrease next = rows.DecreaseAt(*coordinates, gradient(rows.free()));
+    PredictedDecrease next = rows.DecreaseAt(*coordinates, gradient);
     result.predicted_decrease = next.of_parameters / scale;
     if (next.is_below(tolerance, scale) || num_iterations >= max_iterations) return result;
     num_iterations += RunLagged(options, num_iterations, std::min(max_iterations - num_iterations, kMostIterations),
-                                tolerance, scale, problem, callback, &rows, coordinates);
+                                tolerance, scale, problem, callback, &rows, &trust_region, coordinates);
     next = rows.DecreaseAt(*coordinates, rows.last_gradient());
     result.predicted_decrease = next.of_parameters / scale;
     const double gained = (cost - rows.last_cost()) / scale;
-    result.linearization.gradient(rows.free()) = rows.last_gradient();
+    result.linearization.gradient = rows.last_gradient();
     result.linearization.squared_residual = 2.0 * rows.last_cost();
     const bool is_stuck = is_new && !(gained > kStuckGain * static_cast<double>(rows.free().size()));
     if (next.is_below(tolerance, scale) || is_stuck) return result;
