@@ -91,8 +91,17 @@ void AddStart(const RecordingFit& recording, const std::string& prefix, std::vec
                       brief,
                       brief + ": " + MillimetreText(start.rms) + " off (root mean square), " +
                           NumberText(100.0 * start.rms / start.cloth_size, 3) +
-                          " % of the cloth's size; correct initial.positions, or leave it out to start at the first " +
-                          "frame"});
+                          " % of the cloth's size; correct initial.positions, or leave it out: the start is then estimated"});
+}
+
+void AddNoisyStart(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
+  if (!recording.starts_at_noise) return;
+  const std::string brief = prefix + "noisy frames were taken for the start";
+  reasons->push_back({Usability::kWithCare,
+                      kExitSuccess,
+                      {},
+                      brief,
+                      brief + ": intervals do not count with that; --initial estimated does"});
 }
 
 // How much of the doubt comes from the start: nothing against the fit.
@@ -228,6 +237,7 @@ void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vect
     AddFitPercent(recording, prefix, reasons);
     AddSize(recording, prefix, reasons);
     AddStart(recording, prefix, reasons);
+    AddNoisyStart(recording, prefix, reasons);
   }
   AddLowerPoint(summary, reasons);
   AddEstimatedStart(summary, reasons);

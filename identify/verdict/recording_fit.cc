@@ -38,6 +38,9 @@ std::vector<RecordingFit> DescribeRecordings(const std::vector<RecordedMotion>& 
     recording.cloth_size = ClothSize(motions[r].scene.mesh);
     if (observation.sigma_is_known()) recording.noise = Noise(observation);
     recording.start = is_aligned ? DifferenceAtStart(motions[r], predicted.col(0)) : DifferenceAtStart(motions[r]);
+    const StartSource source = motions[r].start_source;
+    recording.starts_at_noise = observation.sigma_is_known() &&
+                                (source == StartSource::kFirstFrame || source == StartSource::kSmoothed);
     recordings.push_back(recording);
   }
   return recordings;

@@ -20,6 +20,7 @@ struct RecordingFit {
   double cloth_size = 0.0;                                  // m, the square root of the rest area
   double noise = std::numeric_limits<double>::quiet_NaN();  // m, the rmse that sigma alone makes; NaN: not known
   std::optional<StartDifference> start;                     // to the first frame, with a fitted frame of reference
+  bool starts_at_noise = false;                             // noisy frames were taken for the start of the cloth
 
   // m, root mean square distance of the measured points to their means over time; NaN without tracked points.
   double motion() const;

@@ -26,6 +26,7 @@ DEFINE_int32(repeats, 3, "repetitions, of which the table gives medians");
 DEFINE_int32(seeds, 40, "noisy recordings per setting");
 DEFINE_string(initial, "scene", "coverage: the start of the fits: scene, first, smoothed, rest or moving");
 DEFINE_double(cut, 0.0, "coverage: s of the motion that are over when the recording begins");
+DEFINE_double(handle_sigma, 0.0, "coverage: standard deviation of noise on the handles' path in m");
 DEFINE_double(sigma, 0.0, "coverage: standard deviation of noise, m, in place of --noise");
 DEFINE_double(frame_rate, 0.0, "coverage: frames per second; not given: one per step");
 DEFINE_int32(markers, 0, "coverage: free nodes seen; 0: all nodes");
@@ -131,7 +132,7 @@ CoverageOptions CoverageOptionsFromFlags() {
   options.truth = ParseParameterValues(FLAGS_set, "--set");
   if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
   options.sensor_path = FLAGS_sensor;
-  options.import = {StartFromFlag(), FLAGS_cut};
+  options.import = {StartFromFlag(), FLAGS_cut, FLAGS_handle_sigma};
   options.noise = FLAGS_noise;
   if (IsGiven("sigma")) options.sigma = FLAGS_sigma;
   if (options.sigma && IsGiven("noise")) {

@@ -80,6 +80,7 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --initial START   coverage: what fits start from: scene (its own start), or first, smoothed, rest, moving as in
                     identify --help; rest is true of a scene that starts at rest, without --cut (scene)
   --cut SECONDS     coverage: the recording begins so much after the scene's start, in motion (0)
+  --handle_sigma M  coverage: standard deviation of noise in m on the path of handles that move (0)
   --frame_rate HZ   coverage: frames per second; `third` has a third of them (one per step)
   --markers N       coverage: free nodes seen, other ones with every seed; not with --initial first; 0: all nodes (0)
   --start_factor X  coverage: the fits start from the true values times this (1.05)

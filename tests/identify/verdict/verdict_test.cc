@@ -160,6 +160,14 @@ TEST(VerdictTest, AStartThatIsElsewhereMustNotBeUsed) {
   EXPECT_TRUE(Says(Converged(), With(recording), "120 mm off (root mean square), 12 % of the cloth's size"));
 }
 
+TEST(VerdictTest, AStartTakenFromNoiseAsksForCare) {
+  RecordingFit recording = Recording(0.01, 2.0);
+  recording.starts_at_noise = true;
+  EXPECT_EQ(Judge(Converged(), With(recording)).line, "usable with care: noisy frames were taken for the start");
+  EXPECT_EQ(Judge(Converged(), With(recording)).exit_code, 0);
+  EXPECT_TRUE(Says(Converged(), With(recording), "intervals do not count with that; --initial estimated does"));
+}
+
 TEST(VerdictTest, AnIntervalFromBoundToBoundTellsNothing) {
   FitSummary summary = Converged();
   ParameterUncertainty& mu = summary.uncertainty->parameters[0];

@@ -286,6 +286,8 @@ TEST_F(CoverageTest, RefusesWhatItCannotRun) {
   ExpectRefused(valid + "--initial moving --cut 0.4", 1, "--cut: 0.4 s");
   ExpectRefused(valid + "--markers -1", 1, "--markers");
   ExpectRefused(valid + "--markers 31", 1, "markers 31");
+  ExpectRefused(valid + "--initial rest --handle_sigma -1", 1, "--handle_sigma");
+  ExpectRefused(valid + "--initial rest --handle_sigma 0.001", 1, "--handle_sigma: expected a scene whose handles");
   ExpectRefused(valid + "--initial first --markers 9", 1, "--markers");
   for (const char* flag : {"--sigma 0.001", "--frame_rate 30", "--markers 9", "--initial rest"}) {
     ExpectRefused(valid + "--sensor absent.json " + flag, 1, "--sensor");

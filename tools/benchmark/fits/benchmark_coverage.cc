@@ -135,11 +135,14 @@ void RequireRecordings(const CoverageOptions& options) {
   Require(std::isfinite(options.import.cut) && options.import.cut >= 0.0, "--cut: expected a number >= 0 in s");
   Require(options.import.cut == 0.0 || start != StartSource::kScene,
           "--cut: the scene's start is not that of a recording that begins later; expected another --initial");
+  Require(std::isfinite(options.import.handle_sigma) && options.import.handle_sigma >= 0.0,
+          "--handle_sigma: expected a number >= 0 in m");
   if (options.sensor_path.empty()) return;
   const std::string has_own = ": expected without --sensor, whose recordings have their own";
   Require(!options.sigma, "--sigma" + has_own);
   Require(!options.frame_rate, "--frame_rate" + has_own);
   Require(options.num_markers == 0, "--markers" + has_own);
+  Require(options.import.handle_sigma == 0.0, "--handle_sigma" + has_own);
   Require(start == StartSource::kScene, "--initial: expected scene with --sensor");
 }
 

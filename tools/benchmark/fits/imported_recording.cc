@@ -1,7 +1,9 @@
 #include "tools/benchmark/fits/imported_recording.h"
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <utility>
 
 #include "datasets/motion/motion_file.h"
@@ -30,6 +32,16 @@ void DropFrames(Eigen::Index num_dropped, MotionTensors* tensors) {
   }
 }
 
+// Not the noise of the points, whose generator starts from the seed itself.
+constexpr std::uint64_t kHandleStream = 0x68616e64;
+
+void AddHandleNoise(double sigma, std::uint64_t seed, MotionTensors* tensors) {
+  if (sigma == 0.0) return;
+  std::mt19937_64 generator(seed ^ kHandleStream);
+  std::normal_distribution<double> noise(0.0, sigma);
+  for (double& coordinate : tensors->handle_positions.reshaped()) coordinate += noise(generator);
+}
+
 // The text of a scene that says nothing of what the recording has to tell.
 std::string OpenText(const std::string& scene_text, const ImportOfRollout& import) {
   nlohmann::ordered_json scene = nlohmann::ordered_json::parse(scene_text);
@@ -43,6 +55,9 @@ std::string OpenText(const std::string& scene_text, const ImportOfRollout& impor
 void CheckImport(const ImportOfRollout& import, const SyntheticOptions& options, const Scene& scene,
                  const std::string& scene_text) {
   CheckSyntheticOptions(options, scene, scene_text);
+  if (import.handle_sigma > 0.0 && scene.handles.path.times().size() < 2) {
+    throw Error(ErrorKind::kUsage, "--handle_sigma: expected a scene whose handles have a path");
+  }
   const Eigen::VectorXd steps = FrameSteps(options.frame_rate, scene.time_step, scene.num_steps());
   const Eigen::VectorXd times = scene.start_time + scene.time_step * steps.array();
   if (times.size() - FirstFrame(times, import, scene) >= 2) return;
@@ -55,6 +70,7 @@ RecordedMotion ImportRollout(const ImportOfRollout& import, const Rollout& rollo
                              const std::string& scene_text, const SyntheticOptions& options) {
   MotionTensors tensors = RecordRollout(rollout, scene, scene_text, options);
   DropFrames(FirstFrame(tensors.times, import, scene), &tensors);
+  AddHandleNoise(import.handle_sigma, options.seed, &tensors);
   ReadMotionOptions reading;
   // `kScene`: nothing is left open, as the text in a recording has its start.
   if (import.start != StartSource::kScene) reading.start = import.start;

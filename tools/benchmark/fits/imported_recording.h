@@ -18,6 +18,9 @@ struct ImportOfRollout {
   // s >= 0: frames that are earlier than this after the scene's start are dropped, and the recording ends with its last
   // frame. 0 with `kScene`, whose start is the scene's.
   double cut = 0.0;
+  // m >= 0, standard deviation of a coordinate of noise on the handles' recorded path, frame by frame. 0 for handles
+  // that stand still, which have no path of their own: their points show them.
+  double handle_sigma = 0.0;
 };
 
 // Throws `Error` (kUsage), naming the flag, where `ImportRollout` would for a rollout of all of `scene`, and where less
