@@ -1,5 +1,6 @@
 #include "costs/start/start_prior.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <cmath>
 #include <stdexcept>
@@ -80,7 +81,12 @@ void ShapePrior::AddVelocities(const Eigen::VectorXd& base_positions, const Eige
   prior->information.segment(first, n) -= product.transpose() * base;
 }
 
-Eigen::MatrixXd ShapePrior::HandleResponse(const RecordedMotion& motion) const {
+Eigen::MatrixXd HandleCoupling::SmoothestOffsets(Eigen::Index count) const {
+  if (count >= stiffness.rows()) return Eigen::MatrixXd::Identity(stiffness.rows(), stiffness.rows());
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness).eigenvectors().leftCols(count);
+}
+
+HandleCoupling ShapePrior::CoupleHandles(const RecordedMotion& motion) const {
   const std::vector<int>& handles = motion.scene.handles.nodes;
   const int num_nodes = model_.num_nodes();
   std::vector<int> place(static_cast<std::size_t>(num_nodes), 0), free;  // of a handle -1 - its number
@@ -93,50 +99,53 @@ Eigen::MatrixXd ShapePrior::HandleResponse(const RecordedMotion& motion) const {
   Eigen::SparseMatrix<double> all = StretchWeight(kStrain, mean_area_) * LaplacianMatrix(model_.triangles(), num_nodes);
   all += BendingWeight(kAngle) * model_.bending()->matrix();
   const Eigen::VectorXd weights = PointWeights(motion);
+  const auto num_free = static_cast<Eigen::Index>(free.size()), num_handles = static_cast<Eigen::Index>(handles.size());
   std::vector<Eigen::Triplet<double>> entries;
-  Eigen::MatrixXd right =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(free.size()), static_cast<Eigen::Index>(handles.size()));
-  for (std::size_t i = 0; i < free.size(); ++i) {
+  Eigen::MatrixXd toward = Eigen::MatrixXd::Zero(num_free, num_handles);  // A_fh
+  for (Eigen::Index i = 0; i < num_free; ++i) {
     const auto row = static_cast<int>(i);
-    entries.emplace_back(row, row, weights[free[i]]);
-    for (Eigen::SparseMatrix<double>::InnerIterator it(all, free[i]); it; ++it) {
+    entries.emplace_back(row, row, weights[free[row]]);
+    for (Eigen::SparseMatrix<double>::InnerIterator it(all, free[row]); it; ++it) {
       const int other = place[it.row()];
       if (other >= 0) {
         entries.emplace_back(other, row, it.value());
       } else {
-        right(row, -1 - other) -= it.value();
+        toward(row, -1 - other) += it.value();
       }
     }
   }
-  const auto size = static_cast<Eigen::Index>(free.size());
-  Eigen::SparseMatrix<double> matrix(size, size);
+  Eigen::SparseMatrix<double> matrix(num_free, num_free);
   matrix.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
   if (factor.info() != Eigen::Success) throw std::runtime_error("the handles hold no part of the cloth");
-  const Eigen::MatrixXd solution = factor.solve(right);
-  Eigen::MatrixXd response = Eigen::MatrixXd::Zero(num_nodes, right.cols());
-  for (std::size_t i = 0; i < free.size(); ++i) response.row(free[i]) = solution.row(static_cast<Eigen::Index>(i));
-  for (std::size_t i = 0; i < handles.size(); ++i) response(handles[i], static_cast<Eigen::Index>(i)) = 1.0;
-  return response;
+  const Eigen::MatrixXd solution = -factor.solve(toward);
+  HandleCoupling coupling;
+  coupling.response = Eigen::MatrixXd::Zero(num_nodes, num_handles);
+  coupling.response(free, Eigen::all) = solution;
+  coupling.stiffness = toward.transpose() * solution;
+  for (Eigen::Index i = 0; i < num_handles; ++i) {
+    coupling.response(handles[i], i) = 1.0;
+    for (Eigen::Index j = 0; j < num_handles; ++j) coupling.stiffness(i, j) += all.coeff(handles[i], handles[j]);
+  }
+  return coupling;
 }
 
-void AddHandleMeasurements(const HandleMeasurements& measured, const Eigen::MatrixXd& weights, Eigen::Index first,
-                           QuadraticPrior* prior) {
-  const Eigen::Index num_rows = measured.deviations.rows(), num_knots = weights.cols();
+void AddHandleMeasurements(const HandleMeasurements& measured, const Eigen::MatrixXd& weights,
+                           const Eigen::MatrixXd& along, Eigen::Index first, QuadraticPrior* prior) {
+  const Eigen::Index num_rows = measured.deviations.rows(), num_knots = weights.cols(), n = along.cols();
   for (Eigen::Index row = 0; row < num_rows; ++row) {
     const double sigma = measured.sigma[row / 3];
+    const Eigen::MatrixXd values = along(Eigen::seqN(row, num_knots, num_rows), Eigen::all);  // [B x n] of this row
+    Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(num_knots, num_knots);
+    Eigen::VectorXd information = Eigen::VectorXd::Zero(num_knots);
     for (Eigen::Index k = 0; k < measured.times.size(); ++k) {
       const double deviation = measured.deviations(row, k);
       if (!std::isfinite(deviation)) continue;
-      for (Eigen::Index a = 0; a < num_knots; ++a) {
-        const Eigen::Index place = first + a * num_rows + row;
-        const double share = weights(k, a) / (sigma * sigma);
-        prior->information[place] += share * deviation;
-        for (Eigen::Index b = 0; b < num_knots; ++b) {
-          prior->precision(place, first + b * num_rows + row) += share * weights(k, b);
-        }
-      }
+      precision += weights.row(k).transpose() * weights.row(k) / (sigma * sigma);
+      information += weights.row(k).transpose() * (deviation / (sigma * sigma));
     }
+    prior->precision.block(first, first, n, n) += values.transpose() * precision * values;
+    prior->information.segment(first, n) += values.transpose() * information;
   }
 }
 

@@ -18,6 +18,15 @@ struct QuadraticPrior {
   Eigen::VectorXd information;  // [n]
 };
 
+// What the handles do to the cloth about them.
+struct HandleCoupling {
+  Eigen::MatrixXd response;   // psi [N x H]: by how much nodes go along, 1 at a handle itself and 0 at the others
+  Eigen::MatrixXd stiffness;  // A_hh + A_hf psi_f [H x H]: what offsets of handles cost once the cloth has gone along
+
+  // The `count` <= H patterns of offsets that cost least, orthonormal [H x count]; all: one handle each.
+  Eigen::MatrixXd SmoothestOffsets(Eigen::Index count) const;
+};
+
 // The cloth of a scene with bending, all of whose nodes are free: energies of shapes and of their changes.
 class ShapePrior {
  public:
@@ -31,8 +40,7 @@ class ShapePrior {
   void AddVelocities(const Eigen::VectorXd& base_positions, const Eigen::VectorXd& base,
                      const Eigen::MatrixXd& directions, Eigen::Index first, QuadraticPrior* prior) const;
 
-  // psi [N x H]: by how much the nodes go along with each of `handles`, 1 at a handle itself and 0 at the others.
-  Eigen::MatrixXd HandleResponse(const RecordedMotion& motion) const;
+  HandleCoupling CoupleHandles(const RecordedMotion& motion) const;
 
  private:
   // The Hessian of both energies with these weights, at positions [3N], times columns [3N x n].
@@ -44,10 +52,11 @@ class ShapePrior {
   double mean_area_ = 0.0;  // of triangles, m^2
 };
 
-// The measurements of the handles: `weights` [K x B] takes the values at B knots to the times of measurement. Unknowns
-// are ordered as in `SensitivityDirections::handle_offsets`.
-void AddHandleMeasurements(const HandleMeasurements& measured, const Eigen::MatrixXd& weights, Eigen::Index first,
-                           QuadraticPrior* prior);
+// The measurements of the handles: `weights` [K x B] takes the values at B knots to the times of measurement. The
+// values, ordered as in `SensitivityDirections::handle_offsets`, are `along` [3HB x n] times the unknowns from `first`
+// on.
+void AddHandleMeasurements(const HandleMeasurements& measured, const Eigen::MatrixXd& weights,
+                           const Eigen::MatrixXd& along, Eigen::Index first, QuadraticPrior* prior);
 
 }  // namespace clothid
 

@@ -10,11 +10,12 @@
 namespace clothid {
 namespace {
 
-// Knots of the offsets of a path that moves: one in so many measurements, no more than these, and no more than so many
-// unknowns in all.
-constexpr Eigen::Index kMeasurementsPerKnot = 8;
-constexpr Eigen::Index kMostKnots = 8;
-constexpr Eigen::Index kMostOffsets = 120;
+// Knots of the offsets of a path that moves: one in so many measurements, no more than these. What the unknowns that
+// may be had in all leave to each knot is how many handles, or patterns of them, are told apart. (With 2 knots in 3.2 s
+// for each of 15 handles, noise of 1 mm at 30 Hz biases k_stretch by 1.9 of its deviations, with 16 by 0.4.)
+constexpr Eigen::Index kMeasurementsPerKnot = 6;
+constexpr Eigen::Index kMostKnots = 16;
+constexpr Eigen::Index kMostOffsets = 192;
 // Eigenvalues of P below this share of the largest are the rounding of zero: nothing is believed in that direction.
 constexpr double kRounding = 1e-13;
 
@@ -22,12 +23,16 @@ Eigen::VectorXd OffsetKnots(const RecordedMotion& motion) {
   const HandleMeasurements& measured = motion.handle_measurements;
   if (measured.is_empty()) return {};
   const Eigen::Index num_times = measured.times.size();
-  const Eigen::Index affordable = kMostOffsets / measured.deviations.rows();
   const bool stands_still = motion.scene.handles.path.times().size() == 1;
   const Eigen::Index count =
-      stands_still ? 1
-                   : std::clamp<Eigen::Index>(std::min(num_times / kMeasurementsPerKnot, affordable), 1, kMostKnots);
+      stands_still ? 1 : std::clamp<Eigen::Index>(num_times / kMeasurementsPerKnot, 1, kMostKnots);
   return Eigen::VectorXd::LinSpaced(count, measured.times[0], measured.times[num_times - 1]);
+}
+
+// How many patterns of the handles have an offset of their own at every knot.
+Eigen::Index NumPatterns(Eigen::Index num_handles, Eigen::Index num_knots) {
+  if (num_knots == 0) return 0;
+  return std::clamp<Eigen::Index>(kMostOffsets / (3 * num_knots), 1, num_handles);
 }
 
 // Every mode along every axis: [3N x 3K].
@@ -50,15 +55,15 @@ HandlePath Offsets(const Eigen::VectorXd& times, const Eigen::VectorXd& values) 
 UnknownStart::UnknownStart(const RecordedMotion& motion)
     : base_positions_(motion.scene.initial_positions),
       base_velocities_(motion.scene.initial_velocities),
-      knot_times_(OffsetKnots(motion)),
-      num_handles_(static_cast<Eigen::Index>(motion.scene.handles.nodes.size())) {
+      knot_times_(OffsetKnots(motion)) {
   if (!IsUnknown(motion.start_source)) throw std::logic_error("the start of this recording is known");
   const ShapePrior shape(motion.scene);
   const bool is_moving = motion.start_source == StartSource::kMoving;
   const Eigen::MatrixXd modes = SmoothModes(shape.model(), motion.scene.handles.nodes, kPositionModes);
   const Eigen::MatrixXd along = AlongAxes(modes);
   num_positions_ = static_cast<int>(along.cols());
-  num_offsets_ = static_cast<int>(3 * num_handles_ * knot_times_.size());
+  const auto num_handles = static_cast<Eigen::Index>(motion.scene.handles.nodes.size());
+  num_offsets_ = static_cast<int>(3 * NumPatterns(num_handles, knot_times_.size()) * knot_times_.size());
   const Eigen::Index num_moved = num_positions_ + num_offsets_;
   const Eigen::Index num_velocities = is_moving ? 3 * std::min<Eigen::Index>(kVelocityModes, modes.cols()) : 0;
   const Eigen::Index size = num_moved + num_velocities, num_rows = along.rows();
@@ -78,19 +83,24 @@ UnknownStart::UnknownStart(const RecordedMotion& motion)
 }
 
 void UnknownStart::AddHandles(const RecordedMotion& motion, const ShapePrior& shape, QuadraticPrior* prior) {
-  const HandlePath unit = Offsets(knot_times_, Eigen::VectorXd::Zero(num_offsets_));
-  const Eigen::MatrixXd response = AlongAxes(shape.HandleResponse(motion));
+  const HandleCoupling coupling = shape.CoupleHandles(motion);
+  const Eigen::Index num_knots = knot_times_.size(), num_coordinates = 3 * coupling.stiffness.rows();
+  const Eigen::MatrixXd patterns = coupling.SmoothestOffsets(num_offsets_ / (3 * num_knots));
+  const Eigen::MatrixXd offsets = AlongAxes(patterns), response = AlongAxes(coupling.response * patterns);
+  const HandlePath unit = Offsets(knot_times_, Eigen::VectorXd::Zero(num_coordinates * num_knots));
   const Eigen::VectorXd at_start = unit.KnotWeights(motion.scene.start_time);
-  for (Eigen::Index k = 0; k < at_start.size(); ++k) {
+  Eigen::MatrixXd along = Eigen::MatrixXd::Zero(num_coordinates * num_knots, num_offsets_);
+  for (Eigen::Index k = 0; k < num_knots; ++k) {
     directions_.initial_positions.middleCols(num_positions_ + k * response.cols(), response.cols()) =
         at_start[k] * response;
+    along.block(k * num_coordinates, k * offsets.cols(), num_coordinates, offsets.cols()) = offsets;
   }
-  directions_.handle_offsets = Eigen::MatrixXd::Zero(num_offsets_, directions_.initial_positions.cols());
-  directions_.handle_offsets.middleCols(num_positions_, num_offsets_).setIdentity();
+  directions_.handle_offsets = Eigen::MatrixXd::Zero(along.rows(), directions_.initial_positions.cols());
+  directions_.handle_offsets.middleCols(num_positions_, num_offsets_) = along;
   const HandleMeasurements& measured = motion.handle_measurements;
-  Eigen::MatrixXd weights(measured.times.size(), knot_times_.size());
+  Eigen::MatrixXd weights(measured.times.size(), num_knots);
   for (Eigen::Index k = 0; k < weights.rows(); ++k) weights.row(k) = unit.KnotWeights(measured.times[k]).transpose();
-  AddHandleMeasurements(measured, weights, num_positions_, prior);
+  AddHandleMeasurements(measured, weights, along, num_positions_, prior);
 }
 
 void UnknownStart::SetPrior(const QuadraticPrior& prior) {
@@ -113,7 +123,7 @@ Eigen::VectorXd UnknownStart::VelocitiesAt(const Eigen::VectorXd& unknowns) cons
 
 std::optional<HandlePath> UnknownStart::HandleOffsetsAt(const Eigen::VectorXd& unknowns) const {
   if (num_offsets_ == 0) return std::nullopt;
-  return Offsets(knot_times_, unknowns.segment(num_positions_, num_offsets_));
+  return Offsets(knot_times_, directions_.handle_offsets * unknowns);
 }
 
 SensitivityDirections UnknownStart::DirectionsAlong(const Eigen::MatrixXd& combinations) const {

@@ -5,8 +5,9 @@
 //   x_0 = x_b + sum_m q_m phi_m + sum_j c_j w_j(t_0) psi_j,   v_0 = v_b + sum_m p_m phi_m (StartSource::kMoving alone),
 //   handles at time t: their path + sum_j c_j w_j(t).
 // phi: smooth modes (smooth_modes.h), one per coordinate each. c: the values at a few knots in time of what the path of
-// every handle is off, w the interpolation between them (HandlePath); psi: how the cloth about a handle goes along,
-// -A_ff^-1 A_fh with A = L/(e^2 a) + Q/(3 b^2) + (weights of the points).
+// the handles is off, w the interpolation between them (HandlePath): of every handle, or, where these are too many for
+// the knots that the path asks for, of the patterns of several handles that bend and strain the cloth least. psi: how
+// the cloth about a handle goes along, -A_ff^-1 A_fh with A = L/(e^2 a) + Q/(3 b^2) + (weights of the points).
 //
 // What is believed beforehand: strain and bending of x_0, and their rates of v_0, are those of a cloth, and handles are
 // where they were measured:
@@ -74,7 +75,6 @@ class UnknownStart {
 
   Eigen::VectorXd base_positions_, base_velocities_;  // [3N]
   Eigen::VectorXd knot_times_;                        // s; empty: exact handles
-  Eigen::Index num_handles_ = 0;
   int num_positions_ = 0, num_offsets_ = 0;
   SensitivityDirections directions_;
   Eigen::MatrixXd root_;  // U [u x n]
