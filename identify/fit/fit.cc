@@ -3,11 +3,9 @@
 #include <ceres/evaluation_callback.h>
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
-#include <ceres/iteration_callback.h>
 #include <ceres/solver.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -15,6 +13,7 @@
 #include "identify/fit/continued_fit.h"
 #include "identify/fit/estimate.h"
 #include "identify/fit/evaluator.h"
+#include "identify/fit/fit_recorder.h"
 #include "identify/fit/gauss_newton.h"
 #include "identify/fit/sigmoid_map.h"
 #include "identify/fit/start_stage.h"
@@ -22,88 +21,11 @@
 namespace clothid {
 namespace {
 
-// The first trust region of Levenberg-Marquardt: its inverse is the damping relative to the diagonal of J^T J. The
-// problems are small and their Jacobians exact, so a step may be nearly Gauss-Newton's from the start.
-constexpr double kInitialTrustRegion = 1e2;
 // Of a stage that starts near the solution, as far as the region grows on the way there.
 constexpr double kNearTrustRegion = 1e4;
 // The loose stage ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
 // what a Gauss-Newton step misses, and about what loose rollouts do.
 constexpr double kShortStep = 5e4;
-
-// What a stage of the fit is to reach: a run of the optimiser at one precision.
-struct StageGoal {
-  Precision precision = Precision::kFull;
-  double step = 1.0;                // the next step, in resolutions of the parameters, ...
-  double function_tolerance = 0.0;  // ... or its relative decrease of the cost
-  double trust_region = kInitialTrustRegion;
-  int first_iteration = 0;  // the number of its first
-  bool has_rows = true;     // whose rows tell of the next step
-};
-
-bool IsCancelled(const FitOptions& options) { return options.cancel != nullptr && options.cancel->load(); }
-
-// Records the best point after every iteration, reports it, and passes on the wish to stop.
-class Recorder : public ceres::IterationCallback {
- public:
-  Recorder(const FitOptions& options, const FitProblem& problem, const FitEvaluator& evaluator)
-      : options_(options), problem_(problem), evaluator_(evaluator), start_(std::chrono::steady_clock::now()) {}
-
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    num_failures_ = evaluator_.num_failures();
-    Add(goal_.first_iteration + summary.iteration);
-    if (IsCancelled(options_)) return ceres::SOLVER_ABORT;
-    const bool has_model =
-        goal_.has_rows && options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
-    return has_model && NextStepIsNegligible(problem_, evaluator_.model(), goal_.step, goal_.function_tolerance)
-               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
-               : ceres::SOLVER_CONTINUE;
-  }
-
-  void StartStage(const StageGoal& goal) {
-    goal_ = goal;
-    num_failures_ = evaluator_.num_failures();
-  }
-
-  // Why a point has failed since the last iteration was reported; empty where none has.
-  std::string failure() const {
-    return evaluator_.num_failures() > num_failures_ ? evaluator_.last_failure() : std::string();
-  }
-
-  // The step that ended the fit was evaluated, but its iteration was never reported.
-  void AddLast() {
-    if (!evaluator_.best().is_valid() || evaluator_.best_is_superseded()) return;
-    if (iterations_.empty() || iterations_.back().precision != goal_.precision ||
-        evaluator_.best().cost < iterations_.back().cost) {
-      Add(iterations_.empty() ? 0 : iterations_.back().iteration + 1);
-    }
-  }
-
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  const std::vector<FitIteration>& iterations() const { return iterations_; }
-
- private:
-  void Add(int iteration) {
-    FitIteration row;
-    row.iteration = iteration;
-    row.precision = goal_.precision;
-    row.seconds = seconds();
-    row.cost = evaluator_.best().cost;
-    row.values = problem_.Values(evaluator_.best().coordinates);
-    row.gradient_norm = evaluator_.best_gradient_norm();
-    row.rollouts = evaluator_.statistics().rollouts;
-    iterations_.push_back(row);
-    if (options_.on_iteration) options_.on_iteration(row);
-  }
-
-  const FitOptions& options_;
-  const FitProblem& problem_;
-  const FitEvaluator& evaluator_;
-  StageGoal goal_;
-  int num_failures_ = 0;  // until the last iteration
-  std::chrono::steady_clock::time_point start_;
-  std::vector<FitIteration> iterations_;
-};
 
 FitStatus StatusOf(ceres::TerminationType type) {
   switch (type) {
@@ -120,7 +42,8 @@ FitStatus StatusOf(ceres::TerminationType type) {
 }
 
 // Steps that lead to points that fail are cut until they meet the tolerances. That is no minimum.
-void SetStatus(ceres::TerminationType type, const std::string& message, const Recorder& recorder, FitSummary* summary) {
+void SetStatus(ceres::TerminationType type, const std::string& message, const FitRecorder& recorder,
+               FitSummary* summary) {
   summary->status = StatusOf(type);
   // Ceres says it of the last stage alone.
   summary->message = type == ceres::NO_CONVERGENCE ? "stopped at max_iterations" : message;
@@ -153,7 +76,7 @@ class CacheFiller : public ceres::EvaluationCallback {
 };
 
 void RunLevenbergMarquardt(const FitOptions& options, const StageGoal& goal, FitProblem* problem,
-                           Eigen::VectorXd* coordinates, FitEvaluator* evaluator, Recorder* recorder,
+                           Eigen::VectorXd* coordinates, FitEvaluator* evaluator, FitRecorder* recorder,
                            FitSummary* summary) {
   CacheFiller filler(goal.precision, coordinates, evaluator);
   const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(&filler, coordinates, goal.precision);
@@ -189,11 +112,11 @@ bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, E
 // The loose stage, and the full one from where its last step leads, so that no point is simulated with both. Points
 // that work loosely may fail with full precision; where these do, the full stage starts where the fit did.
 void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
-                                FitEvaluator* evaluator, Recorder* recorder, FitSummary* summary) {
+                                FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
   const StageGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
   RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
   if (IsCancelled(options)) return;
-  const int last_iteration = recorder->iterations().empty() ? 0 : recorder->iterations().back().iteration;
+  const int last_iteration = recorder->last_iteration();
   evaluator->SupersedeBest();
   const Eigen::VectorXd last = *coordinates;
   const bool has_next = last_iteration < options.max_iterations && IsAt(evaluator->model(), last);
@@ -225,7 +148,7 @@ class BoundedGradient : public ceres::FirstOrderFunction {
   FitEvaluator* evaluator_;
 };
 
-void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* evaluator, Recorder* recorder,
+void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* evaluator, FitRecorder* recorder,
               FitSummary* summary) {
   const SigmoidMap map(problem->blocks());
   const ceres::GradientProblem gradient_problem(new BoundedGradient(&map, evaluator));
@@ -256,16 +179,12 @@ bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
          options.jacobian != JacobianMethod::kNumeric && !IsAllFrozen(problem);
 }
 
-int LastIteration(const Recorder& recorder) {
-  return recorder.iterations().empty() ? 0 : recorder.iterations().back().iteration;
-}
-
 // One run of the start stage, from the best point so far.
 StartStageResult EstimateStart(const FitOptions& options, Precision precision, const FitProblem& problem,
                                Linearization known, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
-                               Recorder* recorder) {
+                               FitRecorder* recorder) {
   StageGoal goal{precision};
-  goal.first_iteration = LastIteration(*recorder);
+  goal.first_iteration = recorder->last_iteration();
   goal.has_rows = false;
   recorder->StartStage(goal);
   return RunStartStage(options, precision, options.max_iterations - goal.first_iteration, problem, std::move(known),
@@ -276,7 +195,7 @@ StartStageResult EstimateStart(const FitOptions& options, Precision precision, c
 // ones. The last linearization is from near the estimate.
 std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitProblem* problem,
                                                  Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
-                                                 Recorder* recorder, FitSummary* summary) {
+                                                 FitRecorder* recorder, FitSummary* summary) {
   const bool is_adaptive = IsAdaptive(options, *problem);
   const StageGoal rough{is_adaptive ? Precision::kLoose : Precision::kFull, kShortStep, kLooseStepTolerance,
                         kInitialTrustRegion, 0};
@@ -304,7 +223,7 @@ std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitP
   if (!last.ok) return std::nullopt;
   if (last.predicted_decrease > kStalledDecrease) {
     summary->message = "stopped at a kink of the cost";
-    if (LastIteration(*recorder) >= options.max_iterations) {
+    if (recorder->last_iteration() >= options.max_iterations) {
       summary->status = FitStatus::kNotConverged;
       summary->message = "stopped at max_iterations";
     }
@@ -313,7 +232,7 @@ std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitP
 }
 
 void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
-                  Recorder* recorder, FitSummary* summary) {
+                  FitRecorder* recorder, FitSummary* summary) {
   if (IsAllFrozen(*problem)) {
     summary->status = FitStatus::kConverged;
     summary->message = "every parameter is frozen";
@@ -333,7 +252,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   FitSummary summary;
   Eigen::VectorXd coordinates = problem->StartCoordinates();
   FitEvaluator evaluator(problem, options.num_threads);
-  Recorder recorder(options, *problem, evaluator);
+  FitRecorder recorder(options, *problem, evaluator);
   std::optional<Linearization> linearization;  // at the estimate, where it is known already
   problem->Restart();
 
