@@ -33,8 +33,8 @@ void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
   const Scene& scene = motion.scene;
   *text << "recording " << motion.sha256 << " " << Digest(motion.times) << " " << Digest(motion.positions) << " "
         << Digest(motion.sigma) << (motion.centroid ? " " + Digest(*motion.centroid) : "") << "\n"
-        << "scene " << Sha256Hex({motion.scene_text}) << " " << scene.time_step << " " << scene.start_time << " "
-        << scene.duration << "\n"
+        << "scene " << Sha256Hex({motion.scene_text}) << " " << IntegratorName(scene.integrator) << " "
+        << scene.time_step << " " << scene.start_time << " " << scene.duration << "\n"
         << "mesh " << Digest(scene.mesh.rest_positions) << " " << Digest(scene.mesh.faces.cast<double>()) << "\n"
         << "start " << Digest(scene.initial_positions) << " " << Digest(scene.initial_velocities) << "\n"
         << "handles " << Digest(scene.handles.path.times()) << " " << Digest(scene.handles.path.positions()) << "\n"

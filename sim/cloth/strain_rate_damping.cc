@@ -130,6 +130,23 @@ void StrainRateDamping::SetMetrics(const Eigen::VectorXd& positions, std::vector
   }
 }
 
+void StrainRateDamping::ExtrapolateMetrics(const Eigen::VectorXd& first, const Eigen::VectorXd& second, double factor,
+                                           std::vector<MetricBatch>* metrics) const {
+  SetMetrics(first, metrics);
+  CornerVectors x;
+  MetricBatch end;
+  for (size_t b = 0; b < triangles_->size(); ++b) {
+    GatherCorners((*triangles_)[b], second.data(), &x);
+    TriangleMetrics((*triangles_)[b], x, &end);
+    for (int i = 0; i < 3; ++i) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        double& value = (*metrics)[b].values[i][lane];
+        value += factor * (end.values[i][lane] - value);
+      }
+    }
+  }
+}
+
 double StrainRateDamping::AddForce(double damping, double time_step, const std::vector<MetricBatch>& start_metrics,
                                    const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
   CornerVectors x, forces;

@@ -31,6 +31,10 @@ class StrainRateDamping {
   // C of every triangle for positions [3N]: for x_n, what the functions below take as `start_metrics`.
   void SetMetrics(const Eigen::VectorXd& positions, std::vector<MetricBatch>* metrics) const;
 
+  // C(first) + factor (C(second) - C(first)), for positions [3N].
+  void ExtrapolateMetrics(const Eigen::VectorXd& first, const Eigen::VectorXd& second, double factor,
+                          std::vector<MetricBatch>* metrics) const;
+
   // Adds damping * (-d(W/eta)/dx) to `force` [3N] and returns W/eta, m^2/s.
   double AddForce(double damping, double time_step, const std::vector<MetricBatch>& start_metrics,
                   const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;

@@ -22,20 +22,20 @@ void FindNearestObstacle(const Scene& scene, const Eigen::Vector3d& position, Co
 
 }  // namespace
 
-void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double time_step,
+void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double gap_time,
                    ContactCandidate* candidate) {
   const Scene& scene = model.scene();
   FindNearestObstacle(scene, positions.segment<3>(3 * node), candidate);
   candidate->node = node;
   candidate->gap_speed = candidate->gap_speed_slope = 0.0;
   if (scene.contact_mode != ContactMode::kGap) return;
-  const double speed = candidate->gap / time_step;
+  const double speed = candidate->gap / gap_time;
   const bool limited = speed < -scene.depenetration_speed;
   candidate->gap_speed = limited ? -scene.depenetration_speed : speed;
-  candidate->gap_speed_slope = limited ? 0.0 : 1.0 / time_step;
+  candidate->gap_speed_slope = limited ? 0.0 : 1.0 / gap_time;
 }
 
-void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double time_step,
+void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double gap_time,
                     std::vector<ContactCandidate>* candidates) {
   const bool gap_mode = model.scene().contact_mode == ContactMode::kGap;
   candidates->resize(model.num_free());
@@ -43,7 +43,7 @@ void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, d
   for (int node = 0; node < model.num_nodes(); ++node) {
     if (model.free_index()[node] < 0) continue;
     ContactCandidate& candidate = (*candidates)[num_candidates];
-    FindCandidate(model, node, positions, time_step, &candidate);
+    FindCandidate(model, node, positions, gap_time, &candidate);
     if (gap_mode || candidate.gap <= model.touch_gap()) ++num_candidates;
   }
   candidates->resize(num_candidates);

@@ -21,8 +21,8 @@ struct ContactCandidate {
   Eigen::Matrix3d normal_gradient = Eigen::Matrix3d::Zero();  // 1/m
   double gap = 0.0;                                           // phi(x_n), m, from the contact distance
   double gap_speed =
-      0.0;  // what u_N may be at least, negated: phi/h, limited below by the depenetration speed; 0 in velocity mode
-  // d gap_speed / d gap: 1/h, or 0 where limited and in velocity mode.
+      0.0;  // what u_N may be at least, negated: phi/T, limited below by the depenetration speed; 0 in velocity mode
+  // d gap_speed / d gap: 1/T, or 0 where limited and in velocity mode.
   double gap_speed_slope = 0.0;
 };
 
@@ -42,13 +42,14 @@ struct ContactRecord {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F
 };
 
-// `node` and its nearest obstacle in a step of size `time_step` that starts at `positions` [3N].
-void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double time_step,
+// `node` and its nearest obstacle in a solve that starts at `positions` [3N]. `gap_time`: T, within which the gap may be
+// used up, s; the size of the solve, unless sim/step/stage.h says otherwise.
+void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double gap_time,
                    ContactCandidate* candidate);
 
-// The candidates of a step of size `time_step` that starts at `positions` [3N], among the free nodes: in gap mode every
-// one, in velocity mode those with gap <= touch. `candidates` is overwritten.
-void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double time_step,
+// The candidates of a solve that starts at `positions` [3N], among the free nodes: in gap mode every one, in velocity
+// mode those with gap <= touch. `candidates` is overwritten.
+void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, double gap_time,
                     std::vector<ContactCandidate>* candidates);
 
 // dPhi/dx_n of a contact through normal and gap, X = -[D + S d (gap_speed_slope n n^T + gap_speed N')].

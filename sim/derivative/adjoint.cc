@@ -6,6 +6,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/adjoint_solver.h"
 #include "sim/derivative/handle_coupling.h"
+#include "sim/derivative/second_start_derivative.h"
 #include "sim/derivative/step_derivative.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/simulator.h"
@@ -47,14 +48,13 @@ class HandleGradient {
     Add(time, rows);
   }
 
-  // Through a step, y = (I + S)^T z of it.
-  void AddStep(const StepRecord& record, const Eigen::VectorXd& start_positions, const Eigen::MatrixXd& y) {
+  // Through a solve, y = (I + S)^T z of it.
+  void AddSolve(const StepRecord& record, const SolveStart& start, const Eigen::MatrixXd& y) {
     if (coupling_ == nullptr) return;
-    coupling_->SetStep(record, start_positions, parameters_);
-    Eigen::MatrixXd end = Eigen::MatrixXd::Zero(offsets_.positions().rows(), y.cols()), start = end;
-    coupling_->AddTransposed(-y, &end, &start);
-    Add(record.time, end);
-    Add(record.time - record.time_step, start);
+    coupling_->SetStep(record, start, parameters_);
+    for (int place = 0; place < coupling_->num_places(); ++place) {
+      Add(coupling_->time(place), coupling_->TimesTransposed(place, -y));
+    }
   }
 
   Eigen::MatrixXd& values() { return values_; }
@@ -74,48 +74,110 @@ class HandleGradient {
   Eigen::MatrixXd values_;
 };
 
+// Takes gradients of scalars by the state at the end of a solve to those by the state before it.
+class ReverseSweep {
+ public:
+  ReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
+               const AdjointOptions& options, Simulator* simulator, RolloutGradient* gradient)
+      : parameters_(rollout.parameters),
+        ids_(parameters),
+        simulator_(simulator),
+        solver_(options, rollout.parameters, simulator),
+        handles_(rollout, num_columns, simulator->model()),
+        gradient_(gradient) {
+    gradient->parameters = Eigen::MatrixXd::Zero(static_cast<int>(parameters.size()), num_columns);
+    lambda_.positions = Eigen::MatrixXd::Zero(3 * simulator->model().num_free(), num_columns);
+    lambda_.velocities = lambda_.positions;
+  }
+
+  // Of scalars that depend on the positions at `time` themselves, dC/dx [3N x s].
+  void AddSeed(double time, const Eigen::MatrixXd& seed) {
+    lambda_.positions += simulator_->model().GatherColumns(seed);
+    handles_.AddSeed(time, seed);
+  }
+
+  void PullBackSolve(const StepRecord& record, const SolveStart& start) {
+    StepDerivative step(record, start, parameters_, simulator_);
+    Eigen::MatrixXd by_impulse;  // by r_1, where impacts make it count
+    if (record.stage == Stage::kFirst) by_impulse = LeaveSecondStart(record, start, step);
+    Eigen::MatrixXd w = lambda_.velocities + record.time_step * lambda_.positions, z, y;
+    if (by_impulse.size() > 0) w += step.TimesVelocity(by_impulse);
+    solver_.Solve(record, w, &step, &z, &y, &gradient_->work);
+    if (by_impulse.size() > 0) y -= by_impulse;
+    AddParameterGradient(record, ids_, z, y, step, &gradient_->parameters);
+    handles_.AddSolve(record, start, y);
+    lambda_.velocities = step.TimesMass(y);
+    lambda_.positions -= step.TimesStartTransposed(y);
+    if (!record.contacts.empty()) lambda_.positions -= step.TimesFramesTransposed(z);
+    if (record.stage == Stage::kFirst) {
+      lambda_.positions += by_start_.positions;
+      lambda_.velocities += by_start_.velocities;
+    }
+    if (record.stage == Stage::kSecond) EnterSecondStart(step, y);
+  }
+
+  void Finish() {
+    gradient_->initial_positions = simulator_->model().ScatterColumns(lambda_.positions);
+    gradient_->initial_velocities = simulator_->model().ScatterColumns(lambda_.velocities);
+    gradient_->handle_offsets = std::move(handles_.values());
+  }
+
+ private:
+  // From x_s and v_s, with y of the second stage, on the way to x_1, v_1 and the start of the step.
+  void EnterSecondStart(const StepDerivative& step, const Eigen::MatrixXd& y) {
+    by_second_ = lambda_;
+    lambda_.positions.setZero();
+    lambda_.velocities.setZero();
+    by_start_ = lambda_;
+    if (step.has_origins()) step.SubtractOriginsTransposed(y, &by_start_.positions, &lambda_.positions);
+  }
+
+  // The rest of that way, now that the first stage is at hand. Returns the gradient by its impulses, if they count.
+  Eigen::MatrixXd LeaveSecondStart(const StepRecord& first, const SolveStart& start, const StepDerivative& step) {
+    const SecondStartDerivative second(first, start, step.contacts(), parameters_, simulator_->model());
+    second.AddTransposed(by_second_, &by_start_, &lambda_);
+    if (!second.has_impacts()) return {};
+    for (size_t p = 0; p < ids_.size(); ++p) {
+      if (ids_[p].kind == ParameterKind::kDensity) gradient_->parameters.row(p) += second.DensityGradient(by_second_);
+    }
+    return second.AddImpactsTransposed(by_second_, &by_start_, &lambda_);
+  }
+
+  const Parameters& parameters_;
+  const std::vector<ParameterId>& ids_;
+  Simulator* simulator_;
+  AdjointSolver solver_;
+  HandleGradient handles_;
+  RolloutGradient* gradient_;
+  StateColumns lambda_;                // by the end of the solve that comes next
+  StateColumns by_second_, by_start_;  // between two stages: by x_s and v_s, and by x_n and v_n besides
+};
+
 }  // namespace
 
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,
                          const AdjointOptions& options) {
-  const ClothModel& model = simulator->model();
   const PhaseSeconds before = simulator->step_solver().seconds();
   RolloutGradient gradient;
   std::optional<ScopedTimer> timer(&gradient.work.total_seconds);
-  gradient.parameters = Eigen::MatrixXd::Zero(static_cast<int>(parameters.size()), num_columns);
-
-  Eigen::MatrixXd lambda_x = Eigen::MatrixXd::Zero(3 * model.num_free(), num_columns);
-  Eigen::MatrixXd lambda_v = lambda_x;
-  Eigen::MatrixXd seed(3 * model.num_nodes(), num_columns), z, y;
-  HandleGradient handles(rollout, num_columns, model);
+  ReverseSweep sweep(rollout, parameters, num_columns, options, simulator, &gradient);
+  Eigen::MatrixXd seed(3 * simulator->model().num_nodes(), num_columns);
   const auto add_seed = [&](int step) {
     seed.setZero();
     add_position_gradient(step, &seed);
-    lambda_x += model.GatherColumns(seed);
-    handles.AddSeed(rollout.start_time + step * rollout.time_step, seed);
+    sweep.AddSeed(rollout.start_time + step * rollout.time_step, seed);
   };
 
   RecordReader reader(rollout, simulator);
-  AdjointSolver solver(options, rollout.parameters, simulator);
   int step_number = rollout.num_steps();
   for (int i = static_cast<int>(rollout.records.size()) - 1; i >= 0; --i) {
     const StepRecord& record = reader.record(i);
     if (step_number > 0 && rollout.last_record[step_number - 1] == i) add_seed(step_number--);
-    StepDerivative step(record, reader.start_positions(i), reader.start_velocities(i), rollout.parameters, simulator);
-
-    const Eigen::MatrixXd w = lambda_v + record.time_step * lambda_x;
-    solver.Solve(record, w, &step, &z, &y, &gradient.work);
-    AddParameterGradient(record, parameters, z, y, step, &gradient.parameters);
-    handles.AddStep(record, reader.start_positions(i), y);
-    lambda_v = step.TimesMass(y);
-    lambda_x -= step.TimesStartTransposed(y);
-    if (!record.contacts.empty()) lambda_x -= step.TimesFramesTransposed(z);
+    sweep.PullBackSolve(record, reader.start(i));
   }
   add_seed(0);
-  gradient.initial_positions = model.ScatterColumns(lambda_x);
-  gradient.initial_velocities = model.ScatterColumns(lambda_v);
-  gradient.handle_offsets = std::move(handles.values());
+  sweep.Finish();
   timer.reset();
   gradient.work.phases = simulator->step_solver().seconds() - before;
   return gradient;

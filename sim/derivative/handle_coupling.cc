@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "sim/matrix/block_product.h"
+#include "sim/step/second_start.h"
 #include "sim/step/step_problem.h"
 
 namespace clothid {
@@ -18,12 +19,22 @@ Scene WithoutHandles(Scene scene) {
 HandleCoupling::HandleCoupling(const ClothModel& model)
     : model_(model), scene_(WithoutHandles(model.scene())), whole_(scene_), hessian_(whole_.pattern()) {}
 
-void HandleCoupling::SetStep(const StepRecord& record, const Eigen::VectorXd& start_positions,
-                             const Parameters& parameters) {
+void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters) {
   record_ = &record;
-  start_positions_ = &start_positions;
   damping_ = parameters.material.damping;
-  if (whole_.damping() != nullptr) whole_.damping()->SetMetrics(start_positions, &start_metrics_);
+  times_ = {record.time};
+  origins_.clear();
+  if (whole_.damping() != nullptr) {
+    SetStartMetrics(whole_, start, &start_metrics_);
+    if (start.first_positions == nullptr) {
+      times_.push_back(record.time - record.time_step);
+      origins_ = {{&start.positions, 1.0}};
+    } else {
+      const double step_start = record.time - record.time_step / kStageShare;
+      times_.insert(times_.end(), {step_start, step_start + record.time_step});
+      origins_ = {{start.step_positions, 1.0 - kSecondStageReach}, {start.first_positions, kSecondStageReach}};
+    }
+  }
   AssembleStepHessian(whole_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
                       &hessian_);
 }
@@ -37,11 +48,13 @@ Eigen::MatrixXd HandleCoupling::FromHandles(const Eigen::MatrixXd& columns) cons
   return all;
 }
 
-void HandleCoupling::AddHandleRows(const Eigen::MatrixXd& all, Eigen::MatrixXd* columns) const {
+Eigen::MatrixXd HandleCoupling::HandleRows(const Eigen::MatrixXd& all) const {
   const std::vector<int>& nodes = model_.scene().handles.nodes;
+  Eigen::MatrixXd rows(3 * static_cast<Eigen::Index>(nodes.size()), all.cols());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    columns->middleRows<3>(3 * static_cast<Eigen::Index>(i)) += all.middleRows<3>(3 * nodes[i]);
+    rows.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = all.middleRows<3>(3 * nodes[i]);
   }
+  return rows;
 }
 
 // K = M + h C + h^2 H. Its masses stand on the diagonal: they do not reach from a handle to a free node.
@@ -57,16 +70,18 @@ Eigen::MatrixXd HandleCoupling::TimesMixed(const Eigen::VectorXd& positions, con
   return product;
 }
 
-Eigen::MatrixXd HandleCoupling::Times(const Eigen::MatrixXd& end, const Eigen::MatrixXd& start) const {
-  Eigen::MatrixXd product = TimesHessian(FromHandles(end));
-  if (whole_.damping() != nullptr) product += TimesMixed(record_->positions, *start_positions_, FromHandles(start));
-  return model_.GatherColumns(product);
+Eigen::MatrixXd HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) const {
+  const Eigen::MatrixXd all = FromHandles(columns);
+  if (place == 0) return model_.GatherColumns(TimesHessian(all));
+  const Origin& origin = origins_[place - 1];
+  return origin.share * model_.GatherColumns(TimesMixed(record_->positions, *origin.positions, all));
 }
 
-void HandleCoupling::AddTransposed(const Eigen::MatrixXd& columns, Eigen::MatrixXd* end, Eigen::MatrixXd* start) const {
+Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd all = model_.ScatterColumns(columns);
-  AddHandleRows(TimesHessian(all), end);
-  if (whole_.damping() != nullptr) AddHandleRows(TimesMixed(*start_positions_, record_->positions, all), start);
+  if (place == 0) return HandleRows(TimesHessian(all));
+  const Origin& origin = origins_[place - 1];
+  return origin.share * HandleRows(TimesMixed(*origin.positions, record_->positions, all));
 }
 
 }  // namespace clothid

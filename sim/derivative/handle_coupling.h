@@ -4,13 +4,13 @@
 // changes at fixed velocities of the free nodes by
 //   dg = h H_fh dx_h + h V_fh dx_h,n
 // where H_fh and V_fh are the columns of the handles, in the rows of the free nodes, of the H and V of
-// sim/derivative/step_derivative.h; V is there with internal damping alone. Made by the code of H itself, of a cloth
-// whose handles are free.
+// sim/derivative/step_derivative.h; V is there with internal damping alone. In a second stage h V_fh dx_h,n gives way
+// to what V_n and V_1 owe to the handles at the start of the step and at the end of its first stage. Made by the code
+// of H itself, of a cloth whose handles are free.
 #ifndef CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
 #define CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
 
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
@@ -26,20 +26,23 @@ class HandleCoupling {
   HandleCoupling(const HandleCoupling&) = delete;
   HandleCoupling& operator=(const HandleCoupling&) = delete;
 
-  // The step that `record` ends and that started from `start_positions` [3N]. Both must live until the next call.
-  void SetStep(const StepRecord& record, const Eigen::VectorXd& start_positions, const Parameters& parameters);
+  // The solve that `record` ends. It and what `start` refers to must live until the next call.
+  void SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters);
 
-  // h H_fh y + h V_fh y_n [3 Nf x s], for columns y at the end and y_n at the start over the handles [3H x s], in the
-  // order of the scene's.
-  Eigen::MatrixXd Times(const Eigen::MatrixXd& end, const Eigen::MatrixXd& start) const;
+  // The places of the handles that count: the first at the end of the solve, with h H_fh; the others before, with h
+  // V_fh or its like, are there with internal damping alone.
+  int num_places() const { return static_cast<int>(times_.size()); }
+  double time(int place) const { return times_[place]; }  // s
 
-  // The transpose: adds h H_fh^T y to `end` and h V_fh^T y to `start` [3H x s], y [3 Nf x s].
-  void AddTransposed(const Eigen::MatrixXd& columns, Eigen::MatrixXd* end, Eigen::MatrixXd* start) const;
+  // The product with columns y over the handles at a place [3H x s], in the order of the scene's: [3 Nf x s].
+  Eigen::MatrixXd Times(int place, const Eigen::MatrixXd& columns) const;
+  // That with the transpose, y [3 Nf x s]: [3H x s].
+  Eigen::MatrixXd TimesTransposed(int place, const Eigen::MatrixXd& columns) const;
 
  private:
   // Columns over the handles as columns over all nodes [3N x s], zero at free nodes; and the other way.
   Eigen::MatrixXd FromHandles(const Eigen::MatrixXd& columns) const;
-  void AddHandleRows(const Eigen::MatrixXd& all, Eigen::MatrixXd* columns) const;
+  Eigen::MatrixXd HandleRows(const Eigen::MatrixXd& all) const;
   Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& all) const;  // h H y, with the masses that K has
   Eigen::MatrixXd TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
                              const Eigen::MatrixXd& all) const;  // h V y, h V^T y with the positions exchanged
@@ -50,8 +53,14 @@ class HandleCoupling {
   BlockMatrix hessian_;
   std::vector<MetricBatch> start_metrics_;
   const StepRecord* record_ = nullptr;
-  const Eigen::VectorXd* start_positions_ = nullptr;
   double damping_ = 0.0;
+  std::vector<double> times_;  // of the places
+  // Of the places before the end, and how much of V they have.
+  struct Origin {
+    const Eigen::VectorXd* positions;
+    double share;
+  };
+  std::vector<Origin> origins_;
 };
 
 }  // namespace clothid

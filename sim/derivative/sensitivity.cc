@@ -6,18 +6,15 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/handle_coupling.h"
+#include "sim/derivative/second_start_derivative.h"
 #include "sim/derivative/step_derivative.h"
 #include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
+#include "sim/step/second_start.h"
 #include "sim/step/step_solver.h"
 
 namespace clothid {
 namespace {
-
-// The columns of dx_n and dv_n over the free nodes [3 Nf x (p + q)].
-struct Tangent {
-  Eigen::MatrixXd positions, velocities;
-};
 
 // Empty, or as many columns as others.
 Eigen::Index NumStartColumns(const SensitivityDirections& directions) {
@@ -30,10 +27,11 @@ Eigen::Index NumStartColumns(const SensitivityDirections& directions) {
   return q;
 }
 
-Tangent StartTangent(const SensitivityDirections& directions, const ClothModel& model) {
+// dx_0 and dv_0 [3 Nf x (p + q)].
+StateColumns StartTangent(const SensitivityDirections& directions, const ClothModel& model) {
   const Eigen::Index p = static_cast<Eigen::Index>(directions.parameters.size());
   const Eigen::Index q = NumStartColumns(directions);
-  Tangent tangent;
+  StateColumns tangent;
   tangent.positions = tangent.velocities = Eigen::MatrixXd::Zero(3 * model.num_free(), p + q);
   if (directions.initial_positions.cols() > 0) {
     tangent.positions.rightCols(q) = model.GatherColumns(directions.initial_positions);
@@ -60,11 +58,13 @@ class HandleTangent {
   bool is_empty() const { return coupling_ == nullptr; }
 
   // Takes its part off the last columns of `right` [3 Nf x (p + q)].
-  void Subtract(const StepRecord& record, const Eigen::VectorXd& start_positions, const Parameters& parameters,
+  void Subtract(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
                 Eigen::MatrixXd* right) const {
     if (is_empty()) return;
-    coupling_->SetStep(record, start_positions, parameters);
-    right->rightCols(columns_.cols() - first_) -= coupling_->Times(At(record.time), At(record.time - record.time_step));
+    coupling_->SetStep(record, start, parameters);
+    for (int place = 0; place < coupling_->num_places(); ++place) {
+      right->rightCols(columns_.cols() - first_) -= coupling_->Times(place, At(coupling_->time(place)));
+    }
   }
 
   // Writes the handles' rows of the last columns of `all` [3N x (p + q)] at a time.
@@ -95,18 +95,23 @@ class HandleTangent {
   std::unique_ptr<HandleCoupling> coupling_;
 };
 
-// (I + S)(h (H + V) dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta, negated. Uses the contacts of the last Factor.
-// `momentum_part`: takes further parts of the bracket off.
-Eigen::MatrixXd RightSide(const Tangent& tangent, const std::vector<ParameterId>& parameters, const StepRecord& record,
-                          const std::function<void(Eigen::MatrixXd*)>& momentum_part, StepDerivative* step) {
-  Eigen::MatrixXd right = step->TimesMass(tangent.velocities) - step->TimesStart(tangent.positions);
-  momentum_part(&right);
+// What g gains not by dv, negated: -b, b = h (H + V) dx_n - M dv_n + dg/dtheta. `further_parts`: takes others off.
+Eigen::MatrixXd MomentumSide(const StateColumns& start, const std::vector<ParameterId>& parameters,
+                             const std::function<void(Eigen::MatrixXd*)>& further_parts, const StepDerivative& step) {
+  Eigen::MatrixXd right = step.TimesMass(start.velocities) - step.TimesStart(start.positions);
+  further_parts(&right);
   for (size_t p = 0; p < parameters.size(); ++p) {
-    if (parameters[p].kind != ParameterKind::kFriction) right.col(p) -= step->MomentumDerivative(parameters[p]);
+    if (parameters[p].kind != ParameterKind::kFriction) right.col(p) -= step.MomentumDerivative(parameters[p]);
   }
-  if (record.contacts.empty()) return right;
+  return right;
+}
+
+// -[(I + S) b + X dx_n - dr/dtheta] from -b. Uses the contacts of the last Factor.
+Eigen::MatrixXd RightSide(Eigen::MatrixXd right, const StateColumns& start, const std::vector<ParameterId>& parameters,
+                          StepDerivative* step) {
+  if (step->contacts().empty()) return right;
   step->jacobian().AddImpulse(&right);
-  right -= step->TimesFrames(tangent.positions);
+  right -= step->TimesFrames(start.positions);
   for (size_t p = 0; p < parameters.size(); ++p) {
     if (parameters[p].kind == ParameterKind::kFriction) right.col(p) += step->ImpulseDerivative(parameters[p]);
   }
@@ -126,33 +131,75 @@ class KeptFactor {
   std::shared_ptr<const ReducedFactor> factor_;
 };
 
-// From the start of a solve to its end.
+// From the start of a step to its end.
 class TangentSolver {
  public:
   TangentSolver(const Parameters& parameters, const std::vector<ParameterId>& ids, const HandleTangent& handles,
                 double tolerance, Simulator* simulator)
       : parameters_(parameters), ids_(ids), handles_(handles), tolerance_(tolerance), simulator_(simulator) {}
 
-  void Advance(const StepRecord& record, const Eigen::VectorXd& start_positions,
-               const Eigen::VectorXd& start_velocities, Tangent* tangent) const {
-    StepDerivative step(record, start_positions, start_velocities, parameters_, simulator_);
-    const KeptFactor kept(&simulator_->step_solver().jacobian());
-    const auto subtract_handles = [&](Eigen::MatrixXd* right) {
-      handles_.Subtract(record, start_positions, parameters_, right);
+  // Of one solve.
+  void Advance(const StepRecord& record, const SolveStart& start, StateColumns* tangent) const {
+    StepDerivative step(record, start, parameters_, simulator_);
+    Solve(
+        record, start, [](Eigen::MatrixXd*) {}, &step, tangent);
+  }
+
+  // Of both stages.
+  void AdvanceInStages(const StepRecord& first, const StepRecord& second, const SolveStart& start,
+                       StateColumns* tangent) const {
+    const ClothModel& model = simulator_->model();
+    SecondStart second_start;
+    StateColumns first_end = *tangent, end;
+    {
+      StepDerivative step(first, start, parameters_, simulator_);
+      const Eigen::MatrixXd momentum = Solve(
+          first, start, [](Eigen::MatrixXd*) {}, &step, &first_end);
+      second_start = StartSecondStage(model, parameters_.material, start, first.positions, first.velocities,
+                                      first.time_step, step.contacts());
+      const SecondStartDerivative derivative(first, start, step.contacts(), parameters_, model);
+      end = derivative.Times(*tangent, first_end);
+      if (derivative.has_impacts()) {
+        const Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - momentum;
+        derivative.SubtractImpacts(*tangent, first_end, impulse, &end);
+        for (size_t p = 0; p < ids_.size(); ++p) {
+          if (ids_[p].kind == ParameterKind::kDensity) derivative.SubtractDensity(static_cast<int>(p), &end);
+        }
+      }
+    }
+    const SolveStart from{second_start.positions, second_start.velocities, &start.positions, &first.positions};
+    StepDerivative step(second, from, parameters_, simulator_);
+    const auto subtract_origins = [&](Eigen::MatrixXd* right) {
+      if (step.has_origins()) *right -= step.TimesOrigins(tangent->positions, first_end.positions);
     };
+    Solve(second, from, subtract_origins, &step, &end);
+    *tangent = std::move(end);
+  }
+
+ private:
+  // Takes `tangent` to the end of a solve. Returns -b, with what `further_parts` takes off besides the handles.
+  Eigen::MatrixXd Solve(const StepRecord& record, const SolveStart& start,
+                        const std::function<void(Eigen::MatrixXd*)>& further_parts, StepDerivative* step,
+                        StateColumns* tangent) const {
+    const KeptFactor kept(&simulator_->step_solver().jacobian());
+    const Eigen::MatrixXd momentum = MomentumSide(
+        *tangent, ids_,
+        [&](Eigen::MatrixXd* right) {
+          handles_.Subtract(record, start, parameters_, right);
+          further_parts(right);
+        },
+        *step);
     Eigen::MatrixXd dv;
     for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
-      if (!step.Factor(method)) continue;
-      const Eigen::MatrixXd right = RightSide(*tangent, ids_, record, subtract_handles, &step);
-      if (!step.jacobian().Solve(right, tolerance_, &dv)) continue;
+      if (!step->Factor(method)) continue;
+      if (!step->jacobian().Solve(RightSide(momentum, *tangent, ids_, step), tolerance_, &dv)) continue;
       tangent->velocities = dv;
       tangent->positions += record.time_step * dv;
-      return;
+      return momentum;
     }
     throw std::runtime_error("singular step Jacobian");
   }
 
- private:
   const Parameters& parameters_;
   const std::vector<ParameterId>& ids_;
   const HandleTangent& handles_;
@@ -170,7 +217,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   ValidateParameters(parameters, scene, "parameters");
   StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Eigen::VectorXd positions = state.positions, velocities = state.velocities;  // at the end of the last solve
-  Tangent tangent = StartTangent(directions, model);
+  StateColumns tangent = StartTangent(directions, model);
   const HandleTangent handles(directions, options.handle_offsets, model);
   const TangentSolver solver(parameters, directions.parameters, handles,
                              options.adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
@@ -181,10 +228,15 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   };
   visit(0);
   const StepVisitor advance = [&](int step, std::vector<StepRecord> records) {
-    for (StepRecord& record : records) {
-      solver.Advance(record, positions, velocities, &tangent);
-      positions = std::move(record.positions);
-      velocities = std::move(record.velocities);
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      if (records[i].ends_step()) {
+        solver.Advance(records[i], {positions, velocities}, &tangent);
+      } else {
+        solver.AdvanceInStages(records[i], records[i + 1], {positions, velocities}, &tangent);
+        ++i;
+      }
+      positions = std::move(records[i].positions);
+      velocities = std::move(records[i].velocities);
     }
     visit(step);
   };

@@ -4,23 +4,22 @@
 
 #include "sim/matrix/block_product.h"
 #include "sim/rollout/simulator.h"
+#include "sim/step/second_start.h"
 #include "sim/step/step_problem.h"
 #include "sim/step/step_solver.h"
 
 namespace clothid {
 
-StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_positions,
-                               const Eigen::VectorXd& start_velocities, const Parameters& parameters,
+StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
                                Simulator* simulator)
     : record_(record),
-      start_positions_(start_positions),
-      start_velocities_(start_velocities),
+      start_(start),
       parameters_(parameters),
       model_(simulator->model()),
       hessian_(simulator->step_solver().hessian()),
       jacobian_(simulator->step_solver().jacobian()) {
   const ScopedTimer timer(&jacobian_.seconds().assembly);
-  if (model_.damping() != nullptr) model_.damping()->SetMetrics(start_positions, &start_metrics_);
+  if (model_.damping() != nullptr) SetStartMetrics(model_, start, &start_metrics_);
   AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
                       &hessian_);
   const Material& material = parameters.material;
@@ -30,7 +29,7 @@ StepDerivative::StepDerivative(const StepRecord& record, const Eigen::VectorXd& 
     masses_.segment<3>(3 * i).setConstant(material.density * model_.node_areas()[model_.free_nodes()[i]]);
   }
   damped_masses_ = masses_ * (damped_density / material.density);
-  contacts_ = RestoreContacts(model_, parameters, start_positions, record.time_step, record.contacts);
+  contacts_ = RestoreContacts(model_, parameters, start.positions, record.times(), record.contacts);
 }
 
 bool StepDerivative::Factor(StepJacobian::Method method) {
@@ -46,6 +45,10 @@ Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const 
   return masses_.asDiagonal() * columns;
 }
 
+Eigen::MatrixXd StepDerivative::TimesVelocity(const Eigen::MatrixXd& columns) const {
+  return MultiplySymmetric(hessian_, columns);
+}
+
 Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns);
   product -= damped_masses_.asDiagonal() * columns;
@@ -54,14 +57,29 @@ Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) con
 
 Eigen::MatrixXd StepDerivative::TimesStart(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = TimesHessian(columns);
-  if (model_.damping() != nullptr) product += TimesMixed(record_.positions, start_positions_, columns);
+  if (model_.damping() != nullptr && !has_origins()) {
+    product += TimesMixed(record_.positions, start_.positions, columns);
+  }
   return product;
 }
 
 Eigen::MatrixXd StepDerivative::TimesStartTransposed(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = TimesHessian(columns);
-  if (model_.damping() != nullptr) product += TimesMixed(start_positions_, record_.positions, columns);
+  if (model_.damping() != nullptr && !has_origins()) {
+    product += TimesMixed(start_.positions, record_.positions, columns);
+  }
   return product;
+}
+
+Eigen::MatrixXd StepDerivative::TimesOrigins(const Eigen::MatrixXd& step, const Eigen::MatrixXd& first) const {
+  return (1.0 - kSecondStageReach) * TimesMixed(record_.positions, *start_.step_positions, step) +
+         kSecondStageReach * TimesMixed(record_.positions, *start_.first_positions, first);
+}
+
+void StepDerivative::SubtractOriginsTransposed(const Eigen::MatrixXd& columns, Eigen::MatrixXd* step,
+                                               Eigen::MatrixXd* first) const {
+  *step -= (1.0 - kSecondStageReach) * TimesMixed(*start_.step_positions, record_.positions, columns);
+  *first -= kSecondStageReach * TimesMixed(*start_.first_positions, record_.positions, columns);
 }
 
 Eigen::MatrixXd StepDerivative::TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
@@ -110,7 +128,7 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
       for (const int node : model_.free_nodes()) {
         derivative.segment<3>(3 * node) =
             model_.node_areas()[node] * (record_.velocities.segment<3>(3 * node) -
-                                         start_velocities_.segment<3>(3 * node) - h * model_.scene().gravity);
+                                         start_.velocities.segment<3>(3 * node) - h * model_.scene().gravity);
       }
       break;
     case ParameterKind::kDrag:

@@ -1,8 +1,13 @@
-// The linearisation of one solved step, shared by both sweeps. With Phi(v_{n+1}; x_n, v_n, theta) = 0:
+// The linearisation of one solve, a step or a stage of one, shared by both sweeps. With Phi(v_{n+1}; x_n, v_n, theta) =
+// 0:
 //
 //   A dv = -[(I + S)(h (H + V) dx_n - M dv_n + dg/dtheta dtheta) + X dx_n - dr/dtheta dtheta]
 // where H = d2(E + W)/dx2 at x_{n+1} as in step_problem.h; V = d2W/(dx dx_n), not symmetric, is there for internal
 // damping alone; dr/dtheta, the impulse at fixed F, for friction alone: f_N t at slipping nodes.
+//
+// A second stage (sim/step/second_start.h) starts from x_s and v_s in place of x_n and v_n. Its strain rate starts from
+// the metric C_s of x_n and x_1, so that h V dx_n gives way to h (V_n dx_n + V_1 dx_1), V_n = (1 - kappa) d2W/(dx dx_n)
+// and V_1 = kappa d2W/(dx dx_1), as if x_n or x_1 were what the strain rate starts from.
 #ifndef CLOTHID_SIM_DERIVATIVE_STEP_DERIVATIVE_H_
 #define CLOTHID_SIM_DERIVATIVE_STEP_DERIVATIVE_H_
 
@@ -18,10 +23,9 @@ namespace clothid {
 
 class StepDerivative {
  public:
-  // The step that `record` ends and that started from `start_positions` x_n [3N] with `start_velocities` v_n [3N].
-  // Everything must outlive the object, which borrows the simulator's matrices: one at a time.
-  StepDerivative(const StepRecord& record, const Eigen::VectorXd& start_positions,
-                 const Eigen::VectorXd& start_velocities, const Parameters& parameters, Simulator* simulator);
+  // The solve that `record` ends. Everything must outlive the object, what `start` refers to as well, and the object
+  // borrows the simulator's matrices: one at a time.
+  StepDerivative(const StepRecord& record, const SolveStart& start, const Parameters& parameters, Simulator* simulator);
 
   // Factors A. False where it fails.
   bool Factor(StepJacobian::Method method);
@@ -32,10 +36,18 @@ class StepDerivative {
 
   // On columns over the free nodes [3 Nf x s].
   Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;              // M y
+  Eigen::MatrixXd TimesVelocity(const Eigen::MatrixXd& columns) const;          // K y, dg/dv
   Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;             // h (H + V) y, dg/dx_n at fixed v
   Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;   // h (H + V^T) y
   Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;            // X y
   Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;  // X^T y
+
+  // Of a second stage, whose TimesStart is h H y: whether C_s, and with it g, depends on x_n and x_1.
+  bool has_origins() const { return model_.damping() != nullptr && start_.first_positions != nullptr; }
+  // h (V_n y_n + V_1 y_1).
+  Eigen::MatrixXd TimesOrigins(const Eigen::MatrixXd& step, const Eigen::MatrixXd& first) const;
+  // Takes h V_n^T y off `step` and h V_1^T y off `first`.
+  void SubtractOriginsTransposed(const Eigen::MatrixXd& columns, Eigen::MatrixXd* step, Eigen::MatrixXd* first) const;
 
   // dg/dtheta [3 Nf]; zero for friction.
   Eigen::VectorXd MomentumDerivative(ParameterId id) const;
@@ -49,15 +61,14 @@ class StepDerivative {
                              const Eigen::MatrixXd& columns) const;
 
   const StepRecord& record_;
-  const Eigen::VectorXd& start_positions_;
-  const Eigen::VectorXd& start_velocities_;
+  const SolveStart start_;
   const Parameters& parameters_;
   const ClothModel& model_;
   BlockMatrix& hessian_;
   StepJacobian& jacobian_;
   Eigen::VectorXd masses_;                  // M [3 Nf]
   Eigen::VectorXd damped_masses_;           // M + h C [3 Nf]
-  std::vector<MetricBatch> start_metrics_;  // C(x_n); empty without damping
+  std::vector<MetricBatch> start_metrics_;  // C(x_n) or C_s; empty without damping
   std::vector<Contact> contacts_;           // of the record
 };
 

@@ -5,7 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "sim/cloth/cloth_model.h"
 #include "sim/rollout/segment.h"
+#include "sim/rollout/simulator.h"
+#include "sim/step/second_start.h"
+#include "sim/step/step_problem.h"
 
 namespace clothid {
 
@@ -15,12 +19,26 @@ const StepRecord& RecordReader::record(int i) {
   return records_[i - first_record_];
 }
 
-const Eigen::VectorXd& RecordReader::start_positions(int i) {
-  return i == 0 ? rollout_.initial_positions : record(i - 1).positions;
+const Eigen::VectorXd& RecordReader::end_positions(int i) {
+  return i < 0 ? rollout_.initial_positions : record(i).positions;
 }
 
-const Eigen::VectorXd& RecordReader::start_velocities(int i) {
-  return i == 0 ? rollout_.initial_velocities : record(i - 1).velocities;
+const Eigen::VectorXd& RecordReader::end_velocities(int i) {
+  return i < 0 ? rollout_.initial_velocities : record(i).velocities;
+}
+
+SolveStart RecordReader::start(int i) {
+  if (rollout_.records[i].stage != Stage::kSecond) return {end_positions(i - 1), end_velocities(i - 1)};
+  const StepRecord& first = record(i - 1);
+  const SolveStart step_start{end_positions(i - 2), end_velocities(i - 2)};
+  if (second_record_ != i) {
+    const ClothModel& model = simulator_->model();
+    second_start_ = StartSecondStage(
+        model, rollout_.parameters.material, step_start, first.positions, first.velocities, first.time_step,
+        RestoreContacts(model, rollout_.parameters, step_start.positions, first.times(), first.contacts));
+    second_record_ = i;
+  }
+  return {second_start_.positions, second_start_.velocities, &step_start.positions, &first.positions};
 }
 
 void RecordReader::SimulateSegmentOf(int i) {
@@ -43,7 +61,7 @@ void RecordReader::SimulateSegmentOf(int i) {
   segment.step_tolerance = rollout_.step_tolerance;
   segment.end_with_factors = rollout_.ends_with_factors;
   if (rollout_.handle_offsets.num_handles() > 0) segment.handle_offsets = &rollout_.handle_offsets;
-  StepState state{start_positions(first_record_), start_velocities(first_record_)};
+  StepState state{end_positions(first_record_ - 1), end_velocities(first_record_ - 1)};
   const bool ok = AdvanceSegment(rollout_.parameters, segment, append, simulator_, &state).ok();
   const StepRecord& checkpoint = rollout_.records[last_record[last_step - 1]];
   if (!ok || records_.back().positions != checkpoint.positions || records_.back().velocities != checkpoint.velocities) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/rollout/rollout.h"
+#include "sim/step/stage.h"
 
 namespace clothid {
 
@@ -22,17 +23,24 @@ class RecordReader {
   // `std::runtime_error` where they do not end in that checkpoint.
   const StepRecord& record(int i);
 
-  // The state from which record i starts.
-  const Eigen::VectorXd& start_positions(int i);
-  const Eigen::VectorXd& start_velocities(int i);
+  // What solve i starts from; of the second stage of a step computed, to the last bit what its solver had. Valid until
+  // the reader is asked for another record or start.
+  SolveStart start(int i);
+  const Eigen::VectorXd& start_positions(int i) { return start(i).positions; }
+  const Eigen::VectorXd& start_velocities(int i) { return start(i).velocities; }
 
  private:
   void SimulateSegmentOf(int i);
+  // The ends of record i, or the start of the rollout for i = -1.
+  const Eigen::VectorXd& end_positions(int i);
+  const Eigen::VectorXd& end_velocities(int i);
 
   const Rollout& rollout_;
   Simulator* simulator_;
   int first_record_ = 0;             // of the segment
   std::vector<StepRecord> records_;  // the steps that were simulated last
+  int second_record_ = -1;           // the second stage that `second_start_` belongs to; -1: none yet
+  SecondStart second_start_;
 };
 
 }  // namespace clothid

@@ -52,7 +52,7 @@ void KeepCheckpoint(int first_step, Rollout* rollout) {
   const int first = first_step == 1 ? 0 : rollout->last_record[first_step - 2] + 1;
   for (std::size_t i = first; i + 1 < rollout->records.size(); ++i) {
     const StepRecord& record = rollout->records[i];
-    rollout->records[i] = {record.time, record.time_step, {}, {}, {}, nullptr};
+    rollout->records[i] = {record.time, record.time_step, {}, {}, {}, nullptr, record.stage};
   }
 }
 
@@ -100,8 +100,9 @@ std::size_t Rollout::bytes() const {
 }
 
 int CheckpointInterval(const ClothModel& model, int num_steps, std::size_t memory_limit) {
-  const std::size_t bytes_per_step = sizeof(StepRecord) + 6 * model.num_nodes() * sizeof(double) +
-                                     (model.has_contact() ? model.num_free() * sizeof(ContactRecord) : 0);
+  const std::size_t bytes_per_solve = sizeof(StepRecord) + 6 * model.num_nodes() * sizeof(double) +
+                                      (model.has_contact() ? model.num_free() * sizeof(ContactRecord) : 0);
+  const std::size_t bytes_per_step = NumStages(model.scene().integrator) * bytes_per_solve;
   const std::size_t limit = memory_limit / bytes_per_step;
   if (static_cast<std::size_t>(num_steps) <= limit) return 0;
   // The checkpoints, what follows the last one, and as many that are simulated again.

@@ -27,8 +27,9 @@ struct Rollout {
   Eigen::VectorXd initial_positions;   // x_0 [3N]
   Eigen::VectorXd initial_velocities;  // v_0 [3N]
   HandlePath handle_offsets;           // see RolloutOptions; no handles: none
-  // In order of time; one per step, more where substeps were taken. With checkpoints those before the last one are
-  // empty, but for the checkpoints themselves; RecordReader (sim/rollout/record_reader.h) makes them again.
+  // In order of time; as many per step as its integrator has stages, more where substeps were taken. With checkpoints
+  // those before the last one are empty, but for the checkpoints themselves; RecordReader (sim/rollout/record_reader.h)
+  // makes them again.
   std::vector<StepRecord> records;
   std::vector<int> last_record;    // [T] the record that ends step n + 1
   int checkpoint_interval = 0;     // in steps; 0: none

@@ -7,6 +7,7 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/simulator.h"
+#include "sim/step/second_start.h"
 #include "sim/step/step_problem.h"
 #include "sim/step/step_solver.h"
 
@@ -46,6 +47,7 @@ class StepLoop {
       : parameters_(parameters),
         segment_(segment),
         scene_(simulator->scene()),
+        num_stages_(NumStages(scene_.integrator)),
         simulator_(simulator),
         tolerance_(segment.step_tolerance.value_or(scene_.solver.step_tolerance)) {}
 
@@ -75,52 +77,92 @@ class StepLoop {
   std::optional<StepFailure> Advance(int step, const StepState& start, std::vector<StepRecord>* records) {
     std::vector<Eigen::VectorXd> guesses;
     if (segment_.guesses) guesses = segment_.guesses(step);
-    const int first = std::max(1, static_cast<int>(guesses.size())), most = 1 << scene_.solver.max_substep_halvings;
+    const int first = std::max(1, static_cast<int>(guesses.size()) / num_stages_);
+    const int most = 1 << scene_.solver.max_substep_halvings;
     if (first > most) {
       return FailureWithout(step, "is cut into " + std::to_string(first) +
-                                      " solves in the rollout that it follows; expected at most " +
+                                      " parts in the rollout that it follows; expected at most " +
                                       std::to_string(most) + ", as the scene's max_substep_halvings says");
     }
     std::optional<StepFailure> failure;
-    for (int num_solves = first; num_solves <= most; num_solves *= 2) {
+    for (int num_parts = first; num_parts <= most; num_parts *= 2) {
       StepFailure attempt;
-      if (SolveInParts(step, num_solves, start, guesses, records, &attempt)) return std::nullopt;
-      if (num_solves == first) failure = std::move(attempt);
+      if (SolveInParts(step, num_parts, start, guesses, records, &attempt)) return std::nullopt;
+      if (num_parts == first) failure = std::move(attempt);
     }
     return failure;
   }
 
-  // The step as `num_solves` solves of the same length, each from its guess where there are as many.
-  bool SolveInParts(int step, int num_solves, const StepState& start, const std::vector<Eigen::VectorXd>& guesses,
+  // The step as `num_parts` steps of the same length, their solves each from its guess where there are as many.
+  bool SolveInParts(int step, int num_parts, const StepState& start, const std::vector<Eigen::VectorXd>& guesses,
                     std::vector<StepRecord>* records, StepFailure* failure) {
-    StepSolver& solver = simulator_->step_solver();
-    const double h = scene_.time_step / num_solves;
-    StepPoint point;
+    const double h = scene_.time_step / num_parts;
+    const bool has_guesses = num_parts * num_stages_ == static_cast<int>(guesses.size());
     records->clear();
-    for (int i = 1; i <= num_solves; ++i) {
-      const Eigen::VectorXd& x = i == 1 ? start.positions : records->back().positions;
-      const Eigen::VectorXd& v = i == 1 ? start.velocities : records->back().velocities;
-      const double end_time = scene_.start_time + ((step - 1) + static_cast<double>(i) / num_solves) * scene_.time_step;
-      const StepProblem problem(simulator_->model(), parameters_, x, v, h, end_time, &simulator_->step_workspace(),
-                                segment_.handle_offsets);
-      const Eigen::VectorXd* guess = num_solves == static_cast<int>(guesses.size()) ? &guesses[i - 1] : nullptr;
-      if (!solver.Solve(problem, tolerance_, guess, &point, &outcome_.counts)) {
-        *failure = DescribeFailure(step, StepSolver::Tolerance(problem, tolerance_, point), point);
-        return false;
-      }
-      StepRecord record{end_time, h, point.positions, problem.AllVelocities(point), {}, solver.end_factor()};
-      if (problem.may_touch()) record.contacts = RecordContacts(problem.ActiveContacts(point));
-      records->push_back(std::move(record));
+    records->reserve(num_parts * num_stages_);  // ends of solves are starts of others
+    for (int i = 0; i < num_parts; ++i) {
+      const Eigen::VectorXd& x = i == 0 ? start.positions : records->back().positions;
+      const Eigen::VectorXd& v = i == 0 ? start.velocities : records->back().velocities;
+      const double end_time =
+          scene_.start_time + ((step - 1) + static_cast<double>(i + 1) / num_parts) * scene_.time_step;
+      const Eigen::VectorXd* guess = has_guesses ? &guesses[i * num_stages_] : nullptr;
+      const bool solved = num_stages_ == 1 ? Solve(step, {x, v}, {h, end_time}, guess, {}, records, failure)
+                                           : SolveInStages(step, {x, v}, h, end_time, guess, records, failure);
+      if (!solved) return false;
     }
+    return true;
+  }
+
+  // Both stages of a step of size h from `start`; `guesses`: null, or one for each.
+  bool SolveInStages(int step, const SolveStart& start, double h, double end_time, const Eigen::VectorXd* guesses,
+                     std::vector<StepRecord>* records, StepFailure* failure) {
+    const double eta = kStageShare * h;
+    const SolveTimes times{eta, end_time - h + eta, Stage::kFirst};
+    if (!Solve(step, start, times, guesses, {}, records, failure)) return false;
+    const StepRecord& first = records->back();
+    const SecondStart second = StartSecondStage(simulator_->model(), parameters_.material, start, first.positions,
+                                                first.velocities, eta, contacts_);
+    // Where contacts do not let the stages resemble each other, the second ends near the first, or where its course
+    // led.
+    std::vector<Eigen::VectorXd> candidates;
+    if (!contacts_.empty() && guesses == nullptr) {
+      const Eigen::VectorXd before = simulator_->model().Gather(start.velocities);
+      const Eigen::VectorXd after = simulator_->model().Gather(first.velocities);
+      candidates = {after, before + (after - before) / kStageShare};
+    }
+    return Solve(step, {second.positions, second.velocities, &start.positions, &first.positions},
+                 {eta, end_time, Stage::kSecond}, guesses == nullptr ? nullptr : guesses + 1, candidates, records,
+                 failure);
+  }
+
+  // Appends the record of one solve, whose contacts stay in `contacts_`.
+  bool Solve(int step, const SolveStart& start, const SolveTimes& times, const Eigen::VectorXd* guess,
+             const std::vector<Eigen::VectorXd>& candidates, std::vector<StepRecord>* records, StepFailure* failure) {
+    StepSolver& solver = simulator_->step_solver();
+    const StepProblem problem(simulator_->model(), parameters_, start, times, &simulator_->step_workspace(),
+                              segment_.handle_offsets);
+    if (!solver.Solve(problem, tolerance_, guess, &point_, &outcome_.counts, candidates)) {
+      *failure = DescribeFailure(step, StepSolver::Tolerance(problem, tolerance_, point_), point_);
+      return false;
+    }
+    StepRecord record{times.end_time,      times.time_step, point_.positions, problem.AllVelocities(point_), {},
+                      solver.end_factor(), times.stage};
+    contacts_.clear();
+    if (problem.may_touch()) {
+      problem.FindActiveContacts(point_, &contacts_);
+      record.contacts = RecordContacts(contacts_);
+    }
+    records->push_back(std::move(record));
     return true;
   }
 
   void CountStep(const std::vector<StepRecord>& records, StepState* state) {
     ++outcome_.counts.steps;
-    outcome_.counts.substeps += static_cast<int>(records.size()) - 1;
+    outcome_.counts.substeps += static_cast<int>(records.size()) / num_stages_ - 1;
     if (!simulator_->model().has_contact()) return;
-    const std::vector<ContactRecord>* before = state->contacts ? &*state->contacts : &records.front().contacts;
+    const std::vector<ContactRecord>* before = state->contacts ? &*state->contacts : &records[num_stages_ - 1].contacts;
     for (const StepRecord& record : records) {
+      if (!record.ends_step()) continue;
       CountContactChanges(*before, record.contacts, &outcome_.counts);
       before = &record.contacts;
     }
@@ -130,8 +172,11 @@ class StepLoop {
   const Parameters& parameters_;
   const Segment& segment_;
   const Scene& scene_;
+  const int num_stages_;  // of the scene's integrator
   Simulator* simulator_;
   double tolerance_;
+  StepPoint point_;                // of the last solve
+  std::vector<Contact> contacts_;  // at the end of the last solve that worked
   SegmentOutcome outcome_;
 };
 

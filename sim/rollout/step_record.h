@@ -8,22 +8,28 @@
 #include <vector>
 
 #include "sim/contact/contact.h"
+#include "sim/step/stage.h"
 
 namespace clothid {
 
 struct ReducedFactor;  // sim/step/step_jacobian.h
 
-// One implicit solve: a time step, or one of the substeps into which a difficult step was cut.
+// One implicit solve: a time step, or one of the substeps into which a difficult step was cut, or a stage of either.
+// With stages the first comes before the second, whose start is not the state of the record before it: see
+// RecordReader.
 struct StepRecord {
-  double time = 0.0;                    // at the end of the step, s
-  double time_step = 0.0;               // h of this solve, s
+  double time = 0.0;                    // at the end of the solve, s
+  double time_step = 0.0;               // h of this solve, eta of a stage, s
   Eigen::VectorXd positions;            // x_{n+1} [3N] m
   Eigen::VectorXd velocities;           // v_{n+1} [3N] m/s
   std::vector<ContactRecord> contacts;  // the sticking and slipping nodes, ascending
   // Of the step Jacobian at the end of the step, or so near to it that few iterations make up for that. Steps that did
   // not need a factor of their own share one. Null: none is kept.
   std::shared_ptr<const ReducedFactor> factor;
+  Stage stage = Stage::kOnly;
 
+  SolveTimes times() const { return {time_step, time, stage}; }
+  bool ends_step() const { return stage != Stage::kFirst; }  // or a substep
   bool is_kept() const { return positions.size() > 0; }
 };
 

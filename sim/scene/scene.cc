@@ -125,6 +125,8 @@ void ValidateRanges(const Scene& scene, const Checker& check) {
 
 }  // namespace
 
+const char* IntegratorName(Integrator integrator) { return integrator == Integrator::kSdirk2 ? "sdirk2" : "euler"; }
+
 int Scene::num_steps() const { return std::max(0, static_cast<int>(std::ceil(duration / time_step - kStepRounding))); }
 
 std::vector<std::string> Scene::obstacle_names() const {

@@ -22,6 +22,15 @@ namespace clothid {
 inline constexpr int kMaxSceneSteps = 10000000;
 inline constexpr std::size_t kMaxObstacles = 1000;
 
+// How a time step is taken: see "One step in time" in sim/README.md.
+enum class Integrator {
+  kEuler,   // backward Euler, of first order: the paper's
+  kSdirk2,  // two implicit stages, of second order but for impacts
+};
+
+// "euler", "sdirk2".
+const char* IntegratorName(Integrator integrator);
+
 // How a node enters the contact set: see "Two contact modes" in sim/README.md.
 enum class ContactMode {
   kGap,       // phi/h + u_N >= 0 for every node: continuous when contacts appear or end
@@ -65,7 +74,8 @@ struct SolverOptions {
 };
 
 struct Scene {
-  double time_step = 0.005;                                    // h, s
+  double time_step = 0.005;  // h, s
+  Integrator integrator = Integrator::kEuler;
   double start_time = 0.0;                                     // s, on the clock of wind and handle path
   double duration = 1.0;                                       // s
   Eigen::Vector3d gravity = Eigen::Vector3d(0.0, 0.0, -9.81);  // g_0, m/s^2

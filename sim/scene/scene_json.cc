@@ -28,9 +28,9 @@ class SceneReader {
       : root_(root), folder_(folder), defaults_(defaults) {}
 
   Scene Read() {
-    root_.ExpectKeys({"clothid_scene", "time_step", "duration", "gravity", "contact", "touch", "depenetration_speed",
-                      "wind", "node_force", "mesh", "initial", "handles", "obstacles", "materials", "parameters",
-                      "solver"});
+    root_.ExpectKeys({"clothid_scene", "time_step", "integrator", "duration", "gravity", "contact", "touch",
+                      "depenetration_speed", "wind", "node_force", "mesh", "initial", "handles", "obstacles",
+                      "materials", "parameters", "solver"});
     const JsonNode version = root_.Require("clothid_scene", "the version of the format: 1");
     if (version.Integer(0, std::numeric_limits<int>::max()) != 1) version.Fail("expected version 1");
     ReadTime();
@@ -61,6 +61,7 @@ class SceneReader {
 
   void ReadTime() {
     ReadPositive(root_, "time_step", &scene_.time_step);
+    ReadIntegrator();
     if (defaults_.has_mesh) {
       ReadPositive(root_, "duration", &scene_.duration);
       scene_.start_time = defaults_.start_time;
@@ -68,6 +69,19 @@ class SceneReader {
     } else {
       scene_.duration = root_.Require("duration", "a number > 0 (s)").PositiveNumber();
     }
+  }
+
+  // Scenes older than the key were made with backward Euler.
+  void ReadIntegrator() {
+    scene_.integrator = Integrator::kEuler;
+    const auto name = root_.Find("integrator");
+    if (!name) return;
+    for (const Integrator integrator : {Integrator::kEuler, Integrator::kSdirk2}) {
+      if (!name->is(Kind::kString) || name->String() != IntegratorName(integrator)) continue;
+      scene_.integrator = integrator;
+      return;
+    }
+    name->Fail("expected \"euler\" or \"sdirk2\"");
   }
 
   void ReadForces() {

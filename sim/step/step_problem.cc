@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/step/second_start.h"
+
 namespace clothid {
 namespace {
 
@@ -53,39 +55,42 @@ std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts) 
 }
 
 std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
-                                     const Eigen::VectorXd& start_positions, double time_step,
+                                     const Eigen::VectorXd& start_positions, const SolveTimes& times,
                                      const std::vector<ContactRecord>& records) {
   std::vector<Contact> contacts;
   contacts.reserve(records.size());
   for (const ContactRecord& record : records) {
     ContactCandidate candidate;
-    FindCandidate(model, record.node, start_positions, time_step, &candidate);
+    FindCandidate(model, record.node, start_positions, times.gap_time(), &candidate);
     const double mu = parameters.friction_coefficients[record.obstacle];
     contacts.push_back({candidate, EvaluateContactLaw(record.force, candidate.normal, mu), record.force,
-                        SystemDiagonal(model, parameters.material, time_step, record.node)});
+                        SystemDiagonal(model, parameters.material, times.time_step, record.node)});
   }
   return contacts;
 }
 
-StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
-                         const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace,
-                         const HandlePath* handle_offsets)
-    : model_(model), parameters_(parameters), work_(*workspace), time_step_(time_step), end_time_(end_time) {
-  const bool changed = work_.time_step != time_step || !SameMaterial(work_.material, parameters.material);
+StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, const SolveStart& start,
+                         const SolveTimes& times, StepWorkspace* workspace, const HandlePath* handle_offsets)
+    : model_(model),
+      parameters_(parameters),
+      work_(*workspace),
+      time_step_(times.time_step),
+      end_time_(times.end_time) {
+  const bool changed = work_.time_step != time_step_ || !SameMaterial(work_.material, parameters.material);
   if (changed) SetConstants();
   if (changed || model.drag() != nullptr) SetExternalImpulse();
   SetHandles(handle_offsets);
-  work_.start_positions = positions;
+  work_.start_positions = start.positions;
   work_.start_velocities.resize(3 * model.num_free());
   double square = 0.0;
   for (int i = 0; i < model.num_free(); ++i) {
-    const Eigen::Vector3d velocity = velocities.segment<3>(3 * model.free_nodes()[i]);
+    const Eigen::Vector3d velocity = start.velocities.segment<3>(3 * model.free_nodes()[i]);
     work_.start_velocities.segment<3>(3 * i) = velocity;
     square += (work_.masses[i] * velocity).squaredNorm();
   }
   work_.start_momentum = std::sqrt(square);
-  if (model.damping() != nullptr) model.damping()->SetMetrics(positions, &work_.start_metrics);
-  if (model.has_contact()) FindCandidates(model, positions, time_step, &work_.candidates);
+  if (model.damping() != nullptr) SetStartMetrics(model, start, &work_.start_metrics);
+  if (model.has_contact()) FindCandidates(model, start.positions, times.gap_time(), &work_.candidates);
 }
 
 StepProblem StepProblem::WithFriction(double share) const {

@@ -1,4 +1,5 @@
-// The equations of one implicit step (Eqs. (8) and (9) of the DiffCloth paper), in the velocity v = v_{n+1}:
+// The equations of one implicit solve, a step or a stage of one (stage.h), here called a step (Eqs. (8) and (9) of the
+// DiffCloth paper), in the velocity v = v_{n+1}:
 //
 //   g(v) = M (v - v_n) - h f_ext(v) - h f_int(x_n + h v; x_n) = J^T r,   (r, u = J v) in the contact law
 //   Phi(v) = g(v) - J^T r(F(v)),  F = d v - g + (d gap_speed) n     its root is the step
@@ -16,6 +17,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact.h"
 #include "sim/scene/parameters.h"
+#include "sim/step/stage.h"
 
 namespace clothid {
 
@@ -49,7 +51,7 @@ struct StepWorkspace {
   Eigen::VectorXd start_velocities;          // v_n
   double start_momentum = 0.0;               // |M v_n|, N s
   Eigen::VectorXd handle_positions;          // at the end, in the order of the scene's handles
-  std::vector<MetricBatch> start_metrics;    // C(x_n); empty without damping
+  std::vector<MetricBatch> start_metrics;    // C(x_n), or C_s; empty without damping
   std::vector<ContactCandidate> candidates;  // empty without obstacles
   Eigen::VectorXd force;                     // [3N] scratch
 };
@@ -63,19 +65,17 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
 // What a rollout keeps of contacts.
 std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts);
 
-// The contacts behind `records` of a step of size `time_step` from `start_positions` x_n [3N]: the numbers of its
-// solver to the last bit.
+// The contacts behind `records` of a solve from `start_positions` x_n [3N]: the numbers of its solver to the last bit.
 std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
-                                     const Eigen::VectorXd& start_positions, double time_step,
+                                     const Eigen::VectorXd& start_positions, const SolveTimes& times,
                                      const std::vector<ContactRecord>& records);
 
 class StepProblem {
  public:
-  // From (x_n, v_n) [3N] over `time_step` to `end_time`. Model, parameters and workspace must outlive the problem,
-  // which has the workspace for itself. `handle_offsets` (may be null): added to the path of the handles.
-  StepProblem(const ClothModel& model, const Parameters& parameters, const Eigen::VectorXd& positions,
-              const Eigen::VectorXd& velocities, double time_step, double end_time, StepWorkspace* workspace,
-              const HandlePath* handle_offsets = nullptr);
+  // Model, parameters and workspace must outlive the problem, which has the workspace for itself. `handle_offsets` (may
+  // be null): added to the path of the handles.
+  StepProblem(const ClothModel& model, const Parameters& parameters, const SolveStart& start, const SolveTimes& times,
+              StepWorkspace* workspace, const HandlePath* handle_offsets = nullptr);
 
   // The same step with every friction coefficient times `share`, on the same workspace.
   StepProblem WithFriction(double share) const;

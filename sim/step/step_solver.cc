@@ -78,7 +78,11 @@ void StepSolver::Start(const Task& task, StepPoint* point) {
   const StepProblem& problem = task.problem;
   StartAt(problem, problem.start_velocities(), point);
   if (acceleration_.size() == 0 || task.IsSolvedAt(*point)) return;
-  StartAt(problem, problem.start_velocities() + problem.time_step() * acceleration_, &trial_);
+  StartAtBetter(task, problem.start_velocities() + problem.time_step() * acceleration_, point);
+}
+
+void StepSolver::StartAtBetter(const Task& task, const Eigen::VectorXd& velocities, StepPoint* point) {
+  StartAt(task.problem, velocities, &trial_);
   if (trial_.residual.norm() < point->residual.norm()) std::swap(*point, trial_);
 }
 
@@ -89,12 +93,15 @@ void StepSolver::StartAt(const StepProblem& problem, const Eigen::VectorXd& velo
 }
 
 bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
-                       RolloutCounts* counts) {
+                       RolloutCounts* counts, const std::vector<Eigen::VectorXd>& candidates) {
   const Task task{problem, tolerance, counts};
   if (guess != nullptr) {
     StartAt(problem, *guess, point);
   } else {
     Start(task, point);
+    for (const Eigen::VectorXd& candidate : candidates) {
+      if (!task.IsSolvedAt(*point)) StartAtBetter(task, candidate, point);
+    }
   }
   acceleration_.resize(0);
   bool solved = Newton(task, point);

@@ -31,9 +31,10 @@ class StepSolver {
   // Solves `problem` from its start velocities, or from `guess` [3 Nf], which may be null; with a guess, one iteration
   // beyond the tolerance, because how the solution differs from the guess may be what is asked for. True: `point`
   // satisfies the step to the relative residual `tolerance` (or the rounding floor, where that is larger). False:
-  // `point` is the best one met. Adds its work to `counts`.
+  // `point` is the best one met. Adds its work to `counts`. `candidates` [3 Nf each]: further velocities that it may
+  // start from, where it has no guess.
   bool Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
-             RolloutCounts* counts);
+             RolloutCounts* counts, const std::vector<Eigen::VectorXd>& candidates = {});
 
   // What `Solve` asks for at `point`: `tolerance`, or the rounding floor where that is larger.
   static double Tolerance(const StepProblem& problem, double tolerance, const StepPoint& point);
@@ -59,6 +60,8 @@ class StepSolver {
   void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
   void Start(const Task& task, StepPoint* point);
+  // Starts at `velocities` where the residual is smaller there.
+  void StartAtBetter(const Task& task, const Eigen::VectorXd& velocities, StepPoint* point);
   void StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   // A full Newton iteration from a solution, kept where it is one, too.
   void Refine(const Task& task, StepPoint* point);

@@ -90,7 +90,8 @@ void PrintScene(const Scene& scene) {
   const Parameters nominal = scene.nominal_parameters();
   std::cout << "scene\n  nodes " << scene.mesh.num_nodes() << ", faces " << scene.mesh.num_faces() << ", handles "
             << scene.handles.nodes.size() << (scene.handles.path.num_handles() > 0 ? " (moving)" : "")
-            << "\n  time step " << scene.time_step << " s, " << scene.num_steps() << " steps, contact mode "
+            << "\n  time step " << scene.time_step << " s, " << scene.num_steps() << " steps, integrator "
+            << IntegratorName(scene.integrator) << ", contact mode "
             << (scene.contact_mode == ContactMode::kGap ? "gap" : "velocity") << "\n  nominal: density "
             << nominal.material.density << " kg/m^2, k_stretch " << nominal.material.stretch_stiffness
             << " N/m, k_bend " << nominal.material.bending_stiffness << " N m, drag " << nominal.material.drag

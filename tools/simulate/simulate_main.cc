@@ -124,10 +124,11 @@ void CheckMemory(double num_nodes, double num_steps) {
                                      std::to_string(std::llround(most / kGigabyte)));
 }
 
-// Nodes sticking at the end of a solve, summed over the solves.
+// Nodes sticking at the end of a step or substep, summed over them.
 int CountStick(const Rollout& rollout) {
   int num_stick = 0;
   for (const StepRecord& record : rollout.records) {
+    if (!record.ends_step()) continue;
     for (const ContactRecord& contact : record.contacts) num_stick += contact.branch == ContactBranch::kStick;
   }
   return num_stick;

@@ -53,8 +53,8 @@ TEST_F(AirDragTest, TheImpulseOfAStepIsTheFormula) {
   const double h = scene_.time_step, end_time = 0.2;
   const Eigen::VectorXd start = scene_.initial_positions, rest = scene_.initial_velocities;
   const Parameters parameters = scene_.nominal_parameters(), still_parameters = still.nominal_parameters();
-  const StepProblem problem(simulator.model(), parameters, start, rest, h, end_time, &simulator.step_workspace());
-  const StepProblem without(still_simulator.model(), still_parameters, start, rest, h, end_time,
+  const StepProblem problem(simulator.model(), parameters, {start, rest}, {h, end_time}, &simulator.step_workspace());
+  const StepProblem without(still_simulator.model(), still_parameters, {start, rest}, {h, end_time},
                             &still_simulator.step_workspace());
   const auto drag_of = [&](const Eigen::VectorXd& v, Eigen::VectorXd* impulse) {
     StepPoint point, still_point;

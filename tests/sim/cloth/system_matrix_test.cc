@@ -27,7 +27,7 @@ TEST(SystemMatrixTest, HasTheTermsOfTheStep) {
   const ClothModel& model = simulator.model();
   const Eigen::SparseMatrix<double> matrix = AssembleSystemMatrix(model, scene.material, h);
   const Parameters parameters = scene.nominal_parameters();
-  const StepProblem problem(model, parameters, scene.initial_positions, scene.initial_velocities, h, h,
+  const StepProblem problem(model, parameters, {scene.initial_positions, scene.initial_velocities}, {h, h},
                             &simulator.step_workspace());
   ASSERT_EQ(static_cast<int>(problem.candidates().size()), model.num_nodes());
   for (int i = 0; i < model.num_nodes(); ++i) {

@@ -48,7 +48,7 @@ class StepDerivativeTest : public ::testing::Test {
     }
     EXPECT_TRUE(record_.is_kept()) << "no step with enough contacts";
     solution_ = simulator_.model().Gather(record_.velocities);
-    derivative_ = std::make_unique<StepDerivative>(record_, x_, v_, parameters_, &simulator_);
+    derivative_ = std::make_unique<StepDerivative>(record_, SolveStart{x_, v_}, parameters_, &simulator_);
     EXPECT_TRUE(derivative_->Factor(StepJacobian::Method::kLu));
   }
 
@@ -69,8 +69,8 @@ class StepDerivativeTest : public ::testing::Test {
   // Phi at v for another start and other parameters. The contacts stay in their branches.
   Eigen::VectorXd Residual(const Eigen::VectorXd& velocities, const Eigen::VectorXd& start_positions,
                            const Eigen::VectorXd& start_velocities, const Parameters& parameters) {
-    const StepProblem problem(simulator_.model(), parameters, start_positions, start_velocities, record_.time_step,
-                              record_.time, &simulator_.step_workspace());
+    const StepProblem problem(simulator_.model(), parameters, {start_positions, start_velocities}, record_.times(),
+                              &simulator_.step_workspace());
     StepPoint point;
     problem.Evaluate(velocities, &point);
     const std::vector<ContactRecord> contacts = RecordContacts(problem.ActiveContacts(point));

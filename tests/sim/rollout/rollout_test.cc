@@ -32,14 +32,13 @@ TEST_P(StoredContactsTest, BringBackThoseOfTheSolver) {
   std::size_t num_contacts = 0;
   for (std::size_t i = 0; i < rollout.records.size(); ++i) {
     const StepRecord& record = rollout.records[i];
-    const Eigen::VectorXd& start = reader.start_positions(static_cast<int>(i));
-    const StepProblem problem(simulator.model(), rollout.parameters, start,
-                              reader.start_velocities(static_cast<int>(i)), record.time_step, record.time,
+    const SolveStart start = reader.start(static_cast<int>(i));
+    const StepProblem problem(simulator.model(), rollout.parameters, start, record.times(),
                               &simulator.step_workspace());
     problem.Evaluate(simulator.model().Gather(record.velocities), &point);
     const std::vector<Contact> solved = problem.ActiveContacts(point);
     const std::vector<Contact> restored =
-        RestoreContacts(simulator.model(), rollout.parameters, start, record.time_step, record.contacts);
+        RestoreContacts(simulator.model(), rollout.parameters, start.positions, record.times(), record.contacts);
     ASSERT_EQ(restored.size(), solved.size());
     num_contacts += solved.size();
     for (std::size_t j = 0; j < solved.size(); ++j) {

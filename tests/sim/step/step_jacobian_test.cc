@@ -23,7 +23,7 @@ class StepJacobianTest : public ::testing::TestWithParam<std::string> {
     const StepRecord& record = rollout_.records[i];
     const Eigen::VectorXd& start = i == 0 ? rollout_.initial_positions : rollout_.records[i - 1].positions;
     const std::vector<Contact> contacts =
-        RestoreContacts(simulator_.model(), rollout_.parameters, start, record.time_step, record.contacts);
+        RestoreContacts(simulator_.model(), rollout_.parameters, start, record.times(), record.contacts);
     AssembleStepHessian(simulator_.model(), rollout_.parameters, record.time_step, HessianKind::kExact, {},
                         record.positions, hessian);
     ASSERT_TRUE(jacobian->Factor(method, *hessian, contacts, rollout_.parameters.friction_coefficients));

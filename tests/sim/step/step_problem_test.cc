@@ -61,7 +61,7 @@ class StepProblemTest : public ::testing::Test {
   }
 
   StepProblem Problem(double time_step, StepWorkspace* workspace) {
-    return StepProblem(simulator_.model(), parameters_, x_, v_, time_step, 0.3, workspace);
+    return StepProblem(simulator_.model(), parameters_, {x_, v_}, {time_step, 0.3}, workspace);
   }
 
   std::mt19937_64 generator_{7};

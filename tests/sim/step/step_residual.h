@@ -24,7 +24,7 @@ inline StepResidual ResidualOf(const Rollout& rollout, std::size_t i, Simulator*
   const StepRecord& record = rollout.records[i];
   const Eigen::VectorXd& x = i == 0 ? rollout.initial_positions : rollout.records[i - 1].positions;
   const Eigen::VectorXd& v = i == 0 ? rollout.initial_velocities : rollout.records[i - 1].velocities;
-  const StepProblem problem(simulator->model(), rollout.parameters, x, v, record.time_step, record.time,
+  const StepProblem problem(simulator->model(), rollout.parameters, {x, v}, record.times(),
                             &simulator->step_workspace());
   StepPoint point;
   problem.Evaluate(simulator->model().Gather(record.velocities), &point);

@@ -115,7 +115,7 @@ EnergyFlow StepEnergyFlow(const StepRecord& record, const Eigen::VectorXd& start
   }
   flow.damping_loss = -viscous.dot(displacement);
   flow.elastic_loss = start.elastic() - end.elastic() - elastic.dot(displacement);
-  const StepProblem problem(model, parameters, start_positions, start_velocities, record.time_step, record.time,
+  const StepProblem problem(model, parameters, {start_positions, start_velocities}, record.times(),
                             &simulator->step_workspace());
   StepPoint point;
   problem.Evaluate(model.Gather(record.velocities), &point);

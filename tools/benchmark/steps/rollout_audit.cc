@@ -44,7 +44,7 @@ void AuditRecord(const StepRecord& record, const Eigen::VectorXd& start_position
                  const Eigen::VectorXd& start_velocities, const Parameters& parameters, Simulator* simulator,
                  RolloutAudit* audit) {
   const ClothModel& model = simulator->model();
-  const StepProblem problem(model, parameters, start_positions, start_velocities, record.time_step, record.time,
+  const StepProblem problem(model, parameters, {start_positions, start_velocities}, record.times(),
                             &simulator->step_workspace());
   StepPoint point;
   problem.Evaluate(model.Gather(record.velocities), &point);

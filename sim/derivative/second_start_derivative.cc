@@ -1,0 +1,71 @@
+#include "sim/derivative/second_start_derivative.h"
+
+namespace clothid {
+
+SecondStartDerivative::SecondStartDerivative(const StepRecord& first, const SolveStart& start,
+                                             const std::vector<Contact>& contacts, const Parameters& parameters,
+                                             const ClothModel& model) {
+  for (const Contact& contact : contacts) {
+    const int node = contact.candidate.node;
+    const double area = model.node_areas()[node], mass = parameters.material.density * area;
+    const Eigen::Vector3d change = first.velocities.segment<3>(3 * node) - start.velocities.segment<3>(3 * node);
+    if (ImpactShare(contact, mass, change) == 0.0) continue;
+    ImpactVelocityDerivative derivative = DifferentiateImpactVelocity(contact, mass, change);
+    derivative.change *= kSecondStageReach;
+    derivative.impulse *= kSecondStageReach;
+    derivative.position *= kSecondStageReach;
+    derivative.mass *= kSecondStageReach;
+    impacts_.push_back({3 * model.free_index()[node], area, derivative});
+  }
+}
+
+StateColumns SecondStartDerivative::Times(const StateColumns& start, const StateColumns& first) const {
+  return {start.positions + kSecondStageReach * (first.positions - start.positions),
+          start.velocities + kSecondStageReach * (first.velocities - start.velocities)};
+}
+
+void SecondStartDerivative::SubtractImpacts(const StateColumns& start, const StateColumns& first,
+                                            const Eigen::MatrixXd& impulse, StateColumns* second) const {
+  for (const auto& [row, slope, impact] : impacts_) {
+    second->velocities.middleRows<3>(row) -=
+        impact.change * (first.velocities.middleRows<3>(row) - start.velocities.middleRows<3>(row)) +
+        impact.impulse * impulse.middleRows<3>(row) + impact.position * start.positions.middleRows<3>(row);
+  }
+}
+
+void SecondStartDerivative::SubtractDensity(int column, StateColumns* second) const {
+  for (const auto& [row, slope, impact] : impacts_) {
+    second->velocities.col(column).segment<3>(row) -= slope * impact.mass;
+  }
+}
+
+void SecondStartDerivative::AddTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const {
+  start->positions += (1.0 - kSecondStageReach) * second.positions;
+  start->velocities += (1.0 - kSecondStageReach) * second.velocities;
+  first->positions += kSecondStageReach * second.positions;
+  first->velocities += kSecondStageReach * second.velocities;
+}
+
+Eigen::MatrixXd SecondStartDerivative::AddImpactsTransposed(const StateColumns& second, StateColumns* start,
+                                                            StateColumns* first) const {
+  Eigen::MatrixXd impulse = Eigen::MatrixXd::Zero(second.velocities.rows(), second.velocities.cols());
+  for (const auto& [row, slope, impact] : impacts_) {
+    const Eigen::MatrixXd rows = second.velocities.middleRows<3>(row);
+    const Eigen::MatrixXd by_change = impact.change.transpose() * rows;
+    first->velocities.middleRows<3>(row) -= by_change;
+    start->velocities.middleRows<3>(row) += by_change;
+    start->positions.middleRows<3>(row) -= impact.position.transpose() * rows;
+    impulse.middleRows<3>(row) = -(impact.impulse.transpose() * rows);
+  }
+  return impulse;
+}
+
+Eigen::RowVectorXd SecondStartDerivative::DensityGradient(const StateColumns& second) const {
+  Eigen::RowVectorXd gradient = Eigen::RowVectorXd::Zero(second.velocities.cols());
+  for (const auto& [row, slope, impact] : impacts_) {
+    gradient -= slope * (impact.mass.transpose() * second.velocities.middleRows<3>(row));
+  }
+  return gradient;
+}
+
+}  // namespace clothid
