@@ -81,7 +81,7 @@ class StepLoop {
     const int most = 1 << scene_.solver.max_substep_halvings;
     if (first > most) {
       return FailureWithout(step, "is cut into " + std::to_string(first) +
-                                      " parts in the rollout that it follows; expected at most " +
+                                      " solves in the rollout that it follows; expected at most " +
                                       std::to_string(most) + ", as the scene's max_substep_halvings says");
     }
     std::optional<StepFailure> failure;

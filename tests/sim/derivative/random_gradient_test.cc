@@ -24,7 +24,9 @@ namespace {
 // of a random choice of parameters, x_0 and v_0, in which each is changed by about its own size.
 class RandomDerivative {
  public:
-  RandomDerivative(std::uint64_t seed, double step_tolerance) : random_(seed), scene_(MakeRandomScene(seed)) {
+  RandomDerivative(std::uint64_t seed, double step_tolerance, Integrator integrator = Integrator::kEuler)
+      : random_(seed), scene_(MakeRandomScene(seed)) {
+    scene_.scene.integrator = integrator;
     scene_.scene.solver.step_tolerance = step_tolerance;
     const Eigen::Index size = scene().initial_positions.size();
     parameters_ = scene().nominal_parameters();
@@ -146,12 +148,22 @@ class RandomDerivative {
   std::vector<Eigen::VectorXd> weights_;  // per step
 };
 
+class IntegratorGradientTest : public ::testing::TestWithParam<Integrator> {
+ protected:
+  // Scenes with the other integrator are fewer.
+  static int NumScenes() { return GetParam() == Integrator::kEuler ? 80 : 40; }
+};
+
+INSTANTIATE_TEST_SUITE_P(Integrators, IntegratorGradientTest,
+                         ::testing::Values(Integrator::kEuler, Integrator::kSdirk2),
+                         [](const auto& test) { return std::string(IntegratorName(test.param)); });
+
 // To rounding and the tolerance of the linear systems, 1e-12, which a step of light and stiff cloth that is about to
 // buckle multiplies by its condition: up to 1e4 in a few scenes of a thousand.
-TEST(RandomGradientTest, AdjointEqualsSensitivity) {
+TEST_P(IntegratorGradientTest, AdjointEqualsSensitivity) {
   int differentiated = 0, equal = 0;
-  for (const std::uint64_t seed : PropertySeeds(80)) {
-    const RandomDerivative derivative(seed, 1e-8);
+  for (const std::uint64_t seed : PropertySeeds(NumScenes())) {
+    const RandomDerivative derivative(seed, 1e-8, GetParam());
     SCOPED_TRACE(derivative.description());
     Simulator simulator(derivative.scene());
     const Rollout rollout = derivative.Run(0.0, &simulator);
@@ -186,11 +198,11 @@ TEST(RandomGradientTest, EveryMethodGivesTheAdjoint) {
   }
 }
 
-TEST(RandomGradientTest, AdjointEqualsCentralDifferencesWhereTheySettle) {
-  const std::vector<std::uint64_t> seeds = PropertySeeds(80);
+TEST_P(IntegratorGradientTest, AdjointEqualsCentralDifferencesWhereTheySettle) {
+  const std::vector<std::uint64_t> seeds = PropertySeeds(NumScenes());
   int settled = 0;
   for (const std::uint64_t seed : seeds) {
-    const RandomDerivative derivative(seed, 1e-12);
+    const RandomDerivative derivative(seed, 1e-12, GetParam());
     SCOPED_TRACE(derivative.description());
     Simulator simulator(derivative.scene());
     const Rollout rollout = derivative.Run(0.0, &simulator);
