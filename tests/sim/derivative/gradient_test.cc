@@ -191,8 +191,8 @@ std::vector<GradientParam> WithIntegrators(const std::vector<std::pair<std::stri
   return params;
 }
 
-// SDIRK2 tells forces from impacts by the sign of a change of normal velocity (sim/contact/impact_share.h). A cloth that
-// starts to slide on the plane, exactly at rest in its normal direction, stands on that kink: this one arrives.
+// SDIRK2 tells forces from impacts by the sign of a change of normal velocity (sim/contact/impact_share.h). A cloth
+// that starts to slide on the plane, exactly at rest in its normal direction, stands on that kink: this one arrives.
 void Land(Scene* scene) {
   const Eigen::Vector3d normal = scene->obstacles[0].shape->Closest(Eigen::Vector3d::Zero()).normal;
   const bool gap_mode = scene->contact_mode == ContactMode::kGap;

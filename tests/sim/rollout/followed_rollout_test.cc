@@ -11,9 +11,12 @@
 namespace clothid {
 namespace {
 
+class FollowedRolloutTest : public testing::TestWithParam<Integrator> {};
+
 // With other parameters the steps start where the solution is not, with the same ones where it is.
-TEST(FollowedRolloutTest, KeepsSolutionsAndSubsteps) {
+TEST_P(FollowedRolloutTest, KeepsSolutionsAndSubsteps) {
   Scene scene = ShippedScene("drape", 8);
+  scene.integrator = GetParam();
   scene.solver.max_newton_iterations = 3;  // too few for some steps, which are then cut
   Simulator simulator(scene);
   Parameters parameters = scene.nominal_parameters();
@@ -23,7 +26,9 @@ TEST(FollowedRolloutTest, KeepsSolutionsAndSubsteps) {
   RolloutOptions options;
   options.followed = &first;
   const Rollout same = Simulate(parameters, scene.num_steps(), &simulator, nullptr, options);
-  EXPECT_LE(same.counts.newton_iterations, 1.1 * static_cast<double>(first.records.size()));
+  // One iteration beyond the tolerance for each solve, and one more where a second stage starts a little elsewhere.
+  const double most = GetParam() == Integrator::kEuler ? 1.1 : 2.1;
+  EXPECT_LE(same.counts.newton_iterations, most * static_cast<double>(first.records.size()));
   EXPECT_EQ(same.last_record, first.last_record);
   EXPECT_LE((same.records.back().positions - first.records.back().positions).norm(), 1e-7 * ClothSize(scene.mesh));
 
@@ -39,7 +44,10 @@ TEST(FollowedRolloutTest, KeepsSolutionsAndSubsteps) {
 }
 
 // A step that the followed rollout cut finer than the scene allows has no solution here, and the rollout says so.
-TEST(FollowedRolloutTest, TooManySubstepsAreAFailure) {
+INSTANTIATE_TEST_SUITE_P(Integrators, FollowedRolloutTest, testing::Values(Integrator::kEuler, Integrator::kSdirk2),
+                         [](const auto& test) { return std::string(IntegratorName(test.param)); });
+
+TEST(FollowedTooFarTest, TooManySubstepsAreAFailure) {
   Scene scene = ShippedScene("drape", 8);
   scene.solver.max_newton_iterations = 3;
   Simulator simulator(scene);

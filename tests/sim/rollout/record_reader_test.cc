@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,12 +20,13 @@ namespace clothid {
 namespace {
 
 // `drape` with and without substeps: 80 steps, in segments of 9, so that the last is shorter.
-class CheckpointTest : public testing::TestWithParam<bool> {
+class CheckpointTest : public testing::TestWithParam<std::tuple<bool, Integrator>> {
  protected:
   static constexpr int kInterval = 9;
 
   CheckpointTest() : scene_(ShippedScene("drape", 8)), simulator_(scene_) {
-    if (GetParam()) scene_.solver.max_newton_iterations = 3;  // too few for some steps, which are then cut
+    scene_.integrator = std::get<1>(GetParam());
+    if (has_substeps()) scene_.solver.max_newton_iterations = 3;  // too few for some steps, which are then cut
     simulator_ = Simulator(scene_);
     parameters_ = scene_.nominal_parameters();
     RolloutOptions options;
@@ -34,8 +37,10 @@ class CheckpointTest : public testing::TestWithParam<bool> {
     };
     rollout_ = Simulate(parameters_, scene_.num_steps(), &simulator_, nullptr, options);
     EXPECT_TRUE(rollout_.ok()) << rollout_.failure->ToString();
-    EXPECT_EQ(rollout_.counts.substeps > 0, GetParam());
+    EXPECT_EQ(rollout_.counts.substeps > 0, has_substeps());
   }
+
+  static bool has_substeps() { return std::get<0>(GetParam()); }
 
   // The steps of the same segments, all kept.
   Rollout KeepAll() {
@@ -139,9 +144,15 @@ TEST_P(CheckpointTest, AnotherSimulatorIsNoticed) {
   EXPECT_THROW(Gradient(rollout_), std::runtime_error);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, WholeStepsTest, testing::Values(false));
-INSTANTIATE_TEST_SUITE_P(Scenes, CheckpointTest, testing::Bool(),
-                         [](const auto& test) { return test.param ? "WithSubsteps" : "WholeSteps"; });
+INSTANTIATE_TEST_SUITE_P(Scenes, WholeStepsTest,
+                         testing::Values(std::tuple(false, Integrator::kEuler),
+                                         std::tuple(false, Integrator::kSdirk2)));
+INSTANTIATE_TEST_SUITE_P(Scenes, CheckpointTest,
+                         testing::Combine(testing::Bool(), testing::Values(Integrator::kEuler, Integrator::kSdirk2)),
+                         [](const auto& test) {
+                           return std::string(std::get<0>(test.param) ? "WithSubsteps" : "WholeSteps") +
+                                  (std::get<1>(test.param) == Integrator::kEuler ? "" : "Sdirk2");
+                         });
 
 }  // namespace
 }  // namespace clothid

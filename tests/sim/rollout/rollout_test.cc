@@ -18,11 +18,12 @@
 namespace clothid {
 namespace {
 
-class StoredContactsTest : public testing::TestWithParam<std::tuple<std::string, ContactMode>> {};
+class StoredContactsTest : public testing::TestWithParam<std::tuple<std::string, ContactMode, Integrator>> {};
 
 TEST_P(StoredContactsTest, BringBackThoseOfTheSolver) {
   Scene scene = ShippedScene(std::get<0>(GetParam()), 10);
   scene.contact_mode = std::get<1>(GetParam());
+  scene.integrator = std::get<2>(GetParam());
   scene.material.damping = 0.01;
   Simulator simulator(scene);
   const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator);
@@ -61,10 +62,12 @@ TEST_P(StoredContactsTest, BringBackThoseOfTheSolver) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, StoredContactsTest,
                          testing::Combine(testing::Values("drape", "slope"),
-                                          testing::Values(ContactMode::kGap, ContactMode::kVelocity)),
+                                          testing::Values(ContactMode::kGap, ContactMode::kVelocity),
+                                          testing::Values(Integrator::kEuler, Integrator::kSdirk2)),
                          [](const auto& test) {
                            const bool gap = std::get<1>(test.param) == ContactMode::kGap;
-                           return std::get<0>(test.param) + (gap ? "Gap" : "Velocity");
+                           return std::get<0>(test.param) + (gap ? "Gap" : "Velocity") +
+                                  (std::get<2>(test.param) == Integrator::kEuler ? "" : "Sdirk2");
                          });
 
 TEST(RolloutOptionsTest, StandForTheirCounterpartsInTheScene) {
@@ -90,11 +93,17 @@ TEST(RolloutOptionsTest, StandForTheirCounterpartsInTheScene) {
 }
 
 // Rollouts whose steps end with factors.
-class KeptFactorsTest : public testing::TestWithParam<std::string> {
+class KeptFactorsTest : public testing::TestWithParam<std::tuple<std::string, Integrator>> {
  protected:
   static constexpr std::size_t kPlenty = std::size_t{1} << 30;  // bytes
 
-  KeptFactorsTest() : simulator_(ShippedScene(GetParam(), 8)) {}
+  KeptFactorsTest() : simulator_(MakeScene()) {}
+
+  static Scene MakeScene() {
+    Scene scene = ShippedScene(std::get<0>(GetParam()), 8);
+    scene.integrator = std::get<1>(GetParam());
+    return scene;
+  }
 
   Rollout Run(std::size_t factor_memory, int checkpoint_interval = 0) {
     RolloutOptions options;
@@ -113,8 +122,8 @@ class KeptFactorsTest : public testing::TestWithParam<std::string> {
     AdjointOptions options;
     options.use_kept_factors = use_kept_factors;
     // On `slope` the cloth slides without strain: nothing depends on the stiffness.
-    const ParameterId id = GetParam() == "wind" ? ParameterId{ParameterKind::kStretchStiffness}
-                                                : ParameterId{ParameterKind::kFriction, kAllObstacles};
+    const ParameterId id = std::get<0>(GetParam()) == "wind" ? ParameterId{ParameterKind::kStretchStiffness}
+                                                             : ParameterId{ParameterKind::kFriction, kAllObstacles};
     return PullBack(rollout, {id}, 1, seed, &simulator_, options);
   }
 
@@ -158,8 +167,13 @@ TEST_P(KeptFactorsTest, GoWithCheckpoints) {
   EXPECT_LE((kept.parameters - own.parameters).norm(), 1e-10 * own.parameters.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, KeptFactorsTest, testing::Values("drape", "slope", "wind"),
-                         [](const auto& scene) { return scene.param; });
+INSTANTIATE_TEST_SUITE_P(Scenes, KeptFactorsTest,
+                         testing::Combine(testing::Values("drape", "slope", "wind"),
+                                          testing::Values(Integrator::kEuler, Integrator::kSdirk2)),
+                         [](const auto& test) {
+                           return std::get<0>(test.param) +
+                                  (std::get<1>(test.param) == Integrator::kEuler ? "" : "Sdirk2");
+                         });
 
 TEST(CheckpointIntervalTest, FitsTheLimitAndRepeatsAsLittleAsItCan) {
   const Scene scene = ShippedScene("drape", 8);

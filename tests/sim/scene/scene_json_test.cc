@@ -15,7 +15,7 @@ namespace {
 constexpr ErrorKind kBadData = ErrorKind::kBadData;
 
 constexpr char kFull[] = R"({
-  "clothid_scene": 1, "time_step": 0.01, "duration": 0.5, "gravity": [0, 1, -9], "contact": "velocity", "touch": 1e-4,
+  "clothid_scene": 1, "time_step": 0.01, "integrator": "sdirk2", "duration": 0.5, "gravity": [0, 1, -9], "contact": "velocity", "touch": 1e-4,
   "depenetration_speed": 2,
   "wind": {"mean": [1, 2, 3], "gust": [4, 5, 6], "frequency": 7, "wave_vector": [8, 9, 10]}, "node_force": [0, 0, 0.5],
   "mesh": {"grid": {"nodes": [4, 3], "size": [0.6, 0.2], "origin": [1, 2, 3], "axes": [[0, 1, 0], [0, 0, 1]]}},
@@ -50,6 +50,7 @@ void ExpectBadMember(const std::string& members, std::initializer_list<const cha
 TEST(ParseScene, ReadsEveryKey) {
   const Scene scene = ParseScene(kFull, "scene.json", "");
   EXPECT_EQ(scene.time_step, 0.01);
+  EXPECT_EQ(scene.integrator, Integrator::kSdirk2);
   EXPECT_EQ(scene.duration, 0.5);
   EXPECT_EQ(scene.num_steps(), 50);
   EXPECT_EQ(scene.start_time, 0.0);
@@ -107,6 +108,7 @@ TEST(ParseScene, NominalValuesOverrideTheMaterial) {
 
 TEST(ParseScene, ASmallSceneHasDefaults) {
   const Scene scene = ParseScene(SmallScene(""), "scene.json", "");
+  EXPECT_EQ(scene.integrator, Integrator::kEuler);
   EXPECT_EQ(scene.contact_mode, ContactMode::kGap);
   EXPECT_EQ(scene.initial_velocities, Eigen::VectorXd::Zero(27));
   EXPECT_TRUE(scene.handles.nodes.empty());
@@ -114,6 +116,13 @@ TEST(ParseScene, ASmallSceneHasDefaults) {
   EXPECT_FALSE(scene.has_bending());
   EXPECT_FALSE(scene.has_drag());
   EXPECT_FALSE(scene.has_damping());
+}
+
+TEST(ParseScene, RefusesAnIntegratorThatItDoesNotKnow) {
+  EXPECT_EQ(ParseScene(SmallScene("\"integrator\": \"euler\""), "scene.json", "").integrator, Integrator::kEuler);
+  for (const char* member : {"\"integrator\": \"verlet\"", "\"integrator\": 2", "\"integrator\": null"}) {
+    ExpectBadMember(member, {"scene.json:2: key 'integrator': expected \"euler\" or \"sdirk2\""});
+  }
 }
 
 TEST(ParseScene, AScenesTermsAreThoseOfAPositiveNominalValue) {
