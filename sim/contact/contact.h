@@ -42,7 +42,7 @@ struct ContactRecord {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F
 };
 
-// `node` and its nearest obstacle in a solve that starts at `positions` [3N]. `gap_time`: T, within which the gap may be
+// `node` and its nearest obstacle in a solve that starts at `positions` [3N]. `gap_time`: T, within which a gap may be
 // used up, s; the size of the solve, unless sim/step/stage.h says otherwise.
 void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& positions, double gap_time,
                    ContactCandidate* candidate);

@@ -122,14 +122,9 @@ class StepLoop {
     const StepRecord& first = records->back();
     const SecondStart second = StartSecondStage(simulator_->model(), parameters_.material, start, first.positions,
                                                 first.velocities, eta, contacts_);
-    // Where contacts do not let the stages resemble each other, the second ends near the first, or where its course
-    // led.
+    // Where contacts do not let the stages resemble each other, the second may end near the first.
     std::vector<Eigen::VectorXd> candidates;
-    if (!contacts_.empty() && guesses == nullptr) {
-      const Eigen::VectorXd before = simulator_->model().Gather(start.velocities);
-      const Eigen::VectorXd after = simulator_->model().Gather(first.velocities);
-      candidates = {after, before + (after - before) / kStageShare};
-    }
+    if (!contacts_.empty()) candidates.push_back(point_.velocities);
     return Solve(step, {second.positions, second.velocities, &start.positions, &first.positions},
                  {eta, end_time, Stage::kSecond}, guesses == nullptr ? nullptr : guesses + 1, candidates, records,
                  failure);

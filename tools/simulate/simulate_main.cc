@@ -113,9 +113,9 @@ SyntheticOptions OptionsFromFlags() {
 
 // Every step of a rollout is kept. Throws where the machine cannot hold even the positions and velocities of them: it
 // would end the process without a word.
-void CheckMemory(double num_nodes, double num_steps) {
+void CheckMemory(double num_nodes, double num_steps, Integrator integrator) {
   constexpr double kGigabyte = 1 << 30;
-  const double bytes = num_steps * (sizeof(StepRecord) + 6.0 * sizeof(double) * num_nodes);
+  const double bytes = NumStages(integrator) * num_steps * (sizeof(StepRecord) + 6.0 * sizeof(double) * num_nodes);
   const double most = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (bytes <= most) return;
   throw Error(ErrorKind::kUsage, FLAGS_scene + ": " + ShortestText(num_steps) + " steps of " + ShortestText(num_nodes) +
@@ -194,7 +194,7 @@ int RunSensor() {
   const std::vector<TrueParameter> truth =
       MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
   CheckMemory((2.0 * grid_scene.nodes[0] - 1.0) * (2.0 * grid_scene.nodes[1] - 1.0),
-              kTrueStepDivisor * static_cast<double>(grid_scene.scene.num_steps()));
+              kTrueStepDivisor * static_cast<double>(grid_scene.scene.num_steps()), grid_scene.scene.integrator);
   CheckFileCanBeWritten(FLAGS_output);
   if (has_path) CheckFileCanBeWritten(FLAGS_handles_output);
   const FineTruth fine_truth = [&] {
@@ -228,7 +228,7 @@ int Run(const std::vector<std::string>& arguments) {
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
   CheckSyntheticOptions(OptionsFromFlags(), scene, scene_text);
-  CheckMemory(scene.mesh.num_nodes(), scene.num_steps());
+  CheckMemory(scene.mesh.num_nodes(), scene.num_steps(), scene.integrator);
   const std::atomic<bool>& interrupted = CatchInterrupts();
   CheckFileCanBeWritten(FLAGS_output);
   Simulator simulator(scene);

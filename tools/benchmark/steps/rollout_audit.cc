@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/rollout/record_reader.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_problem.h"
 #include "sim/step/step_solver.h"
@@ -40,12 +41,10 @@ bool IsTooDeep(const StepProblem& problem, const StepPoint& point, const StepRec
   return false;
 }
 
-void AuditRecord(const StepRecord& record, const Eigen::VectorXd& start_positions,
-                 const Eigen::VectorXd& start_velocities, const Parameters& parameters, Simulator* simulator,
+void AuditRecord(const StepRecord& record, const SolveStart& start, const Parameters& parameters, Simulator* simulator,
                  RolloutAudit* audit) {
   const ClothModel& model = simulator->model();
-  const StepProblem problem(model, parameters, {start_positions, start_velocities}, record.times(),
-                            &simulator->step_workspace());
+  const StepProblem problem(model, parameters, start, record.times(), &simulator->step_workspace());
   StepPoint point;
   problem.Evaluate(model.Gather(record.velocities), &point);
   const double tolerance = StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point);
@@ -72,7 +71,10 @@ double Penetration(const StepRecord& record, const ClothModel& model) {
 int MissingSteps(const Rollout& rollout, int num_steps) {
   if (!rollout.ok()) return 0;
   double solved = 0.0;  // s
-  for (const StepRecord& record : rollout.records) solved += record.time_step;
+  for (const StepRecord& record : rollout.records) {
+    if (record.stage == Stage::kOnly) solved += record.time_step;
+    if (record.stage == Stage::kSecond) solved += record.time_step / kStageShare;
+  }
   const int by_time = static_cast<int>(std::lround(solved / rollout.time_step));
   return num_steps - std::min(rollout.num_steps(), by_time);
 }
@@ -82,15 +84,14 @@ int MissingSteps(const Rollout& rollout, int num_steps) {
 RolloutAudit AuditRollout(const Rollout& rollout, int num_steps, Simulator* simulator) {
   RolloutAudit audit;
   audit.missing_steps = MissingSteps(rollout, num_steps);
+  RecordReader reader(rollout, simulator);
   for (std::size_t i = 0; i < rollout.records.size(); ++i) {
     const StepRecord& record = rollout.records[i];
     if (!record.positions.allFinite() || !record.velocities.allFinite()) {
       ++audit.not_finite;
       return audit;
     }
-    const Eigen::VectorXd& x = i == 0 ? rollout.initial_positions : rollout.records[i - 1].positions;
-    const Eigen::VectorXd& v = i == 0 ? rollout.initial_velocities : rollout.records[i - 1].velocities;
-    AuditRecord(record, x, v, rollout.parameters, simulator, &audit);
+    AuditRecord(record, reader.start(static_cast<int>(i)), rollout.parameters, simulator, &audit);
     audit.penetration = std::max(audit.penetration, Penetration(record, simulator->model()));
   }
   return audit;
