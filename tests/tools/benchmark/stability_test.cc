@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <string>
 
 #include "sim/rollout/simulator.h"
@@ -167,6 +168,19 @@ TEST_F(RolloutAuditTest, FindsNothingInAnHonestRollout) {
   EXPECT_GT(audit.worst_residual, 0.0);
   EXPECT_LE(audit.worst_residual, 1.0);
   EXPECT_LE(audit.penetration, 1e-12);
+}
+
+TEST(StagesAuditTest, FindsNothingInAnHonestRollout) {
+  Scene scene = Cell("drape", 100.0, 100, 0.35);
+  scene.integrator = Integrator::kSdirk2;
+  TestRun run(scene);
+  ASSERT_TRUE(run.rollout.ok());
+  const RolloutAudit audit = run.Audit();
+  EXPECT_EQ(audit.violations(), 0);
+  EXPECT_GT(audit.worst_residual, 0.0);
+  EXPECT_LE(audit.worst_residual, 1.0);
+  EXPECT_LE(audit.penetration, 1e-12);
+  EXPECT_THROW(run.Balance(), std::logic_error);
 }
 
 TEST_F(RolloutAuditTest, FindsPositionsThatDoNotBelongToTheVelocities) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/simulator.h"
@@ -136,6 +137,7 @@ EnergyBalance BalanceEnergy(const Rollout& rollout, Simulator* simulator) {
   balance.excess_time = rollout.start_time;
   for (std::size_t i = 0; i < rollout.records.size(); ++i) {
     const StepRecord& record = rollout.records[i];
+    if (record.stage != Stage::kOnly) throw std::logic_error("a balance of energy is that of backward Euler");
     const Eigen::VectorXd& x = i == 0 ? rollout.initial_positions : rollout.records[i - 1].positions;
     const Eigen::VectorXd& v = i == 0 ? rollout.initial_velocities : rollout.records[i - 1].velocities;
     const EnergyFlow flow = StepEnergyFlow(record, x, v, rollout.parameters, simulator);

@@ -62,7 +62,8 @@ EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& pos
 EnergyFlow StepEnergyFlow(const StepRecord& record, const Eigen::VectorXd& start_positions,
                           const Eigen::VectorXd& start_velocities, const Parameters& parameters, Simulator* simulator);
 
-// Of a rollout that keeps all its records, as far as it came. J.
+// Of a rollout by backward Euler that keeps all its records, as far as it came. J. Throws `std::logic_error` for one by
+// another integrator, which loses energy in other ways.
 struct EnergyBalance {
   EnergyFlow total;
   double start_energy = 0.0;  // E_0
