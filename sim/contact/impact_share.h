@@ -3,7 +3,7 @@
 // A solve took a node of mass m from v_n to v_1, with the impulse r of a contact of normal n, r_N = n . r > 0, and the
 // impulse p = m (v_1 - v_n) - r of all other forces. Of r_N the share s = -n . p/r_N balances what presses the node on;
 // what is left has changed its normal velocity. With c = v_1 - v_n this is
-//   1 - s = L = m n . c/r_N, held within 0 and 1:   0 for a node that rests or slides on a flat or convex surface,
+//   1 - s = L = m n . c/r_N, held within 0 and 1:   0 for a node that rests or slides on a plane,
 //                                                  1 where nothing presses it on
 //   u = L r/m = (n . c) e, e = r/r_N, while 0 < L < 1:   the change of velocity that stopped the impact, m/s
 // u is continuous: between its branches, and at take-off, where r vanishes. A second-order step leaves it out of what

@@ -75,6 +75,46 @@ TEST(OrderTest, IsTwoWhileSliding) {
   EXPECT_LE(Order(Slope(0.3, 0.4), Integrator::kEuler, 1), 1.1);
 }
 
+// A patch of cloth that slides over the top of a ball, so fast that the ball turning away takes half of its weight.
+Scene Ball() {
+  Scene scene = ClothScene(SquareGrid(2, 0.02), kFrame);
+  scene.initial_positions.reshaped(3, 4).colwise() += Eigen::Vector3d(-0.05, -0.01, 0.0);
+  const Sphere ball(Eigen::Vector3d(0.0, 0.0, -0.3), 0.3);
+  for (int node = 0; node < 4; ++node) {
+    auto x = scene.initial_positions.segment<3>(3 * node);
+    x -= ball.Closest(x).gap * ball.Closest(x).normal;
+    const Eigen::Vector3d normal = ball.Closest(x).normal, velocity(1.2, 0.3, 0.0);
+    scene.initial_velocities.segment<3>(3 * node) = velocity - normal.dot(velocity) * normal;
+  }
+  scene.mesh.rest_positions = scene.initial_positions.reshaped(3, 4);
+  scene.material.stretch_stiffness = 1.0;
+  scene.duration = 0.08;
+  scene.obstacles.push_back({"ball", std::make_shared<Sphere>(ball), 0.2, 0.0});
+  return scene;
+}
+
+// Not of second order: a step holds the plane that touches the ball where a stage starts.
+TEST(ErrorTest, OnABallIsAQuarterOfEulers) {
+  const std::vector<Eigen::VectorXd> truth = Frames(Ball(), Integrator::kSdirk2, 128);
+  for (const int steps : {1, 2, 4}) {
+    EXPECT_LE(4.0 * Distance(Frames(Ball(), Integrator::kSdirk2, steps), truth),
+              Distance(Frames(Ball(), Integrator::kEuler, steps), truth));
+  }
+}
+
+// A flat sheet that falls flat and slides on: its impact is spread over two steps such that positions are right.
+TEST(ErrorTest, OfAnImpactThatSlidesIsSmall) {
+  Scene scene = ClothScene(SquareGrid(3, 0.1), kFrame);
+  scene.initial_positions.reshaped(3, 9).row(2).array() += 0.0171;
+  scene.initial_velocities.reshaped(3, 9).colwise() = Eigen::Vector3d(0.2, 0.3, -1.0);
+  scene.duration = 0.2;
+  scene.obstacles.push_back(
+      {"plane", std::make_shared<Plane>(Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ()), 0.1, 0.0});
+  const std::vector<Eigen::VectorXd> truth = Frames(scene, Integrator::kSdirk2, 128);
+  const double euler = Distance(Frames(scene, Integrator::kEuler, 1), truth);
+  EXPECT_LE(Distance(Frames(scene, Integrator::kSdirk2, 1), truth), 0.02 * euler);
+}
+
 // In the mean over the phases at which steps meet the stop: one end of it is not in line with the next.
 TEST(OrderTest, IsTwoThroughStoppingAndSticking) {
   double coarse = 0.0, fine = 0.0;
