@@ -30,7 +30,7 @@ double Cotangent(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Ei
 
 }  // namespace
 
-Eigen::SparseMatrix<double> BendingMatrix(const Mesh& mesh) {
+Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh) {
   const auto position = [&mesh](int node) -> Eigen::Vector3d { return mesh.rest_positions.col(node); };
   std::vector<Eigen::Triplet<double>> triplets;
   for (const auto& [edge, opposite] : FindOppositeNodes(mesh)) {

@@ -1,10 +1,13 @@
-// Quadratic isometric bending (Bergou et al. 2006, "A quadratic bending model for inextensible surfaces").
+// Bending energies that are quadratic in the positions:
 //
-//   E = k_b/2 x^T (Q kron I3) x,   Q = sum over interior edges of 3/(A_1 + A_2) c c^T,
-// with c the four cotangent weights of the edge's two triangles. Q is constant; a flat rest shape has E = 0.
+//   E = k_b/2 x^T (Q kron I3) x,   Q [N x N] constant, 1/m^2; a flat cloth has E = 0.
 //
+// By edges (Bergou et al. 2006, "A quadratic bending model for inextensible surfaces"):
+//   Q = sum over interior edges of 3/(A_1 + A_2) c c^T, c the four cotangent weights of the edge's two triangles.
 // k_b belongs to the mesh: an edge holds the curvature across it alone, so a cylinder whose axis runs along one of the
 // three edge directions of a right-angled grid has three times the energy k_b/2 area/R^2 of the continuum.
+//
+// By patches of triangles (bending_patch.h): k_b is the flexural rigidity of the cloth, N m, on any mesh.
 #ifndef CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_
 #define CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_
 
@@ -17,8 +20,8 @@
 
 namespace clothid {
 
-// Q [N x N], 1/m^2, symmetric positive semidefinite, both triangles stored.
-Eigen::SparseMatrix<double> BendingMatrix(const Mesh& mesh);
+// Q by edges [N x N], 1/m^2, symmetric positive semidefinite, both triangles stored.
+Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh);
 
 class BendingEnergy {
  public:

@@ -2,12 +2,20 @@
 
 #include <utility>
 
+#include "sim/cloth/bending_patch.h"
 #include "sim/matrix/fill_reducing_order.h"
 
 namespace clothid {
 namespace {
 
-// Neighbours of each free node: those that share a triangle, and with bending those that share an edge's two triangles.
+// Q [N x N] of the law that the scene has.
+Eigen::SparseMatrix<double> BendingMatrix(const Scene& scene) {
+  if (scene.bending.law == BendingLaw::kEdges) return EdgeBendingMatrix(scene.mesh);
+  const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh));
+  return patches.Matrix(IsotropicRigidity(1.0, scene.bending.poisson));
+}
+
+// Neighbours of each free node: those that share a triangle, and with bending those that have an entry in its matrix.
 std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector<int>& free_index, int num_free,
                                              const Eigen::SparseMatrix<double>& bending_matrix) {
   std::vector<std::vector<int>> neighbours(num_free);
@@ -31,7 +39,7 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
 
 ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeAreas(scene.mesh)) {
   Eigen::SparseMatrix<double> bending_matrix;  // empty without bending
-  if (scene.has_bending()) bending_matrix = BendingMatrix(scene.mesh);
+  if (scene.has_bending()) bending_matrix = BendingMatrix(scene);
   NumberFreeNodes(bending_matrix);
   if (scene.has_drag()) drag_.emplace(scene);
   pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending_matrix));

@@ -49,6 +49,9 @@ void ValidateNumbers(const Scene& scene, const Checker& check) {
   check.ExpectFinite(scene.wind.wave_vector, "wind.wave_vector");
   check.ExpectNotNegative(scene.touch, "touch");
   check.ExpectNotNegative(scene.depenetration_speed, "depenetration_speed");
+  check.Expect(std::abs(scene.bending.poisson) < 1.0, "materials.bend_poisson", "a number between -1 and 1");
+  check.Expect(scene.bending.law == BendingLaw::kPatches || scene.bending.poisson == 0.0, "materials.bend_poisson",
+               "0, or bending by patches");
 }
 
 void ValidateSolver(const SolverOptions& solver, const Checker& check) {

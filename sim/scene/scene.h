@@ -37,6 +37,17 @@ enum class ContactMode {
   kVelocity,  // u_N >= 0 for nodes with phi(x_n) <= touch: the paper's
 };
 
+// Whose second derivatives the bending energy takes: see "Bending" in sim/README.md.
+enum class BendingLaw {
+  kEdges,    // those across the edges alone: the paper's; the energy depends on the mesh
+  kPatches,  // those of a fit to the nodes around a triangle: k_b is the flexural rigidity of the cloth, on any mesh
+};
+
+struct Bending {
+  BendingLaw law = BendingLaw::kEdges;  // what a scene has that names none
+  double poisson = 0.0;                 // nu of bending, in (-1, 1); kPatches alone has it
+};
+
 // w(t, X) = mean + gust sin(frequency t + wave_vector . X), X the rest position.
 struct Wind {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();         // m/s
@@ -90,6 +101,7 @@ struct Scene {
   Handles handles;
   std::vector<SceneObstacle> obstacles;
   Material material;                                 // nominal
+  Bending bending;                                   // of a cloth with k_b > 0
   std::map<std::string, ParameterRange> parameters;  // by parameter name
   SolverOptions solver;
 

@@ -204,12 +204,30 @@ class SceneReader {
   void ReadMaterials() {
     const auto materials = root_.Find("materials");
     if (!materials) return;
-    materials->ExpectKeys({"density", "k_stretch", "k_bend", "drag", "damping"});
+    materials->ExpectKeys({"density", "k_stretch", "k_bend", "bending", "bend_poisson", "drag", "damping"});
     ReadPositive(*materials, "density", &scene_.material.density);
     ReadPositive(*materials, "k_stretch", &scene_.material.stretch_stiffness);
     ReadNonNegative(*materials, "k_bend", &scene_.material.bending_stiffness);
     ReadNonNegative(*materials, "drag", &scene_.material.drag);
     ReadNonNegative(*materials, "damping", &scene_.material.damping);
+    ReadBending(*materials);
+  }
+
+  void ReadBending(const JsonNode& materials) {
+    Bending& bending = scene_.bending;
+    if (const auto law = materials.Find("bending")) {
+      if (!law->is(Kind::kString) || (law->String() != "edges" && law->String() != "patches")) {
+        law->Fail("expected \"edges\" or \"patches\"");
+      }
+      bending.law = law->String() == "edges" ? BendingLaw::kEdges : BendingLaw::kPatches;
+    }
+    const auto poisson = materials.Find("bend_poisson");
+    if (!poisson) return;
+    if (!poisson->is(Kind::kNumber) || !(std::abs(poisson->Number()) < 1.0)) {
+      poisson->Fail("expected a number between -1 and 1");
+    }
+    if (bending.law != BendingLaw::kPatches) poisson->Fail("expected \"bending\": \"patches\" beside it");
+    bending.poisson = poisson->Number();
   }
 
   void ReadParameters() {

@@ -39,7 +39,7 @@ TEST_F(ProfileTest, BareSceneRunsNoContactBendingDragOrDamping) {
   const std::set<std::string> files = ExecutedFiles(BareScene());
   EXPECT_EQ(files.count("stretch_energy.cc"), 1u);
   for (const char* file : {"contact.cc", "contact_law.cc", "contact_law.h", "contact_elimination.cc", "obstacle.cc",
-                           "bending_energy.cc", "air_drag.cc", "strain_rate_damping.cc"}) {
+                           "bending_energy.cc", "bending_patch.cc", "air_drag.cc", "strain_rate_damping.cc"}) {
     EXPECT_EQ(files.count(file), 0u) << file;
   }
 }
@@ -57,6 +57,7 @@ TEST_F(ProfileTest, BendingDragAndDampingRunWhereTheSceneHasThem) {
   scene["materials"]["k_bend"] = 1e-4;
   std::set<std::string> files = ExecutedFiles(scene);
   EXPECT_EQ(files.count("bending_energy.cc"), 1u);
+  EXPECT_EQ(files.count("bending_patch.cc"), 0u);
   EXPECT_EQ(files.count("air_drag.cc"), 0u);
   scene = BareScene();
   scene["materials"]["drag"] = 0.1;

@@ -7,30 +7,36 @@
 #include <numeric>
 #include <vector>
 
+#include "sim/cloth/bending_patch.h"
+#include "sim/scene/scene.h"
 #include "tests/sim/cloth/strained_grid.h"
 
 namespace clothid {
 namespace {
 
-class BendingEnergyTest : public StrainedGridTest {
+// Of `mesh`, for a Hessian that has every block.
+BendingEnergy MakeEnergy(const Mesh& mesh, BendingLaw law) {
+  std::vector<int> everyone(mesh.num_nodes());
+  std::iota(everyone.begin(), everyone.end(), 0);
+  const BlockPattern pattern(std::vector<std::vector<int>>(mesh.num_nodes(), everyone));
+  if (law == BendingLaw::kEdges) return BendingEnergy(EdgeBendingMatrix(mesh), everyone, pattern);
+  const BendingPatches patches(mesh, FirstEdges(mesh));
+  return BendingEnergy(patches.Matrix(IsotropicRigidity(1.0, 0.3)), everyone, pattern);
+}
+
+class BendingEnergyTest : public StrainedGridTest, public ::testing::WithParamInterface<BendingLaw> {
  protected:
-  // Of `mesh`, for a matrix that has every block.
-  static BendingEnergy MakeEnergy(const Mesh& mesh) {
-    std::vector<int> everyone(mesh.num_nodes());
-    std::iota(everyone.begin(), everyone.end(), 0);
-    const BlockPattern pattern(std::vector<std::vector<int>>(mesh.num_nodes(), everyone));
-    return BendingEnergy(BendingMatrix(mesh), everyone, pattern);
-  }
+  static BendingEnergy MakeEnergy(const Mesh& mesh) { return clothid::MakeEnergy(mesh, GetParam()); }
 };
 
-TEST_F(BendingEnergyTest, IgnoresAffineMaps) {
+TEST_P(BendingEnergyTest, IgnoresAffineMaps) {
   const BendingEnergy energy = MakeEnergy(mesh_);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(rest_.size());
   EXPECT_NEAR(energy.AddForce(1.0, 1.3 * rest_, &force), 0.0, 1e-13);
   EXPECT_LT(force.norm(), 1e-10);
 }
 
-TEST_F(BendingEnergyTest, ForceIsTheGradient) {
+TEST_P(BendingEnergyTest, ForceIsTheGradient) {
   const BendingEnergy energy = MakeEnergy(mesh_);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(positions_.size()), unused = force;
   energy.AddForce(3.0, positions_, &force);
@@ -43,12 +49,12 @@ TEST_F(BendingEnergyTest, ForceIsTheGradient) {
 
 // A strip bent gently to radius R. The edges across the strip, a third of all, carry the whole curvature, three times
 // over: on this mesh E is three times the k_b/2 area/R^2 of the continuum (see bending_energy.h).
-TEST_F(BendingEnergyTest, ValueOfACylinder) {
+TEST(EdgeBendingTest, ValueOfACylinder) {
   GridOptions grid;
   grid.nodes = {81, 5};
   grid.size = {1.0, 0.05};
   const Mesh strip = MakeGrid(grid);
-  const BendingEnergy strip_energy = MakeEnergy(strip);
+  const BendingEnergy strip_energy = MakeEnergy(strip, BendingLaw::kEdges);
   const double radius = 2.0;
   Eigen::VectorXd bent = strip.rest_positions.reshaped();
   for (int node = 0; node < strip.num_nodes(); ++node) {
@@ -61,7 +67,7 @@ TEST_F(BendingEnergyTest, ValueOfACylinder) {
   EXPECT_NEAR(strip_energy.AddForce(1.0, bent, &unused), expected, 0.02 * expected);
 }
 
-TEST_F(BendingEnergyTest, HessianIsTheSecondDerivative) {
+TEST_P(BendingEnergyTest, HessianIsTheSecondDerivative) {
   const BendingEnergy energy = MakeEnergy(mesh_);
   BlockMatrix hessian(pattern_);
   energy.AddHessian(3.0, &hessian);
@@ -79,7 +85,7 @@ TEST_F(BendingEnergyTest, HessianIsTheSecondDerivative) {
   }
 }
 
-TEST_F(BendingEnergyTest, RigidMotionKeepsIt) {
+TEST_P(BendingEnergyTest, RigidMotionKeepsIt) {
   const BendingEnergy energy = MakeEnergy(mesh_);
   Eigen::VectorXd unused = Eigen::VectorXd::Zero(rest_.size());
   const double creased = energy.AddForce(1.0, positions_, &unused);
@@ -89,6 +95,9 @@ TEST_F(BendingEnergyTest, RigidMotionKeepsIt) {
     EXPECT_LT(std::abs(energy.AddForce(1.0, Moved(rest_, angle), &unused)), 1e-10 * creased) << angle;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Laws, BendingEnergyTest, ::testing::Values(BendingLaw::kEdges, BendingLaw::kPatches),
+                         [](const auto& test) { return test.param == BendingLaw::kEdges ? "Edges" : "Patches"; });
 
 }  // namespace
 }  // namespace clothid

@@ -25,7 +25,8 @@ constexpr char kFull[] = R"({
                  {"type": "plane", "point": [0, 0, -1], "normal": [0, 0, 2]},
                  {"type": "capsule", "from": [0, 0, 0], "to": [1, 0, 0], "radius": 0.1, "mu": 0},
                  {"type": "plane", "point": [0, 0, -2], "normal": [0, 0, 2], "mu": 0.1} ],
-  "materials": {"density": 0.2, "k_stretch": 300, "k_bend": 1e-3, "drag": 0.1, "damping": 0.2},
+  "materials": {"density": 0.2, "k_stretch": 300, "k_bend": 1e-3, "bending": "patches", "bend_poisson": -0.2,
+                "drag": 0.1, "damping": 0.2},
   "parameters": {"k_stretch": {"nominal": 100, "lower": 1, "upper": 1e6, "frozen": true}, "mu": {"nominal": 0.6},
                  "mu.ball": {"nominal": 0.7}, "drag": {}, "damping": {"nominal": 0.3}},
   "solver": {"step_tolerance": 1e-6, "adjoint_tolerance": 1e-11, "max_newton_iterations": 7, "max_substep_halvings": 0}
@@ -72,6 +73,8 @@ TEST(ParseScene, ReadsEveryKey) {
   EXPECT_EQ(scene.material.density, 0.2);
   EXPECT_EQ(scene.material.stretch_stiffness, 300.0);
   EXPECT_EQ(scene.material.bending_stiffness, 1e-3);
+  EXPECT_EQ(scene.bending.law, BendingLaw::kPatches);
+  EXPECT_EQ(scene.bending.poisson, -0.2);
   EXPECT_EQ(scene.material.drag, 0.1);
   EXPECT_EQ(scene.material.damping, 0.2);
   EXPECT_EQ(scene.solver.step_tolerance, 1e-6);
@@ -114,6 +117,8 @@ TEST(ParseScene, ASmallSceneHasDefaults) {
   EXPECT_TRUE(scene.handles.nodes.empty());
   EXPECT_TRUE(scene.obstacles.empty());
   EXPECT_FALSE(scene.has_bending());
+  EXPECT_EQ(scene.bending.law, BendingLaw::kEdges);
+  EXPECT_EQ(scene.bending.poisson, 0.0);
   EXPECT_FALSE(scene.has_drag());
   EXPECT_FALSE(scene.has_damping());
 }
@@ -129,6 +134,26 @@ TEST(ParseScene, AScenesTermsAreThoseOfAPositiveNominalValue) {
   EXPECT_TRUE(ParseScene(SmallScene("\"materials\": {\"damping\": 0.1}"), "scene.json", "").has_damping());
   EXPECT_TRUE(
       ParseScene(SmallScene("\"parameters\": {\"damping\": {\"nominal\": 0.1}}"), "scene.json", "").has_damping());
+}
+
+TEST(ParseScene, NamesWhatIsWrongWithTheLawOfBending) {
+  const auto expect = [](const std::string& members, const char* fragment) {
+    ExpectBadMember("\"materials\": {" + members + "}", {"scene.json:2: key 'materials.", fragment});
+  };
+  expect(R"("bending": "plates")", "bending': expected \"edges\" or \"patches\"");
+  expect(R"("bending": 1)", "bending': expected \"edges\" or \"patches\"");
+  for (const char* number : {"1", "-1", "7", "\"0.3\""}) {
+    expect(std::string(R"("bending": "patches", "bend_poisson": )") + number,
+           "bend_poisson': expected a number between -1 and 1");
+  }
+  expect(R"("bending": "edges", "bend_poisson": 0)", "bend_poisson': expected \"bending\": \"patches\" beside it");
+  Scene scene = ParseScene(SmallScene(""), "scene.json", "");
+  scene.bending = {BendingLaw::kPatches, 0.3};
+  ValidateScene(scene, "scene");
+  scene.bending.poisson = std::nan("");
+  ExpectError([&] { ValidateScene(scene, "scene"); }, kBadData, {"'materials.bend_poisson'", "between -1 and 1"});
+  scene.bending = {BendingLaw::kEdges, 0.3};
+  ExpectError([&] { ValidateScene(scene, "scene"); }, kBadData, {"'materials.bend_poisson'", "bending by patches"});
 }
 
 TEST(Scene, CountsTheStepsThatCoverTheDuration) {

@@ -1,0 +1,230 @@
+#include "sim/cloth/bending_patch.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "sim/cloth/mesh_unfolding.h"
+#include "sim/cloth/quadratic_fit.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kWorstFit = 0.15;      // of `QuadraticFit::quality`: below, more nodes are taken
+constexpr double kSameDistance = 1e-9;  // of triangles from the middle of the cloth, relative to its size
+constexpr double kExact = 1e-12;        // of the error of a slope, relative to the length of the edge
+constexpr double kCancelled = 1e-13;    // of an entry of Q, relative to what it is a sum of
+
+// Of the middles of triangles from that of the cloth [F], relative to its size.
+Eigen::VectorXd DistancesFromCentre(const Mesh& mesh, const Eigen::VectorXd& areas) {
+  Eigen::Matrix3Xd middles(3, mesh.num_faces());
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    middles.col(face).setZero();
+    for (int i = 0; i < 3; ++i) middles.col(face) += mesh.rest_positions.col(mesh.faces(i, face)) / 3.0;
+  }
+  const Eigen::Vector3d centre = middles * areas / areas.sum();
+  return (middles.colwise() - centre).colwise().norm() / std::sqrt(areas.sum());
+}
+
+// A linear function of the nodes.
+struct NodeWeights {
+  std::vector<int> nodes;
+  Eigen::VectorXd weights;
+};
+
+// The slope at the middle of an edge, across it and towards its first triangle. Nodes of that side tell what the slopes
+// of the two triangles miss, where `both` is true those of either side.
+class EdgeSlope {
+ public:
+  EdgeSlope(const Mesh& mesh, const Eigen::Matrix3Xi& opposite, int face, int side, bool both)
+      : around_(mesh, opposite, face, side), both_(both) {}
+
+  NodeWeights Compute() {
+    const Eigen::Matrix2Xd p = around_.Positions();
+    Eigen::VectorXd slope = TriangleSlope(p, 2);
+    if (p.cols() == 4) {  // else a border, or the back of the same three nodes
+      const double height = p(1, 2), depth = -p(1, 3);
+      slope = (depth * slope + height * TriangleSlope(p, 3)) / (height + depth);
+    }
+    const double length = p(0, 1) - p(0, 0);
+    const Eigen::Vector3d missed = QuadraticTerms(p) * slope;  // the slope of each term at the origin is 0
+    if (missed.lpNorm<Eigen::Infinity>() <= kExact * length) return {around_.nodes(), slope};
+    const Eigen::Matrix3Xd derivatives = FitAround();
+    Eigen::VectorXd all = -derivatives.transpose() * missed;
+    all.head(slope.size()) += slope;
+    return {around_.nodes(), all};
+  }
+
+ private:
+  // Of the triangle over the edge with its apex at node `apex`.
+  static Eigen::VectorXd TriangleSlope(const Eigen::Matrix2Xd& p, Eigen::Index apex) {
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(p.cols());
+    const double share = (p(0, apex) - p(0, 0)) / (p(0, 1) - p(0, 0));
+    slope[apex] = 1.0 / p(1, apex);
+    slope[0] = -(1.0 - share) / p(1, apex);
+    slope[1] = -share / p(1, apex);
+    return slope;
+  }
+
+  // [3 x n] x^2/2, y^2/2, x y.
+  static Eigen::Matrix3Xd QuadraticTerms(const Eigen::Matrix2Xd& p) {
+    Eigen::Matrix3Xd terms(3, p.cols());
+    terms.row(0) = 0.5 * p.row(0).cwiseAbs2();
+    terms.row(1) = 0.5 * p.row(1).cwiseAbs2();
+    terms.row(2) = p.row(0).cwiseProduct(p.row(1));
+    return terms;
+  }
+
+  Eigen::Matrix3Xd FitAround() {
+    around_.AddNeighboursOf(0);
+    if (!both_ && IsTold()) return QuadraticFit(around_.Positions()).Weights();
+    around_.AddNeighboursOf(1);
+    if (!IsTold()) around_.AddTouching();
+    return QuadraticFit(around_.Positions()).Weights();
+  }
+
+  bool IsTold() const {
+    constexpr std::size_t kTerms = 6;  // of a quadratic
+    return around_.nodes().size() >= kTerms && QuadraticFit(around_.Positions()).quality() >= kWorstFit;
+  }
+
+  MeshUnfolding around_;
+  const bool both_;
+};
+
+// The slopes of all edges. Which triangle of an edge is the first depends neither on numbers nor on axes: the one
+// nearer to the middle of the cloth.
+class EdgeSlopes {
+ public:
+  EdgeSlopes(const Mesh& mesh, const Eigen::VectorXd& areas) : place_(3, mesh.num_faces()) {
+    const Eigen::Matrix3Xi opposite = OppositeFaces(mesh);
+    const Eigen::VectorXd distances = DistancesFromCentre(mesh, areas);
+    for (int face = 0; face < mesh.num_faces(); ++face) {
+      for (int side = 0; side < 3; ++side) {
+        const int other = opposite(side, face);
+        const double difference = other < 0 ? -1.0 : distances[face] - distances[other];
+        const bool both = std::abs(difference) <= kSameDistance;
+        if (both ? face > other : difference > 0.0) continue;
+        place_(side, face) = static_cast<int>(slopes_.size());
+        if (other >= 0) {
+          int other_side = 0;  // the one that ends where this one starts
+          while (mesh.faces((other_side + 1) % 3, other) != mesh.faces(side, face)) ++other_side;
+          place_(other_side, other) = -1 - place_(side, face);
+        }
+        slopes_.push_back(EdgeSlope(mesh, opposite, face, side, both).Compute());
+      }
+    }
+  }
+
+  // The slope out of the face is `sign` times `slope`.
+  const NodeWeights& slope(int face, int side) const {
+    const int place = place_(side, face);
+    return slopes_[static_cast<std::size_t>(place >= 0 ? place : -1 - place)];
+  }
+  double sign(int face, int side) const { return place_(side, face) >= 0 ? -1.0 : 1.0; }
+
+ private:
+  Eigen::Matrix3Xi place_;  // [3 x F] in slopes_; of the second triangle -1 - place
+  std::vector<NodeWeights> slopes_;
+};
+
+// Sums rows over nodes.
+class PatchBuilder {
+ public:
+  explicit PatchBuilder(const Eigen::Vector3i& nodes) : nodes_(nodes.begin(), nodes.end()) {}
+
+  void Add(int node, const Eigen::Vector3d& weights) {
+    const auto place = static_cast<std::size_t>(std::find(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
+    if (place == nodes_.size()) nodes_.push_back(node);
+    columns_.resize(nodes_.size(), Eigen::Vector3d::Zero());
+    columns_[place] += weights;
+  }
+
+  BendingPatch Build(double area) const {
+    BendingPatch patch{area, nodes_, Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes_.size()))};
+    for (std::size_t i = 0; i < columns_.size(); ++i) patch.weights.col(static_cast<Eigen::Index>(i)) = columns_[i];
+    return patch;
+  }
+
+ private:
+  std::vector<int> nodes_;
+  std::vector<Eigen::Vector3d> columns_;
+};
+
+// (11, 22, 12) of the symmetric part of a b^T.
+Eigen::Vector3d SymmetricProduct(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return {a[0] * b[0], a[1] * b[1], 0.5 * (a[0] * b[1] + a[1] * b[0])};
+}
+
+// The mean second derivatives over a triangle: a sum over its edges of length (normal out) (gradient)^T over the area.
+BendingPatch MakePatch(const Mesh& mesh, int face, double area, const Eigen::Vector3d& warp, const EdgeSlopes& slopes) {
+  const Eigen::Vector3i nodes = mesh.faces.col(face);
+  const auto edge = [&](int side) -> Eigen::Vector3d {
+    return mesh.rest_positions.col(nodes[(side + 1) % 3]) - mesh.rest_positions.col(nodes[side]);
+  };
+  const Eigen::Vector3d normal = edge(0).cross(edge(1)).normalized();
+  const Eigen::Vector3d first = (warp - warp.dot(normal) * normal).normalized(), second = normal.cross(first);
+  PatchBuilder builder(nodes);
+  for (int side = 0; side < 3; ++side) {
+    const Eigen::Vector2d along(first.dot(edge(side)), second.dot(edge(side)));
+    const Eigen::Vector2d tangent = along.normalized(), out(tangent.y(), -tangent.x());
+    const Eigen::Vector3d of_tangent = SymmetricProduct(out, tangent) / area;
+    builder.Add(nodes[(side + 1) % 3], of_tangent);
+    builder.Add(nodes[side], -of_tangent);
+    const Eigen::Vector3d of_slope = slopes.sign(face, side) * along.norm() / area * SymmetricProduct(out, out);
+    const NodeWeights& slope = slopes.slope(face, side);
+    for (std::size_t i = 0; i < slope.nodes.size(); ++i) {
+      builder.Add(slope.nodes[i], slope.weights[static_cast<Eigen::Index>(i)] * of_slope);
+    }
+  }
+  return builder.Build(area);
+}
+
+}  // namespace
+
+FlexuralRigidity IsotropicRigidity(double rigidity, double poisson) {
+  return {rigidity, rigidity, poisson * rigidity, 0.5 * (1.0 - poisson) * rigidity};
+}
+
+BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp) : num_nodes_(mesh.num_nodes()) {
+  const Eigen::VectorXd areas = TriangleAreas(mesh);
+  const EdgeSlopes slopes(mesh, areas);
+  patches_.reserve(static_cast<std::size_t>(mesh.num_faces()));
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    patches_.push_back(MakePatch(mesh, face, areas[face], warp.col(face), slopes));
+  }
+}
+
+Eigen::SparseMatrix<double> BendingPatches::Matrix(const FlexuralRigidity& rigidity) const {
+  const Eigen::Matrix3d d{
+      {rigidity.d11, rigidity.d12, 0.0}, {rigidity.d12, rigidity.d22, 0.0}, {0.0, 0.0, 4.0 * rigidity.d66}};
+  const double largest = d.lpNorm<Eigen::Infinity>();
+  Eigen::VectorXd bounds = Eigen::VectorXd::Zero(num_nodes_);  // of the diagonal, as a sum of positive terms
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (const BendingPatch& patch : patches_) {
+    const Eigen::MatrixXd block = patch.area * patch.weights.transpose() * d * patch.weights;
+    for (std::size_t i = 0; i < patch.nodes.size(); ++i) {
+      bounds[patch.nodes[i]] += largest * patch.area * patch.weights.col(i).squaredNorm();
+      for (std::size_t j = 0; j < patch.nodes.size(); ++j) {
+        if (patch.nodes[i] >= patch.nodes[j]) triplets.emplace_back(patch.nodes[i], patch.nodes[j], block(i, j));
+      }
+    }
+  }
+  Eigen::SparseMatrix<double> lower(num_nodes_, num_nodes_);
+  lower.setFromTriplets(triplets.begin(), triplets.end());
+  lower.prune([&](Eigen::Index row, Eigen::Index column, double value) {
+    return row == column || std::abs(value) > kCancelled * std::sqrt(bounds[row] * bounds[column]);
+  });
+  return lower.selfadjointView<Eigen::Lower>();
+}
+
+Eigen::Matrix3Xd FirstEdges(const Mesh& mesh) {
+  Eigen::Matrix3Xd edges(3, mesh.num_faces());
+  for (int f = 0; f < mesh.num_faces(); ++f) {
+    edges.col(f) = mesh.rest_positions.col(mesh.faces(1, f)) - mesh.rest_positions.col(mesh.faces(0, f));
+  }
+  return edges;
+}
+
+}  // namespace clothid
