@@ -21,6 +21,7 @@ Scene WholeCloth(const Scene& scene) {
   whole.initial_positions = scene.initial_positions;
   whole.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
   whole.material.bending_stiffness = 1.0;
+  whole.bending.law = scene.bending.law;
   whole.material.drag = 0.0;
   whole.material.damping = 0.0;
   return whole;
@@ -28,7 +29,10 @@ Scene WholeCloth(const Scene& scene) {
 
 // The stretch energy has a factor area, so that a sum over triangles has the mean area in its weight.
 double StretchWeight(double strain, double mean_area) { return 1.0 / (strain * strain * mean_area); }
-double BendingWeight(double angle) { return 1.0 / (3.0 * angle * angle); }
+// The energy by edges of a bent cloth is three times that by patches.
+double BendingWeight(double angle, BendingLaw law) {
+  return 1.0 / ((law == BendingLaw::kEdges ? 3.0 : 1.0) * angle * angle);
+}
 
 // Of the tracked points, per node: 1/m^2.
 Eigen::VectorXd PointWeights(const RecordedMotion& motion) {
@@ -62,7 +66,7 @@ Eigen::MatrixXd ShapePrior::TimesHessian(double stretch, double bending, const E
 
 void ShapePrior::AddPositions(const Eigen::VectorXd& base, const Eigen::MatrixXd& directions, Eigen::Index first,
                               QuadraticPrior* prior) const {
-  const double stretch = StretchWeight(kStrain, mean_area_), bending = BendingWeight(kAngle);
+  const double stretch = StretchWeight(kStrain, mean_area_), bending = BendingWeight(kAngle, scene_.bending.law);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(base.size());
   model_.stretch().AddForce(stretch, base, &force);
   model_.bending()->AddForce(bending, base, &force);
@@ -75,7 +79,8 @@ void ShapePrior::AddPositions(const Eigen::VectorXd& base, const Eigen::MatrixXd
 void ShapePrior::AddVelocities(const Eigen::VectorXd& base_positions, const Eigen::VectorXd& base,
                                const Eigen::MatrixXd& directions, Eigen::Index first, QuadraticPrior* prior) const {
   const Eigen::MatrixXd product =
-      TimesHessian(StretchWeight(kStrainRate, mean_area_), BendingWeight(kAngleRate), base_positions, directions);
+      TimesHessian(StretchWeight(kStrainRate, mean_area_), BendingWeight(kAngleRate, scene_.bending.law),
+                   base_positions, directions);
   const Eigen::Index n = directions.cols();
   prior->precision.block(first, first, n, n) += directions.transpose() * product;
   prior->information.segment(first, n) -= product.transpose() * base;
@@ -97,7 +102,7 @@ HandleCoupling ShapePrior::CoupleHandles(const RecordedMotion& motion) const {
     free.push_back(node);
   }
   Eigen::SparseMatrix<double> all = StretchWeight(kStrain, mean_area_) * LaplacianMatrix(model_.triangles(), num_nodes);
-  all += BendingWeight(kAngle) * model_.bending()->matrix();
+  all += BendingWeight(kAngle, scene_.bending.law) * model_.bending()->matrix();
   const Eigen::VectorXd weights = PointWeights(motion);
   const auto num_free = static_cast<Eigen::Index>(free.size()), num_handles = static_cast<Eigen::Index>(handles.size());
   std::vector<Eigen::Triplet<double>> entries;

@@ -19,6 +19,7 @@ Scene ShapeScene(const Scene& scene) {
   shape.handles = scene.handles;
   shape.obstacles = scene.obstacles;
   shape.material.bending_stiffness = 1.0;
+  shape.bending.law = scene.bending.law;
   shape.material.drag = 0.0;
   shape.material.damping = 0.0;
   return shape;
