@@ -63,7 +63,8 @@ void Append(const Mesh& piece, const Eigen::Vector3d& offset, Mesh* mesh) {
 
 class Builder {
  public:
-  Builder(std::uint64_t seed, const RandomSceneOptions& options) : random_(seed), options_(options) {
+  Builder(std::uint64_t seed, const RandomSceneOptions& options)
+      : random_(seed), options_(options), by_patches_(seed % 2 == 1) {
     words_ << "seed " << seed << ": ";
   }
 
@@ -109,12 +110,13 @@ class Builder {
     material.stretch_stiffness = random_.OverOctaves(1.0, 13);
     if (random_.Chance(0.7)) {
       material.bending_stiffness = material.stretch_stiffness * size_ * size_ * random_.OverOctaves(1e-6, 13);
+      if (by_patches_) scene_.bending = {BendingLaw::kPatches, 0.3};
     }
     if (random_.Chance(0.3)) {
       material.damping = material.stretch_stiffness * scene_.time_step * random_.OverOctaves(0.05, 6);
     }
     words_ << ", density " << material.density << ", k " << material.stretch_stiffness << ", k_b "
-           << material.bending_stiffness << ", damping " << material.damping;
+           << material.bending_stiffness << (by_patches_ ? " by patches" : "") << ", damping " << material.damping;
   }
 
   void AddForces() {
@@ -238,6 +240,7 @@ class Builder {
 
   RandomNumbers random_;
   const RandomSceneOptions& options_;
+  const bool by_patches_;  // the law of bending
   RandomScene result_;
   Scene& scene_ = result_.scene;
   std::ostringstream words_;

@@ -228,6 +228,25 @@ INSTANTIATE_TEST_SUITE_P(Scenes, GradientTest,
                                                               {"wind", ContactMode::kGap}})),
                          CaseName);
 
+class PatchBendingGradientTest : public GradientTest {};
+
+TEST_P(PatchBendingGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
+  const auto [name, mode] = GetParam();
+  Scene scene = ShippedScene(name, 10);
+  scene.contact_mode = mode;
+  scene.bending = {BendingLaw::kPatches, 0.3};
+  const GradientCase gradient(scene);
+  EXPECT_EQ(gradient.HasInfluence("k_bend"), name != "slope");  // on which the cloth lies flat
+  ExpectAgreement(gradient, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, PatchBendingGradientTest,
+                         ::testing::Values(std::make_tuple("drape", ContactMode::kGap),
+                                           std::make_tuple("drape", ContactMode::kVelocity),
+                                           std::make_tuple("slope", ContactMode::kGap),
+                                           std::make_tuple("wind", ContactMode::kGap)),
+                         CaseName);
+
 // Internal damping with a relaxation time of some steps.
 Scene Damped(Scene scene) {
   scene.material.damping = 0.01 * scene.nominal_parameters().material.stretch_stiffness;
