@@ -4,8 +4,8 @@
 // obstacles, and a simulation that starts there jumps. So the start is the minimum over the free nodes of
 //   1/2 sum_p rho(w_p |x_p - y_p|^2) + a_s E_s(x) + a_b E_b(x)    with  phi >= 0  at every node,
 // y_p and 1/w_p position and variance of a point at the first frame (datasets/motion/frame_trend.h), rho the Cauchy
-// loss of three standard deviations, E_s the ARAP stretch energy and E_b the isometric bending energy of sim/, both
-// without their stiffness. Handles stand on their path.
+// loss of three standard deviations, E_s the ARAP stretch energy and E_b the bending energy of sim/ by the scene's
+// law, both without their stiffness. Handles stand on their path.
 //   a_s = 1/(e^2 mean triangle area),  e = 0.02: a strain of 2 % is as likely as an error of one standard deviation;
 //   a_b: the largest of a grid that keeps median and upper tenth of w_p |x_p - y_p|^2 within what noise makes of them
 //        (Morozov 1966) and throws no further point off.
