@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 
 #include "sim/cloth/mesh_unfolding.h"
 #include "sim/cloth/quadratic_fit.h"
@@ -76,17 +77,50 @@ class EdgeSlope {
     return terms;
   }
 
+  // Of the second derivatives, from the nodes around [3 x n]. Where those of the neighbours leave one open, as at a
+  // border, they are joined by the nodes that tell most.
   Eigen::Matrix3Xd FitAround() {
     around_.AddNeighboursOf(0);
-    if (!both_ && IsTold()) return QuadraticFit(around_.Positions()).Weights();
-    around_.AddNeighboursOf(1);
-    if (!IsTold()) around_.AddTouching();
-    return QuadraticFit(around_.Positions()).Weights();
+    if (both_ || Quality(AllNumbers()) < kWorstFit) around_.AddNeighboursOf(1);
+    std::vector<int> chosen = AllNumbers();
+    if (Quality(chosen) < kWorstFit) {
+      around_.AddTouching();
+      while (Quality(chosen) < kWorstFit && AddMostTelling(&chosen)) continue;
+    }
+    const Eigen::Matrix2Xd p = around_.Positions();
+    Eigen::Matrix3Xd weights = Eigen::Matrix3Xd::Zero(3, p.cols());
+    weights(Eigen::all, chosen) = QuadraticFit(p(Eigen::all, chosen)).Weights();
+    return weights;
   }
 
-  bool IsTold() const {
+  std::vector<int> AllNumbers() const {
+    std::vector<int> numbers(around_.nodes().size());
+    std::iota(numbers.begin(), numbers.end(), 0);
+    return numbers;
+  }
+
+  // Of a fit to the nodes with these numbers in `around_`.
+  double Quality(const std::vector<int>& numbers) const {
     constexpr std::size_t kTerms = 6;  // of a quadratic
-    return around_.nodes().size() >= kTerms && QuadraticFit(around_.Positions()).quality() >= kWorstFit;
+    return numbers.size() < kTerms ? 0.0 : QuadraticFit(around_.Positions()(Eigen::all, numbers)).quality();
+  }
+
+  // One node, or several that tell as much. False where all are there.
+  bool AddMostTelling(std::vector<int>* chosen) const {
+    constexpr double kAsMuch = 1e-6;
+    std::vector<int> best;
+    double most = -1.0;
+    for (const int number : AllNumbers()) {
+      if (std::find(chosen->begin(), chosen->end(), number) != chosen->end()) continue;
+      std::vector<int> with = *chosen;
+      with.push_back(number);
+      const double quality = Quality(with);
+      if (quality > most + kAsMuch) best.clear();
+      if (quality >= most - kAsMuch) best.push_back(number);
+      most = std::max(most, quality);
+    }
+    chosen->insert(chosen->end(), best.begin(), best.end());
+    return !best.empty();
   }
 
   MeshUnfolding around_;
@@ -135,6 +169,7 @@ class PatchBuilder {
   explicit PatchBuilder(const Eigen::Vector3i& nodes) : nodes_(nodes.begin(), nodes.end()) {}
 
   void Add(int node, const Eigen::Vector3d& weights) {
+    if (weights.isZero(0.0)) return;
     const auto place = static_cast<std::size_t>(std::find(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
     if (place == nodes_.size()) nodes_.push_back(node);
     columns_.resize(nodes_.size(), Eigen::Vector3d::Zero());

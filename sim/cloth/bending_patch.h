@@ -19,9 +19,9 @@
 // A slope is that of the two triangles of the edge, weighted by the height of the other, less what it misses of a
 // quadratic: nothing where the two are a parallelogram. Else the second derivatives to subtract are a least-squares fit
 // (quadratic_fit.h) to the four nodes and those across the other edges of one triangle, that nearer to the middle of
-// the cloth: six, or eight where both are as near. Where these do not tell them, as at a border, it is all nodes of the
-// triangles that touch those of the edge. So the patch of a triangle has 6 to some 13 nodes, and a row of Q has 14
-// entries on grids, 18 on equilateral triangles and 29 on irregular ones.
+// the cloth: six, or eight where both are as near. Where these leave a derivative open, as at a border, they are joined
+// by those nodes of the triangles that touch them that tell most. So the patch of a triangle has 6 to some 12 nodes,
+// and a row of Q has 13 entries on grids, 18 on equilateral triangles and 29 on irregular ones.
 //
 // It is the triangle of L. S. D. Morley (The triangular equilibrium element in the solution of plate bending problems,
 // 1968), with the slopes taken from nodes as in the shells of E. Onate and F. Zarate (Rotation-free triangular plate

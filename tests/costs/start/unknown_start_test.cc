@@ -138,6 +138,27 @@ TEST(StartPriorTest, IsCentredNearTheBase) {
   EXPECT_GT(start.PriorAt(stretched), 20.0 * start.PriorAt(zero));
 }
 
+// What is believed of angles does not depend on the law: the doubt of a bent cloth is the same but for its borders.
+TEST(StartPriorTest, BendingCostsAlikeByEitherLaw) {
+  RecordedMotion motion = NoisySphere(StartSource::kRest);
+  double rises[2];
+  for (const BendingLaw law : {BendingLaw::kEdges, BendingLaw::kPatches}) {
+    motion.scene.bending.law = law;
+    const UnknownStart start(motion);
+    const Eigen::MatrixXd& directions = start.directions().initial_positions;
+    Eigen::VectorXd bent = Eigen::VectorXd::Zero(directions.rows());
+    for (int node = 0; node < motion.scene.mesh.num_nodes(); ++node) {
+      const double y = motion.scene.mesh.rest_positions(1, node);
+      bent[3 * node + 2] = 5.0 * y * y;
+    }
+    const Eigen::VectorXd there = directions.colPivHouseholderQr().solve(bent), back = -there;
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(start.size());
+    rises[static_cast<int>(law)] = start.PriorAt(there) + start.PriorAt(back) - 2.0 * start.PriorAt(zero);
+  }
+  EXPECT_GT(rises[1], 0.8 * rises[0]);
+  EXPECT_LT(rises[1], 1.6 * rises[0]);
+}
+
 // Handles are believed to be where they were measured: twenty-one times, with an error of kNoise each.
 TEST(StartPriorTest, HandlesAreAsSureAsTheirMean) {
   const RecordedMotion motion = NoisySphere(StartSource::kRest);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "sim/rollout/simulator.h"
 #include "tests/costs/synthetic_motion.h"
@@ -75,8 +76,11 @@ double LargestStrain(const Mesh& mesh, const Eigen::VectorXd& positions) {
 }
 
 TEST(StartStateTest, IsNearerToTheTruthThanTheFirstFrame) {
-  for (const unsigned seed : {1u, 2u, 3u}) {
-    const Draped draped = MakeDraped(8, seed);
+  using Case = std::pair<unsigned, BendingLaw>;
+  for (const auto& [seed, law] : {Case(1, BendingLaw::kEdges), Case(2, BendingLaw::kEdges), Case(3, BendingLaw::kEdges),
+                                  Case(1, BendingLaw::kPatches)}) {
+    Draped draped = MakeDraped(8, seed);
+    draped.scene.bending.law = law;
     const Eigen::VectorXd start = SmoothStartPositions(draped.scene, draped.motion.points, TrendOf(draped.motion));
     const double first = (draped.scene.initial_positions - draped.positions).norm();
     EXPECT_LT((start - draped.positions).norm(), 0.6 * first) << seed;
