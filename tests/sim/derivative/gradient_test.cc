@@ -147,7 +147,9 @@ class GradientCase {
       scene.initial_velocities += step * directions_.initial_velocities.col(1) * (i > num_parameters());
     }
     Simulator simulator(scene);
-    return Simulate(parameters, scene.num_steps(), &simulator);
+    RolloutOptions options;
+    if (num_substeps() > 0) options.followed = &rollout_;  // cut where the rollout was
+    return Simulate(parameters, scene.num_steps(), &simulator, nullptr, options);
   }
 
   double Cost(const Rollout& rollout) const {
