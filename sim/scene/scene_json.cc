@@ -73,15 +73,10 @@ class SceneReader {
 
   // Scenes older than the key were made with backward Euler.
   void ReadIntegrator() {
-    scene_.integrator = Integrator::kEuler;
-    const auto name = root_.Find("integrator");
-    if (!name) return;
-    for (const Integrator integrator : {Integrator::kEuler, Integrator::kSdirk2}) {
-      if (!name->is(Kind::kString) || name->String() != IntegratorName(integrator)) continue;
-      scene_.integrator = integrator;
-      return;
-    }
-    name->Fail("expected \"euler\" or \"sdirk2\"");
+    const auto node = root_.Find("integrator");
+    const std::string name = node ? (node->is(Kind::kString) ? node->String() : "") : "euler";
+    if (name != "euler" && name != "sdirk2") node->Fail("expected \"euler\" or \"sdirk2\"");
+    scene_.integrator = name == "euler" ? Integrator::kEuler : Integrator::kSdirk2;
   }
 
   void ReadForces() {
