@@ -193,6 +193,15 @@ TEST(CheckpointIntervalTest, FitsTheLimitAndRepeatsAsLittleAsItCan) {
   EXPECT_NEAR(least, std::sqrt(num_steps / 2.0), 3.0);
 }
 
+TEST(CheckpointIntervalTest, CountsTheStagesOfAStep) {
+  Scene scene = ShippedScene("drape", 8);
+  scene.integrator = Integrator::kSdirk2;
+  Simulator simulator(scene);
+  const double all = 2.0 * 1000 * (sizeof(StepRecord) + 48.0 * 64 + sizeof(ContactRecord) * 56.0);
+  EXPECT_EQ(CheckpointInterval(simulator.model(), 1000, static_cast<std::size_t>(all)), 0);
+  EXPECT_EQ(CheckpointInterval(simulator.model(), 1000, static_cast<std::size_t>(0.5 * all)), 248);
+}
+
 TEST(CheckpointIntervalTest, AnyIntervalServes) {
   const Scene scene = ShippedScene("wind", 4);
   Simulator simulator(scene);
