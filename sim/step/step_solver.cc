@@ -77,11 +77,12 @@ double StepSolver::Tolerance(const StepProblem& problem, double tolerance, const
 void StepSolver::Start(const Task& task, StepPoint* point) {
   const StepProblem& problem = task.problem;
   StartAt(problem, problem.start_velocities(), point);
-  if (acceleration_.size() == 0 || task.IsSolvedAt(*point)) return;
+  if (acceleration_.size() == 0) return;
   StartAtBetter(task, problem.start_velocities() + problem.time_step() * acceleration_, point);
 }
 
 void StepSolver::StartAtBetter(const Task& task, const Eigen::VectorXd& velocities, StepPoint* point) {
+  if (task.IsSolvedAt(*point)) return;
   StartAt(task.problem, velocities, &trial_);
   if (trial_.residual.norm() < point->residual.norm()) std::swap(*point, trial_);
 }
@@ -99,9 +100,7 @@ bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen
     StartAt(problem, *guess, point);
   } else {
     Start(task, point);
-    for (const Eigen::VectorXd& candidate : candidates) {
-      if (!task.IsSolvedAt(*point)) StartAtBetter(task, candidate, point);
-    }
+    for (const Eigen::VectorXd& velocities : candidates) StartAtBetter(task, velocities, point);
   }
   acceleration_.resize(0);
   bool solved = Newton(task, point);

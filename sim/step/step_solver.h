@@ -60,7 +60,7 @@ class StepSolver {
   void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   void Assemble(const StepProblem& problem, HessianKind kind, const StepPoint& point);
   void Start(const Task& task, StepPoint* point);
-  // Starts at `velocities` where the residual is smaller there.
+  // Starts at `velocities` where the residual is smaller there, unless the step is solved already.
   void StartAtBetter(const Task& task, const Eigen::VectorXd& velocities, StepPoint* point);
   void StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   // A full Newton iteration from a solution, kept where it is one, too.
