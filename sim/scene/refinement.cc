@@ -1,0 +1,108 @@
+#include "sim/scene/refinement.h"
+
+#include <algorithm>
+
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+std::array<int, 2> Edge(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+
+std::vector<std::array<int, 2>> EdgesOf(const Mesh& mesh) {
+  std::vector<std::array<int, 2>> edges;
+  edges.reserve(3 * static_cast<std::size_t>(mesh.num_faces()));
+  for (int f = 0; f < mesh.num_faces(); ++f) {
+    for (int k = 0; k < 3; ++k) edges.push_back(Edge(mesh.faces(k, f), mesh.faces((k + 1) % 3, f)));
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+Handles RefineHandles(const Handles& handles, const RefinedMesh& refined) {
+  std::vector<int> place(static_cast<std::size_t>(refined.num_coarse_nodes()), -1);
+  for (std::size_t i = 0; i < handles.nodes.size(); ++i) place[handles.nodes[i]] = static_cast<int>(i);
+  Handles result;
+  result.nodes = handles.nodes;
+  std::vector<std::array<int, 2>> held;  // the handles on both sides of the new ones
+  for (std::size_t e = 0; e < refined.edges.size(); ++e) {
+    const auto [a, b] = refined.edges[e];
+    if (place[a] < 0 || place[b] < 0) continue;
+    result.nodes.push_back(refined.num_coarse_nodes() + static_cast<int>(e));
+    held.push_back({place[a], place[b]});
+  }
+  const HandlePath& path = handles.path;
+  if (path.times().size() == 0) return result;
+  Eigen::MatrixXd positions(3 * static_cast<Eigen::Index>(result.nodes.size()), path.times().size());
+  Eigen::Index row = path.positions().rows();
+  positions.topRows(row) = path.positions();
+  for (const auto& [a, b] : held) {
+    positions.middleRows<3>(row) =
+        0.5 * (path.positions().middleRows<3>(3 * a) + path.positions().middleRows<3>(3 * b));
+    row += 3;
+  }
+  result.path = HandlePath(path.times(), positions);
+  return result;
+}
+
+}  // namespace
+
+int RefinedMesh::Midpoint(int a, int b) const {
+  const auto edge = std::lower_bound(edges.begin(), edges.end(), Edge(a, b));
+  if (edge == edges.end() || *edge != Edge(a, b)) return -1;
+  return num_coarse_nodes() + static_cast<int>(edge - edges.begin());
+}
+
+Eigen::MatrixXd RefinedMesh::Interpolate(const Eigen::MatrixXd& values) const {
+  Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(mesh.num_nodes()), values.cols());
+  result.topRows(values.rows()) = values;
+  Eigen::Index row = values.rows();
+  for (const auto& [a, b] : edges) {
+    result.middleRows<3>(row) = 0.5 * (values.middleRows<3>(3 * a) + values.middleRows<3>(3 * b));
+    row += 3;
+  }
+  return result;
+}
+
+RefinedMesh RefineMesh(const Mesh& mesh) {
+  RefinedMesh refined;
+  refined.edges = EdgesOf(mesh);
+  const auto num_edges = static_cast<Eigen::Index>(refined.edges.size());
+  refined.mesh.rest_positions.resize(3, mesh.num_nodes() + num_edges);
+  refined.mesh.rest_positions = refined.Interpolate(mesh.rest_positions.reshaped()).reshaped(3, Eigen::AutoSize);
+  refined.mesh.faces.resize(3, 4 * static_cast<Eigen::Index>(mesh.num_faces()));
+  for (int f = 0; f < mesh.num_faces(); ++f) {
+    const int a = mesh.faces(0, f), b = mesh.faces(1, f), c = mesh.faces(2, f);
+    const int ab = refined.Midpoint(a, b), bc = refined.Midpoint(b, c), ca = refined.Midpoint(c, a);
+    refined.mesh.faces.middleCols<4>(4 * static_cast<Eigen::Index>(f)) <<  //
+        a,
+        ab, ca, ab,     //
+        ab, b, bc, bc,  //
+        ca, bc, c, ca;
+  }
+  return refined;
+}
+
+Scene RefineScene(const Scene& scene, const RefinedMesh& refined) {
+  Scene result = scene;
+  result.mesh = refined.mesh;
+  result.initial_positions = refined.Interpolate(scene.initial_positions);
+  result.initial_velocities = refined.Interpolate(scene.initial_velocities);
+  result.handles = RefineHandles(scene.handles, refined);
+  return result;
+}
+
+void ExpectRefinable(const Scene& scene, const std::string& source) {
+  if (!scene.node_force.isZero(0.0)) {
+    throw Error(ErrorKind::kUsage,
+                source + ": key 'node_force': expected none; on a finer mesh it would be another force");
+  }
+  // A mesh has at most three edges per triangle.
+  if (scene.mesh.num_nodes() + 3LL * scene.mesh.num_faces() > kMaxNodes) {
+    throw Error(ErrorKind::kUsage, source + ": the mesh is too large to be refined: expected at most " +
+                                       std::to_string(kMaxNodes) + " nodes and edges");
+  }
+}
+
+}  // namespace clothid
