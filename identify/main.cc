@@ -43,7 +43,8 @@ DEFINE_int32(starts, 1, "number of starting points");
 DEFINE_uint64(seed, 0, "seed of the starting points");
 DEFINE_string(profile, "", "parameters whose profile likelihood is wanted");
 DEFINE_string(landscape, "", "folders that `landscape` wrote, to show in report.html");
-DEFINE_bool(check_step, false, "repeat the fit at half the time step");
+DEFINE_string(discretization, "", "what intervals are to count with besides noise: step, mesh or all");
+DEFINE_bool(check_step, false, "the same as --discretization step");
 DEFINE_string(holdout, "", "recordings that are not fitted, to judge the estimates on");
 DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fitted, to judge the estimates on");
 DEFINE_bool(resume, false, "continue a fit that was killed: replays the evaluations journaled in --output");
@@ -96,7 +97,10 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --profile NAMES     profile likelihood of these parameters: intervals of costs that are not quadratic
   --landscape DIRS    folders that `landscape` wrote of a recording of --target, over two parameters of the fit:
                       report.html shows them as maps, with the estimate and the way to it
-  --check_step        repeat the fit at half the time step, say by how much each parameter moves
+  --discretization PARTS  step: fit again at half and twice the time step; mesh: fit again on a mesh of twice the
+                      density; all: both. Intervals are widened by the errors that this shows, and the verdict says
+                      what is the largest: noise, time step or mesh
+  --check_step        the same as --discretization step
   --holdout FILES     recordings that are not fitted: their error at the estimates and at the nominal parameters; of
                       --each they take none, their own parameters stay nominal and those of a recording zero
   --holdout_frames A:B  the same for frames A to B - 1 of every recording
@@ -157,7 +161,8 @@ RunOptions OptionsFromFlags(const std::string& command_line) {
   options.check_recordings = FLAGS_check;
   options.check_gradients = FLAGS_check_gradients;
   options.profiles = ParseNames(FLAGS_profile, "--profile");
-  options.check_step = FLAGS_check_step;
+  options.discretization = ParseDiscretization(FLAGS_discretization);
+  options.discretization.step = options.discretization.step || FLAGS_check_step;
   options.landscape_paths = ParseNames(FLAGS_landscape, "--landscape");
   options.output = FLAGS_output;
   options.report_page = FLAGS_report;

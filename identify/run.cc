@@ -7,15 +7,16 @@
 #include "datasets/checking/motion_check.h"
 #include "datasets/motion/motion_validation.h"
 #include "identify/base/output_folder.h"
+#include "identify/checks/discretization_check.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
-#include "identify/checks/step_check.h"
 #include "identify/fit/problem.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/report/node_prediction.h"
 #include "identify/report/report.h"
 #include "sim/base/phase_seconds.h"
+#include "sim/scene/refinement.h"
 
 namespace clothid {
 namespace {
@@ -82,6 +83,9 @@ class Run {
         fit_options_(FitOptionsOf(options, folder_.get())),
         problem_(std::make_unique<FitProblem>(inputs_.fitted, fit_options_)) {
     for (const std::string& name : options.profiles) FindFreeBlock(*problem_, name, "--profile");
+    for (const RecordedMotion& motion : inputs_.fitted) {
+      if (options.discretization.mesh) ExpectRefinable(motion.scene, "--discretization: " + motion.name);
+    }
     for (FitLandscape& landscape : inputs_.landscapes) MatchLandscape(problem_->blocks(), &landscape);
     checks_.landscapes = std::move(inputs_.landscapes);
     checks_.findings = std::move(inputs_.findings);
@@ -158,9 +162,9 @@ class Run {
       if (!summary_.uncertainty || is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));
     }
-    if (options_.check_step && !is_cancelled()) {
-      checks_.step_check = CheckStep(inputs_.fitted, fit_options_, *problem_, summary_);
-      summary_.statistics += checks_.step_check->statistics;
+    if (options_.discretization.any() && !is_cancelled()) {
+      checks_.discretization =
+          CheckDiscretization(inputs_.fitted, fit_options_, options_.discretization, *problem_, &summary_);
     }
     if (!inputs_.held_out.empty()) {
       const HeldOut held_out = options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings;

@@ -8,8 +8,8 @@
 //   if (result.exit_code == kExitSuccess) Use(result.summary.values());
 //
 // What happens, in this order: the recordings are read and checked, frames are held out, the gradients compared, the
-// fit is run, from one start or several, then the profiles, the fit at half the step and the prediction of what was
-// held out, then the files are written, all or none (but see `WriteReport`).
+// fit is run, from one start or several, then the profiles, the fits with other steps and meshes and the prediction of
+// what was held out, then the files are written, all or none (but see `WriteReport`).
 #ifndef CLOTHID_IDENTIFY_RUN_H_
 #define CLOTHID_IDENTIFY_RUN_H_
 
@@ -47,7 +47,7 @@ struct RunOptions {
   // Beside the fit.
   bool check_gradients = false;              // at the start, before the fit
   std::vector<std::string> profiles;         // parameters whose profile likelihood is wanted
-  bool check_step = false;                   // the fit once more, at half the time step
+  DiscretizationParts discretization;        // the fit again with other time steps, another mesh; widens intervals
   std::vector<std::string> landscape_paths;  // folders that `landscape` wrote of a recording of `target_paths`
   // What is written.
   std::string output;        // the folder; empty: nothing is written

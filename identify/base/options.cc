@@ -101,6 +101,14 @@ StartSource ParseStartSource(const std::string& text) {
   Fail("--initial: expected estimated, rest, moving, smoothed or first, got '" + Printable(text) + "'");
 }
 
+DiscretizationParts ParseDiscretization(const std::string& text) {
+  if (text.empty()) return {};
+  if (text == "all") return {true, true};
+  if (text == "step") return {true, false};
+  if (text == "mesh") return {false, true};
+  Fail("--discretization: expected step, mesh or all, got '" + Printable(text) + "'");
+}
+
 std::string JacobianMethodName(JacobianMethod method) {
   switch (method) {
     case JacobianMethod::kAdjoint:

@@ -28,6 +28,14 @@ enum class FitPrecision {
   kFull,
 };
 
+// What of the discretisation an answer is to count with (identify/checks/discretization_check.h).
+struct DiscretizationParts {
+  bool step = false;  // the time step
+  bool mesh = false;
+
+  bool any() const { return step || mesh; }
+};
+
 // One accepted point of the optimiser.
 struct FitIteration {
   int iteration = 0;
@@ -97,6 +105,8 @@ std::string JacobianMethodName(JacobianMethod method);
 // "moving", "smoothed" or "first": about the start. Throw `Error` (kUsage).
 void ParseSigma(const std::string& text, ReadMotionOptions* options);
 StartSource ParseStartSource(const std::string& text);
+// "step", "mesh" or "all"; empty: none. Throws `Error` (kUsage).
+DiscretizationParts ParseDiscretization(const std::string& text);
 // METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
 AdjointOptions ParseAdjointOptions(const std::string& text);
 

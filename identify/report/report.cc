@@ -86,7 +86,8 @@ std::string Interval(const FitSummary& summary, const FitChecks& checks, int ind
   if (!HasInterval(summary, checks, index)) return "-";
   const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
   constexpr int kFewestDigits = 3, kMostDigits = 9;
-  const double relative_std = uncertainty.std / std::max(std::abs(summary.parameters[index].value), uncertainty.std);
+  const double std = uncertainty.total_std();
+  const double relative_std = std / std::max(std::abs(summary.parameters[index].value), std);
   const int digits =
       2 + static_cast<int>(std::ceil(-std::log10(relative_std + std::numeric_limits<double>::epsilon())));
   const int shown = std::clamp(digits, kFewestDigits, kMostDigits);
@@ -94,7 +95,9 @@ std::string Interval(const FitSummary& summary, const FitChecks& checks, int ind
 }
 
 std::string StartRow(const StartEstimate& start) {
-  const auto with_std = [](double value, double std) { return ShortNumber(1e3 * value, 3) + " +- " + ShortNumber(1e3 * std, 3); };
+  const auto with_std = [](double value, double std) {
+    return ShortNumber(1e3 * value, 3) + " +- " + ShortNumber(1e3 * std, 3);
+  };
   std::string row = "start           recording " + std::to_string(start.recording + 1) +
                     ": estimated, cloth moved by " + with_std(start.moved, start.position_std) + " mm";
   if (start.handle_std > 0.0) row += ", handles by " + with_std(start.handles_moved, start.handle_std) + " mm";

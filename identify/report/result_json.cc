@@ -41,6 +41,11 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
                             {"at_bound", parameter.at_bound},
                             {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)},
                             {"usable", UsabilityName(verdict.parameters[i])}};
+    if (checks.discretization) {
+      json[parameter.name]["step_error"] = has_interval ? NumberJson(uncertainty.step_error) : Json(nullptr);
+      json[parameter.name]["step_order"] = has_interval ? NumberJson(uncertainty.step_order) : Json(nullptr);
+      json[parameter.name]["mesh_error"] = has_interval ? NumberJson(uncertainty.mesh_error) : Json(nullptr);
+    }
     if (!summary.starts.empty()) json[parameter.name]["known_start_std"] = NumberJson(uncertainty.known_start_std);
   }
   return json;
@@ -128,14 +133,13 @@ Json ProfilesJson(const FitChecks& checks) {
   return json;
 }
 
-Json StepCheckJson(const FitSummary& summary, const FitChecks& checks) {
-  if (!checks.step_check) return nullptr;
-  const StepCheck& check = *checks.step_check;
-  const bool has_estimate = check.values.size() > 0;
-  return {{"status", FitStatusName(check.status)},
-          {"values", has_estimate ? NamedJson(summary.parameters, check.values) : Json(nullptr)},
-          {"changes", has_estimate ? NamedJson(summary.parameters, check.changes) : Json(nullptr)},
-          {"rmse_m", has_estimate ? NumberJson(check.rmse) : Json(nullptr)}};
+Json RepeatedFitJson(const FitSummary& summary, const std::optional<RepeatedFit>& fit) {
+  if (!fit) return nullptr;
+  const bool has_estimate = fit->has_estimate();
+  return {{"status", FitStatusName(fit->status)},
+          {"values", has_estimate ? NamedJson(summary.parameters, fit->values) : Json(nullptr)},
+          {"changes", has_estimate ? NamedJson(summary.parameters, fit->changes) : Json(nullptr)},
+          {"rmse_m", has_estimate ? NumberJson(fit->rmse) : Json(nullptr)}};
 }
 
 Json HoldoutJson(const std::optional<Holdout>& holdout) {
@@ -230,7 +234,10 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, checks);
   json["profiles"] = ProfilesJson(checks);
-  json["step_check"] = StepCheckJson(summary, checks);
+  const DiscretizationCheck discretization = checks.discretization.value_or(DiscretizationCheck());
+  json["step_check"] = RepeatedFitJson(summary, discretization.half_step);
+  if (discretization.double_step) json["double_step"] = RepeatedFitJson(summary, discretization.double_step);
+  if (discretization.fine_mesh) json["fine_mesh"] = RepeatedFitJson(summary, discretization.fine_mesh);
   json["cost"] = summary.cost;
   json["jacobian"] = JacobianMethodName(checks.jacobian);
   json["iterations"] = summary.num_iterations();

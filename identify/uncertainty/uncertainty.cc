@@ -79,8 +79,7 @@ void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::Vecto
     parameter.coordinate_std = std;
     parameter.independent_std = std;
     parameter.std = block.ValueDerivative(q) * std;
-    parameter.lower95 = std::max(block.lower_bound, block.ToValue(q - kNormal95 * std));
-    parameter.upper95 = std::min(block.upper_bound, block.ToValue(q + kNormal95 * std));
+    SetInterval(block, q, kNormal95 * std, &parameter);
     parameter.distance = std::abs(jacobian.Solve(i, gradient)) / std;
     for (Eigen::Index j = 0; j < jacobian.size(); ++j) {
       if (!has_std(j)) continue;
@@ -107,8 +106,7 @@ void WidenIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::Vect
     parameter.coordinate_std = std;
     parameter.widening = quantile * std / (kNormal95 * parameter.independent_std);
     parameter.std = block.ValueDerivative(q) * std;
-    parameter.lower95 = std::max(block.lower_bound, block.ToValue(q - quantile * std));
-    parameter.upper95 = std::min(block.upper_bound, block.ToValue(q + quantile * std));
+    SetInterval(block, q, quantile * std, &parameter);
     for (std::size_t b = 0; b < rows.size(); ++b) {
       const auto other = static_cast<Eigen::Index>(b);
       uncertainty->correlation(index, jacobian.indices()[rows[b]]) =
@@ -180,24 +178,6 @@ void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorX
   }
 }
 
-// What of the visible parameters the intervals tell; those that stalled lose theirs.
-void JudgeIntervals(const std::vector<ParameterBlock>& blocks, Uncertainty* uncertainty) {
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    ParameterUncertainty& parameter = uncertainty->parameters[i];
-    if (std::isnan(parameter.coordinate_std)) continue;
-    const bool is_log = blocks[i].scale == ParameterScale::kLog;
-    const double widest = is_log ? std::log(kWidestBelief) : std::numeric_limits<double>::infinity();
-    const double believed_std = std::min(blocks[i].CoordinateRange(), widest) / std::sqrt(12.0);
-    if (is_log) parameter.factor = std::exp(2.0 * uncertainty->quantile95 * parameter.coordinate_std);
-    parameter.share_of_belief = uncertainty->quantile95 * parameter.coordinate_std / (kNormal95 * believed_std);
-    parameter.reaches_lower = parameter.lower95 <= blocks[i].lower_bound;
-    parameter.reaches_upper = parameter.upper95 >= blocks[i].upper_bound;
-    parameter.identifiable =
-        !parameter.stalled && !parameter.reaches_lower && !parameter.reaches_upper && !parameter.is_hardly_told();
-    if (parameter.stalled) parameter.std = parameter.lower95 = parameter.upper95 = std::nan("");
-  }
-}
-
 }  // namespace
 
 Linearization Linearize(const std::vector<double*>& coordinates, int num_measurements, bool sigma_is_known,
@@ -224,6 +204,11 @@ Linearization Linearize(const std::vector<double*>& coordinates, int num_measure
   return linearization;
 }
 
+double ParameterUncertainty::total_std() const {
+  const auto known = [](double error) { return std::isnan(error) ? 0.0 : error; };
+  return std::hypot(std, known(step_error), known(mesh_error));
+}
+
 bool Uncertainty::all_identifiable(const std::vector<ParameterBlock>& blocks) const {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     if (!blocks[i].frozen && !parameters[i].identifiable) return false;
@@ -235,6 +220,29 @@ double Uncertainty::largest_widening() const {
   double largest = 1.0;
   for (const ParameterUncertainty& parameter : parameters) largest = std::max(largest, parameter.widening);
   return largest;
+}
+
+void SetInterval(const ParameterBlock& block, double coordinate, double half_width, ParameterUncertainty* parameter) {
+  parameter->half_width95 = half_width;
+  parameter->lower95 = std::max(block.lower_bound, block.ToValue(coordinate - half_width));
+  parameter->upper95 = std::min(block.upper_bound, block.ToValue(coordinate + half_width));
+}
+
+void JudgeIntervals(const std::vector<ParameterBlock>& blocks, Uncertainty* uncertainty) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    ParameterUncertainty& parameter = uncertainty->parameters[i];
+    if (std::isnan(parameter.coordinate_std)) continue;
+    const bool is_log = blocks[i].scale == ParameterScale::kLog;
+    const double widest = is_log ? std::log(kWidestBelief) : std::numeric_limits<double>::infinity();
+    const double believed_std = std::min(blocks[i].CoordinateRange(), widest) / std::sqrt(12.0);
+    if (is_log) parameter.factor = std::exp(2.0 * parameter.half_width95);
+    parameter.share_of_belief = parameter.half_width95 / (kNormal95 * believed_std);
+    parameter.reaches_lower = parameter.lower95 <= blocks[i].lower_bound;
+    parameter.reaches_upper = parameter.upper95 >= blocks[i].upper_bound;
+    parameter.identifiable =
+        !parameter.stalled && !parameter.reaches_lower && !parameter.reaches_upper && !parameter.is_hardly_told();
+    if (parameter.stalled) parameter.std = parameter.lower95 = parameter.upper95 = std::nan("");
+  }
 }
 
 bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std) {

@@ -80,11 +80,19 @@ inline constexpr double kHardlyTold = 1.0 / 3.0;
 inline constexpr double kStalledDecrease = 0.1;
 
 struct ParameterUncertainty {
-  // Of the value, in its own unit. NaN: frozen, at its bound, not visible or stalled.
+  // Of the value, in its own unit, from the noise alone. NaN: frozen, at its bound, not visible or stalled.
   double std = std::numeric_limits<double>::quiet_NaN();
+  // Of the value, too: what time step and mesh do to it, which count like standard deviations
+  // (identify/uncertainty/discretization_error.h). NaN: nobody looked, or it could not be told.
+  double step_error = std::numeric_limits<double>::quiet_NaN();
+  double mesh_error = std::numeric_limits<double>::quiet_NaN();
+  double step_order = std::numeric_limits<double>::quiet_NaN();  // at which step_error falls; NaN: no clear one
+  // The interval, with these errors where they are known, and half its width in q. NaN as `std`.
   double lower95 = std::numeric_limits<double>::quiet_NaN();
   double upper95 = std::numeric_limits<double>::quiet_NaN();
-  double coordinate_std = std::numeric_limits<double>::quiet_NaN();   // of q; also where the fit stalled
+  double half_width95 = std::numeric_limits<double>::quiet_NaN();  // also where the fit stalled
+  // Of q, from the noise; also where the fit stalled.
+  double coordinate_std = std::numeric_limits<double>::quiet_NaN();
   double independent_std = std::numeric_limits<double>::quiet_NaN();  // the same if residuals were independent
   // The same if the start were known exactly; NaN where nothing about it was fitted.
   double known_start_std = std::numeric_limits<double>::quiet_NaN();
@@ -103,6 +111,8 @@ struct ParameterUncertainty {
   // Visible and not at its bound, not stalled, the interval narrower than the belief and within the bounds.
   bool identifiable = false;
 
+  // Noise, step and mesh together: root of squares, of what is known. NaN as `std`.
+  double total_std() const;
   bool is_hardly_told() const { return share_of_belief > kHardlyTold || (reaches_lower && reaches_upper); }
 };
 
@@ -134,6 +144,13 @@ struct Uncertainty {
 // is held there while the others get their standard deviations.
 Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                                 const Linearization& linearization);
+
+// The interval value(q -+ half_width), cut at the bounds.
+void SetInterval(const ParameterBlock& block, double coordinate, double half_width, ParameterUncertainty* parameter);
+
+// What the intervals of the visible parameters tell: share_of_belief, factor, bounds that are reached, identifiable.
+// Those that stalled lose theirs.
+void JudgeIntervals(const std::vector<ParameterBlock>& blocks, Uncertainty* uncertainty);
 
 // Successive residuals with a higher correlation than this are not the noise of a sensor.
 inline constexpr double kCorrelatedResiduals = 0.3;

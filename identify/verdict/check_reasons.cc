@@ -11,10 +11,6 @@ namespace {
 // the fit should have ended elsewhere.
 constexpr double kProfileRounding = 1e-3;
 constexpr double kLowerCost = 0.1;
-// What half the time step moves by more than this, in standard deviations and relative to the value, the step has a
-// part in.
-constexpr double kFarStds = 2.0;
-constexpr double kFarShare = 0.01;
 
 Reason Remark(const std::string& line) { return {Usability::kUsable, kExitSuccess, {}, "", line}; }
 
@@ -97,42 +93,6 @@ void AddProfiles(const FitSummary& summary, const FitChecks& checks, std::vector
   }
 }
 
-// "mu moves by 0.01 (4 %), 3 standard deviations", and whether that is far.
-std::string Move(const FitSummary& summary, const StepCheck& check, int index, bool* is_far) {
-  const FittedParameter& parameter = summary.parameters[index];
-  const double change = check.values[index] - parameter.value;
-  const double std = summary.uncertainty ? summary.uncertainty->parameters[index].std : std::nan("");
-  std::string text = parameter.name + " moves by " + NumberText(change, 3);
-  if (parameter.value != 0.0) text += " (" + NumberText(100.0 * change / parameter.value, 3) + " %)";
-  if (!std::isnan(std)) text += ", " + NumberText(std::abs(change) / std, 3) + " standard deviations";
-  *is_far = !(std::abs(change) <= kFarStds * std) && std::abs(change) > kFarShare * std::abs(parameter.value);
-  return text;
-}
-
-void AddStepCheck(const FitSummary& summary, const StepCheck& check, std::vector<Reason>* reasons) {
-  if (check.changes.size() == 0) {
-    reasons->push_back({Usability::kWithCare,
-                        kExitSuccess,
-                        {},
-                        "half the time step could not be simulated",
-                        "step check: the rollout at half the time step failed"});
-    return;
-  }
-  std::string moves;
-  std::vector<int> far;
-  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
-    if (summary.parameters[i].frozen) continue;
-    bool is_far = false;
-    moves += (moves.empty() ? "" : ", ") + Move(summary, check, i, &is_far);
-    if (is_far) far.push_back(i);
-  }
-  std::string line = "at half the time step " + moves;
-  if (check.status != FitStatus::kConverged) line += "; that fit ended as " + FitStatusName(check.status);
-  if (far.empty()) return reasons->push_back(Remark(line));
-  const std::string brief = "half the time step moves " + NamesText(summary, far);
-  reasons->push_back({Usability::kWithCare, kExitSuccess, far, brief, line});
-}
-
 void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
   const std::string brief = holdout.failure.empty()
                                 ? "what was held out is predicted worse than by the nominal parameters"
@@ -153,7 +113,6 @@ void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
 void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
   if (checks.starts) AddStarts(summary, *checks.starts, reasons);
   AddProfiles(summary, checks, reasons);
-  if (checks.step_check) AddStepCheck(summary, *checks.step_check, reasons);
   if (checks.holdout) AddHoldout(*checks.holdout, reasons);
 }
 

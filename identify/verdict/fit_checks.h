@@ -10,11 +10,11 @@
 
 #include "datasets/checking/finding.h"
 #include "identify/base/options.h"
+#include "identify/checks/discretization_check.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/holdout.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
-#include "identify/checks/step_check.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/verdict/recording_fit.h"
 
@@ -27,7 +27,7 @@ struct FitChecks {
   std::optional<MultiStart> starts;
   std::vector<Profile> profiles;
   std::vector<FitLandscape> landscapes;  // which `MatchLandscape` has seen
-  std::optional<StepCheck> step_check;
+  std::optional<DiscretizationCheck> discretization;
   std::optional<Holdout> holdout;
   std::vector<RecordingFit> recordings;          // of `DescribeRecordings`; empty: nobody looked
   std::vector<std::vector<Finding>> findings;    // of every recording, before the fit

@@ -28,7 +28,9 @@ struct Reason {
 void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // Its parameters: what the recordings tell of each, and what their intervals are worth.
 void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
-// What was looked at besides: other starts, profiles, half the time step, held-out measurements.
+// What time step and mesh do to the estimates.
+void AddDiscretizationReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
+// What was looked at besides: other starts, profiles, held-out measurements.
 void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 
 // "4.123", with that many digits; "1.234 mm" of metres; "mu 0.3, k_stretch 50" of the values of all that are not

@@ -24,6 +24,7 @@ TEST_F(IdentifyTest, RefusesWrongFlags) {
   ExpectFlagsRefused("--threads 1.5", "identify: --threads: expected a whole number, got '1.5'");
   ExpectFlagsRefused("--seed -1", "identify: --seed: expected a whole number >= 0, got '-1'");
   ExpectFlagsRefused("--step_tolerance nan", "identify: --step_tolerance: expected a finite number, got 'nan'");
+  ExpectFlagsRefused("--discretization=time", "identify: --discretization: expected step, mesh or all, got 'time'");
   ExpectFlagsRefused("--check_step=maybe", "identify: --check_step: expected true or false, got 'maybe'");
   ExpectFlagsRefused("--fit", "identify: --fit: expected a value behind it");
   ExpectFlagsRefused("--fit mu --fit mu", "--fit: 'mu' is given twice");

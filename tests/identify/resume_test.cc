@@ -114,7 +114,7 @@ class KillTest : public ResumeTest, public testing::WithParamInterface<std::vect
 INSTANTIATE_TEST_SUITE_P(Methods, KillTest,
                          testing::Values(std::vector<std::string>{"--jacobian", "adjoint"},
                                          std::vector<std::string>{"--jacobian", "sensitivity", "--starts", "2",
-                                                                  "--profile", "mu", "--check_step"},
+                                                                  "--profile", "mu", "--discretization", "all"},
                                          std::vector<std::string>{"--jacobian", "numeric"},
                                          std::vector<std::string>{"--method", "lbfgs"}));
 

@@ -48,7 +48,7 @@ class RunTest : public ToolTest {
     options.holdout_paths = {Path("held_out.bin")};
     options.fit.num_starts = 2;
     options.check_gradients = true;
-    options.check_step = true;
+    options.discretization = {true, true};
     options.profiles = {"k_stretch"};
     return options;
   }
@@ -67,9 +67,9 @@ class RunTest : public ToolTest {
 };
 
 TEST_F(RunTest, GivesWhatTheProgramGives) {
-  const ToolResult program =
-      Run("identify --target '" + Path("fitted.bin") + "' --holdout '" + Path("held_out.bin") +
-          "' --fit k_stretch --starts 2 --check_gradients --check_step --profile k_stretch --output by_program");
+  const ToolResult program = Run(
+      "identify --target '" + Path("fitted.bin") + "' --holdout '" + Path("held_out.bin") +
+      "' --fit k_stretch --starts 2 --check_gradients --discretization all --profile k_stretch --output by_program");
   RunOptions options = AllChecks();
   options.output = Path("by_call");
   const RunResult result = Identify(options);
@@ -84,7 +84,8 @@ TEST_F(RunTest, GivesWhatTheProgramGives) {
   // The parts were there to be compared.
   const Json json = Json::parse(ReadBytes(folder() / "by_call/result.json"));
   EXPECT_EQ(json["starts"]["starts"].size(), 2u) << json["starts"];
-  for (const char* part : {"holdout", "profiles", "step_check", "gradient_check"}) EXPECT_FALSE(json[part].is_null());
+  for (const char* part : {"holdout", "profiles", "step_check", "double_step", "fine_mesh", "gradient_check"})
+    EXPECT_FALSE(json[part].is_null());
   EXPECT_EQ(json["verdict"], Json(result.verdict.Lines()));
 }
 
@@ -187,7 +188,7 @@ TEST_F(RunTest, EndsWhereItIsCancelled) {
   EXPECT_NE(result.verdict.line.find("interrupted: stopped on request, at the best point so far"), std::string::npos)
       << result.verdict.line;
   EXPECT_TRUE(result.checks.profiles.empty());
-  EXPECT_FALSE(result.checks.step_check);
+  EXPECT_FALSE(result.checks.discretization);
   EXPECT_TRUE(std::filesystem::exists(folder() / "result/result.json")) << "the best point is not lost";
   cancel = true;
   EXPECT_EQ(Identify(options).exit_code, kExitInterrupted) << "before anything was simulated";

@@ -21,7 +21,8 @@ function fillHead() {
 // With as many digits as tell its ends apart.
 function interval(parameter) {
   if (parameter.std === null) return '–';
-  const relative = parameter.std / Math.max(Math.abs(parameter.value), parameter.std);
+  const std = Math.hypot(parameter.std, parameter.step_error || 0, parameter.mesh_error || 0);
+  const relative = std / Math.max(Math.abs(parameter.value), std);
   const digits = Math.min(Math.max(2 + Math.ceil(-Math.log10(relative + 2e-16)), 3), 9);
   return `${number(parameter.lower95, digits)} … ${number(parameter.upper95, digits)}`;
 }
@@ -39,8 +40,11 @@ function fillEstimates() {
   });
   fillTable('estimates', ['parameter', 'estimate', '95 % interval', 'start'], rows);
   const isKnown = data.recordings.every((recording) => recording.sigma_is_known);
-  part('estimates-caption').textContent = isKnown ? 'Intervals follow from the noise that the recordings state.'
+  const noise = isKnown ? 'Intervals follow from the noise that the recordings state.'
     : 'Intervals take the remaining error for noise: the recordings do not state any.';
+  const parts = [result.step_check && 'the time step', result.fine_mesh && 'the mesh'].filter(Boolean);
+  part('estimates-caption').textContent =
+    parts.length > 0 ? `${noise} They count with the errors of ${parts.join(' and ')}, too.` : noise;
 }
 
 function fillTiles() {

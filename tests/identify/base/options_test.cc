@@ -58,6 +58,15 @@ TEST(OptionsTest, ParsesWhatIsAssumedAboutNoiseAndStart) {
   ExpectError([] { ParseStartSource("scene"); }, ErrorKind::kUsage, {"--initial", "scene"});
 }
 
+TEST(OptionsTest, ParsesPartsOfTheDiscretization) {
+  EXPECT_FALSE(ParseDiscretization("").any());
+  EXPECT_TRUE(ParseDiscretization("step").step && !ParseDiscretization("step").mesh);
+  EXPECT_TRUE(ParseDiscretization("mesh").mesh && !ParseDiscretization("mesh").step);
+  EXPECT_TRUE(ParseDiscretization("all").mesh && ParseDiscretization("all").step);
+  ExpectError([] { ParseDiscretization("time"); }, ErrorKind::kUsage,
+              {"--discretization", "step, mesh or all", "time"});
+}
+
 TEST(OptionsTest, ValidatesItself) {
   EXPECT_NO_THROW(FitOptions().Validate());
   FitOptions options;

@@ -364,16 +364,56 @@ TEST(VerdictTest, SaysWhereContactsJumpBetweenObstacles) {
   EXPECT_EQ(FitExitCode(summary, {}), 0);
 }
 
-TEST(VerdictTest, SaysHowFarHalfTheStepMovesIt) {
+// An estimate of 0.3 +- 0.01 whose errors of step and mesh are known.
+FitSummary Discretized(double step_error, double mesh_error) {
+  FitSummary summary = Converged();
+  summary.uncertainty->parameters[0].step_error = step_error;
+  summary.uncertainty->parameters[0].mesh_error = mesh_error;
+  return summary;
+}
+
+FitChecks WithDiscretization(FitStatus half_step, FitStatus fine_mesh) {
   FitChecks checks;
-  checks.step_check.emplace();
-  checks.step_check->status = FitStatus::kConverged;
-  checks.step_check->values = Eigen::VectorXd::Constant(1, 0.33);
-  checks.step_check->changes = Eigen::VectorXd::Constant(1, 0.03);
-  EXPECT_TRUE(Says(Converged(), checks, "at half the time step mu moves by 0.03 (10 %), 3 standard deviations"));
-  EXPECT_EQ(Judge(Converged(), checks).line, "usable with care: half the time step moves mu");
-  checks.step_check->values[0] = 0.302;
-  EXPECT_EQ(Judge(Converged(), checks).overall, Usability::kUsable) << "a fifth of a standard deviation";
+  checks.discretization.emplace();
+  checks.discretization->half_step.emplace().status = half_step;
+  checks.discretization->fine_mesh.emplace().status = fine_mesh;
+  return checks;
+}
+
+TEST(VerdictTest, SaysWhatIsTheLargestOfNoiseStepAndMesh) {
+  const FitChecks checks = WithDiscretization(FitStatus::kConverged, FitStatus::kConverged);
+  FitSummary summary = Discretized(0.03, 0.02);
+  EXPECT_TRUE(Says(summary, checks,
+                   "mu is 0.3 +- 0.01 from noise, +- 0.03 from the time step (no clear order), +- 0.02 from the mesh; "
+                   "halve the step before you collect more data"));
+  EXPECT_EQ(Judge(summary, checks).line, "usable with care: the error of the time step exceeds the noise");
+  EXPECT_EQ(FitExitCode(summary, checks), 0);
+  summary.uncertainty->parameters[0].step_order = 1.52;
+  EXPECT_TRUE(Says(summary, checks, "+- 0.03 from the time step (order 1.5), +-"));
+
+  summary = Discretized(0.005, 0.015);
+  EXPECT_TRUE(Says(summary, checks, "+- 0.015 from the mesh; refine the mesh before you collect more data"));
+  EXPECT_EQ(Judge(summary, checks).overall, Usability::kUsable) << "less than two deviations of the noise";
+  EXPECT_FALSE(Says(Discretized(0.005, 0.002), checks, "before you collect more data"));
+  EXPECT_FALSE(Says(Discretized(0.005, kNaN), checks, "mesh"));
+  EXPECT_FALSE(Says(summary, {}, "from noise")) << "nobody asked";
+
+  summary = Discretized(0.002, kNaN);
+  summary.uncertainty->parameters[0].std = 1e-6;
+  EXPECT_EQ(Judge(summary, checks).overall, Usability::kUsable) << "below 1 % of the value";
+}
+
+TEST(VerdictTest, SaysWhereAFitOfTheDiscretizationFailed) {
+  const FitSummary summary = Discretized(kNaN, 0.001);
+  FitChecks checks = WithDiscretization(FitStatus::kFailed, FitStatus::kConverged);
+  EXPECT_EQ(Judge(summary, checks).line, "usable with care: the fit at half the time step ended as failed");
+  EXPECT_TRUE(Says(summary, checks, "intervals do not count with the time step"));
+  checks = WithDiscretization(FitStatus::kConverged, FitStatus::kNotConverged);
+  checks.discretization->fine_mesh->values = Eigen::VectorXd::Constant(1, 0.3);
+  EXPECT_TRUE(Says(summary, checks, "the fit on the finer mesh ended as not_converged: the error of the mesh may be"));
+  checks = FitChecks();
+  checks.discretization.emplace().double_step.emplace().status = FitStatus::kFailed;
+  EXPECT_EQ(Judge(Converged(), checks).overall, Usability::kUsable) << "which tells the order, and nothing else";
 }
 
 }  // namespace

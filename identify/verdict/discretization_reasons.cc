@@ -1,0 +1,73 @@
+// Reasons that lie in the time step and the mesh.
+#include <algorithm>
+#include <cmath>
+
+#include "identify/verdict/reason.h"
+#include "identify/verdict/told.h"
+
+namespace clothid {
+namespace {
+
+// Errors above this many standard deviations of the noise, and above this share of the value, ask for care: it is not
+// chance that decides about the estimate.
+constexpr double kFarStds = 2.0;
+constexpr double kFarShare = 0.01;
+
+double Known(double error) { return std::isnan(error) ? 0.0 : error; }
+
+// "mu is 0.24 +- 0.004 from noise, +- 0.008 from the time step (order 1.2), +- 0.01 from the mesh", and what to do
+// about the largest of them.
+std::string PartsText(const FittedParameter& parameter, const ParameterUncertainty& uncertainty) {
+  std::string text = parameter.name + " is " + NumberText(parameter.value, 5) + " +- " +
+                     NumberText(uncertainty.std, 2) + " from noise";
+  const double step = Known(uncertainty.step_error), mesh = Known(uncertainty.mesh_error);
+  if (!std::isnan(uncertainty.step_error)) {
+    text += ", +- " + NumberText(step, 2) + " from the time step (" +
+            (std::isnan(uncertainty.step_order) ? "no clear order" : "order " + NumberText(uncertainty.step_order, 2)) +
+            ")";
+  }
+  if (!std::isnan(uncertainty.mesh_error)) text += ", +- " + NumberText(mesh, 2) + " from the mesh";
+  if (std::max(step, mesh) > uncertainty.std) {
+    text += std::string("; ") + (step >= mesh ? "halve the step" : "refine the mesh") + " before you collect more data";
+  }
+  return text;
+}
+
+void AddParts(const FitSummary& summary, int index, std::vector<Reason>* reasons) {
+  const FittedParameter& parameter = summary.parameters[index];
+  const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
+  if (std::isnan(uncertainty.step_error) && std::isnan(uncertainty.mesh_error)) return;
+  const double step = Known(uncertainty.step_error), mesh = Known(uncertainty.mesh_error);
+  const double largest = std::max(step, mesh);
+  const bool is_far = largest > kFarStds * uncertainty.std && largest > kFarShare * std::abs(parameter.value);
+  const std::string brief =
+      step >= mesh ? "the error of the time step exceeds the noise" : "the error of the mesh exceeds the noise";
+  reasons->push_back({is_far ? Usability::kWithCare : Usability::kUsable,
+                      kExitSuccess,
+                      {index},
+                      is_far ? brief : "",
+                      PartsText(parameter, uncertainty)});
+}
+
+// What the fit `fit` says besides its estimates; `where` as in "at half the time step".
+void AddEnd(const std::optional<RepeatedFit>& fit, const std::string& where, const std::string& error,
+            std::vector<Reason>* reasons) {
+  if (!fit || fit->status == FitStatus::kConverged) return;
+  const std::string brief = "the fit " + where + " ended as " + FitStatusName(fit->status);
+  const std::string meaning = fit->has_estimate() ? "the error of the " + error + " may be another"
+                                                  : "intervals do not count with the " + error;
+  reasons->push_back({Usability::kWithCare, kExitSuccess, {}, brief, brief + ": " + meaning});
+}
+
+}  // namespace
+
+void AddDiscretizationReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  if (!checks.discretization) return;
+  AddEnd(checks.discretization->half_step, "at half the time step", "time step", reasons);
+  AddEnd(checks.discretization->fine_mesh, "on the finer mesh", "mesh", reasons);
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    if (HasInterval(summary, checks, i)) AddParts(summary, i, reasons);
+  }
+}
+
+}  // namespace clothid

@@ -1,0 +1,133 @@
+// Estimates from coarse steps and meshes: their intervals contain the truth once they count with the discretisation.
+#include "identify/checks/discretization_check.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <map>
+
+#include "sim/scene/refinement.h"
+#include "tests/costs/synthetic_motion.h"
+
+namespace clothid {
+namespace {
+
+FitOptions OptionsFor(std::vector<std::string> parameters) {
+  FitOptions options;
+  options.parameters = std::move(parameters);
+  options.jacobian = JacobianMethod::kSensitivity;
+  return options;
+}
+
+bool Contains(const ParameterUncertainty& interval, double value) {
+  return interval.lower95 <= value && value <= interval.upper95;
+}
+
+// 4 x 4 nodes sliding down a plane of 30 degrees.
+Scene SlopeScene() {
+  Scene scene = ClothScene(4, 30);
+  scene.gravity = 9.81 * Eigen::Vector3d(0.5, 0.0, -std::sqrt(0.75));
+  SceneObstacle plane;
+  plane.name = "plane";
+  plane.shape = std::make_shared<Plane>(Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ());
+  plane.friction_coefficient = 0.2;
+  scene.obstacles = {plane};
+  return scene;
+}
+
+// A recording of the cloth of `scene` on a mesh refined `levels` times, with steps of h/`divisor`; seen at the nodes of
+// the coarse mesh, which keep their numbers, with noise of 1 mm.
+RecordedMotion RecordFinely(const Scene& scene, int divisor, int levels, const std::map<std::string, double>& values) {
+  Scene fine = scene;
+  fine.time_step /= divisor;
+  for (int level = 0; level < levels; ++level) fine = RefineScene(fine, RefineMesh(fine.mesh));
+  MotionOptions truth;
+  truth.true_values = values;
+  truth.frame_interval = scene.time_step;
+  truth.noise = truth.sigma = 1e-3;
+  RecordedMotion motion = MakeMotion(fine, truth);
+  const int num_nodes = scene.mesh.num_nodes();
+  motion.scene = scene;
+  motion.points.resize(static_cast<std::size_t>(num_nodes));
+  motion.sigma = motion.sigma.head(num_nodes).eval();
+  motion.positions = motion.positions.topRows(3 * num_nodes).eval();
+  return motion;
+}
+
+TEST(DiscretizationCheckTest, CoversATruthOfFineStepsWhereNoiseAloneDoesNot) {
+  const double truth = 0.3;
+  const RecordedMotion motion = RecordFinely(SlopeScene(), 16, 0, {{"mu", truth}});
+  const FitOptions options = OptionsFor({"mu"});
+  FitProblem problem({motion}, options);
+  FitSummary summary = Fit(options, &problem);
+  const ParameterUncertainty noise = summary.uncertainty->parameters[0];
+  EXPECT_FALSE(Contains(noise, truth)) << summary.parameters[0].value << " +- " << noise.std;
+
+  const CostStatistics before = summary.statistics;
+  const DiscretizationCheck check = CheckDiscretization({motion}, options, {true, false}, problem, &summary);
+  ASSERT_TRUE(check.half_step && check.double_step);
+  EXPECT_FALSE(check.fine_mesh);
+  EXPECT_EQ(check.half_step->status, FitStatus::kConverged);
+  EXPECT_GT(summary.statistics.rollouts, before.rollouts);
+  const ParameterUncertainty& widened = summary.uncertainty->parameters[0];
+  EXPECT_TRUE(Contains(widened, truth));
+  EXPECT_EQ(widened.std, noise.std) << "std stays that of the noise";
+  EXPECT_TRUE(std::isnan(widened.mesh_error));
+  const double off = std::abs(summary.parameters[0].value - truth);
+  EXPECT_GT(widened.step_error, 0.7 * off);
+  EXPECT_LT(widened.step_error, 1.4 * off);
+}
+
+TEST(DiscretizationCheckTest, CoversATruthOfAFineMeshWhereNoiseAloneDoesNot) {
+  const double truth = 4e-3;
+  const RecordedMotion motion = RecordFinely(SwingScene(), 1, 2, {{"k_bend", truth}});
+  const FitOptions options = OptionsFor({"k_bend"});
+  FitProblem problem({motion}, options);
+  FitSummary summary = Fit(options, &problem);
+  EXPECT_FALSE(Contains(summary.uncertainty->parameters[0], truth));
+  const DiscretizationCheck check = CheckDiscretization({motion}, options, {false, true}, problem, &summary);
+  ASSERT_TRUE(check.fine_mesh);
+  EXPECT_FALSE(check.half_step || check.double_step);
+  EXPECT_EQ(check.fine_mesh->status, FitStatus::kConverged);
+  const ParameterUncertainty& widened = summary.uncertainty->parameters[0];
+  EXPECT_TRUE(Contains(widened, truth));
+  EXPECT_TRUE(std::isnan(widened.step_error));
+  const double off = std::abs(summary.parameters[0].value - truth);
+  EXPECT_GT(widened.mesh_error, off) << "order 1 is the most";
+  EXPECT_LT(widened.mesh_error, 2.0 * off);
+}
+
+// All unknowns of a start are taken along where they are the same, and the mesh has others.
+TEST(DiscretizationCheckTest, TakesAnUnknownStartAlong) {
+  RecordedMotion motion = RecordFinely(SwingScene(), 1, 0, {{"k_stretch", 150.0}});
+  motion.start_source = StartSource::kRest;
+  const FitOptions options = OptionsFor({"k_stretch"});
+  FitProblem problem({motion}, options);
+  ASSERT_GT(problem.num_start_unknowns(), 0);
+  FitSummary summary = Fit(options, &problem);
+  ASSERT_EQ(summary.status, FitStatus::kConverged) << summary.message;
+  const DiscretizationCheck check = CheckDiscretization({motion}, options, {true, true}, problem, &summary);
+  for (const auto& fit : {check.half_step, check.double_step, check.fine_mesh}) {
+    ASSERT_TRUE(fit);
+    EXPECT_EQ(fit->status, FitStatus::kConverged);
+  }
+  EXPECT_FALSE(std::isnan(summary.uncertainty->parameters[0].step_error));
+  EXPECT_FALSE(std::isnan(summary.uncertainty->parameters[0].mesh_error));
+}
+
+TEST(DiscretizationCheckTest, EndsWhereItIsCancelled) {
+  const RecordedMotion motion = RecordFinely(SwingScene(), 1, 0, {{"k_bend", 4e-3}});
+  FitOptions options = OptionsFor({"k_bend"});
+  FitProblem problem({motion}, options);
+  FitSummary summary = Fit(options, &problem);
+  const double upper = summary.uncertainty->parameters[0].upper95;
+  const std::atomic<bool> cancel{true};
+  options.cancel = &cancel;
+  const DiscretizationCheck check = CheckDiscretization({motion}, options, {true, true}, problem, &summary);
+  EXPECT_FALSE(check.half_step || check.double_step || check.fine_mesh);
+  EXPECT_EQ(summary.uncertainty->parameters[0].upper95, upper);
+}
+
+}  // namespace
+}  // namespace clothid
