@@ -17,9 +17,11 @@ class Repeater {
   Repeater(const FitOptions& options, const FitProblem& problem, FitSummary* summary)
       : options_(options), problem_(problem), summary_(summary) {}
 
-  std::optional<RepeatedFit> Repeat(const std::vector<RecordedMotion>& motions, const std::string& tag) {
+  // From `coordinates` [p + n] or [p].
+  std::optional<RepeatedFit> Repeat(const std::vector<RecordedMotion>& motions, const std::string& tag,
+                                    const Eigen::VectorXd& coordinates) {
     if (is_cancelled()) return std::nullopt;
-    const RepeatedFit fit = RepeatFit(motions, options_, tag, problem_, *summary_);
+    const RepeatedFit fit = RepeatFit(motions, options_, tag, problem_, coordinates);
     summary_->statistics += fit.statistics;
     if (fit.status == FitStatus::kInterrupted) return std::nullopt;
     return fit;
@@ -75,10 +77,13 @@ DiscretizationCheck CheckDiscretization(const std::vector<RecordedMotion>& motio
   DiscretizationCheck check;
   Repeater repeater(options, problem, summary);
   if (parts.step) {
-    check.half_step = repeater.Repeat(WithStep(motions, 0.5), "half_step");
-    check.double_step = repeater.Repeat(WithStep(motions, 2.0), "double_step");
+    check.half_step = repeater.Repeat(WithStep(motions, 0.5), "half_step", summary->coordinates);
+    check.double_step = repeater.Repeat(WithStep(motions, 2.0), "double_step", summary->coordinates);
   }
-  if (parts.mesh) check.fine_mesh = repeater.Repeat(Refined(motions), "fine_mesh");
+  if (parts.mesh) {
+    const Eigen::VectorXd blocks = summary->coordinates.head(problem.num_blocks());
+    check.fine_mesh = repeater.Repeat(Refined(motions), "fine_mesh", blocks);
+  }
   AddErrors(check, problem, summary);
   return check;
 }

@@ -22,7 +22,7 @@ Eigen::VectorXd Changes(const FitProblem& problem, const Eigen::VectorXd& from, 
 }  // namespace
 
 RepeatedFit RepeatFit(const std::vector<RecordedMotion>& motions, const FitOptions& options, const std::string& tag,
-                      const FitProblem& problem, const FitSummary& summary) {
+                      const FitProblem& problem, const Eigen::VectorXd& coordinates) {
   FitOptions repeat = options;
   repeat.estimate_uncertainty = false;
   repeat.on_iteration = nullptr;
@@ -30,9 +30,7 @@ RepeatedFit RepeatFit(const std::vector<RecordedMotion>& motions, const FitOptio
   repeat.function_tolerance = std::max(options.function_tolerance, kFunctionTolerance);
   // Made from the same starting values, because bounds that are not given depend on them.
   FitProblem own_problem(motions, repeat);
-  const bool has_same_start = own_problem.num_coordinates() == summary.coordinates.size();
-  const Eigen::VectorXd blocks = summary.coordinates.head(problem.num_blocks());
-  own_problem.SetStart(has_same_start ? summary.coordinates : blocks);
+  own_problem.SetStart(coordinates);
   const FitSummary fit = Fit(repeat, &own_problem);
 
   RepeatedFit result;
@@ -42,7 +40,7 @@ RepeatedFit RepeatFit(const std::vector<RecordedMotion>& motions, const FitOptio
   result.coordinates = fit.coordinates.head(problem.num_blocks());
   result.values = fit.values();
   result.rmse = fit.error.rmse();
-  result.changes = Changes(problem, blocks, result.coordinates);
+  result.changes = Changes(problem, coordinates.head(problem.num_blocks()), result.coordinates);
   return result;
 }
 

@@ -24,12 +24,12 @@ struct RepeatedFit {
   bool has_estimate() const { return values.size() > 0; }
 };
 
-// Fits `motions`, those of `problem` made anew, from the estimate `summary` of that problem; an unknown start from
-// there, too, where it has the same unknowns, else from its base. Without intervals, with looser tolerances than the
-// first fit: the estimate ends some hundredths of a standard deviation from the minimum. `tag` names its journals.
-// Throws `Error` where `FitProblem` does.
+// Fits `motions`, those of `problem` made anew, from `coordinates`, the estimate of that problem: [p + n], or [p],
+// which leaves unknown starts at their bases: on another mesh their unknowns mean something else. Without intervals,
+// with looser tolerances than the first fit: the estimate ends some hundredths of a standard deviation from the
+// minimum. `tag` names its journals. Throws `Error` where `FitProblem` does.
 RepeatedFit RepeatFit(const std::vector<RecordedMotion>& motions, const FitOptions& options, const std::string& tag,
-                      const FitProblem& problem, const FitSummary& summary);
+                      const FitProblem& problem, const Eigen::VectorXd& coordinates);
 
 }  // namespace clothid
 

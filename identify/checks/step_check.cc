@@ -6,7 +6,7 @@ StepCheck CheckStep(const std::vector<RecordedMotion>& motions, const FitOptions
                     const FitSummary& summary) {
   std::vector<RecordedMotion> halved = motions;
   for (RecordedMotion& motion : halved) motion.scene.time_step *= 0.5;
-  return RepeatFit(halved, options, "half_step", problem, summary);
+  return RepeatFit(halved, options, "half_step", problem, summary.coordinates);
 }
 
 }  // namespace clothid

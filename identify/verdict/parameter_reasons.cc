@@ -1,4 +1,5 @@
 // Reasons that lie in what the recordings tell of each parameter.
+#include <cmath>
 #include <utility>
 
 #include "identify/base/join_words.h"
@@ -62,9 +63,12 @@ void AddHardlyTold(const FitSummary& summary, int index, std::vector<Reason>* re
             ? "reaches from bound to bound"
             : "is " + NumberText(parameter.share_of_belief, 2) + " of what was believed before" +
                   (parameter.reaches_lower || parameter.reaches_upper ? ", and reaches a bound" : "");
-    reasons->push_back(Forbidden(
-        {index}, "hardly told by the recording",
-        name + " is hardly told by the recording: its 95 % interval " + how + "; give narrower bounds or freeze it"));
+    // Above sqrt(2) of the noise the errors are more than it.
+    const bool is_discretization = parameter.total_std() > std::sqrt(2.0) * parameter.std;
+    const std::string brief =
+        is_discretization ? "hardly told at this time step and mesh" : "hardly told by the recording";
+    const std::string advice = is_discretization ? "most of it are their errors" : "give narrower bounds or freeze it";
+    reasons->push_back(Forbidden({index}, brief, name + " is " + brief + ": its 95 % interval " + how + "; " + advice));
     return;
   }
   // Its value is known, but not from this side.

@@ -87,6 +87,38 @@ TEST_F(RunTest, GivesWhatTheProgramGives) {
   for (const char* part : {"holdout", "profiles", "step_check", "double_step", "fine_mesh", "gradient_check"})
     EXPECT_FALSE(json[part].is_null());
   EXPECT_EQ(json["verdict"], Json(result.verdict.Lines()));
+  const Json& stretch = json["parameters"]["k_stretch"];
+  EXPECT_GT(stretch["step_error"].get<double>(), 0.0);
+  EXPECT_GT(stretch["mesh_error"].get<double>(), 0.0);
+  EXPECT_EQ(stretch["upper95"].get<double>(), result.summary.uncertainty->parameters[0].upper95);
+}
+
+TEST_F(RunTest, TellsTheErrorsOfTheDiscretizationThatWereAskedFor) {
+  const std::string identify =
+      "identify --target '" + Path("fitted.bin") + "' --fit k_stretch --report=false --output ";
+  const ToolResult check_step = Run(identify + "a --check_step"), step = Run(identify + "b --discretization step");
+  EXPECT_EQ(check_step.exit_code, kExitNotIdentifiable) << "a step so large that it tells next to nothing";
+  EXPECT_NE(step.out.find("k_stretch is hardly told at this time step and mesh"), std::string::npos) << step.out;
+  EXPECT_EQ(check_step.out, step.out);
+  EXPECT_NE(step.out.find(" from the time step ("), std::string::npos) << step.out;
+  EXPECT_EQ(step.out.find(" from the mesh"), std::string::npos) << step.out;
+  const Json json = Json::parse(ReadBytes(folder() / "b/result.json"));
+  EXPECT_TRUE(json["parameters"]["k_stretch"]["mesh_error"].is_null());
+  EXPECT_FALSE(json.contains("fine_mesh"));
+  const ToolResult both = Run(identify + "c --check_step --discretization mesh");
+  EXPECT_NE(both.out.find(" from the time step ("), std::string::npos) << both.out;
+  EXPECT_NE(both.out.find(" from the mesh"), std::string::npos) << both.out;
+}
+
+TEST_F(RunTest, RefusesMeshesThatHaveNoFinerOneBeforeTheFit) {
+  RunOptions options = Options();
+  options.targets = {ReadMotion(options.target_paths.front())};
+  options.target_paths.clear();
+  options.targets.front().scene.node_force.z() = 1e-4;
+  options.discretization.mesh = true;
+  options.on_problem = [](const std::vector<std::string>&) { ADD_FAILURE() << "the fit has begun"; };
+  ExpectInvalid(options, "--discretization");
+  ExpectInvalid(options, "'node_force'");
 }
 
 TEST_F(RunTest, TakesRecordingsInMemoryAndWritesNothingUnasked) {

@@ -98,7 +98,8 @@ TEST(DiscretizationCheckTest, CoversATruthOfAFineMeshWhereNoiseAloneDoesNot) {
   EXPECT_LT(widened.mesh_error, 2.0 * off);
 }
 
-// All unknowns of a start are taken along where they are the same, and the mesh has others.
+// All unknowns of a start are taken along to other steps. On another mesh they mean something else, also where there
+// are as many.
 TEST(DiscretizationCheckTest, TakesAnUnknownStartAlong) {
   RecordedMotion motion = RecordFinely(SwingScene(), 1, 0, {{"k_stretch", 150.0}});
   motion.start_source = StartSource::kRest;
@@ -107,6 +108,11 @@ TEST(DiscretizationCheckTest, TakesAnUnknownStartAlong) {
   ASSERT_GT(problem.num_start_unknowns(), 0);
   FitSummary summary = Fit(options, &problem);
   ASSERT_EQ(summary.status, FitStatus::kConverged) << summary.message;
+  const RepeatedFit from_estimate = RepeatFit({motion}, options, "", problem, summary.coordinates);
+  const RepeatedFit from_base = RepeatFit({motion}, options, "", problem, summary.coordinates.head(1));
+  EXPECT_LT(from_estimate.statistics.rollouts, from_base.statistics.rollouts);
+  EXPECT_NEAR(from_estimate.changes[0], 0.0, 1e-3);
+  EXPECT_NEAR(from_base.changes[0], 0.0, 1e-3);
   const DiscretizationCheck check = CheckDiscretization({motion}, options, {true, true}, problem, &summary);
   for (const auto& fit : {check.half_step, check.double_step, check.fine_mesh}) {
     ASSERT_TRUE(fit);
