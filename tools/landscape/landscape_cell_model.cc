@@ -7,6 +7,7 @@
 
 #include "costs/prediction/prediction_cost.h"
 #include "costs/prediction/robust_loss.h"
+#include "costs/start/unknown_start.h"
 #include "sim/base/phase_seconds.h"
 
 namespace clothid {
@@ -47,6 +48,11 @@ Eigen::VectorXd LandscapeCellModel::Coordinates(double x, double y) const {
   return coordinates;
 }
 
+double LandscapeCellModel::StartPrior() const {
+  const UnknownStart* const start = model_.unknown_start();
+  return start == nullptr ? 0.0 : start->PriorAt(Eigen::VectorXd::Zero(start->size()));
+}
+
 Rollout LandscapeCellModel::Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted) {
   return model_.Simulate(Coordinates(x, y), {Precision::kFull, cancel, /*passes_left=*/0}, storage_, predicted);
 }
@@ -70,7 +76,7 @@ void LandscapeCellModel::Evaluate(const LandscapeWindow& window, double x, doubl
     const PredictionCost cost = CostOfPrediction(RobustLoss(), model_.observation(), predicted);
     if (!std::isfinite(cost.value)) throw std::runtime_error("the cost is not finite");
     if (has_gradients) PullBackCost(window, rollout, predicted, cost.Gradient(), Coordinates(x, y), cell);
-    cell->cost = cost.value;
+    cell->cost = cost.value + StartPrior();
   } catch (const std::runtime_error& error) {
     cell->failure = error.what();
   }

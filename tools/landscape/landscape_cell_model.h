@@ -35,6 +35,7 @@ class LandscapeCellModel {
 
  private:
   Eigen::VectorXd Coordinates(double x, double y) const;
+  double StartPrior() const;  // what an unknown start, which is at its base here, adds to every cost
   void PullBackCost(const LandscapeWindow& window, const Rollout& rollout, const Eigen::MatrixXd& predicted,
                     const Eigen::VectorXd& cost_gradient, const Eigen::VectorXd& coordinates, LandscapeCell* cell);
 

@@ -42,6 +42,8 @@ DEFINE_string(sweep, "", "numbers of the scene to vary, KEY=NUMBER[,...][;KEY=..
 DEFINE_string(set, "", "true parameters, NAME=VALUE[,...]: their rollouts replace the measured data");
 DEFINE_string(contact, "", "contact mode: gap, velocity or both; empty: the scene's");
 DEFINE_string(sigma, "recorded", "standard deviation of a coordinate: recorded, auto or a number in m");
+DEFINE_string(initial, "estimated",
+              "where the cloth starts if the scene does not say: estimated, rest, moving, smoothed or first");
 DEFINE_bool(gradients, false, "the adjoint gradient at every cell");
 DEFINE_string(shard, "", "I/N: only the cells I, I + N, I + 2 N, ..");
 DEFINE_bool(resume, false, "continue a scan that was stopped");
@@ -71,7 +73,10 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
                       their own rollout is compared with instead of what was measured
   --sigma SIGMA       standard deviation of a measured coordinate, as of identify: recorded: that of the recording, if
                       it has one; auto: where it has none, estimated from the scatter of its points in time; a number
-                      in m: that of every point (recorded). With the same, costs are those of identify
+                      in m: that of every point (recorded)
+  --initial START     where the cloth starts if the scene does not say, as of identify: rest, moving, estimated: where
+                      the estimate of the start begins; smoothed; first (estimated). With the same --sigma and
+                      --initial, costs are those of an identify that starts there
   --gradients         the adjoint gradient at every cell, on a log axis by the logarithm
   --shard I/N         only the cells I, I + N, I + 2 N, .., 0 <= I < N
   --resume            continue a scan that was stopped, ending in the same bytes; starts one that was not
@@ -106,6 +111,7 @@ ReadMotionOptions ReadingFromFlags() {
   ReadMotionOptions options;
   options.scene_path = FLAGS_scene;
   ParseSigma(FLAGS_sigma, &options);
+  options.start = ParseStartSource(FLAGS_initial);
   return options;
 }
 
@@ -233,7 +239,7 @@ struct Subcommand {
 constexpr Subcommand kSubcommands[] = {{"merge", "output", Merge}, {"plot", "", Plot}};
 // What a command line without a name of one of them takes.
 constexpr char kScanFlags[] =
-    "target scene x y zoom_around zoom zoom_only sweep set contact sigma gradients shard resume threads output";
+    "target scene x y zoom_around zoom zoom_only sweep set contact sigma initial gradients shard resume threads output";
 
 int RunSubcommand(const Subcommand& command, const std::vector<std::string>& arguments) {
   std::vector<CommandFlags> flags = {{"a scan", kScanFlags}};

@@ -1,4 +1,4 @@
-// `landscape --sigma`: the costs of a scan are those of `identify` with the same sigma.
+// `landscape --sigma` and `--initial`: the costs of a scan are those of `identify` with the same.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -57,12 +57,13 @@ class LandscapeSigmaTest : public ToolTest {
 
 TEST_F(LandscapeSigmaTest, CostsAreThoseOfIdentify) {
   double last = 0.0;
-  for (const std::string target : {"known.bin", "unknown.bin"}) {
+  for (const std::string target : {"known.bin", "unknown.bin", "unknown.bin --initial first"}) {
     for (const std::string sigma : {"", "--sigma recorded", "--sigma auto", "--sigma 0.003", "--sigma 0.03"}) {
       const std::string flags = "--target " + target + " " + sigma;
       const double expected = CostOfFit(flags), cost = CostOfScan(flags);
       EXPECT_NEAR(cost, expected, 1e-9 * expected) << flags;
-      if (sigma == "--sigma 0.03") {
+      // Where a start is estimated, its base and what is believed of it go with sigma, too.
+      if (sigma == "--sigma 0.03" && target != "unknown.bin") {
         EXPECT_NEAR(cost, last / 100.0, 1e-9 * cost) << flags;
       }
       last = cost;
@@ -77,7 +78,8 @@ TEST_F(LandscapeSigmaTest, PlanSaysWhatItWas) {
   };
   EXPECT_EQ(sigma_of("--target known.bin")["source"], "recorded");
   EXPECT_EQ(sigma_of("--target known.bin --sigma auto")["source"], "recorded");
-  EXPECT_EQ(sigma_of("--target unknown.bin")["source"], "unknown");
+  EXPECT_EQ(sigma_of("--target unknown.bin")["source"], "estimated");  // with the start
+  EXPECT_EQ(sigma_of("--target unknown.bin --initial first")["source"], "unknown");
   EXPECT_EQ(sigma_of("--target unknown.bin --sigma auto")["source"], "estimated");
   const nlohmann::json given = sigma_of("--target unknown.bin --sigma 0.003");
   EXPECT_EQ(given["source"], "given");
