@@ -128,8 +128,6 @@ class Run {
     return fit;
   }
 
-  bool is_cancelled() const { return fit_options_.cancel != nullptr && fit_options_.cancel->load(); }
-
   void TellParameters() const {
     if (!options_.on_problem) return;
     std::vector<std::string> names;
@@ -142,7 +140,7 @@ class Run {
     if (!options_.check_gradients) return true;
     checks_.gradient_check = CheckGradients(inputs_.fitted, fit_options_);
     if (checks_.gradient_check->failure.empty()) return true;
-    summary_.status = is_cancelled() ? FitStatus::kInterrupted : FitStatus::kFailed;
+    summary_.status = fit_options_.is_cancelled() ? FitStatus::kInterrupted : FitStatus::kFailed;
     summary_.message = checks_.gradient_check->failure;
     return false;
   }
@@ -159,10 +157,10 @@ class Run {
     const ScopedTimer timer(&summary_.total_seconds);
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
     for (const std::string& name : options_.profiles) {
-      if (!summary_.uncertainty || is_cancelled()) break;
+      if (!summary_.uncertainty || fit_options_.is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));
     }
-    if (options_.discretization.any() && !is_cancelled()) {
+    if (options_.discretization.any() && !fit_options_.is_cancelled()) {
       checks_.discretization =
           CheckDiscretization(inputs_.fitted, fit_options_, options_.discretization, *problem_, &summary_);
     }
@@ -171,7 +169,7 @@ class Run {
       checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
                                         options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>());
     }
-    if (is_cancelled()) {
+    if (fit_options_.is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
       summary_.message = kInterruptedMessage;
     }

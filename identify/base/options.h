@@ -84,6 +84,7 @@ struct FitOptions {
   // fit is.
   std::uint64_t journal_room = kJournalRoom;
   const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
+  bool is_cancelled() const { return cancel != nullptr && cancel->load(); }
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
   std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty
   // Of every evaluation of a problem made with these options; must outlive it. No result depends on it. May be empty.

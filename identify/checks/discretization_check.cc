@@ -20,7 +20,7 @@ class Repeater {
   // From `coordinates` [p + n] or [p].
   std::optional<RepeatedFit> Repeat(const std::vector<RecordedMotion>& motions, const std::string& tag,
                                     const Eigen::VectorXd& coordinates) {
-    if (is_cancelled()) return std::nullopt;
+    if (options_.is_cancelled()) return std::nullopt;
     const RepeatedFit fit = RepeatFit(motions, options_, tag, problem_, coordinates);
     summary_->statistics += fit.statistics;
     if (fit.status == FitStatus::kInterrupted) return std::nullopt;
@@ -28,8 +28,6 @@ class Repeater {
   }
 
  private:
-  bool is_cancelled() const { return options_.cancel != nullptr && options_.cancel->load(); }
-
   const FitOptions& options_;
   const FitProblem& problem_;
   FitSummary* summary_;

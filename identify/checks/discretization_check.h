@@ -2,8 +2,8 @@
 //
 // From the estimate, each fit taking some iterations: at half the time step; at twice the step, where that works, which
 // tells the order at which the error falls; and on a mesh of twice the density (sim/scene/refinement.h), where a start
-// that is estimated is estimated from its base again. How errors
-// follow from these, and what they do to intervals, says identify/uncertainty/discretization_error.h.
+// that is estimated is estimated from its base again. How errors follow from these, and what they do to intervals, says
+// identify/uncertainty/discretization_error.h.
 #ifndef CLOTHID_IDENTIFY_CHECKS_DISCRETIZATION_CHECK_H_
 #define CLOTHID_IDENTIFY_CHECKS_DISCRETIZATION_CHECK_H_
 

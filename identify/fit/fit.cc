@@ -115,7 +115,7 @@ void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, 
                                 FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
   const StageGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
   RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
-  if (IsCancelled(options)) return;
+  if (options.is_cancelled()) return;
   const int last_iteration = recorder->last_iteration();
   evaluator->SupersedeBest();
   const Eigen::VectorXd last = *coordinates;
@@ -208,12 +208,12 @@ std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitP
     }
   }
   Linearization known;
-  if (is_adaptive && !IsCancelled(options)) {
+  if (is_adaptive && !options.is_cancelled()) {
     known = EstimateStart(options, Precision::kLoose, *problem, {}, coordinates, evaluator, recorder).linearization;
-    if (IsCancelled(options)) return std::nullopt;
+    if (options.is_cancelled()) return std::nullopt;
     evaluator->SupersedeBest();
   }
-  if (IsCancelled(options)) return std::nullopt;
+  if (options.is_cancelled()) return std::nullopt;
   double cost = 0.0;
   evaluator->Evaluate(*coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr);
   StartStageResult last =
@@ -269,12 +269,12 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
       RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
     }
   }
-  if (IsCancelled(options)) {
+  if (options.is_cancelled()) {
     summary.status = FitStatus::kInterrupted;
     summary.message = kInterruptedMessage;
   }
   // A loose point is better than none only where somebody has stopped the fit there.
-  const bool has_estimate = evaluator.best().is_valid() && (!evaluator.best_is_superseded() || IsCancelled(options));
+  const bool has_estimate = evaluator.best().is_valid() && (!evaluator.best_is_superseded() || options.is_cancelled());
   if (has_estimate) FillEstimate(*problem, evaluator, &summary);
   problem->CheckJournals();
   recorder.AddLast();

@@ -4,15 +4,13 @@
 
 namespace clothid {
 
-bool IsCancelled(const FitOptions& options) { return options.cancel != nullptr && options.cancel->load(); }
-
 FitRecorder::FitRecorder(const FitOptions& options, const FitProblem& problem, const FitEvaluator& evaluator)
     : options_(options), problem_(problem), evaluator_(evaluator), start_(std::chrono::steady_clock::now()) {}
 
 ceres::CallbackReturnType FitRecorder::operator()(const ceres::IterationSummary& summary) {
   num_failures_ = evaluator_.num_failures();
   Add(goal_.first_iteration + summary.iteration);
-  if (IsCancelled(options_)) return ceres::SOLVER_ABORT;
+  if (options_.is_cancelled()) return ceres::SOLVER_ABORT;
   const bool has_model =
       goal_.has_rows && options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
   return has_model && NextStepIsNegligible(problem_, evaluator_.model(), goal_.step, goal_.function_tolerance)

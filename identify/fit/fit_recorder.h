@@ -29,9 +29,6 @@ struct StageGoal {
   bool has_rows = true;     // whose rows tell of the next step
 };
 
-// Whether the caller of the fit wants it to stop.
-bool IsCancelled(const FitOptions& options);
-
 // Records the best point after every iteration, reports it, and passes on the wish to stop.
 class FitRecorder : public ceres::IterationCallback {
  public:

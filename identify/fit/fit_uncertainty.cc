@@ -37,7 +37,7 @@ bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSu
 }  // namespace
 
 void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary) {
-  if (options.cancel != nullptr && options.cancel->load()) return;
+  if (options.is_cancelled()) return;
   FitEvaluator evaluator(&problem, options.num_threads, EvaluationPurpose::kInterval);
   EstimateLinearization estimate;
   if (LinearizeEstimate(problem, &evaluator, summary, &estimate)) {

@@ -285,7 +285,7 @@ StartStageResult RunStartStage(const FitOptions& options, Precision precision, i
     result.linearization.squared_residual = 2.0 * rows.last_cost();
     const bool is_stuck = is_new && !(gained > kStuckGain * static_cast<double>(rows.free().size()));
     if (next.is_below(tolerance, scale) || is_stuck) return result;
-    if (options.cancel != nullptr && options.cancel->load()) return result;
+    if (options.is_cancelled()) return result;
   }
   return result;
 }

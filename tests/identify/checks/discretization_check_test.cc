@@ -9,16 +9,10 @@
 
 #include "sim/scene/refinement.h"
 #include "tests/costs/synthetic_motion.h"
+#include "tests/identify/sensitivity_fit.h"
 
 namespace clothid {
 namespace {
-
-FitOptions OptionsFor(std::vector<std::string> parameters) {
-  FitOptions options;
-  options.parameters = std::move(parameters);
-  options.jacobian = JacobianMethod::kSensitivity;
-  return options;
-}
 
 bool Contains(const ParameterUncertainty& interval, double value) {
   return interval.lower95 <= value && value <= interval.upper95;

@@ -10,17 +10,11 @@
 #include "identify/checks/step_check.h"
 #include "identify/fit/evaluator.h"
 #include "tests/costs/synthetic_motion.h"
+#include "tests/identify/sensitivity_fit.h"
 #include "tests/expect_error.h"
 
 namespace clothid {
 namespace {
-
-FitOptions OptionsFor(std::vector<std::string> parameters) {
-  FitOptions options;
-  options.parameters = std::move(parameters);
-  options.jacobian = JacobianMethod::kSensitivity;
-  return options;
-}
 
 RecordedMotion NoisySwing() {
   MotionOptions options;
