@@ -1,6 +1,7 @@
 #include "datasets/checking/check_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -20,6 +21,7 @@ constexpr Eigen::Index kMaxOrderPoints = 20000;
 constexpr double kLongEdge = 1.6;     // a pair over its own median length and that of its frame: torn apart
 constexpr double kTornShare = 0.04;   // of the pairs: from here a frame counts as out of order
 constexpr double kStrayShare = 0.15;  // of the points: so many may be far off in a frame without its order being wrong
+constexpr double kOwnShare = 0.5;     // of a point's deviation: less is what the points around it do
 constexpr double kJump = 0.1;         // of the spacing: less is no jump of the cloth
 
 // The pairs of a frame, of which some are long, and points that are left out together with their pairs.
@@ -116,6 +118,32 @@ Finding JumpsOfCloth(const CheckedMotion& checked, const Eigen::MatrixXd& positi
   return finding;
 }
 
+// Off the line between the frames before and after [3]; NaN where one of the three is not seen.
+Eigen::Vector3d Deviation(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions, int frame, int point) {
+  const Eigen::Index middle = std::clamp<Eigen::Index>(frame, 1, positions.cols() - 2);
+  const double share = (times[middle] - times[middle - 1]) / (times[middle + 1] - times[middle - 1]);
+  const auto at = [&](Eigen::Index column) -> Eigen::Vector3d { return positions.block<3, 1>(3 * point, column); };
+  return at(middle) - (1.0 - share) * at(middle - 1) - share * at(middle + 1);
+}
+
+// Whether the points around one leave their paths as it does: then the cloth does, as where it hits something.
+bool MovesWithNeighbours(const CheckedMotion& checked, const Eigen::MatrixXd& positions, int frame, int point) {
+  std::array<std::vector<double>, 3> around;
+  for (const PointPair& pair : checked.pairs) {
+    if (pair.first != point && pair.second != point) continue;
+    const Eigen::Vector3d deviation =
+        Deviation(checked.motion.times, positions, frame, pair.first == point ? pair.second : pair.first);
+    for (int k = 0; k < 3 && deviation.allFinite(); ++k) around[k].push_back(deviation[k]);
+  }
+  if (around[0].empty()) return false;
+  Eigen::Vector3d usual;
+  for (int k = 0; k < 3; ++k) {
+    usual[k] = Median(Eigen::Map<Eigen::VectorXd>(around[k].data(), static_cast<Eigen::Index>(around[k].size())));
+  }
+  const Eigen::Vector3d own = Deviation(checked.motion.times, positions, frame, point);
+  return (own - usual).norm() < kOwnShare * own.norm();
+}
+
 Finding JumpsOfPoints(const CheckedMotion& checked, Eigen::MatrixXd positions, const std::vector<int>& cloth_jumps) {
   Finding finding;
   finding.what = "jumps of points";
@@ -124,6 +152,7 @@ Finding JumpsOfPoints(const CheckedMotion& checked, Eigen::MatrixXd positions, c
   std::string first;
   int count = 0;
   for (const auto& [frame, point] : PointJumps(checked.motion.times, positions, checked.point_jump_floor())) {
+    if (MovesWithNeighbours(checked, positions, frame, point)) continue;
     frames.insert(frame);
     points.insert(point);
     if (++count <= 3) first += (first.empty() ? "" : ", ") + std::to_string(point) + " in " + std::to_string(frame);
