@@ -106,15 +106,17 @@ Handles MakeHandles(const MotionTensors& tensors, bool smooth, const std::string
   return handles;
 }
 
-// The sigma that the recording is to have; empty: not known.
-Eigen::VectorXd ChooseSigma(const MotionTensors& tensors, const ReadMotionOptions& options, SigmaSource* source) {
+// The sigma that the recording is to have; empty: not known. `is_needed`: as a start that is not known needs it, which
+// is estimated from measurements and from what is believed of it.
+Eigen::VectorXd ChooseSigma(const MotionTensors& tensors, const ReadMotionOptions& options, bool is_needed,
+                            SigmaSource* source) {
   const Eigen::Index num_points = tensors.positions.rows() / 3;
   *source = tensors.sigma.size() > 0 ? SigmaSource::kRecorded : SigmaSource::kUnknown;
   if (options.sigma_source == SigmaSource::kGiven) {
     *source = SigmaSource::kGiven;
     return Eigen::VectorXd::Constant(num_points, options.sigma);
   }
-  const bool is_wanted = options.sigma_source == SigmaSource::kEstimated || IsUnknown(options.start);
+  const bool is_wanted = options.sigma_source == SigmaSource::kEstimated || is_needed;
   if (tensors.sigma.size() > 0 || !is_wanted) return tensors.sigma;
   const double least = kLeastRelativeSigma * ClothSize(tensors.mesh);
   const Eigen::VectorXd sigma = EstimateSigma(tensors.times, tensors.positions, least);
@@ -187,19 +189,19 @@ RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, c
   RecordedMotion motion;
   motion.name = path;
   motion.points = MakePoints(tensors);
-  motion.sigma = ChooseSigma(tensors, options, &motion.sigma_source);
+  const bool embedded = options.scene_path.empty();
+  motion.scene_text = embedded ? tensors.scene_text : ReadText(options.scene_path, kMaxJsonBytes);
+  if (options.change_scene) motion.scene_text = options.change_scene(motion.scene_text);
+  const std::string scene_name = embedded ? path + ": scene" : options.scene_path;
+  const OpenStart open = FindOpenStart(motion.scene_text, scene_name);
+  motion.sigma = ChooseSigma(tensors, options, IsUnknown(options.start) && open.positions, &motion.sigma_source);
   FrameTrend trend;
   trend.positions = tensors.positions.col(0).reshaped(3, motion.num_points());
   const bool is_smooth = options.start == StartSource::kSmoothed || IsUnknown(options.start);
   const Eigen::VectorXd sigma = is_smooth ? LikelySigma(tensors, motion.sigma) : Eigen::VectorXd();
   if (is_smooth) trend = FitFrameTrend(tensors.times, tensors.positions, sigma);
   const SceneDefaults defaults = MakeDefaults(tensors, motion.points, trend.positions, options.smooth_handles, path);
-  const bool embedded = options.scene_path.empty();
-  motion.scene_text = embedded ? tensors.scene_text : ReadText(options.scene_path, kMaxJsonBytes);
-  if (options.change_scene) motion.scene_text = options.change_scene(motion.scene_text);
-  motion.scene = ParseScene(motion.scene_text, embedded ? path + ": scene" : options.scene_path,
-                            FolderOf(embedded ? path : options.scene_path), defaults);
-  const OpenStart open = FindOpenStart(motion.scene_text, motion.name);
+  motion.scene = ParseScene(motion.scene_text, scene_name, FolderOf(embedded ? path : options.scene_path), defaults);
   motion.start_source = open.positions ? ChooseStart(options.start, trend) : StartSource::kScene;
   motion.times = std::move(tensors.times);
   motion.positions = std::move(tensors.positions);
