@@ -31,6 +31,9 @@ DEFINE_double(sigma, 0.0, "coverage: standard deviation of noise, m, in place of
 DEFINE_double(frame_rate, 0.0, "coverage: frames per second; not given: one per step");
 DEFINE_int32(markers, 0, "coverage: free nodes seen; 0: all nodes");
 DEFINE_double(start_factor, clothid::kStartFactor, "coverage: start over truth of the parameters");
+DEFINE_int32(truth_steps, 1, "coverage: steps of the truth per step of the scene");
+DEFINE_int32(truth_levels, 0, "coverage: so often the mesh of the truth is refined");
+DEFINE_string(discretization, "", "coverage: what intervals count with besides noise: step, mesh or all");
 DEFINE_string(sensor, "", "coverage: sensor.json of a camera and a gripper; empty: white noise");
 DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
 DEFINE_string(quantities, "", "accuracy: of forward, gradient, fit; empty: all");
@@ -141,6 +144,8 @@ CoverageOptions CoverageOptionsFromFlags() {
   }
   if (IsGiven("frame_rate")) options.frame_rate = FLAGS_frame_rate;
   options.num_markers = FLAGS_markers;
+  options.resolution = {FLAGS_truth_steps, FLAGS_truth_levels};
+  options.discretization = ParseDiscretization(FLAGS_discretization);
   options.start_factor = FLAGS_start_factor;
   options.num_seeds = FLAGS_seeds;
   options.seed = FLAGS_seed;

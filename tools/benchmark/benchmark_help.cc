@@ -83,6 +83,9 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --handle_sigma M  coverage: standard deviation of noise in m on the path of handles that move (0)
   --frame_rate HZ   coverage: frames per second; `third` has a third of them (one per step)
   --markers N       coverage: free nodes seen, other ones with every seed; not with --initial first; 0: all nodes (0)
+  --truth_steps N   coverage: steps of the truth per step of the scene (1)
+  --truth_levels N  coverage: so often the mesh of the truth is refined, every time to twice the density (0)
+  --discretization PARTS  coverage: the intervals count with the errors of step, mesh or all, see identify --help
   --start_factor X  coverage: the fits start from the true values times this (1.05)
   --starts N        N x N starts, N even (4); figure3: any N (5)
   --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric, lbfgs; the linear solver of the first and the last

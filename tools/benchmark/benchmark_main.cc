@@ -65,7 +65,9 @@ constexpr Subcommand kSubcommands[] = {
            {{"discretization.csv", DiscretizationCsv}});
      }},
     {"coverage",
-     "scene set sensor initial cut handle_sigma seeds settings noise sigma frame_rate markers start_factor seed threads output",
+     "scene set sensor initial cut handle_sigma seeds settings noise sigma frame_rate markers truth_steps truth_levels "
+     "discretization start_factor seed "
+     "threads output",
      [] {
        return RunBenchmark<CoverageOptions, CoverageBenchmark>(CoverageOptionsFromFlags(), RunCoverageBenchmark,
                                                                CoverageTable, {{"coverage.csv", CoverageCsv}});

@@ -105,6 +105,44 @@ TEST_F(CoverageTest, PrintsATableAndWritesEveryFit) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3) << csv;
 }
 
+// A truth of finer steps: intervals that count with the error of the step contain those of the noise alone.
+TEST_F(CoverageTest, CountsWithTheTimeStep) {
+  CoverageOptions options = SmallOptions();
+  options.settings = {"full"};
+  options.sigma = 1e-4;
+  options.resolution.steps = 16;
+  options.discretization.step = true;
+  const CoverageBenchmark benchmark = RunCoverageBenchmark(options);
+  for (const CoverageFit& fit : benchmark.fits) {
+    for (std::size_t i = 0; i < benchmark.truth.size(); ++i) {
+      EXPECT_LT(fit.lower95[i], fit.noise_lower95[i]);
+      EXPECT_GT(fit.upper95[i], fit.noise_upper95[i]);
+    }
+  }
+  for (const CoverageSummary& summary : SummarizeCoverage(benchmark)) {
+    EXPECT_EQ(summary.num_covered, 2) << summary.name << " is off by " << summary.bias;
+    EXPECT_LT(summary.num_covered_by_noise, 2) << summary.name;
+  }
+  EXPECT_NE(CoverageTable(benchmark).find("by noise alone"), std::string::npos);
+}
+
+// At the scene's own resolution a sampled truth is the truth itself.
+TEST_F(CoverageTest, SamplesAFinerTruthWhereTheModelIs) {
+  const CoverageOptions options = SmallOptions();
+  const Scene scene = ReadScene(options.scene_path);
+  const std::vector<TrueParameter> truth = MakeTrueParameters(options.truth, scene);
+  const Rollout plain = SimulateTruth(truth, "scene.json", scene);
+  const Rollout same = SampleTruth(truth, "scene.json", scene, {1, 0});
+  const Rollout fine = SampleTruth(truth, "scene.json", scene, {4, 1});
+  ASSERT_EQ(same.num_steps(), plain.num_steps());
+  ASSERT_EQ(fine.num_steps(), plain.num_steps());
+  for (int step = 0; step <= plain.num_steps(); ++step) EXPECT_EQ(same.positions(step), plain.positions(step));
+  const Eigen::VectorXd error = fine.positions(plain.num_steps()) - plain.positions(plain.num_steps());
+  EXPECT_EQ(error.size(), 3 * scene.mesh.num_nodes());
+  EXPECT_GT(error.norm(), 1e-6);
+  EXPECT_LT(error.norm(), 0.2);
+}
+
 // A sensor in place of white noise: the clock is fitted, too.
 TEST_F(CoverageTest, RecordingsOfASensor) {
   CoverageOptions options = SmallOptions();

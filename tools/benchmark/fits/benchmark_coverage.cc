@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "identify/base/parallel_for.h"
+#include "identify/checks/discretization_check.h"
 #include "identify/fit/problem.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "sim/base/error.h"
@@ -65,7 +66,7 @@ class Recorder {
            const std::string& scene_text)
       : options_(options), scene_(scene), scene_text_(scene_text) {
     if (options.sensor_path.empty()) {
-      rollout_ = SimulateTruth(truth, options.scene_path, scene);
+      rollout_ = SampleTruth(truth, options.scene_path, scene, options.resolution);
     } else {
       sensor_case_ = ReadSensorCase(options.scene_path, options.sensor_path, truth);
     }
@@ -87,7 +88,7 @@ class Recorder {
   std::optional<SensorCase> sensor_case_;
 };
 
-void RunFit(const std::vector<TrueParameter>& truth, double start_factor, const RecordedMotion& recording,
+void RunFit(const std::vector<TrueParameter>& truth, const CoverageOptions& coverage, const RecordedMotion& recording,
             CoverageFit* fit) {
   FitOptions options;
   options.jacobian = JacobianMethod::kSensitivity;
@@ -95,10 +96,16 @@ void RunFit(const std::vector<TrueParameter>& truth, double start_factor, const 
   options.loss = LossOfSetting(fit->setting);
   for (const TrueParameter& parameter : truth) {
     options.parameters.push_back(parameter.name);
-    if (parameter.name != kTimeOffset) options.overrides.start[parameter.name] = start_factor * parameter.value;
+    if (parameter.name != kTimeOffset)
+      options.overrides.start[parameter.name] = coverage.start_factor * parameter.value;
   }
   FitProblem problem({recording}, options);
-  const FitSummary summary = Fit(options, &problem);
+  FitSummary summary = Fit(options, &problem);
+  std::vector<ParameterUncertainty> noise(truth.size());
+  if (summary.uncertainty) noise = summary.uncertainty->parameters;
+  if (coverage.discretization.any() && summary.has_estimate()) {
+    CheckDiscretization({recording}, options, coverage.discretization, problem, &summary);
+  }
   std::vector<ParameterUncertainty> uncertainty(truth.size());
   if (summary.uncertainty) uncertainty = summary.uncertainty->parameters;
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -106,6 +113,8 @@ void RunFit(const std::vector<TrueParameter>& truth, double start_factor, const 
     fit->std.push_back(uncertainty[i].std);
     fit->lower95.push_back(uncertainty[i].lower95);
     fit->upper95.push_back(uncertainty[i].upper95);
+    fit->noise_lower95.push_back(noise[i].lower95);
+    fit->noise_upper95.push_back(noise[i].upper95);
     fit->known_start_std.push_back(uncertainty[i].known_start_std);
   }
   fit->rmse = summary.has_estimate() ? summary.error.rmse() : kNaN;
@@ -137,11 +146,15 @@ void RequireRecordings(const CoverageOptions& options) {
           "--cut: the scene's start is not that of a recording that begins later; expected another --initial");
   Require(std::isfinite(options.import.handle_sigma) && options.import.handle_sigma >= 0.0,
           "--handle_sigma: expected a number >= 0 in m");
+  Require(options.resolution.steps >= 1, "--truth_steps: expected a number >= 1");
+  Require(options.resolution.levels >= 0, "--truth_levels: expected a number >= 0");
   if (options.sensor_path.empty()) return;
   const std::string has_own = ": expected without --sensor, whose recordings have their own";
   Require(!options.sigma, "--sigma" + has_own);
   Require(!options.frame_rate, "--frame_rate" + has_own);
   Require(options.num_markers == 0, "--markers" + has_own);
+  Require(options.resolution.steps == 1, "--truth_steps" + has_own);
+  Require(options.resolution.levels == 0, "--truth_levels" + has_own);
   Require(options.import.handle_sigma == 0.0, "--handle_sigma" + has_own);
   Require(start == StartSource::kScene, "--initial: expected scene with --sensor");
 }
@@ -166,6 +179,7 @@ CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
   const Scene scene = ParseScene(scene_text, options.scene_path, folder);
   CoverageBenchmark benchmark;
   benchmark.start = options.import.start;
+  benchmark.discretization = options.discretization;
   benchmark.truth = MakeTrueParameters(options.truth, scene);
   benchmark.fits = PlanFits(options);
   if (options.sensor_path.empty()) {
@@ -180,7 +194,7 @@ CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
       num_fits, options.num_threads,
       [&](int i) {
         CoverageFit* fit = &benchmark.fits[i];
-        RunFit(benchmark.truth, options.start_factor, recorder.Record(*fit), fit);
+        RunFit(benchmark.truth, options, recorder.Record(*fit), fit);
       },
       [&](int i, int num_done) {
         if (options.on_fit) options.on_fit(benchmark.fits[i], num_done, num_fits);

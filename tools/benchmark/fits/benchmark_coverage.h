@@ -5,7 +5,9 @@
 // truth and against the scatter of the estimates; all that under several settings of the sensor. With a sensor.json the
 // truth is finer than the model, and recordings have the faults of a laboratory's (tools/benchmark/fits/sensor_case.h).
 // Or the fit is not told the scene's start and takes it from the recording, or estimates it
-// (tools/benchmark/fits/imported_recording.h). tools/benchmark/fits/coverage_table.h sums fits up.
+// (tools/benchmark/fits/imported_recording.h). Or the truth has finer steps and a finer mesh than the model, and the
+// intervals count with what that does to the estimates (identify/checks/discretization_check.h).
+// tools/benchmark/fits/coverage_table.h sums fits up.
 #ifndef CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 #define CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 
@@ -19,6 +21,7 @@
 #include "datasets/synthetic/true_recording.h"
 #include "identify/fit/fit.h"
 #include "tools/benchmark/fits/imported_recording.h"
+#include "tools/benchmark/fits/sampled_truth.h"
 
 namespace clothid {
 
@@ -34,6 +37,7 @@ struct CoverageFit {
   std::string setting;
   std::uint64_t seed = 0;
   std::vector<double> value, std, lower95, upper95;  // per parameter; NaN where there are none
+  std::vector<double> noise_lower95, noise_upper95;  // the interval of the noise alone; see `discretization`
   std::vector<double> known_start_std;               // the std if the start were known; NaN where none was estimated
   double rmse = 0.0;                                 // m
   int rollouts = 0;
@@ -52,6 +56,8 @@ struct CoverageOptions {
   std::optional<double> frame_rate;    // Hz; absent: one frame per step
   int num_markers = 0;                 // free nodes seen, other ones with every seed; 0: all nodes
   ImportOfRollout import;              // where the fit takes the start from, and how much of the motion went before it
+  TruthResolution resolution;          // of the truth; without a sensor, from the scene's own start
+  DiscretizationParts discretization;  // what the intervals count with besides the noise
   double start_factor = kStartFactor;  // start over truth of the parameters
   int num_seeds = 40;                  // recordings per setting
   std::uint64_t seed = 1;              // the first
@@ -64,6 +70,7 @@ struct CoverageOptions {
 };
 
 struct CoverageBenchmark {
+  DiscretizationParts discretization;       // what the intervals count with
   StartSource start = StartSource::kScene;  // of the fits
   std::vector<TrueParameter> truth;
   std::vector<CoverageFit> fits;  // by setting, then seed

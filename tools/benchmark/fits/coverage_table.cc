@@ -18,6 +18,10 @@ double KnownStartStd(const CoverageFit& fit, std::size_t i) {
   return i < fit.known_start_std.size() ? fit.known_start_std[i] : kNaN;
 }
 
+bool IsCoveredByNoise(const CoverageFit& fit, std::size_t i, double truth) {
+  return i < fit.noise_lower95.size() && fit.noise_lower95[i] <= truth && truth <= fit.noise_upper95[i];
+}
+
 double ErrorOverStd(const CoverageFit& fit, const TrueParameter& parameter, std::size_t i) {
   return (fit.value[i] - parameter.value) / fit.std[i];
 }
@@ -43,6 +47,7 @@ CoverageSummary Summarize(const std::vector<CoverageFit>& fits, const TrueParame
     summary.mean_width += (fit.upper95[i] - fit.lower95[i]) / num_intervals;
     summary.mean_error_ratio += ErrorOverStd(fit, parameter, i) / num_intervals;
     summary.mean_start_ratio += fit.std[i] / KnownStartStd(fit, i) / num_intervals;
+    summary.num_covered_by_noise += IsCoveredByNoise(fit, i, parameter.value);
     summary.num_covered += fit.lower95[i] <= parameter.value && parameter.value <= fit.upper95[i];
   }
   for (const CoverageFit& fit : fits) squares += std::pow(fit.value[i] - mean, 2);
@@ -74,6 +79,12 @@ void PrintLine(const CoverageSummary& summary, const CoverageSummary& first, std
       << Fixed(summary.std_ratio(), 2) << std::setw(11) << Fixed(summary.bias / summary.empirical_std, 2);
 }
 
+// The column of intervals that count with the discretisation.
+void PrintNoise(const CoverageSummary& summary, std::ostream& out) {
+  const std::string covered = std::to_string(summary.num_covered_by_noise) + " of " + std::to_string(summary.num_fits);
+  out << std::setw(16) << covered;
+}
+
 // The columns of a start that is not the scene's.
 void PrintStart(const CoverageSummary& summary, std::ostream& out) {
   out << std::setw(9) << summary.num_refused << std::setw(20) << Fixed(summary.mean_error_ratio, 2) << std::setw(24)
@@ -99,11 +110,13 @@ std::string CoverageTable(const CoverageBenchmark& benchmark) {
   const bool has_start_columns = benchmark.start != StartSource::kScene;
   std::ostringstream out;
   out << "setting  parameter      covered  width   reported std  empirical std  ratio  bias, std";
+  if (benchmark.discretization.any()) out << "  by noise alone";
   if (has_start_columns) out << "  refused  bias, reported std  width over known start  rollouts";
   out << "\n";
   const std::vector<CoverageSummary> summaries = SummarizeCoverage(benchmark);
   for (std::size_t i = 0; i < summaries.size(); ++i) {
     PrintLine(summaries[i], summaries[i % benchmark.truth.size()], out);
+    if (benchmark.discretization.any()) PrintNoise(summaries[i], out);
     if (has_start_columns) PrintStart(summaries[i], out);
     out << "\n";
   }

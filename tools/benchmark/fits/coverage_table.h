@@ -14,12 +14,13 @@ namespace clothid {
 struct CoverageSummary {
   std::string setting, name;
   int num_fits = 0;
-  int num_covered = 0;         // intervals that contain the truth; a fit without one is not among them
-  int num_refused = 0;         // fits without an interval
-  double mean_width = 0.0;     // of the 95 % intervals
-  double mean_std = 0.0;       // reported
-  double empirical_std = 0.0;  // of the estimates about their mean
-  double bias = 0.0;           // mean estimate - truth
+  int num_covered = 0;           // intervals that contain the truth; a fit without one is not among them
+  int num_covered_by_noise = 0;  // likewise by the intervals of the noise alone, where others were looked at
+  int num_refused = 0;           // fits without an interval
+  double mean_width = 0.0;       // of the 95 % intervals
+  double mean_std = 0.0;         // reported
+  double empirical_std = 0.0;    // of the estimates about their mean
+  double bias = 0.0;             // mean estimate - truth
   // Means over the fits with an interval, as width and reported std are; NaN where there are none.
   double mean_error_ratio = 0.0;  // of (estimate - truth)/std, each fit with the std that it reports
   double mean_start_ratio = 0.0;  // of std/known_start_std: what not knowing the start costs
@@ -33,7 +34,8 @@ struct CoverageSummary {
 std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmark);
 
 // One line per setting and parameter; widths relative to the first setting, biases in empirical standard deviations.
-// Where the scene's start was not used it goes on with refused intervals, biases in reported standard deviations, these
+// Where intervals count with the discretisation it goes on with how many of the noise alone contain the truth; where
+// the scene's start was not used, with refused intervals, biases in reported standard deviations, these
 // over those of a known start, and rollouts per fit.
 std::string CoverageTable(const CoverageBenchmark& benchmark);
 
