@@ -44,6 +44,7 @@ DEFINE_uint64(seed, 0, "seed of the starting points");
 DEFINE_string(profile, "", "parameters whose profile likelihood is wanted");
 DEFINE_string(landscape, "", "folders that `landscape` wrote, to show in report.html");
 DEFINE_string(discretization, "", "what intervals are to count with besides noise: step, mesh or all");
+DEFINE_string(time_step, "", "of the simulation, in s, or auto; empty: the scene's");
 DEFINE_bool(check_step, false, "the same as --discretization step");
 DEFINE_string(holdout, "", "recordings that are not fitted, to judge the estimates on");
 DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fitted, to judge the estimates on");
@@ -101,6 +102,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       density; all: both. Intervals are widened by the errors that this shows, and the verdict says
                       what is the largest: noise, time step or mesh
   --check_step        the same as --discretization step
+  --time_step H       of the simulation, in s (the scene's); auto: from the scene's to the coarsest whose error is at
+                      most the standard deviation that noise leaves of each estimate, with its error in the intervals
   --holdout FILES     recordings that are not fitted: their error at the estimates and at the nominal parameters; of
                       --each they take none, their own parameters stay nominal and those of a recording zero
   --holdout_frames A:B  the same for frames A to B - 1 of every recording
@@ -156,6 +159,7 @@ RunOptions OptionsFromFlags(const std::string& command_line) {
   options.reading.scene_path = FLAGS_scene;
   options.reading.start = ParseStartSource(FLAGS_initial);
   ParseSigma(FLAGS_sigma, &options.reading);
+  options.time_step = ParseTimeStep(FLAGS_time_step);
   options.step_tolerance = FLAGS_step_tolerance;
   options.fit = FitOptionsFromFlags();
   options.check_recordings = FLAGS_check;

@@ -60,9 +60,10 @@ RunInputs ReadInputs(const RunOptions& options) {
     for (const RecordedMotion& motion : inputs.fitted) inputs.findings.push_back(CheckRecording(options, motion));
     for (const RecordedMotion& motion : inputs.held_out) CheckRecording(options, motion);
   }
-  if (options.step_tolerance > 0.0) {
-    for (std::vector<RecordedMotion>* motions : {&inputs.fitted, &inputs.held_out}) {
-      for (RecordedMotion& motion : *motions) motion.scene.solver.step_tolerance = options.step_tolerance;
+  for (std::vector<RecordedMotion>* motions : {&inputs.fitted, &inputs.held_out}) {
+    for (RecordedMotion& motion : *motions) {
+      if (options.step_tolerance > 0.0) motion.scene.solver.step_tolerance = options.step_tolerance;
+      if (options.time_step.seconds > 0.0) motion.scene.time_step = options.time_step.seconds;
     }
   }
   for (const std::string& folder : options.landscape_paths) {
@@ -149,7 +150,30 @@ class Run {
     const bool has_one_start = fit_options_.num_starts == 1;
     summary_ = has_one_start ? Fit(fit_options_, problem_.get())
                              : FitFromStarts(fit_options_, problem_.get(), &checks_.starts.emplace());
+    if (options_.time_step.is_automatic) FitWithChosenStep();
     if (options_.on_fitted) options_.on_fitted(summary_);
+  }
+
+  void FitWithChosenStep() {
+    checks_.step_choice = ChooseTimeStep(inputs_.fitted, fit_options_, *problem_, &summary_);
+    const StepChoice& choice = *checks_.step_choice;
+    if (choice.level == 0 || fit_options_.is_cancelled()) return;
+    for (std::vector<RecordedMotion>* motions : {&inputs_.fitted, &inputs_.held_out}) {
+      for (RecordedMotion& motion : *motions) motion.scene.time_step *= std::exp2(choice.level);
+    }
+    fit_options_.journal_tag = "chosen_step";
+    const FitSummary first = std::move(summary_);
+    problem_ = std::make_unique<FitProblem>(inputs_.fitted, fit_options_);
+    problem_->SetStart(choice.start);
+    summary_ = Fit(fit_options_, problem_.get());
+    for (std::size_t i = 0; i < first.parameters.size() && summary_.has_estimate(); ++i) {
+      summary_.parameters[i].start = first.parameters[i].start;
+    }
+    summary_.start_error = first.start_error;
+    summary_.start_predicted = first.start_predicted;
+    summary_.statistics += first.statistics;
+    summary_.total_seconds += first.total_seconds;
+    summary_.solver_seconds += first.solver_seconds;
   }
 
   // What was asked for beside the fit.
@@ -160,9 +184,11 @@ class Run {
       if (!summary_.uncertainty || fit_options_.is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));
     }
-    if (options_.discretization.any() && !fit_options_.is_cancelled()) {
+    const bool has_step = checks_.step_choice && checks_.step_choice->found;
+    if ((options_.discretization.any() || has_step) && !fit_options_.is_cancelled()) {
+      const DiscretizationCheck known = has_step ? checks_.step_choice->check : DiscretizationCheck();
       checks_.discretization =
-          CheckDiscretization(inputs_.fitted, fit_options_, options_.discretization, *problem_, &summary_);
+          CheckDiscretization(inputs_.fitted, fit_options_, options_.discretization, *problem_, &summary_, known);
     }
     if (!inputs_.held_out.empty()) {
       const HeldOut held_out = options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings;

@@ -8,8 +8,9 @@
 //   if (result.exit_code == kExitSuccess) Use(result.summary.values());
 //
 // What happens, in this order: the recordings are read and checked, frames are held out, the gradients compared, the
-// fit is run, from one start or several, then the profiles, the fits with other steps and meshes and the prediction of
-// what was held out, then the files are written, all or none (but see `WriteReport`).
+// fit is run, from one start or several, and where it chooses the time step, again with that, then the profiles, the
+// fits with other steps and meshes and the prediction of what was held out, then the files are written, all or none
+// (but see `WriteReport`).
 #ifndef CLOTHID_IDENTIFY_RUN_H_
 #define CLOTHID_IDENTIFY_RUN_H_
 
@@ -38,6 +39,7 @@ struct RunOptions {
   std::vector<RecordedMotion> holdouts;
   std::optional<FrameRange> holdout_frames;
   ReadMotionOptions reading;    // of all files: scene, start, sigma
+  TimeStepOption time_step;     // of all recordings, held-out ones too
   double step_tolerance = 0.0;  // relative residual of a time step, in all recordings; 0: that of each scene
   // What `motion check` looks for is looked for in every recording before anything is fitted, held-out ones among them.
   // A problem ends the run.

@@ -109,6 +109,14 @@ DiscretizationParts ParseDiscretization(const std::string& text) {
   Fail("--discretization: expected step, mesh or all, got '" + Printable(text) + "'");
 }
 
+TimeStepOption ParseTimeStep(const std::string& text) {
+  if (text.empty()) return {};
+  if (text == "auto") return {0.0, true};
+  const std::optional<double> seconds = ParseNumber(text);
+  if (seconds && *seconds > 0.0 && std::isfinite(*seconds)) return {*seconds, false};
+  Fail("--time_step: expected auto or a number > 0 in s, got '" + Printable(text) + "'");
+}
+
 std::string JacobianMethodName(JacobianMethod method) {
   switch (method) {
     case JacobianMethod::kAdjoint:

@@ -36,6 +36,12 @@ struct DiscretizationParts {
   bool any() const { return step || mesh; }
 };
 
+// Of the simulation, in every recording.
+struct TimeStepOption {
+  double seconds = 0.0;       // 0: that of each scene
+  bool is_automatic = false;  // the coarsest whose error hides in the noise (identify/checks/step_choice.h)
+};
+
 // One accepted point of the optimiser.
 struct FitIteration {
   int iteration = 0;
@@ -83,7 +89,7 @@ struct FitOptions {
   // Bytes of every journal for predictions, less than 1 GiB; those that find no room there are simulated again when the
   // fit is.
   std::uint64_t journal_room = kJournalRoom;
-  const std::atomic<bool>* cancel = nullptr;              // may be null; true ends the fit with what it has
+  const std::atomic<bool>* cancel = nullptr;  // may be null; true ends the fit with what it has
   bool is_cancelled() const { return cancel != nullptr && cancel->load(); }
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
   std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty
@@ -108,6 +114,8 @@ void ParseSigma(const std::string& text, ReadMotionOptions* options);
 StartSource ParseStartSource(const std::string& text);
 // "step", "mesh" or "all"; empty: none. Throws `Error` (kUsage).
 DiscretizationParts ParseDiscretization(const std::string& text);
+// "auto" or a number > 0 in s; empty: that of the scene. Throws `Error` (kUsage).
+TimeStepOption ParseTimeStep(const std::string& text);
 // METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
 AdjointOptions ParseAdjointOptions(const std::string& text);
 

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "datasets/motion/refined_motion.h"
 #include "identify/uncertainty/discretization_error.h"
@@ -71,10 +72,14 @@ void AddErrors(const DiscretizationCheck& check, const FitProblem& problem, FitS
 
 DiscretizationCheck CheckDiscretization(const std::vector<RecordedMotion>& motions, const FitOptions& options,
                                         const DiscretizationParts& parts, const FitProblem& problem,
-                                        FitSummary* summary) {
-  DiscretizationCheck check;
+                                        FitSummary* summary, DiscretizationCheck known) {
+  DiscretizationCheck check = std::move(known);
   Repeater repeater(options, problem, summary);
-  if (parts.step) {
+  for (std::optional<RepeatedFit>* fit : {&check.half_step, &check.double_step}) {
+    if (!*fit || !(*fit)->has_estimate()) continue;
+    (*fit)->changes = ChangesBetween(problem, summary->coordinates.head(problem.num_blocks()), (*fit)->coordinates);
+  }
+  if (parts.step && !check.half_step) {
     check.half_step = repeater.Repeat(WithStep(motions, 0.5), "half_step", summary->coordinates);
     check.double_step = repeater.Repeat(WithStep(motions, 2.0), "double_step", summary->coordinates);
   }

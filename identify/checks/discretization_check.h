@@ -20,12 +20,12 @@ struct DiscretizationCheck {
   std::optional<RepeatedFit> fine_mesh;
 };
 
-// The fits of `parts`, of which the errors go into the intervals of `summary`, and their work into its counts.
-// `problem` is that of `summary`, which must have an estimate. Ends early where options.cancel is true. Throws `Error`
-// where `FitProblem` does, and for a mesh where `ExpectRefinable` does.
+// The fits of `parts`, but for those of the time step that `known` has, of which the errors go into the intervals of
+// `summary`, and their work into its counts. `problem` is that of `summary`, which must have an estimate. Ends early
+// where options.cancel is true. Throws `Error` where `FitProblem` does, and for a mesh where `ExpectRefinable` does.
 DiscretizationCheck CheckDiscretization(const std::vector<RecordedMotion>& motions, const FitOptions& options,
                                         const DiscretizationParts& parts, const FitProblem& problem,
-                                        FitSummary* summary);
+                                        FitSummary* summary, DiscretizationCheck known = {});
 
 }  // namespace clothid
 

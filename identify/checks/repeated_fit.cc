@@ -10,7 +10,9 @@ namespace {
 // deviation, and steps are superlinear.
 constexpr double kFunctionTolerance = 1e-7;
 
-Eigen::VectorXd Changes(const FitProblem& problem, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+}  // namespace
+
+Eigen::VectorXd ChangesBetween(const FitProblem& problem, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
   Eigen::VectorXd changes = to - from;
   for (int i = 0; i < problem.num_blocks(); ++i) {
     const ParameterBlock& block = problem.blocks()[i];
@@ -18,8 +20,6 @@ Eigen::VectorXd Changes(const FitProblem& problem, const Eigen::VectorXd& from, 
   }
   return changes;
 }
-
-}  // namespace
 
 RepeatedFit RepeatFit(const std::vector<RecordedMotion>& motions, const FitOptions& options, const std::string& tag,
                       const FitProblem& problem, const Eigen::VectorXd& coordinates) {
@@ -40,7 +40,7 @@ RepeatedFit RepeatFit(const std::vector<RecordedMotion>& motions, const FitOptio
   result.coordinates = fit.coordinates.head(problem.num_blocks());
   result.values = fit.values();
   result.rmse = fit.error.rmse();
-  result.changes = Changes(problem, coordinates.head(problem.num_blocks()), result.coordinates);
+  result.changes = ChangesBetween(problem, coordinates.head(problem.num_blocks()), result.coordinates);
   return result;
 }
 

@@ -24,6 +24,9 @@ struct RepeatedFit {
   bool has_estimate() const { return values.size() > 0; }
 };
 
+// What leads from coordinates [p] to others, as RepeatedFit::changes.
+Eigen::VectorXd ChangesBetween(const FitProblem& problem, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
+
 // Fits `motions`, those of `problem` made anew, from `coordinates`, the estimate of that problem: [p + n], or [p],
 // which leaves unknown starts at their bases: on another mesh their unknowns mean something else. Without intervals,
 // with looser tolerances than the first fit: the estimate ends some hundredths of a standard deviation from the

@@ -225,6 +225,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
           << checks.gradient_check->adjoint_vs_sensitivity << ", against central differences "
           << checks.gradient_check->adjoint_vs_fd << "\n";
   }
+  if (checks.step_choice) table << "time step       " << StepChoiceText(*checks.step_choice) << "\n";
   table << "status          " << FitStatusName(summary.status) << " after " << summary.num_iterations()
         << " iterations, " << summary.statistics.rollouts << " rollouts, " << summary.statistics.sweeps << " sweeps\n";
   if (summary.statistics.counts.substeps > 0) {

@@ -51,6 +51,18 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
   return json;
 }
 
+Json StepChoiceJson(const StepChoice& choice) {
+  Json trials = Json::array();
+  double taken = std::numeric_limits<double>::quiet_NaN();
+  for (const StepTrial& trial : choice.trials) {
+    if (choice.found && trial.level == choice.level) taken = trial.time_step;
+    trials.push_back({{"time_step", trial.time_step},
+                      {"error_over_noise", NumberJson(trial.error_over_noise)},
+                      {"order", NumberJson(trial.order)}});
+  }
+  return {{"chosen", NumberJson(taken)}, {"needed", NumberJson(choice.needed)}, {"trials", trials}};
+}
+
 Json IntervalCheckJson(const FitSummary& summary) {
   if (!summary.interval_check) return nullptr;
   const IntervalCheck& check = *summary.interval_check;
@@ -234,6 +246,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, checks);
   json["profiles"] = ProfilesJson(checks);
+  if (checks.step_choice) json["time_step"] = StepChoiceJson(*checks.step_choice);
   const DiscretizationCheck discretization = checks.discretization.value_or(DiscretizationCheck());
   json["step_check"] = RepeatedFitJson(summary, discretization.half_step);
   if (discretization.double_step) json["double_step"] = RepeatedFitJson(summary, discretization.double_step);

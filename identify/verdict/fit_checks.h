@@ -15,6 +15,7 @@
 #include "identify/checks/holdout.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
+#include "identify/checks/step_choice.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/verdict/recording_fit.h"
 
@@ -27,6 +28,7 @@ struct FitChecks {
   std::optional<MultiStart> starts;
   std::vector<Profile> profiles;
   std::vector<FitLandscape> landscapes;  // which `MatchLandscape` has seen
+  std::optional<StepChoice> step_choice;
   std::optional<DiscretizationCheck> discretization;
   std::optional<Holdout> holdout;
   std::vector<RecordingFit> recordings;          // of `DescribeRecordings`; empty: nobody looked

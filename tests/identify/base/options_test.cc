@@ -67,6 +67,15 @@ TEST(OptionsTest, ParsesPartsOfTheDiscretization) {
               {"--discretization", "step, mesh or all", "time"});
 }
 
+TEST(OptionsTest, ParsesTheTimeStep) {
+  EXPECT_EQ(ParseTimeStep("").seconds, 0.0);
+  EXPECT_EQ(ParseTimeStep("0.002").seconds, 0.002);
+  EXPECT_TRUE(ParseTimeStep("auto").is_automatic);
+  for (const char* text : {"0", "-1", "inf", "half"}) {
+    ExpectError([&] { ParseTimeStep(text); }, ErrorKind::kUsage, {"--time_step", "auto or a number > 0", text});
+  }
+}
+
 TEST(OptionsTest, ValidatesItself) {
   EXPECT_NO_THROW(FitOptions().Validate());
   FitOptions options;

@@ -5,10 +5,8 @@
 
 #include <atomic>
 #include <cmath>
-#include <map>
 
-#include "sim/scene/refinement.h"
-#include "tests/costs/synthetic_motion.h"
+#include "tests/identify/fine_recordings.h"
 #include "tests/identify/sensitivity_fit.h"
 
 namespace clothid {
@@ -16,37 +14,6 @@ namespace {
 
 bool Contains(const ParameterUncertainty& interval, double value) {
   return interval.lower95 <= value && value <= interval.upper95;
-}
-
-// 4 x 4 nodes sliding down a plane of 30 degrees.
-Scene SlopeScene() {
-  Scene scene = ClothScene(4, 30);
-  scene.gravity = 9.81 * Eigen::Vector3d(0.5, 0.0, -std::sqrt(0.75));
-  SceneObstacle plane;
-  plane.name = "plane";
-  plane.shape = std::make_shared<Plane>(Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ());
-  plane.friction_coefficient = 0.2;
-  scene.obstacles = {plane};
-  return scene;
-}
-
-// A recording of the cloth of `scene` on a mesh refined `levels` times, with steps of h/`divisor`; seen at the nodes of
-// the coarse mesh, which keep their numbers, with noise of 1 mm.
-RecordedMotion RecordFinely(const Scene& scene, int divisor, int levels, const std::map<std::string, double>& values) {
-  Scene fine = scene;
-  fine.time_step /= divisor;
-  for (int level = 0; level < levels; ++level) fine = RefineScene(fine, RefineMesh(fine.mesh));
-  MotionOptions truth;
-  truth.true_values = values;
-  truth.frame_interval = scene.time_step;
-  truth.noise = truth.sigma = 1e-3;
-  RecordedMotion motion = MakeMotion(fine, truth);
-  const int num_nodes = scene.mesh.num_nodes();
-  motion.scene = scene;
-  motion.points.resize(static_cast<std::size_t>(num_nodes));
-  motion.sigma = motion.sigma.head(num_nodes).eval();
-  motion.positions = motion.positions.topRows(3 * num_nodes).eval();
-  return motion;
 }
 
 TEST(DiscretizationCheckTest, CoversATruthOfFineStepsWhereNoiseAloneDoesNot) {
@@ -75,7 +42,7 @@ TEST(DiscretizationCheckTest, CoversATruthOfFineStepsWhereNoiseAloneDoesNot) {
 
 TEST(DiscretizationCheckTest, CoversATruthOfAFineMeshWhereNoiseAloneDoesNot) {
   const double truth = 4e-3;
-  const RecordedMotion motion = RecordFinely(SwingScene(), 1, 2, {{"k_bend", truth}});
+  const RecordedMotion motion = RecordFinely(SwingScene(), 1, 2, {{"k_bend", truth}}, 1e-4);
   const FitOptions options = OptionsFor({"k_bend"});
   FitProblem problem({motion}, options);
   FitSummary summary = Fit(options, &problem);
