@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+#include <vector>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/rollout/record_reader.h"
 #include "sim/rollout/simulator.h"
+#include "sim/step/second_start.h"
 #include "sim/step/step_problem.h"
 #include "sim/step/step_solver.h"
 
@@ -25,38 +27,14 @@ Eigen::VectorXd ElasticForce(const Material& material, const Eigen::VectorXd& po
   return force;
 }
 
-Eigen::VectorXd DampingForce(const Material& material, double time_step, const Eigen::VectorXd& start_positions,
-                             const Eigen::VectorXd& positions, const ClothModel& model) {
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
+Eigen::VectorXd DampingForce(const Material& material, const StepRecord& record, const SolveStart& start,
+                             const ClothModel& model) {
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(record.positions.size());
   if (model.damping() == nullptr) return force;
   std::vector<MetricBatch> start_metrics;
-  model.damping()->SetMetrics(start_positions, &start_metrics);
-  model.damping()->AddForce(material.damping, time_step, start_metrics, positions, &force);
+  SetStartMetrics(model, start, &start_metrics);
+  model.damping()->AddForce(material.damping, record.time_step, start_metrics, record.positions, &force);
   return force;
-}
-
-// Works of node force and air and the loss of inertia: sums over the free nodes.
-void AddFreeNodes(const StepRecord& record, const Eigen::VectorXd& start_velocities, const Material& material,
-                  const ClothModel& model, EnergyFlow* flow) {
-  const double h = record.time_step;
-  for (const int node : model.free_nodes()) {
-    const double area = model.node_areas()[node];
-    const Eigen::Vector3d v = record.velocities.segment<3>(3 * node);
-    flow->force_work += h * model.scene().node_force.dot(v);
-    flow->inertia_loss += 0.5 * material.density * area * (v - start_velocities.segment<3>(3 * node)).squaredNorm();
-    if (model.drag() == nullptr) continue;
-    flow->air_work += h * material.drag * area * (model.drag()->WindAt(node, record.time) - v).dot(v);
-  }
-}
-
-void AddContacts(const StepProblem& problem, const StepPoint& point, EnergyFlow* flow) {
-  for (std::size_t i = 0; i < point.responses.size(); ++i) {
-    const ContactResponse& response = point.responses[i];
-    if (response.branch == ContactBranch::kTakeOff) continue;
-    const Eigen::Vector3d v = point.velocities.segment<3>(3 * problem.free_block(static_cast<int>(i)));
-    flow->contact_work += response.impulse.dot(v);
-    flow->push_work += std::max(0.0, -response.normal_force * problem.candidates()[i].normal.dot(v));
-  }
 }
 
 // What rounding makes of the energies of a state and of the work of its forces. The stretch energy k/2 a |F - R|^2 is
@@ -74,13 +52,86 @@ double EnergyRounding(const EnergyParts& parts, const Material& material, const 
   return kRoundings * eps * sum;
 }
 
+// What a solve is taken for in the balance of its step: kappa times for a first stage.
+double Weight(const StepRecord& record) { return record.stage == Stage::kFirst ? kSecondStageReach : 1.0; }
+
+void AddAir(const StepRecord& record, const Material& material, const ClothModel& model, EnergyFlow* flow) {
+  const double seconds = Weight(record) * record.time_step;
+  for (const int node : model.free_nodes()) {
+    const Eigen::Vector3d v = record.velocities.segment<3>(3 * node);
+    flow->force_work += seconds * model.scene().node_force.dot(v);
+    if (model.drag() == nullptr) continue;
+    flow->air_work +=
+        seconds * material.drag * model.node_areas()[node] * (model.drag()->WindAt(node, record.time) - v).dot(v);
+  }
+}
+
+// Works of the forces in the cloth; as elastic_loss, minus that of elastic forces.
+void AddInternalForces(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
+                       const Simulator& simulator, EnergyFlow* flow) {
+  const ClothModel& model = simulator.model();
+  EnergyParts parts = StateEnergy(parameters, record.positions, record.velocities, simulator);
+  const Eigen::VectorXd elastic = ElasticForce(parameters.material, record.positions, model, &parts);
+  const Eigen::VectorXd viscous = DampingForce(parameters.material, record, start, model);
+  const Eigen::VectorXd displacement = Weight(record) * record.time_step * record.velocities;
+  for (const int node : model.scene().handles.nodes) {
+    flow->handle_work -= (elastic + viscous).segment<3>(3 * node).dot(displacement.segment<3>(3 * node));
+  }
+  flow->damping_loss -= viscous.dot(displacement);
+  flow->elastic_loss -= elastic.dot(displacement);
+  flow->tolerance += EnergyRounding(parts, parameters.material, record.positions, model);
+}
+
+// What contacts do at the nodes of a step [N].
+struct NodeWork {
+  Eigen::ArrayXd work;        // of impulses, without those that push, J
+  Eigen::ArrayXd in_contact;  // 1: in a solve of the step, 0: in none
+};
+
+// `impacts`: u [3N] of a first stage, zero of others.
+void AddContacts(const StepRecord& record, const SolveStart& start, const Eigen::VectorXd& impacts,
+                 const Parameters& parameters, Simulator* simulator, EnergyFlow* flow, NodeWork* nodes) {
+  const ClothModel& model = simulator->model();
+  const StepProblem problem(model, parameters, start, record.times(), &simulator->step_workspace());
+  StepPoint point;
+  problem.Evaluate(model.Gather(record.velocities), &point);
+  for (std::size_t i = 0; i < point.responses.size(); ++i) {
+    if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
+    const ContactCandidate& candidate = problem.candidates()[i];
+    const double mass = parameters.material.density * model.node_areas()[candidate.node];
+    const Eigen::Vector3d v = record.velocities.segment<3>(3 * candidate.node);
+    const Eigen::Vector3d impulse =
+        Weight(record) * (point.responses[i].impulse - mass * impacts.segment<3>(3 * candidate.node));
+    const double work = impulse.dot(v), push = candidate.normal.dot(impulse) * candidate.normal.dot(v);
+    flow->contact_work += work;
+    flow->push_work += std::max(0.0, push);
+    nodes->work[candidate.node] += work - std::max(0.0, push);
+    nodes->in_contact[candidate.node] = 1.0;
+  }
+  flow->tolerance += Weight(record) * StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point) *
+                     point.scale * point.velocities.norm();
+}
+
+// What inertia takes at each node [N], J: m/2 b . b, and over a first stage m (kappa c . u - c . c/2).
+Eigen::VectorXd NodeInertiaLoss(const Eigen::VectorXd& b, const Eigen::VectorXd& c, const Eigen::VectorXd& u,
+                                const Material& material, const ClothModel& model) {
+  Eigen::VectorXd loss = Eigen::VectorXd::Zero(model.num_nodes());
+  for (const int node : model.free_nodes()) {
+    const double mass = material.density * model.node_areas()[node];
+    const Eigen::Vector3d reach = c.segment<3>(3 * node), impact = u.segment<3>(3 * node);
+    loss[node] =
+        mass * (0.5 * b.segment<3>(3 * node).squaredNorm() + reach.dot(kSecondStageReach * impact - 0.5 * reach));
+  }
+  return loss;
+}
+
 }  // namespace
 
 EnergyFlow& EnergyFlow::operator+=(const EnergyFlow& other) {
   for (double EnergyFlow::*const term :
        {&EnergyFlow::change, &EnergyFlow::force_work, &EnergyFlow::air_work, &EnergyFlow::handle_work,
-        &EnergyFlow::contact_work, &EnergyFlow::push_work, &EnergyFlow::inertia_loss, &EnergyFlow::damping_loss,
-        &EnergyFlow::elastic_loss, &EnergyFlow::tolerance}) {
+        &EnergyFlow::contact_work, &EnergyFlow::push_work, &EnergyFlow::contact_gain, &EnergyFlow::inertia_loss,
+        &EnergyFlow::damping_loss, &EnergyFlow::elastic_loss, &EnergyFlow::tolerance}) {
     this->*term += other.*term;
   }
   return *this;
@@ -99,32 +150,37 @@ EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& pos
   return parts;
 }
 
-EnergyFlow StepEnergyFlow(const StepRecord& record, const Eigen::VectorXd& start_positions,
-                          const Eigen::VectorXd& start_velocities, const Parameters& parameters, Simulator* simulator) {
+EnergyFlow StepEnergyFlow(const Rollout& rollout, int last, RecordReader* reader, Simulator* simulator) {
   const ClothModel& model = simulator->model();
-  const Material& material = parameters.material;
-  const EnergyParts start = StateEnergy(parameters, start_positions, start_velocities, *simulator);
-  EnergyParts end = StateEnergy(parameters, record.positions, record.velocities, *simulator);
-  const Eigen::VectorXd elastic = ElasticForce(material, record.positions, model, &end);
-  const Eigen::VectorXd viscous = DampingForce(material, record.time_step, start_positions, record.positions, model);
-  const Eigen::VectorXd displacement = record.positions - start_positions;
-  EnergyFlow flow;
-  flow.change = end.total() - start.total();
-  AddFreeNodes(record, start_velocities, material, model, &flow);
-  for (const int node : model.scene().handles.nodes) {
-    flow.handle_work -= (elastic + viscous).segment<3>(3 * node).dot(displacement.segment<3>(3 * node));
+  const Parameters& parameters = rollout.parameters;
+  const StepRecord& end = reader->record(last);
+  const int first = end.stage == Stage::kSecond ? last - 1 : last;
+  const Eigen::VectorXd b = end.velocities - reader->start(last).velocities;
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(b.size()), u = c;
+  if (first < last) {
+    const Eigen::VectorXd second_velocities = reader->start(last).velocities;
+    const Eigen::VectorXd& start_velocities = reader->start(first).velocities;
+    c = (second_velocities - start_velocities) / kSecondStageReach;
+    u = reader->record(first).velocities - start_velocities - c;
   }
-  flow.damping_loss = -viscous.dot(displacement);
-  flow.elastic_loss = start.elastic() - end.elastic() - elastic.dot(displacement);
-  const StepProblem problem(model, parameters, {start_positions, start_velocities}, record.times(),
-                            &simulator->step_workspace());
-  StepPoint point;
-  problem.Evaluate(model.Gather(record.velocities), &point);
-  AddContacts(problem, point, &flow);
-  flow.tolerance = StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point) * point.scale *
-                       point.velocities.norm() +
-                   EnergyRounding(start, material, start_positions, model) +
-                   EnergyRounding(end, material, record.positions, model);
+  EnergyFlow flow;
+  NodeWork nodes{Eigen::ArrayXd::Zero(model.num_nodes()), Eigen::ArrayXd::Zero(model.num_nodes())};
+  for (int i = first; i <= last; ++i) {
+    const StepRecord& record = reader->record(i);
+    const SolveStart start = reader->start(i);
+    AddAir(record, parameters.material, model, &flow);
+    AddInternalForces(record, start, parameters, *simulator, &flow);
+    AddContacts(record, start, i < last ? u : Eigen::VectorXd::Zero(u.size()), parameters, simulator, &flow, &nodes);
+  }
+  const Eigen::VectorXd node_loss = NodeInertiaLoss(b, c, u, parameters.material, model);
+  flow.inertia_loss = node_loss.sum();
+  flow.contact_gain = (nodes.in_contact * (nodes.work - node_loss.array())).max(0.0).sum();
+  const SolveStart start = reader->start(first);
+  const EnergyParts before = StateEnergy(parameters, start.positions, start.velocities, *simulator);
+  const EnergyParts after = StateEnergy(parameters, end.positions, end.velocities, *simulator);
+  flow.change = after.total() - before.total();
+  flow.elastic_loss += before.elastic() - after.elastic();
+  flow.tolerance += EnergyRounding(before, parameters.material, start.positions, model);
   return flow;
 }
 
@@ -135,14 +191,14 @@ EnergyBalance BalanceEnergy(const Rollout& rollout, Simulator* simulator) {
   balance.start_energy = start.total();
   balance.largest_energy = start.kinetic + start.elastic();
   balance.excess_time = rollout.start_time;
+  RecordReader reader(rollout, simulator);
   for (std::size_t i = 0; i < rollout.records.size(); ++i) {
     const StepRecord& record = rollout.records[i];
-    if (record.stage != Stage::kOnly) throw std::logic_error("a balance of energy is that of backward Euler");
-    const Eigen::VectorXd& x = i == 0 ? rollout.initial_positions : rollout.records[i - 1].positions;
-    const Eigen::VectorXd& v = i == 0 ? rollout.initial_velocities : rollout.records[i - 1].velocities;
-    const EnergyFlow flow = StepEnergyFlow(record, x, v, rollout.parameters, simulator);
+    if (!record.ends_step()) continue;
+    const EnergyFlow flow = StepEnergyFlow(rollout, static_cast<int>(i), &reader, simulator);
     balance.total += flow;
     balance.gain += std::max(0.0, flow.excess());
+    balance.contact_gain = std::max(balance.contact_gain, flow.contact_gain);
     balance.unexplained_steps += !(std::abs(flow.unexplained()) <= flow.tolerance);
     if (balance.total.excess() > balance.excess) {
       balance.excess = balance.total.excess();

@@ -1,21 +1,29 @@
 // Where the energy of a rollout comes from and where it goes.
 //
-// Energy E_n = kinetic and gravitational energy of the free nodes + stretch and bending energy of the whole cloth. The
-// step M (v_1 - v_0) = h (f_ext + f_int(x_1)) + J^T r + e, e its residual, times v_1, with x_1 - x_0 = h v_1 at free
-// nodes, U stretch and bending, f = -dU/dx at x_1 and f_d the force of internal damping, is exactly
-//   E_1 - E_0 = W_force + W_air + W_handles + W_contact - D_inertia - D_damping - D_elastic + e . v_1
-//   W_force   = sum over free nodes of node_force . (x_1 - x_0)
-//   W_air     = sum over free nodes of h c_d a (w - v_1) . v_1
-//   W_handles = -(f + f_d) . (x_1 - x_0) over the handles: what holds a handle acts against the cloth
-//   W_contact = sum over contacts of J^T r . v_1; of it W_push = the part of normal impulses that do positive work:
-//               where a node starts inside an obstacle
-//   D_inertia = 1/2 (v_1 - v_0) . M (v_1 - v_0) >= 0, what backward Euler takes from every change of velocity
-//   D_damping = -f_d . (x_1 - x_0) over all nodes, what internal damping takes
-//   D_elastic = U(x_0) - U(x_1) - f . (x_1 - x_0) over all nodes: >= 0 where U is convex from x_0 to x_1, which it is
-//               not where cloth is compressed
-// So a step can gain energy that no work pays for, by D_elastic < -(D_inertia + D_damping): a property of backward
-// Euler on buckling cloth, not an error. It is summed as the excess. Whatever is left over is e . v_1, for which |e| <=
-// tolerance * scale bounds it: more would be an error of a force, of an energy or of the solver.
+// Energy E_n = kinetic and gravitational energy of the free nodes + stretch and bending energy of the whole cloth. A
+// step has one solve (backward Euler) or two (SDIRK2, sim/step/stage.h). Solve s, of size h_s, ends with the velocities
+// v_s, and counts with the weight w_s = h_s, but kappa h_s in a first stage, so that x_{n+1} - x_n = sum of w_s v_s.
+// Its impulses J^T r_s count likewise as R_s = r_s, but kappa (r_s - M u) in a first stage: that part of them which is
+// carried on (sim/step/second_start.h). With U stretch and bending, f = -dU/dx and f_d internal damping at the end of
+// the solve, e its residual, sums over the solves of the step, it is exactly
+//   E_{n+1} - E_n = W_force + W_air + W_handles + W_contact - D_inertia - D_damping - D_elastic + sum e . v_s
+//   W_force   = sum over free nodes of w_s node_force . v_s
+//   W_air     = sum over free nodes of w_s c_d a (w - v_s) . v_s
+//   W_handles = -w_s (f + f_d) . v_s over the handles: what holds a handle acts against the cloth
+//   W_contact = sum over contacts of R_s . v_s: not positive but for W_push, that part of normal impulses which does
+//               positive work, where a node starts inside an obstacle
+//   D_inertia = 1/2 b . M b + c . M (kappa u - c/2), b the change of velocity over the last solve, c + u that over the
+//               first stage, 0 without one: backward Euler takes it from every change of velocity; with stages it is of
+//               third order in h, of either sign, where nothing hits an obstacle (b . M b - c . M c)/2
+//   D_damping = -w_s f_d . v_s over all nodes, what internal damping takes
+//   D_elastic = U(x_n) - U(x_{n+1}) - sum w_s f . v_s over all nodes: of backward Euler >= 0 where U is convex from x_n
+//               to x_{n+1}, which it is not where cloth is compressed; of SDIRK2 an error of third order
+// So a step can gain energy that no work pays for, by D_elastic < -(D_inertia + D_damping): a property of its
+// integrator, not an error. It is summed as the excess. Whatever is left over is e . v_s, for which |e| <= tolerance *
+// scale bounds it: more would be an error of a force, of an energy or of the solver.
+//
+// **What contacts gain.** At a node with impulses, R_s . v_s without W_push, less its part of D_inertia, is what
+// contact brings it beyond the work of all other forces. An impact that threw a node back would be a gain.
 #ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_ENERGY_BALANCE_H_
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_ENERGY_BALANCE_H_
 
@@ -25,13 +33,15 @@
 
 namespace clothid {
 
+class RecordReader;
 class Simulator;
 
-// The balance of one solve, or of several: they add up. J.
+// The balance of one step, or of several: they add up. J.
 struct EnergyFlow {
   double change = 0.0;  // E_1 - E_0
   double force_work = 0.0, air_work = 0.0, handle_work = 0.0, contact_work = 0.0;
-  double push_work = 0.0;  // part of contact_work
+  double push_work = 0.0;     // part of contact_work
+  double contact_gain = 0.0;  // what contacts gain, over the nodes where it is positive
   double inertia_loss = 0.0, damping_loss = 0.0, elastic_loss = 0.0;
   double tolerance = 0.0;  // of unexplained(): that of the solver, |v_1| times the residual, and of rounding
 
@@ -58,12 +68,10 @@ struct EnergyParts {
 EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& positions,
                         const Eigen::VectorXd& velocities, const Simulator& simulator);
 
-// Of the solve that ends in `record` and started from the state [3N] given.
-EnergyFlow StepEnergyFlow(const StepRecord& record, const Eigen::VectorXd& start_positions,
-                          const Eigen::VectorXd& start_velocities, const Parameters& parameters, Simulator* simulator);
+// Of the step or substep that ends in record `last` of `rollout`, which `reader` reads.
+EnergyFlow StepEnergyFlow(const Rollout& rollout, int last, RecordReader* reader, Simulator* simulator);
 
-// Of a rollout by backward Euler that keeps all its records, as far as it came. J. Throws `std::logic_error` for one by
-// another integrator, which loses energy in other ways.
+// Of a rollout that keeps all its records, as far as it came. J.
 struct EnergyBalance {
   EnergyFlow total;
   double start_energy = 0.0;  // E_0
@@ -72,7 +80,8 @@ struct EnergyBalance {
   double excess = 0.0;        // the largest of E_n - E_0 - work up to n, at least 0
   double excess_time = 0.0;   // s, of that n; the start where there is none
   double gain = 0.0;          // the sum of the excesses of the steps that have one
-  int unexplained_steps = 0;  // solves with |unexplained()| > tolerance
+  double contact_gain = 0.0;  // the largest of a step
+  int unexplained_steps = 0;  // steps and substeps with |unexplained()| > tolerance
 
   // Relative to the largest energy; 0 where there is neither.
   double relative_excess() const { return excess > 0.0 ? excess / largest_energy : 0.0; }
