@@ -42,6 +42,7 @@ DEFINE_string(offsets, "", "figure3: offsets of the sphere, m; empty: see --help
 DEFINE_string(touch, "", "figure3: gaps that count as contact in velocity mode; empty: see --help");
 DEFINE_string(zoom, "", "figure3: shares of both axes, falling; empty: see --help");
 DEFINE_string(contact, "gap", "continuity: gap or velocity; stability: of both");
+DEFINE_string(integrator, "", "integrators to compare, of euler, sdirk2; empty: both");
 DEFINE_string(k_stretch, "", "stability: stretch stiffness, N/m; empty: see --help");
 DEFINE_bool(gradients, true, "stability: check gradients, too");
 DEFINE_string(mu, "", "stability: friction coefficients; empty: see --help");
@@ -216,6 +217,7 @@ StabilityOptions StabilityOptionsFromFlags() {
   StabilityOptions options;
   if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
   if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
+  if (!FLAGS_integrator.empty()) options.integrators = ParseNames(FLAGS_integrator, "--integrator");
   if (IsGiven("contact")) options.contacts = ParseNames(FLAGS_contact, "--contact");
   if (!FLAGS_k_stretch.empty()) options.stretch_stiffness = ParseNumbers(FLAGS_k_stretch, "--k_stretch");
   if (!FLAGS_mu.empty()) options.friction_coefficients = ParseNumbers(FLAGS_mu, "--mu");

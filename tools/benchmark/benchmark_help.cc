@@ -15,7 +15,7 @@ const char kBenchmarkHelp[] = R"(benchmark: accuracy, cost and time of the metho
   benchmark accuracy       [--scene] [--settings] [--quantities] [--nodes] [--repeats] [--output]
   benchmark continuity     [--nodes] [--cells] [--contact] [--lines] [--seed] [--threads] [--output]
   benchmark figure3        [--offsets] [--touch] [--zoom] [--cells] [--starts] [--noise] [--seed] [--threads] [--output]
-  benchmark stability      [--settings] [--scene LIST] [--contact] [--k_stretch] [--steps] [--mu] [--nodes]
+  benchmark stability      [--settings] [--scene LIST] [--integrator] [--contact] [--k_stretch] [--steps] [--mu] [--nodes]
                            [--nogradients] [--seed] [--threads] [--output]
 
 jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
@@ -65,8 +65,8 @@ With --output it goes on where a run that was killed has stopped. tools/plots/pl
 folder `landscape`.
 
 stability: where the simulation fails, gains energy or has a wrong gradient: a cloth dropped on a sphere, on a slope, in
-a gusty wind for 0.3 s over stiffness, time step, friction and contact mode (the wind, without an obstacle, over
-stiffness and time step alone), and extreme scenes one at a time. Every solve is evaluated again from what the rollout
+a gusty wind for 0.3 s over integrator, stiffness, time step, friction and contact mode (the wind, without an obstacle,
+without the last two), and extreme scenes one at a time. Every solve is evaluated again from what the rollout
 recorded: one that does not meet its tolerance, the contact law or the balance of energy although it says so is a silent
 failure. Gradients of the adjoint sweep beside central differences where both sides take the same contact branches and
 the differences settle. tools/plots/plot_stability draws its CSV.
@@ -113,6 +113,7 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --touch LIST      gaps that count as contact in velocity mode, relative to the cloth's size (1e-5,1e-3)
   --zoom LIST       shares of both axes, falling (0.03,0.01,0.003)
   --contact MODE    of the cloth that slides: gap or velocity (gap); stability: LIST of these (both)
+  --integrator LIST of euler, sdirk2 (both)
   --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)
   --mu LIST         friction coefficients (0,0.1,0.35,0.8,2)
   --nogradients     leaves out the check of gradients, most of the time

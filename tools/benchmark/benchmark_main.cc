@@ -104,7 +104,7 @@ constexpr Subcommand kSubcommands[] = {
            Figure3OptionsFromFlags(), RunFigure3, Figure3Table,
            {{"figure3.csv", Figure3Csv}, {"figure3_fits.csv", Figure3FitsCsv}});
      }},
-    {"stability", "settings scene contact k_stretch steps mu nodes gradients seed threads output",
+    {"stability", "settings scene integrator contact k_stretch steps mu nodes gradients seed threads output",
      [] {
        return RunBenchmark<StabilityOptions, StabilityBenchmark>(
            StabilityOptionsFromFlags(), RunStabilityBenchmark, StabilityTable,

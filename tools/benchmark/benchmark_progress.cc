@@ -43,8 +43,8 @@ void Report(const std::string& line) {
 
 std::string Describe(const StabilityRow& row) {
   std::ostringstream text;
-  text << row.name << ", " << row.contact << ", k " << row.stretch_stiffness << ", h " << row.time_step << ", mu "
-       << row.friction_coefficient << ": " << (row.ok() ? "ok" : row.error);
+  text << row.name << ", " << row.contact << ", " << row.integrator << ", k " << row.stretch_stiffness << ", h "
+       << row.time_step << ", mu " << row.friction_coefficient << ": " << (row.ok() ? "ok" : row.error);
   return text.str();
 }
 

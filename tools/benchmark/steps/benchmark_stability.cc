@@ -15,8 +15,7 @@ void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
 }
 
-std::vector<StabilityCell> MakeCells(const StabilityOptions& options) {
-  std::vector<StabilityCell> cells;
+void AddCells(Integrator integrator, const StabilityOptions& options, std::vector<StabilityCell>* cells) {
   for (const std::string& scene : options.scenes) {
     const bool has_obstacle = StabilitySceneHasObstacle(scene);
     const std::size_t num_contacts = has_obstacle ? options.contacts.size() : 1;
@@ -27,14 +26,18 @@ std::vector<StabilityCell> MakeCells(const StabilityOptions& options) {
       for (const double stiffness : options.stretch_stiffness) {
         for (const int rate : options.step_rates) {
           for (std::size_t m = 0; m < num_frictions; ++m) {
-            cells.push_back({scene, mode, stiffness, 1.0 / rate, options.friction_coefficients[m]});
+            cells->push_back({scene, mode, stiffness, 1.0 / rate, options.friction_coefficients[m], integrator});
           }
         }
       }
     }
   }
-  return cells;
 }
+
+struct ExtremeCase {
+  const StabilityExtreme* extreme;
+  Integrator integrator;
+};
 
 bool Includes(const StabilityOptions& options, const std::string& setting) {
   return std::find(options.settings.begin(), options.settings.end(), setting) != options.settings.end();
@@ -59,6 +62,7 @@ void StabilityOptions::Validate() const {
     Require(IsSetting(setting),
             "--settings: '" + Printable(setting) + "': expected grid, extremes or the name of an extreme");
   }
+  ValidateIntegrators(integrators);
   for (const std::string& scene : scenes) StabilitySceneHasObstacle(scene);
   for (const std::string& contact : contacts) {
     Require(contact == "gap" || contact == "velocity",
@@ -74,10 +78,13 @@ void StabilityOptions::Validate() const {
 StabilityBenchmark RunStabilityBenchmark(const StabilityOptions& options) {
   options.Validate();
   std::vector<StabilityCell> cells;
-  if (Includes(options, "grid")) cells = MakeCells(options);
-  std::vector<const StabilityExtreme*> extremes;
-  for (const StabilityExtreme& extreme : StabilityExtremes()) {
-    if (Includes(options, "extremes") || Includes(options, extreme.name)) extremes.push_back(&extreme);
+  std::vector<ExtremeCase> extremes;
+  for (const std::string& name : options.integrators) {
+    const Integrator integrator = IntegratorNamed(name);
+    if (Includes(options, "grid")) AddCells(integrator, options, &cells);
+    for (const StabilityExtreme& extreme : StabilityExtremes()) {
+      if (Includes(options, "extremes") || Includes(options, extreme.name)) extremes.push_back({&extreme, integrator});
+    }
   }
   std::optional<std::uint64_t> seed;
   if (options.check_gradients) seed = options.seed;
@@ -89,8 +96,10 @@ StabilityBenchmark RunStabilityBenchmark(const StabilityOptions& options) {
         if (i < num_cells) {
           rows[i] = RunStabilityRow(cells[i].scene, MakeStabilityScene(cells[i], options.nodes), seed);
         } else {
-          const StabilityExtreme& extreme = *extremes[i - num_cells];
-          rows[i] = RunStabilityRow(extreme.name, extreme.scene(options.nodes), seed);
+          const ExtremeCase& extreme = extremes[i - num_cells];
+          Scene scene = extreme.extreme->scene(options.nodes);
+          scene.integrator = extreme.integrator;
+          rows[i] = RunStabilityRow(extreme.extreme->name, scene, seed);
         }
       },
       [&](int i, int num_done) {

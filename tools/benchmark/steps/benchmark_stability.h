@@ -1,11 +1,11 @@
-// benchmark stability: where the simulation fails, gains energy or has a wrong gradient: a grid over stiffness, time
-// step, friction, contact mode and scene, and extreme scenes one at a time
+// benchmark stability: where the simulation fails, gains energy or has a wrong gradient: a grid over integrator,
+// stiffness, time step, friction, contact mode and scene, and extreme scenes one at a time
 // (tools/benchmark/steps/stability_extremes.h).
 //
 // A cell of the grid is one rollout of 0.3 s of a scene of tools/benchmark/steps/stability_scene.h. It is audited
 // (tools/benchmark/steps/rollout_audit.h) and balanced (tools/benchmark/steps/energy_balance.h), and its gradient is
-// checked (tools/benchmark/steps/stability_gradient.h). A scene without obstacle has one cell per stiffness and time
-// step.
+// checked (tools/benchmark/steps/stability_gradient.h). A scene without obstacle has one cell per integrator,
+// stiffness and time step.
 #ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_STABILITY_H_
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_STABILITY_H_
 
@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/benchmark/base/integrators.h"
 #include "tools/benchmark/steps/stability_row.h"
 #include "tools/benchmark/steps/stability_scene.h"
 
@@ -21,6 +22,7 @@ namespace clothid {
 
 struct StabilityOptions {
   std::vector<std::string> settings = {"grid", "extremes"};  // of these two and names of extremes
+  std::vector<std::string> integrators = kIntegratorNames;   // of both
   std::vector<std::string> scenes = kStabilityScenes;        // of the grid, as all that follows up to its axes' end
   std::vector<std::string> contacts = {"gap", "velocity"};
   std::vector<double> stretch_stiffness = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7};  // N/m
@@ -38,8 +40,8 @@ struct StabilityOptions {
 };
 
 struct StabilityBenchmark {
-  std::vector<StabilityRow> grid;      // by scene, contact mode, stiffness, time step, friction
-  std::vector<StabilityRow> extremes;  // in their order
+  std::vector<StabilityRow> grid;      // by integrator, scene, contact mode, stiffness, time step, friction
+  std::vector<StabilityRow> extremes;  // by integrator, in their order
 };
 
 // Throws `Error` for options that cannot be used.

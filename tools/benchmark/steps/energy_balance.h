@@ -84,6 +84,7 @@ struct EnergyBalance {
   int unexplained_steps = 0;  // steps and substeps with |unexplained()| > tolerance
 
   // Relative to the largest energy; 0 where there is neither.
+  double relative_contact_gain() const { return contact_gain > 0.0 ? contact_gain / largest_energy : 0.0; }
   double relative_excess() const { return excess > 0.0 ? excess / largest_energy : 0.0; }
 };
 

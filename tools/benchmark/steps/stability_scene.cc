@@ -106,6 +106,7 @@ Scene MakeStabilityScene(const StabilityCell& cell, int nodes) {
                                                        : MakeSlope(nodes, cell.friction_coefficient);
   scene.contact_mode = cell.contact_mode;
   scene.time_step = cell.time_step;
+  scene.integrator = cell.integrator;
   scene.material.stretch_stiffness = cell.stretch_stiffness;
   return scene;
 }

@@ -25,6 +25,7 @@ struct StabilityCell {
   double stretch_stiffness = 0.0;  // k, N/m
   double time_step = 0.0;          // h, s
   double friction_coefficient = 0.0;
+  Integrator integrator = Integrator::kEuler;
 };
 
 // Whether friction and contact mode make a difference. Throws `Error` (kUsage), naming --scene, for an unknown name.
