@@ -1,7 +1,6 @@
 #include "sim/scene/scene_json.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <set>
@@ -13,6 +12,7 @@
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/handle_csv.h"
+#include "sim/scene/materials_json.h"
 #include "sim/scene/mesh_json.h"
 #include "sim/scene/obstacle_json.h"
 
@@ -40,7 +40,7 @@ class SceneReader {
     ReadHandles();
     ReadInitial();
     if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles, folder_);
-    ReadMaterials();
+    if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, &scene_);
     ReadParameters();
     ReadSolver();
     return std::move(scene_);
@@ -194,35 +194,6 @@ class SceneReader {
     const Eigen::Map<const Eigen::VectorXd> positions(array.values.data(), 3 * static_cast<Eigen::Index>(num_nodes));
     if (!positions.allFinite()) node.Fail("expected " + path + " to hold finite numbers");
     return positions;
-  }
-
-  void ReadMaterials() {
-    const auto materials = root_.Find("materials");
-    if (!materials) return;
-    materials->ExpectKeys({"density", "k_stretch", "k_bend", "bending", "bend_poisson", "drag", "damping"});
-    ReadPositive(*materials, "density", &scene_.material.density);
-    ReadPositive(*materials, "k_stretch", &scene_.material.stretch_stiffness);
-    ReadNonNegative(*materials, "k_bend", &scene_.material.bending_stiffness);
-    ReadNonNegative(*materials, "drag", &scene_.material.drag);
-    ReadNonNegative(*materials, "damping", &scene_.material.damping);
-    ReadBending(*materials);
-  }
-
-  void ReadBending(const JsonNode& materials) {
-    Bending& bending = scene_.bending;
-    if (const auto law = materials.Find("bending")) {
-      if (!law->is(Kind::kString) || (law->String() != "edges" && law->String() != "patches")) {
-        law->Fail("expected \"edges\" or \"patches\"");
-      }
-      bending.law = law->String() == "edges" ? BendingLaw::kEdges : BendingLaw::kPatches;
-    }
-    const auto poisson = materials.Find("bend_poisson");
-    if (!poisson) return;
-    if (!poisson->is(Kind::kNumber) || !(std::abs(poisson->Number()) < 1.0)) {
-      poisson->Fail("expected a number between -1 and 1");
-    }
-    if (bending.law != BendingLaw::kPatches) poisson->Fail("expected \"bending\": \"patches\" beside it");
-    bending.poisson = poisson->Number();
   }
 
   void ReadParameters() {
