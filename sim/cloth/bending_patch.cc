@@ -218,6 +218,10 @@ BendingPatch MakePatch(const Mesh& mesh, int face, double area, const Eigen::Vec
 
 }  // namespace
 
+OrthotropicShares SharesOfRigidity(double poisson) {
+  return {{1.0, 0.0, 0.5 * poisson, 0.0}, {0.0, 1.0, 0.5 * poisson, 0.0}, {0.0, 0.0, 0.0, 1.0}};
+}
+
 FlexuralRigidity IsotropicRigidity(double rigidity, double poisson) {
   return {rigidity, rigidity, poisson * rigidity, 0.5 * (1.0 - poisson) * rigidity};
 }

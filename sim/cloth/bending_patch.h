@@ -47,6 +47,15 @@ struct FlexuralRigidity {
 // D11 = D22 = D, D12 = nu D, D66 = (1 - nu)/2 D, the same in all axes; nu in (-1, 1).
 FlexuralRigidity IsotropicRigidity(double rigidity, double poisson);
 
+// Orthotropic rigidities as a sum, warp D_warp + weft D_weft + twist D_twist: D11 = D_warp, D22 = D_weft, D66 = D_twist
+// and D12 = nu (D_warp + D_weft)/2, which is nu D where both are D. (nu sqrt(D_warp D_weft), the usual one, is not
+// linear.) Away from its borders, a cloth that keeps its lengths has the same energy with D12 and D66 as with 0 and D66
+// + D12/2: no motion of it tells the two apart, and so D12 is none of the parameters.
+struct OrthotropicShares {
+  FlexuralRigidity warp, weft, twist;
+};
+OrthotropicShares SharesOfRigidity(double poisson);
+
 struct BendingPatch {
   double area = 0.0;         // a
   std::vector<int> nodes;    // [n], those of the triangle first

@@ -8,16 +8,26 @@
 namespace clothid {
 namespace {
 
-// Q [N x N] of the law that the scene has.
-Eigen::SparseMatrix<double> BendingMatrix(const Scene& scene) {
-  if (scene.bending.law == BendingLaw::kEdges) return EdgeBendingMatrix(scene.mesh);
-  const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh));
-  return patches.Matrix(IsotropicRigidity(1.0, scene.bending.poisson));
+// Of the law that the scene has.
+std::vector<BendingMatrix> BendingMatrices(const Scene& scene) {
+  if (!scene.has_bending()) return {};
+  if (scene.bending.law == BendingLaw::kEdges) {
+    return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh)}};
+  }
+  if (!scene.bending.orthotropic) {
+    const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh));
+    return {{ParameterKind::kBendingStiffness, patches.Matrix(IsotropicRigidity(1.0, scene.bending.poisson))}};
+  }
+  const BendingPatches patches(scene.mesh, WarpDirections(scene.warp, scene.mesh));
+  const OrthotropicShares shares = SharesOfRigidity(scene.bending.poisson);
+  return {{ParameterKind::kWarpBending, patches.Matrix(shares.warp)},
+          {ParameterKind::kWeftBending, patches.Matrix(shares.weft)},
+          {ParameterKind::kTwistBending, patches.Matrix(shares.twist)}};
 }
 
-// Neighbours of each free node: those that share a triangle, and with bending those that have an entry in its matrix.
+// Neighbours of each free node: those that share a triangle, and with bending those that have an entry in its matrices.
 std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector<int>& free_index, int num_free,
-                                             const Eigen::SparseMatrix<double>& bending_matrix) {
+                                             const std::vector<BendingMatrix>& bending) {
   std::vector<std::vector<int>> neighbours(num_free);
   const auto add = [&](int a, int b) {
     if (a != b && free_index[a] >= 0 && free_index[b] >= 0) neighbours[free_index[a]].push_back(free_index[b]);
@@ -27,9 +37,11 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
       for (int j = 0; j < 3; ++j) add(mesh.faces(i, f), mesh.faces(j, f));
     }
   }
-  for (int column = 0; column < bending_matrix.outerSize(); ++column) {
-    for (Eigen::SparseMatrix<double>::InnerIterator it(bending_matrix, column); it; ++it) {
-      add(static_cast<int>(it.row()), static_cast<int>(it.col()));
+  for (const BendingMatrix& term : bending) {
+    for (int column = 0; column < term.matrix.outerSize(); ++column) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(term.matrix, column); it; ++it) {
+        add(static_cast<int>(it.row()), static_cast<int>(it.col()));
+      }
     }
   }
   return neighbours;
@@ -38,20 +50,32 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
 }  // namespace
 
 ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeAreas(scene.mesh)) {
-  Eigen::SparseMatrix<double> bending_matrix;  // empty without bending
-  if (scene.has_bending()) bending_matrix = BendingMatrix(scene);
-  NumberFreeNodes(bending_matrix);
+  std::vector<BendingMatrix> bending = BendingMatrices(scene);
+  NumberFreeNodes(bending);
   if (scene.has_drag()) drag_.emplace(scene);
-  pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending_matrix));
-  if (scene.has_bending()) bending_.emplace(std::move(bending_matrix), free_index_, *pattern_);
-  triangles_ = std::make_shared<const TriangleElements>(MakeTriangleElements(scene.mesh, free_index_, *pattern_));
+  pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending));
+  for (BendingMatrix& term : bending) {
+    bending_terms_.push_back(
+        {term.kind, MaterialConstant(term.kind), BendingEnergy(std::move(term.matrix), free_index_, *pattern_)});
+  }
+  Eigen::Matrix3Xd warp;
+  const bool has_axes = scene.membrane == MembraneLaw::kOrthotropic;
+  if (has_axes) warp = WarpDirections(scene.warp, scene.mesh);
+  triangles_ = std::make_shared<const TriangleElements>(
+      MakeTriangleElements(scene.mesh, free_index_, *pattern_, has_axes ? &warp : nullptr));
   laplacian_diagonal_ = LaplacianDiagonal(*triangles_, num_nodes());
+  membrane_.emplace(scene.membrane, triangles_);
   stretch_.emplace(triangles_);
   if (scene.has_damping()) damping_.emplace(triangles_);
   if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
 }
 
-void ClothModel::NumberFreeNodes(const Eigen::SparseMatrix<double>& bending_matrix) {
+const BendingEnergy* ClothModel::bending() const {
+  const bool isotropic = bending_terms_.size() == 1 && bending_terms_[0].kind == ParameterKind::kBendingStiffness;
+  return isotropic ? &bending_terms_[0].energy : nullptr;
+}
+
+void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending) {
   free_index_.assign(num_nodes(), 0);
   for (const int handle : scene_.handles.nodes) free_index_[handle] = -1;
   std::vector<int> ascending;
@@ -61,7 +85,7 @@ void ClothModel::NumberFreeNodes(const Eigen::SparseMatrix<double>& bending_matr
     ascending.push_back(node);
   }
   const int num_free = static_cast<int>(ascending.size());
-  for (const int k : FillReducingOrder(FreeNeighbours(scene_.mesh, free_index_, num_free, bending_matrix))) {
+  for (const int k : FillReducingOrder(FreeNeighbours(scene_.mesh, free_index_, num_free, bending))) {
     free_nodes_.push_back(ascending[k]);
   }
   for (int i = 0; i < num_free; ++i) free_index_[free_nodes_[i]] = i;

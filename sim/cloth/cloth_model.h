@@ -10,12 +10,28 @@
 
 #include "sim/cloth/air_drag.h"
 #include "sim/cloth/bending_energy.h"
+#include "sim/cloth/membrane.h"
 #include "sim/cloth/strain_rate_damping.h"
 #include "sim/cloth/stretch_energy.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
+
+// Q [N x N] of a term of bending.
+struct BendingMatrix {
+  ParameterKind kind;
+  Eigen::SparseMatrix<double> matrix;
+};
+
+// A bending energy times one constant of a material.
+struct BendingTerm {
+  ParameterKind kind;
+  double Material::*constant;  // of that kind
+  BendingEnergy energy;
+
+  double stiffness(const Material& material) const { return material.*constant; }
+};
 
 class ClothModel {
  public:
@@ -40,15 +56,19 @@ class ClothModel {
   const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2; times density: the lumped masses M
   const Eigen::VectorXd& laplacian_diagonal() const { return laplacian_diagonal_; }  // [N] of L, triangle_element.h
   const TriangleElements& triangles() const { return *triangles_; }
+  const Membrane& membrane() const { return *membrane_; }
+  // The isotropic energy of the triangles, whatever membrane the scene has: priors of shapes take it.
   const StretchEnergy& stretch() const { return *stretch_; }
-  const BendingEnergy* bending() const { return bending_ ? &*bending_ : nullptr; }      // null: the scene has none
-  const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }                     // null: the scene has none
+  // One of k_b, or three along warp, weft and twist; none: the scene has no bending.
+  const std::vector<BendingTerm>& bending_terms() const { return bending_terms_; }
+  const BendingEnergy* bending() const;                              // that of k_b; null: the scene has none
+  const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }  // null: the scene has none
   const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
   bool has_contact() const { return !scene_.obstacles.empty(); }
   double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
 
  private:
-  void NumberFreeNodes(const Eigen::SparseMatrix<double>& bending_matrix);
+  void NumberFreeNodes(const std::vector<BendingMatrix>& bending);
 
   const Scene& scene_;
   std::vector<int> free_nodes_, free_index_;
@@ -56,8 +76,9 @@ class ClothModel {
   Eigen::VectorXd node_areas_, laplacian_diagonal_;
   double touch_gap_ = 0.0;
   std::shared_ptr<const TriangleElements> triangles_;
+  std::optional<Membrane> membrane_;
   std::optional<StretchEnergy> stretch_;
-  std::optional<BendingEnergy> bending_;
+  std::vector<BendingTerm> bending_terms_;
   std::optional<AirDrag> drag_;
   std::optional<StrainRateDamping> damping_;
 };

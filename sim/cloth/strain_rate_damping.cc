@@ -30,16 +30,6 @@ CLOTHID_ALWAYS_INLINE Symmetric2 StrainRate(const Gradient& f, const MetricBatch
           scale * (c.m11 - start.values[2][lane])};
 }
 
-// f m.
-CLOTHID_ALWAYS_INLINE Gradient Times(const Gradient& f, const Symmetric2& m) {
-  Gradient product;
-  for (int c = 0; c < 3; ++c) {
-    product.column[0][c] = f.column[0][c] * m.m00 + f.column[1][c] * m.m01;
-    product.column[1][c] = f.column[0][c] * m.m01 + f.column[1][c] * m.m11;
-  }
-  return product;
-}
-
 // Adds W/eta = h a/2 |Edot|^2 to `potentials` [kLanes]; the forces are -eta a F Edot g_i.
 void DampingForces(const TriangleBatch& __restrict__ batch, const CornerVectors& __restrict__ x,
                    const MetricBatch& __restrict__ start, double damping, double time_step,

@@ -45,10 +45,10 @@ Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const 
   const double areal_mass = material.density + (model.drag() != nullptr ? h * material.drag : 0.0);
   for (const int node : model.free_nodes()) assembly.Add(node, node, areal_mass * model.node_areas()[node]);
   const double damping = model.damping() != nullptr ? material.damping : 0.0;
-  AddMatrix(h * h * material.stretch_stiffness + h * damping, LaplacianMatrix(model.triangles(), model.num_nodes()),
-            &assembly);
-  if (model.bending() != nullptr) {
-    AddMatrix(h * h * material.bending_stiffness, model.bending()->matrix(), &assembly);
+  AddMatrix(h * h * model.membrane().SystemStiffness(material) + h * damping,
+            LaplacianMatrix(model.triangles(), model.num_nodes()), &assembly);
+  for (const BendingTerm& term : model.bending_terms()) {
+    AddMatrix(h * h * term.stiffness(material), term.energy.matrix(), &assembly);
   }
   return assembly.Matrix(model.num_free());
 }

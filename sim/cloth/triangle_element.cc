@@ -16,6 +16,14 @@ std::array<int, 3> SortedCorners(const Mesh& mesh, const std::vector<int>& free_
   return nodes;
 }
 
+// The columns of `gradients`, in the axes of `ShapeGradientsOf`, in axes of which the first is `axis`.
+Eigen::Matrix2d InAxes(const Eigen::Matrix2d& gradients, const Eigen::Vector3d& axis, const Eigen::Vector3d& e1,
+                       const Eigen::Vector3d& e2) {
+  const Eigen::Vector3d first = e1.normalized(), second = (e2 - e2.dot(first) * first).normalized();
+  const double cosine = axis.dot(first), sine = axis.dot(second);
+  return Eigen::Matrix2d{{cosine, sine}, {-sine, cosine}} * gradients;
+}
+
 // [g_1 g_2] of a triangle with the edges `e1` and `e2` from its first corner.
 Eigen::Matrix2d ShapeGradientsOf(const Eigen::Vector3d& e1, const Eigen::Vector3d& e2) {
   // Rest edges in the triangle's own plane; rows of the inverse are the gradients of nodes 1 and 2.
@@ -32,18 +40,20 @@ BlockPosition PairPosition(const BlockPattern& pattern, int row, int column) {
 
 }  // namespace
 
-TriangleElements MakeTriangleElements(const Mesh& mesh, const std::vector<int>& free_index,
-                                      const BlockPattern& pattern) {
+TriangleElements MakeTriangleElements(const Mesh& mesh, const std::vector<int>& free_index, const BlockPattern& pattern,
+                                      const Eigen::Matrix3Xd* first_axes) {
   const int num_batches = (mesh.num_faces() + kLanes - 1) / kLanes;
+  const int last_face = mesh.num_faces() - 1;
   TriangleElements triangles(num_batches);
   for (int f = 0; f < num_batches * kLanes; ++f) {
     TriangleBatch& batch = triangles[f / kLanes];
     const int lane = f % kLanes;
-    const bool fills = f >= mesh.num_faces();
-    const std::array<int, 3> nodes = SortedCorners(mesh, free_index, std::min(f, mesh.num_faces() - 1));
+    const bool fills = f > last_face;
+    const std::array<int, 3> nodes = SortedCorners(mesh, free_index, std::min(f, last_face));
     const Eigen::Vector3d e1 = mesh.rest_positions.col(nodes[1]) - mesh.rest_positions.col(nodes[0]);
     const Eigen::Vector3d e2 = mesh.rest_positions.col(nodes[2]) - mesh.rest_positions.col(nodes[0]);
-    const Eigen::Matrix2d gradients = ShapeGradientsOf(e1, e2);
+    Eigen::Matrix2d gradients = ShapeGradientsOf(e1, e2);
+    if (first_axes != nullptr) gradients = InAxes(gradients, first_axes->col(std::min(f, last_face)), e1, e2);
     batch.area[lane] = fills ? 0.0 : 0.5 * e1.cross(e2).norm();
     for (int i = 0; i < 3; ++i) batch.rows[i][lane] = 3 * nodes[i];
     for (int i = 0; i < 2; ++i) {

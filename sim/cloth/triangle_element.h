@@ -50,9 +50,11 @@ struct alignas(64) CornerBlocks {
 };
 
 // In the order of the mesh's faces. `pattern` is the pattern of the Hessian over the free nodes, `free_index` [N] maps
-// nodes to it (-1: a handle).
-TriangleElements MakeTriangleElements(const Mesh& mesh, const std::vector<int>& free_index,
-                                      const BlockPattern& pattern);
+// nodes to it (-1: a handle). `first_axes` (may be null): the first axis of the shape gradients of every triangle, unit
+// vectors in their planes [3 x F], the second is at a right angle to it. Null: axes that belong to the mesh, for
+// energies that are the same in all.
+TriangleElements MakeTriangleElements(const Mesh& mesh, const std::vector<int>& free_index, const BlockPattern& pattern,
+                                      const Eigen::Matrix3Xd* first_axes = nullptr);
 
 // The constant PD matrix L, L_ij = sum a g_i . g_j [N x N], 1, both triangles stored; and its diagonal [N].
 Eigen::SparseMatrix<double> LaplacianMatrix(const TriangleElements& triangles, int num_nodes);
@@ -79,6 +81,21 @@ CLOTHID_ALWAYS_INLINE Gradient DeformationGradient(const TriangleBatch& batch, c
     }
   }
   return f;
+}
+
+// [m00 m01; m01 m11].
+struct Symmetric2 {
+  double m00, m01, m11;
+};
+
+// f m.
+CLOTHID_ALWAYS_INLINE Gradient Times(const Gradient& f, const Symmetric2& m) {
+  Gradient product;
+  for (int c = 0; c < 3; ++c) {
+    product.column[0][c] = f.column[0][c] * m.m00 + f.column[1][c] * m.m01;
+    product.column[1][c] = f.column[0][c] * m.m01 + f.column[1][c] * m.m11;
+  }
+  return product;
 }
 
 // weight P g_i for every corner i.
@@ -109,11 +126,6 @@ CLOTHID_ALWAYS_INLINE ShapeGradients AllShapeGradients(const TriangleBatch& batc
   }
   return g;
 }
-
-// [m00 m01; m01 m11].
-struct Symmetric2 {
-  double m00, m01, m11;
-};
 
 // F^T F.
 CLOTHID_ALWAYS_INLINE Symmetric2 Metric(const Gradient& f) {

@@ -214,7 +214,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
                               const SensitivityOptions& options) {
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
-  ValidateParameters(parameters, scene, "parameters");
+  ValidateDomains(parameters, scene, "parameters");
   StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Eigen::VectorXd positions = state.positions, velocities = state.velocities;  // at the end of the last solve
   StateColumns tangent = StartTangent(directions, model);

@@ -119,10 +119,19 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
     case ParameterKind::kFriction:
       break;
     case ParameterKind::kStretchStiffness:
-      model_.stretch().AddForce(-h, record_.positions, &derivative);
+    case ParameterKind::kWarpStiffness:
+    case ParameterKind::kWeftStiffness:
+    case ParameterKind::kShearStiffness:
+    case ParameterKind::kPoissonStiffness:
+      model_.membrane().AddForceDerivative(id.kind, -h, record_.positions, &derivative);
       break;
     case ParameterKind::kBendingStiffness:
-      if (model_.bending() != nullptr) model_.bending()->AddForce(-h, record_.positions, &derivative);
+    case ParameterKind::kWarpBending:
+    case ParameterKind::kWeftBending:
+    case ParameterKind::kTwistBending:
+      for (const BendingTerm& term : model_.bending_terms()) {
+        if (term.kind == id.kind) term.energy.AddForce(-h, record_.positions, &derivative);
+      }
       break;
     case ParameterKind::kDensity:
       for (const int node : model_.free_nodes()) {

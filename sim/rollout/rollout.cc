@@ -119,7 +119,7 @@ int CheckpointInterval(const ClothModel& model, int num_steps, std::size_t memor
 Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulator, const std::atomic<bool>* cancel,
                  const RolloutOptions& options) {
   const Scene& scene = simulator->scene();
-  ValidateParameters(parameters, scene, "parameters");
+  ValidateDomains(parameters, scene, "parameters");
   if (options.followed != nullptr && options.checkpoint_interval > 0) {
     throw std::logic_error("a rollout that follows another one cannot be made again from checkpoints");
   }

@@ -53,6 +53,11 @@ class StepLoop {
 
   SegmentOutcome Run(const StepVisitor& visitor, StepState* state) {
     simulator_->step_solver().Reset(segment_.end_with_factors);
+    const std::string problem = Indefinite(parameters_.material, scene_);
+    if (!problem.empty()) {
+      outcome_.failure = FailureWithout(segment_.first_step, "was not tried: " + problem);
+      return std::move(outcome_);
+    }
     std::vector<StepRecord> records;
     for (int step = segment_.first_step; step <= segment_.last_step; ++step) {
       if (segment_.cancel != nullptr && segment_.cancel->load()) {

@@ -1,6 +1,9 @@
 #include "sim/scene/materials_json.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace clothid {
 namespace {
@@ -31,17 +34,76 @@ void ReadBending(const JsonNode& materials, Bending* bending) {
   bending->poisson = poisson->Number();
 }
 
+// Either the keys of `several`, all of them, or `one`, or none: whether it is `several`.
+bool HasSeveral(const JsonNode& materials, const char* one, const std::vector<const char*>& several) {
+  const auto is_there = [&](const char* key) { return materials.Find(key).has_value(); };
+  if (std::none_of(several.begin(), several.end(), is_there)) return false;
+  if (is_there(one)) {
+    const auto found = std::find_if(several.begin(), several.end(), is_there);
+    materials.Find(one)->Fail(std::string("expected none beside '") + *found + "'");
+  }
+  for (const char* key : several) materials.Require(key, "a number > 0");
+  return true;
+}
+
+void ReadMembrane(const JsonNode& materials, Scene* scene) {
+  if (const auto law = materials.Find("membrane")) {
+    if (!law->is(Kind::kString) || (law->String() != "arap" && law->String() != "orthotropic")) {
+      law->Fail("expected \"arap\" or \"orthotropic\"");
+    }
+    scene->membrane = law->String() == "arap" ? MembraneLaw::kArap : MembraneLaw::kOrthotropic;
+  }
+  const bool has_constants = HasSeveral(materials, "k_stretch", {"k_warp", "k_weft", "k_shear"});
+  const auto poisson = materials.Find("k_poisson");
+  if (scene->membrane == MembraneLaw::kArap) {
+    for (const char* key : {"k_warp", "k_poisson"}) {
+      if (const auto node = materials.Find(key)) node->Fail("expected \"membrane\": \"orthotropic\" beside it");
+    }
+    ReadPositive(materials, "k_stretch", &scene->material.stretch_stiffness);
+    return;
+  }
+  if (!has_constants) materials.Require("k_warp", "a number > 0 (N/m), as the membrane is orthotropic");
+  ReadPositive(materials, "k_warp", &scene->material.warp_stiffness);
+  ReadPositive(materials, "k_weft", &scene->material.weft_stiffness);
+  ReadPositive(materials, "k_shear", &scene->material.shear_stiffness);
+  if (poisson) scene->material.poisson_stiffness = poisson->Number();
+}
+
+void ReadRigidities(const JsonNode& materials, Scene* scene) {
+  scene->bending.orthotropic = HasSeveral(materials, "k_bend", {"bend_warp", "bend_weft", "bend_twist"});
+  ReadNonNegative(materials, "k_bend", &scene->material.bending_stiffness);
+  if (!scene->bending.orthotropic) return;
+  if (scene->bending.law != BendingLaw::kPatches) {
+    materials.Find("bend_warp")->Fail("expected \"bending\": \"patches\" beside it");
+  }
+  ReadPositive(materials, "bend_warp", &scene->material.warp_bending);
+  ReadPositive(materials, "bend_weft", &scene->material.weft_bending);
+  ReadPositive(materials, "bend_twist", &scene->material.twist_bending);
+}
+
+void ReadWarp(const JsonNode& materials, Scene* scene) {
+  for (const char* key : {"warp_direction", "warp_angle"}) {
+    const auto node = materials.Find(key);
+    if (node && !scene->has_warp()) node->Fail("expected an orthotropic membrane, or bend_warp, beside it");
+  }
+  if (const auto direction = materials.Find("warp_direction")) scene->warp.direction = direction->Vector3();
+  if (const auto angle = materials.Find("warp_angle")) scene->warp.angle = angle->Number();
+}
+
 }  // namespace
 
 void ReadMaterials(const JsonNode& node, Scene* scene) {
-  node.ExpectKeys({"density", "k_stretch", "k_bend", "bending", "bend_poisson", "drag", "damping"});
+  node.ExpectKeys({"density", "membrane", "k_stretch", "k_warp", "k_weft", "k_shear", "k_poisson", "bending", "k_bend",
+                   "bend_warp", "bend_weft", "bend_twist", "bend_poisson", "warp_direction", "warp_angle", "drag",
+                   "damping"});
   Material& material = scene->material;
   ReadPositive(node, "density", &material.density);
-  ReadPositive(node, "k_stretch", &material.stretch_stiffness);
-  ReadNonNegative(node, "k_bend", &material.bending_stiffness);
   ReadNonNegative(node, "drag", &material.drag);
   ReadNonNegative(node, "damping", &material.damping);
+  ReadMembrane(node, scene);
   ReadBending(node, &scene->bending);
+  ReadRigidities(node, scene);
+  ReadWarp(node, scene);
 }
 
 }  // namespace clothid

@@ -1,7 +1,9 @@
 #include "sim/scene/parameters.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -15,44 +17,80 @@ namespace {
 struct MaterialName {
   const char* name;
   ParameterKind kind;
+  double Material::*constant;
+  ParameterDomain domain;
 };
 
-constexpr MaterialName kMaterialNames[] = {{"k_stretch", ParameterKind::kStretchStiffness},
-                                           {"k_bend", ParameterKind::kBendingStiffness},
-                                           {"density", ParameterKind::kDensity},
-                                           {"drag", ParameterKind::kDrag},
-                                           {"damping", ParameterKind::kDamping}};
+constexpr MaterialName kMaterialNames[] = {
+    {"k_stretch", ParameterKind::kStretchStiffness, &Material::stretch_stiffness, ParameterDomain::kPositive},
+    {"k_bend", ParameterKind::kBendingStiffness, &Material::bending_stiffness, ParameterDomain::kNotNegative},
+    {"density", ParameterKind::kDensity, &Material::density, ParameterDomain::kPositive},
+    {"drag", ParameterKind::kDrag, &Material::drag, ParameterDomain::kNotNegative},
+    {"damping", ParameterKind::kDamping, &Material::damping, ParameterDomain::kNotNegative},
+    {"k_warp", ParameterKind::kWarpStiffness, &Material::warp_stiffness, ParameterDomain::kPositive},
+    {"k_weft", ParameterKind::kWeftStiffness, &Material::weft_stiffness, ParameterDomain::kPositive},
+    {"k_shear", ParameterKind::kShearStiffness, &Material::shear_stiffness, ParameterDomain::kPositive},
+    {"k_poisson", ParameterKind::kPoissonStiffness, &Material::poisson_stiffness, ParameterDomain::kAny},
+    {"bend_warp", ParameterKind::kWarpBending, &Material::warp_bending, ParameterDomain::kPositive},
+    {"bend_weft", ParameterKind::kWeftBending, &Material::weft_bending, ParameterDomain::kPositive},
+    {"bend_twist", ParameterKind::kTwistBending, &Material::twist_bending, ParameterDomain::kPositive}};
 
 constexpr std::string_view kFrictionPrefix = "mu.";
 
-// Of all kinds but kFriction.
-double Material::*MaterialField(ParameterKind kind) {
-  switch (kind) {
-    case ParameterKind::kStretchStiffness:
-      return &Material::stretch_stiffness;
-    case ParameterKind::kBendingStiffness:
-      return &Material::bending_stiffness;
-    case ParameterKind::kDensity:
-      return &Material::density;
-    case ParameterKind::kDrag:
-      return &Material::drag;
-    case ParameterKind::kDamping:
-      return &Material::damping;
-    case ParameterKind::kFriction:
-      break;
+// Null for kFriction.
+const MaterialName* FindKind(ParameterKind kind) {
+  for (const MaterialName& material : kMaterialNames) {
+    if (material.kind == kind) return &material;
   }
   return nullptr;
 }
 
-std::string KnownNames(const std::vector<std::string>& obstacle_names) {
+}  // namespace
+
+bool Material::operator==(const Material& other) const {
+  static_assert(sizeof(Material) == std::size(kMaterialNames) * sizeof(double), "every constant is compared");
+  return std::all_of(std::begin(kMaterialNames), std::end(kMaterialNames), [&](const MaterialName& material) {
+    return this->*material.constant == other.*material.constant;
+  });
+}
+
+ParameterDomain DomainOf(ParameterKind kind) {
+  const MaterialName* material = FindKind(kind);
+  return material != nullptr ? material->domain : ParameterDomain::kNotNegative;
+}
+
+bool IsInDomain(ParameterDomain domain, double value) {
+  if (!std::isfinite(value)) return false;
+  return domain == ParameterDomain::kAny || value > 0.0 || (domain == ParameterDomain::kNotNegative && value == 0.0);
+}
+
+const char* DomainWords(ParameterDomain domain) {
+  switch (domain) {
+    case ParameterDomain::kPositive:
+      return "a finite number > 0";
+    case ParameterDomain::kNotNegative:
+      return "a finite number >= 0";
+    case ParameterDomain::kAny:
+      break;
+  }
+  return "a finite number";
+}
+
+double Material::*MaterialConstant(ParameterKind kind) {
+  const MaterialName* material = FindKind(kind);
+  return material != nullptr ? material->constant : nullptr;
+}
+
+std::string ParameterNames(const std::vector<std::string>& obstacle_names,
+                           const std::function<bool(ParameterKind)>& has) {
   std::string names;
-  for (const MaterialName& material : kMaterialNames) names += std::string(material.name) + ", ";
+  for (const MaterialName& material : kMaterialNames) {
+    if (has(material.kind)) names += std::string(material.name) + ", ";
+  }
   names += "mu";
   for (const std::string& obstacle : obstacle_names) names.append(", ").append(kFrictionPrefix).append(obstacle);
   return names;
 }
-
-}  // namespace
 
 ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names) {
   for (const MaterialName& material : kMaterialNames) {
@@ -65,7 +103,8 @@ ParameterId ParseParameter(const std::string& name, const std::vector<std::strin
       return {ParameterKind::kFriction, static_cast<int>(found - obstacle_names.begin())};
     }
   }
-  throw Error(ErrorKind::kUsage, "unknown parameter '" + name + "'; expected one of " + KnownNames(obstacle_names));
+  throw Error(ErrorKind::kUsage, "unknown parameter '" + name + "'; expected one of " +
+                                     ParameterNames(obstacle_names, [](ParameterKind) { return true; }));
 }
 
 std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names) {
@@ -95,7 +134,7 @@ std::map<std::string, double> ParseParameterValues(const std::string& text, cons
 }
 
 double GetParameter(const Parameters& parameters, ParameterId id) {
-  if (id.kind != ParameterKind::kFriction) return parameters.material.*MaterialField(id.kind);
+  if (id.kind != ParameterKind::kFriction) return parameters.material.*MaterialConstant(id.kind);
   const std::vector<double>& mu = parameters.friction_coefficients;
   if (mu.empty()) return std::numeric_limits<double>::quiet_NaN();
   return id.obstacle == kAllObstacles ? mu.front() : mu.at(static_cast<std::size_t>(id.obstacle));
@@ -104,7 +143,7 @@ double GetParameter(const Parameters& parameters, ParameterId id) {
 void SetParameter(ParameterId id, double value, Parameters* parameters) {
   std::vector<double>& mu = parameters->friction_coefficients;
   if (id.kind != ParameterKind::kFriction) {
-    parameters->material.*MaterialField(id.kind) = value;
+    parameters->material.*MaterialConstant(id.kind) = value;
   } else if (id.obstacle == kAllObstacles) {
     std::fill(mu.begin(), mu.end(), value);
   } else {

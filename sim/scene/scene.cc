@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <sstream>
 
 #include "sim/base/error.h"
 
@@ -52,6 +54,8 @@ void ValidateNumbers(const Scene& scene, const Checker& check) {
   check.Expect(std::abs(scene.bending.poisson) < 1.0, "materials.bend_poisson", "a number between -1 and 1");
   check.Expect(scene.bending.law == BendingLaw::kPatches || scene.bending.poisson == 0.0, "materials.bend_poisson",
                "0, or bending by patches");
+  check.Expect(scene.bending.law == BendingLaw::kPatches || !scene.bending.orthotropic, "materials.bending",
+               "bending by patches where it is orthotropic");
 }
 
 void ValidateSolver(const SolverOptions& solver, const Checker& check) {
@@ -102,9 +106,10 @@ void ValidateObstacles(const Scene& scene, const Checker& check) {
 }
 
 // Absent values (NaN) compare as in order with everything.
-void ValidateRange(const ParameterRange& range, const std::string& key, const Checker& check) {
+void ValidateRange(const ParameterRange& range, ParameterDomain domain, const std::string& key, const Checker& check) {
+  const ParameterDomain bounds = domain == ParameterDomain::kPositive ? ParameterDomain::kNotNegative : domain;
   const auto check_value = [&](double value, const char* name) {
-    check.Expect(std::isnan(value) || (std::isfinite(value) && value >= 0.0), key + name, "a finite number >= 0");
+    check.Expect(std::isnan(value) || IsInDomain(bounds, value), key + name, DomainWords(bounds));
   };
   check_value(range.nominal, ".nominal");
   check_value(range.lower_bound, ".lower");
@@ -115,14 +120,14 @@ void ValidateRange(const ParameterRange& range, const std::string& key, const Ch
 }
 
 void ValidateRanges(const Scene& scene, const Checker& check) {
-  const std::vector<std::string> names = scene.obstacle_names();
   for (const auto& [name, range] : scene.parameters) {
+    ParameterId id;
     try {
-      ParseParameter(name, names);
+      id = ParseParameter(name, scene);
     } catch (const Error& error) {
       check.Expect(false, "parameters", std::string("known names: ") + error.what());
     }
-    ValidateRange(range, "parameters." + name, check);
+    ValidateRange(range, DomainOf(id.kind), "parameters." + name, check);
   }
 }
 
@@ -153,18 +158,58 @@ Parameters Scene::nominal_parameters() const {
 }
 
 bool Scene::has_bending() const {
-  return material.bending_stiffness > 0.0 || nominal_parameters().material.bending_stiffness > 0.0;
+  return bending.orthotropic || material.bending_stiffness > 0.0 ||
+         nominal_parameters().material.bending_stiffness > 0.0;
 }
 
 bool Scene::has_drag() const { return material.drag > 0.0 || nominal_parameters().material.drag > 0.0; }
 
 bool Scene::has_damping() const { return material.damping > 0.0 || nominal_parameters().material.damping > 0.0; }
 
+bool Scene::has(ParameterKind kind) const {
+  switch (kind) {
+    case ParameterKind::kStretchStiffness:
+      return membrane == MembraneLaw::kArap;
+    case ParameterKind::kWarpStiffness:
+    case ParameterKind::kWeftStiffness:
+    case ParameterKind::kShearStiffness:
+    case ParameterKind::kPoissonStiffness:
+      return membrane == MembraneLaw::kOrthotropic;
+    case ParameterKind::kBendingStiffness:
+      return !bending.orthotropic;
+    case ParameterKind::kWarpBending:
+    case ParameterKind::kWeftBending:
+    case ParameterKind::kTwistBending:
+      return bending.orthotropic;
+    case ParameterKind::kFriction:
+    case ParameterKind::kDensity:
+    case ParameterKind::kDrag:
+    case ParameterKind::kDamping:
+      break;
+  }
+  return true;
+}
+
+ParameterId ParseParameter(const std::string& name, const Scene& scene) {
+  const std::vector<std::string> obstacles = scene.obstacle_names();
+  const std::string names = ParameterNames(obstacles, [&](ParameterKind kind) { return scene.has(kind); });
+  std::optional<ParameterId> id;
+  try {
+    id = ParseParameter(name, obstacles);
+  } catch (const Error&) {
+  }
+  if (id && scene.has(id->kind)) return *id;
+  throw Error(ErrorKind::kUsage,
+              (id ? "parameter '" + name + "': the scene has no such term" : "unknown parameter '" + name + "'") +
+                  "; expected one of " + names);
+}
+
 void ValidateScene(const Scene& scene, const std::string& source) {
   const Checker check(source);
   ValidateNumbers(scene, check);
   ValidateSolver(scene.solver, check);
   ValidateMesh(scene.mesh, source);
+  if (scene.has_warp()) ValidateWarp(scene.warp, scene.mesh, source);
   ValidateState(scene, check);
   ValidateHandles(scene, check);
   ValidateObstacles(scene, check);
@@ -172,33 +217,59 @@ void ValidateScene(const Scene& scene, const std::string& source) {
   ValidateParameters(scene.nominal_parameters(), scene, source);
 }
 
-void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source) {
-  const auto expect = [&](double value, bool zero_allowed, const std::string& name) {
-    if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return;
-    throw Error(ErrorKind::kBadData, source + ": parameter '" + name + "' is " + std::to_string(value) +
-                                         "; expected a finite number " + (zero_allowed ? ">= 0" : "> 0"));
+void ValidateDomains(const Parameters& parameters, const Scene& scene, const std::string& source) {
+  const auto expect = [&](bool condition, double value, const std::string& name, const std::string& expected) {
+    if (condition) return;
+    throw Error(ErrorKind::kBadData, source + ": parameter '" + name + "' is " + std::to_string(value) + expected);
   };
   if (parameters.friction_coefficients.size() != scene.obstacles.size()) {
     throw Error(ErrorKind::kBadData, source + ": " + std::to_string(parameters.friction_coefficients.size()) +
                                          " friction coefficients for " + std::to_string(scene.obstacles.size()) +
                                          " obstacles");
   }
-  expect(parameters.material.density, false, "density");
-  expect(parameters.material.stretch_stiffness, false, "k_stretch");
-  expect(parameters.material.bending_stiffness, true, "k_bend");
-  expect(parameters.material.drag, true, "drag");
-  expect(parameters.material.damping, true, "damping");
-  const auto expect_absent = [&](double value, const std::string& name) {
-    if (value == 0.0) return;
-    throw Error(ErrorKind::kBadData, source + ": parameter '" + name + "' is " + std::to_string(value) +
-                                         ", but the scene was set up without it; expected 0, or a scene that gives it");
-  };
-  if (!scene.has_bending()) expect_absent(parameters.material.bending_stiffness, "k_bend");
-  if (!scene.has_drag()) expect_absent(parameters.material.drag, "drag");
-  if (!scene.has_damping()) expect_absent(parameters.material.damping, "damping");
-  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    expect(parameters.friction_coefficients[i], true, "mu." + scene.obstacles[i].name);
+  for (const ParameterKind kind : kMaterialKinds) {
+    const double value = parameters.material.*MaterialConstant(kind);
+    const std::string name = ParameterName({kind}, {});
+    if (scene.has(kind)) {
+      expect(IsInDomain(DomainOf(kind), value), value, name, std::string("; expected ") + DomainWords(DomainOf(kind)));
+    }
+    const bool is_absent = !scene.has(kind) || (kind == ParameterKind::kBendingStiffness && !scene.has_bending()) ||
+                           (kind == ParameterKind::kDrag && !scene.has_drag()) ||
+                           (kind == ParameterKind::kDamping && !scene.has_damping());
+    expect(!is_absent || value == 0.0 || kind == ParameterKind::kStretchStiffness, value, name,
+           ", but the scene was set up without it; expected 0, or a scene that gives it");
   }
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const double mu = parameters.friction_coefficients[i];
+    expect(IsInDomain(ParameterDomain::kNotNegative, mu), mu, "mu." + scene.obstacles[i].name,
+           "; expected a finite number >= 0");
+  }
+}
+
+std::string Indefinite(const Material& material, const Scene& scene) {
+  const auto compare = [](const std::string& coupling, double value, const std::string& names, double product) {
+    std::ostringstream text;
+    text << coupling << "^2 must be below " << names << ", and is " << value * value << ", not below " << product;
+    return text.str();
+  };
+  if (scene.membrane == MembraneLaw::kOrthotropic) {
+    const double poisson = material.poisson_stiffness, product = material.warp_stiffness * material.weft_stiffness;
+    if (!(poisson * poisson < product)) return compare("k_poisson", poisson, "k_warp k_weft", product);
+  }
+  if (scene.bending.orthotropic) {
+    const double coupling = 0.5 * scene.bending.poisson * (material.warp_bending + material.weft_bending);
+    const double product = material.warp_bending * material.weft_bending;
+    if (!(coupling * coupling < product)) {
+      return compare("(bend_poisson (bend_warp + bend_weft)/2)", coupling, "bend_warp bend_weft", product);
+    }
+  }
+  return "";
+}
+
+void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source) {
+  ValidateDomains(parameters, scene, source);
+  const std::string problem = Indefinite(parameters.material, scene);
+  if (!problem.empty()) throw Error(ErrorKind::kBadData, source + ": " + problem);
 }
 
 }  // namespace clothid

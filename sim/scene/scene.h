@@ -15,6 +15,7 @@
 #include "sim/scene/mesh.h"
 #include "sim/scene/obstacle.h"
 #include "sim/scene/parameters.h"
+#include "sim/scene/warp.h"
 
 namespace clothid {
 
@@ -46,6 +47,13 @@ enum class BendingLaw {
 struct Bending {
   BendingLaw law = BendingLaw::kEdges;  // what a scene has that names none
   double poisson = 0.0;                 // nu of bending, in (-1, 1); kPatches alone has it
+  bool orthotropic = false;             // bend_warp, bend_weft and bend_twist in place of k_b; kPatches alone has it
+};
+
+// How the cloth resists strain in its surface: see "Stretch" in sim/README.md.
+enum class MembraneLaw {
+  kArap,         // k_stretch; isotropic: the paper's
+  kOrthotropic,  // k_warp, k_weft, k_shear and k_poisson, along warp and weft
 };
 
 // w(t, X) = mean + gust sin(frequency t + wave_vector . X), X the rest position.
@@ -100,15 +108,21 @@ struct Scene {
   Eigen::VectorXd initial_velocities;  // v_0 [3N] m/s
   Handles handles;
   std::vector<SceneObstacle> obstacles;
-  Material material;                                 // nominal
-  Bending bending;                                   // of a cloth with k_b > 0
+  Material material;  // nominal
+  Bending bending;    // of a cloth with k_b > 0, or with orthotropic bending
+  MembraneLaw membrane = MembraneLaw::kArap;
+  Warp warp;                                         // of a membrane or bending that is orthotropic
   std::map<std::string, ParameterRange> parameters;  // by parameter name
   SolverOptions solver;
 
   // Which terms a model of the scene has: those of a positive nominal value.
   bool has_bending() const;
+  bool has_warp() const { return membrane == MembraneLaw::kOrthotropic || bending.orthotropic; }
   bool has_drag() const;
   bool has_damping() const;
+  // Whether the laws of the scene have such a parameter. k_bend, drag and damping count as there where their term has
+  // the nominal value 0.
+  bool has(ParameterKind kind) const;
 
   int num_steps() const;  // the least number of steps that covers `duration`
   std::vector<std::string> obstacle_names() const;
@@ -120,9 +134,19 @@ struct Scene {
 // usable.
 void ValidateScene(const Scene& scene, const std::string& source);
 
-// Throws `Error` (kBadData) unless every value is finite, density and stiffness are positive, the rest not negative,
-// and bending stiffness, drag and damping zero where the scene has no such term.
+// Throws `Error` (kBadData) unless every value is in its domain, bending stiffness, drag, damping and the constants of
+// warp and weft are zero where the scene has no such term, and the elastic energies are positive (`Indefinite`).
 void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source);
+// The same, whatever the signs of energies are.
+void ValidateDomains(const Parameters& parameters, const Scene& scene, const std::string& source);
+
+// Why an elastic energy is negative for some strain: "k_poisson^2 must be below k_warp k_weft, and is ..". Empty where
+// none is. No single parameter is out of its domain, so a fit that comes there has to turn back.
+std::string Indefinite(const Material& material, const Scene& scene);
+
+// `ParseParameter` of sim/scene/parameters.h for a parameter of the scene. Throws `Error` (kUsage) that lists those
+// that it has.
+ParameterId ParseParameter(const std::string& name, const Scene& scene);
 
 }  // namespace clothid
 

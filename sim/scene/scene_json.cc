@@ -51,6 +51,10 @@ class SceneReader {
     if (const auto node = object.Find(key)) *value = node->Vector3();
   }
 
+  static void ReadNumber(const JsonNode& object, const char* key, double* value) {
+    if (const auto node = object.Find(key)) *value = node->Number();
+  }
+
   static void ReadNonNegative(const JsonNode& object, const char* key, double* value) {
     if (const auto node = object.Find(key)) *value = node->NonNegativeNumber();
   }
@@ -204,10 +208,11 @@ class SceneReader {
       const ParameterId id = KnownParameter(node, name);
       node.ExpectKeys({"nominal", "lower", "upper", "frozen"});
       ParameterRange& range = scene_.parameters[name];
-      const bool must_be_positive = id.kind == ParameterKind::kDensity || id.kind == ParameterKind::kStretchStiffness;
-      (must_be_positive ? ReadPositive : ReadNonNegative)(node, "nominal", &range.nominal);
-      ReadNonNegative(node, "lower", &range.lower_bound);
-      ReadNonNegative(node, "upper", &range.upper_bound);
+      const ParameterDomain domain = DomainOf(id.kind);
+      const auto read_bound = domain == ParameterDomain::kAny ? ReadNumber : ReadNonNegative;
+      (domain == ParameterDomain::kPositive ? ReadPositive : read_bound)(node, "nominal", &range.nominal);
+      read_bound(node, "lower", &range.lower_bound);
+      read_bound(node, "upper", &range.upper_bound);
       if (const auto frozen = node.Find("frozen")) range.frozen = frozen->Boolean();
       // Absent values (NaN) compare as in order with everything.
       if (range.lower_bound >= range.upper_bound) node.Fail("expected lower < upper");
@@ -220,7 +225,7 @@ class SceneReader {
   ParameterId KnownParameter(const JsonNode& node, const std::string& name) const {
     std::string problem;
     try {
-      return ParseParameter(name, scene_.obstacle_names());
+      return ParseParameter(name, scene_);
     } catch (const Error& error) {
       problem = error.what();
     }

@@ -12,16 +12,12 @@ namespace {
 // d_j = P_jj of P = M + h C + h^2 (k L + k_b Q) + h eta L.
 double SystemDiagonal(const ClothModel& model, const Material& material, double h, int node) {
   double diagonal = (material.density + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
-  diagonal += h * h * material.stretch_stiffness * model.laplacian_diagonal()[node];
+  diagonal += h * h * model.membrane().SystemStiffness(material) * model.laplacian_diagonal()[node];
   if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal()[node];
-  if (model.bending() != nullptr) diagonal += h * h * material.bending_stiffness * model.bending()->diagonal()[node];
+  for (const BendingTerm& term : model.bending_terms()) {
+    diagonal += h * h * term.stiffness(material) * term.energy.diagonal()[node];
+  }
   return diagonal;
-}
-
-bool SameMaterial(const Material& a, const Material& b) {
-  static_assert(sizeof(Material) == 5 * sizeof(double), "every constant is compared");
-  return a.density == b.density && a.stretch_stiffness == b.stretch_stiffness &&
-         a.bending_stiffness == b.bending_stiffness && a.drag == b.drag && a.damping == b.damping;
 }
 
 }  // namespace
@@ -32,8 +28,10 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
   const Material& material = parameters.material;
   const double h = time_step;
   hessian->values.setZero();
-  model.stretch().AddHessian(h * h * material.stretch_stiffness, kind, positions, hessian);
-  if (model.bending() != nullptr) model.bending()->AddHessian(h * h * material.bending_stiffness, hessian);
+  model.membrane().AddHessian(h * h, material, kind, positions, hessian);
+  for (const BendingTerm& term : model.bending_terms()) {
+    term.energy.AddHessian(h * h * term.stiffness(material), hessian);
+  }
   if (model.damping() != nullptr) {
     model.damping()->AddHessian(h * h * material.damping, h, kind, start_metrics, positions, hessian);
   }
@@ -76,7 +74,7 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
       work_(*workspace),
       time_step_(times.time_step),
       end_time_(times.end_time) {
-  const bool changed = work_.time_step != time_step_ || !SameMaterial(work_.material, parameters.material);
+  const bool changed = work_.time_step != time_step_ || !(work_.material == parameters.material);
   if (changed) SetConstants();
   if (changed || model.drag() != nullptr) SetExternalImpulse();
   SetHandles(handle_offsets);
@@ -187,11 +185,10 @@ void StepProblem::AddDrag(StepPoint* point) const {
 void StepProblem::AddElasticForce(StepPoint* point) const {
   const Material& material = parameters_.material;
   work_.force.setZero(3 * model_.num_nodes());
-  double energy = material.stretch_stiffness *
-                  model_.stretch().AddForce(material.stretch_stiffness, point->positions, &work_.force);
-  if (model_.bending() != nullptr) {
-    energy += material.bending_stiffness *
-              model_.bending()->AddForce(material.bending_stiffness, point->positions, &work_.force);
+  double energy = model_.membrane().AddForce(material, point->positions, &work_.force);
+  for (const BendingTerm& term : model_.bending_terms()) {
+    const double stiffness = term.stiffness(material);
+    energy += stiffness * term.energy.AddForce(stiffness, point->positions, &work_.force);
   }
   AddInternalForce(energy, point);
 }

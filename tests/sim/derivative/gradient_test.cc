@@ -89,11 +89,9 @@ class GradientCase {
     for (size_t i = 0; i < scene_.obstacles.size() && scene_.obstacles.size() > 1; ++i) {
       ids_.push_back({ParameterKind::kFriction, static_cast<int>(i)});
     }
-    ids_.push_back({ParameterKind::kStretchStiffness});
-    ids_.push_back({ParameterKind::kDensity});
-    if (scene_.material.bending_stiffness > 0.0) ids_.push_back({ParameterKind::kBendingStiffness});
-    if (scene_.material.drag > 0.0) ids_.push_back({ParameterKind::kDrag});
-    if (scene_.material.damping > 0.0) ids_.push_back({ParameterKind::kDamping});
+    for (const ParameterKind kind : kMaterialKinds) {
+      if (scene_.has(kind) && parameters_.material.*MaterialConstant(kind) != 0.0) ids_.push_back({kind});
+    }
   }
 
   void MakeDirections() {
@@ -265,6 +263,55 @@ TEST_P(DampedGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
 
 // Not `slope`, on which the cloth slides without strain.
 INSTANTIATE_TEST_SUITE_P(Scenes, DampedGradientTest,
+                         ::testing::ValuesIn(WithIntegrators({{"drape", ContactMode::kGap},
+                                                              {"drape", ContactMode::kVelocity},
+                                                              {"wind", ContactMode::kGap}})),
+                         CaseName);
+
+// Warp and weft at an angle to the mesh, in membrane and bending.
+Scene Woven(Scene scene) {
+  const Material nominal = scene.nominal_parameters().material;
+  const double k = nominal.stretch_stiffness, bend = nominal.bending_stiffness;
+  for (const char* name : {"k_stretch", "k_bend"}) scene.parameters.erase(name);
+  scene.membrane = MembraneLaw::kOrthotropic;
+  scene.bending = {BendingLaw::kPatches, 0.2, true};
+  scene.warp = {Eigen::Vector3d(1.0, 0.2, 0.3), 30.0};
+  Material& material = scene.material;
+  material.stretch_stiffness = material.bending_stiffness = 0.0;
+  material.warp_stiffness = 1.3 * k;
+  material.weft_stiffness = 0.8 * k;
+  material.shear_stiffness = 0.3 * k;
+  material.poisson_stiffness = 0.25 * k;
+  material.warp_bending = 2.0 * bend;
+  material.weft_bending = 0.7 * bend;
+  material.twist_bending = 0.5 * bend;
+  return scene;
+}
+
+class WovenGradientTest : public GradientTest {};
+
+TEST_P(WovenGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
+  Scene scene = Woven(SceneOf(GetParam(), 6));
+  scene.duration *= 0.5;
+  const GradientCase gradient(scene);
+  for (const char* name : {"k_warp", "k_weft", "k_shear", "k_poisson", "bend_warp", "bend_weft", "bend_twist"}) {
+    EXPECT_TRUE(gradient.HasInfluence(name)) << name;
+  }
+  EXPECT_EQ(gradient.HasInfluence("mu"), std::get<0>(GetParam()) == "drape");
+  ExpectAgreement(gradient, 1e-6);
+}
+
+TEST_P(WovenGradientTest, WithInternalDampingToo) {
+  Scene scene = Woven(SceneOf(GetParam(), 6));
+  scene.material.damping = 0.01 * scene.material.warp_stiffness;
+  scene.duration *= 0.3;
+  const GradientCase gradient(scene);
+  EXPECT_TRUE(gradient.HasInfluence("damping"));
+  EXPECT_TRUE(gradient.HasInfluence("k_poisson"));
+  ExpectAgreement(gradient, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, WovenGradientTest,
                          ::testing::ValuesIn(WithIntegrators({{"drape", ContactMode::kGap},
                                                               {"drape", ContactMode::kVelocity},
                                                               {"wind", ContactMode::kGap}})),

@@ -177,6 +177,33 @@ TEST(HangingTest, SleeveStretchesByItsOwnWeightExactly) {
   EXPECT_NEAR(SimulatedHungLength(scene, kRingSize, 100), expected, 1e-9 * expected);
 }
 
+// The same with an orthotropic membrane, whose tension at the stretch 1 + e is k e (1 + e)(1 + e/2).
+TEST(HangingTest, OrthotropicSleeveStretchesByItsOwnWeightExactly) {
+  constexpr int kRings = 12, kRingSize = 8;
+  constexpr double kRowHeight = 0.025, kRadius = 0.05, kWarp = 30.0, kWeft = 10.0;  // m, N/m
+  Scene scene = ClothScene(SquareGrid(2, 0.1), 0.1);
+  PutSleeve(kRings, kRingSize, kRadius, kRowHeight, &scene);
+  scene.membrane = MembraneLaw::kOrthotropic;
+  scene.material.warp_stiffness = kWarp;
+  scene.material.weft_stiffness = kWeft;
+  scene.material.shear_stiffness = 4.0;
+  const double girth = kRingSize * 2.0 * kRadius * std::sin(kPi / kRingSize);
+  const Eigen::VectorXd masses = RowMasses(scene.mesh, scene.material.density, kRingSize);
+  for (const bool warp_hangs : {true, false}) {
+    scene.warp = {Eigen::Vector3d::UnitZ(), warp_hangs ? 0.0 : 90.0};
+    const double stiffness = warp_hangs ? kWarp : kWeft;
+    double expected = 0.0, weight = 0.0;
+    for (Eigen::Index row = kRings - 1; row > 0; --row) {
+      weight += kGravity * masses[row];
+      double e = 0.0;
+      for (int i = 0; i < 50; ++i) e = weight / (girth * stiffness * (1.0 + e) * (1.0 + e / 2.0));
+      expected += kRowHeight * (1.0 + e);
+    }
+    EXPECT_GT(expected, 1.005 * kRowHeight * (kRings - 1));
+    EXPECT_NEAR(SimulatedHungLength(scene, kRingSize, 100), expected, 1e-9 * expected) << warp_hangs;
+  }
+}
+
 // A flat strip: the two corners of its last row differ in mass, which tilts the rows by a little; the mean length feels
 // that in second order.
 TEST(HangingTest, StripStretchesByItsOwnWeight) {

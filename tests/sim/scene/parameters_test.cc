@@ -26,7 +26,8 @@ TEST(ParseParameter, TurnsNamesIntoIdsAndBack) {
 TEST(ParseParameter, ListsTheNamesItKnows) {
   for (const char* name : {"", "k", "mu.", "mu.wall", "mu.ball2", "K_STRETCH"}) {
     ExpectError([&] { ParseParameter(name, Names()); }, ErrorKind::kUsage,
-                {"unknown parameter", name, "k_stretch, k_bend, density, drag, damping, mu, mu.ball, mu.floor"});
+                {"unknown parameter", name, "k_stretch, k_bend, density, drag, damping, k_warp, ",
+                 "bend_twist, mu, mu.ball, mu.floor"});
   }
 }
 

@@ -1,0 +1,53 @@
+#include "sim/scene/warp.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kLeastShare = 1e-3;  // of the direction that must lie in the plane of a triangle
+
+Eigen::Vector3d Normal(const Mesh& mesh, int face) {
+  const Eigen::Vector3d corner = mesh.rest_positions.col(mesh.faces(0, face));
+  return (mesh.rest_positions.col(mesh.faces(1, face)) - corner)
+      .cross(mesh.rest_positions.col(mesh.faces(2, face)) - corner)
+      .normalized();
+}
+
+Eigen::Vector3d InPlane(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
+  return direction - direction.dot(normal) * normal;
+}
+
+}  // namespace
+
+Eigen::Matrix3Xd WarpDirections(const Warp& warp, const Mesh& mesh) {
+  const double radians = warp.angle * kPi / 180.0, cosine = std::cos(radians), sine = std::sin(radians);
+  Eigen::Matrix3Xd directions(3, mesh.num_faces());
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    const Eigen::Vector3d normal = Normal(mesh, face), first = InPlane(warp.direction, normal).normalized();
+    directions.col(face) = cosine * first + sine * normal.cross(first);
+  }
+  return directions;
+}
+
+void ValidateWarp(const Warp& warp, const Mesh& mesh, const std::string& source) {
+  if (!std::isfinite(warp.angle)) {
+    throw Error(ErrorKind::kBadData, source + ": key 'materials.warp_angle': expected a finite number");
+  }
+  const double length = warp.direction.norm();
+  if (!std::isfinite(length) || !(length > 0.0)) {
+    throw Error(ErrorKind::kBadData, source + ": key 'materials.warp_direction': expected a direction, not zero");
+  }
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    if (InPlane(warp.direction, Normal(mesh, face)).norm() > kLeastShare * length) continue;
+    throw Error(ErrorKind::kBadData,
+                source + ": key 'materials.warp_direction': expected a direction along the cloth; triangle " +
+                    std::to_string(face) + " is perpendicular to it");
+  }
+}
+
+}  // namespace clothid

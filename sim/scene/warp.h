@@ -1,0 +1,28 @@
+// The directions of the yarns in a cloth at rest.
+#ifndef CLOTHID_SIM_SCENE_WARP_H_
+#define CLOTHID_SIM_SCENE_WARP_H_
+
+#include <Eigen/Core>
+#include <string>
+
+#include "sim/scene/mesh.h"
+
+namespace clothid {
+
+// In a triangle the warp is `direction`, projected onto its plane and turned there by `angle`, counter-clockwise as
+// seen from the side of its normal, about which its corners run counter-clockwise. The weft is a right angle further.
+struct Warp {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
+  double angle = 0.0;  // degrees
+};
+
+// Unit vectors [3 x F], in the order of the mesh's faces.
+Eigen::Matrix3Xd WarpDirections(const Warp& warp, const Mesh& mesh);
+
+// Throws `Error` (kBadData), led by `source`, unless numbers are finite and no triangle is perpendicular to the
+// direction.
+void ValidateWarp(const Warp& warp, const Mesh& mesh, const std::string& source);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_SCENE_WARP_H_
