@@ -21,7 +21,7 @@
 
 DEFINE_string(target, "", "recordings to fit, separated by commas");
 DEFINE_string(scene, "", "scene.json to use instead of the one in each recording");
-DEFINE_string(fit, "", "parameters to fit; empty: mu,k_stretch, or k_stretch where there are no obstacles");
+DEFINE_string(fit, "", "parameters to fit; empty: mu, where there are obstacles, and k_stretch, or k_warp,k_weft");
 DEFINE_string(each, "", "parameters to fit of which every recording has its own");
 DEFINE_string(start, "", "starting values, NAME=VALUE[,...]");
 DEFINE_string(lower, "", "lower bounds, NAME=VALUE[,...]");
@@ -62,7 +62,9 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --target FILES      motion.bin recordings, fitted jointly
   --scene FILE        scene.json to use instead of the one in each recording
   --fit NAMES         of mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping (mu,k_stretch; k_stretch without
-                      obstacles), and of the parameters of a recording itself:
+                      obstacles), where the scene has warp and weft of k_warp, k_weft, k_shear, k_poisson in place of
+                      k_stretch and bend_warp, bend_weft, bend_twist in place of k_bend (mu,k_warp,k_weft), and of the
+                      parameters of a recording itself:
                       time_offset  s, added to the recording's times to meet the clock of the scene and its handles
                       shift, turn  m and rad about the centroid of the measured points, added to the prediction to
                                    meet the recording: what its frame of reference is off (align: both)
@@ -71,7 +73,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --each NAMES        to fit as well, but one per recording: drag becomes drag@1, drag@2, ... in the order of --target
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values; of a recording's own parameters 0)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
-                      cloth's size, turn +-0.2, v0 +-2, the others start/1e4..start*1e4); drag is that of every
+                      cloth's size, turn +-0.2, v0 +-2, k_poisson +-sqrt(k_warp k_weft), the others start/1e4..start*1e4); drag is that of every
                       recording, drag@2 goes before it, shift stands for x, y and z
   --jacobian KIND     adjoint, sensitivity or numeric (adjoint)
   --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, sparse_lu, fixed_point or gmres, with a

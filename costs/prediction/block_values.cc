@@ -10,7 +10,7 @@ BlockValues::BlockValues(std::vector<ParameterBlock> blocks, const Scene& scene)
   for (const ParameterBlock& block : blocks_) {
     const std::string name = BaseName(block.name);
     alignment_ids_.push_back(ParseAlignmentId(name));
-    ids_.push_back(alignment_ids_.back() ? ParameterId() : ParseParameter(name, scene.obstacle_names()));
+    ids_.push_back(alignment_ids_.back() ? ParameterId() : ParseParameter(name, scene));
     if (!alignment_ids_.back()) SetParameter(ids_.back(), block.start, &start_);
   }
 }

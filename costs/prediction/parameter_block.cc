@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
+#include <utility>
 
 #include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
@@ -41,8 +43,10 @@ void CheckStartIsInside(const ParameterBlock& block) {
 }
 
 void CheckStart(const ParameterBlock& block) {
-  if (!std::isfinite(block.start) || block.start < 0.0) {
-    throw Error(ErrorKind::kUsage, "parameter '" + block.name + "': the starting value must be a finite number >= 0");
+  const bool is_valid = std::isfinite(block.start) && (block.is_signed || block.start >= 0.0);
+  if (!is_valid) {
+    throw Error(ErrorKind::kUsage, "parameter '" + block.name + "': the starting value must be a finite number" +
+                                       (block.is_signed ? "" : " >= 0"));
   }
   if (block.scale == ParameterScale::kLog && block.start == 0.0) {
     throw Error(ErrorKind::kUsage, "parameter '" + block.name +
@@ -52,11 +56,14 @@ void CheckStart(const ParameterBlock& block) {
 }
 
 void CheckBounds(const ParameterBlock& block) {
-  const double least = block.scale == ParameterScale::kLog ? std::nextafter(0.0, 1.0) : 0.0;
+  const double least = block.is_signed                       ? -std::numeric_limits<double>::max()
+                       : block.scale == ParameterScale::kLog ? std::nextafter(0.0, 1.0)
+                                                             : 0.0;
   if (!(block.lower_bound >= least) || !(block.upper_bound > block.lower_bound) || !std::isfinite(block.upper_bound)) {
-    throw Error(ErrorKind::kUsage,
-                "parameter '" + block.name + "': bounds " + Bounds(block) +
-                    (least > 0.0 ? " must be positive and increasing" : " must be >= 0 and increasing"));
+    throw Error(ErrorKind::kUsage, "parameter '" + block.name + "': bounds " + Bounds(block) +
+                                       (least > 0.0       ? " must be positive and increasing"
+                                        : block.is_signed ? " must be finite and increasing"
+                                                          : " must be >= 0 and increasing"));
   }
   CheckStartIsInside(block);
 }
@@ -71,6 +78,18 @@ void CheckAlignmentBounds(const ParameterBlock& block, double largest) {
                 "parameter '" + block.name + "': bounds " + Bounds(block) + " must be increasing" + limit.str());
   }
   CheckStartIsInside(block);
+}
+
+// The k_poisson beyond which the energy of a membrane would be negative for some strain.
+double LargestCoupling(const Material& material) {
+  return std::sqrt(material.warp_stiffness * material.weft_stiffness);
+}
+
+// Without given ones.
+std::pair<double, double> DefaultBounds(const ParameterBlock& block) {
+  if (block.is_signed) return {-block.unit, block.unit};
+  if (block.scale == ParameterScale::kLog) return {block.start / kBoundFactor, block.start * kBoundFactor};
+  return {0.0, kMaxFriction};
 }
 
 ParameterBlock MakeAlignmentBlock(const std::string& name, AlignmentId id, const RecordedMotion& motion,
@@ -128,27 +147,29 @@ std::vector<std::string> OverrideNames(const std::string& name) {
 }
 
 ParameterScale DefaultScale(ParameterKind kind) {
-  return kind == ParameterKind::kFriction ? ParameterScale::kLinear : ParameterScale::kLog;
+  const bool is_linear = kind == ParameterKind::kFriction || DomainOf(kind) == ParameterDomain::kAny;
+  return is_linear ? ParameterScale::kLinear : ParameterScale::kLog;
 }
 
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides) {
-  const ParameterId id = ParseParameter(BaseName(name), scene.obstacle_names());
+  const ParameterId id = ParseParameter(BaseName(name), scene);
   const auto range_it = scene.parameters.find(BaseName(name));
   const ParameterRange range = range_it == scene.parameters.end() ? ParameterRange() : range_it->second;
   // The friction of all obstacles of a scene that has none: any start will do, nothing depends on it.
-  const double nominal = GetParameter(scene.nominal_parameters(), id);
+  const Parameters scene_values = scene.nominal_parameters();
+  const double nominal = GetParameter(scene_values, id);
 
   ParameterBlock block;
   block.name = name;
   block.scale = DefaultScale(id.kind);
+  block.is_signed = DomainOf(id.kind) == ParameterDomain::kAny;
+  if (block.is_signed) block.unit = LargestCoupling(scene_values.material);
   block.frozen = range.frozen;
   block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
   CheckStart(block);
-  const bool is_log = block.scale == ParameterScale::kLog;
-  block.lower_bound =
-      Choose(overrides.lower_bounds, name, range.lower_bound, is_log ? block.start / kBoundFactor : 0.0);
-  block.upper_bound =
-      Choose(overrides.upper_bounds, name, range.upper_bound, is_log ? block.start * kBoundFactor : kMaxFriction);
+  const auto [lower, upper] = DefaultBounds(block);
+  block.lower_bound = Choose(overrides.lower_bounds, name, range.lower_bound, lower);
+  block.upper_bound = Choose(overrides.upper_bounds, name, range.upper_bound, upper);
   CheckBounds(block);
   return block;
 }
@@ -158,7 +179,7 @@ ParameterBlock MakeParameterBlock(const std::string& name, const RecordedMotion&
   const std::string base = BaseName(name);
   if (const auto id = ParseAlignmentId(base)) return MakeAlignmentBlock(name, *id, motion, overrides);
   try {
-    ParseParameter(base, motion.scene.obstacle_names());
+    ParseParameter(base, motion.scene);
   } catch (const Error& error) {
     throw Error(error.kind(), error.what() + (", " + KnownAlignmentNames()));
   }

@@ -2,7 +2,8 @@
 //
 // Ceres works on an internal coordinate q: q = log(value) for stiffnesses, density, drag and damping, which are known
 // to a factor at best and span decades; q = value for friction coefficients, which live in [0, 2] and may be zero;
-// q = value/unit for the parameters of a recording itself (costs/prediction/alignment.h), which may be negative.
+// q = value/unit for what may be negative: k_poisson, and the parameters of a recording itself
+// (costs/prediction/alignment.h).
 #ifndef CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_
 #define CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_
 
@@ -35,7 +36,7 @@ struct ParameterBlock {
   int recording = kEveryRecording;  // or the index of the only one
   ParameterScale scale = ParameterScale::kLinear;
   double unit = 1.0;         // linear scale: the value at q = 1
-  bool is_signed = false;    // may be negative: a parameter of the recording itself
+  bool is_signed = false;    // may be negative: k_poisson, and parameters of the recording itself
   double start = 0.0;        // starting value, in the parameter's own unit
   double lower_bound = 0.0;  // in the parameter's own unit; lower_bound < upper_bound
   double upper_bound = 0.0;
@@ -58,7 +59,7 @@ struct ParameterBlock {
 // "drag" of "drag@2"; a name without suffix as it is.
 std::string BaseName(const std::string& name);
 
-// Log for everything but friction.
+// Log for everything but friction and k_poisson.
 ParameterScale DefaultScale(ParameterKind kind);
 
 // What the user gives over the scene's `parameters`; by parameter name. Of "shift.x@2" the first of "shift.x@2",
@@ -69,9 +70,9 @@ struct ParameterOverrides {
 
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
 // obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction] or start / kBoundFactor .. start *
-// kBoundFactor. Throws `Error` (kUsage) for an unknown name, a start outside the bounds, bounds in the wrong order, and
-// for a start of zero in log space: a scene without bending (or drag, or damping) has no such term, so it must give a
-// positive nominal value.
+// kBoundFactor, of k_poisson +- sqrt(k_warp k_weft) of the nominal values, which is its unit. Throws `Error` (kUsage)
+// for an unknown name, a start outside the bounds, bounds in the wrong order, and for a start of zero in log space: a
+// scene without bending (or drag, or damping) has no such term, so it must give a positive nominal value.
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
 
 // The same for a recording, and for its own parameters (costs/prediction/alignment.h), too. Of those: start 0, bounds

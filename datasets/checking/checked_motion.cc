@@ -98,7 +98,8 @@ CheckedMotion::CheckedMotion(const RecordedMotion& recorded)
   // The bending length is that of Peirce (1930).
   const Material material = motion.scene.nominal_parameters().material;
   const double weight = material.density * motion.scene.gravity.norm();
-  stands_out = weight > 0.0 && std::cbrt(material.bending_stiffness / weight) > kStiff * cloth_size;
+  const double rigidity = std::max({material.bending_stiffness, material.warp_bending, material.weft_bending});
+  stands_out = weight > 0.0 && std::cbrt(rigidity / weight) > kStiff * cloth_size;
   pairs = FindPairs(motion, rest_points);
   std::vector<double> lengths, intervals;
   for (const PointPair& pair : pairs) lengths.push_back(pair.rest_length);

@@ -11,8 +11,11 @@ namespace clothid {
 std::vector<TrueParameter> MakeTrueParameters(const std::map<std::string, double>& truth, const Scene& scene) {
   std::vector<TrueParameter> parameters;
   for (const auto& [name, value] : truth) {
-    if (!(value > 0.0)) throw Error(ErrorKind::kUsage, "--set: '" + name + "': expected a number > 0");
-    const ParameterId id = ParseParameter(name, scene.obstacle_names());
+    const ParameterId id = ParseParameter(name, scene);
+    const ParameterDomain domain = DomainOf(id.kind);
+    if (domain != ParameterDomain::kAny && !(value > 0.0)) {
+      throw Error(ErrorKind::kUsage, "--set: '" + name + "': expected a number > 0");
+    }
     parameters.push_back({name, value, id.kind == ParameterKind::kFriction});
   }
   std::stable_partition(parameters.begin(), parameters.end(),
@@ -24,7 +27,7 @@ Rollout SimulateTruth(const std::vector<TrueParameter>& truth, const std::string
                       const RolloutOptions& options) {
   Parameters parameters = scene.nominal_parameters();
   for (const TrueParameter& parameter : truth) {
-    SetParameter(ParseParameter(parameter.name, scene.obstacle_names()), parameter.value, &parameters);
+    SetParameter(ParseParameter(parameter.name, scene), parameter.value, &parameters);
   }
   scene.material = parameters.material;  // bending and air are there where the truth has them
   const int num_steps = scene.num_steps();

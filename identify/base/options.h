@@ -57,8 +57,8 @@ struct FitIteration {
 inline constexpr char kJournalPrefix[] = ".journal_";
 
 struct FitOptions {
-  // Names to fit; empty: mu and k_stretch, without obstacles k_stretch. Here and in `each` shift, turn, v0 and align
-  // stand for several (costs/prediction/alignment.h).
+  // Names to fit; empty: mu, where there are obstacles, and k_stretch, or k_warp and k_weft of an orthotropic membrane.
+  // Here and in `each` shift, turn, v0 and align stand for several (costs/prediction/alignment.h).
   std::vector<std::string> parameters;
   // Names that are fitted, too, and that every recording has for itself: "drag" becomes "drag@1", "drag@2", .. in the
   // order of the recordings; with one recording it stays "drag".

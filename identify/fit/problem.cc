@@ -22,7 +22,14 @@ std::vector<std::string> FittedNames(const std::vector<RecordedMotion>& motions,
   if (!options.parameters.empty()) return options.parameters;
   const bool has_obstacles = std::any_of(motions.begin(), motions.end(),
                                          [](const RecordedMotion& motion) { return !motion.scene.obstacles.empty(); });
-  return has_obstacles ? std::vector<std::string>{"mu", "k_stretch"} : std::vector<std::string>{"k_stretch"};
+  std::vector<std::string> names;
+  if (has_obstacles) names.emplace_back("mu");
+  if (motions.front().scene.membrane == MembraneLaw::kArap) {
+    names.emplace_back("k_stretch");
+  } else {
+    names.insert(names.end(), {"k_warp", "k_weft"});
+  }
+  return names;
 }
 
 // "mu" is in every scene, but says something only where there are obstacles.
@@ -142,6 +149,9 @@ RolloutCostOptions CostOptions(const FitOptions& options) {
 
 bool HasParameter(const Scene& scene, const std::string& name) {
   const std::string prefix = "mu.", base = BaseName(name);
+  for (const ParameterKind kind : kMaterialKinds) {
+    if (base == ParameterName({kind}, {})) return scene.has(kind);
+  }
   if (base.rfind(prefix, 0) != 0) return true;
   const std::vector<std::string> names = scene.obstacle_names();
   return std::find(names.begin(), names.end(), base.substr(prefix.size())) != names.end();

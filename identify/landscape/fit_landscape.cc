@@ -42,7 +42,8 @@ Landscape OneSetting(Landscape landscape, int setting) {
 }
 
 bool IsOfScene(const ParameterBlock& block, int recording) {
-  return !block.is_signed && (block.recording == kEveryRecording || block.recording == recording);
+  return !ParseAlignmentId(BaseName(block.name)) &&
+         (block.recording == kEveryRecording || block.recording == recording);
 }
 
 LandscapeParameter FindParameter(const std::vector<ParameterBlock>& blocks, const FitLandscape& landscape,

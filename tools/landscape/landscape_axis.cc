@@ -56,15 +56,13 @@ LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
   if (*num_cells < 2) Fail(flag, text, "expected at least 2 cells");
   if (has_scale && !(axis.lower > 0.0)) Fail(flag, text, "expected a lower end above 0 on a log axis");
   if (!IsInRange(kind, axis.lower)) {
-    Fail(flag, text, IsInRange(kind, 0.0) ? "expected a lower end of at least 0" : "expected a lower end above 0");
+    const bool above = DomainOf(kind) == ParameterDomain::kPositive;
+    Fail(flag, text, above ? "expected a lower end above 0" : "expected a lower end of at least 0");
   }
   return axis;
 }
 
-bool IsInRange(ParameterKind kind, double value) {
-  const bool may_be_zero = kind != ParameterKind::kDensity && kind != ParameterKind::kStretchStiffness;
-  return std::isfinite(value) && (may_be_zero ? value >= 0.0 : value > 0.0);
-}
+bool IsInRange(ParameterKind kind, double value) { return IsInDomain(DomainOf(kind), value); }
 
 bool Includes(ParameterId whole, ParameterId part) {
   return whole.kind == part.kind && (whole.obstacle == kAllObstacles || whole.obstacle == part.obstacle);

@@ -106,7 +106,7 @@ void CheckNumCells(const LandscapeWindow& whole, std::size_t num_settings, std::
 
 // What the cells of an axis set, as the scene has it.
 std::vector<double> ValuesOn(const LandscapeAxis& axis, const Scene& scene) {
-  const ParameterId id = ParseParameter(axis.parameter, scene.obstacle_names());
+  const ParameterId id = ParseParameter(axis.parameter, scene);
   const Parameters nominal = scene.nominal_parameters();
   if (id.kind == ParameterKind::kFriction && id.obstacle == kAllObstacles) return nominal.friction_coefficients;
   return {GetParameter(nominal, id)};

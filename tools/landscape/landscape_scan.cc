@@ -118,21 +118,19 @@ class Scan {
 };
 
 // Throws `Error` (kUsage), led by `source`, unless every value is one that its parameter can have.
-void CheckValues(const std::map<std::string, double>& values, const std::vector<std::string>& obstacle_names,
-                 const std::string& source) {
+void CheckValues(const std::map<std::string, double>& values, const Scene& scene, const std::string& source) {
   for (const auto& [name, value] : values) {
     ParameterId id;
     try {
-      id = ParseParameter(name, obstacle_names);
+      id = ParseParameter(name, scene);
     } catch (const Error& error) {
       throw Error(ErrorKind::kUsage, source + ": " + error.what());
     }
-    if (id.kind == ParameterKind::kFriction && obstacle_names.empty()) {
+    if (id.kind == ParameterKind::kFriction && scene.obstacles.empty()) {
       throw Error(ErrorKind::kUsage, source + ": '" + name + "': the scene has no obstacle");
     }
     if (!IsInRange(id.kind, value)) {
-      throw Error(ErrorKind::kUsage,
-                  source + ": '" + name + "': expected a finite number " + (IsInRange(id.kind, 0.0) ? ">= 0" : "> 0"));
+      throw Error(ErrorKind::kUsage, source + ": '" + name + "': expected " + DomainWords(DomainOf(id.kind)));
     }
   }
 }
@@ -140,7 +138,7 @@ void CheckValues(const std::map<std::string, double>& values, const std::vector<
 // Throws `Error` (kUsage), led by `source`, where something is held that an axis sets.
 void CheckHeld(const LandscapeScanOptions& options, const std::string& source) {
   const std::vector<std::string> obstacles = options.motions.front().scene.obstacle_names();
-  CheckValues(options.held, obstacles, source);
+  CheckValues(options.held, options.motions.front().scene, source);
   const LandscapeWindow& window = options.plan.windows.front();
   for (const auto& [name, value] : options.held) {
     const ParameterId id = ParseParameter(name, obstacles);

@@ -86,6 +86,22 @@ void PrintTensors(const MotionTensors& tensors) {
   if (tensors.cloud_sigma > 0.0) PrintTensor("cloud_sigma", "F64", 0, 1, 1);
 }
 
+const char* UnitOf(ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::kBendingStiffness:
+    case ParameterKind::kWarpBending:
+    case ParameterKind::kWeftBending:
+    case ParameterKind::kTwistBending:
+      return " N m";
+    case ParameterKind::kDrag:
+      return " kg/(m^2 s)";
+    case ParameterKind::kDamping:
+      return " N s/m";
+    default:
+      return " N/m";
+  }
+}
+
 void PrintScene(const Scene& scene) {
   const Parameters nominal = scene.nominal_parameters();
   std::cout << "scene\n  nodes " << scene.mesh.num_nodes() << ", faces " << scene.mesh.num_faces() << ", handles "
@@ -93,9 +109,12 @@ void PrintScene(const Scene& scene) {
             << "\n  time step " << scene.time_step << " s, " << scene.num_steps() << " steps, integrator "
             << IntegratorName(scene.integrator) << ", contact mode "
             << (scene.contact_mode == ContactMode::kGap ? "gap" : "velocity") << "\n  nominal: density "
-            << nominal.material.density << " kg/m^2, k_stretch " << nominal.material.stretch_stiffness
-            << " N/m, k_bend " << nominal.material.bending_stiffness << " N m, drag " << nominal.material.drag
-            << " kg/(m^2 s), damping " << nominal.material.damping << " N s/m\n";
+            << nominal.material.density << " kg/m^2";
+  for (const ParameterKind kind : kMaterialKinds) {
+    if (kind == ParameterKind::kDensity || !scene.has(kind)) continue;
+    std::cout << ", " << ParameterName({kind}, {}) << " " << nominal.material.*MaterialConstant(kind) << UnitOf(kind);
+  }
+  std::cout << "\n";
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
     std::cout << "  obstacle " << scene.obstacles[i].name << ": mu " << nominal.friction_coefficients[i]
               << ", contact distance " << scene.obstacles[i].contact_distance << " m\n";

@@ -52,7 +52,8 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   --scene FILE       scene.json (every key: datasets/README.md)
   --output FILE      motion.bin to write, a name that ends in .bin
   --set LIST         true parameters in place of the scene's nominal ones: mu, mu.OBSTACLE, k_stretch, k_bend,
-                     density, drag, damping. They are written nowhere in the recording.
+                     density, drag, damping; where the scene has warp and weft k_warp, k_weft, k_shear, k_poisson,
+                     bend_warp, bend_weft, bend_twist. They are written nowhere in the recording.
   --noise SIGMA      Gaussian noise on every coordinate, standard deviation in m (0)
   --frame_rate HZ    frames per second; 0: one per time step (0)
   --drop FRACTION    chance of a point to be missing in a frame, [0, 1) (0)
@@ -84,7 +85,7 @@ Examples:
 Parameters SetTruth(Scene* scene) {
   Parameters parameters = scene->nominal_parameters();
   for (const auto& [name, value] : ParseParameterValues(FLAGS_set, "--set")) {
-    const ParameterId id = ParseParameter(name, scene->obstacle_names());
+    const ParameterId id = ParseParameter(name, *scene);
     SetParameter(id, value, &parameters);
     if (GetParameter(parameters, id) != value) {
       throw Error(ErrorKind::kUsage, "--set: '" + name + "': the scene has no obstacle");

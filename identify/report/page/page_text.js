@@ -4,7 +4,9 @@
 const part = (id) => document.getElementById(id);
 // Plotly would take tags in names for its own.
 const plain = (text) => String(text).replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;');
-const UNITS = {k_stretch: 'N/m', k_bend: 'N m', density: 'kg/m²', drag: 'kg/(m² s)', damping: 'N s/m'};
+const UNITS = {k_stretch: 'N/m', k_bend: 'N m', density: 'kg/m²', drag: 'kg/(m² s)', damping: 'N s/m',
+  k_warp: 'N/m', k_weft: 'N/m', k_shear: 'N/m', k_poisson: 'N/m', bend_warp: 'N m', bend_weft: 'N m',
+  bend_twist: 'N m'};
 
 function number(value, digits) {
   if (value === null || value === undefined || Number.isNaN(value)) return '–';
