@@ -45,9 +45,9 @@ enum class BendingLaw {
 };
 
 struct Bending {
-  BendingLaw law = BendingLaw::kEdges;  // what a scene has that names none
-  double poisson = 0.0;                 // nu of bending, in (-1, 1); kPatches alone has it
-  bool orthotropic = false;             // bend_warp, bend_weft and bend_twist in place of k_b; kPatches alone has it
+  BendingLaw law = BendingLaw::kPatches;
+  double poisson = 0.0;      // nu of bending, in (-1, 1); kPatches alone has it
+  bool orthotropic = false;  // bend_warp, bend_weft and bend_twist in place of k_b; kPatches alone has it
 };
 
 // How the cloth resists strain in its surface: see "Stretch" in sim/README.md.
@@ -94,7 +94,7 @@ struct SolverOptions {
 
 struct Scene {
   double time_step = 0.005;  // h, s
-  Integrator integrator = Integrator::kEuler;
+  Integrator integrator = Integrator::kSdirk2;
   double start_time = 0.0;                                     // s, on the clock of wind and handle path
   double duration = 1.0;                                       // s
   Eigen::Vector3d gravity = Eigen::Vector3d(0.0, 0.0, -9.81);  // g_0, m/s^2

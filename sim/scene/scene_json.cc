@@ -31,8 +31,7 @@ class SceneReader {
     root_.ExpectKeys({"clothid_scene", "time_step", "integrator", "duration", "gravity", "contact", "touch",
                       "depenetration_speed", "wind", "node_force", "mesh", "initial", "handles", "obstacles",
                       "materials", "parameters", "solver"});
-    const JsonNode version = root_.Require("clothid_scene", "the version of the format: 1");
-    if (version.Integer(0, std::numeric_limits<int>::max()) != 1) version.Fail("expected version 1");
+    ReadVersion();
     ReadTime();
     ReadForces();
     ReadContact();
@@ -63,6 +62,16 @@ class SceneReader {
     if (const auto node = object.Find(key)) *value = node->PositiveNumber();
   }
 
+  // What a scene of version 1 does not name is what such scenes were made with.
+  void ReadVersion() {
+    const JsonNode version = root_.Require("clothid_scene", "the version of the format: 2");
+    const int number = version.Integer(0, std::numeric_limits<int>::max());
+    if (number != 1 && number != 2) version.Fail("expected version 1 or 2");
+    if (number == 2) return;
+    scene_.integrator = Integrator::kEuler;
+    scene_.bending.law = BendingLaw::kEdges;
+  }
+
   void ReadTime() {
     ReadPositive(root_, "time_step", &scene_.time_step);
     ReadIntegrator();
@@ -75,10 +84,10 @@ class SceneReader {
     }
   }
 
-  // Scenes older than the key were made with backward Euler.
   void ReadIntegrator() {
     const auto node = root_.Find("integrator");
-    const std::string name = node ? (node->is(Kind::kString) ? node->String() : "") : "euler";
+    if (!node) return;
+    const std::string name = node->is(Kind::kString) ? node->String() : "";
     if (name != "euler" && name != "sdirk2") node->Fail("expected \"euler\" or \"sdirk2\"");
     scene_.integrator = name == "euler" ? Integrator::kEuler : Integrator::kSdirk2;
   }

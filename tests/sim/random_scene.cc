@@ -98,6 +98,7 @@ class Builder {
 
   void AddTimes() {
     const int num_steps = random_.Integer(4, 14);
+    scene_.integrator = Integrator::kEuler;
     scene_.time_step = random_.OverOctaves(1e-3, 4);
     scene_.duration = num_steps * scene_.time_step;
     scene_.start_time = random_.Chance(0.5) ? 0.0 : random_.Uniform(-1.0, 1.0);
@@ -110,7 +111,7 @@ class Builder {
     material.stretch_stiffness = random_.OverOctaves(1.0, 13);
     if (random_.Chance(0.7)) {
       material.bending_stiffness = material.stretch_stiffness * size_ * size_ * random_.OverOctaves(1e-6, 13);
-      if (by_patches_) scene_.bending = {BendingLaw::kPatches, 0.3};
+      scene_.bending = by_patches_ ? Bending{BendingLaw::kPatches, 0.3} : Bending{BendingLaw::kEdges};
     }
     if (random_.Chance(0.3)) {
       material.damping = material.stretch_stiffness * scene_.time_step * random_.OverOctaves(0.05, 6);

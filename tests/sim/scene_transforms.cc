@@ -68,8 +68,15 @@ double Units::Of(ParameterKind kind) const {
     case ParameterKind::kFriction:
       return 1.0;
     case ParameterKind::kStretchStiffness:
+    case ParameterKind::kWarpStiffness:
+    case ParameterKind::kWeftStiffness:
+    case ParameterKind::kShearStiffness:
+    case ParameterKind::kPoissonStiffness:
       return force() / length;
     case ParameterKind::kBendingStiffness:
+    case ParameterKind::kWarpBending:
+    case ParameterKind::kWeftBending:
+    case ParameterKind::kTwistBending:
       return force() * length;
     case ParameterKind::kDensity:
       return mass / (length * length);

@@ -188,7 +188,7 @@ Landscape ScanLandscape(const LandscapeScanOptions& options) {
 
 void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptions* options) {
   const LandscapeWindow& window = options->plan.windows.front();
-  CheckValues(truth, options->motions.front().scene.obstacle_names(), "--set");
+  CheckValues(truth, options->motions.front().scene, "--set");
   options->held = truth;
   const double x = TakeAxis(window.x.parameter, &options->held), y = TakeAxis(window.y.parameter, &options->held);
   CheckHeld(*options, "--set");

@@ -84,12 +84,15 @@ TEST_P(InadmissiblePointsTest, BeforeTheMinimumAreNoConvergence) {
 }
 
 // With few iterations per step, stiff cloth on a ball works with the tolerances of the loose pass alone. Such a fit
-// ends at the truth or says that it did not.
+// ends at the truth or says that it did not. Backward Euler, whose solves are harder: their steps are longer.
 TEST(LooselyAdmissiblePointsTest, DoNotEndAFit) {
+  Scene scene = SphereScene();
+  scene.integrator = Integrator::kEuler;
+  scene.bending.law = BendingLaw::kEdges;
   const std::map<std::string, double> truth = {{"mu", 0.35}, {"k_stretch", 400.0}};
   for (const int max_iterations : {3, 4}) {
     for (const double start : {1.0, 5.0}) {
-      RecordedMotion motion = MakeMotion(SphereScene(), {truth, 0.0, 0.0, 0.0});
+      RecordedMotion motion = MakeMotion(scene, {truth, 0.0, 0.0, 0.0});
       motion.scene.solver.max_newton_iterations = max_iterations;
       motion.scene.solver.max_substep_halvings = 0;
       FitOptions options;

@@ -109,6 +109,22 @@ TEST(ParseScene, NominalValuesOverrideTheMaterial) {
   EXPECT_FALSE(scene.parameters.at("mu").frozen);
 }
 
+// A scene that was written when there was no other means what it meant.
+TEST(ParseScene, VersionOneIsThatOfThePaper) {
+  std::string text = SmallScene("");
+  for (const auto& [version, integrator, law] : {std::tuple('1', Integrator::kEuler, BendingLaw::kEdges),
+                                                 std::tuple('2', Integrator::kSdirk2, BendingLaw::kPatches)}) {
+    text[text.find("clothid_scene\": ") + 16] = version;
+    const Scene scene = ParseScene(text, "scene.json", "");
+    EXPECT_EQ(scene.integrator, integrator);
+    EXPECT_EQ(scene.bending.law, law);
+  }
+  EXPECT_EQ(Scene().integrator, Integrator::kSdirk2);
+  EXPECT_EQ(Scene().bending.law, BendingLaw::kPatches);
+  text[text.find("clothid_scene\": ") + 16] = '3';
+  ExpectError([&] { ParseScene(text, "scene.json", ""); }, kBadData, {"clothid_scene", "expected version 1 or 2"});
+}
+
 TEST(ParseScene, ASmallSceneHasDefaults) {
   const Scene scene = ParseScene(SmallScene(""), "scene.json", "");
   EXPECT_EQ(scene.integrator, Integrator::kEuler);

@@ -54,7 +54,8 @@ Scene FlatSquare() {
 }
 
 TEST(EnergyBalanceTest, FreeFallLosesWhatBackwardEulerTakes) {
-  const Scene scene = FlatSquare();
+  Scene scene = FlatSquare();
+  scene.integrator = Integrator::kEuler;
   TestRun run(scene);
   ASSERT_TRUE(run.rollout.ok());
   const EnergyBalance balance = run.Balance();
