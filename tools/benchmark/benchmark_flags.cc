@@ -42,7 +42,7 @@ DEFINE_string(offsets, "", "figure3: offsets of the sphere, m; empty: see --help
 DEFINE_string(touch, "", "figure3: gaps that count as contact in velocity mode; empty: see --help");
 DEFINE_string(zoom, "", "figure3: shares of both axes, falling; empty: see --help");
 DEFINE_string(contact, "gap", "continuity: gap or velocity; stability: of both");
-DEFINE_string(integrator, "", "integrators to compare, of euler, sdirk2; empty: both");
+DEFINE_string(integrator, "", "of euler, sdirk2; empty: both; figure3: one of them");
 DEFINE_string(k_stretch, "", "stability: stretch stiffness, N/m; empty: see --help");
 DEFINE_bool(gradients, true, "stability: check gradients, too");
 DEFINE_string(mu, "", "stability: friction coefficients; empty: see --help");
@@ -78,6 +78,10 @@ std::vector<double> ParseNumbers(const std::string& text, const std::string& fla
     numbers.push_back(*number);
   }
   return numbers;
+}
+
+void SetIntegrators(std::vector<std::string>* integrators) {
+  if (!FLAGS_integrator.empty()) *integrators = ParseNames(FLAGS_integrator, "--integrator");
 }
 
 bool IsGiven(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
@@ -125,6 +129,7 @@ DiscretizationOptions DiscretizationOptionsFromFlags() {
   options.scene_path = FLAGS_scene;
   options.truth = ParseParameterValues(FLAGS_set, "--set");
   options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
+  SetIntegrators(&options.integrators);
   if (!FLAGS_steps.empty()) options.step_divisors = ParseIntegers(FLAGS_steps, "--steps");
   options.num_threads = FLAGS_threads;
   return options;
@@ -157,6 +162,7 @@ CoverageOptions CoverageOptionsFromFlags() {
 ForwardBenchmarkOptions ForwardOptionsFromFlags() {
   ForwardBenchmarkOptions options;
   if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
+  SetIntegrators(&options.integrators);
   if (!FLAGS_nodes.empty()) options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
   if (!FLAGS_steps.empty()) options.num_steps = ParseInteger(FLAGS_steps, "--steps");
   options.repeats = FLAGS_repeats;
@@ -183,6 +189,7 @@ AccuracyOptions AccuracyOptionsFromFlags() {
   if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
   if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
   if (!FLAGS_quantities.empty()) options.quantities = ParseNames(FLAGS_quantities, "--quantities");
+  SetIntegrators(&options.integrators);
   if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
   options.repeats = FLAGS_repeats;
   return options;
@@ -201,6 +208,7 @@ ContinuityOptions ContinuityOptionsFromFlags() {
 
 Figure3Options Figure3OptionsFromFlags() {
   Figure3Options options;
+  if (!FLAGS_integrator.empty()) options.integrator = FLAGS_integrator;
   if (!FLAGS_offsets.empty()) options.offsets = ParseNumbers(FLAGS_offsets, "--offsets");
   if (!FLAGS_touch.empty()) options.touches = ParseNumbers(FLAGS_touch, "--touch");
   if (!FLAGS_zoom.empty()) options.zooms = ParseNumbers(FLAGS_zoom, "--zoom");
@@ -217,7 +225,7 @@ StabilityOptions StabilityOptionsFromFlags() {
   StabilityOptions options;
   if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
   if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
-  if (!FLAGS_integrator.empty()) options.integrators = ParseNames(FLAGS_integrator, "--integrator");
+  SetIntegrators(&options.integrators);
   if (IsGiven("contact")) options.contacts = ParseNames(FLAGS_contact, "--contact");
   if (!FLAGS_k_stretch.empty()) options.stretch_stiffness = ParseNumbers(FLAGS_k_stretch, "--k_stretch");
   if (!FLAGS_mu.empty()) options.friction_coefficients = ParseNumbers(FLAGS_mu, "--mu");

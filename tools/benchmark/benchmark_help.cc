@@ -6,15 +6,15 @@ const char kBenchmarkHelp[] = R"(benchmark: accuracy, cost and time of the metho
 
   benchmark jacobian       --scene FILE --set LIST [--noise] [--starts] [--methods] [--precision] [--seed] [--threads]
                            [--output]
-  benchmark discretization --scene FILE --set LIST [--nodes] [--steps] [--threads] [--output]
+  benchmark discretization --scene FILE --set LIST [--integrator] [--nodes] [--steps] [--threads] [--output]
   benchmark coverage       --scene FILE --set LIST [--sensor] [--initial] [--cut] [--seeds] [--settings] [--noise]
                            [--sigma] [--frame_rate] [--markers] [--start_factor] [--seed] [--threads] [--output]
-  benchmark forward        [--scene LIST] [--nodes] [--steps] [--repeats] [--output]
+  benchmark forward        [--scene LIST] [--integrator] [--nodes] [--steps] [--repeats] [--output]
   benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
   benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
-  benchmark accuracy       [--scene] [--settings] [--quantities] [--nodes] [--repeats] [--output]
+  benchmark accuracy       [--scene] [--settings] [--quantities] [--integrator] [--nodes] [--repeats] [--output]
   benchmark continuity     [--nodes] [--cells] [--contact] [--lines] [--seed] [--threads] [--output]
-  benchmark figure3        [--offsets] [--touch] [--zoom] [--cells] [--starts] [--noise] [--seed] [--threads] [--output]
+  benchmark figure3        [--integrator] [--offsets] [--touch] [--zoom] [--cells] [--starts] [--noise] [--seed] [--threads] [--output]
   benchmark stability      [--settings] [--scene LIST] [--integrator] [--contact] [--k_stretch] [--steps] [--mu] [--nodes]
                            [--nogradients] [--seed] [--threads] [--output]
 
@@ -22,8 +22,9 @@ jacobian: fits two parameters to a synthetic recording, without and with noise, 
 0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
 failed steps, processor seconds (medians), and these relative to `sensitivity` (median over the starts).
 
-discretization: simulates the truth on a grid of twice the density at a quarter of the scene's time step, fits models of
-several grids and time steps to what is seen of it at the scene's own nodes and steps, and prints how far each is off.
+discretization: simulates the truth by SDIRK2 at 1/64 of the scene's time step, on the scene's grid and on one of twice the
+density, fits models with either integrator, of several grids and time steps, to what is seen of it at the scene's own
+nodes and steps, and prints how far each is off.
 
 coverage: fits recordings that differ by their noise and prints how many 95 % intervals contain the truth, and the
 reported standard deviation beside that of the estimates: with every point in every frame (full), with half the points
@@ -35,7 +36,7 @@ others the fits do not know the scene's start, as of a recording that was import
 also gives: fits without an interval (refused), the mean error over the reported standard deviation, that over the one
 that it would be if the start were known, and rollouts per fit.
 
-forward: simulates the scenes wind, slope and sphere on square grids and prints the time of a step and its phases, the
+forward: simulates the scenes wind, slope and sphere on square grids with either integrator and prints the time of a step and its phases, the
 factorisation beside its floating-point operations at the speed of dgemm, the growth with the number of nodes, and the
 memory of a rollout per node and step. Processor time, medians over the repeats.
 
@@ -47,7 +48,8 @@ than the direct solvers; 8 right-hand sides relative to one; relative to the rol
 thresholds: errors of the gradient, parameter by parameter, for thresholds of the iterative solvers from 1e-1 to 1e-9.
 tools/plots/plot_thresholds draws its CSV.
 
-accuracy: error against run time. Trajectories over time step and step tolerance, and over the mesh; gradients over the
+accuracy: error against run time. Trajectories over time step and step tolerance, with either integrator, against SDIRK2 at
+h/64 on the same mesh and on one of twice the density, and over the mesh; gradients over the
 linear solver of the reverse sweep and its threshold, and over the step tolerance; fits, iteration by iteration, with
 each Jacobian. On the scenes of `backprop`, from soft to stiff (k = 1e5 N/m). Prints the curves and what is cheapest for
 an error of at most 0.1, 0.01, ..; tools/plots/plot_accuracy draws curve.csv.
@@ -113,7 +115,7 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --touch LIST      gaps that count as contact in velocity mode, relative to the cloth's size (1e-5,1e-3)
   --zoom LIST       shares of both axes, falling (0.03,0.01,0.003)
   --contact MODE    of the cloth that slides: gap or velocity (gap); stability: LIST of these (both)
-  --integrator LIST of euler, sdirk2 (both)
+  --integrator LIST of euler, sdirk2 (both); figure3: one of them (euler)
   --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)
   --mu LIST         friction coefficients (0,0.1,0.35,0.8,2)
   --nogradients     leaves out the check of gradients, most of the time

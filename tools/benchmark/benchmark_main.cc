@@ -58,7 +58,7 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<JacobianBenchmarkOptions, JacobianBenchmark>(
            JacobianOptionsFromFlags(), RunJacobianBenchmark, JacobianTable, {{"jacobian.csv", JacobianCsv}});
      }},
-    {"discretization", "scene set nodes steps threads output",
+    {"discretization", "scene set integrator nodes steps threads output",
      [] {
        return RunBenchmark<DiscretizationOptions, DiscretizationBenchmark>(
            DiscretizationOptionsFromFlags(), RunDiscretizationBenchmark, DiscretizationTable,
@@ -72,7 +72,7 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<CoverageOptions, CoverageBenchmark>(CoverageOptionsFromFlags(), RunCoverageBenchmark,
                                                                CoverageTable, {{"coverage.csv", CoverageCsv}});
      }},
-    {"forward", "scene nodes steps repeats output",
+    {"forward", "scene integrator nodes steps repeats output",
      [] {
        return RunBenchmark<ForwardBenchmarkOptions, ForwardBenchmark>(ForwardOptionsFromFlags(), RunForwardBenchmark,
                                                                       ForwardTable, {{"forward.csv", ForwardCsv}});
@@ -87,7 +87,7 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<ThresholdOptions, ThresholdBenchmark>(ThresholdOptionsFromFlags(), RunThresholdBenchmark,
                                                                  ThresholdTable, {{"thresholds.csv", ThresholdCsv}});
      }},
-    {"accuracy", "scene settings quantities nodes repeats output",
+    {"accuracy", "scene settings quantities integrator nodes repeats output",
      [] {
        return RunBenchmark<AccuracyOptions, AccuracyBenchmark>(AccuracyOptionsFromFlags(), RunAccuracyBenchmark,
                                                                AccuracyTable, {{"curve.csv", AccuracyCsv}});
@@ -98,7 +98,7 @@ constexpr Subcommand kSubcommands[] = {
            ContinuityOptionsFromFlags(), RunContinuityBenchmark, ContinuityTable,
            {{"continuity.csv", ContinuityCsv}, {"continuity_lines.csv", ContinuityLinesCsv}});
      }},
-    {"figure3", "offsets touch zoom cells starts noise seed threads output",
+    {"figure3", "integrator offsets touch zoom cells starts noise seed threads output",
      [] {
        return RunBenchmark<Figure3Options, Figure3>(
            Figure3OptionsFromFlags(), RunFigure3, Figure3Table,

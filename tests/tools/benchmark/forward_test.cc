@@ -23,11 +23,11 @@ TEST_F(ForwardTest, CountsStepsWorkAndMemory) {
   int num_rollouts = 0;
   options.on_rollout = [&](const ForwardCase&, int num_done, int num_all) {
     EXPECT_EQ(num_done, ++num_rollouts);
-    EXPECT_EQ(num_all, 12);
+    EXPECT_EQ(num_all, 24);
   };
   const ForwardBenchmark benchmark = RunForwardBenchmark(options);
-  EXPECT_EQ(num_rollouts, 12);
-  ASSERT_EQ(benchmark.cases.size(), 6u);
+  EXPECT_EQ(num_rollouts, 24);
+  ASSERT_EQ(benchmark.cases.size(), 12u);
   EXPECT_GT(benchmark.dgemm_rate, 0.0);
   for (const ForwardCase& result : benchmark.cases) {
     EXPECT_EQ(result.counts.steps, 4);
@@ -39,10 +39,12 @@ TEST_F(ForwardTest, CountsStepsWorkAndMemory) {
     EXPECT_GE(result.bytes, 48.0);  // position and velocity
   }
   EXPECT_EQ(benchmark.cases[0].scene, "wind");
-  EXPECT_EQ(benchmark.cases[1].nodes, 9);
-  EXPECT_GT(benchmark.cases[3].factor_flops, benchmark.cases[2].factor_flops);
-  // Every node of `slope` is in contact.
-  EXPECT_GE(benchmark.cases[3].bytes, 48.0 + sizeof(ContactRecord));
+  EXPECT_EQ(benchmark.cases[1].integrator, "sdirk2");
+  EXPECT_EQ(benchmark.cases[2].nodes, 9);
+  EXPECT_GT(benchmark.cases[6].factor_flops, benchmark.cases[4].factor_flops);
+  // Every node of `slope` is in contact, and a step of two stages keeps both.
+  EXPECT_GE(benchmark.cases[6].bytes, 48.0 + sizeof(ContactRecord));
+  EXPECT_GE(benchmark.cases[7].bytes, 2.0 * (48.0 + sizeof(ContactRecord)));
 }
 
 TEST_F(ForwardTest, AnIterationDoesNotDependOnHowOftenItFactorises) {
@@ -64,6 +66,7 @@ TEST_F(ForwardTest, ARolloutThatFailedHasNoTimes) {
     ForwardCase result;
     result.scene = "wind";
     result.nodes = nodes;
+    result.integrator = "euler";
     result.counts.failed_steps = 1;
     result.seconds = std::nan("");
     benchmark.cases.push_back(result);
@@ -93,13 +96,14 @@ TEST_F(ForwardTest, PrintsTablesAndWritesEveryCase) {
   EXPECT_NE(result.out.find("Gflop/s"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("exponent"), std::string::npos) << result.out;
   const std::string csv = ReadBytes(folder() / "out" / "forward.csv");
-  EXPECT_EQ(csv.rfind("scene,nodes,steps,", 0), 0u) << csv;
-  EXPECT_NE(csv.find("\nslope,4,2,"), std::string::npos) << csv;
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3) << csv;
+  EXPECT_EQ(csv.rfind("scene,nodes,integrator,steps,", 0), 0u) << csv;
+  EXPECT_NE(csv.find("\nslope,4,euler,2,"), std::string::npos) << csv;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5) << csv;
 }
 
 TEST_F(ForwardTest, RefusesWhatItCannotRun) {
   ExpectRefused("benchmark forward --scene desert", 1, "'desert'");
+  ExpectRefused("benchmark forward --integrator rk4", 1, "--integrator: 'rk4'");
   ExpectRefused("benchmark forward --nodes 1", 1, "--nodes");
   ExpectRefused("benchmark forward --nodes 10000", 1, "--nodes");
   ExpectRefused("benchmark forward --steps 0", 1, "--steps");

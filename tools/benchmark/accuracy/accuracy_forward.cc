@@ -9,13 +9,13 @@
 #include "datasets/synthetic/regrid.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
+#include "tools/benchmark/base/integrators.h"
 #include "tools/benchmark/base/timing.h"
 
 namespace clothid {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMeshTolerance = 1e-8;
 constexpr double kEnoughSeconds = 0.5;  // of rollouts, for a median that stands
 
 struct Trajectory {
@@ -26,8 +26,10 @@ struct Trajectory {
 };
 
 // `accuracy_case` with steps of h/divisor, solved to `tolerance`.
-Trajectory SimulateFrames(const AccuracyCase& accuracy_case, int nodes, int divisor, double tolerance, int repeats) {
+Trajectory SimulateFrames(const AccuracyCase& accuracy_case, Integrator integrator, int nodes, int divisor,
+                          double tolerance, int repeats) {
   Scene scene = accuracy_case.MakeScene(nodes);
+  scene.integrator = integrator;
   const int num_frames = scene.num_steps() + 1;
   scene.time_step /= divisor;
   scene.solver.step_tolerance = tolerance;
@@ -80,26 +82,39 @@ void Append(const std::vector<AccuracyPoint>& more, std::vector<AccuracyPoint>* 
 
 }  // namespace
 
-std::vector<AccuracyPoint> MeasureTimeSteps(const AccuracyCase& accuracy_case, int nodes, int repeats) {
-  const Trajectory reference = SimulateFrames(accuracy_case, nodes, kReferenceDivisor, kTightTolerance, 1);
-  std::vector<AccuracyPoint> points;
-  for (const int divisor : kStepDivisors) {
-    for (const double tolerance : kDivisorTolerances) {
-      const Trajectory trajectory = SimulateFrames(accuracy_case, nodes, divisor, tolerance, repeats);
-      AccuracyPoint point = accuracy_case.MakePoint("forward", "time_step/64", "time_step", nodes);
-      point.time_step /= divisor;
-      Fill(trajectory, tolerance, TrajectoryError(trajectory.frames, reference.frames), &point);
-      points.push_back(point);
+std::vector<AccuracyPoint> MeasureTimeSteps(const AccuracyCase& accuracy_case,
+                                            const std::vector<std::string>& integrators, int nodes, int repeats) {
+  const Trajectory reference =
+      SimulateFrames(accuracy_case, Integrator::kSdirk2, nodes, kReferenceDivisor, kTightTolerance, 1);
+  const Eigen::MatrixXd finest = FramesAtNodes(
+      SimulateFrames(accuracy_case, Integrator::kSdirk2, 2 * nodes - 1, kReferenceDivisor, kMeshTolerance, 1),
+      reference.mesh);
+  std::vector<AccuracyPoint> same_mesh, finest_mesh;
+  for (const std::string& name : integrators) {
+    for (const int divisor : kStepDivisors) {
+      for (const double tolerance : kDivisorTolerances) {
+        const Trajectory trajectory =
+            SimulateFrames(accuracy_case, IntegratorNamed(name), nodes, divisor, tolerance, repeats);
+        AccuracyPoint point = accuracy_case.MakePoint("forward", "time_step/64", name, nodes);
+        point.time_step /= divisor;
+        Fill(trajectory, tolerance, TrajectoryError(trajectory.frames, reference.frames), &point);
+        same_mesh.push_back(point);
+        if (tolerance != kMeshTolerance) continue;
+        point.reference = "finest/64";
+        point.error = TrajectoryError(trajectory.frames, finest);
+        finest_mesh.push_back(point);
+      }
     }
   }
-  return points;
+  Append(finest_mesh, &same_mesh);
+  return same_mesh;
 }
 
 std::vector<AccuracyPoint> MeasureStepTolerances(const AccuracyCase& accuracy_case, int nodes, int repeats) {
-  const Trajectory reference = SimulateFrames(accuracy_case, nodes, 1, kTightTolerance, 1);
+  const Trajectory reference = SimulateFrames(accuracy_case, Integrator::kEuler, nodes, 1, kTightTolerance, 1);
   std::vector<AccuracyPoint> points;
   for (const double tolerance : kStepTolerances) {
-    const Trajectory trajectory = SimulateFrames(accuracy_case, nodes, 1, tolerance, repeats);
+    const Trajectory trajectory = SimulateFrames(accuracy_case, Integrator::kEuler, nodes, 1, tolerance, repeats);
     AccuracyPoint point = accuracy_case.MakePoint("forward", "tolerance_1e-12", "step_tolerance", nodes);
     Fill(trajectory, tolerance, TrajectoryError(trajectory.frames, reference.frames), &point);
     points.push_back(point);
@@ -111,10 +126,11 @@ std::vector<AccuracyPoint> MeasureMeshes(const AccuracyCase& accuracy_case, int 
   const int cells = nodes - 1;
   const Mesh shared = accuracy_case.MakeScene(cells / 4 + 1).mesh;
   const Eigen::MatrixXd reference =
-      FramesAtNodes(SimulateFrames(accuracy_case, 2 * cells + 1, 1, kMeshTolerance, 1), shared);
+      FramesAtNodes(SimulateFrames(accuracy_case, Integrator::kEuler, 2 * cells + 1, 1, kMeshTolerance, 1), shared);
   std::vector<AccuracyPoint> points;
   for (const int coarser : {4, 2, 1}) {
-    const Trajectory trajectory = SimulateFrames(accuracy_case, cells / coarser + 1, 1, kMeshTolerance, repeats);
+    const Trajectory trajectory =
+        SimulateFrames(accuracy_case, Integrator::kEuler, cells / coarser + 1, 1, kMeshTolerance, repeats);
     AccuracyPoint point = accuracy_case.MakePoint("forward", "finest_mesh", "mesh", cells / coarser + 1);
     Fill(trajectory, kMeshTolerance, TrajectoryError(FramesAtNodes(trajectory, shared), reference), &point);
     points.push_back(point);
@@ -122,8 +138,9 @@ std::vector<AccuracyPoint> MeasureMeshes(const AccuracyCase& accuracy_case, int 
   return points;
 }
 
-std::vector<AccuracyPoint> MeasureForward(const AccuracyCase& accuracy_case, int nodes, int repeats) {
-  std::vector<AccuracyPoint> points = MeasureTimeSteps(accuracy_case, nodes, repeats);
+std::vector<AccuracyPoint> MeasureForward(const AccuracyCase& accuracy_case,
+                                          const std::vector<std::string>& integrators, int nodes, int repeats) {
+  std::vector<AccuracyPoint> points = MeasureTimeSteps(accuracy_case, integrators, nodes, repeats);
   Append(MeasureStepTolerances(accuracy_case, nodes, repeats), &points);
   Append(MeasureMeshes(accuracy_case, nodes, repeats), &points);
   return points;

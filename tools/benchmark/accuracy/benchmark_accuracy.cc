@@ -18,7 +18,7 @@ namespace {
 
 // Of the second table.
 const std::vector<double> kErrorLevels = {1e-1, 1e-2, 1e-3, 1e-5, 1e-7};
-const std::vector<std::string> kWholeReferences = {"time_step/64", "direct", "truth"};
+const std::vector<std::string> kWholeReferences = {"time_step/64", "finest/64", "direct", "truth"};
 
 void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
@@ -26,7 +26,7 @@ void Require(bool condition, const std::string& message) {
 
 std::vector<AccuracyPoint> Measure(const AccuracyCase& accuracy_case, const std::string& quantity,
                                    const AccuracyOptions& options) {
-  if (quantity == "forward") return MeasureForward(accuracy_case, options.nodes, options.repeats);
+  if (quantity == "forward") return MeasureForward(accuracy_case, options.integrators, options.nodes, options.repeats);
   if (quantity == "gradient") return MeasureGradients(accuracy_case, options.nodes, options.repeats);
   return MeasureFits(accuracy_case, (options.nodes + 1) / 2, options.repeats);
 }
@@ -82,7 +82,7 @@ std::string Describe(const AccuracyPoint* point) {
   std::ostringstream text;
   if (point->quantity == "forward") {
     const long divisor = std::lround(FindBackpropSetting(point->setting).time_step / point->time_step);
-    text << (divisor == 1 ? "h" : "h/" + std::to_string(divisor));
+    text << point->method << " " << (divisor == 1 ? "h" : "h/" + std::to_string(divisor));
   } else {
     text << point->method;
   }
@@ -93,6 +93,7 @@ std::string Describe(const AccuracyPoint* point) {
 
 void WriteCheapest(const Points& points, std::ostream& out) {
   PutCase(points.front(), out);
+  out << std::setw(14) << points.front().reference;
   for (const double level : kErrorLevels) {
     const bool is_last = level == kErrorLevels.back();
     out << std::setw(is_last ? 0 : 25) << Describe(FindCheapest(points, level));
@@ -109,6 +110,7 @@ bool IsWhole(const AccuracyPoint& point) {
 void AccuracyOptions::Validate() const {
   RequireKnown(scenes, kBenchmarkScenes, "--scene");
   RequireKnown(settings, BackpropSettingNames(), "--settings");
+  ValidateIntegrators(integrators);
   RequireKnown(quantities, kAccuracyQuantities, "--quantities");
   Require(nodes >= 5 && nodes % 4 == 1 && nodes <= kMaxNodes / nodes / 4,
           "--nodes: expected one number of nodes, 5, 9, 13, .., not too large");
@@ -144,7 +146,7 @@ std::string AccuracyTable(const AccuracyBenchmark& benchmark) {
   for (const Points& curve : Group(benchmark.points, same_curve)) WriteCurve(curve, out);
   out << "\nthe cheapest with an error of at most .., and its ms; h: the time step of the setting, with the step "
          "tolerance; gradient: the sweep alone\n"
-         "scene  setting   quantity ";
+         "scene  setting   quantity against       ";
   for (const double level : kErrorLevels) out << std::left << std::setw(level == kErrorLevels.back() ? 0 : 25) << level;
   out << "\n";
   for (const Points& points : Group(benchmark.points, AreComparable)) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/benchmark/accuracy/accuracy_point.h"
+#include "tools/benchmark/base/integrators.h"
 #include "tools/benchmark/derivatives/backprop_case.h"
 
 namespace clothid {
@@ -16,6 +17,7 @@ struct AccuracyOptions {
   std::vector<std::string> scenes = kBenchmarkScenes;
   std::vector<std::string> settings = BackpropSettingNames();
   std::vector<std::string> quantities = kAccuracyQuantities;
+  std::vector<std::string> integrators = kIntegratorNames;  // of the trajectories over the time step
   int nodes = 17;  // n, along both axes, 4 i + 1; the finest mesh has 2 n - 1, those of the fits (n + 1)/2
   int repeats = 3;
   // After each quantity of each scene and setting. May be empty.

@@ -5,7 +5,6 @@
 #include <sstream>
 #include <utility>
 
-#include "datasets/synthetic/fine_truth.h"
 #include "datasets/synthetic/regrid.h"
 #include "identify/base/parallel_for.h"
 #include "identify/fit/problem.h"
@@ -31,42 +30,70 @@ std::array<int, 2> GridOf(int nodes, const std::array<int, 2>& scene_nodes) {
   return {nodes, static_cast<int>(other)};
 }
 
-// What is seen of the truth once per step of the scene.
-RecordedMotion RecordTruth(const GridScene& grid_scene, const std::vector<TrueParameter>& truth) {
-  const FineTruth fine = SimulateFineTruth(grid_scene, truth);
+constexpr int kStepsPerCheckpoint = 64;  // of a truth, whose other steps are not kept
+
+std::array<int, 2> FineGridOf(const GridScene& grid_scene) {
+  return {2 * grid_scene.nodes[0] - 1, 2 * grid_scene.nodes[1] - 1};
+}
+
+// What is seen of the truth on `nodes`, once per step of the scene.
+RecordedMotion RecordTruth(const GridScene& grid_scene, const std::array<int, 2>& nodes, int step_divisor,
+                           const std::vector<TrueParameter>& truth) {
+  Scene scene = Regrid(grid_scene, nodes);
   const int num_frames = grid_scene.scene.num_steps() + 1;
+  scene.integrator = Integrator::kSdirk2;
+  scene.time_step /= step_divisor;
+  scene.duration = (num_frames - 1) * grid_scene.scene.time_step;
   RecordedMotion motion;
   motion.name = "recording";
-  motion.points = fine.points;
+  motion.points = PlaceOnMesh(scene.mesh, grid_scene.scene.mesh.rest_positions);
   motion.times.resize(num_frames);
   motion.positions.resize(3 * motion.num_points(), num_frames);
-  for (int frame = 0; frame < num_frames; ++frame) {
-    motion.times[frame] = fine.start_time() + frame * grid_scene.scene.time_step;
-    motion.positions.col(frame) = fine.PointsAt(motion.times[frame]);
-  }
+  RolloutOptions options;
+  options.checkpoint_interval = kStepsPerCheckpoint;
+  options.visitor = [&](int step, const Eigen::VectorXd& positions) {
+    if (step % step_divisor != 0) return;
+    const int frame = step / step_divisor;
+    motion.times[frame] = scene.start_time + frame * grid_scene.scene.time_step;
+    motion.positions.col(frame) = Interpolate(motion.points, positions);
+  };
+  SimulateTruth(truth, grid_scene.path, scene, options);
   return motion;
 }
 
 // The fits, not yet run.
 std::vector<DiscretizationFit> PlanFits(const DiscretizationOptions& options, const GridScene& grid_scene) {
-  std::vector<int> grids = options.nodes;
-  if (grids.empty()) grids = {grid_scene.nodes[0], 2 * grid_scene.nodes[0] - 1};
+  std::vector<std::array<int, 2>> grids;
+  for (const int nodes : options.nodes) grids.push_back(GridOf(nodes, grid_scene.nodes));
+  if (grids.empty()) grids = {grid_scene.nodes, FineGridOf(grid_scene)};
   std::vector<DiscretizationFit> fits;
-  for (const int nodes : grids) {
-    for (const int divisor : options.step_divisors) {
-      DiscretizationFit fit;
-      fit.nodes = GridOf(nodes, grid_scene.nodes);
-      fit.time_step = grid_scene.scene.time_step / divisor;
-      fits.push_back(fit);
+  for (const bool fine : {false, true}) {
+    for (const std::string& integrator : options.integrators) {
+      for (const std::array<int, 2>& nodes : fine ? grids : std::vector<std::array<int, 2>>{grid_scene.nodes}) {
+        for (const int divisor : options.step_divisors) {
+          DiscretizationFit fit;
+          fit.true_nodes = fine ? FineGridOf(grid_scene) : grid_scene.nodes;
+          fit.integrator = integrator;
+          fit.nodes = nodes;
+          fit.time_step = grid_scene.scene.time_step / divisor;
+          fits.push_back(fit);
+        }
+      }
     }
   }
   return fits;
+}
+
+// "16 x 16".
+std::string GridName(const std::array<int, 2>& nodes) {
+  return std::to_string(nodes[0]) + " x " + std::to_string(nodes[1]);
 }
 
 // Fits the model with the scene `model` to what `recording` shows.
 void RunFit(const std::vector<TrueParameter>& truth, const GridScene& grid_scene, Scene model, RecordedMotion recording,
             DiscretizationFit* fit) {
   model.time_step = fit->time_step;
+  model.integrator = IntegratorNamed(fit->integrator);
   recording.points = PlaceOnMesh(model.mesh, grid_scene.scene.mesh.rest_positions);
   recording.scene = std::move(model);
   FitOptions options;
@@ -93,6 +120,8 @@ void DiscretizationOptions::Validate() const {
   for (const int n : nodes) Require(n >= 2, "--nodes: expected numbers >= 2");
   Require(!step_divisors.empty(), "--steps: expected at least one number");
   for (const int divisor : step_divisors) Require(divisor >= 1, "--steps: expected numbers >= 1");
+  ValidateIntegrators(integrators);
+  Require(true_step_divisor >= 1, "true_step_divisor: expected a number >= 1");
   Require(num_threads >= 1, "--threads: expected a number >= 1");
 }
 
@@ -101,17 +130,23 @@ DiscretizationBenchmark RunDiscretizationBenchmark(const DiscretizationOptions& 
   const GridScene grid_scene = ReadGridScene(options.scene_path);
   DiscretizationBenchmark benchmark;
   benchmark.truth = MakeTrueParameters(options.truth, grid_scene.scene);
-  benchmark.true_nodes = {2 * grid_scene.nodes[0] - 1, 2 * grid_scene.nodes[1] - 1};
-  benchmark.true_time_step = grid_scene.scene.time_step / kTrueStepDivisor;
+  benchmark.true_time_step = grid_scene.scene.time_step / options.true_step_divisor;
   benchmark.frame_rate = 1.0 / grid_scene.scene.time_step;
   benchmark.fits = PlanFits(options, grid_scene);
   std::vector<Scene> models;  // before the fits, so that they do not run in vain
   for (const DiscretizationFit& fit : benchmark.fits) models.push_back(Regrid(grid_scene, fit.nodes));
-  const RecordedMotion recording = RecordTruth(grid_scene, benchmark.truth);
+  const RecordedMotion same_grid =
+      RecordTruth(grid_scene, grid_scene.nodes, options.true_step_divisor, benchmark.truth);
+  const RecordedMotion fine_grid =
+      RecordTruth(grid_scene, FineGridOf(grid_scene), options.true_step_divisor, benchmark.truth);
   const int num_fits = static_cast<int>(benchmark.fits.size());
   ParallelFor(
       num_fits, options.num_threads,
-      [&](int i) { RunFit(benchmark.truth, grid_scene, models[i], recording, &benchmark.fits[i]); },
+      [&](int i) {
+        DiscretizationFit* fit = &benchmark.fits[i];
+        RunFit(benchmark.truth, grid_scene, models[i], fit->true_nodes == grid_scene.nodes ? same_grid : fine_grid,
+               fit);
+      },
       [&](int i, int num_done) {
         if (options.on_fit) options.on_fit(benchmark.fits[i], num_done, num_fits);
       });
@@ -120,16 +155,16 @@ DiscretizationBenchmark RunDiscretizationBenchmark(const DiscretizationOptions& 
 
 std::string DiscretizationTable(const DiscretizationBenchmark& benchmark) {
   std::ostringstream out;
-  out << "truth: " << benchmark.true_nodes[0] << " x " << benchmark.true_nodes[1] << " nodes, steps of "
-      << 1e3 * benchmark.true_time_step << " ms, seen at " << benchmark.frame_rate << " Hz\n";
-  out << "nodes        step, ms";
+  out << "truths: sdirk2, steps of " << 1e3 * benchmark.true_time_step << " ms, seen at " << benchmark.frame_rate
+      << " Hz\n";
+  out << "truth        method  nodes        step, ms";
   for (const TrueParameter& parameter : benchmark.truth) {
     out << std::setw(12) << parameter.name << std::setw(10) << "error, %";
   }
   out << "  rmse, mm  rollouts  status\n";
   for (const DiscretizationFit& fit : benchmark.fits) {
-    out << std::left << std::setw(13) << std::to_string(fit.nodes[0]) + " x " + std::to_string(fit.nodes[1])
-        << std::right << std::setw(8) << 1e3 * fit.time_step;
+    out << std::left << std::setw(13) << GridName(fit.true_nodes) << std::setw(8) << fit.integrator << std::setw(13)
+        << GridName(fit.nodes) << std::right << std::setw(8) << 1e3 * fit.time_step;
     for (std::size_t i = 0; i < fit.value.size(); ++i) {
       out << std::setw(12) << std::setprecision(5) << fit.value[i] << std::fixed << std::showpos << std::setprecision(2)
           << std::setw(10) << 100.0 * fit.error[i] << std::defaultfloat << std::noshowpos;
@@ -142,11 +177,13 @@ std::string DiscretizationTable(const DiscretizationBenchmark& benchmark) {
 
 std::string DiscretizationCsv(const DiscretizationBenchmark& benchmark) {
   std::ostringstream out;
-  out << std::setprecision(std::numeric_limits<double>::max_digits10) << "nodes_0,nodes_1,time_step";
+  out << std::setprecision(std::numeric_limits<double>::max_digits10)
+      << "true_nodes_0,true_nodes_1,integrator,nodes_0,nodes_1,time_step";
   for (const TrueParameter& parameter : benchmark.truth) out << "," << parameter.name << ",error_" << parameter.name;
   out << ",rmse_m,rollouts,status\n";
   for (const DiscretizationFit& fit : benchmark.fits) {
-    out << fit.nodes[0] << "," << fit.nodes[1] << "," << fit.time_step;
+    out << fit.true_nodes[0] << "," << fit.true_nodes[1] << "," << fit.integrator << "," << fit.nodes[0] << ","
+        << fit.nodes[1] << "," << fit.time_step;
     for (std::size_t i = 0; i < fit.value.size(); ++i) out << "," << fit.value[i] << "," << fit.error[i];
     out << "," << fit.rmse << "," << fit.rollouts << "," << FitStatusName(fit.status) << "\n";
   }

@@ -1,8 +1,10 @@
 // benchmark discretization: what the grid and the time step of the fitted model do to its estimates.
 //
-// The truth is that of datasets/synthetic/fine_truth.h, seen without noise at the nodes of the scene's own grid and at
-// multiples of its time step h, which all models share. Models on several grids, at several time steps that divide h,
-// are fitted to it. A point that is no node of a coarse grid is a fixed point of one of its triangles.
+// There are two truths, both by SDIRK2 at h/64, h the scene's time step: on the scene's own grid, and on one of twice
+// the density. They are seen without noise at the nodes of the scene's own grid and at multiples of h, which all models
+// share. Models with either integrator, at several time steps that divide h, are fitted to them: to the first truth
+// models on its grid, to the second on several. A point that is no node of a coarse grid is a fixed point of one of its
+// triangles.
 #ifndef CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_DISCRETIZATION_H_
 #define CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_DISCRETIZATION_H_
 
@@ -12,14 +14,16 @@
 #include <string>
 #include <vector>
 
-#include "datasets/synthetic/fine_truth.h"
 #include "datasets/synthetic/true_recording.h"
 #include "identify/fit/fit.h"
+#include "tools/benchmark/base/integrators.h"
 
 namespace clothid {
 
 // One fit. Depends on the options alone.
 struct DiscretizationFit {
+  std::array<int, 2> true_nodes = {};
+  std::string integrator;
   std::array<int, 2> nodes = {};
   double time_step = 0.0;     // s
   std::vector<double> value;  // the estimates; NaN where there are none
@@ -35,7 +39,9 @@ struct DiscretizationOptions {
   std::map<std::string, double> truth;  // the parameters to be fitted; all others have the scene's nominal value
   std::vector<int> nodes;  // along the first axis, the second in proportion; empty: the scene's and the truth's
   std::vector<int> step_divisors = {1, 2, 4};
-  int num_threads = 1;  // fits side by side; results do not depend on it
+  std::vector<std::string> integrators = kIntegratorNames;
+  int true_step_divisor = 64;  // of the truths
+  int num_threads = 1;         // fits side by side; results do not depend on it
   // After every fit, in the order in which they end; never two at a time. May be empty.
   std::function<void(const DiscretizationFit& fit, int num_done, int num_fits)> on_fit;
 
@@ -45,10 +51,9 @@ struct DiscretizationOptions {
 
 struct DiscretizationBenchmark {
   std::vector<TrueParameter> truth;
-  std::array<int, 2> true_nodes = {};
   double true_time_step = 0.0;          // s
   double frame_rate = 0.0;              // Hz
-  std::vector<DiscretizationFit> fits;  // by nodes, then time step
+  std::vector<DiscretizationFit> fits;  // by truth, integrator, nodes, time step
 };
 
 // Fits start from the scene's nominal values. Throws `Error` for options and scenes that cannot be used (see

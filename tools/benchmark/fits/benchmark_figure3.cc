@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/scene_json.h"
+#include "tools/benchmark/base/integrators.h"
 #include "tools/landscape/landscape_axis.h"
 #include "tools/landscape/landscape_plan.h"
 #include "tools/landscape/landscape_run.h"
@@ -20,10 +21,11 @@ namespace clothid {
 namespace {
 
 // A cloth of 0.5 m, held at its upper edge, 25 degrees below the horizontal at the start: it swings down on the sphere
-// under its lower half and slides off it.
+// under its lower half and slides off it. INTEGRATOR stands for a name.
 constexpr char kScene[] = R"({
   "clothid_scene": 1,
   "time_step": 0.01,
+  "integrator": "INTEGRATOR",
   "duration": 0.8,
   "contact": "gap",
   "mesh": {"grid": {"nodes": [10, 10], "size": [0.5, 0.5], "origin": [-0.25, 0, 0],
@@ -41,6 +43,12 @@ void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
 }
 
+std::string SceneText(const std::string& integrator) {
+  const std::string name = "INTEGRATOR";
+  std::string text = kScene;
+  return text.replace(text.find(name), name.size(), integrator);
+}
+
 SceneVariant VariantOf(const Figure3Setting& setting) {
   SceneVariant variant = {{"ball.center.x", setting.offset}};
   if (setting.contact_mode == ContactMode::kVelocity) variant.push_back({"touch", setting.touch});
@@ -48,9 +56,9 @@ SceneVariant VariantOf(const Figure3Setting& setting) {
 }
 
 // One recording for each of `noises`, relative to the cloth's size.
-std::vector<RecordedMotion> MakeRecordings(const Figure3Setting& setting, const std::vector<double>& noises,
-                                           std::uint64_t seed) {
-  const std::string text = ChangeScene(kScene, {"ball"}, VariantOf(setting));
+std::vector<RecordedMotion> MakeRecordings(const Figure3Setting& setting, const std::string& integrator,
+                                           const std::vector<double>& noises, std::uint64_t seed) {
+  const std::string text = ChangeScene(SceneText(integrator), {"ball"}, VariantOf(setting));
   Scene scene = ParseScene(text, setting.Name(), "");
   scene.contact_mode = setting.contact_mode;
   const Rollout rollout = SimulateTruth(MakeTrueParameters(kTruth, scene), setting.Name(), scene);
@@ -99,7 +107,7 @@ Landscape Scan(const Figure3Options& options, LandscapeScanOptions scan) {
   LandscapeRunOptions run;
   run.origin.version = Version();
   run.origin.git = GitHash();
-  run.origin.input_sha256 = Sha256Hex({kScene});
+  run.origin.input_sha256 = Sha256Hex({SceneText(options.integrator)});
   run.origin.truth = kTruth;
   run.origin.fingerprint = LandscapeFingerprint(scan.plan, scan.motions, kTruth);
   run.folder = options.folder;
@@ -161,6 +169,7 @@ void Figure3Options::Validate() const {
     Require(zooms[i] > 0.0 && zooms[i] < larger, "--zoom: expected falling numbers between 0 and 1");
   }
   Require(!zooms.empty(), "--zoom: expected at least one number");
+  IntegratorNamed(integrator);
   Require(cells >= 3, "--cells: expected a number >= 3");
   Require(std::isfinite(noise) && noise >= 0.0, "--noise: expected a number >= 0, relative to the cloth's size");
   Require(starts_per_axis >= 0, "--starts: expected a number >= 0");
@@ -175,7 +184,7 @@ Figure3 RunFigure3(const Figure3Options& options) {
   if (options.noise > 0.0) figure.noises.push_back(options.noise);
   std::vector<RecordedMotion> recordings, exact;
   for (const Figure3Setting& setting : figure.settings) {
-    const std::vector<RecordedMotion> made = MakeRecordings(setting, figure.noises, options.seed);
+    const std::vector<RecordedMotion> made = MakeRecordings(setting, options.integrator, figure.noises, options.seed);
     recordings.insert(recordings.end(), made.begin(), made.end());
     exact.push_back(made.front());
   }

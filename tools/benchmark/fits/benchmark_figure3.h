@@ -30,6 +30,7 @@ struct Figure3Options {
   std::vector<double> touches = {1e-5, 1e-3};       // of velocity mode; gap mode has no such thing
   std::vector<double> zooms = {0.03, 0.01, 0.003};  // shares of both axes, falling
   int cells = 33;                                   // per axis of a window
+  std::string integrator = "euler";                 // of truth and model
   int starts_per_axis = 5;                          // of the fits; 0: none
   double noise = 0.01;     // of the recordings of further fits, relative to the cloth's size; 0: none of these
   std::uint64_t seed = 1;  // of the noise

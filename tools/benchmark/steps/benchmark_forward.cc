@@ -30,18 +30,21 @@ void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
 }
 
-Scene MakeScene(const std::string& name, int nodes) {
+Scene MakeScene(const std::string& name, int nodes, const std::string& integrator) {
   const double stretch_stiffness = name == "slope" ? 50.0 : 100.0, time_step = name == "wind" ? 1.0 / 90.0 : 0.01;
   Scene scene = MakeBenchmarkScene(name, nodes, stretch_stiffness, time_step);
   scene.solver.step_tolerance = kStepTolerance;
+  scene.integrator = IntegratorNamed(integrator);
   return scene;
 }
 
-// One scene at one size, with its simulator and what its rollouts without a failed step took.
+// One case, with its simulator and what its rollouts without a failed step took.
 struct Run {
-  Run(const std::string& scene, int nodes) : simulator(MakeScene(scene, nodes)) {
+  Run(const std::string& scene, int nodes, const std::string& integrator)
+      : simulator(MakeScene(scene, nodes, integrator)) {
     result.scene = scene;
     result.nodes = nodes;
+    result.integrator = integrator;
     const CholeskySolver cholesky(simulator.model().pattern());
     result.factor_flops = cholesky.num_flops();
     result.factor_entries = cholesky.num_entries();
@@ -100,17 +103,28 @@ void Put(double value, int width, int precision, std::ostream& out) {
 
 void PutCase(const ForwardCase& result, std::ostream& out) {
   out << std::left << std::setw(8) << result.scene << std::right << std::setw(3) << result.nodes << " x "
-      << std::setw(3) << result.nodes;
+      << std::setw(3) << result.nodes << "  " << std::left << std::setw(7) << result.integrator << std::right;
+}
+
+// Of a step, relative to backward Euler; NaN where that was not run.
+double TimesEuler(const ForwardBenchmark& benchmark, const ForwardCase& result) {
+  for (const ForwardCase& euler : benchmark.cases) {
+    const bool same = euler.scene == result.scene && euler.nodes == result.nodes;
+    if (same && IntegratorNamed(euler.integrator) == Integrator::kEuler) return result.seconds / euler.seconds;
+  }
+  return kNaN;
 }
 
 void WriteStepTable(const ForwardBenchmark& benchmark, std::ostream& out) {
   out << "ms per step\n"
-         "scene      nodes    step  Newton  linear  factors  evaluation  assembly  contact  factor   solve   other"
+         "scene      nodes  method     step  x euler  Newton  linear  factors  evaluation  assembly  contact  factor   "
+         "solve   other"
          "  reference  ratio  failed  bytes/node\n";
   for (const ForwardCase& result : benchmark.cases) {
     const double reference = ReferenceStepSeconds(result.scene, result.nodes).value_or(kNaN);
     PutCase(result, out);
     Put(1e3 * result.seconds, 8, 2, out);
+    Put(TimesEuler(benchmark, result), 9, 2, out);
     Put(result.newton_iterations(), 8, 2, out);
     Put(result.linear_iterations(), 8, 2, out);
     Put(result.factorizations(), 9, 2, out);
@@ -133,7 +147,8 @@ void WriteFactorTable(const ForwardBenchmark& benchmark, std::ostream& out) {
       << std::defaultfloat << " Gflop/s";
   if (!benchmark.blas_kernel.empty()) out << ", OpenBLAS for " << benchmark.blas_kernel;
   out << "\n"
-         "scene      nodes    Mflop  10^6 entries  at dgemm speed, ms  measured, ms  ratio  with a solve, ms  ratio\n";
+         "scene      nodes  method    Mflop  10^6 entries  at dgemm speed, ms  measured, ms  ratio  with a solve, ms  "
+         "ratio\n";
   for (const ForwardCase& result : benchmark.cases) {
     const double least = result.factor_flops / benchmark.dgemm_rate;
     const double factor = result.phases.factorization / result.factorizations();
@@ -152,11 +167,11 @@ void WriteFactorTable(const ForwardBenchmark& benchmark, std::ostream& out) {
   }
 }
 
-// The exponent over the cases of `scene`; NaN with fewer than two.
-double GrowthExponent(const ForwardBenchmark& benchmark, const std::string& scene) {
+// The exponent over the cases with the scene and integrator of `of`; NaN with fewer than two.
+double GrowthExponent(const ForwardBenchmark& benchmark, const ForwardCase& of) {
   std::vector<double> nodes, seconds;
   for (const ForwardCase& result : benchmark.cases) {
-    if (result.scene != scene || !(result.iteration_seconds() > 0.0)) continue;
+    if (result.scene != of.scene || result.integrator != of.integrator || !(result.iteration_seconds() > 0.0)) continue;
     nodes.push_back(std::pow(result.nodes, 2));
     seconds.push_back(result.iteration_seconds());
   }
@@ -166,14 +181,16 @@ double GrowthExponent(const ForwardBenchmark& benchmark, const std::string& scen
 void WriteGrowthTable(const ForwardBenchmark& benchmark, std::ostream& out) {
   out << "\none Newton iteration that factorises; its time grows with the number of nodes to the power of the "
          "exponent\n"
-         "scene      nodes  iterations per step  ms per iteration  exponent\n";
+         "scene      nodes  method   iterations per step  ms per iteration  exponent\n";
   for (std::size_t i = 0; i < benchmark.cases.size(); ++i) {
     const ForwardCase& result = benchmark.cases[i];
-    const bool last = i + 1 == benchmark.cases.size() || benchmark.cases[i + 1].scene != result.scene;
+    const bool last = std::none_of(
+        benchmark.cases.begin() + i + 1, benchmark.cases.end(),
+        [&](const ForwardCase& other) { return other.scene == result.scene && other.integrator == result.integrator; });
     PutCase(result, out);
     Put(result.newton_iterations(), 21, 2, out);
     Put(1e3 * result.iteration_seconds(), 18, 2, out);
-    if (last) Put(GrowthExponent(benchmark, result.scene), 10, 2, out);
+    if (last) Put(GrowthExponent(benchmark, result), 10, 2, out);
     out << "\n";
   }
 }
@@ -207,6 +224,7 @@ void ForwardBenchmarkOptions::Validate() const {
   }
   Require(!nodes.empty(), "--nodes: expected at least one number");
   for (const int n : nodes) Require(n >= 2 && n <= kMaxNodes / n, "--nodes: expected numbers >= 2, not too large");
+  ValidateIntegrators(integrators);
   Require(num_steps >= 1, "--steps: expected a number >= 1");
   Require(repeats >= 1, "--repeats: expected a number >= 1");
 }
@@ -215,7 +233,9 @@ ForwardBenchmark RunForwardBenchmark(const ForwardBenchmarkOptions& options) {
   options.Validate();
   std::vector<Run> runs;
   for (const std::string& scene : options.scenes) {
-    for (const int nodes : options.nodes) runs.emplace_back(scene, nodes);
+    for (const int nodes : options.nodes) {
+      for (const std::string& integrator : options.integrators) runs.emplace_back(scene, nodes, integrator);
+    }
   }
   const int num_rollouts = options.repeats * static_cast<int>(runs.size());
   int num_done = 0;
@@ -248,16 +268,17 @@ std::string ForwardTable(const ForwardBenchmark& benchmark) {
 std::string ForwardCsv(const ForwardBenchmark& benchmark) {
   std::ostringstream out;
   out << std::setprecision(std::numeric_limits<double>::max_digits10)
-      << "scene,nodes,steps,newton_iterations,linear_iterations,factorizations,fallbacks,substeps,failed_steps,bytes_"
+      << "scene,nodes,integrator,steps,newton_iterations,linear_iterations,factorizations,fallbacks,substeps,failed_"
+         "steps,bytes_"
          "per_node_and_step,"
          "factor_flops,factor_entries,dgemm_flops_per_second,step_seconds,evaluation_seconds,assembly_seconds,"
          "contact_seconds,factorization_seconds,solution_seconds,reference_step_seconds\n";
   for (const ForwardCase& result : benchmark.cases) {
     const RolloutCounts& counts = result.counts;
-    out << result.scene << "," << result.nodes << "," << counts.steps << "," << counts.newton_iterations << ","
-        << counts.linear_iterations << "," << counts.factorizations << "," << counts.fallbacks << "," << counts.substeps
-        << "," << counts.failed_steps << "," << result.bytes << "," << result.factor_flops << ","
-        << result.factor_entries << "," << benchmark.dgemm_rate << "," << result.seconds;
+    out << result.scene << "," << result.nodes << "," << result.integrator << "," << counts.steps << ","
+        << counts.newton_iterations << "," << counts.linear_iterations << "," << counts.factorizations << ","
+        << counts.fallbacks << "," << counts.substeps << "," << counts.failed_steps << "," << result.bytes << ","
+        << result.factor_flops << "," << result.factor_entries << "," << benchmark.dgemm_rate << "," << result.seconds;
     for (const auto phase : kPhases) out << "," << result.phases.*phase;
     out << "," << ReferenceStepSeconds(result.scene, result.nodes).value_or(kNaN) << "\n";
   }

@@ -1,4 +1,4 @@
-// benchmark forward: what a step of the forward simulation costs, and where its time goes.
+// benchmark forward: what a step of the forward simulation costs, with either integrator, and where its time goes.
 //
 // The scenes of tools/benchmark/base/benchmark_scene.h at a relative residual of 1e-8: wind with k = 100 N/m and h =
 // 1/90 s, slope with k = 50 N/m and h = 1/100 s, sphere with k = 100 N/m and h = 1/100 s. All scenes and sizes take
@@ -18,13 +18,15 @@
 
 #include "sim/base/phase_seconds.h"
 #include "sim/rollout/rollout.h"
+#include "tools/benchmark/base/integrators.h"
 
 namespace clothid {
 
-// One scene at one size. All but the seconds depends on the options alone.
+// One scene at one size with one integrator. All but the seconds depends on the options alone.
 struct ForwardCase {
   std::string scene;
-  int nodes = 0;              // along each axis
+  int nodes = 0;  // along each axis
+  std::string integrator;
   RolloutCounts counts;       // of one rollout
   double seconds = 0.0;       // a step, processor time; NaN, as the phases, where a step failed
   PhaseSeconds phases;        // a step, processor time
@@ -43,6 +45,7 @@ struct ForwardCase {
 struct ForwardBenchmarkOptions {
   std::vector<std::string> scenes = {"wind", "slope"};
   std::vector<int> nodes = {12, 24, 48};  // along each axis
+  std::vector<std::string> integrators = kIntegratorNames;
   int num_steps = 100;
   int repeats = 3;
   // After every rollout, with the case that it belongs to. May be empty.
@@ -55,7 +58,7 @@ struct ForwardBenchmarkOptions {
 struct ForwardBenchmark {
   double dgemm_rate = 0.0;         // 1/s
   std::string blas_kernel;         // see BlasKernel
-  std::vector<ForwardCase> cases;  // by scene, then nodes
+  std::vector<ForwardCase> cases;  // by scene, nodes, integrator
 };
 
 // The time of a step, s, of the DiffCloth code on such a machine at its own, looser thresholds, one thread; for the
@@ -65,10 +68,11 @@ std::optional<double> ReferenceStepSeconds(const std::string& scene, int nodes);
 // Throws `Error` for options that cannot be used.
 ForwardBenchmark RunForwardBenchmark(const ForwardBenchmarkOptions& options);
 
-// Three tables: the step and its phases; the factor beside dgemm; the growth with the number of nodes.
+// Three tables: the step and its phases, its time beside that of backward Euler where both were run; the factor beside
+// dgemm; the growth with the number of nodes.
 std::string ForwardTable(const ForwardBenchmark& benchmark);
 
-// One row per scene and size.
+// One row per scene, size and integrator.
 std::string ForwardCsv(const ForwardBenchmark& benchmark);
 
 }  // namespace clothid

@@ -28,7 +28,8 @@ const ComponentCheck* FindComponent(const StabilityGradient& gradient, const std
 }  // namespace
 
 bool StabilityRow::gains_energy() const {
-  const double tolerance = integrator == IntegratorName(Integrator::kSdirk2) ? kStageError * energy.largest_energy : 0.0;
+  const double tolerance =
+      integrator == IntegratorName(Integrator::kSdirk2) ? kStageError * energy.largest_energy : 0.0;
   return energy.excess > energy.total.tolerance + tolerance;
 }
 
