@@ -4,13 +4,12 @@
 // motion. Frames are the multiples of the setting's time step h, whatever the step of the rollout. Curves, each
 // kind against a reference of its own:
 //   euler, sdirk2   steps of h/1 .. h/32 by that integrator, each at several step tolerances, against SDIRK2 at h/64
-//   and
-//                   kTightTolerance on the same mesh: all that integration in time does. At kMeshTolerance also against
-//                   SDIRK2 at h/64 with 2n cells: what time step and mesh do together
+//                   and kTightTolerance on the same mesh: all that integration in time does. At kMeshTolerance also
+//                   against SDIRK2 at h/64 with 2n cells: what time step and mesh do together
 //   step_tolerance  backward Euler at h and falling tolerances, against the same at kTightTolerance: what the solver
-//   leaves mesh            the same with n/4, n/2 and n cells along each axis, against 2n: at the nodes of the
-//   coarsest, which
-//                   all of them have
+//                   leaves
+//   mesh            backward Euler with n/4, n/2 and n cells along each axis, against 2n: at the nodes of the coarsest,
+//                   which all of them have
 #ifndef CLOTHID_TOOLS_BENCHMARK_ACCURACY_ACCURACY_FORWARD_H_
 #define CLOTHID_TOOLS_BENCHMARK_ACCURACY_ACCURACY_FORWARD_H_
 
