@@ -28,6 +28,8 @@ Draped MakeDraped(int num_frames, unsigned seed, double noise = kNoise) {
   constexpr int kStart = 20;
   Draped draped;
   Scene scene = ClothScene(12, kStart + num_frames);
+  scene.integrator = Integrator::kEuler;  // which is slow on its way
+  scene.bending.law = BendingLaw::kEdges;
   scene.solver.step_tolerance = 1e-6;
   for (int i = 0; i < 12; ++i) scene.handles.nodes.push_back(i);
   scene.obstacles = SphereScene().obstacles;

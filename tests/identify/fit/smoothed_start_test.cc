@@ -24,6 +24,7 @@ struct NoisyDrape {
 NoisyDrape MakeDrape(int first, unsigned seed) {
   constexpr int kFrames = 60;
   Scene scene = ClothScene(kSide, first + kFrames);
+  scene.bending.law = BendingLaw::kEdges;  // stiff enough for what a few markers tell of it
   scene.solver.step_tolerance = 1e-6;
   for (int i = 0; i < kSide; ++i) scene.handles.nodes.push_back(i);
   scene.obstacles = SphereScene().obstacles;

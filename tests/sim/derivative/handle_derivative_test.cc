@@ -23,7 +23,7 @@ Scene MovingScene(Integrator integrator) {
   Scene scene = ShippedScene("drape", 10);
   scene.integrator = integrator;
   // Two solves per step meet twice as many changes of contacts, between which differences have to fit.
-  if (integrator == Integrator::kSdirk2) scene.duration = 0.35;
+  if (integrator == Integrator::kSdirk2) scene.duration = 0.45;
   scene.material.bending_stiffness = 1e-4;
   scene.material.drag = 0.05;
   scene.material.damping = 0.02;

@@ -272,7 +272,7 @@ TEST(ParseScene, NamesWrongTypesAndValues) {
   ExpectBadMember("\"solver\": {\"max_newton_iterations\": 1.5}",
                   {"key 'solver.max_newton_iterations': expected an integer"});
   ExpectBadMember("\"initial\": {\"positions\": 1}", {"key 'initial.positions': expected a string"});
-  ExpectBad("{\"clothid_scene\": 2}", {"scene.json:1: key 'clothid_scene': expected version 1"});
+  ExpectBad("{\"clothid_scene\": 3}", {"scene.json:1: key 'clothid_scene': expected version 1 or 2"});
   ExpectBad("{}", {"scene.json:1: key 'clothid_scene': is missing"});
   ExpectBad("{\"clothid_scene\": 1}", {"scene.json:1: key 'duration': is missing"});
   ExpectBad("{\"clothid_scene\": 1, \"duration\": 1}", {"key 'mesh': is missing; expected {\"grid\""});
