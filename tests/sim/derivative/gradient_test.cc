@@ -291,8 +291,8 @@ Scene Woven(Scene scene) {
 class WovenGradientTest : public GradientTest {};
 
 TEST_P(WovenGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
-  Scene scene = Woven(SceneOf(GetParam(), std::get<2>(GetParam()) == Integrator::kEuler ? 6 : 7));
-  scene.duration *= 0.5;
+  Scene scene = Woven(SceneOf(GetParam(), 7));
+  scene.duration *= 0.4;
   const GradientCase gradient(scene);
   for (const char* name : {"k_warp", "k_weft", "k_shear", "k_poisson", "bend_warp", "bend_weft", "bend_twist"}) {
     EXPECT_TRUE(gradient.HasInfluence(name)) << name;
