@@ -90,12 +90,7 @@ double Units::Of(ParameterKind kind) const {
 
 Parameters Rescaled(const Parameters& parameters, const Units& units) {
   Parameters result = parameters;
-  Material& material = result.material;
-  material.density *= units.Of(ParameterKind::kDensity);
-  material.stretch_stiffness *= units.Of(ParameterKind::kStretchStiffness);
-  material.bending_stiffness *= units.Of(ParameterKind::kBendingStiffness);
-  material.drag *= units.Of(ParameterKind::kDrag);
-  material.damping *= units.Of(ParameterKind::kDamping);
+  for (const ParameterKind kind : kMaterialKinds) result.material.*MaterialConstant(kind) *= units.Of(kind);
   return result;
 }
 
