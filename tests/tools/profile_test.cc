@@ -33,15 +33,24 @@ class ProfileTest : public ToolTest {
     }
     return files;
   }
+
+  // Whether the last of them called it. (What picks the version of a function for the processor is executed in every
+  // program, and counts as a line of that function's file.)
+  bool Called(const std::string& function) const {
+    return ReadBytes(folder() / "profile").find("\nfn=clothid::" + function + "(") != std::string::npos;
+  }
 };
 
 TEST_F(ProfileTest, BareSceneRunsNoContactBendingDragOrDamping) {
   const std::set<std::string> files = ExecutedFiles(BareScene());
   EXPECT_EQ(files.count("stretch_energy.cc"), 1u);
-  for (const char* file : {"contact.cc", "contact_law.cc", "contact_law.h", "contact_elimination.cc", "obstacle.cc",
-                           "bending_energy.cc", "bending_patch.cc", "air_drag.cc", "strain_rate_damping.cc"}) {
+  for (const char* file :
+       {"contact.cc", "contact_law.cc", "contact_law.h", "contact_elimination.cc", "obstacle.cc", "bending_energy.cc",
+        "bending_patch.cc", "air_drag.cc", "strain_rate_damping.cc", "warp.cc"}) {
     EXPECT_EQ(files.count(file), 0u) << file;
   }
+  EXPECT_TRUE(Called("StretchEnergy::AddForce"));
+  EXPECT_FALSE(Called("OrthotropicEnergy::AddForce"));
 }
 
 TEST_F(ProfileTest, SphereRunsContactAlone) {
@@ -71,6 +80,15 @@ TEST_F(ProfileTest, BendingDragAndDampingRunWhereTheSceneHasThem) {
   EXPECT_EQ(files.count("bending_energy.cc"), 0u);
   EXPECT_EQ(files.count("air_drag.cc"), 0u);
   EXPECT_EQ(files.count("strain_rate_damping.cc"), 1u);
+}
+
+TEST_F(ProfileTest, AnOrthotropicMembraneRunsInPlaceOfTheIsotropicOne) {
+  Json scene = BareScene();
+  scene["materials"].erase("k_stretch");
+  scene["materials"].update({{"membrane", "orthotropic"}, {"k_warp", 100}, {"k_weft", 80}, {"k_shear", 10}});
+  ExecutedFiles(scene);
+  EXPECT_TRUE(Called("OrthotropicEnergy::AddForce"));
+  EXPECT_FALSE(Called("StretchEnergy::AddForce"));
 }
 
 }  // namespace
