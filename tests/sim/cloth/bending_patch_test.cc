@@ -209,5 +209,17 @@ TEST(BendingPatchOfCurvedMeshesTest, UnfoldsThem) {
   EXPECT_LT((matrix - expected).norm(), 1e-11 * expected.norm());
 }
 
+// With one value along warp and weft, and the twist that belongs to it, the terms of warp, weft and twist are the
+// isotropic law.
+TEST(BendingPatchesTest, SharesAddUpToTheIsotropicLaw) {
+  constexpr double kPoisson = 0.3;
+  const Mesh mesh = MakeSheet(SheetKind::kIrregular, Square(7));
+  const OrthotropicShares shares = SharesOfRigidity(kPoisson);
+  const Eigen::MatrixXd sum = Eigen::MatrixXd(Matrix(mesh, shares.warp)) + Eigen::MatrixXd(Matrix(mesh, shares.weft)) +
+                              0.5 * (1.0 - kPoisson) * Eigen::MatrixXd(Matrix(mesh, shares.twist));
+  const Eigen::MatrixXd isotropic = Matrix(mesh, IsotropicRigidity(1.0, kPoisson));
+  EXPECT_LT((sum - isotropic).norm(), 1e-12 * isotropic.norm());
+}
+
 }  // namespace
 }  // namespace clothid
