@@ -23,6 +23,8 @@ DEFINE_string(target, "", "recordings to fit, separated by commas");
 DEFINE_string(scene, "", "scene.json to use instead of the one in each recording");
 DEFINE_string(fit, "", "parameters to fit; empty: mu, where there are obstacles, and k_stretch, or k_warp,k_weft");
 DEFINE_string(each, "", "parameters to fit of which every recording has its own");
+DEFINE_string(field, "", "constants that vary over the cloth, NAME:ROWSxCOLUMNS[,...]");
+DEFINE_double(field_weight, 0.0, "weight of the smoothness of fields; 0: chosen by the marginal likelihood");
 DEFINE_string(start, "", "starting values, NAME=VALUE[,...]");
 DEFINE_string(lower, "", "lower bounds, NAME=VALUE[,...]");
 DEFINE_string(upper, "", "upper bounds, NAME=VALUE[,...]");
@@ -71,6 +73,12 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       v0           m/s, added to the velocity of every free node at the start
                       each of the last three is x, y and z, as shift.x. predicted.bin is in the recording's frame
   --each NAMES        to fit as well, but one per recording: drag becomes drag@1, drag@2, ... in the order of --target
+  --field LIST        constants that vary over the cloth, of k_stretch, k_bend and density, each on a control grid:
+                      NAME:ROWSxCOLUMNS, as k_stretch:8x8. They are fitted with the parameters of --fit, among which
+                      k_stretch is then the geometric mean over the cloth. Writes field_NAME.npy, which
+                      `simulate --set_field` reads
+  --field_weight W    of the smoothness of fields: W/2 times the integral of the squared Laplacian of the logarithm, the
+                      control grid being a unit square; 0: chosen by the marginal likelihood (0)
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values; of a recording's own parameters 0)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
                       cloth's size, turn +-0.2, v0 +-2, k_poisson +-sqrt(k_warp k_weft), the others start/1e4..start*1e4); drag is that of every
@@ -127,8 +135,8 @@ Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape
 )";
 
-const ListFlags kLists = {{"target", ','}, {"fit", ','},     {"each", ','},      {"start", ','},  {"lower", ','},
-                          {"upper", ','},  {"profile", ','}, {"landscape", ','}, {"holdout", ','}};
+const ListFlags kLists = {{"target", ','}, {"fit", ','},   {"field", ','},   {"each", ','},      {"start", ','},
+                          {"lower", ','},  {"upper", ','}, {"profile", ','}, {"landscape", ','}, {"holdout", ','}};
 
 FitOptions FitOptionsFromFlags() {
   FitOptions options;
@@ -164,6 +172,8 @@ RunOptions OptionsFromFlags(const std::string& command_line) {
   options.time_step = ParseTimeStep(FLAGS_time_step);
   options.step_tolerance = FLAGS_step_tolerance;
   options.fit = FitOptionsFromFlags();
+  options.fields = ParseFieldRequests(FLAGS_field);
+  options.field_weight = FLAGS_field_weight;
   options.check_recordings = FLAGS_check;
   options.check_gradients = FLAGS_check_gradients;
   options.profiles = ParseNames(FLAGS_profile, "--profile");

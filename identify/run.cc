@@ -11,6 +11,7 @@
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
+#include "identify/field/field_stage.h"
 #include "identify/fit/problem.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/report/node_prediction.h"
@@ -147,6 +148,7 @@ class Run {
   }
 
   void RunFit() {
+    if (!options_.fields.empty()) return RunFieldFit();
     const bool has_one_start = fit_options_.num_starts == 1;
     summary_ = has_one_start ? Fit(fit_options_, problem_.get())
                              : FitFromStarts(fit_options_, problem_.get(), &checks_.starts.emplace());
@@ -174,6 +176,16 @@ class Run {
     summary_.statistics += first.statistics;
     summary_.total_seconds += first.total_seconds;
     summary_.solver_seconds += first.solver_seconds;
+  }
+
+  // What is held out moves with the same cloth.
+  void RunFieldFit() {
+    summary_ = FitWithFields(fit_options_, options_.fields, options_.field_weight, &inputs_.fitted, &problem_,
+                             &checks_.fields.emplace());
+    for (const FittedField& field : checks_.fields->fields) {
+      SetField({field.request.kind, field.values}, &inputs_.held_out);
+    }
+    if (options_.on_fitted) options_.on_fitted(summary_);
   }
 
   // What was asked for beside the fit.
@@ -243,6 +255,19 @@ void RunOptions::Validate() const {
   Expect(landscape_paths.empty() || (report_page && !output.empty()),
          "--landscape: is shown in report.html; expected without --report=false");
   Expect(!resume || !output.empty(), "--resume: expected with --output");
+  ValidateFields();
+}
+
+void RunOptions::ValidateFields() const {
+  Expect(field_weight >= 0.0 && std::isfinite(field_weight), "--field_weight: expected a number > 0");
+  Expect(field_weight == 0.0 || !fields.empty(), "--field_weight: expected with --field");
+  if (fields.empty()) return;
+  Expect(!resume, "--resume: expected without --field, whose evaluations no journal keeps");
+  Expect(fit.num_starts == 1, "--starts: expected without --field, which starts once");
+  Expect(profiles.empty(), "--profile: expected without --field, which a profile would hold");
+  Expect(!discretization.any(), "--discretization: expected without --field, which is not fitted again");
+  Expect(fit.method != FitMethod::kLbfgs || field_weight > 0.0,
+         "--field_weight: expected with --method lbfgs, which does not choose it");
 }
 
 RunResult Identify(const RunOptions& options) {

@@ -24,6 +24,7 @@
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
 #include "identify/checks/holdout.h"
+#include "identify/field/field_request.h"
 #include "identify/fit/fit.h"
 #include "identify/verdict/verdict.h"
 #include "sim/base/error.h"
@@ -46,6 +47,10 @@ struct RunOptions {
   bool check_recordings = true;
   // The fit itself with its callbacks, which see the main fit, and its `cancel`, which ends the whole run.
   FitOptions fit;
+  // Constants to fit as fields (identify/field/field_fit.h), before the fit and together with its parameters. The level
+  // of a field may be one of these. `field_weight`: of the prior, > 0; 0: it is chosen.
+  std::vector<FieldRequest> fields;
+  double field_weight = 0.0;
   // Beside the fit.
   bool check_gradients = false;              // at the start, before the fit
   std::vector<std::string> profiles;         // parameters whose profile likelihood is wanted
@@ -66,6 +71,9 @@ struct RunOptions {
 
   // Throws `Error` (kUsage) naming the first value that is out of range or goes with no other.
   void Validate() const;
+
+ private:
+  void ValidateFields() const;
 };
 
 struct RunResult {

@@ -181,7 +181,7 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassO
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
                                          const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
                                          const std::vector<int>& active, const Eigen::MatrixXd& seeds,
-                                         const AdjointOptions& options, Precision precision) {
+                                         const AdjointOptions& options, Precision precision, Eigen::MatrixXd* fields) {
   const FramePrediction prediction = PredictionAt(coordinates);
   const ResidualDerivative derivative(&observation_, predicted);
   const SortedBlocks sorted = values_.Sort(active);
@@ -190,6 +190,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   };
   const RolloutGradient gradient =
       RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision);
+  if (fields != nullptr) *fields = gradient.fields;
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   if (!sorted.velocity_places.empty()) {
@@ -237,37 +238,6 @@ Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& predictio
     all.col(1 + active.correction_places[i]) = prediction.Derivative(active.corrections[i], swept.col(0), velocities);
   }
   return all;
-}
-
-SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                              const FrameVisitor& visitor, const PassOptions& pass,
-                                              const Eigen::MatrixXd* follow) {
-  const FramePrediction prediction = PredictionAt(coordinates);
-  const SortedBlocks sorted = values_.Sort(active);
-  const Eigen::VectorXd derivatives = values_.DerivativesAt(coordinates, active);
-  // Per unit of the values, as all other columns.
-  Eigen::MatrixXd along;
-  if (follow != nullptr) along = *follow * derivatives.cwiseInverse().asDiagonal();
-  FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
-    Eigen::MatrixXd points = WithDerivatives(prediction, sorted, frame, states);
-    if (along.cols() > 0) {
-      const Eigen::MatrixXd moved = prediction.Points(frame, states);
-      points.rightCols(along.cols()) += moved.rightCols(along.cols());
-    }
-    Eigen::VectorXd residuals;
-    Eigen::MatrixXd jacobian;
-    observation_.LinearizeFrame(frame, points, &residuals, &jacobian);
-    visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
-  });
-  const SensitivityDirections directions = DirectionsOf(sorted, along);
-  Eigen::MatrixXd state;
-  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
-    state.resize(positions.size(), 1 + derivative.cols());
-    state.col(0) = positions;
-    state.rightCols(derivative.cols()) = derivative;
-    sampler.AddStep(step, state);
-  };
-  return RunForwardSweep(coordinates, directions, add_step, pass);
 }
 
 }  // namespace clothid

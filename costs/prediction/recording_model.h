@@ -73,7 +73,14 @@ class RecordingModel {
   }
 
   // `coordinates` [p + n], the blocks in their order.
-  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const { return values_.ParametersAt(coordinates); }
+  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const {
+    Parameters parameters = values_.ParametersAt(coordinates);
+    if (fields_ != nullptr) parameters.fields = fields_;
+    return parameters;
+  }
+
+  // How constants vary over the cloth in all rollouts from now on: the fields of the scene, with other factors.
+  void SetFields(std::shared_ptr<const std::vector<FieldFactors>> fields) { fields_ = std::move(fields); }
 
   int num_steps() const { return interpolation_.num_steps(); }
 
@@ -87,11 +94,13 @@ class RecordingModel {
                    Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the coordinates listed in
-  // `active` [q]. `predicted` and `velocities`: of the rollout. Throws `std::logic_error` where the time offset is
-  // active and velocities are missing.
+  // `active` [q]. `predicted` and `velocities`: of the rollout. `fields` (may be null): the same [K F x s] for the
+  // logarithms of the values that the rollout's fields have per triangle (sim/derivative/field_derivative.h). Throws
+  // `std::logic_error` where the time offset is active and velocities are missing.
   Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
                            const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                           const Eigen::MatrixXd& seeds, const AdjointOptions& options, Precision precision);
+                           const Eigen::MatrixXd& seeds, const AdjointOptions& options, Precision precision,
+                           Eigen::MatrixXd* fields = nullptr);
 
   // Called per frame with the prediction [R], whitened residuals [r] of the frame and their derivatives with
   // respect to the coordinates of the blocks `active`, [r x q].
@@ -103,7 +112,18 @@ class RecordingModel {
                                 const FrameVisitor& visitor, const PassOptions& pass,
                                 const Eigen::MatrixXd* follow = nullptr);
 
+  // The same along a rollout of `Simulate` that is at hand, at its coordinates: nothing is simulated.
+  void PushForward(const Rollout& rollout, const Eigen::VectorXd& coordinates, const std::vector<int>& active,
+                   const FrameVisitor& visitor, Precision precision);
+  // And along changes [K F x q] of what PullBack calls `fields`.
+  void PushForwardFields(const Rollout& rollout, const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& changes,
+                         const FrameVisitor& visitor, Precision precision);
+
  private:
+  using Sweep = std::function<void(const SensitivityDirections& directions, const SensitivityVisitor& visitor)>;
+  // What the sweeps of all these functions have in common.
+  void SweepFrames(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const Eigen::MatrixXd* follow,
+                   const FrameVisitor& visitor, const Sweep& sweep);
   void Observe(RolloutPass pass, int num_done, int passes_left) const {
     if (observer_ && num_done > 0) observer_({pass, num_done, num_steps(), passes_left});
   }
@@ -149,7 +169,8 @@ class RecordingModel {
   FrameInterpolation interpolation_;
   Eigen::Vector3d turn_center_;  // m
   Simulator simulator_;
-  std::shared_ptr<const UnknownStart> start_;  // null: the start is known
+  std::shared_ptr<const UnknownStart> start_;                // null: the start is known
+  std::shared_ptr<const std::vector<FieldFactors>> fields_;  // null: those of the scene
   PassObserver observer_;
 };
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/scene/triangle_tree.h"
+#include "sim/geometry/triangle_tree.h"
 
 namespace clothid {
 namespace {

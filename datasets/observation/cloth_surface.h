@@ -31,7 +31,7 @@
 
 namespace clothid {
 
-class TriangleTree;  // sim/scene/triangle_tree.h
+class TriangleTree;  // sim/geometry/triangle_tree.h
 
 struct SurfaceDistance {
   double distance = 0.0;  // d, m

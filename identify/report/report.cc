@@ -16,6 +16,7 @@
 #include "identify/report/report_page.h"
 #include "identify/report/result_json.h"
 #include "sim/base/error.h"
+#include "sim/scene/material_field.h"
 
 namespace clothid {
 namespace {
@@ -173,8 +174,9 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
 }
 
 bool IsReportFile(const std::string& name) {
-  static constexpr std::array<std::string_view, 5> kNames = {"result.json", "convergence.csv", "profile.csv",
-                                                             "predicted.bin", kReportName};
+  static constexpr std::array<std::string_view, 8> kNames = {
+      "result.json", "convergence.csv",     "profile.csv",      "predicted.bin",
+      kReportName,   "field_k_stretch.npy", "field_k_bend.npy", "field_density.npy"};
   if (std::find(kNames.begin(), kNames.end(), name) != kNames.end()) return true;
   static constexpr std::string_view kBegin = "predicted_", kEnd = ".bin";
   if (name.size() <= kBegin.size() + kEnd.size() || name.compare(0, kBegin.size(), kBegin) != 0) return false;
@@ -187,6 +189,11 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
   folder->RemoveOthers(IsReportFile);
   folder->Write("result.json", ResultJson(summary, checks, motions));
   folder->Write("convergence.csv", ConvergenceCsv(summary));
+  if (checks.fields) {
+    for (const FittedField& field : checks.fields->fields) {
+      folder->Write("field_" + field.request.name + ".npy", FieldValuesNpy(field.values));
+    }
+  }
   if (!checks.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, checks));
   try {
     WriteLargeFiles(summary, checks, motions, folder, options);
@@ -220,6 +227,9 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
           << summary.start_error.fit_percent() << " % (0 %: no better than a cloth at rest)\n";
   }
   for (const StartEstimate& start : summary.starts) table << StartRow(start);
+  if (checks.fields) {
+    for (const FittedField& field : checks.fields->fields) table << "field           " << DescribeField(field) << "\n";
+  }
   if (checks.gradient_check) {
     table << "gradient check  adjoint against sensitivity " << std::setprecision(3)
           << checks.gradient_check->adjoint_vs_sensitivity << ", against central differences "

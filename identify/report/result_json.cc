@@ -8,6 +8,7 @@
 
 #include "identify/base/source_names.h"
 #include "identify/base/version.h"
+#include "identify/report/fields_json.h"
 
 namespace clothid {
 namespace {
@@ -242,6 +243,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["rmse_m"] = summary.error.rmse();
   json["fit_percent"] = summary.error.fit_percent();
   if (summary.error.cloud.num_points > 0.0) json["cloud"] = CloudJson(summary.error.cloud);
+  if (checks.fields) json["fields"] = FieldsJson(*checks.fields);
   json["holdout"] = HoldoutJson(checks.holdout);
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, checks);

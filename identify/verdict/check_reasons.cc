@@ -108,9 +108,35 @@ void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
       MillimetreText(holdout.nominal_rmse));
 }
 
+void AddField(const FittedField& field, std::vector<Reason>* reasons) {
+  const std::string& name = field.request.name;
+  const auto size = static_cast<double>(field.values.size());
+  const double undetermined = std::round(size * (1.0 - ShareDetermined(field)));
+  if (field.log_std.size() == 0 || undetermined == 0.0) return;
+  const std::string line = "the recordings do not determine the field " + name + " at " + NumberText(undetermined) +
+                           " of " + NumberText(size) + " control nodes: there it is what was believed beforehand";
+  if (undetermined == size) {
+    reasons->push_back({Usability::kDoNotUse, kExitNotIdentifiable, {}, "the field " + name + " is not told", line});
+  } else {
+    reasons->push_back({Usability::kWithCare, kExitSuccess, {}, "the field " + name + " is not told everywhere", line});
+  }
+}
+
+void AddFields(const FieldResult& result, std::vector<Reason>* reasons) {
+  if (!result.has_converged && !result.fields.empty()) {
+    reasons->push_back({Usability::kDoNotUse,
+                        kExitNotConverged,
+                        {},
+                        "the fit of the fields did not converge",
+                        "fields: " + result.message});
+  }
+  for (const FittedField& field : result.fields) AddField(field, reasons);
+}
+
 }  // namespace
 
 void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  if (checks.fields) AddFields(*checks.fields, reasons);
   if (checks.starts) AddStarts(summary, *checks.starts, reasons);
   AddProfiles(summary, checks, reasons);
   if (checks.holdout) AddHoldout(*checks.holdout, reasons);

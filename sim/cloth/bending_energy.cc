@@ -9,15 +9,20 @@
 namespace clothid {
 namespace {
 
-// The node of each triangle opposite to an edge (low, high): one entry at the border, two inside.
-using OppositeNodes = std::map<std::pair<int, int>, std::vector<int>>;
+// The triangles at an edge and their nodes opposite to it: one at the border, two inside.
+struct OppositeNodes {
+  std::vector<int> nodes, faces;
+};
+using EdgeNeighbours = std::map<std::pair<int, int>, OppositeNodes>;  // of edges (low, high)
 
-OppositeNodes FindOppositeNodes(const Mesh& mesh) {
-  OppositeNodes opposite;
+EdgeNeighbours FindOppositeNodes(const Mesh& mesh) {
+  EdgeNeighbours opposite;
   for (int f = 0; f < mesh.num_faces(); ++f) {
     for (int i = 0; i < 3; ++i) {
       const int a = mesh.faces(i, f), b = mesh.faces((i + 1) % 3, f);
-      opposite[std::minmax(a, b)].push_back(mesh.faces((i + 2) % 3, f));
+      OppositeNodes& edge = opposite[std::minmax(a, b)];
+      edge.nodes.push_back(mesh.faces((i + 2) % 3, f));
+      edge.faces.push_back(f);
     }
   }
   return opposite;
@@ -30,12 +35,12 @@ double Cotangent(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Ei
 
 }  // namespace
 
-Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh) {
+std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh) {
   const auto position = [&mesh](int node) -> Eigen::Vector3d { return mesh.rest_positions.col(node); };
-  std::vector<Eigen::Triplet<double>> triplets;
+  std::vector<BendingElement> elements;
   for (const auto& [edge, opposite] : FindOppositeNodes(mesh)) {
-    if (opposite.size() != 2) continue;
-    const std::array<int, 4> nodes = {edge.first, edge.second, opposite[0], opposite[1]};
+    if (opposite.faces.size() != 2) continue;
+    const std::array<int, 4> nodes = {edge.first, edge.second, opposite.nodes[0], opposite.nodes[1]};
     const Eigen::Vector3d x0 = position(nodes[0]), x1 = position(nodes[1]);
     std::array<double, 4> weights = {0.0, 0.0, 0.0, 0.0};
     double area = 0.0;
@@ -47,8 +52,20 @@ Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh) {
       weights[2 + side] = -(at_0 + at_1);
       area += 0.5 * (x1 - x0).cross(apex - x0).norm();
     }
+    Eigen::MatrixXd block(4, 4);
     for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) triplets.emplace_back(nodes[i], nodes[j], 3.0 / area * weights[i] * weights[j]);
+      for (int j = 0; j < 4; ++j) block(i, j) = 3.0 / area * weights[i] * weights[j];
+    }
+    elements.push_back({{nodes.begin(), nodes.end()}, opposite.faces, std::move(block)});
+  }
+  return elements;
+}
+
+Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (const BendingElement& element : EdgeBendingElements(mesh)) {
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) triplets.emplace_back(element.nodes[i], element.nodes[j], element.block(i, j));
     }
   }
   Eigen::SparseMatrix<double> matrix(mesh.num_nodes(), mesh.num_nodes());

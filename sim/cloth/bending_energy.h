@@ -20,7 +20,16 @@
 
 namespace clothid {
 
-// Q by edges [N x N], 1/m^2, symmetric positive semidefinite, both triangles stored.
+// A part of Q that belongs to some triangles, with k_b = 1.
+struct BendingElement {
+  std::vector<int> nodes;  // [n]
+  std::vector<int> faces;  // an edge lies in two, a patch is that of one
+  Eigen::MatrixXd block;   // [n x n], 1/m^2
+};
+
+// Of every interior edge; and their sum, Q by edges [N x N], 1/m^2, symmetric positive semidefinite, both triangles
+// stored.
+std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh);
 Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh);
 
 class BendingEnergy {

@@ -216,6 +216,16 @@ BendingPatch MakePatch(const Mesh& mesh, int face, double area, const Eigen::Vec
   return builder.Build(area);
 }
 
+// The energy is a/2 times this between (h11, h22, h12) and itself.
+Eigen::Matrix3d RigidityMatrix(const FlexuralRigidity& rigidity) {
+  return Eigen::Matrix3d{
+      {rigidity.d11, rigidity.d12, 0.0}, {rigidity.d12, rigidity.d22, 0.0}, {0.0, 0.0, 4.0 * rigidity.d66}};
+}
+
+Eigen::MatrixXd PatchBlock(const BendingPatch& patch, const Eigen::Matrix3d& rigidity) {
+  return patch.area * patch.weights.transpose() * rigidity * patch.weights;
+}
+
 }  // namespace
 
 OrthotropicShares SharesOfRigidity(double poisson) {
@@ -236,13 +246,12 @@ BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp) :
 }
 
 Eigen::SparseMatrix<double> BendingPatches::Matrix(const FlexuralRigidity& rigidity) const {
-  const Eigen::Matrix3d d{
-      {rigidity.d11, rigidity.d12, 0.0}, {rigidity.d12, rigidity.d22, 0.0}, {0.0, 0.0, 4.0 * rigidity.d66}};
+  const Eigen::Matrix3d d = RigidityMatrix(rigidity);
   const double largest = d.lpNorm<Eigen::Infinity>();
   Eigen::VectorXd bounds = Eigen::VectorXd::Zero(num_nodes_);  // of the diagonal, as a sum of positive terms
   std::vector<Eigen::Triplet<double>> triplets;
   for (const BendingPatch& patch : patches_) {
-    const Eigen::MatrixXd block = patch.area * patch.weights.transpose() * d * patch.weights;
+    const Eigen::MatrixXd block = PatchBlock(patch, d);
     for (std::size_t i = 0; i < patch.nodes.size(); ++i) {
       bounds[patch.nodes[i]] += largest * patch.area * patch.weights.col(i).squaredNorm();
       for (std::size_t j = 0; j < patch.nodes.size(); ++j) {
@@ -256,6 +265,15 @@ Eigen::SparseMatrix<double> BendingPatches::Matrix(const FlexuralRigidity& rigid
     return row == column || std::abs(value) > kCancelled * std::sqrt(bounds[row] * bounds[column]);
   });
   return lower.selfadjointView<Eigen::Lower>();
+}
+
+std::vector<BendingElement> BendingPatches::Elements(const FlexuralRigidity& rigidity) const {
+  const Eigen::Matrix3d d = RigidityMatrix(rigidity);
+  std::vector<BendingElement> elements;
+  for (const BendingPatch& patch : patches_) {
+    elements.push_back({patch.nodes, {static_cast<int>(elements.size())}, PatchBlock(patch, d)});
+  }
+  return elements;
 }
 
 Eigen::Matrix3Xd FirstEdges(const Mesh& mesh) {

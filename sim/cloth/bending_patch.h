@@ -33,6 +33,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "sim/cloth/bending_energy.h"
 #include "sim/scene/mesh.h"
 
 namespace clothid {
@@ -74,6 +75,9 @@ class BendingPatches {
   // Q [N x N], N/m, symmetric, positive semidefinite, both triangles stored. Entries that cancel, as on grids, are left
   // out.
   Eigen::SparseMatrix<double> Matrix(const FlexuralRigidity& rigidity) const;
+
+  // The parts of Q, one per triangle.
+  std::vector<BendingElement> Elements(const FlexuralRigidity& rigidity) const;
 
  private:
   int num_nodes_;

@@ -1,5 +1,6 @@
 #include "sim/cloth/cloth_model.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "sim/cloth/bending_patch.h"
@@ -47,10 +48,22 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
   return neighbours;
 }
 
+bool HasField(const Scene& scene, ParameterKind kind) {
+  return std::any_of(scene.fields.begin(), scene.fields.end(),
+                     [kind](const GridField& field) { return field.kind == kind; });
+}
+
 }  // namespace
 
 ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeAreas(scene.mesh)) {
-  std::vector<BendingMatrix> bending = BendingMatrices(scene);
+  std::vector<BendingMatrix> bending;
+  if (scene.has_bending() && HasField(scene, ParameterKind::kBendingStiffness)) {
+    weighted_bending_ = std::make_unique<WeightedBending>(scene);
+    bending.push_back(
+        {ParameterKind::kBendingStiffness, weighted_bending_->Matrix(Eigen::VectorXd::Ones(scene.mesh.num_faces()))});
+  } else {
+    bending = BendingMatrices(scene);
+  }
   NumberFreeNodes(bending);
   if (scene.has_drag()) drag_.emplace(scene);
   pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending));
@@ -73,6 +86,23 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
 const BendingEnergy* ClothModel::bending() const {
   const bool isotropic = bending_terms_.size() == 1 && bending_terms_[0].kind == ParameterKind::kBendingStiffness;
   return isotropic ? &bending_terms_[0].energy : nullptr;
+}
+
+void ClothModel::SetFields(const std::vector<FieldFactors>* fields) {
+  for (std::size_t i = 0; i < scene_.fields.size(); ++i) {
+    const ParameterKind kind = scene_.fields[i].kind;
+    Eigen::VectorXd factors = Eigen::VectorXd::Ones(scene_.mesh.num_faces());
+    if (fields != nullptr) factors = (*fields)[i].log_factors.array().exp();
+    if (kind == ParameterKind::kStretchStiffness) {
+      const auto weighted = WeightedTriangles(*triangles_, factors);
+      membrane_.emplace(scene_.membrane, weighted);
+      stretch_.emplace(weighted);
+    }
+    if (kind == ParameterKind::kDensity) mass_areas_ = WeightedNodeAreas(scene_.mesh, factors);
+    if (kind == ParameterKind::kBendingStiffness && weighted_bending_ != nullptr) {
+      bending_terms_.front().energy = BendingEnergy(weighted_bending_->Matrix(factors), free_index_, *pattern_);
+    }
+  }
 }
 
 void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending) {

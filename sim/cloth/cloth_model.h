@@ -1,5 +1,6 @@
 // The terms that a scene has, built once per simulator: no obstacle, no contact; k_b = 0, no bending; c_d = 0, no air;
-// eta = 0, no internal damping.
+// eta = 0, no internal damping. Constants that vary over the cloth (sim/scene/material_field.h) are put into the terms
+// by SetFields.
 #ifndef CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_
 #define CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_
 
@@ -10,6 +11,7 @@
 
 #include "sim/cloth/air_drag.h"
 #include "sim/cloth/bending_energy.h"
+#include "sim/cloth/field_terms.h"
 #include "sim/cloth/membrane.h"
 #include "sim/cloth/strain_rate_damping.h"
 #include "sim/cloth/stretch_energy.h"
@@ -38,6 +40,9 @@ class ClothModel {
   // `scene` must outlive the model and have passed `ValidateScene`.
   explicit ClothModel(const Scene& scene);
 
+  // Null: the constants are the same everywhere, as at first; else those of the scene's fields, `ValidateParameters`.
+  void SetFields(const std::vector<FieldFactors>* fields);
+
   const Scene& scene() const { return scene_; }
   int num_nodes() const { return scene_.mesh.num_nodes(); }
 
@@ -53,7 +58,10 @@ class ClothModel {
   Eigen::MatrixXd ScatterColumns(const Eigen::MatrixXd& free) const;  // zero at handles
 
   const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
-  const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2; times density: the lumped masses M
+  const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2
+  // [N] m^2, those times the factors of the density, if it is a field. Times density: the lumped masses M.
+  const Eigen::VectorXd& mass_areas() const { return has_density_field() ? mass_areas_ : node_areas_; }
+  bool has_density_field() const { return mass_areas_.size() > 0; }
   const Eigen::VectorXd& laplacian_diagonal() const { return laplacian_diagonal_; }  // [N] of L, triangle_element.h
   const TriangleElements& triangles() const { return *triangles_; }
   const Membrane& membrane() const { return *membrane_; }
@@ -64,6 +72,7 @@ class ClothModel {
   const BendingEnergy* bending() const;                              // that of k_b; null: the scene has none
   const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }  // null: the scene has none
   const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
+  const WeightedBending* weighted_bending() const { return weighted_bending_.get(); }   // null: k_b is no field
   bool has_contact() const { return !scene_.obstacles.empty(); }
   double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
 
@@ -74,11 +83,13 @@ class ClothModel {
   std::vector<int> free_nodes_, free_index_;
   std::shared_ptr<const BlockPattern> pattern_;
   Eigen::VectorXd node_areas_, laplacian_diagonal_;
+  Eigen::VectorXd mass_areas_;  // empty without a field of the density
   double touch_gap_ = 0.0;
   std::shared_ptr<const TriangleElements> triangles_;
   std::optional<Membrane> membrane_;
   std::optional<StretchEnergy> stretch_;
   std::vector<BendingTerm> bending_terms_;
+  std::unique_ptr<const WeightedBending> weighted_bending_;
   std::optional<AirDrag> drag_;
   std::optional<StrainRateDamping> damping_;
 };

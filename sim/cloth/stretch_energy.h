@@ -25,6 +25,10 @@ class StretchEnergy {
   // to at most 1/2, the eigenvalues of S^-1 to at most 1.
   void AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions, BlockMatrix* hessian) const;
 
+  // Adds stiffness * (-d(E_f/k)/dx) . y of every triangle f to `products` [F x s], for columns y [3N x s].
+  void AddForceProducts(double stiffness, const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns,
+                        Eigen::Ref<Eigen::MatrixXd> products) const;
+
  private:
   std::shared_ptr<const TriangleElements> triangles_;
 };

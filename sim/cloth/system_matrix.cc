@@ -43,7 +43,10 @@ Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const 
   const double h = time_step;
   TripletAssembly assembly(model);
   const double areal_mass = material.density + (model.drag() != nullptr ? h * material.drag : 0.0);
-  for (const int node : model.free_nodes()) assembly.Add(node, node, areal_mass * model.node_areas()[node]);
+  for (const int node : model.free_nodes()) {
+    const double further_area = model.mass_areas()[node] - model.node_areas()[node];  // 0 unless density is a field
+    assembly.Add(node, node, areal_mass * model.node_areas()[node] + material.density * further_area);
+  }
   const double damping = model.damping() != nullptr ? material.damping : 0.0;
   AddMatrix(h * h * model.membrane().SystemStiffness(material) + h * damping,
             LaplacianMatrix(model.triangles(), model.num_nodes()), &assembly);

@@ -5,6 +5,7 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/adjoint_solver.h"
+#include "sim/derivative/field_derivative.h"
 #include "sim/derivative/handle_coupling.h"
 #include "sim/derivative/second_start_derivative.h"
 #include "sim/derivative/step_derivative.h"
@@ -84,6 +85,7 @@ class ReverseSweep {
         simulator_(simulator),
         solver_(options, rollout.parameters, simulator),
         handles_(rollout, num_columns, simulator->model()),
+        fields_(rollout.parameters, num_columns, simulator->model()),
         gradient_(gradient) {
     gradient->parameters = Eigen::MatrixXd::Zero(static_cast<int>(parameters.size()), num_columns);
     lambda_.positions = Eigen::MatrixXd::Zero(3 * simulator->model().num_free(), num_columns);
@@ -106,6 +108,7 @@ class ReverseSweep {
     if (by_impulse.size() > 0) y -= by_impulse;
     AddParameterGradient(record, ids_, z, y, step, &gradient_->parameters);
     handles_.AddSolve(record, start, y);
+    fields_.AddSolve(record, start, y);
     lambda_.velocities = step.TimesMass(y);
     lambda_.positions -= step.TimesStartTransposed(y);
     if (!record.contacts.empty()) lambda_.positions -= step.TimesFramesTransposed(z);
@@ -120,6 +123,7 @@ class ReverseSweep {
     gradient_->initial_positions = simulator_->model().ScatterColumns(lambda_.positions);
     gradient_->initial_velocities = simulator_->model().ScatterColumns(lambda_.velocities);
     gradient_->handle_offsets = std::move(handles_.values());
+    gradient_->fields = std::move(fields_.values());
   }
 
  private:
@@ -137,6 +141,7 @@ class ReverseSweep {
     const SecondStartDerivative second(first, start, step.contacts(), parameters_, simulator_->model());
     second.AddTransposed(by_second_, &by_start_, &lambda_);
     if (!second.has_impacts()) return {};
+    fields_.AddSecondStart(second, by_second_);
     for (size_t p = 0; p < ids_.size(); ++p) {
       if (ids_[p].kind == ParameterKind::kDensity) gradient_->parameters.row(p) += second.DensityGradient(by_second_);
     }
@@ -148,6 +153,7 @@ class ReverseSweep {
   Simulator* simulator_;
   AdjointSolver solver_;
   HandleGradient handles_;
+  FieldGradient fields_;
   RolloutGradient* gradient_;
   StateColumns lambda_;                // by the end of the solve that comes next
   StateColumns by_second_, by_start_;  // between two stages: by x_s and v_s, and by x_n and v_n besides
@@ -158,6 +164,7 @@ class ReverseSweep {
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,
                          const AdjointOptions& options) {
+  simulator->UseFields(rollout.parameters);
   const PhaseSeconds before = simulator->step_solver().seconds();
   RolloutGradient gradient;
   std::optional<ScopedTimer> timer(&gradient.work.total_seconds);

@@ -22,6 +22,8 @@ struct RolloutGradient {
   // [3 H K x s] dC/d(values of Rollout::handle_offsets at its K knots), ordered as in SensitivityDirections; empty
   // without them.
   Eigen::MatrixXd handle_offsets;
+  // [K F x s] dC/d(logarithm of every triangle's value) of the K fields of the parameters; empty without them.
+  Eigen::MatrixXd fields;
   AdjointWork work;
 };
 

@@ -36,8 +36,9 @@ class SecondStartDerivative {
   // Takes kappa du off dv_s. `impulse`: dr_1.
   void SubtractImpacts(const StateColumns& start, const StateColumns& first, const Eigen::MatrixXd& impulse,
                        StateColumns* second) const;
-  // Takes that through the density off column `column` of dv_s.
+  // Takes that through the density off column `column` of dv_s; and through any change of the nodes' masses [N] kg.
   void SubtractDensity(int column, StateColumns* second) const;
+  void SubtractMasses(int column, const Eigen::VectorXd& masses, StateColumns* second) const;
 
   // The transpose, of gradients by x_s and v_s: adds to those by the start and by the end of the first stage.
   void AddTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
@@ -45,9 +46,12 @@ class SecondStartDerivative {
   Eigen::MatrixXd AddImpactsTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
   // By the density, of each column [1 x s].
   Eigen::RowVectorXd DensityGradient(const StateColumns& second) const;
+  // Adds that by every node's mass to `gradient` [N x s].
+  void AddMassGradient(const StateColumns& second, Eigen::MatrixXd* gradient) const;
 
  private:
   struct Impact {
+    int node;
     int row;                              // of its node's block
     double mass_slope;                    // dm/d(density), m^2
     ImpactVelocityDerivative derivative;  // times kappa

@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/derivative/field_derivative.h"
 #include "sim/derivative/handle_coupling.h"
 #include "sim/derivative/second_start_derivative.h"
 #include "sim/derivative/step_derivative.h"
+#include "sim/rollout/record_reader.h"
 #include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/second_start.h"
@@ -19,8 +21,8 @@ namespace {
 // Empty, or as many columns as others.
 Eigen::Index NumStartColumns(const SensitivityDirections& directions) {
   Eigen::Index q = 0;
-  for (const Eigen::MatrixXd* part :
-       {&directions.initial_positions, &directions.initial_velocities, &directions.handle_offsets}) {
+  for (const Eigen::MatrixXd* part : {&directions.initial_positions, &directions.initial_velocities,
+                                      &directions.handle_offsets, &directions.fields}) {
     if (part->cols() > 0 && q > 0 && part->cols() != q) throw std::logic_error("directions of different numbers");
     q = std::max(q, part->cols());
   }
@@ -135,8 +137,13 @@ class KeptFactor {
 class TangentSolver {
  public:
   TangentSolver(const Parameters& parameters, const std::vector<ParameterId>& ids, const HandleTangent& handles,
-                double tolerance, Simulator* simulator)
-      : parameters_(parameters), ids_(ids), handles_(handles), tolerance_(tolerance), simulator_(simulator) {}
+                const FieldTangent& fields, double tolerance, Simulator* simulator)
+      : parameters_(parameters),
+        ids_(ids),
+        handles_(handles),
+        fields_(fields),
+        tolerance_(tolerance),
+        simulator_(simulator) {}
 
   // Of one solve.
   void Advance(const StepRecord& record, const SolveStart& start, StateColumns* tangent) const {
@@ -165,6 +172,7 @@ class TangentSolver {
         for (size_t p = 0; p < ids_.size(); ++p) {
           if (ids_[p].kind == ParameterKind::kDensity) derivative.SubtractDensity(static_cast<int>(p), &end);
         }
+        fields_.SubtractMasses(derivative, &end);
       }
     }
     const SolveStart from{second_start.positions, second_start.velocities, &start.positions, &first.positions};
@@ -186,23 +194,36 @@ class TangentSolver {
         *tangent, ids_,
         [&](Eigen::MatrixXd* right) {
           handles_.Subtract(record, start, parameters_, right);
+          fields_.Subtract(record, start, right);
           further_parts(right);
         },
         *step);
     Eigen::MatrixXd dv;
+    if (record.factor != nullptr) {
+      step->UseFactor(record.factor);
+      if (step->jacobian().Solve(RightSide(momentum, *tangent, ids_, step), tolerance_, &dv)) {
+        Move(record, dv, tangent);
+        return momentum;
+      }
+    }
     for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
       if (!step->Factor(method)) continue;
       if (!step->jacobian().Solve(RightSide(momentum, *tangent, ids_, step), tolerance_, &dv)) continue;
-      tangent->velocities = dv;
-      tangent->positions += record.time_step * dv;
+      Move(record, dv, tangent);
       return momentum;
     }
     throw std::runtime_error("singular step Jacobian");
   }
 
+  static void Move(const StepRecord& record, const Eigen::MatrixXd& dv, StateColumns* tangent) {
+    tangent->velocities = dv;
+    tangent->positions += record.time_step * dv;
+  }
+
   const Parameters& parameters_;
   const std::vector<ParameterId>& ids_;
   const HandleTangent& handles_;
+  const FieldTangent& fields_;
   double tolerance_;
   Simulator* simulator_;
 };
@@ -215,11 +236,13 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
   ValidateDomains(parameters, scene, "parameters");
+  simulator->UseFields(parameters);
   StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Eigen::VectorXd positions = state.positions, velocities = state.velocities;  // at the end of the last solve
   StateColumns tangent = StartTangent(directions, model);
   const HandleTangent handles(directions, options.handle_offsets, model);
-  const TangentSolver solver(parameters, directions.parameters, handles,
+  const FieldTangent fields(directions.fields, parameters, model);
+  const TangentSolver solver(parameters, directions.parameters, handles, fields,
                              options.adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
   const auto visit = [&](int step) {
     Eigen::MatrixXd all = model.ScatterColumns(tangent.positions);
@@ -247,6 +270,39 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   segment.cancel = cancel;
   SegmentOutcome outcome = AdvanceSegment(parameters, segment, advance, simulator, &state);
   return {outcome.counts, std::move(outcome.failure)};
+}
+
+void PushForward(const Rollout& rollout, const SensitivityDirections& directions, const SensitivityVisitor& visitor,
+                 Simulator* simulator, std::optional<double> adjoint_tolerance) {
+  RecordReader reader(rollout, simulator);
+  const Scene& scene = simulator->scene();
+  const ClothModel& model = simulator->model();
+  StateColumns tangent = StartTangent(directions, model);
+  const HandleTangent handles(directions, &rollout.handle_offsets, model);
+  const FieldTangent fields(directions.fields, rollout.parameters, model);
+  const TangentSolver solver(rollout.parameters, directions.parameters, handles, fields,
+                             adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
+  const auto visit = [&](int step, const Eigen::VectorXd& positions) {
+    Eigen::MatrixXd all = model.ScatterColumns(tangent.positions);
+    handles.SetRows(scene.start_time + step * scene.time_step, &all);
+    visitor(step, positions, all);
+  };
+  Eigen::VectorXd positions = rollout.initial_positions, velocities = rollout.initial_velocities;
+  visit(0, positions);
+  int step = 1;
+  for (int i = 0; i < static_cast<int>(rollout.records.size()); ++i) {
+    const StepRecord& record = reader.record(i);
+    if (record.ends_step()) {
+      solver.Advance(record, {positions, velocities}, &tangent);
+    } else {
+      solver.AdvanceInStages(record, reader.record(i + 1), {positions, velocities}, &tangent);
+      ++i;
+    }
+    const StepRecord& end = reader.record(i);
+    positions = end.positions;
+    velocities = end.velocities;
+    if (rollout.last_record[step - 1] == i) visit(step++, positions);
+  }
 }
 
 }  // namespace clothid

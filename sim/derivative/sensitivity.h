@@ -24,6 +24,9 @@ struct SensitivityDirections {
   // [3 H K x q] m, or empty: changes of the H handles at the first knot of `SensitivityOptions::handle_offsets`, then
   // at the second, .. of K.
   Eigen::MatrixXd handle_offsets;
+  // [K F x q], or empty: changes of the logarithms of the values that the K fields of the parameters have per triangle,
+  // those of the first field first.
+  Eigen::MatrixXd fields = {};
 };
 
 // Called with x [3N] and dx [3N x (p + q)] after `step` steps, from step 0 on.
@@ -53,6 +56,12 @@ struct SensitivityOptions {
 SensitivityResult PushForward(const Parameters& parameters, int num_steps, const SensitivityDirections& directions,
                               const SensitivityVisitor& visitor, Simulator* simulator,
                               const std::atomic<bool>* cancel = nullptr, const SensitivityOptions& options = {});
+
+// The same along a rollout that is at hand: nothing is simulated, and the factors that it keeps are used again. For a
+// product with the Jacobian of its trajectory, as often as one is wanted. It must be ok() and come from the same
+// `simulator`. `adjoint_tolerance`: as of SensitivityOptions.
+void PushForward(const Rollout& rollout, const SensitivityDirections& directions, const SensitivityVisitor& visitor,
+                 Simulator* simulator, std::optional<double> adjoint_tolerance = std::nullopt);
 
 }  // namespace clothid
 

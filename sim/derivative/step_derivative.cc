@@ -23,12 +23,17 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
   AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
                       &hessian_);
   const Material& material = parameters.material;
-  const double damped_density = material.density + (model_.drag() ? record.time_step * material.drag : 0.0);
+  const double areal_drag = model_.drag() ? record.time_step * material.drag : 0.0;
   masses_.resize(3 * model_.num_free());
   for (int i = 0; i < model_.num_free(); ++i) {
-    masses_.segment<3>(3 * i).setConstant(material.density * model_.node_areas()[model_.free_nodes()[i]]);
+    masses_.segment<3>(3 * i).setConstant(material.density * model_.mass_areas()[model_.free_nodes()[i]]);
   }
-  damped_masses_ = masses_ * (damped_density / material.density);
+  damped_masses_ = masses_ * ((material.density + areal_drag) / material.density);
+  for (int i = 0; model_.has_density_field() && i < model_.num_free(); ++i) {
+    const int row = 3 * i;
+    damped_masses_.segment<3>(row) =
+        masses_.segment<3>(row).array() + areal_drag * model_.node_areas()[model_.free_nodes()[i]];
+  }
   contacts_ = RestoreContacts(model_, parameters, start.positions, record.times(), record.contacts);
 }
 
@@ -136,7 +141,7 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
     case ParameterKind::kDensity:
       for (const int node : model_.free_nodes()) {
         derivative.segment<3>(3 * node) =
-            model_.node_areas()[node] * (record_.velocities.segment<3>(3 * node) -
+            model_.mass_areas()[node] * (record_.velocities.segment<3>(3 * node) -
                                          start_.velocities.segment<3>(3 * node) - h * model_.scene().gravity);
       }
       break;

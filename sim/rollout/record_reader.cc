@@ -13,6 +13,10 @@
 
 namespace clothid {
 
+RecordReader::RecordReader(const Rollout& rollout, Simulator* simulator) : rollout_(rollout), simulator_(simulator) {
+  simulator->UseFields(rollout.parameters);
+}
+
 const StepRecord& RecordReader::record(int i) {
   if (rollout_.records[i].is_kept()) return rollout_.records[i];
   if (i < first_record_ || i >= first_record_ + static_cast<int>(records_.size())) SimulateSegmentOf(i);

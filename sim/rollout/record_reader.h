@@ -16,7 +16,7 @@ class Simulator;
 class RecordReader {
  public:
   // Both must outlive the reader. `simulator` must be of the scene that `rollout` was made with.
-  RecordReader(const Rollout& rollout, Simulator* simulator) : rollout_(rollout), simulator_(simulator) {}
+  RecordReader(const Rollout& rollout, Simulator* simulator);
 
   // Record i, to the last bit the one that the rollout had. Where it is not kept, the steps from the checkpoint before
   // it to the one after it are simulated again: references to records that were not kept either become invalid. Throws

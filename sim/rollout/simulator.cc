@@ -13,6 +13,7 @@ struct Simulator::State {
   ClothModel model;
   StepSolver solver;
   StepWorkspace workspace;
+  std::shared_ptr<const std::vector<FieldFactors>> fields;  // in the model
 };
 
 namespace {
@@ -28,6 +29,13 @@ Simulator::Simulator(Scene scene) : state_(std::make_unique<State>(Validated(std
 Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+void Simulator::UseFields(const Parameters& parameters) {
+  if (parameters.fields == state_->fields) return;
+  state_->fields = parameters.fields;
+  state_->model.SetFields(parameters.fields.get());
+  state_->workspace.time_step = 0.0;  // its masses are those of other fields
+}
 
 const Scene& Simulator::scene() const { return state_->scene; }
 const ClothModel& Simulator::model() const { return state_->model; }

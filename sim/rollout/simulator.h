@@ -23,6 +23,10 @@ class Simulator {
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
 
+  // Puts the fields of `parameters` into the model, which is const to all others: what runs a rollout or a sweep does
+  // that first. Nothing where they are there already.
+  void UseFields(const Parameters& parameters);
+
   const Scene& scene() const;
   const ClothModel& model() const;
   StepSolver& step_solver();

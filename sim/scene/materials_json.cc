@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,23 @@ void ReadWarp(const JsonNode& materials, Scene* scene) {
   if (const auto angle = materials.Find("warp_angle")) scene->warp.angle = angle->Number();
 }
 
+Eigen::MatrixXd ReadControlGrid(const JsonNode& node) {
+  const std::string expected = "expected 1 to " + std::to_string(kMaxFieldSide) + " rows of as many numbers > 0 each";
+  const std::vector<JsonNode> rows = node.items();
+  if (rows.empty() || rows.size() > kMaxFieldSide) node.Fail(expected);
+  const std::size_t num_columns = rows.front().items().size();
+  if (num_columns == 0 || num_columns > kMaxFieldSide) node.Fail(expected);
+  Eigen::MatrixXd values(rows.size(), num_columns);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const std::vector<JsonNode> row = rows[r].items();
+    if (row.size() != num_columns) rows[r].Fail("expected " + std::to_string(num_columns) + " numbers");
+    for (std::size_t c = 0; c < num_columns; ++c) {
+      values(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = row[c].PositiveNumber();
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
 void ReadMaterials(const JsonNode& node, Scene* scene) {
@@ -104,6 +122,25 @@ void ReadMaterials(const JsonNode& node, Scene* scene) {
   ReadBending(node, &scene->bending);
   ReadRigidities(node, scene);
   ReadWarp(node, scene);
+}
+
+std::vector<GridField> ReadFields(const JsonNode& node) {
+  node.ExpectKeys({"k_stretch", "k_bend", "density"});
+  std::vector<GridField> fields;
+  for (const std::string& name : node.keys()) {
+    fields.push_back({ParseParameter(name, std::vector<std::string>()).kind, ReadControlGrid(*node.Find(name))});
+  }
+  return fields;
+}
+
+void SetLevels(Scene* scene) {
+  Parameters parameters{scene->material, {}, nullptr};
+  for (const GridField& field : scene->fields) {
+    double level = 0.0;
+    FieldOverTriangles(field, scene->mesh, &level);
+    SetParameter({field.kind, kAllObstacles}, level, &parameters);
+  }
+  scene->material = parameters.material;
 }
 
 }  // namespace clothid

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,13 @@ struct Material {
   bool operator==(const Material& other) const;
 };
 
+struct FieldFactors;  // sim/scene/material_field.h
+
 struct Parameters {
   Material material;
   std::vector<double> friction_coefficients;  // mu, one per obstacle of the scene
+  // How constants of the material vary over the cloth: as many and of the same as the scene has. Null: they do not.
+  std::shared_ptr<const std::vector<FieldFactors>> fields;
 };
 
 enum class ParameterKind {

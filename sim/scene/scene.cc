@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "sim/base/error.h"
 
@@ -13,6 +15,9 @@ namespace {
 
 // A duration of a whole number of steps, computed in floating point, must not gain a step by rounding.
 constexpr double kStepRounding = 1e-9;
+
+// What a field may make of a constant: a factor of 1e26 or its inverse.
+constexpr double kMaxLogFactor = 60.0;
 
 // Collects the prefix of the messages of one scene.
 class Checker {
@@ -131,6 +136,29 @@ void ValidateRanges(const Scene& scene, const Checker& check) {
   }
 }
 
+void SetFields(const Scene& scene, Parameters* parameters) {
+  auto fields = std::make_shared<std::vector<FieldFactors>>();
+  for (const GridField& grid : scene.fields) {
+    double level = 0.0;
+    fields->push_back(FieldOverTriangles(grid, scene.mesh, &level));
+    SetParameter({grid.kind, kAllObstacles}, level, parameters);
+  }
+  parameters->fields = std::move(fields);
+}
+
+void ValidateFactors(const Parameters& parameters, const Scene& scene, const std::string& source) {
+  if (parameters.fields == nullptr) return;
+  bool fit = parameters.fields->size() == scene.fields.size();
+  for (std::size_t i = 0; fit && i < scene.fields.size(); ++i) {
+    const FieldFactors& field = (*parameters.fields)[i];
+    fit = field.kind == scene.fields[i].kind && field.log_factors.size() == scene.mesh.num_faces() &&
+          field.log_factors.allFinite() && field.log_factors.cwiseAbs().maxCoeff() <= kMaxLogFactor;
+  }
+  if (fit) return;
+  throw Error(ErrorKind::kBadData,
+              source + ": expected the fields of the scene, a factor of 1e-26 to 1e26 per triangle");
+}
+
 }  // namespace
 
 const char* IntegratorName(Integrator integrator) { return integrator == Integrator::kSdirk2 ? "sdirk2" : "euler"; }
@@ -149,6 +177,7 @@ Parameters Scene::nominal_parameters() const {
   for (const SceneObstacle& obstacle : obstacles) {
     result.friction_coefficients.push_back(obstacle.friction_coefficient);
   }
+  if (!fields.empty()) SetFields(*this, &result);
   // In the order of the map "mu" comes before every "mu.NAME", so the special name overrides the general one.
   const std::vector<std::string> names = obstacle_names();
   for (const auto& [name, range] : parameters) {
@@ -211,6 +240,12 @@ void ValidateScene(const Scene& scene, const std::string& source) {
   ValidateMesh(scene.mesh, source);
   if (scene.has_warp()) ValidateWarp(scene.warp, scene.mesh, source);
   ValidateState(scene, check);
+  if (!scene.fields.empty()) ValidateFields(scene.fields, scene.mesh, source);
+  for (const GridField& field : scene.fields) {
+    const std::string name = ParameterName({field.kind, kAllObstacles}, {});
+    check.Expect(scene.has(field.kind), "fields." + name,
+                 "none where the scene has constants along warp and weft instead");
+  }
   ValidateHandles(scene, check);
   ValidateObstacles(scene, check);
   ValidateRanges(scene, check);
@@ -244,6 +279,7 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
     expect(IsInDomain(ParameterDomain::kNotNegative, mu), mu, "mu." + scene.obstacles[i].name,
            "; expected a finite number >= 0");
   }
+  ValidateFactors(parameters, scene, source);
 }
 
 std::string Indefinite(const Material& material, const Scene& scene) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sim/scene/handle_path.h"
+#include "sim/scene/material_field.h"
 #include "sim/scene/mesh.h"
 #include "sim/scene/obstacle.h"
 #include "sim/scene/parameters.h"
@@ -111,7 +112,8 @@ struct Scene {
   Material material;  // nominal
   Bending bending;    // of a cloth with k_b > 0, or with orthotropic bending
   MembraneLaw membrane = MembraneLaw::kArap;
-  Warp warp;                                         // of a membrane or bending that is orthotropic
+  Warp warp;                      // of a membrane or bending that is orthotropic
+  std::vector<GridField> fields;  // constants that vary over the cloth; their levels replace those of `material`
   std::map<std::string, ParameterRange> parameters;  // by parameter name
   SolverOptions solver;
 
@@ -126,8 +128,8 @@ struct Scene {
 
   int num_steps() const;  // the least number of steps that covers `duration`
   std::vector<std::string> obstacle_names() const;
-  Parameters nominal_parameters()
-      const;  // `parameters` where they give a nominal value, else `material` and the obstacles' mu
+  // `parameters` where they give a nominal value, else the levels of `fields`, `material` and the obstacles' mu.
+  Parameters nominal_parameters() const;
 };
 
 // Throws `Error` (kBadData), prefixed by `source`, unless mesh, handles, initial state, obstacles and numbers are
@@ -135,7 +137,8 @@ struct Scene {
 void ValidateScene(const Scene& scene, const std::string& source);
 
 // Throws `Error` (kBadData) unless every value is in its domain, bending stiffness, drag, damping and the constants of
-// warp and weft are zero where the scene has no such term, and the elastic energies are positive (`Indefinite`).
+// warp and weft are zero where the scene has no such term, the elastic energies are positive (`Indefinite`), and
+// fields are absent or those of the scene, finite.
 void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source);
 // The same, whatever the signs of energies are.
 void ValidateDomains(const Parameters& parameters, const Scene& scene, const std::string& source);

@@ -30,7 +30,7 @@ class SceneReader {
   Scene Read() {
     root_.ExpectKeys({"clothid_scene", "time_step", "integrator", "duration", "gravity", "contact", "touch",
                       "depenetration_speed", "wind", "node_force", "mesh", "initial", "handles", "obstacles",
-                      "materials", "parameters", "solver"});
+                      "materials", "fields", "parameters", "solver"});
     ReadVersion();
     ReadTime();
     ReadForces();
@@ -40,6 +40,7 @@ class SceneReader {
     ReadInitial();
     if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles, folder_);
     if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, &scene_);
+    if (const auto fields = root_.Find("fields")) scene_.fields = ReadFields(*fields);
     ReadParameters();
     ReadSolver();
     return std::move(scene_);
@@ -290,6 +291,7 @@ Scene ParseScene(const std::string& text, const std::string& source, const std::
   const JsonValue document = ParseJson(text, source);
   Scene scene = SceneReader(JsonNode(document, source), folder, defaults).Read();
   ValidateScene(scene, source);
+  SetLevels(&scene);
   return scene;
 }
 

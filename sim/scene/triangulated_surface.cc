@@ -12,7 +12,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scene/mesh.h"
-#include "sim/scene/triangle_tree.h"
+#include "sim/geometry/triangle_tree.h"
 
 namespace clothid {
 namespace {

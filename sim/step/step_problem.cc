@@ -41,6 +41,12 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
   for (int i = 0; i < model.num_free(); ++i) {
     hessian->block(pattern.Diagonal(i)).diagonal().array() += areal_mass * model.node_areas()[model.free_nodes()[i]];
   }
+  if (!model.has_density_field()) return;
+  for (int i = 0; i < model.num_free(); ++i) {
+    const int node = model.free_nodes()[i];
+    hessian->block(pattern.Diagonal(i)).diagonal().array() +=
+        material.density * (model.mass_areas()[node] - model.node_areas()[node]);
+  }
 }
 
 std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts) {
@@ -101,7 +107,7 @@ StepProblem StepProblem::WithFriction(double share) const {
 void StepProblem::SetConstants() {
   work_.material = parameters_.material;
   work_.time_step = time_step_;
-  work_.masses = parameters_.material.density * model_.node_areas()(model_.free_nodes());
+  work_.masses = parameters_.material.density * model_.mass_areas()(model_.free_nodes());
   if (model_.drag() != nullptr) {
     work_.drag = time_step_ * parameters_.material.drag * model_.drag()->areas()(model_.free_nodes());
   }

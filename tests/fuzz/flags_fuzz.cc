@@ -5,6 +5,7 @@
 #include "costs/prediction/parameter_block.h"
 #include "costs/prediction/robust_loss.h"
 #include "identify/base/options.h"
+#include "identify/field/field_request.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/scene_json.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -92,6 +93,7 @@ const std::array kFlags = {
     Flag{ReadRecordingParameter, "parameter"},
     Flag{ReadSigma, "--sigma"},
     Flag{[](const std::string& text) { ParseStartSource(text); }, "--initial"},
+    Flag{[](const std::string& text) { ParseFieldRequests(text); }, "--field"},
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string>
@@ -218,6 +219,28 @@ Figure3Options Figure3OptionsFromFlags() {
   options.seed = FLAGS_seed;
   options.num_threads = FLAGS_threads;
   if (!FLAGS_output.empty()) options.folder = FLAGS_output + "/landscape";
+  return options;
+}
+
+FieldsOptions FieldsOptionsFromFlags() {
+  FieldsOptions options;
+  options.scene_path = FLAGS_scene;
+  for (const auto& [name, value] : ParseParameterValues(FLAGS_set, "--set")) {
+    if (name != "k_stretch") throw Error(ErrorKind::kUsage, "--set: expected k_stretch=NUMBER, the level of the truth");
+    options.level = value;
+  }
+  if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
+  if (!FLAGS_settings.empty()) options.sides = ParseIntegers(FLAGS_settings, "--settings");
+  if (IsGiven("sigma")) options.noise = FLAGS_sigma;
+  if (!FLAGS_methods.empty()) {
+    const std::vector<std::string> methods = ParseNames(FLAGS_methods, "--methods");
+    options.with_lbfgs = std::find(methods.begin(), methods.end(), "lbfgs") != methods.end();
+    for (const std::string& method : methods) {
+      if (method == "gauss_newton" || method == "lbfgs") continue;
+      throw Error(ErrorKind::kUsage, "--methods: '" + Printable(method) + "': expected gauss_newton or lbfgs");
+    }
+  }
+  options.seed = FLAGS_seed;
   return options;
 }
 

@@ -9,6 +9,7 @@
 #include "tools/benchmark/derivatives/benchmark_thresholds.h"
 #include "tools/benchmark/fits/benchmark_coverage.h"
 #include "tools/benchmark/fits/benchmark_discretization.h"
+#include "tools/benchmark/fits/benchmark_fields.h"
 #include "tools/benchmark/fits/benchmark_figure3.h"
 #include "tools/benchmark/steps/benchmark_forward.h"
 #include "tools/benchmark/steps/benchmark_stability.h"
@@ -25,6 +26,7 @@ BackpropOptions BackpropOptionsFromFlags();
 ThresholdOptions ThresholdOptionsFromFlags();
 AccuracyOptions AccuracyOptionsFromFlags();
 ContinuityOptions ContinuityOptionsFromFlags();
+FieldsOptions FieldsOptionsFromFlags();
 Figure3Options Figure3OptionsFromFlags();
 StabilityOptions StabilityOptionsFromFlags();
 

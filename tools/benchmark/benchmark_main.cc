@@ -72,6 +72,11 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<CoverageOptions, CoverageBenchmark>(CoverageOptionsFromFlags(), RunCoverageBenchmark,
                                                                CoverageTable, {{"coverage.csv", CoverageCsv}});
      }},
+    {"fields", "scene set nodes settings sigma methods seed output",
+     [] {
+       return RunBenchmark<FieldsOptions, FieldsBenchmark>(FieldsOptionsFromFlags(), RunFieldsBenchmark, FieldsTable,
+                                                           {{"fields.csv", FieldsCsv}});
+     }},
     {"forward", "scene integrator nodes steps repeats output",
      [] {
        return RunBenchmark<ForwardBenchmarkOptions, ForwardBenchmark>(ForwardOptionsFromFlags(), RunForwardBenchmark,

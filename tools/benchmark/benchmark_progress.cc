@@ -26,6 +26,12 @@ std::string Describe(const DiscretizationFit& fit) {
   return text.str();
 }
 
+std::string Describe(const FieldsFit& fit) {
+  return fit.method + ", " + std::to_string(fit.side * fit.side) +
+         " unknowns: " + (fit.has_converged ? "converged" : "not converged") + ", " + std::to_string(fit.rollouts) +
+         " rollouts";
+}
+
 std::string Describe(const CoverageFit& fit) {
   return fit.setting + ", seed " + std::to_string(fit.seed) + ": " + FitStatusName(fit.status) + ", " +
          std::to_string(fit.rollouts) + " rollouts";
@@ -83,6 +89,7 @@ void ReportCases(BackpropCaseOptions* options) {
 
 void ReportProgress(JacobianBenchmarkOptions* options) { options->on_fit = ProgressReporter("fit"); }
 void ReportProgress(DiscretizationOptions* options) { options->on_fit = ProgressReporter("fit"); }
+void ReportProgress(FieldsOptions* options) { options->on_fit = ProgressReporter("fit"); }
 void ReportProgress(CoverageOptions* options) { options->on_fit = ProgressReporter("fit"); }
 void ReportProgress(StabilityOptions* options) { options->on_row = ProgressReporter("row"); }
 void ReportProgress(ForwardBenchmarkOptions* options) { options->on_rollout = ProgressReporter("rollout"); }

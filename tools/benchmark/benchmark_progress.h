@@ -9,6 +9,7 @@
 #include "tools/benchmark/derivatives/benchmark_thresholds.h"
 #include "tools/benchmark/fits/benchmark_coverage.h"
 #include "tools/benchmark/fits/benchmark_discretization.h"
+#include "tools/benchmark/fits/benchmark_fields.h"
 #include "tools/benchmark/fits/benchmark_figure3.h"
 #include "tools/benchmark/steps/benchmark_forward.h"
 #include "tools/benchmark/steps/benchmark_stability.h"
@@ -28,6 +29,7 @@ void ReportProgress(BackpropOptions* options);
 void ReportProgress(ThresholdOptions* options);
 void ReportProgress(AccuracyOptions* options);
 void ReportProgress(ContinuityOptions* options);
+void ReportProgress(FieldsOptions* options);
 void ReportProgress(Figure3Options* options);
 void ReportProgress(StabilityOptions* options);
 

@@ -27,6 +27,7 @@
 #include "sim/scene/scene_json.h"
 #include "tools/base/command_line.h"
 #include "tools/base/count_progress.h"
+#include "tools/simulate/true_fields.h"
 
 DEFINE_string(scene, "", "scene.json to simulate");
 DEFINE_string(output, "", "motion.bin to write");
@@ -38,6 +39,7 @@ DEFINE_int32(cloud, 0, "points per frame of an unordered cloud on the surface, i
 DEFINE_uint64(seed, 1, "seed of markers, noise, drops and clouds");
 DEFINE_bool(float32, false, "store positions in single precision");
 DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...]");
+DEFINE_string(set_field, "", "true fields in place of the scene's, NAME=FILE.npy[,...]");
 DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
 DEFINE_string(handles_output, "", "with --sensor: CSV file for the path of the gripper");
 DEFINE_int32(threads, 1, "accepted for symmetry with the other tools: one rollout runs on one thread");
@@ -54,6 +56,8 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   --set LIST         true parameters in place of the scene's nominal ones: mu, mu.OBSTACLE, k_stretch, k_bend,
                      density, drag, damping; where the scene has warp and weft k_warp, k_weft, k_shear, k_poisson,
                      bend_warp, bend_weft, bend_twist. They are written nowhere in the recording.
+  --set_field LIST   likewise, constants that vary over the cloth, NAME=FILE.npy of k_stretch, k_bend and density: their
+                     values on a control grid, as `identify --field` writes them (field_NAME.npy)
   --noise SIGMA      Gaussian noise on every coordinate, standard deviation in m (0)
   --frame_rate HZ    frames per second; 0: one per time step (0)
   --drop FRACTION    chance of a point to be missing in a frame, [0, 1) (0)
@@ -83,6 +87,7 @@ Examples:
 // wrong value is a wrong flag, not bad data. Gives `scene` the true material, so that it has the terms that the truth
 // has.
 Parameters SetTruth(Scene* scene) {
+  SetTrueFields(FLAGS_set_field, scene);
   Parameters parameters = scene->nominal_parameters();
   for (const auto& [name, value] : ParseParameterValues(FLAGS_set, "--set")) {
     const ParameterId id = ParseParameter(name, *scene);
@@ -179,7 +184,7 @@ void CheckOutputs() {
 
 // The files of a laboratory.
 int RunSensor() {
-  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32"}) {
+  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32", "set_field"}) {
     gflags::CommandLineFlagInfo info;
     if (gflags::GetCommandLineFlagInfo(flag, &info) && !info.is_default) {
       throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected without --sensor, which tells it");
@@ -255,5 +260,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace clothid
 
 int main(int argc, char** argv) {
-  return clothid::RunCommand("simulate", clothid::kHelp, argc, argv, clothid::Run, {{"set", ','}});
+  return clothid::RunCommand("simulate", clothid::kHelp, argc, argv, clothid::Run, {{"set", ','}, {"set_field", ','}});
 }

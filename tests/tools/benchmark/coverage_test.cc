@@ -105,11 +105,19 @@ TEST_F(CoverageTest, PrintsATableAndWritesEveryFit) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3) << csv;
 }
 
-// A truth of finer steps: intervals that count with the error of the step contain those of the noise alone.
+// A truth of finer steps: intervals that count with the error of the step contain it, those of the noise alone do not.
 TEST_F(CoverageTest, CountsWithTheTimeStep) {
-  CoverageOptions options = SmallOptions();
+  WriteBytes(folder() / "slope.json", R"({
+    "clothid_scene": 1, "time_step": 0.01, "duration": 0.3, "gravity": [4.905, 0, -8.4957],
+    "mesh": {"grid": {"nodes": [4, 4], "size": [0.3, 0.3]}},
+    "obstacles": [{"name": "plane", "type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1], "mu": 0.2}],
+    "materials": {"density": 0.2, "k_stretch": 50, "k_bend": 2e-3, "drag": 0.1}})");
+  CoverageOptions options;
+  options.scene_path = (folder() / "slope.json").string();
+  options.truth = {{"mu", 0.3}};
+  options.num_seeds = 2;
   options.settings = {"full"};
-  options.sigma = 1e-4;
+  options.sigma = 1e-3;
   options.resolution.steps = 16;
   options.discretization.step = true;
   const CoverageBenchmark benchmark = RunCoverageBenchmark(options);
@@ -119,10 +127,9 @@ TEST_F(CoverageTest, CountsWithTheTimeStep) {
       EXPECT_GT(fit.upper95[i], fit.noise_upper95[i]);
     }
   }
-  for (const CoverageSummary& summary : SummarizeCoverage(benchmark)) {
-    EXPECT_EQ(summary.num_covered, 2) << summary.name << " is off by " << summary.bias;
-    EXPECT_LT(summary.num_covered_by_noise, 2) << summary.name;
-  }
+  const std::vector<CoverageSummary> summaries = SummarizeCoverage(benchmark);
+  EXPECT_EQ(summaries[0].num_covered, 2) << summaries[0].name << " is off by " << summaries[0].bias;
+  EXPECT_EQ(summaries[0].num_covered_by_noise, 0) << summaries[0].name;
   EXPECT_NE(CoverageTable(benchmark).find("by noise alone"), std::string::npos);
 }
 
@@ -136,7 +143,10 @@ TEST_F(CoverageTest, SamplesAFinerTruthWhereTheModelIs) {
   const Rollout fine = SampleTruth(truth, "scene.json", scene, {4, 1});
   ASSERT_EQ(same.num_steps(), plain.num_steps());
   ASSERT_EQ(fine.num_steps(), plain.num_steps());
-  for (int step = 0; step <= plain.num_steps(); ++step) EXPECT_EQ(same.positions(step), plain.positions(step));
+  // Checkpoints start the solver afresh: equal up to the tolerance of the steps.
+  for (int step = 0; step <= plain.num_steps(); ++step) {
+    EXPECT_LE((same.positions(step) - plain.positions(step)).norm(), 1e-6) << step;
+  }
   const Eigen::VectorXd error = fine.positions(plain.num_steps()) - plain.positions(plain.num_steps());
   EXPECT_EQ(error.size(), 3 * scene.mesh.num_nodes());
   EXPECT_GT(error.norm(), 1e-6);

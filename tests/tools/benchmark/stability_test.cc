@@ -48,14 +48,14 @@ Scene FlatSquare() {
   Scene scene = MakeStabilityCloth(kNodes, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
   scene.mesh.rest_positions.row(2).setZero();
   StartAtRestShape(Eigen::Vector3d::Zero(), &scene);
+  scene.integrator = Integrator::kEuler;
   scene.time_step = 0.01;
   scene.material.bending_stiffness = 0.0;
   return scene;
 }
 
 TEST(EnergyBalanceTest, FreeFallLosesWhatBackwardEulerTakes) {
-  Scene scene = FlatSquare();
-  scene.integrator = Integrator::kEuler;
+  const Scene scene = FlatSquare();
   TestRun run(scene);
   ASSERT_TRUE(run.rollout.ok());
   const EnergyBalance balance = run.Balance();

@@ -70,6 +70,7 @@ SphereSlide MakeSphereSlide(const SlideSurface& surface, int nodes, ContactMode 
   ball.name = "ball";
   ball.shape = MakeShape(surface);
   Scene& scene = slide.scene;
+  scene.integrator = Integrator::kEuler;  // of whose steps the contact sets are counted
   scene.time_step = kTimeStep;
   scene.duration = kNumSteps * kTimeStep;
   scene.contact_mode = contact_mode;

@@ -1,4 +1,4 @@
-#include "sim/scene/triangle_tree.h"
+#include "sim/geometry/triangle_tree.h"
 
 #include <cstddef>
 #include <limits>

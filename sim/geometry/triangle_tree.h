@@ -1,6 +1,6 @@
 // The nearest of many triangles: a search tree that names the face, edge or vertex which holds the closest point.
-#ifndef CLOTHID_SIM_SCENE_TRIANGLE_TREE_H_
-#define CLOTHID_SIM_SCENE_TRIANGLE_TREE_H_
+#ifndef CLOTHID_SIM_GEOMETRY_TRIANGLE_TREE_H_
+#define CLOTHID_SIM_GEOMETRY_TRIANGLE_TREE_H_
 
 #include <Eigen/Core>
 #include <array>
@@ -43,4 +43,4 @@ class TriangleTree {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_SCENE_TRIANGLE_TREE_H_
+#endif  // CLOTHID_SIM_GEOMETRY_TRIANGLE_TREE_H_

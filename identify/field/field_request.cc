@@ -1,0 +1,95 @@
+#include "identify/field/field_request.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+#include "sim/scene/material_field.h"
+
+namespace clothid {
+namespace {
+
+std::optional<int> ParseSide(std::string_view text) {
+  const std::optional<double> side = ParseNumber(text);
+  if (!side || *side < 1.0 || *side > kMaxFieldSide || *side != static_cast<int>(*side)) return std::nullopt;
+  return static_cast<int>(*side);
+}
+
+FieldRequest ParseRequest(std::string_view item) {
+  const std::size_t colon = item.find(':'), cross = item.find('x', colon == item.npos ? 0 : colon);
+  const auto rows =
+      colon == item.npos || cross == item.npos ? std::nullopt : ParseSide(item.substr(colon + 1, cross - colon - 1));
+  const auto columns = cross == item.npos ? std::nullopt : ParseSide(item.substr(cross + 1));
+  if (!rows || !columns) {
+    throw Error(ErrorKind::kUsage, "--field: expected NAME:ROWSxCOLUMNS, rows and columns from 1 to " +
+                                       std::to_string(kMaxFieldSide) + ", got '" + Printable(std::string(item)) + "'");
+  }
+  FieldRequest request;
+  request.name = std::string(item.substr(0, colon));
+  request.rows = *rows;
+  request.columns = *columns;
+  const bool is_known = request.name == "k_stretch" || request.name == "k_bend" || request.name == "density";
+  if (!is_known) {
+    throw Error(ErrorKind::kUsage,
+                "--field: '" + Printable(request.name) + "' can be no field; expected k_stretch, k_bend or density");
+  }
+  request.kind = ParseParameter(request.name, std::vector<std::string>()).kind;
+  return request;
+}
+
+}  // namespace
+
+std::vector<FieldRequest> ParseFieldRequests(const std::string& text) {
+  std::vector<FieldRequest> requests;
+  if (Trimmed(text).empty()) return requests;
+  int size = 0;
+  for (const std::string& item : Split(text, ',')) {
+    const FieldRequest request = ParseRequest(Trimmed(item));
+    for (const FieldRequest& other : requests) {
+      if (other.kind == request.kind) throw Error(ErrorKind::kUsage, "--field: '" + request.name + "' is given twice");
+    }
+    size += request.size();
+    requests.push_back(request);
+  }
+  if (size > kMaxFieldUnknowns) {
+    throw Error(ErrorKind::kUsage, "--field: " + std::to_string(size) + " unknowns; expected at most " +
+                                       std::to_string(kMaxFieldUnknowns));
+  }
+  return requests;
+}
+
+void ExpectInCommon(const std::vector<ParameterBlock>& blocks, const std::vector<FieldRequest>& requests) {
+  for (const ParameterBlock& block : blocks) {
+    const std::string name = BaseName(block.name);
+    for (const FieldRequest& request : requests) {
+      if (name != request.name || block.recording == kEveryRecording) continue;
+      throw Error(ErrorKind::kUsage, "--each: '" + name + "' is a field, which all recordings have in common");
+    }
+  }
+}
+
+void SetField(const GridField& field, std::vector<RecordedMotion>* motions) {
+  for (RecordedMotion& motion : *motions) {
+    Scene& scene = motion.scene;
+    const auto known = std::find_if(scene.fields.begin(), scene.fields.end(),
+                                    [&](const GridField& other) { return other.kind == field.kind; });
+    if (known == scene.fields.end()) {
+      scene.fields.push_back(field);
+    } else {
+      *known = field;
+    }
+    double level = 0.0;
+    FieldOverTriangles(field, scene.mesh, &level);
+    const ParameterId id{field.kind, kAllObstacles};
+    Parameters parameters{scene.material, {}, nullptr};
+    SetParameter(id, level, &parameters);
+    scene.material = parameters.material;
+    const auto range = scene.parameters.find(ParameterName(id, {}));
+    if (range != scene.parameters.end() && !std::isnan(range->second.nominal)) range->second.nominal = level;
+  }
+}
+
+}  // namespace clothid

@@ -1,0 +1,49 @@
+// What a fit of fields found out.
+#ifndef CLOTHID_IDENTIFY_FIELD_FIELD_RESULT_H_
+#define CLOTHID_IDENTIFY_FIELD_FIELD_RESULT_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "identify/field/field_request.h"
+
+namespace clothid {
+
+struct FittedField {
+  FieldRequest request;
+  Eigen::MatrixXd values;  // [rows x columns] at the control nodes, in the parameter's unit
+  // Standard deviations of the logarithms: of the value, and of its deviation from the mean, after the recordings and
+  // as the prior alone has it. Empty where they were not estimated.
+  Eigen::MatrixXd log_std, deviation_std, prior_deviation_std;
+  double start = 0.0;  // the same everywhere
+};
+
+struct FieldResult {
+  std::vector<FittedField> fields;
+  bool ok = false;  // false: a rollout or derivative failed, or the fit was cancelled
+  bool has_converged = false;
+  std::string message;  // why it ended, one line
+  double weight = 0.0;  // lambda of the prior
+  bool weight_is_chosen = false;
+  double num_determined = 0.0;  // effective number of unknowns that the recordings determine; 0 where not estimated
+  double start_cost = 0.0, cost = 0.0;  // L of the recordings, without the prior
+  int num_measurements = 0;
+  int num_iterations = 0, num_rollouts = 0, num_sweeps = 0;
+  double seconds = 0.0;
+};
+
+// A control node is determined where the logarithm of its value has at most this standard deviation, ..
+inline constexpr double kDeterminedStd = 0.1;
+// .. and its deviation from the mean at most this share of what the prior leaves it.
+inline constexpr double kDeterminedShare = 0.5;
+
+bool IsDetermined(const FittedField& field, Eigen::Index row, Eigen::Index column);
+double ShareDetermined(const FittedField& field);  // of the control nodes
+
+// One line: "k_stretch over 8 x 8: 52.1 .. 81.3 N/m, determined at 55 of 64 control nodes".
+std::string DescribeField(const FittedField& field);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_FIELD_FIELD_RESULT_H_

@@ -1,0 +1,80 @@
+#include "sim/cloth/field_terms.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "sim/cloth/bending_patch.h"
+
+namespace clothid {
+namespace {
+
+std::vector<BendingElement> ElementsOf(const Scene& scene) {
+  if (scene.bending.law == BendingLaw::kEdges) return EdgeBendingElements(scene.mesh);
+  const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh));
+  return patches.Elements(IsotropicRigidity(1.0, scene.bending.poisson));
+}
+
+// The vectors of an element's nodes [n x 3].
+Eigen::MatrixX3d NodeRows(const BendingElement& element, const double* all) {
+  Eigen::MatrixX3d rows(element.nodes.size(), 3);
+  for (std::size_t i = 0; i < element.nodes.size(); ++i) {
+    rows.row(static_cast<Eigen::Index>(i)) =
+        Eigen::Map<const Eigen::RowVector3d>(all + 3 * static_cast<Eigen::Index>(element.nodes[i]));
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::shared_ptr<const TriangleElements> WeightedTriangles(const TriangleElements& triangles,
+                                                          const Eigen::VectorXd& weights) {
+  auto weighted = std::make_shared<TriangleElements>(triangles);
+  for (Eigen::Index f = 0; f < weights.size(); ++f) {
+    (*weighted)[static_cast<std::size_t>(f / kLanes)].area[f % kLanes] *= weights[f];
+  }
+  return weighted;
+}
+
+Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weights) {
+  const Eigen::VectorXd thirds = TriangleAreas(mesh).cwiseProduct(weights) / 3.0;
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.num_nodes());
+  for (int f = 0; f < mesh.num_faces(); ++f) {
+    for (int i = 0; i < 3; ++i) areas[mesh.faces(i, f)] += thirds[f];
+  }
+  return areas;
+}
+
+WeightedBending::WeightedBending(const Scene& scene)
+    : num_nodes_(scene.mesh.num_nodes()), elements_(ElementsOf(scene)) {}
+
+Eigen::SparseMatrix<double> WeightedBending::Matrix(const Eigen::VectorXd& weights) const {
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (const BendingElement& element : elements_) {
+    const double weight = weights(element.faces).mean();
+    const std::vector<int>& nodes = element.nodes;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      for (std::size_t j = 0; j < nodes.size(); ++j) {
+        const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
+        // Both triangles to the last bit the same.
+        triplets.emplace_back(nodes[i], nodes[j], weight * element.block(std::max(row, column), std::min(row, column)));
+      }
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(num_nodes_, num_nodes_);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  return matrix;
+}
+
+void WeightedBending::AddForceProducts(double stiffness, const Eigen::VectorXd& positions,
+                                       const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
+  for (const BendingElement& element : elements_) {
+    const double share = stiffness / static_cast<double>(element.faces.size());
+    const Eigen::MatrixX3d force = -share * (element.block * NodeRows(element, positions.data()));
+    for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+      const double product = force.cwiseProduct(NodeRows(element, columns.col(c).data())).sum();
+      for (const int face : element.faces) products(face, c) += product;
+    }
+  }
+}
+
+}  // namespace clothid

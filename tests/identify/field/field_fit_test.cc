@@ -1,0 +1,210 @@
+// Fits of constants that vary over the cloth, on a draped cloth of 10 x 10 nodes.
+#include "identify/field/field_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "identify/field/field_model.h"
+#include "identify/field/field_prior.h"
+#include "identify/field/field_stage.h"
+#include "identify/fit/fit.h"
+#include "identify/fit/problem.h"
+#include "sim/rollout/simulator.h"
+#include "tests/costs/synthetic_motion.h"
+#include "tests/expect_error.h"
+#include "tests/sim/shipped_scenes.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kNoise = 5e-4;  // m
+const FieldRequest kRequest = {"k_stretch", ParameterKind::kStretchStiffness, 4, 4};
+
+Scene DrapeScene() {
+  Scene scene = ShippedScene("drape", 10);
+  scene.material.stretch_stiffness = 120.0;
+  return scene;
+}
+
+Eigen::MatrixXd TrueValues() {
+  Eigen::MatrixXd values(4, 4);
+  for (int r = 0; r < 4; ++r) {
+    for (int c = 0; c < 4; ++c) values(r, c) = 70.0 * std::exp(0.4 * std::cos(1.0 * r) - 0.3 * std::sin(0.8 * c));
+  }
+  return values;
+}
+
+// What a noisy sensor sees of the true field; the scene knows nothing of it.
+RecordedMotion FieldMotion() {
+  Scene scene = DrapeScene();
+  scene.fields = {{kRequest.kind, TrueValues()}};
+  MotionOptions options;
+  options.noise = kNoise;
+  options.sigma = kNoise;
+  RecordedMotion motion = MakeMotion(scene, options);
+  motion.scene = DrapeScene();
+  return motion;
+}
+
+// With a field that is the same everywhere, where a fit starts.
+std::vector<RecordedMotion> StartMotions(const FieldRequest& request) {
+  std::vector<RecordedMotion> motions = {FieldMotion()};
+  const double level = GetParameter(motions.front().scene.nominal_parameters(), {request.kind});
+  SetField({request.kind, Eigen::MatrixXd::Constant(request.rows, request.columns, level)}, &motions);
+  return motions;
+}
+
+std::vector<ParameterBlock> Blocks(const std::vector<RecordedMotion>& motions) {
+  return {MakeParameterBlock("mu", motions.front(), {})};
+}
+
+double Cost(const Eigen::VectorXd& unknowns, FieldModel* model) {
+  FieldPoint point;
+  EXPECT_TRUE(model->MoveTo(unknowns, Precision::kFull, &point)) << model->failure();
+  return point.data_cost;
+}
+
+TEST(FieldModel, GradientIsThatOfDifferences) {
+  std::vector<RecordedMotion> motions = StartMotions(kRequest);
+  motions.front().scene.solver.step_tolerance = 1e-11;
+  FieldModel model(motions, Blocks(motions), {kRequest}, FitOptions());
+  std::mt19937_64 generator(2);
+  std::normal_distribution<double> normal;
+  const Eigen::VectorXd unknowns = model.Start();
+  FieldPoint point;
+  ASSERT_TRUE(model.MoveTo(unknowns, Precision::kFull, &point));
+  const Eigen::VectorXd gradient = model.DataGradient(point);
+  const Eigen::VectorXd direction = Eigen::VectorXd::NullaryExpr(model.size(), [&] { return normal(generator); });
+  double best = 1.0;
+  for (const double step : {1e-4, 1e-5, 1e-6}) {
+    const double difference =
+        (Cost(unknowns + step * direction, &model) - Cost(unknowns - step * direction, &model)) / (2.0 * step);
+    best = std::min(best, std::abs(difference / gradient.dot(direction) - 1.0));
+  }
+  EXPECT_LE(best, 1e-5);
+}
+
+// J and J^T are transposes, and Gram is their product, for the tracked points and a loss.
+TEST(FieldModel, ProductsAreThoseOfOneJacobian) {
+  const std::vector<RecordedMotion> motions = StartMotions(kRequest);
+  FitOptions options;
+  options.loss = ParseRobustLoss("huber:1.5");
+  FieldModel model(motions, Blocks(motions), {kRequest}, options);
+  FieldPoint point;
+  ASSERT_TRUE(model.MoveTo(model.Start(), Precision::kFull, &point));
+  const Eigen::MatrixXd all = Eigen::MatrixXd::Identity(model.size(), model.size());
+  const Eigen::MatrixXd gram = model.Gram(all, &point);
+  for (const int column : {0, 1, 9}) {
+    const Eigen::VectorXd product = model.TimesCurvature(all.col(column), &point);
+    EXPECT_LE((product - gram.col(column)).norm(), 1e-4 * product.norm()) << column;
+  }
+  // The gradient is J^T of the weighted residuals.
+  const Eigen::VectorXd gradient = model.DataGradient(point);
+  const Eigen::VectorXd by_rows = model.TimesTransposed({point.recordings.front().cost.WeightedResiduals()}, point);
+  EXPECT_LE((gradient - by_rows).norm(), 1e-4 * gradient.norm());
+}
+
+// The integral of the squared Laplacian, whatever the grid; nothing of the mean.
+TEST(FieldModel, PriorIsTheSameOnEveryGrid) {
+  for (const int side : {17, 33}) {
+    const Eigen::SparseMatrix<double> root = SmoothnessRoot(side, side);
+    Eigen::VectorXd wave(side * side);
+    for (int r = 0; r < side; ++r) {
+      for (int c = 0; c < side; ++c) wave[r * side + c] = std::cos(3.14159265358979 * c / (side - 1.0));
+    }
+    EXPECT_NEAR((root * wave).squaredNorm(), 0.5 * std::pow(3.14159265358979, 4), 0.1 * 49.0) << side;
+    EXPECT_LE((root * Eigen::VectorXd::Ones(side * side)).norm(), 1e-9);
+  }
+}
+
+double DeterminedError(const FittedField& field) {
+  double sum = 0.0, count = 0.0;
+  for (Eigen::Index r = 0; r < field.values.rows(); ++r) {
+    for (Eigen::Index c = 0; c < field.values.cols(); ++c) {
+      if (!IsDetermined(field, r, c)) continue;
+      sum += std::pow(std::log(field.values(r, c) / TrueValues()(r, c)), 2);
+      count += 1.0;
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+TEST(FieldFit, RecoversAFieldWhereItIsDetermined) {
+  const std::vector<RecordedMotion> motions = StartMotions(kRequest);
+  const FieldFit fit = FitFields(motions, Blocks(motions), {kRequest}, FieldFitOptions());
+  ASSERT_TRUE(fit.result.ok) << fit.result.message;
+  EXPECT_TRUE(fit.result.has_converged) << fit.result.message;
+  const FittedField& field = fit.result.fields.front();
+  EXPECT_GE(ShareDetermined(field), 0.5);
+  EXPECT_LE(DeterminedError(field), 0.05);
+  EXPECT_LE(fit.result.num_rollouts, 20);
+  EXPECT_NEAR(Blocks(motions).front().ToValue(fit.coordinates[0]),
+              motions.front().scene.obstacles[0].friction_coefficient, 0.01);
+}
+
+TEST(FieldFit, LbfgsEndsWhereGaussNewtonDoes) {
+  const std::vector<RecordedMotion> motions = StartMotions(kRequest);
+  FieldFitOptions options;
+  options.weight = 0.3;
+  options.estimate_deviations = false;
+  const FieldFit newton = FitFields(motions, {}, {kRequest}, options);
+  options.fit.method = FitMethod::kLbfgs;
+  options.fit.max_iterations = 200;
+  const FieldFit lbfgs = FitFields(motions, {}, {kRequest}, options);
+  ASSERT_TRUE(newton.result.ok && lbfgs.result.ok) << newton.result.message << lbfgs.result.message;
+  EXPECT_NEAR(lbfgs.result.cost, newton.result.cost, 0.01 * newton.result.cost);
+  EXPECT_LT(newton.result.num_rollouts, lbfgs.result.num_rollouts);
+}
+
+// Of a level, the interval counts with what is not known of the field: it is wider than of the level alone.
+TEST(FieldFit, IntervalsCountWithTheField) {
+  std::vector<RecordedMotion> motions = {FieldMotion()};
+  FitOptions options;
+  options.parameters = {"mu", "k_stretch"};
+  auto problem = std::make_unique<FitProblem>(motions, options);
+  FieldResult result;
+  const FitSummary summary = FitWithFields(options, {kRequest}, 0.0, &motions, &problem, &result);
+  ASSERT_TRUE(summary.has_estimate()) << summary.message;
+  EXPECT_EQ(summary.status, FitStatus::kConverged);
+  EXPECT_EQ(summary.parameters[1].start, 120.0);
+  ASSERT_TRUE(summary.uncertainty);
+  FitSummary known = summary;
+  AddUncertainty(options, *problem, &known);  // with the field as it is
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_GT(summary.uncertainty->parameters[i].std, known.uncertainty->parameters[i].std) << i;
+  }
+  EXPECT_GT(summary.uncertainty->parameters[1].std, 1.5 * known.uncertainty->parameters[1].std);
+}
+
+TEST(FieldRequest, NamesWhatItCannotRead) {
+  const std::vector<FieldRequest> requests = ParseFieldRequests("k_stretch:8x4, density:2x2");
+  ASSERT_EQ(requests.size(), 2u);
+  EXPECT_EQ(requests[0].rows, 8);
+  EXPECT_EQ(requests[0].columns, 4);
+  EXPECT_EQ(requests[1].kind, ParameterKind::kDensity);
+  EXPECT_TRUE(ParseFieldRequests("").empty());
+  const auto expect = [](const std::string& text, const char* message) {
+    ExpectError([&] { ParseFieldRequests(text); }, ErrorKind::kUsage, {"--field: ", message});
+  };
+  for (const char* text : {"k_stretch", "k_stretch:8", "k_stretch:8x", "k_stretch:0x4", "k_stretch:4x300", ":4x4,",
+                           "k_stretch:4.5x4", "k_stretch 4x4", "x", ""}) {
+    if (*text != '\0') expect(text, "");
+  }
+  expect("mu:4x4", "'mu' can be no field");
+  expect("k_stretch:4x4,k_stretch:2x2", "'k_stretch' is given twice");
+  expect("k_stretch:80x80", "6400 unknowns; expected at most 4096");
+}
+
+TEST(FieldFit, RefusesAnUnknownStart) {
+  std::vector<RecordedMotion> motions = StartMotions(kRequest);
+  motions.front().start_source = StartSource::kMoving;
+  ExpectError([&] { FieldModel(motions, {}, {kRequest}, FitOptions()); }, ErrorKind::kUsage,
+              {"--field: ", "its start is unknown"});
+}
+
+}  // namespace
+}  // namespace clothid

@@ -1,0 +1,56 @@
+// `benchmark fields`: a small one ends where it should, and says what it did.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "tests/tools/small_drape.h"
+#include "tests/tools/tool_test.h"
+#include "tools/benchmark/fits/benchmark_fields.h"
+
+namespace clothid {
+namespace {
+
+class FieldsTest : public ToolTest {};
+
+TEST_F(FieldsTest, RecoversWhatIsDetermined) {
+  WriteBytes(folder() / "scene.json", SmallDrape(8));
+  FieldsOptions options;
+  options.scene_path = (folder() / "scene.json").string();
+  options.nodes = 8;
+  options.sides = {6};
+  options.noise = 5e-4;
+  options.num_differences = 1;
+  const FieldsBenchmark benchmark = RunFieldsBenchmark(options);
+  ASSERT_EQ(benchmark.fits.size(), 2u);
+  const FieldsFit& newton = benchmark.fits[0];
+  EXPECT_TRUE(newton.has_converged);
+  EXPECT_GT(newton.determined_share, 0.3);
+  EXPECT_LE(newton.determined_error, 0.08);
+  EXPECT_LE(newton.rollouts, 20);
+  EXPECT_LT(newton.rollouts, benchmark.fits[1].rollouts);
+}
+
+TEST_F(FieldsTest, PrintsATableAndWritesEveryFit) {
+  WriteBytes(folder() / "scene.json", SmallDrape(6));
+  const ToolResult result = Run(
+      "benchmark fields --scene scene.json --nodes 6 --settings 2,3 --methods gauss_newton --sigma 0.002 --output out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string csv = ReadBytes(folder() / "out" / "fields.csv");
+  EXPECT_EQ(csv.rfind("method,unknowns,converged,weight,", 0), 0u) << csv;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3) << csv;
+}
+
+TEST_F(FieldsTest, RefusesWhatItCannotRun) {
+  WriteBytes(folder() / "scene.json", SmallDrape(4));
+  const std::string valid = "benchmark fields --scene scene.json";
+  ExpectRefused("benchmark fields", 1, "--scene");
+  ExpectRefused(valid + " --set mu=1", 1, "--set");
+  ExpectRefused(valid + " --nodes 2", 1, "--nodes");
+  ExpectRefused(valid + " --settings 1", 1, "--settings");
+  ExpectRefused(valid + " --methods magic", 1, "--methods: 'magic'");
+  ExpectRefused(valid + " --sigma 0", 1, "--sigma");
+}
+
+}  // namespace
+}  // namespace clothid

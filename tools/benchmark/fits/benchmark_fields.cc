@@ -1,0 +1,207 @@
+#include "tools/benchmark/fits/benchmark_fields.h"
+
+#include <cmath>
+#include <ctime>
+#include <iomanip>
+#include <limits>
+#include <random>
+#include <sstream>
+#include <utility>
+
+#include "datasets/synthetic/fine_truth.h"
+#include "datasets/synthetic/regrid.h"
+#include "datasets/synthetic/true_recording.h"
+#include "identify/field/field_fit.h"
+#include "identify/field/field_model.h"
+#include "sim/base/error.h"
+#include "sim/rollout/simulator.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kTrueSide = 65;
+
+// Processor time, s: other programs do not count.
+double Now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// z of the header over the square, at `side` x `side` control nodes.
+class TrueField {
+ public:
+  explicit TrueField(std::uint64_t seed) {
+    std::mt19937_64 generator(seed);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) amplitudes_(i, j) = i + j == 0 ? 0.0 : normal(generator) / (i * i + j * j);
+    }
+    scale_ = 1.0 / std::sqrt(At(kTrueSide).array().square().mean());
+  }
+  Eigen::MatrixXd At(int side) const {
+    Eigen::MatrixXd values(side, side);
+    for (int r = 0; r < side; ++r) {
+      for (int c = 0; c < side; ++c) {
+        double sum = 0.0;
+        for (int i = 0; i < 3; ++i) {
+          for (int j = 0; j < 3; ++j) {
+            sum += amplitudes_(i, j) * std::cos(kPi * i * r / (side - 1.0)) * std::cos(kPi * j * c / (side - 1.0));
+          }
+        }
+        values(r, c) = scale_ * sum;
+      }
+    }
+    return values;
+  }
+  Eigen::MatrixXd ValuesAt(int side, double level) const { return level * (0.4 * At(side)).array().exp(); }
+
+ private:
+  Eigen::Matrix3d amplitudes_;
+  double scale_ = 1.0;
+};
+
+// The recording of the truth, whose scene has its nominal value everywhere.
+RecordedMotion RecordField(const FieldsOptions& options, const GridScene& grid_scene, const TrueField& truth) {
+  const int across = (grid_scene.nodes[1] - 1) * (options.nodes - 1) / (grid_scene.nodes[0] - 1) + 1;
+  const Scene nominal = Regrid(grid_scene, {options.nodes, across});
+  Scene scene = nominal;
+  scene.fields = {{ParameterKind::kStretchStiffness, truth.ValuesAt(kTrueSide, options.level)}};
+  Simulator simulator(scene);
+  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator);
+  if (!rollout.ok()) throw Error(ErrorKind::kBadData, options.scene_path + ": " + rollout.failure->ToString());
+  SyntheticOptions seen;
+  seen.noise_sigma = options.noise;
+  seen.seed = options.seed;
+  RecordedMotion motion = MakeRecording(rollout, scene, "{\"clothid_scene\": 1}", seen);
+  motion.scene = nominal;
+  return motion;
+}
+
+double RootMeanSquare(double sum, double count) {
+  return count > 0.0 ? std::sqrt(sum / count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+void SetErrors(const Eigen::MatrixXd& truth, const FittedField& field, FieldsFit* fit) {
+  double all = 0.0, determined = 0.0, count = 0.0;
+  for (Eigen::Index r = 0; r < truth.rows(); ++r) {
+    for (Eigen::Index c = 0; c < truth.cols(); ++c) {
+      const double square = std::pow(std::log(field.values(r, c) / truth(r, c)), 2);
+      all += square;
+      if (!IsDetermined(field, r, c)) continue;
+      determined += square;
+      count += 1.0;
+    }
+  }
+  fit->error = RootMeanSquare(all, static_cast<double>(truth.size()));
+  fit->determined_error = RootMeanSquare(determined, count);
+  fit->determined_share = count / static_cast<double>(truth.size());
+}
+
+// Seconds of a Jacobian by differences.
+double TimeDifferences(int num_differences, FieldModel* model) {
+  FieldPoint point;
+  Eigen::VectorXd unknowns = model->Start();
+  model->MoveTo(unknowns, Precision::kFull, &point);
+  const double start = Now();
+  for (int i = 0; i < num_differences; ++i) {
+    unknowns = model->Start();
+    unknowns[model->num_scalars() + i] += 1e-4;
+    model->MoveTo(unknowns, Precision::kFull, &point);
+  }
+  return (Now() - start) / num_differences * (model->size() + 1);
+}
+
+FieldsFit FitField(const FieldsOptions& options, int side, FitMethod method, double weight, RecordedMotion motion,
+                   const TrueField& truth) {
+  const FieldRequest request{"k_stretch", ParameterKind::kStretchStiffness, side, side};
+  const double start = motion.scene.nominal_parameters().material.stretch_stiffness;
+  std::vector<RecordedMotion> motions = {std::move(motion)};
+  SetField({request.kind, Eigen::MatrixXd::Constant(side, side, start)}, &motions);
+  FieldFitOptions fit_options;
+  fit_options.fit.method = method;
+  fit_options.fit.max_iterations = method == FitMethod::kLbfgs ? 100 : 50;
+  fit_options.weight = weight;
+  const double before = Now();
+  const FieldFit fitted = FitFields(motions, {}, {request}, fit_options);
+  const double seconds = Now() - before;
+  const FieldResult& result = fitted.result;
+  if (!result.ok) throw Error(ErrorKind::kBadData, options.scene_path + ": " + result.message);
+  FieldsFit fit;
+  fit.method = method == FitMethod::kLbfgs ? "lbfgs" : "gauss_newton";
+  fit.side = side;
+  fit.has_converged = result.has_converged;
+  fit.weight = result.weight;
+  fit.rmse = options.noise * std::sqrt(3.0 * 2.0 * result.cost / result.num_measurements);
+  SetErrors(truth.ValuesAt(side, options.level), result.fields.front(), &fit);
+  fit.iterations = result.num_iterations;
+  fit.rollouts = result.num_rollouts;
+  fit.sweeps = result.num_sweeps;
+  fit.seconds = seconds;
+  FieldModel model(motions, {}, {request}, fit_options.fit);
+  if (options.num_differences > 0) fit.difference_seconds = TimeDifferences(options.num_differences, &model);
+  return fit;
+}
+
+void Require(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorKind::kUsage, message);
+}
+
+}  // namespace
+
+void FieldsOptions::Validate() const {
+  Require(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  Require(nodes >= 4, "--nodes: expected a number >= 4");
+  Require(!sides.empty(), "--settings: expected at least one side of a control grid");
+  for (const int side : sides) Require(side >= 2 && side <= 64, "--settings: expected sides of 2 to 64 control nodes");
+  Require(noise > 0.0 && std::isfinite(noise), "--sigma: expected a number > 0");
+  Require(level > 0.0 && std::isfinite(level), "--set: expected k_stretch=NUMBER, > 0");
+}
+
+FieldsBenchmark RunFieldsBenchmark(const FieldsOptions& options) {
+  options.Validate();
+  const TrueField truth(options.seed);
+  const RecordedMotion motion = RecordField(options, ReadGridScene(options.scene_path), truth);
+  FieldsBenchmark benchmark;
+  const int num_fits = static_cast<int>(options.sides.size()) * (options.with_lbfgs ? 2 : 1);
+  const auto add = [&](FieldsFit fit) {
+    benchmark.fits.push_back(std::move(fit));
+    if (options.on_fit) options.on_fit(benchmark.fits.back(), static_cast<int>(benchmark.fits.size()), num_fits);
+  };
+  for (const int side : options.sides) {
+    add(FitField(options, side, FitMethod::kLevenbergMarquardt, 0.0, motion, truth));
+    if (!options.with_lbfgs) continue;
+    add(FitField(options, side, FitMethod::kLbfgs, benchmark.fits.back().weight, motion, truth));
+  }
+  return benchmark;
+}
+
+std::string FieldsTable(const FieldsBenchmark& benchmark) {
+  std::ostringstream table;
+  table << std::left << std::setw(14) << "method" << std::right << std::setw(9) << "unknowns" << std::setw(11)
+        << "error, %" << std::setw(15) << "determined, %" << std::setw(11) << "error, %" << std::setw(12)
+        << "iterations" << std::setw(10) << "rollouts" << std::setw(8) << "sweeps" << std::setw(10) << "seconds"
+        << std::setw(14) << "s/iteration" << std::setw(17) << "s/J differences"
+        << "  \n";
+  for (const FieldsFit& fit : benchmark.fits) {
+    table << std::left << std::setw(14) << fit.method << std::right << std::setw(9) << fit.side * fit.side << std::fixed
+          << std::setprecision(2) << std::setw(11) << 100.0 * fit.error << std::setw(15) << 100.0 * fit.determined_share
+          << std::setw(11) << 100.0 * fit.determined_error << std::setw(12) << fit.iterations << std::setw(10)
+          << fit.rollouts << std::setw(8) << fit.sweeps << std::setw(10) << fit.seconds << std::setw(14)
+          << fit.seconds_per_iteration() << std::setw(17) << fit.difference_seconds
+          << (fit.has_converged ? "\n" : "  not converged\n");
+  }
+  return table.str();
+}
+
+std::string FieldsCsv(const FieldsBenchmark& benchmark) {
+  std::ostringstream csv;
+  csv << std::setprecision(9)
+      << "method,unknowns,converged,weight,rmse_m,error,determined_share,determined_error,iterations,rollouts,sweeps,"
+         "seconds,difference_seconds\n";
+  for (const FieldsFit& fit : benchmark.fits) {
+    csv << fit.method << "," << fit.side * fit.side << "," << fit.has_converged << "," << fit.weight << "," << fit.rmse
+        << "," << fit.error << "," << fit.determined_share << "," << fit.determined_error << "," << fit.iterations
+        << "," << fit.rollouts << "," << fit.sweeps << "," << fit.seconds << "," << fit.difference_seconds << "\n";
+  }
+  return csv.str();
+}
+
+}  // namespace clothid
