@@ -34,9 +34,9 @@ TEST_F(ExamplesTest, Readme) {
   Success(BUILD " build");
   const std::string out = Success("build/fit " CLOTHID_SOURCE_DIR "/datasets/capture.motion.bin");
   // As `identify` prints them in the README.
-  EXPECT_EQ(FirstMissingLine("...\nmu 0.3479, 95 % interval 0.3087 .. 0.3871\n"
-                             "k_stretch 24.78, 95 % interval 22.03 .. 27.86\n"
-                             "time_offset 0.01062, 95 % interval 0.008686 .. 0.01256\n",
+  EXPECT_EQ(FirstMissingLine("...\nmu 0.3457, 95 % interval 0.3281 .. 0.3632\n"
+                             "k_stretch 25.38, 95 % interval 23.52 .. 27.38\n"
+                             "time_offset 0.009182, 95 % interval 0.008071 .. 0.01029\n",
                              out),
             "")
       << out;

@@ -296,9 +296,12 @@ TEST_F(RolloutAuditTest, FindsNumbersThatAreNone) {
 TEST_F(RolloutAuditTest, FindsANodeInTheObstacle) {
   StepRecord& record = run_.rollout.records.back();
   ASSERT_FALSE(record.contacts.empty());
-  const int row = 3 * record.contacts.front().node + 2;
-  record.positions[row] -= 1e-3;
-  record.velocities[row] -= 1e-3 / record.time_step;
+  const Eigen::Index row = 3 * static_cast<Eigen::Index>(record.contacts.front().node);
+  const Obstacle& ball = *run_.simulator.scene().obstacles.front().shape;
+  const SurfacePoint nearest = ball.Closest(record.positions.segment<3>(row));
+  const Eigen::Vector3d into = -(nearest.gap + 1e-3) * nearest.normal;
+  record.positions.segment<3>(row) += into;
+  record.velocities.segment<3>(row) += into / record.time_step;
   const RolloutAudit audit = run_.Audit();
   EXPECT_EQ(audit.too_deep, 1);
   EXPECT_GT(audit.penetration, 1e-4);
