@@ -266,6 +266,7 @@ void RunOptions::ValidateFields() const {
   Expect(fit.num_starts == 1, "--starts: expected without --field, which starts once");
   Expect(profiles.empty(), "--profile: expected without --field, which a profile would hold");
   Expect(!discretization.any(), "--discretization: expected without --field, which is not fitted again");
+  Expect(!time_step.is_automatic, "--time_step: expected without --field, which is not fitted again");
   Expect(fit.method != FitMethod::kLbfgs || field_weight > 0.0,
          "--field_weight: expected with --method lbfgs, which does not choose it");
 }

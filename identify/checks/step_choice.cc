@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <map>
 #include <sstream>
 
@@ -98,6 +99,7 @@ class StepChooser {
   void Take(int level) {
     choice_.found = true;
     choice_.level = level;
+    choice_.needed = kUnknown;
     choice_.check.half_step = FitAt(level - 1);
     choice_.check.double_step = FitAt(level + 1);
     choice_.start = summary_->coordinates;
@@ -112,24 +114,17 @@ class StepChooser {
   StepChoice choice_;
 };
 
-std::string TrialText(const StepTrial& trial) {
+std::string Rounded(double value, int digits) {
   std::ostringstream text;
-  text.precision(2);
-  text << std::defaultfloat;
-  if (std::isnan(trial.error_over_noise)) {
-    text << "not known";
-  } else {
-    text << trial.error_over_noise;
-  }
+  text << std::setprecision(digits) << value;
   return text.str();
 }
 
-std::string Seconds(double seconds) {
-  std::ostringstream text;
-  text.precision(4);
-  text << seconds << " s";
-  return text.str();
+std::string TrialText(const StepTrial& trial) {
+  return std::isnan(trial.error_over_noise) ? "not known" : Rounded(trial.error_over_noise, 2);
 }
+
+std::string Seconds(double seconds) { return Rounded(seconds, 4) + " s"; }
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 
 #include "tests/identify/fine_recordings.h"
 #include "tests/identify/sensitivity_fit.h"
@@ -35,6 +36,7 @@ TEST(StepChoiceTest, GoesFinerWhereTheStepErrsByMoreThanTheNoise) {
   EXPECT_LT(choice.level, 0);
   EXPECT_GT(choice.trials.front().error_over_noise, 1.0);
   EXPECT_LE(choice.trials.back().error_over_noise, 1.0);
+  EXPECT_TRUE(std::isnan(choice.needed)) << "it was found";
   ASSERT_TRUE(choice.check.half_step && choice.check.double_step);
   const double std = summary.uncertainty->parameters[0].std;
   EXPECT_GT(std::abs(summary.parameters[0].value - kTruth), 2.0 * std);

@@ -136,7 +136,7 @@ TEST_P(HandleDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
   for (int i = 0; i < 2; ++i) {
     EXPECT_NEAR(adjoint[i], sensitivity[i], 1e-10 * std::abs(adjoint[i])) << i;
     double best = 1.0;
-    for (const double step : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
+    for (const double step : {1e-4, 1e-5, 1e-6, 1e-7}) {
       const Rollout plus = handles.Perturbed(i, step), minus = handles.Perturbed(i, -step);
       if (!HaveSameBranches(handles.rollout(), plus) || !HaveSameBranches(handles.rollout(), minus)) continue;
       const double difference = (HandleCase::Cost(plus) - HandleCase::Cost(minus)) / (2.0 * step);
