@@ -8,6 +8,7 @@
 #include "datasets/motion/motion_validation.h"
 #include "identify/base/output_folder.h"
 #include "identify/checks/discretization_check.h"
+#include "identify/checks/energy_check.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
@@ -192,6 +193,7 @@ class Run {
   void Examine() {
     const ScopedTimer timer(&summary_.total_seconds);
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
+    checks_.energy = CheckEnergy(inputs_.fitted, *problem_, summary_, fit_options_.cancel);
     for (const std::string& name : options_.profiles) {
       if (!summary_.uncertainty || fit_options_.is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));

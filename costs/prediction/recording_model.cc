@@ -178,6 +178,15 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassO
   return RunRollout(coordinates, pass, std::move(options));
 }
 
+EnergyGain RecordingModel::EnergyGainAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel) {
+  simulator_.UseFields(ParametersAt(coordinates));
+  if (!MayGainEnergy(ParametersAt(coordinates), simulator_)) return {};
+  RolloutOptions options;
+  options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), RolloutStorage().memory_limit);
+  const Rollout rollout = RunRollout(coordinates, {Precision::kFull, cancel}, std::move(options));
+  return rollout.ok() ? FindEnergyGain(rollout, &simulator_) : EnergyGain();
+}
+
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
                                          const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
                                          const std::vector<int>& active, const Eigen::MatrixXd& seeds,

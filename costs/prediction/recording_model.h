@@ -22,6 +22,7 @@
 #include "datasets/observation/observation.h"
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
+#include "sim/rollout/energy_loss.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/parameters.h"
@@ -92,6 +93,10 @@ class RecordingModel {
   // is a block, else empty.
   Rollout Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass, const RolloutStorage& storage,
                    Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
+
+  // What the rollout at `coordinates` gains by its integrator; nothing where it failed, or cannot gain any
+  // (`MayGainEnergy`): that is not simulated.
+  EnergyGain EnergyGainAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the coordinates listed in
   // `active` [q]. `predicted` and `velocities`: of the rollout. `fields` (may be null): the same [K F x s] for the

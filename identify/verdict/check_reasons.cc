@@ -12,6 +12,9 @@ namespace {
 constexpr double kProfileRounding = 1e-3;
 constexpr double kLowerCost = 0.1;
 
+// Energy that comes from nowhere, as a share of the largest energy: from here on the motion is another.
+constexpr double kLargeEnergyGain = 0.1;
+
 Reason Remark(const std::string& line) { return {Usability::kUsable, kExitSuccess, {}, "", line}; }
 
 void AddMinimum(const FitSummary& summary, const MultiStart& starts, const Minimum& other,
@@ -108,6 +111,20 @@ void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
       MillimetreText(holdout.nominal_rmse));
 }
 
+void AddEnergy(const EnergyGain& gain, const std::string& prefix, std::vector<Reason>* reasons) {
+  if (!(gain.share() >= kMostEnergyGain)) return;
+  const bool is_large = gain.share() >= kLargeEnergyGain;
+  const std::string brief = prefix + "the simulation gains energy that no work pays for";
+  reasons->push_back({is_large ? Usability::kDoNotUse : Usability::kWithCare,
+                      is_large ? kExitDoNotUse : kExitSuccess,
+                      {},
+                      brief,
+                      brief + ", " + NumberText(gain.energy) + " J by " + NumberText(gain.time) + " s, " +
+                          NumberText(100.0 * gain.share(), 3) +
+                          " % of the largest: the steps are too long for so stiff a cloth; shorten them, or take the " +
+                          "integrator euler"});
+}
+
 void AddField(const FittedField& field, std::vector<Reason>* reasons) {
   const std::string& name = field.request.name;
   const auto size = static_cast<double>(field.values.size());
@@ -140,6 +157,9 @@ void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::ve
   if (checks.starts) AddStarts(summary, *checks.starts, reasons);
   AddProfiles(summary, checks, reasons);
   if (checks.holdout) AddHoldout(*checks.holdout, reasons);
+  for (std::size_t r = 0; r < checks.energy.size(); ++r) {
+    AddEnergy(checks.energy[r], checks.energy.size() > 1 ? checks.recordings[r].name + ": " : "", reasons);
+  }
 }
 
 }  // namespace clothid

@@ -11,6 +11,7 @@
 #include "datasets/checking/finding.h"
 #include "identify/base/options.h"
 #include "identify/checks/discretization_check.h"
+#include "identify/checks/energy_check.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/holdout.h"
 #include "identify/checks/multi_start.h"
@@ -33,6 +34,7 @@ struct FitChecks {
   std::optional<StepChoice> step_choice;
   std::optional<DiscretizationCheck> discretization;
   std::optional<Holdout> holdout;
+  std::vector<EnergyGain> energy;        // of every recording; empty: nobody looked
   std::vector<RecordingFit> recordings;          // of `DescribeRecordings`; empty: nobody looked
   std::vector<std::vector<Finding>> findings;    // of every recording, before the fit
   std::vector<Eigen::MatrixXd> predicted_nodes;  // see identify/report/node_prediction.h

@@ -20,6 +20,7 @@
 #include "sim/base/json_document.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
+#include "sim/rollout/energy_loss.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/handle_csv.h"
@@ -153,6 +154,17 @@ void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
             << counts.branch_switches << " branch switches, " << counts.obstacle_switches << " obstacle switches\n";
 }
 
+// Tells on stderr where the integrator has made energy.
+void WarnOfEnergy(const Rollout& rollout, Simulator* simulator) {
+  if (!MayGainEnergy(rollout.parameters, *simulator)) return;
+  const EnergyGain gain = FindEnergyGain(rollout, simulator);
+  if (!(gain.share() >= kMostEnergyGain)) return;
+  std::cerr << "simulate: warning: the motion gains energy that no work pays for, " << gain.energy << " J by "
+            << gain.time << " s, " << 100.0 * gain.share()
+            << " % of the largest: the steps are too long for so stiff a cloth; shorten them, or take the integrator "
+               "euler\n";
+}
+
 // Tells on stderr, while it lives, where a rollout stands that takes long.
 class StepProgress {
  public:
@@ -253,6 +265,7 @@ int Run(const std::vector<std::string>& arguments) {
   const MotionTensors motion = RecordRollout(rollout, scene, scene_text, OptionsFromFlags());
   WriteMotion(motion, FLAGS_output);
   PrintSummary(rollout, motion);
+  WarnOfEnergy(rollout, &simulator);
   return kExitSuccess;
 }
 

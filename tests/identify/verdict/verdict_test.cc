@@ -82,6 +82,18 @@ TEST(VerdictTest, TheOverallLineLeads) {
   EXPECT_EQ(Judge(interrupted, {}).line, "do not use: not converged: stopped at max_iterations");
 }
 
+TEST(VerdictTest, EnergyFromNowhereIsNamed) {
+  FitChecks checks = With(Recording(0.001, 0.1));
+  checks.energy = {{0.05, 0.2, 100.0}};
+  EXPECT_EQ(Judge(Converged(), checks).line, "usable: every fitted parameter is identifiable");
+  checks.energy = {{2.0, 0.2, 100.0}};
+  EXPECT_EQ(Judge(Converged(), checks).overall, Usability::kWithCare);
+  EXPECT_TRUE(Says(Converged(), checks, "gains energy that no work pays for, 2 J by 0.2 s, 2 % of the largest"));
+  checks.energy = {{20.0, 0.2, 100.0}};
+  EXPECT_EQ(Judge(Converged(), checks).overall, Usability::kDoNotUse);
+  EXPECT_EQ(Judge(Converged(), checks).exit_code, kExitDoNotUse);
+}
+
 TEST(VerdictTest, SaysWhichParametersCanBeUsed) {
   FitSummary summary = ThreeParameters();
   summary.parameters[1].at_bound = true;

@@ -62,9 +62,9 @@ TEST(EnergyBalanceTest, FreeFallLosesWhatBackwardEulerTakes) {
   const double mass = scene.material.density, speed_change = 9.81 * scene.time_step;
   const double loss = scene.num_steps() * 0.5 * mass * speed_change * speed_change;
   EXPECT_EQ(balance.total.work(), 0.0);
-  EXPECT_NEAR(balance.total.inertia_loss, loss, 1e-9 * loss);
+  EXPECT_NEAR(balance.total.loss.inertia, loss, 1e-9 * loss);
   EXPECT_NEAR(balance.total.change, -loss, 1e-9 * loss);
-  EXPECT_NEAR(balance.total.elastic_loss, 0.0, 1e-9 * loss);
+  EXPECT_NEAR(balance.total.loss.elastic, 0.0, 1e-9 * loss);
   EXPECT_EQ(balance.excess, 0.0);
   EXPECT_EQ(balance.unexplained_steps, 0);
 }
@@ -96,7 +96,7 @@ TEST(EnergyBalanceTest, HandlesDoTheWorkOfStretching) {
   const double energy = 0.5 * scene.material.stretch_stiffness * 0.2 * kStretch * kStretch;
   EXPECT_NEAR(flow.change, energy, 1e-9 * energy);
   EXPECT_NEAR(flow.handle_work, energy * (1.0 + 1.0 / kSteps), 1e-9 * energy);
-  EXPECT_NEAR(flow.elastic_loss, energy / kSteps, 1e-9 * energy);
+  EXPECT_NEAR(flow.loss.elastic, energy / kSteps, 1e-9 * energy);
   EXPECT_EQ(flow.air_work + flow.force_work + flow.contact_work, 0.0);
   EXPECT_LE(std::abs(flow.unexplained()), flow.tolerance);
   EXPECT_EQ(run.Balance().unexplained_steps, 0);
@@ -123,7 +123,7 @@ TEST(EnergyBalanceTest, WindDoesTheWorkOfDrag) {
   kinetic = 0.5 * density * v * v;
   EXPECT_NEAR(balance.total.change, kinetic, 1e-9 * kinetic);
   EXPECT_NEAR(balance.total.air_work, work, 1e-9 * kinetic);
-  EXPECT_NEAR(balance.total.inertia_loss, loss, 1e-9 * kinetic);
+  EXPECT_NEAR(balance.total.loss.inertia, loss, 1e-9 * kinetic);
   EXPECT_EQ(balance.excess, 0.0);
   EXPECT_EQ(balance.unexplained_steps, 0);
 }
@@ -166,7 +166,7 @@ TEST(StagesBalanceTest, FreeFallKeepsItsEnergy) {
   ASSERT_TRUE(run.rollout.ok());
   const EnergyBalance balance = run.Balance();
   EXPECT_NEAR(balance.total.change, 0.0, 1e-13 * balance.largest_energy);
-  EXPECT_NEAR(balance.total.inertia_loss, 0.0, 1e-13 * balance.largest_energy);
+  EXPECT_NEAR(balance.total.loss.inertia, 0.0, 1e-13 * balance.largest_energy);
   EXPECT_EQ(balance.unexplained_steps, 0);
 }
 
@@ -204,7 +204,7 @@ TEST(StagesBalanceTest, ExplainsEveryStep) {
   const EnergyBalance balance = run.Balance();
   EXPECT_EQ(balance.unexplained_steps, 0);
   const EnergyFlow& flow = balance.total;
-  for (const double term : {flow.force_work, flow.air_work, flow.handle_work, flow.contact_work, flow.damping_loss}) {
+  for (const double term : {flow.force_work, flow.air_work, flow.handle_work, flow.contact_work, flow.loss.damping}) {
     EXPECT_GT(std::abs(term), 1e3 * flow.tolerance);
   }
   StepRecord& record = run.rollout.records.back();

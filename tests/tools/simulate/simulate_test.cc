@@ -63,6 +63,20 @@ TEST_F(SimulateTest, PrintsASummary) {
   }
 }
 
+// The 33 ms step of SDIRK2 makes energy of a cloth that stiff.
+TEST_F(SimulateTest, WarnsOfEnergyFromNowhere) {
+  Json json = Json::parse(ReadBytes(std::string(CLOTHID_SOURCE_DIR) + "/datasets/wind.scene.json"));
+  json["mesh"]["grid"]["nodes"] = {8, 8};
+  json["handles"] = {0, 7};
+  json["time_step"] = 1.0 / 30.0;
+  json["duration"] = 0.3;
+  const std::string command = "simulate --scene " + WriteScene(json) + " --output out.bin --set k_stretch=";
+  const ToolResult stiff = Run(command + "1e8");
+  EXPECT_EQ(stiff.exit_code, 0) << stiff.err;
+  EXPECT_NE(stiff.err.find("warning: the motion gains energy that no work pays for"), std::string::npos) << stiff.err;
+  EXPECT_EQ(Run(command + "300").err.find("warning"), std::string::npos);
+}
+
 TEST_F(SimulateTest, AnswersHelpAndVersion) {
   const ToolResult help = Run("simulate --help");
   EXPECT_EQ(help.exit_code, 0);

@@ -17,26 +17,6 @@ namespace {
 
 constexpr double kRoundings = 4.0;  // that a sum over the neighbours of a node takes, in units of eps
 
-// -d(stretch + bending)/dx [3N], with the energies.
-Eigen::VectorXd ElasticForce(const Material& material, const Eigen::VectorXd& positions, const ClothModel& model,
-                             EnergyParts* parts) {
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-  const double k = material.stretch_stiffness, k_bend = material.bending_stiffness;
-  parts->stretch = k * model.stretch().AddForce(k, positions, &force);
-  if (model.bending() != nullptr) parts->bending = k_bend * model.bending()->AddForce(k_bend, positions, &force);
-  return force;
-}
-
-Eigen::VectorXd DampingForce(const Material& material, const StepRecord& record, const SolveStart& start,
-                             const ClothModel& model) {
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(record.positions.size());
-  if (model.damping() == nullptr) return force;
-  std::vector<MetricBatch> start_metrics;
-  SetStartMetrics(model, start, &start_metrics);
-  model.damping()->AddForce(material.damping, record.time_step, start_metrics, record.positions, &force);
-  return force;
-}
-
 // What rounding makes of the energies of a state and of the work of its forces. The stretch energy k/2 a |F - R|^2 is
 // computed from differences of positions, the bending energy from the positions themselves.
 double EnergyRounding(const EnergyParts& parts, const Material& material, const Eigen::VectorXd& positions,
@@ -52,11 +32,8 @@ double EnergyRounding(const EnergyParts& parts, const Material& material, const 
   return kRoundings * eps * sum;
 }
 
-// What a solve is taken for in the balance of its step: kappa times for a first stage.
-double Weight(const StepRecord& record) { return record.stage == Stage::kFirst ? kSecondStageReach : 1.0; }
-
 void AddAir(const StepRecord& record, const Material& material, const ClothModel& model, EnergyFlow* flow) {
-  const double seconds = Weight(record) * record.time_step;
+  const double seconds = SolveWeight(record) * record.time_step;
   for (const int node : model.free_nodes()) {
     const Eigen::Vector3d v = record.velocities.segment<3>(3 * node);
     flow->force_work += seconds * model.scene().node_force.dot(v);
@@ -66,20 +43,15 @@ void AddAir(const StepRecord& record, const Material& material, const ClothModel
   }
 }
 
-// Works of the forces in the cloth; as elastic_loss, minus that of elastic forces.
-void AddInternalForces(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-                       const Simulator& simulator, EnergyFlow* flow) {
-  const ClothModel& model = simulator.model();
-  EnergyParts parts = StateEnergy(parameters, record.positions, record.velocities, simulator);
-  const Eigen::VectorXd elastic = ElasticForce(parameters.material, record.positions, model, &parts);
-  const Eigen::VectorXd viscous = DampingForce(parameters.material, record, start, model);
-  const Eigen::VectorXd displacement = Weight(record) * record.time_step * record.velocities;
-  for (const int node : model.scene().handles.nodes) {
-    flow->handle_work -= (elastic + viscous).segment<3>(3 * node).dot(displacement.segment<3>(3 * node));
+// What holds a handle acts against the forces in the cloth.
+void AddHandles(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
+                const Simulator& simulator, EnergyFlow* flow) {
+  const InternalForces forces = ForcesAtEnd(parameters, record, start, simulator);
+  const double seconds = SolveWeight(record) * record.time_step;
+  for (const int node : simulator.scene().handles.nodes) {
+    const Eigen::Vector3d force = (forces.elastic + forces.viscous).segment<3>(3 * node);
+    flow->handle_work -= seconds * force.dot(record.velocities.segment<3>(3 * node));
   }
-  flow->damping_loss -= viscous.dot(displacement);
-  flow->elastic_loss -= elastic.dot(displacement);
-  flow->tolerance += EnergyRounding(parts, parameters.material, record.positions, model);
 }
 
 // What contacts do at the nodes of a step [N].
@@ -98,31 +70,18 @@ void AddContacts(const StepRecord& record, const SolveStart& start, const Eigen:
   for (std::size_t i = 0; i < point.responses.size(); ++i) {
     if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
     const ContactCandidate& candidate = problem.candidates()[i];
-    const double mass = parameters.material.density * model.node_areas()[candidate.node];
+    const double mass = parameters.material.density * model.mass_areas()[candidate.node];
     const Eigen::Vector3d v = record.velocities.segment<3>(3 * candidate.node);
     const Eigen::Vector3d impulse =
-        Weight(record) * (point.responses[i].impulse - mass * impacts.segment<3>(3 * candidate.node));
+        SolveWeight(record) * (point.responses[i].impulse - mass * impacts.segment<3>(3 * candidate.node));
     const double work = impulse.dot(v), push = candidate.normal.dot(impulse) * candidate.normal.dot(v);
     flow->contact_work += work;
     flow->push_work += std::max(0.0, push);
     nodes->work[candidate.node] += work - std::max(0.0, push);
     nodes->in_contact[candidate.node] = 1.0;
   }
-  flow->tolerance += Weight(record) * StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point) *
+  flow->tolerance += SolveWeight(record) * StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point) *
                      point.scale * point.velocities.norm();
-}
-
-// What inertia takes at each node [N], J: m/2 b . b, and over a first stage m (kappa c . u - c . c/2).
-Eigen::VectorXd NodeInertiaLoss(const Eigen::VectorXd& b, const Eigen::VectorXd& c, const Eigen::VectorXd& u,
-                                const Material& material, const ClothModel& model) {
-  Eigen::VectorXd loss = Eigen::VectorXd::Zero(model.num_nodes());
-  for (const int node : model.free_nodes()) {
-    const double mass = material.density * model.node_areas()[node];
-    const Eigen::Vector3d reach = c.segment<3>(3 * node), impact = u.segment<3>(3 * node);
-    loss[node] =
-        mass * (0.5 * b.segment<3>(3 * node).squaredNorm() + reach.dot(kSecondStageReach * impact - 0.5 * reach));
-  }
-  return loss;
 }
 
 }  // namespace
@@ -130,24 +89,13 @@ Eigen::VectorXd NodeInertiaLoss(const Eigen::VectorXd& b, const Eigen::VectorXd&
 EnergyFlow& EnergyFlow::operator+=(const EnergyFlow& other) {
   for (double EnergyFlow::*const term :
        {&EnergyFlow::change, &EnergyFlow::force_work, &EnergyFlow::air_work, &EnergyFlow::handle_work,
-        &EnergyFlow::contact_work, &EnergyFlow::push_work, &EnergyFlow::contact_gain, &EnergyFlow::inertia_loss,
-        &EnergyFlow::damping_loss, &EnergyFlow::elastic_loss, &EnergyFlow::tolerance}) {
+        &EnergyFlow::contact_work, &EnergyFlow::push_work, &EnergyFlow::contact_gain, &EnergyFlow::tolerance}) {
     this->*term += other.*term;
   }
-  return *this;
-}
-
-EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& positions,
-                        const Eigen::VectorXd& velocities, const Simulator& simulator) {
-  const ClothModel& model = simulator.model();
-  EnergyParts parts;
-  ElasticForce(parameters.material, positions, model, &parts);
-  for (const int node : model.free_nodes()) {
-    const double mass = parameters.material.density * model.node_areas()[node];
-    parts.kinetic += 0.5 * mass * velocities.segment<3>(3 * node).squaredNorm();
-    parts.gravitational -= mass * model.scene().gravity.dot(positions.segment<3>(3 * node));
+  for (double EnergyLoss::*const term : {&EnergyLoss::inertia, &EnergyLoss::damping, &EnergyLoss::elastic}) {
+    loss.*term += other.loss.*term;
   }
-  return parts;
+  return *this;
 }
 
 EnergyFlow StepEnergyFlow(const Rollout& rollout, int last, RecordReader* reader, Simulator* simulator) {
@@ -155,31 +103,25 @@ EnergyFlow StepEnergyFlow(const Rollout& rollout, int last, RecordReader* reader
   const Parameters& parameters = rollout.parameters;
   const StepRecord& end = reader->record(last);
   const int first = end.stage == Stage::kSecond ? last - 1 : last;
-  const Eigen::VectorXd b = end.velocities - reader->start(last).velocities;
-  Eigen::VectorXd c = Eigen::VectorXd::Zero(b.size()), u = c;
-  if (first < last) {
-    const Eigen::VectorXd second_velocities = reader->start(last).velocities;
-    const Eigen::VectorXd& start_velocities = reader->start(first).velocities;
-    c = (second_velocities - start_velocities) / kSecondStageReach;
-    u = reader->record(first).velocities - start_velocities - c;
-  }
+  const VelocityChanges changes = ChangesInStep(rollout, last, reader);
+  const Eigen::VectorXd no_impacts = Eigen::VectorXd::Zero(changes.impact.size());
   EnergyFlow flow;
   NodeWork nodes{Eigen::ArrayXd::Zero(model.num_nodes()), Eigen::ArrayXd::Zero(model.num_nodes())};
   for (int i = first; i <= last; ++i) {
     const StepRecord& record = reader->record(i);
     const SolveStart start = reader->start(i);
     AddAir(record, parameters.material, model, &flow);
-    AddInternalForces(record, start, parameters, *simulator, &flow);
-    AddContacts(record, start, i < last ? u : Eigen::VectorXd::Zero(u.size()), parameters, simulator, &flow, &nodes);
+    AddHandles(record, start, parameters, *simulator, &flow);
+    AddContacts(record, start, i < last ? changes.impact : no_impacts, parameters, simulator, &flow, &nodes);
+    flow.tolerance += EnergyRounding(StateEnergy(parameters, record.positions, record.velocities, *simulator),
+                                     parameters.material, record.positions, model);
   }
-  const Eigen::VectorXd node_loss = NodeInertiaLoss(b, c, u, parameters.material, model);
-  flow.inertia_loss = node_loss.sum();
+  flow.loss = StepEnergyLoss(rollout, last, reader, *simulator);
+  const Eigen::VectorXd node_loss = NodeInertiaLoss(parameters, changes, *simulator);
   flow.contact_gain = (nodes.in_contact * (nodes.work - node_loss.array())).max(0.0).sum();
   const SolveStart start = reader->start(first);
   const EnergyParts before = StateEnergy(parameters, start.positions, start.velocities, *simulator);
-  const EnergyParts after = StateEnergy(parameters, end.positions, end.velocities, *simulator);
-  flow.change = after.total() - before.total();
-  flow.elastic_loss += before.elastic() - after.elastic();
+  flow.change = StateEnergy(parameters, end.positions, end.velocities, *simulator).total() - before.total();
   flow.tolerance += EnergyRounding(before, parameters.material, start.positions, model);
   return flow;
 }

@@ -12,12 +12,7 @@
 //   W_handles = -w_s (f + f_d) . v_s over the handles: what holds a handle acts against the cloth
 //   W_contact = sum over contacts of R_s . v_s: not positive but for W_push, that part of normal impulses which does
 //               positive work, where a node starts inside an obstacle
-//   D_inertia = 1/2 b . M b + c . M (kappa u - c/2), b the change of velocity over the last solve, c + u that over the
-//               first stage, 0 without one: backward Euler takes it from every change of velocity; with stages it is of
-//               third order in h, of either sign, where nothing hits an obstacle (b . M b - c . M c)/2
-//   D_damping = -w_s f_d . v_s over all nodes, what internal damping takes
-//   D_elastic = U(x_n) - U(x_{n+1}) - sum w_s f . v_s over all nodes: of backward Euler >= 0 where U is convex from x_n
-//               to x_{n+1}, which it is not where cloth is compressed; of SDIRK2 an error of third order
+//   D_inertia, D_damping, D_elastic: what the integrator takes (sim/rollout/energy_loss.h)
 // So a step can gain energy that no work pays for, by D_elastic < -(D_inertia + D_damping): a property of its
 // integrator, not an error. It is summed as the excess. Whatever is left over is e . v_s, for which |e| <= tolerance *
 // scale bounds it: more would be an error of a force, of an energy or of the solver.
@@ -29,6 +24,7 @@
 
 #include <Eigen/Core>
 
+#include "sim/rollout/energy_loss.h"
 #include "sim/rollout/rollout.h"
 
 namespace clothid {
@@ -42,31 +38,17 @@ struct EnergyFlow {
   double force_work = 0.0, air_work = 0.0, handle_work = 0.0, contact_work = 0.0;
   double push_work = 0.0;     // part of contact_work
   double contact_gain = 0.0;  // what contacts gain, over the nodes where it is positive
-  double inertia_loss = 0.0, damping_loss = 0.0, elastic_loss = 0.0;
+  EnergyLoss loss;
   double tolerance = 0.0;  // of unexplained(): that of the solver, |v_1| times the residual, and of rounding
 
   double work() const { return force_work + air_work + handle_work + contact_work; }
   // E_1 - E_0 beyond the work: positive where energy was gained without a source.
   double excess() const { return change - work(); }
   // e . v_1 and rounding.
-  double unexplained() const { return excess() + inertia_loss + damping_loss + elastic_loss; }
+  double unexplained() const { return excess() + loss.total(); }
 
   EnergyFlow& operator+=(const EnergyFlow& other);
 };
-
-// Of a state. J.
-struct EnergyParts {
-  double kinetic = 0.0;
-  double gravitational = 0.0;  // 0 at the origin
-  double stretch = 0.0, bending = 0.0;
-
-  double elastic() const { return stretch + bending; }
-  double total() const { return kinetic + gravitational + elastic(); }
-};
-
-// Of the state [3N] given.
-EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& positions,
-                        const Eigen::VectorXd& velocities, const Simulator& simulator);
 
 // Of the step or substep that ends in record `last` of `rollout`, which `reader` reads.
 EnergyFlow StepEnergyFlow(const Rollout& rollout, int last, RecordReader* reader, Simulator* simulator);

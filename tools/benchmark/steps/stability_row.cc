@@ -92,7 +92,7 @@ std::string StabilityCsvLine(const StabilityRow& row) {
   const EnergyFlow& flow = energy.total;
   for (const double value :
        {energy.start_energy, energy.largest_energy, flow.change, flow.force_work, flow.air_work, flow.handle_work,
-        flow.contact_work, flow.push_work, energy.contact_gain, flow.inertia_loss, flow.damping_loss, flow.elastic_loss,
+        flow.contact_work, flow.push_work, energy.contact_gain, flow.loss.inertia, flow.loss.damping, flow.loss.elastic,
         flow.unexplained(), flow.tolerance, energy.gain, energy.excess, energy.relative_excess(), energy.excess_time}) {
     out << "," << value;
   }
