@@ -22,6 +22,7 @@
 #include "datasets/formats/vtp_file.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "sim/scene/obj_file.h"
 
 namespace clothid {
 namespace {

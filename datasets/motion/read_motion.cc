@@ -206,7 +206,7 @@ RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, c
   motion.times = std::move(tensors.times);
   motion.positions = std::move(tensors.positions);
   if (is_smooth && open.positions) SetSmoothStart(tensors, trend, sigma, open.velocity, &motion);
-  motion.scene_text = WithInlineSurfaces(motion.scene_text, motion.scene);
+  motion.scene_text = WithInlineLists(motion.scene_text, motion.scene);
   motion.clouds = std::move(tensors.clouds);
   const bool is_given = options.sigma_source == SigmaSource::kGiven;
   motion.cloud_sigma = is_given ? options.sigma : tensors.cloud_sigma;

@@ -27,16 +27,26 @@ void Fill(const std::string& key, const std::string& list, std::string* text) {
   text->replace(text->find(member + null) + member.size(), null.size(), list);
 }
 
+// Whether the directions of the warp are from a file.
+bool NamesWarp(const Json& json) {
+  return json.contains("materials") && json["materials"].contains("warp_direction") &&
+         json["materials"]["warp_direction"].is_string();
+}
+
 }  // namespace
 
-std::string WithInlineSurfaces(const std::string& scene_text, const Scene& scene) {
+std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
   std::map<std::size_t, const TriangulatedSurface*> surfaces;  // by obstacle
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const auto* surface = dynamic_cast<const TriangulatedSurface*>(scene.obstacles[i].shape.get());
     if (surface != nullptr) surfaces[i] = surface;
   }
-  if (surfaces.empty()) return scene_text;
+  const bool has_directions = scene.warp.directions.cols() > 0;
+  if (surfaces.empty() && !has_directions) return scene_text;
   Json json = Json::parse(scene_text);
+  const bool names_warp = has_directions && NamesWarp(json);
+  if (surfaces.empty() && !names_warp) return scene_text;
+  if (names_warp) json["materials"]["warp_direction"] = nullptr;
   for (const auto& [i, surface] : surfaces) {
     Json& obstacle = json.at("obstacles").at(i);
     obstacle.erase("obj");
@@ -47,7 +57,8 @@ std::string WithInlineSurfaces(const std::string& scene_text, const Scene& scene
     Fill("vertices", ColumnsText(surface->vertices()), &text);
     Fill("faces", ColumnsText(surface->faces()), &text);
   }
-  ParseJson(text, "scene with the surfaces of its obstacles");  // for its limits
+  if (names_warp) Fill("warp_direction", ColumnsText(scene.warp.directions), &text);
+  ParseJson(text, "scene with the surfaces of its obstacles and the directions of its warp");  // for its limits
   return text;
 }
 
@@ -64,7 +75,7 @@ std::string SelfContainedText(const Scene& original, const std::string& scene_te
     initial.erase("positions");
     if (initial.empty()) scene.erase("initial");
   }
-  return WithInlineSurfaces(scene.dump(2), original);
+  return WithInlineLists(scene.dump(2), original);
 }
 
 }  // namespace clothid

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/scene/mesh_json.h"
+
 namespace clothid {
 namespace {
 
@@ -82,12 +84,38 @@ void ReadRigidities(const JsonNode& materials, Scene* scene) {
   ReadPositive(materials, "bend_twist", &scene->material.twist_bending);
 }
 
-void ReadWarp(const JsonNode& materials, Scene* scene) {
+// [[x, y, z], ..], one per triangle.
+Eigen::Matrix3Xd ReadVectorList(const std::vector<JsonNode>& list) {
+  Eigen::Matrix3Xd vectors(3, static_cast<Eigen::Index>(list.size()));
+  for (std::size_t i = 0; i < list.size(); ++i) vectors.col(static_cast<Eigen::Index>(i)) = list[i].Vector3();
+  return vectors;
+}
+
+void ReadWarpDirection(const JsonNode& node, const std::string& folder, Scene* scene) {
+  Warp& warp = scene->warp;
+  if (node.is(Kind::kString)) {
+    if (node.String() != kWarpByUv) {
+      warp.directions = ReadNpyVectors(node, folder, scene->mesh.num_faces());
+    } else if (warp.directions.cols() == 0) {
+      node.Fail("expected a mesh from an OBJ file beside it, whose UV map it is to follow");
+    }
+    return;
+  }
+  const std::vector<JsonNode> items = node.items();
+  const bool is_list = !items.empty() && items[0].is(Kind::kArray);
+  if (is_list) {
+    warp.directions = ReadVectorList(items);
+  } else {
+    warp.direction = node.Vector3();
+  }
+}
+
+void ReadWarp(const JsonNode& materials, const std::string& folder, Scene* scene) {
   for (const char* key : {"warp_direction", "warp_angle"}) {
     const auto node = materials.Find(key);
     if (node && !scene->has_warp()) node->Fail("expected an orthotropic membrane, or bend_warp, beside it");
   }
-  if (const auto direction = materials.Find("warp_direction")) scene->warp.direction = direction->Vector3();
+  if (const auto direction = materials.Find("warp_direction")) ReadWarpDirection(*direction, folder, scene);
   if (const auto angle = materials.Find("warp_angle")) scene->warp.angle = angle->Number();
 }
 
@@ -110,10 +138,15 @@ Eigen::MatrixXd ReadControlGrid(const JsonNode& node) {
 
 }  // namespace
 
-void ReadMaterials(const JsonNode& node, Scene* scene) {
+bool WarpFollowsUv(const JsonNode& materials) {
+  const auto direction = materials.Find("warp_direction");
+  return direction && direction->is(Kind::kString) && direction->String() == kWarpByUv;
+}
+
+void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene) {
   node.ExpectKeys({"density", "membrane", "k_stretch", "k_warp", "k_weft", "k_shear", "k_poisson", "bending", "k_bend",
-                   "bend_warp", "bend_weft", "bend_twist", "bend_poisson", "warp_direction", "warp_angle", "drag",
-                   "damping"});
+                   "bend_warp", "bend_weft", "bend_twist", "bend_poisson", "warp_direction", "warp_angle",
+                   "drag", "damping"});
   Material& material = scene->material;
   ReadPositive(node, "density", &material.density);
   ReadNonNegative(node, "drag", &material.drag);
@@ -121,7 +154,7 @@ void ReadMaterials(const JsonNode& node, Scene* scene) {
   ReadMembrane(node, scene);
   ReadBending(node, &scene->bending);
   ReadRigidities(node, scene);
-  ReadWarp(node, scene);
+  ReadWarp(node, folder, scene);
 }
 
 std::vector<GridField> ReadFields(const JsonNode& node) {

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_SIM_SCENE_MATERIALS_JSON_H_
 #define CLOTHID_SIM_SCENE_MATERIALS_JSON_H_
 
+#include <string>
 #include <vector>
 
 #include "sim/base/json_document.h"
@@ -10,9 +11,16 @@
 
 namespace clothid {
 
-// Reads the object `node` into the constants of the cloth and its laws. What it leaves out stays as `scene` has it.
-// Throws `Error` (kBadData) naming key and line.
-void ReadMaterials(const JsonNode& node, Scene* scene);
+// The `warp_direction` of a cloth whose warp follows the UV map of its mesh.
+inline constexpr char kWarpByUv[] = "uv";
+
+// Whether `materials` has it.
+bool WarpFollowsUv(const JsonNode& materials);
+
+// Reads the object `node` into the constants of the cloth and its laws. What it leaves out stays as `scene` has it: of
+// a warp that follows a UV map, the directions that came with the mesh. A relative name of a file starts at `folder`.
+// Throws `Error` naming key and line (kBadData) or a file that cannot be read (kIo).
+void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene);
 
 // {"k_stretch": [[..], ..], ..}: the rows of control grids. Throws `Error` (kBadData) naming the key.
 std::vector<GridField> ReadFields(const JsonNode& node);

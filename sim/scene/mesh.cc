@@ -3,13 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <optional>
-#include <string_view>
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/base/text_file.h"
 
 namespace clothid {
 namespace {
@@ -112,71 +108,6 @@ void ValidateNodes(const Mesh& mesh, const std::string& source) {
   }
 }
 
-// Collects the lines of an OBJ file.
-class ObjReader {
- public:
-  explicit ObjReader(const std::string& path) : path_(path) {}
-
-  Mesh Read() {
-    const std::string text = ReadText(path_, kMaxObjBytes);
-    std::string_view rest = text;
-    while (std::optional<std::string_view> line = TakeLine(&rest)) {
-      ++line_;
-      const std::string_view keyword = TakeWord(&*line);
-      if (keyword == "v") ReadVertex(*line);
-      if (keyword == "f") ReadFace(*line);
-    }
-    Mesh mesh;
-    mesh.rest_positions = Eigen::Map<Eigen::Matrix3Xd>(coordinates_.data(), 3, NumVertices());
-    mesh.faces = Eigen::Map<Eigen::Matrix3Xi>(indices_.data(), 3, static_cast<Eigen::Index>(indices_.size() / 3));
-    return mesh;
-  }
-
- private:
-  [[noreturn]] void FailHere(const std::string& message) const { Fail(path_ + ":" + std::to_string(line_), message); }
-
-  Eigen::Index NumVertices() const { return static_cast<Eigen::Index>(coordinates_.size() / 3); }
-
-  void ReadVertex(std::string_view line) {
-    if (NumVertices() == kMaxNodes) FailHere("more than " + std::to_string(kMaxNodes) + " vertices");
-    for (int k = 0; k < 3; ++k) {
-      const std::string_view word = TakeWord(&line);
-      const std::optional<double> value = ParseNumber(word);
-      if (!value) FailHere("expected three finite numbers after 'v', found '" + Printable(word) + "'");
-      coordinates_.push_back(*value);
-    }
-  }
-
-  // A corner "7", "7/1" or "7/1/2" counts vertices from 1; a negative one counts back from the last vertex so far.
-  int ReadCorner(std::string_view word) const {
-    const std::optional<long long> index = ParseInteger(word.substr(0, word.find('/')));
-    const long long count = NumVertices();
-    if (!index || *index == 0 || *index > count || *index < -count) {
-      FailHere("face corner '" + Printable(word) + "' is not one of the " + std::to_string(count) +
-               " vertices before it");
-    }
-    return static_cast<int>(*index > 0 ? *index - 1 : count + *index);
-  }
-
-  void ReadFace(std::string_view line) {
-    std::vector<int> corners;
-    for (std::string_view word = TakeWord(&line); !word.empty(); word = TakeWord(&line)) {
-      corners.push_back(ReadCorner(word));
-    }
-    if (corners.size() < 3) FailHere("expected at least three corners after 'f'");
-    const std::size_t num_faces = indices_.size() / 3 + corners.size() - 2;
-    if (num_faces > kMaxFaces) FailHere("more than " + std::to_string(kMaxFaces) + " triangles");
-    for (std::size_t k = 2; k < corners.size(); ++k) {
-      indices_.insert(indices_.end(), {corners[0], corners[k - 1], corners[k]});
-    }
-  }
-
-  const std::string& path_;
-  int line_ = 0;
-  std::vector<double> coordinates_;
-  std::vector<int> indices_;
-};
-
 }  // namespace
 
 Mesh MakeGrid(const GridOptions& options) {
@@ -202,8 +133,6 @@ Mesh MakeGrid(const GridOptions& options) {
   }
   return mesh;
 }
-
-Mesh ReadObj(const std::string& path) { return ObjReader(path).Read(); }
 
 void ValidateMesh(const Mesh& mesh, const std::string& source) {
   if (mesh.num_nodes() == 0 || mesh.num_faces() == 0) Fail(source, "the mesh has no triangle");

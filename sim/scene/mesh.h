@@ -4,15 +4,13 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
 #include <string>
 
 namespace clothid {
 
-// The most that a mesh may have, and a file of one: bounds to check before memory is asked for.
+// The most that a mesh may have: bounds to check before memory is asked for.
 inline constexpr int kMaxNodes = 4000000;
 inline constexpr int kMaxFaces = 2 * kMaxNodes;
-inline constexpr std::uint64_t kMaxObjBytes = std::uint64_t{1} << 29;
 
 struct Mesh {
   Eigen::Matrix3Xd rest_positions;  // [3 x N] m
@@ -32,10 +30,6 @@ struct GridOptions {
 // Node (i, j) has index i + nodes[0] * j and stands at origin + i du axes[0] + j dv axes[1]. The diagonals alternate,
 // so that neither diagonal direction is preferred.
 Mesh MakeGrid(const GridOptions& options);
-
-// Reads the `v` and `f` lines of a Wavefront OBJ file; polygons are split into fans. Throws `Error` naming file and
-// line.
-Mesh ReadObj(const std::string& path);
 
 // Throws `Error` (kBadData), prefixed by `source`, unless: there are at most kMaxNodes nodes and kMaxFaces triangles;
 // positions are finite; indices are in range and distinct within a face; every triangle has area; every edge has one or

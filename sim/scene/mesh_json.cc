@@ -4,6 +4,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim/base/npy_file.h"
+#include "sim/base/text_file.h"
+#include "sim/scene/obj_file.h"
+
 namespace clothid {
 namespace {
 
@@ -36,27 +40,53 @@ GridOptions ReadGrid(const JsonNode& grid) {
   return options;
 }
 
+// The mesh that a recording brings; of `grid` it has to have the size.
+Mesh RecordedGrid(const JsonNode& grid, const GridOptions& options, const Mesh& recorded) {
+  const int num_nodes = options.nodes[0] * options.nodes[1];
+  if (num_nodes != recorded.num_nodes()) {
+    grid.Fail("expected the " + std::to_string(recorded.num_nodes()) + " nodes of the recording, found " +
+              std::to_string(num_nodes));
+  }
+  return recorded;
+}
+
+Mesh ReadUvFile(const JsonNode& obj, const std::string& path, const Mesh* recorded, Eigen::Matrix3Xd* along_u) {
+  Mesh mesh = ReadObjWithUv(path, along_u);
+  ValidateMesh(mesh, path);
+  if (recorded == nullptr) return mesh;
+  if (mesh.num_faces() != recorded->num_faces() || mesh.faces != recorded->faces) {
+    obj.Fail("expected the triangles of the recording, whose warp is to follow u in " + Printable(path));
+  }
+  return *recorded;
+}
+
 }  // namespace
 
-Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded) {
+Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u) {
   node.ExpectKeys({"grid", "obj"});
   const auto grid = node.Find("grid"), obj = node.Find("obj");
   if (grid.has_value() == obj.has_value()) node.Fail(std::string("expected either ") + kMeshForms);
   if (grid) {
     const GridOptions options = ReadGrid(*grid);
-    if (recorded == nullptr) return MakeGrid(options);
-    const int num_nodes = options.nodes[0] * options.nodes[1];
-    if (num_nodes != recorded->num_nodes()) {
-      grid->Fail("expected the " + std::to_string(recorded->num_nodes()) + " nodes of the recording, found " +
-                 std::to_string(num_nodes));
-    }
-    return *recorded;
+    return recorded == nullptr ? MakeGrid(options) : RecordedGrid(*grid, options, *recorded);
   }
   const std::string path = obj->Path(folder);
+  if (along_u != nullptr) return ReadUvFile(*obj, path, recorded, along_u);
   if (recorded != nullptr) return *recorded;
   Mesh mesh = ReadObj(path);
   ValidateMesh(mesh, path);
   return mesh;
+}
+
+Eigen::Matrix3Xd ReadNpyVectors(const JsonNode& node, const std::string& folder, int count) {
+  const std::string path = node.Path(folder);
+  const NpyArray array = ReadNpy(path);
+  if (array.shape != std::vector<long long>{count, 3}) {
+    node.Fail("expected " + path + " to hold an array of shape (" + std::to_string(count) + ", 3)");
+  }
+  const Eigen::Map<const Eigen::Matrix3Xd> vectors(array.values.data(), 3, count);
+  if (!vectors.allFinite()) node.Fail("expected " + path + " to hold finite numbers");
+  return vectors;
 }
 
 }  // namespace clothid

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_SIM_SCENE_MESH_JSON_H_
 #define CLOTHID_SIM_SCENE_MESH_JSON_H_
 
+#include <Eigen/Core>
 #include <string>
 
 #include "sim/base/json_document.h"
@@ -15,7 +16,15 @@ inline constexpr char kMeshForms[] = "{\"grid\": {..}} or {\"obj\": \"FILE\"}";
 // Reads the object `node`. A relative name of a file in it starts at `folder`. `recorded` (may be null): the mesh that
 // a recording brings itself. It is what is then returned; a grid in the text has to be of its size, and a file is not
 // opened. Throws `Error` naming key and line (kBadData) or a file that cannot be read (kIo).
-Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded);
+//
+// `along_u` (may be null): where the warp is to follow the UV map of a file, the direction of u in every triangle
+// [3 x F] (sim/scene/obj_file.h); stays as it is with a grid. The file then has to have the triangles of `recorded`.
+Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u);
+
+// A vector [3] per node or triangle, `count` of them: the .npy file of shape (count, 3) that `node` names, starting at
+// `folder`. Throws `Error` naming key and file unless it holds as many, all finite (kBadData), or where it cannot be
+// read (kIo).
+Eigen::Matrix3Xd ReadNpyVectors(const JsonNode& node, const std::string& folder, int count);
 
 }  // namespace clothid
 

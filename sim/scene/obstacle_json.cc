@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/mesh.h"
+#include "sim/scene/obj_file.h"
 #include "sim/scene/obstacle.h"
 #include "sim/scene/triangulated_surface.h"
 

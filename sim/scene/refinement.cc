@@ -46,6 +46,13 @@ Handles RefineHandles(const Handles& handles, const RefinedMesh& refined) {
   return result;
 }
 
+// [3 x F], or none: every triangle lends its own to the four that follow in its place.
+Eigen::Matrix3Xd RefineDirections(const Eigen::Matrix3Xd& directions) {
+  Eigen::Matrix3Xd result(3, 4 * directions.cols());
+  for (Eigen::Index f = 0; f < directions.cols(); ++f) result.middleCols<4>(4 * f).colwise() = directions.col(f);
+  return result;
+}
+
 }  // namespace
 
 int RefinedMesh::Midpoint(int a, int b) const {
@@ -90,6 +97,7 @@ Scene RefineScene(const Scene& scene, const RefinedMesh& refined) {
   result.initial_positions = refined.Interpolate(scene.initial_positions);
   result.initial_velocities = refined.Interpolate(scene.initial_velocities);
   result.handles = RefineHandles(scene.handles, refined);
+  result.warp.directions = RefineDirections(scene.warp.directions);
   return result;
 }
 

@@ -9,7 +9,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
-#include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/handle_csv.h"
 #include "sim/scene/materials_json.h"
@@ -39,7 +38,7 @@ class SceneReader {
     ReadHandles();
     ReadInitial();
     if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles, folder_);
-    if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, &scene_);
+    if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, folder_, &scene_);
     if (const auto fields = root_.Find("fields")) scene_.fields = ReadFields(*fields);
     ReadParameters();
     ReadSolver();
@@ -121,7 +120,9 @@ class SceneReader {
     if (recorded != nullptr && !root_.Find("mesh")) {
       scene_.mesh = *recorded;
     } else {
-      scene_.mesh = clothid::ReadMesh(root_.Require("mesh", kMeshForms), folder_, recorded);
+      const auto materials = root_.Find("materials");
+      Eigen::Matrix3Xd* along_u = materials && WarpFollowsUv(*materials) ? &scene_.warp.directions : nullptr;
+      scene_.mesh = clothid::ReadMesh(root_.Require("mesh", kMeshForms), folder_, recorded, along_u);
     }
   }
 
@@ -199,15 +200,7 @@ class SceneReader {
 
   Eigen::VectorXd ReadInitialPositions(const JsonNode& node) const {
     if (node.String() == "rest") return scene_.mesh.rest_positions.reshaped();
-    const std::string path = node.Path(folder_);
-    const NpyArray array = ReadNpy(path);
-    const int num_nodes = scene_.mesh.num_nodes();
-    if (array.shape != std::vector<long long>{num_nodes, 3}) {
-      node.Fail("expected " + path + " to hold an array of shape (" + std::to_string(num_nodes) + ", 3)");
-    }
-    const Eigen::Map<const Eigen::VectorXd> positions(array.values.data(), 3 * static_cast<Eigen::Index>(num_nodes));
-    if (!positions.allFinite()) node.Fail("expected " + path + " to hold finite numbers");
-    return positions;
+    return ReadNpyVectors(node, folder_, scene_.mesh.num_nodes()).reshaped();
   }
 
   void ReadParameters() {
@@ -277,7 +270,8 @@ void CollectFiles(const JsonValue& value, const std::string& folder, std::vector
     const JsonValue& item = value.items[i];
     const std::string key = i < value.keys.size() ? value.keys[i] : "";
     const bool is_start = key == "positions" && item.text != "rest";
-    if (item.kind == Kind::kString && (key == "obj" || key == "path" || is_start)) {
+    const bool is_warp = key == "warp_direction" && item.text != kWarpByUv;
+    if (item.kind == Kind::kString && (key == "obj" || key == "path" || is_start || is_warp)) {
       files->push_back((std::filesystem::path(folder) / item.text).string());
     }
     CollectFiles(item, folder, files);

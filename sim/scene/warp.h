@@ -9,18 +9,20 @@
 
 namespace clothid {
 
-// In a triangle the warp is `direction`, projected onto its plane and turned there by `angle`, counter-clockwise as
-// seen from the side of its normal, about which its corners run counter-clockwise. The weft is a right angle further.
+// In a triangle the warp is `direction`, or that of the triangle in `directions`, projected onto its plane and turned
+// there by `angle`, counter-clockwise as seen from the side of its normal, about which its corners run
+// counter-clockwise. The weft is a right angle further.
 struct Warp {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
-  double angle = 0.0;  // degrees
+  double angle = 0.0;                // degrees
+  Eigen::Matrix3Xd directions = {};  // [3 x F], in place of `direction`; empty: it is the same everywhere
 };
 
 // Unit vectors [3 x F], in the order of the mesh's faces.
 Eigen::Matrix3Xd WarpDirections(const Warp& warp, const Mesh& mesh);
 
-// Throws `Error` (kBadData), led by `source`, unless numbers are finite and no triangle is perpendicular to the
-// direction.
+// Throws `Error` (kBadData), led by `source`, unless numbers are finite, there is one direction, or one for each
+// triangle, and no triangle is perpendicular to its own.
 void ValidateWarp(const Warp& warp, const Mesh& mesh, const std::string& source);
 
 }  // namespace clothid

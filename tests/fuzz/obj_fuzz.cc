@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "sim/scene/mesh.h"
+#include "sim/scene/obj_file.h"
 #include "sim/scene/triangulated_surface.h"
 #include "tests/fuzz/fuzz_target.h"
 
@@ -30,6 +31,10 @@ int clothid::FuzzObj(const std::uint8_t* data, std::size_t size) {
   file.Write(AsText(data, size));
   Mesh mesh;
   if (!Accepts([&] { mesh = ReadObj(file.path()); }, file.path())) return 0;
+  Eigen::Matrix3Xd along_u;
+  if (Accepts([&] { ReadObjWithUv(file.path(), &along_u); }, file.path())) {
+    Check(along_u.cols() == mesh.num_faces(), "a direction of u in every triangle");
+  }
   if (Accepts([&] { ValidateMesh(mesh, "cloth"); }, "cloth")) Check(ClothSize(mesh) > 0.0, "a cloth with an area");
   Accepts([&] { CheckSurface(mesh); }, "triangulated surface");
   return 0;

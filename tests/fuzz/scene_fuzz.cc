@@ -41,7 +41,7 @@ int clothid::FuzzScene(const std::uint8_t* data, std::size_t size) {
   // A file that the scene names stands in the message itself.
   if (!Accepts([&] { scene = ParseScene(text, kSource, kFolder); }, "")) return 0;
   Check(scene.num_steps() >= 1, "at least one step");
-  const std::string whole = WithInlineSurfaces(text, scene);
+  const std::string whole = WithInlineLists(text, scene);
   Check(Accepts([&] { ParseScene(whole, kSource, kFolder); }, kSource), "a text with surfaces that reads back");
   return 0;
 }

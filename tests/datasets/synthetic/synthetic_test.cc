@@ -240,6 +240,35 @@ TEST(SyntheticOnASurfaceTest, ARecordingSimulatesToTheSameBits) {
   }
 }
 
+// The directions of u stand in the recording one by one, so that it needs no file.
+TEST(SyntheticWithAUvMapTest, ARecordingSimulatesToTheSameBits) {
+  const TemporaryFolder folder;
+  const std::string obj =
+      folder.Write("cloth.obj",
+                   "v 0 0 0\nv .1 0 0\nv .2 0 0\nv 0 .1 0\nv .1 .13 0\nv .2 .1 0\nvt 0 0\nvt 1 .3\n"
+                   "vt 2 .7\nvt -.2 1\nvt .9 1.1\nvt 1.7 2\nf 1/1 2/2 5/5 4/4\nf 2/2 3/3 6/6 5/5\n");
+  const std::string text = R"({"clothid_scene": 2, "time_step": 0.01, "duration": 0.1, "mesh": {"obj": "cloth.obj"},
+      "handles": [0], "materials": {"membrane": "orthotropic", "k_warp": 50, "k_weft": 10, "k_shear": 3,
+      "warp_direction": "uv", "warp_angle": 5}})";
+  const Scene scene = ParseScene(text, "scene.json", folder.path());
+  Simulator simulator(scene);
+  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator);
+  ASSERT_TRUE(rollout.ok());
+  const std::string path = folder.File("motion.bin");
+  WriteMotion(RecordRollout(rollout, scene, text, {}), path);
+  ReadMotionOptions with_scene;
+  with_scene.scene_path = folder.Write("scene.json", text);
+  EXPECT_EQ(ReadMotion(path, with_scene).scene.warp.directions, scene.warp.directions);
+  EXPECT_EQ(ReadMotion(path, with_scene).scene_text.find("\"uv\""), std::string::npos);
+  std::filesystem::remove(obj);
+  const RecordedMotion motion = ReadMotion(path);
+  EXPECT_EQ(motion.scene.warp.directions, scene.warp.directions);
+  Simulator again(motion.scene);
+  const Rollout recorded = Simulate(motion.scene.nominal_parameters(), motion.scene.num_steps(), &again);
+  ASSERT_EQ(recorded.num_steps(), rollout.num_steps());
+  EXPECT_EQ(recorded.positions(10), rollout.positions(10));
+}
+
 TEST_F(SyntheticTest, SurfacesTooLargeForATextAreAnError) {
   const TriangleMesh mesh = IcosphereMesh(5, 0.1);
   const auto shape = std::make_shared<TriangulatedSurface>(mesh.vertices, mesh.faces);

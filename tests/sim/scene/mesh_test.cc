@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "tests/expect_error.h"
-#include "tests/temporary_folder.h"
 
 namespace clothid {
 namespace {
@@ -113,43 +112,6 @@ TEST(ValidateMesh, NamesALooseNodeAndAWildOne) {
   mesh.rest_positions(1, 12) = std::numeric_limits<double>::quiet_NaN();
   ExpectInvalid(mesh, {"the rest position of node 12 is not finite"});
   ExpectInvalid(Mesh(), {"the mesh has no triangle"});
-}
-
-TEST(ReadObj, ReadsVerticesAndFansOfPolygons) {
-  const TemporaryFolder folder;
-  const std::string path = folder.Write("cloth.obj",
-                                        "# a comment\r\nmtllib x.mtl\r\nv 0 0 0\r\nv +1 0 0 1.0\r\nv 1 1 0\n"
-                                        "vt 0 0\nv\t0 1 1e-1\nf 1/1/1 2//2 3 4/1\nv 2 0 0\nf -1 -3 2\n");
-  const Mesh mesh = ReadObj(path);
-  ASSERT_EQ(mesh.num_nodes(), 5);
-  EXPECT_EQ(mesh.rest_positions.col(3), Eigen::Vector3d(0.0, 1.0, 0.1));
-  ASSERT_EQ(mesh.num_faces(), 3);
-  EXPECT_EQ(mesh.faces.col(0), Eigen::Vector3i(0, 1, 2));
-  EXPECT_EQ(mesh.faces.col(1), Eigen::Vector3i(0, 2, 3));
-  EXPECT_EQ(mesh.faces.col(2), Eigen::Vector3i(4, 2, 1));
-}
-
-TEST(ReadObj, NamesFileAndLine) {
-  const TemporaryFolder folder;
-  const auto expect = [&](const std::string& content, std::initializer_list<const char*> fragments) {
-    const std::string path = folder.Write("cloth.obj", content);
-    ExpectError([&] { ReadObj(path); }, kBadData, fragments);
-  };
-  expect("v 0 0 0\nv 1 x 0\n", {"cloth.obj:2: ", "'x'"});
-  expect("v 0 0\n", {"cloth.obj:1: ", "three finite numbers"});
-  expect("v 0 0 1e999\n", {"cloth.obj:1: ", "three finite numbers"});
-  expect("v 0 nan 0\n", {"cloth.obj:1: ", "three finite numbers"});
-  expect("v 0 0 0\n\nf 1 1 2\n", {"cloth.obj:3: ", "face corner '2'"});
-  expect("v 0 0 0\nf 0 1 1\n", {"cloth.obj:2: ", "face corner '0'"});
-  expect("v 0 0 0\nf 1 1 -2\n", {"cloth.obj:2: ", "face corner '-2'"});
-  expect("v 0 0 0\nf 1 1\n", {"cloth.obj:2: ", "at least three corners"});
-  expect("v 0 0 0\nf 1 1 99999999999999999999\n", {"cloth.obj:2: ", "face corner"});
-}
-
-TEST(ReadObj, ReportsAFileThatIsNotThere) {
-  const TemporaryFolder folder;
-  ExpectError([&] { ReadObj(folder.File("none.obj")); }, ErrorKind::kIo, {"none.obj", "No such file"});
-  ExpectError([&] { ReadObj(folder.path()); }, ErrorKind::kIo, {"cannot be read"});
 }
 
 }  // namespace

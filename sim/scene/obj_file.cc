@@ -1,0 +1,167 @@
+#include "sim/scene/obj_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+constexpr long long kMaxTextureCoordinates = 3LL * kMaxFaces;
+// Twice the area of a triangle of the UV map that counts as none, relative to its longest side squared.
+constexpr double kOnALine = 1e-6;
+
+// Collects the lines of an OBJ file. Of its UV map, where that is asked for.
+class ObjReader {
+ public:
+  ObjReader(const std::string& path, bool with_uv) : path_(path), with_uv_(with_uv) {}
+
+  Mesh Read() {
+    const std::string text = ReadText(path_, kMaxObjBytes);
+    std::string_view rest = text;
+    while (std::optional<std::string_view> line = TakeLine(&rest)) {
+      ++line_;
+      const std::string_view keyword = TakeWord(&*line);
+      if (keyword == "v") ReadVertex(*line);
+      if (keyword == "vt" && with_uv_) ReadTextureCoordinates(*line);
+      if (keyword == "f") ReadFace(*line);
+    }
+    Mesh mesh;
+    mesh.rest_positions = Eigen::Map<Eigen::Matrix3Xd>(coordinates_.data(), 3, NumVertices());
+    mesh.faces = Eigen::Map<Eigen::Matrix3Xi>(indices_.data(), 3, NumFaces());
+    return mesh;
+  }
+
+  Eigen::Matrix3Xd along_u() const { return Eigen::Map<const Eigen::Matrix3Xd>(along_u_.data(), 3, NumFaces()); }
+
+ private:
+  struct Corner {
+    int vertex = 0;
+    Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+  };
+
+  [[noreturn]] void FailHere(const std::string& message) const {
+    throw Error(ErrorKind::kBadData, path_ + ":" + std::to_string(line_) + ": " + message);
+  }
+
+  Eigen::Index NumVertices() const { return static_cast<Eigen::Index>(coordinates_.size() / 3); }
+  Eigen::Index NumFaces() const { return static_cast<Eigen::Index>(indices_.size() / 3); }
+  long long NumTextureCoordinates() const { return static_cast<long long>(uv_.size() / 2); }
+
+  Eigen::Vector3d Vertex(const Corner& corner) const {
+    return Eigen::Map<const Eigen::Vector3d>(&coordinates_[3 * static_cast<std::size_t>(corner.vertex)]);
+  }
+
+  void ReadVertex(std::string_view line) {
+    if (NumVertices() == kMaxNodes) FailHere("more than " + std::to_string(kMaxNodes) + " vertices");
+    ReadNumbers(line, 3, "three finite numbers after 'v'", &coordinates_);
+  }
+
+  void ReadTextureCoordinates(std::string_view line) {
+    if (NumTextureCoordinates() == kMaxTextureCoordinates) {
+      FailHere("more than " + std::to_string(kMaxTextureCoordinates) + " texture coordinates");
+    }
+    ReadNumbers(line, 2, "two finite numbers after 'vt'", &uv_);
+  }
+
+  void ReadNumbers(std::string_view line, int count, const char* expected, std::vector<double>* numbers) const {
+    for (int k = 0; k < count; ++k) {
+      const std::string_view word = TakeWord(&line);
+      const std::optional<double> value = ParseNumber(word);
+      if (!value) FailHere(std::string("expected ") + expected + ", found '" + Printable(word) + "'");
+      numbers->push_back(*value);
+    }
+  }
+
+  // An index counts from 1; a negative one counts back from the last so far. Nothing where it names none.
+  static std::optional<long long> Place(std::string_view index_text, long long count) {
+    const std::optional<long long> index = ParseInteger(index_text);
+    if (!index || *index == 0 || *index > count || *index < -count) return std::nullopt;
+    return *index > 0 ? *index - 1 : count + *index;
+  }
+
+  // "7", "7/1" or "7/1/2": vertex, texture coordinates, normal.
+  Corner ReadCorner(std::string_view word) const {
+    const std::size_t slash = word.find('/');
+    const std::optional<long long> vertex = Place(word.substr(0, slash), NumVertices());
+    if (!vertex) {
+      FailHere("face corner '" + Printable(word) + "' is not one of the " + std::to_string(NumVertices()) +
+               " vertices before it");
+    }
+    Corner corner;
+    corner.vertex = static_cast<int>(*vertex);
+    if (with_uv_) corner.uv = ReadUv(word, slash == std::string_view::npos ? "" : word.substr(slash + 1));
+    return corner;
+  }
+
+  Eigen::Vector2d ReadUv(std::string_view word, std::string_view after_vertex) const {
+    const std::string_view text = after_vertex.substr(0, after_vertex.find('/'));
+    const std::string corner = "face corner '" + Printable(word) + "' of triangle " + std::to_string(NumFaces());
+    if (text.empty()) FailHere(corner + " has no texture coordinates, which the warp is to follow");
+    const std::optional<long long> place = Place(text, NumTextureCoordinates());
+    if (!place) {
+      FailHere(corner + " has none of the " + std::to_string(NumTextureCoordinates()) +
+               " texture coordinates before it");
+    }
+    return Eigen::Map<const Eigen::Vector2d>(&uv_[2 * static_cast<std::size_t>(*place)]);
+  }
+
+  void ReadFace(std::string_view line) {
+    std::vector<Corner> corners;
+    for (std::string_view word = TakeWord(&line); !word.empty(); word = TakeWord(&line)) {
+      corners.push_back(ReadCorner(word));
+    }
+    if (corners.size() < 3) FailHere("expected at least three corners after 'f'");
+    const std::size_t num_faces = indices_.size() / 3 + corners.size() - 2;
+    if (num_faces > kMaxFaces) FailHere("more than " + std::to_string(kMaxFaces) + " triangles");
+    for (std::size_t k = 2; k < corners.size(); ++k) {
+      const std::array<Corner, 3> triangle = {corners[0], corners[k - 1], corners[k]};
+      if (with_uv_) AddAlongU(triangle);
+      for (const Corner& corner : triangle) indices_.push_back(corner.vertex);
+    }
+  }
+
+  // X is linear over the triangle, so that its edges are dX/du du + dX/dv dv.
+  void AddAlongU(const std::array<Corner, 3>& triangle) {
+    const Eigen::Vector2d a = triangle[1].uv - triangle[0].uv, b = triangle[2].uv - triangle[0].uv;
+    const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()});
+    const double twice_area = a.x() * b.y() - a.y() * b.x();
+    if (!(std::abs(twice_area) > kOnALine * longest)) {
+      FailHere("triangle " + std::to_string(NumFaces()) +
+               " has no direction of u, which the warp is to follow: its texture coordinates lie on a line");
+    }
+    const Eigen::Vector3d origin = Vertex(triangle[0]);
+    const double scale = std::copysign(1.0 / std::sqrt(longest), twice_area);
+    const Eigen::Vector3d direction =
+        (scale * b.y() * (Vertex(triangle[1]) - origin) - scale * a.y() * (Vertex(triangle[2]) - origin))
+            .stableNormalized();
+    along_u_.insert(along_u_.end(), direction.begin(), direction.end());
+  }
+
+  const std::string& path_;
+  const bool with_uv_;
+  int line_ = 0;
+  std::vector<double> coordinates_, uv_;  // of vertices, three each, and of `vt` lines, two each
+  std::vector<int> indices_;              // of faces, three each
+  std::vector<double> along_u_;           // of faces, three each
+};
+
+}  // namespace
+
+Mesh ReadObj(const std::string& path) { return ObjReader(path, false).Read(); }
+
+Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u) {
+  ObjReader reader(path, true);
+  Mesh mesh = reader.Read();
+  *along_u = reader.along_u();
+  return mesh;
+}
+
+}  // namespace clothid

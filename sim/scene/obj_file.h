@@ -1,0 +1,26 @@
+// Wavefront OBJ files: the surface in their `v` and `f` lines, and the direction of u in the UV map of their `vt`
+// lines.
+#ifndef CLOTHID_SIM_SCENE_OBJ_FILE_H_
+#define CLOTHID_SIM_SCENE_OBJ_FILE_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "sim/scene/mesh.h"
+
+namespace clothid {
+
+inline constexpr std::uint64_t kMaxObjBytes = std::uint64_t{1} << 29;
+
+// The `v` and `f` lines; polygons are split into fans. Throws `Error` naming file and line.
+Mesh ReadObj(const std::string& path);
+
+// The same, and in `along_u` [3 x F] of every triangle the unit vector dX/du: where points X of the surface go when u
+// grows and v does not. Throws `Error`, too, where a corner has no texture coordinates, or where those of a triangle
+// lie on a line, so that it has no such direction; names file, line and triangle.
+Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_SCENE_OBJ_FILE_H_

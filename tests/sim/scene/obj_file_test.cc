@@ -1,0 +1,106 @@
+#include "sim/scene/obj_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <initializer_list>
+
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
+
+namespace clothid {
+namespace {
+
+constexpr ErrorKind kBadData = ErrorKind::kBadData;
+
+TEST(ReadObj, ReadsVerticesAndFansOfPolygons) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("cloth.obj",
+                                        "# a comment\r\nmtllib x.mtl\r\nv 0 0 0\r\nv +1 0 0 1.0\r\nv 1 1 0\n"
+                                        "vt 0 0\nv\t0 1 1e-1\nf 1/1/1 2//2 3 4/1\nv 2 0 0\nf -1 -3 2\n");
+  const Mesh mesh = ReadObj(path);
+  ASSERT_EQ(mesh.num_nodes(), 5);
+  EXPECT_EQ(mesh.rest_positions.col(3), Eigen::Vector3d(0.0, 1.0, 0.1));
+  ASSERT_EQ(mesh.num_faces(), 3);
+  EXPECT_EQ(mesh.faces.col(0), Eigen::Vector3i(0, 1, 2));
+  EXPECT_EQ(mesh.faces.col(1), Eigen::Vector3i(0, 2, 3));
+  EXPECT_EQ(mesh.faces.col(2), Eigen::Vector3i(4, 2, 1));
+}
+
+TEST(ReadObj, NamesFileAndLine) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::string& content, std::initializer_list<const char*> fragments) {
+    const std::string path = folder.Write("cloth.obj", content);
+    ExpectError([&] { ReadObj(path); }, kBadData, fragments);
+  };
+  expect("v 0 0 0\nv 1 x 0\n", {"cloth.obj:2: ", "'x'"});
+  expect("v 0 0\n", {"cloth.obj:1: ", "three finite numbers"});
+  expect("v 0 0 1e999\n", {"cloth.obj:1: ", "three finite numbers"});
+  expect("v 0 nan 0\n", {"cloth.obj:1: ", "three finite numbers"});
+  expect("v 0 0 0\n\nf 1 1 2\n", {"cloth.obj:3: ", "face corner '2'"});
+  expect("v 0 0 0\nf 0 1 1\n", {"cloth.obj:2: ", "face corner '0'"});
+  expect("v 0 0 0\nf 1 1 -2\n", {"cloth.obj:2: ", "face corner '-2'"});
+  expect("v 0 0 0\nf 1 1\n", {"cloth.obj:2: ", "at least three corners"});
+  expect("v 0 0 0\nf 1 1 99999999999999999999\n", {"cloth.obj:2: ", "face corner"});
+}
+
+TEST(ReadObj, ReportsAFileThatIsNotThere) {
+  const TemporaryFolder folder;
+  ExpectError([&] { ReadObj(folder.File("none.obj")); }, ErrorKind::kIo, {"none.obj", "No such file"});
+  ExpectError([&] { ReadObj(folder.path()); }, ErrorKind::kIo, {"cannot be read"});
+}
+
+// A square of two triangles whose texture coordinates are (u, v) = (y + 5, -2 x); the second one on an island of its
+// own. Then u grows along y, however v runs.
+TEST(ReadObjWithUv, FindsTheDirectionOfU) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("cloth.obj",
+                                        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 5 0\nvt 5 -2 0\nvt 6 -2\nvt 6 0\n"
+                                        "f 1/1 2/2/7 3/3\nvt 0 9\nvt 1 7\nvt 1 9\nf 1/-3 3/-2 4/-1\n");
+  Eigen::Matrix3Xd along_u;
+  const Mesh mesh = ReadObjWithUv(path, &along_u);
+  EXPECT_EQ(mesh.faces, ReadObj(path).faces);
+  EXPECT_EQ(along_u, Eigen::Vector3d::UnitY().replicate(1, 2));
+}
+
+// The fan of a square that is sheared in the map: where v is constant the cloth runs along (1, 0.5), and that is dX/du,
+// not the gradient of u. In a mirror it is the same.
+TEST(ReadObjWithUv, FollowsLinesOfConstantV) {
+  const TemporaryFolder folder;
+  for (const char* last : {"vt 0 1\n", "vt 0 -1\n"}) {
+    const double sign = last[5] == '-' ? -1.0 : 1.0;
+    const auto coordinates = [&](double x, double y) {  // u = x, v = (y - x/2) sign
+      return "vt " + std::to_string(x) + " " + std::to_string(sign * (y - 0.5 * x)) + "\n";
+    };
+    const std::string path =
+        folder.Write("cloth.obj", "v 0 0 2\nv 1 0 2\nv 1 1 2\nv 0 1 2\n" + coordinates(0, 0) + coordinates(1, 0) +
+                                      coordinates(1, 1) + coordinates(0, 1) + "f 1/1 2/2 3/3 4/4\n");
+    Eigen::Matrix3Xd along_u;
+    ReadObjWithUv(path, &along_u);
+    ASSERT_EQ(along_u.cols(), 2);
+    const Eigen::Vector3d expected = Eigen::Vector3d(1.0, 0.5, 0.0).normalized();
+    EXPECT_LT((along_u.colwise() - expected).norm(), 1e-15) << sign;
+  }
+}
+
+TEST(ReadObjWithUv, NamesFileLineAndTriangle) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::string& content, std::initializer_list<const char*> fragments) {
+    const std::string path = folder.Write("cloth.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n" + content);
+    Eigen::Matrix3Xd along_u;
+    EXPECT_NO_THROW(ReadObj(path)) << content;
+    ExpectError([&] { ReadObjWithUv(path, &along_u); }, kBadData, fragments);
+  };
+  expect("vt 0 x\n", {"cloth.obj:5: ", "two finite numbers after 'vt', found 'x'"});
+  expect("vt 0\n", {"cloth.obj:5: ", "two finite numbers after 'vt', found ''"});
+  expect("f 1 2 3\n", {"cloth.obj:5: face corner '1' of triangle 0 has no texture coordinates"});
+  expect("vt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 3/3/1 4//1\n",
+         {"cloth.obj:9: face corner '4//1' of triangle 1 has no texture coordinates, which the warp is to follow"});
+  expect("vt 0 0\nf 1/1 2/2 3/1\n", {"cloth.obj:6: face corner '2/2' of triangle 0 has none of the 1 texture"});
+  expect("vt 0 0\nf 1/1 2/-2 3/1\n", {"cloth.obj:6: face corner '2/-2'"});
+  expect("vt 0 0\nvt 1 1\nvt 1 0\nvt 2 2\nf 1/1 2/3 3/2\nf 1/1 3/2 4/4\n",
+         {"cloth.obj:10: triangle 1 has no direction of u", "lie on a line"});
+}
+
+}  // namespace
+}  // namespace clothid
