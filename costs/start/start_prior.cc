@@ -22,6 +22,7 @@ Scene WholeCloth(const Scene& scene) {
   whole.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
   whole.material.bending_stiffness = 1.0;
   whole.bending.law = scene.bending.law;
+  whole.bending.is_flat_at_rest = true;
   whole.material.drag = 0.0;
   whole.material.damping = 0.0;
   return whole;

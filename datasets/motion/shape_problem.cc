@@ -20,6 +20,7 @@ Scene ShapeScene(const Scene& scene) {
   shape.obstacles = scene.obstacles;
   shape.material.bending_stiffness = 1.0;
   shape.bending.law = scene.bending.law;
+  shape.bending.is_flat_at_rest = true;
   shape.material.drag = 0.0;
   shape.material.damping = 0.0;
   return shape;

@@ -177,7 +177,10 @@ class PatchBuilder {
   }
 
   BendingPatch Build(double area) const {
-    BendingPatch patch{area, nodes_, Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes_.size()))};
+    BendingPatch patch;
+    patch.area = area;
+    patch.nodes = nodes_;
+    patch.weights.setZero(3, static_cast<Eigen::Index>(nodes_.size()));
     for (std::size_t i = 0; i < columns_.size(); ++i) patch.weights.col(static_cast<Eigen::Index>(i)) = columns_[i];
     return patch;
   }
@@ -216,6 +219,19 @@ BendingPatch MakePatch(const Mesh& mesh, int face, double area, const Eigen::Vec
   return builder.Build(area);
 }
 
+// Gives the patch the curvature at rest, and takes the part of h along the triangle off its weights.
+void KeepCurvature(const Mesh& mesh, BendingPatch* patch) {
+  const Eigen::Matrix3Xd positions = mesh.rest_positions(Eigen::all, patch->nodes);
+  const Eigen::Matrix3d at_rest = patch->weights * positions.transpose();  // rows h_ab
+  const auto edge = [&](int side) { return positions.col((side + 1) % 3) - positions.col(side); };
+  const Eigen::Vector3d normal = edge(0).cross(edge(1)).normalized();
+  patch->curvature = at_rest * normal;
+  const Eigen::Matrix3d along = at_rest - patch->curvature * normal.transpose();
+  for (int k = 0; k < 3; ++k) {
+    patch->weights.col(k) -= along * normal.cross(edge((k + 1) % 3)) / (2.0 * patch->area);
+  }
+}
+
 // The energy is a/2 times this between (h11, h22, h12) and itself.
 Eigen::Matrix3d RigidityMatrix(const FlexuralRigidity& rigidity) {
   return Eigen::Matrix3d{
@@ -236,12 +252,14 @@ FlexuralRigidity IsotropicRigidity(double rigidity, double poisson) {
   return {rigidity, rigidity, poisson * rigidity, 0.5 * (1.0 - poisson) * rigidity};
 }
 
-BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp) : num_nodes_(mesh.num_nodes()) {
+BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest)
+    : num_nodes_(mesh.num_nodes()), rest_(rest) {
   const Eigen::VectorXd areas = TriangleAreas(mesh);
   const EdgeSlopes slopes(mesh, areas);
   patches_.reserve(static_cast<std::size_t>(mesh.num_faces()));
   for (int face = 0; face < mesh.num_faces(); ++face) {
     patches_.push_back(MakePatch(mesh, face, areas[face], warp.col(face), slopes));
+    if (rest == BendingRest::kMesh) KeepCurvature(mesh, &patches_.back());
   }
 }
 
@@ -274,6 +292,23 @@ std::vector<BendingElement> BendingPatches::Elements(const FlexuralRigidity& rig
     elements.push_back({patch.nodes, {static_cast<int>(elements.size())}, PatchBlock(patch, d)});
   }
   return elements;
+}
+
+std::vector<RestMoment> BendingPatches::Moments(const FlexuralRigidity& rigidity) const {
+  const Eigen::Matrix3d d = RigidityMatrix(rigidity);
+  std::vector<RestMoment> moments;
+  if (rest_ == BendingRest::kFlat) return moments;
+  for (const BendingPatch& patch : patches_) {
+    const Eigen::Vector3d moment = patch.area * d * patch.curvature;
+    const int face = static_cast<int>(moments.size());
+    moments.push_back({face, patch.nodes, patch.weights.transpose() * moment, patch.curvature.dot(moment)});
+  }
+  return moments;
+}
+
+BendingRest RestOf(const Scene& scene) {
+  const bool is_flat = scene.bending.law == BendingLaw::kEdges || scene.bending.is_flat_at_rest || IsFlat(scene.mesh);
+  return is_flat ? BendingRest::kFlat : BendingRest::kMesh;
 }
 
 Eigen::Matrix3Xd FirstEdges(const Mesh& mesh) {

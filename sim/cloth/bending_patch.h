@@ -34,7 +34,9 @@
 #include <vector>
 
 #include "sim/cloth/bending_energy.h"
+#include "sim/cloth/rest_curvature.h"
 #include "sim/scene/mesh.h"
+#include "sim/scene/scene.h"
 
 namespace clothid {
 
@@ -58,17 +60,24 @@ struct OrthotropicShares {
 OrthotropicShares SharesOfRigidity(double poisson);
 
 struct BendingPatch {
-  double area = 0.0;         // a
-  std::vector<int> nodes;    // [n], those of the triangle first
-  Eigen::Matrix3Xd weights;  // [3 x n] rows w_11, w_22, w_12, 1/m^2: h_ab = sum_i w_ab,i x_i
+  double area = 0.0;                                    // a
+  std::vector<int> nodes;                               // [n], those of the triangle first
+  Eigen::Matrix3Xd weights;                             // [3 x n] rows w_11, w_22, w_12, 1/m^2: h_ab = sum_i w_ab,i x_i
+  Eigen::Vector3d curvature = Eigen::Vector3d::Zero();  // kappa_11, kappa_22, kappa_12 at rest, 1/m
+};
+
+// What a mesh that is curved at rest is bent to.
+enum class BendingRest {
+  kFlat,  // it counts as flat: what is around a triangle is unfolded into its plane
+  kMesh,  // its own shape, rest_curvature.h. There h_ab is taken less F t_ab, t the part of h_ab at rest along the
+          // triangle and F its deformation gradient, so that h_ab = kappa_ab n at rest.
 };
 
 class BendingPatches {
  public:
   // `mesh` as `ValidateMesh` wants it. `warp` [3 x F]: the direction of axis 1 in every triangle, projected onto its
-  // plane, to which it must not be perpendicular; axis 2 follows counter-clockwise. A mesh that is curved at rest
-  // counts as flat: what is around a triangle is unfolded into its plane.
-  BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp);
+  // plane, to which it must not be perpendicular; axis 2 follows counter-clockwise.
+  BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest = BendingRest::kFlat);
 
   const std::vector<BendingPatch>& patches() const { return patches_; }  // [F], in the order of the mesh
 
@@ -79,10 +88,17 @@ class BendingPatches {
   // The parts of Q, one per triangle.
   std::vector<BendingElement> Elements(const FlexuralRigidity& rigidity) const;
 
+  // Of every triangle, with kMesh; else none.
+  std::vector<RestMoment> Moments(const FlexuralRigidity& rigidity) const;
+
  private:
   int num_nodes_;
+  BendingRest rest_;
   std::vector<BendingPatch> patches_;
 };
+
+// Of the scene's cloth.
+BendingRest RestOf(const Scene& scene);
 
 // The first edge of every triangle [3 x F], m: axes for a law that is the same in all of them.
 Eigen::Matrix3Xd FirstEdges(const Mesh& mesh);

@@ -13,17 +13,18 @@ namespace {
 std::vector<BendingMatrix> BendingMatrices(const Scene& scene) {
   if (!scene.has_bending()) return {};
   if (scene.bending.law == BendingLaw::kEdges) {
-    return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh)}};
+    return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh), {}}};
   }
-  if (!scene.bending.orthotropic) {
-    const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh));
-    return {{ParameterKind::kBendingStiffness, patches.Matrix(IsotropicRigidity(1.0, scene.bending.poisson))}};
-  }
-  const BendingPatches patches(scene.mesh, WarpDirections(scene.warp, scene.mesh));
+  const bool orthotropic = scene.bending.orthotropic;
+  const BendingPatches patches(
+      scene.mesh, orthotropic ? WarpDirections(scene.warp, scene.mesh) : FirstEdges(scene.mesh), RestOf(scene));
+  const auto term = [&](ParameterKind kind, const FlexuralRigidity& rigidity) -> BendingMatrix {
+    return {kind, patches.Matrix(rigidity), patches.Moments(rigidity)};
+  };
+  if (!orthotropic) return {term(ParameterKind::kBendingStiffness, IsotropicRigidity(1.0, scene.bending.poisson))};
   const OrthotropicShares shares = SharesOfRigidity(scene.bending.poisson);
-  return {{ParameterKind::kWarpBending, patches.Matrix(shares.warp)},
-          {ParameterKind::kWeftBending, patches.Matrix(shares.weft)},
-          {ParameterKind::kTwistBending, patches.Matrix(shares.twist)}};
+  return {term(ParameterKind::kWarpBending, shares.warp), term(ParameterKind::kWeftBending, shares.weft),
+          term(ParameterKind::kTwistBending, shares.twist)};
 }
 
 // Neighbours of each free node: those that share a triangle, and with bending those that have an entry in its matrices.
@@ -44,6 +45,14 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
         add(static_cast<int>(it.row()), static_cast<int>(it.col()));
       }
     }
+    for (const RestMoment& moment : term.moments) {
+      for (const int node : moment.nodes) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          add(node, moment.nodes[k]);
+          add(moment.nodes[k], node);
+        }
+      }
+    }
   }
   return neighbours;
 }
@@ -55,12 +64,24 @@ bool HasField(const Scene& scene, ParameterKind kind) {
 
 }  // namespace
 
+double BendingTerm::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
+  const double quadratic = energy.AddForce(stiffness, positions, force);
+  return curvature == nullptr ? quadratic : quadratic + curvature->AddForce(stiffness, positions, force);
+}
+
+void BendingTerm::AddHessian(double stiffness, HessianKind hessian_kind, const Eigen::VectorXd& positions,
+                             BlockMatrix* hessian) const {
+  energy.AddHessian(stiffness, hessian);
+  if (curvature != nullptr) curvature->AddHessian(stiffness, hessian_kind, positions, hessian);
+}
+
 ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeAreas(scene.mesh)) {
   std::vector<BendingMatrix> bending;
   if (scene.has_bending() && HasField(scene, ParameterKind::kBendingStiffness)) {
     weighted_bending_ = std::make_unique<WeightedBending>(scene);
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(scene.mesh.num_faces());
     bending.push_back(
-        {ParameterKind::kBendingStiffness, weighted_bending_->Matrix(Eigen::VectorXd::Ones(scene.mesh.num_faces()))});
+        {ParameterKind::kBendingStiffness, weighted_bending_->Matrix(ones), weighted_bending_->Moments(ones)});
   } else {
     bending = BendingMatrices(scene);
   }
@@ -68,8 +89,9 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
   if (scene.has_drag()) drag_.emplace(scene);
   pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending));
   for (BendingMatrix& term : bending) {
-    bending_terms_.push_back(
-        {term.kind, MaterialConstant(term.kind), BendingEnergy(std::move(term.matrix), free_index_, *pattern_)});
+    bending_terms_.push_back({term.kind, MaterialConstant(term.kind),
+                              BendingEnergy(std::move(term.matrix), free_index_, *pattern_),
+                              MakeCurvature(std::move(term.moments))});
   }
   Eigen::Matrix3Xd warp;
   const bool has_axes = scene.membrane == MembraneLaw::kOrthotropic;
@@ -101,8 +123,14 @@ void ClothModel::SetFields(const std::vector<FieldFactors>* fields) {
     if (kind == ParameterKind::kDensity) mass_areas_ = WeightedNodeAreas(scene_.mesh, factors);
     if (kind == ParameterKind::kBendingStiffness && weighted_bending_ != nullptr) {
       bending_terms_.front().energy = BendingEnergy(weighted_bending_->Matrix(factors), free_index_, *pattern_);
+      bending_terms_.front().curvature = MakeCurvature(weighted_bending_->Moments(factors));
     }
   }
+}
+
+std::shared_ptr<const RestCurvature> ClothModel::MakeCurvature(std::vector<RestMoment> moments) const {
+  if (moments.empty()) return nullptr;
+  return std::make_shared<const RestCurvature>(std::move(moments), free_index_, *pattern_);
 }
 
 void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending) {

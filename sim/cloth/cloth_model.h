@@ -13,6 +13,7 @@
 #include "sim/cloth/bending_energy.h"
 #include "sim/cloth/field_terms.h"
 #include "sim/cloth/membrane.h"
+#include "sim/cloth/rest_curvature.h"
 #include "sim/cloth/strain_rate_damping.h"
 #include "sim/cloth/stretch_energy.h"
 #include "sim/matrix/block_matrix.h"
@@ -20,10 +21,11 @@
 
 namespace clothid {
 
-// Q [N x N] of a term of bending.
+// Q [N x N] of a term of bending, and what a curved rest shape adds to it.
 struct BendingMatrix {
   ParameterKind kind;
   Eigen::SparseMatrix<double> matrix;
+  std::vector<RestMoment> moments;
 };
 
 // A bending energy times one constant of a material.
@@ -31,8 +33,13 @@ struct BendingTerm {
   ParameterKind kind;
   double Material::*constant;  // of that kind
   BendingEnergy energy;
+  std::shared_ptr<const RestCurvature> curvature;  // null: the cloth is flat at rest
 
   double stiffness(const Material& material) const { return material.*constant; }
+  // Of both, as they stand there.
+  double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+  void AddHessian(double stiffness, HessianKind hessian_kind, const Eigen::VectorXd& positions,
+                  BlockMatrix* hessian) const;
 };
 
 class ClothModel {
@@ -78,6 +85,7 @@ class ClothModel {
 
  private:
   void NumberFreeNodes(const std::vector<BendingMatrix>& bending);
+  std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> moments) const;  // null of none
 
   const Scene& scene_;
   std::vector<int> free_nodes_, free_index_;

@@ -8,12 +8,6 @@
 namespace clothid {
 namespace {
 
-std::vector<BendingElement> ElementsOf(const Scene& scene) {
-  if (scene.bending.law == BendingLaw::kEdges) return EdgeBendingElements(scene.mesh);
-  const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh));
-  return patches.Elements(IsotropicRigidity(1.0, scene.bending.poisson));
-}
-
 // The vectors of an element's nodes [n x 3].
 Eigen::MatrixX3d NodeRows(const BendingElement& element, const double* all) {
   Eigen::MatrixX3d rows(element.nodes.size(), 3);
@@ -44,8 +38,16 @@ Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weigh
   return areas;
 }
 
-WeightedBending::WeightedBending(const Scene& scene)
-    : num_nodes_(scene.mesh.num_nodes()), elements_(ElementsOf(scene)) {}
+WeightedBending::WeightedBending(const Scene& scene) : num_nodes_(scene.mesh.num_nodes()) {
+  if (scene.bending.law == BendingLaw::kEdges) {
+    elements_ = EdgeBendingElements(scene.mesh);
+    return;
+  }
+  const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh), RestOf(scene));
+  const FlexuralRigidity rigidity = IsotropicRigidity(1.0, scene.bending.poisson);
+  elements_ = patches.Elements(rigidity);
+  moments_ = patches.Moments(rigidity);
+}
 
 Eigen::SparseMatrix<double> WeightedBending::Matrix(const Eigen::VectorXd& weights) const {
   std::vector<Eigen::Triplet<double>> triplets;
@@ -65,6 +67,12 @@ Eigen::SparseMatrix<double> WeightedBending::Matrix(const Eigen::VectorXd& weigh
   return matrix;
 }
 
+std::vector<RestMoment> WeightedBending::Moments(const Eigen::VectorXd& weights) const {
+  std::vector<RestMoment> moments;
+  for (const RestMoment& moment : moments_) moments.push_back(moment.Times(weights[moment.face]));
+  return moments;
+}
+
 void WeightedBending::AddForceProducts(double stiffness, const Eigen::VectorXd& positions,
                                        const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
   for (const BendingElement& element : elements_) {
@@ -73,6 +81,14 @@ void WeightedBending::AddForceProducts(double stiffness, const Eigen::VectorXd& 
     for (Eigen::Index c = 0; c < columns.cols(); ++c) {
       const double product = force.cwiseProduct(NodeRows(element, columns.col(c).data())).sum();
       for (const int face : element.faces) products(face, c) += product;
+    }
+  }
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(moments_.empty() ? 0 : positions.size());
+  for (const RestMoment& moment : moments_) {
+    AddMomentForce(moment, stiffness, positions, &force);
+    for (const int node : moment.nodes) {
+      products.row(moment.face) += force.segment<3>(3 * node).transpose() * columns.middleRows<3>(3 * node);
+      force.segment<3>(3 * node).setZero();
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/cloth/bending_energy.h"
+#include "sim/cloth/rest_curvature.h"
 #include "sim/cloth/triangle_element.h"
 #include "sim/scene/scene.h"
 
@@ -29,14 +30,19 @@ class WeightedBending {
   // Q with its elements times the `weights` [F]: [N x N]. Its pattern is the same for all weights, those of zero too.
   Eigen::SparseMatrix<double> Matrix(const Eigen::VectorXd& weights) const;
 
+  // What a curved rest shape adds, with the `weights` [F]; none where it is flat.
+  std::vector<RestMoment> Moments(const Eigen::VectorXd& weights) const;
+
   // Adds stiffness * (-Q_f x) . y of every triangle f to `products` [F x s], for columns y [3N x s]. The Q_f, one per
-  // unit of weight, times the weights are the sum Q.
+  // unit of weight, times the weights are the sum Q. With
+  // a curved rest shape it is the force of the triangle about that.
   void AddForceProducts(double stiffness, const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns,
                         Eigen::Ref<Eigen::MatrixXd> products) const;
 
  private:
   int num_nodes_;
   std::vector<BendingElement> elements_;
+  std::vector<RestMoment> moments_;
 };
 
 }  // namespace clothid

@@ -40,6 +40,7 @@ FieldTangent::FieldTangent(const Eigen::MatrixXd& columns, const Parameters& par
         direction.masses = parameters.material.density * WeightedNodeAreas(mesh, weights);
       } else if (model.weighted_bending() != nullptr) {
         direction.bending = model.weighted_bending()->Matrix(weights);
+        direction.moments = model.weighted_bending()->Moments(weights);
       }
     }
   }
@@ -58,6 +59,9 @@ void FieldTangent::Subtract(const StepRecord& record, const SolveStart& start, E
       // Q is symmetric.
       impulse.reshaped(3, model_.num_nodes()) -=
           h * material.bending_stiffness * (record.positions.reshaped(3, model_.num_nodes()) * direction.bending);
+    }
+    for (const RestMoment& moment : direction.moments) {
+      AddMomentForce(moment, h * material.bending_stiffness, record.positions, &impulse);
     }
     for (Eigen::Index node = 0; node < direction.masses.size(); ++node) {
       impulse.segment<3>(3 * node) -=

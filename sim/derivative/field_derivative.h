@@ -38,7 +38,8 @@ class FieldTangent {
   struct Direction {
     std::vector<StretchEnergy> stretch;  // none or one
     Eigen::SparseMatrix<double> bending;
-    Eigen::VectorXd masses;  // [N] kg
+    std::vector<RestMoment> moments;  // of bending about a curved rest shape
+    Eigen::VectorXd masses;           // [N] kg
   };
 
   const Parameters& parameters_;

@@ -135,7 +135,7 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
     case ParameterKind::kWeftBending:
     case ParameterKind::kTwistBending:
       for (const BendingTerm& term : model_.bending_terms()) {
-        if (term.kind == id.kind) term.energy.AddForce(-h, record_.positions, &derivative);
+        if (term.kind == id.kind) term.AddForce(-h, record_.positions, &derivative);
       }
       break;
     case ParameterKind::kDensity:

@@ -21,6 +21,16 @@ void ReadPositive(const JsonNode& object, const char* key, double* value) {
   if (const auto node = object.Find(key)) *value = node->PositiveNumber();
 }
 
+void ReadBendRest(const JsonNode& node, Bending* bending) {
+  if (!node.is(Kind::kString) || (node.String() != "mesh" && node.String() != "flat")) {
+    node.Fail("expected \"mesh\" or \"flat\"");
+  }
+  bending->is_flat_at_rest = node.String() == "flat";
+  if (!bending->is_flat_at_rest && bending->law != BendingLaw::kPatches) {
+    node.Fail("expected \"bending\": \"patches\" beside it");
+  }
+}
+
 void ReadBending(const JsonNode& materials, Bending* bending) {
   if (const auto law = materials.Find("bending")) {
     if (!law->is(Kind::kString) || (law->String() != "edges" && law->String() != "patches")) {
@@ -28,6 +38,7 @@ void ReadBending(const JsonNode& materials, Bending* bending) {
     }
     bending->law = law->String() == "edges" ? BendingLaw::kEdges : BendingLaw::kPatches;
   }
+  if (const auto rest = materials.Find("bend_rest")) ReadBendRest(*rest, bending);
   const auto poisson = materials.Find("bend_poisson");
   if (!poisson) return;
   if (!poisson->is(Kind::kNumber) || !(std::abs(poisson->Number()) < 1.0)) {
@@ -145,7 +156,7 @@ bool WarpFollowsUv(const JsonNode& materials) {
 
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene) {
   node.ExpectKeys({"density", "membrane", "k_stretch", "k_warp", "k_weft", "k_shear", "k_poisson", "bending", "k_bend",
-                   "bend_warp", "bend_weft", "bend_twist", "bend_poisson", "warp_direction", "warp_angle",
+                   "bend_warp", "bend_weft", "bend_twist", "bend_poisson", "bend_rest", "warp_direction", "warp_angle",
                    "drag", "damping"});
   Material& material = scene->material;
   ReadPositive(node, "density", &material.density);

@@ -47,8 +47,9 @@ enum class BendingLaw {
 
 struct Bending {
   BendingLaw law = BendingLaw::kPatches;
-  double poisson = 0.0;      // nu of bending, in (-1, 1); kPatches alone has it
-  bool orthotropic = false;  // bend_warp, bend_weft and bend_twist in place of k_b; kPatches alone has it
+  double poisson = 0.0;          // nu of bending, in (-1, 1); kPatches alone has it
+  bool orthotropic = false;      // bend_warp, bend_weft and bend_twist in place of k_b; kPatches alone has it
+  bool is_flat_at_rest = false;  // it bends back flat, not to the mesh at rest; kEdges always does
 };
 
 // How the cloth resists strain in its surface: see "Stretch" in sim/README.md.

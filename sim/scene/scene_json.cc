@@ -70,6 +70,7 @@ class SceneReader {
     if (number == 2) return;
     scene_.integrator = Integrator::kEuler;
     scene_.bending.law = BendingLaw::kEdges;
+    scene_.bending.is_flat_at_rest = true;
   }
 
   void ReadTime() {

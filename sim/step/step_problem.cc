@@ -30,7 +30,7 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
   hessian->values.setZero();
   model.membrane().AddHessian(h * h, material, kind, positions, hessian);
   for (const BendingTerm& term : model.bending_terms()) {
-    term.energy.AddHessian(h * h * term.stiffness(material), hessian);
+    term.AddHessian(h * h * term.stiffness(material), kind, positions, hessian);
   }
   if (model.damping() != nullptr) {
     model.damping()->AddHessian(h * h * material.damping, h, kind, start_metrics, positions, hessian);
@@ -194,7 +194,7 @@ void StepProblem::AddElasticForce(StepPoint* point) const {
   double energy = model_.membrane().AddForce(material, point->positions, &work_.force);
   for (const BendingTerm& term : model_.bending_terms()) {
     const double stiffness = term.stiffness(material);
-    energy += stiffness * term.energy.AddForce(stiffness, point->positions, &work_.force);
+    energy += stiffness * term.AddForce(stiffness, point->positions, &work_.force);
   }
   AddInternalForce(energy, point);
 }

@@ -14,6 +14,7 @@
 #include "sim/derivative/sensitivity.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/material_field.h"
+#include "tests/sim/curved_rest.h"
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/shipped_scenes.h"
 
@@ -83,12 +84,21 @@ Eigen::MatrixXd FieldDirections(int num_faces) {
   return columns;
 }
 
-using Case = std::tuple<Integrator, ContactMode, BendingLaw>;
+// With a rest shape that is curved, or flat.
+using Case = std::tuple<Integrator, ContactMode, BendingLaw, bool>;
+
+Scene SceneOf(const Case& test) {
+  const auto [integrator, mode, law, is_curved] = test;
+  Scene scene = FieldScene(integrator, mode, law);
+  if (!is_curved) return scene;
+  scene.fields[2].values *= 10.0;  // so that bending counts
+  return CurvedAtRest(scene);
+}
 
 class FieldDerivativeTest : public ::testing::TestWithParam<Case> {
  protected:
   FieldDerivativeTest()
-      : scene_(FieldScene(std::get<0>(GetParam()), std::get<1>(GetParam()), std::get<2>(GetParam()))),
+      : scene_(SceneOf(GetParam())),
         simulator_(scene_),
         parameters_(scene_.nominal_parameters()),
         directions_(FieldDirections(scene_.mesh.num_faces())),
@@ -164,16 +174,19 @@ TEST_P(FieldDerivativeTest, RolloutsRememberTheirFields) {
 }
 
 std::string CaseName(const ::testing::TestParamInfo<Case>& info) {
-  const auto [integrator, mode, law] = info.param;
+  const auto [integrator, mode, law, is_curved] = info.param;
   return std::string(integrator == Integrator::kEuler ? "Euler" : "Sdirk2") +
-         (mode == ContactMode::kGap ? "Gap" : "Velocity") + (law == BendingLaw::kEdges ? "Edges" : "Patches");
+         (mode == ContactMode::kGap ? "Gap" : "Velocity") + (law == BendingLaw::kEdges ? "Edges" : "Patches") +
+         (is_curved ? "Curved" : "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, FieldDerivativeTest,
-                         ::testing::Values(Case{Integrator::kEuler, ContactMode::kGap, BendingLaw::kPatches},
-                                           Case{Integrator::kEuler, ContactMode::kVelocity, BendingLaw::kEdges},
-                                           Case{Integrator::kSdirk2, ContactMode::kGap, BendingLaw::kEdges},
-                                           Case{Integrator::kSdirk2, ContactMode::kVelocity, BendingLaw::kPatches}),
+                         ::testing::Values(Case{Integrator::kEuler, ContactMode::kGap, BendingLaw::kPatches, false},
+                                           Case{Integrator::kEuler, ContactMode::kGap, BendingLaw::kPatches, true},
+                                           Case{Integrator::kEuler, ContactMode::kVelocity, BendingLaw::kEdges, false},
+                                           Case{Integrator::kSdirk2, ContactMode::kGap, BendingLaw::kEdges, false},
+                                           Case{Integrator::kSdirk2, ContactMode::kVelocity, BendingLaw::kPatches,
+                                                false}),
                          CaseName);
 
 TEST(FieldDerivative, RefusesDirectionsOfOtherFields) {

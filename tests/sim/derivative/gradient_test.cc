@@ -15,6 +15,7 @@
 #include "sim/derivative/sensitivity.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/triangulated_surface.h"
+#include "tests/sim/curved_rest.h"
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/scene/triangle_meshes.h"
 #include "tests/sim/shipped_scenes.h"
@@ -316,6 +317,23 @@ INSTANTIATE_TEST_SUITE_P(Scenes, WovenGradientTest,
                                                               {"drape", ContactMode::kVelocity},
                                                               {"wind", ContactMode::kGap}})),
                          CaseName);
+
+// With bending about a curved rest shape, of one constant and of three.
+class CurvedGradientTest : public GradientTest {};
+
+TEST_P(CurvedGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
+  for (const bool woven : {false, true}) {
+    Scene scene = SceneOf(GetParam(), 7);
+    scene.duration *= 0.2;
+    const GradientCase gradient(CurvedAtRest(woven ? Woven(scene) : scene));
+    EXPECT_TRUE(gradient.HasInfluence(woven ? "bend_twist" : "k_bend"));
+    ExpectAgreement(gradient, 1e-6);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, CurvedGradientTest,
+    ::testing::ValuesIn(WithIntegrators({{"drape", ContactMode::kGap}, {"wind", ContactMode::kGap}})), CaseName);
 
 // A cloth that falls on a ball, a bar and a table, each with a friction of its own.
 Scene ThreeObstacles() {

@@ -72,6 +72,23 @@ TEST(ReadMaterials, NamesWhatDoesNotGoTogether) {
   ExpectBad(std::string(kWoven) + R"(, "warp_direction": [0, 0, 0])", "expected a direction, not zero");
 }
 
+TEST(ReadMaterials, ReadsWhatTheClothBendsTo) {
+  const auto is_flat = [](const std::string& version, const std::string& materials) {
+    const std::string text = "{\"clothid_scene\": " + version + R"(, "duration": 1,
+        "mesh": {"grid": {"nodes": [3, 3], "size": [0.2, 0.2]}}, "materials": {)" +
+                             materials + "}}";
+    return ParseScene(text, "scene.json", "").bending.is_flat_at_rest;
+  };
+  EXPECT_FALSE(is_flat("2", ""));
+  EXPECT_TRUE(is_flat("2", R"("bend_rest": "flat")"));
+  EXPECT_TRUE(is_flat("1", R"("bending": "patches")")) << "as it was";
+  EXPECT_FALSE(is_flat("1", R"("bending": "patches", "bend_rest": "mesh")"));
+  EXPECT_TRUE(is_flat("2", R"("bending": "edges", "bend_rest": "flat")"));
+  ExpectBad(R"("bending": "edges", "bend_rest": "mesh")",
+            "'materials.bend_rest': expected \"bending\": \"patches\" beside it");
+  ExpectBad(R"("bend_rest": "curved")", "'materials.bend_rest': expected \"mesh\" or \"flat\"");
+}
+
 TEST(ReadMaterials, AsksForEnergiesThatAreNeverNegative) {
   ExpectBad(std::string(kWoven) + R"(, "k_poisson": -180)",
             "k_poisson^2 must be below k_warp k_weft, and is 32400, not below 30000");

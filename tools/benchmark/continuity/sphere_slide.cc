@@ -82,6 +82,7 @@ SphereSlide MakeSphereSlide(const SlideSurface& surface, int nodes, ContactMode 
   scene.material.density = kDensity;
   scene.material.stretch_stiffness = kStretchStiffness;
   scene.material.bending_stiffness = kBendingStiffness;
+  scene.bending.is_flat_at_rest = true;
   const int middle = nodes / 2;
   slide.watched_nodes = {nodes - 1, nodes * middle, nodes * middle + middle};
   return slide;
