@@ -28,6 +28,7 @@ DEFINE_double(field_weight, 0.0, "weight of the smoothness of fields; 0: chosen 
 DEFINE_string(start, "", "starting values, NAME=VALUE[,...]");
 DEFINE_string(lower, "", "lower bounds, NAME=VALUE[,...]");
 DEFINE_string(upper, "", "upper bounds, NAME=VALUE[,...]");
+DEFINE_string(prior, "", "what is believed of parameters beforehand, NAME=MEDIAN:FACTOR or NAME=MEAN:STD[,...]");
 DEFINE_string(jacobian, "adjoint", "adjoint, sensitivity or numeric");
 DEFINE_string(adjoint, "reduced", "how reverse sweeps solve their linear systems, METHOD[:THRESHOLD]");
 DEFINE_string(precision, "adaptive", "adaptive or full");
@@ -83,6 +84,9 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
                       cloth's size, turn +-0.2, v0 +-2, k_poisson +-sqrt(k_warp k_weft), the others start/1e4..start*1e4); drag is that of every
                       recording, drag@2 goes before it, shift stands for x, y and z
+  --prior LIST        what is believed beforehand: NAME=MEDIAN:FACTOR[,...], as k_bend=1e-5:2, a normal distribution of
+                      the logarithm; of mu, k_poisson and a recording's own parameters NAME=MEAN:STD, as mu=0.3:0.1.
+                      It is one more residual, once for all recordings. The verdict says what they add to it
   --jacobian KIND     adjoint, sensitivity or numeric (adjoint)
   --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, sparse_lu, fixed_point or gmres, with a
                       threshold as in gmres:1e-6 (reduced, the scene's adjoint_tolerance)
@@ -135,8 +139,9 @@ Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape
 )";
 
-const ListFlags kLists = {{"target", ','}, {"fit", ','},   {"field", ','},   {"each", ','},      {"start", ','},
-                          {"lower", ','},  {"upper", ','}, {"profile", ','}, {"landscape", ','}, {"holdout", ','}};
+const ListFlags kLists = {{"target", ','},  {"fit", ','},       {"field", ','},  {"each", ','},
+                          {"start", ','},   {"lower", ','},     {"upper", ','},  {"prior", ','},
+                          {"profile", ','}, {"landscape", ','}, {"holdout", ','}};
 
 FitOptions FitOptionsFromFlags() {
   FitOptions options;
@@ -145,6 +150,7 @@ FitOptions FitOptionsFromFlags() {
   options.overrides.start = ParseParameterValues(FLAGS_start, "--start");
   options.overrides.lower_bounds = ParseParameterValues(FLAGS_lower, "--lower");
   options.overrides.upper_bounds = ParseParameterValues(FLAGS_upper, "--upper");
+  options.overrides.priors = ParseParameterPriors(FLAGS_prior, "--prior");
   options.jacobian = ParseJacobianMethod(FLAGS_jacobian);
   options.adjoint = ParseAdjointOptions(FLAGS_adjoint);
   options.precision = ParseFitPrecision(FLAGS_precision);

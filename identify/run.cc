@@ -85,6 +85,10 @@ class Run {
         folder_(OpenFolder(options)),
         fit_options_(FitOptionsOf(options, folder_.get())),
         problem_(std::make_unique<FitProblem>(inputs_.fitted, fit_options_)) {
+    for (const ParameterBlock& block : problem_->blocks()) {
+      Expect(options.fields.empty() || !block.prior.is_given(),
+             "--field: a fit of fields does not count with priors; expected none of '" + block.name + "'");
+    }
     for (const std::string& name : options.profiles) FindFreeBlock(*problem_, name, "--profile");
     for (const RecordedMotion& motion : inputs_.fitted) {
       if (options.discretization.mesh) ExpectRefinable(motion.scene, "--discretization: " + motion.name);

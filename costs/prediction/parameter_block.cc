@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
+#include "sim/base/text_file.h"
 
 namespace clothid {
 namespace {
@@ -18,14 +21,27 @@ constexpr double kLeastFriction = 0.01;
 constexpr double kLeastShareOfUnit = 0.1;
 constexpr char kRecordingMark = '@';
 
+// What `given` says of parameter `name`; null: nothing.
+template <typename Value>
+const Value* Given(const std::map<std::string, Value>& given, const std::string& name) {
+  for (const std::string& own_or_group : OverrideNames(name)) {
+    const auto it = given.find(own_or_group);
+    if (it != given.end()) return &it->second;
+  }
+  return nullptr;
+}
+
 // The first of `given` and `from_scene` that is given.
 double Choose(const std::map<std::string, double>& given, const std::string& name, double from_scene,
               double otherwise) {
-  for (const std::string& own_or_group : OverrideNames(name)) {
-    const auto it = given.find(own_or_group);
-    if (it != given.end()) return it->second;
-  }
+  if (const double* value = Given(given, name)) return *value;
   return std::isnan(from_scene) ? otherwise : from_scene;
+}
+
+ParameterPrior ChoosePrior(const ParameterOverrides& overrides, const std::string& name,
+                           const ParameterPrior& from_scene) {
+  const ParameterPrior* given = Given(overrides.priors, name);
+  return given != nullptr ? *given : from_scene;
 }
 
 std::string Bounds(const ParameterBlock& block) {
@@ -68,6 +84,22 @@ void CheckBounds(const ParameterBlock& block) {
   CheckStartIsInside(block);
 }
 
+void CheckPrior(const ParameterBlock& block) {
+  const ParameterPrior& prior = block.prior;
+  if (!prior.is_given() && std::isnan(prior.spread)) return;
+  const bool is_log = block.scale == ParameterScale::kLog;
+  const bool is_valid = std::isfinite(prior.center) && std::isfinite(prior.spread) &&
+                        (is_log ? prior.center > 0.0 && prior.spread > 1.0 : prior.spread > 0.0);
+  const std::string subject = "the prior of '" + block.name + "'";
+  if (!is_valid) {
+    throw Error(ErrorKind::kUsage, subject +
+                                       (is_log ? ": expected MEDIAN:FACTOR, a median > 0 and a factor > 1, got "
+                                               : ": expected MEAN:STD, a standard deviation > 0, got ") +
+                                       PriorText(prior, block.scale));
+  }
+  if (block.frozen) throw Error(ErrorKind::kUsage, subject + " has no effect: the scene freezes the parameter");
+}
+
 void CheckAlignmentBounds(const ParameterBlock& block, double largest) {
   const bool is_increasing =
       std::isfinite(block.lower_bound) && std::isfinite(block.upper_bound) && block.upper_bound > block.lower_bound;
@@ -103,6 +135,8 @@ ParameterBlock MakeAlignmentBlock(const std::string& name, AlignmentId id, const
   block.lower_bound = Choose(overrides.lower_bounds, name, -block.unit, 0.0);
   block.upper_bound = Choose(overrides.upper_bounds, name, block.unit, 0.0);
   CheckAlignmentBounds(block, LargestAlignmentBound(id, motion));
+  block.prior = ChoosePrior(overrides, name, {});
+  CheckPrior(block);
   return block;
 }
 
@@ -118,6 +152,12 @@ double ParameterBlock::ToValue(double coordinate) const {
 
 double ParameterBlock::ValueDerivative(double coordinate) const {
   return scale == ParameterScale::kLog ? std::exp(coordinate) : unit;
+}
+
+double ParameterBlock::PriorCoordinate() const { return ToCoordinate(prior.center); }
+
+double ParameterBlock::PriorStd() const {
+  return scale == ParameterScale::kLog ? std::log(prior.spread) : prior.spread / unit;
 }
 
 double ParameterBlock::CoordinateRange() const { return ToCoordinate(upper_bound) - ToCoordinate(lower_bound); }
@@ -137,6 +177,32 @@ double ParameterBlock::Resolution(double coordinate) const {
 
 std::string BaseName(const std::string& name) { return name.substr(0, name.find(kRecordingMark)); }
 
+std::map<std::string, ParameterPrior> ParseParameterPriors(const std::string& text, const std::string& flag) {
+  std::map<std::string, ParameterPrior> priors;
+  if (text.empty()) return priors;
+  for (const std::string& item : Split(text, ',')) {
+    const std::size_t equals = std::min(item.find('='), item.size());
+    const std::string name(Trimmed(std::string_view(item).substr(0, equals)));
+    const std::vector<std::string> numbers = Split(item.substr(std::min(equals + 1, item.size())), ':');
+    const std::optional<double> center = ParseNumber(Trimmed(numbers.front()));
+    const std::optional<double> spread = ParseNumber(Trimmed(numbers.back()));
+    if (name.empty() || numbers.size() != 2 || !center || !spread) {
+      throw Error(ErrorKind::kUsage, flag + ": expected NAME=MEDIAN:FACTOR, or NAME=MEAN:STD of friction and others " +
+                                         "that are no logarithms, got '" + Printable(item) + "'");
+    }
+    if (!priors.emplace(name, ParameterPrior{*center, *spread}).second) {
+      throw Error(ErrorKind::kUsage, flag + ": '" + Printable(name) + "' is given twice");
+    }
+  }
+  return priors;
+}
+
+std::string PriorText(const ParameterPrior& prior, ParameterScale scale) {
+  std::ostringstream text;
+  text << prior.center << (scale == ParameterScale::kLog ? ", factor " : " +- ") << prior.spread;
+  return text.str();
+}
+
 std::vector<std::string> OverrideNames(const std::string& name) {
   const std::string base = BaseName(name), group = AlignmentGroup(base), suffix = name.substr(base.size());
   std::vector<std::string> names;
@@ -147,8 +213,7 @@ std::vector<std::string> OverrideNames(const std::string& name) {
 }
 
 ParameterScale DefaultScale(ParameterKind kind) {
-  const bool is_linear = kind == ParameterKind::kFriction || DomainOf(kind) == ParameterDomain::kAny;
-  return is_linear ? ParameterScale::kLinear : ParameterScale::kLog;
+  return IsLogarithmic(kind) ? ParameterScale::kLog : ParameterScale::kLinear;
 }
 
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides) {
@@ -171,6 +236,8 @@ ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, c
   block.lower_bound = Choose(overrides.lower_bounds, name, range.lower_bound, lower);
   block.upper_bound = Choose(overrides.upper_bounds, name, range.upper_bound, upper);
   CheckBounds(block);
+  block.prior = ChoosePrior(overrides, name, range.prior);
+  CheckPrior(block);
   return block;
 }
 

@@ -41,11 +41,17 @@ struct ParameterBlock {
   double lower_bound = 0.0;  // in the parameter's own unit; lower_bound < upper_bound
   double upper_bound = 0.0;
   bool frozen = false;  // held at its starting value, never differentiated
+  // What is believed beforehand, in the parameter's own unit; log scale: of the logarithm. It is one more residual of
+  // whoever minimises, (q - PriorCoordinate())/PriorStd(): `RolloutCost` knows nothing of it.
+  ParameterPrior prior;
 
   double ToCoordinate(double value) const;
   double ToValue(double coordinate) const;
   // d value / d coordinate.
   double ValueDerivative(double coordinate) const;
+  // The prior in the internal coordinate; NaN where there is none.
+  double PriorCoordinate() const;
+  double PriorStd() const;
   // From bound to bound, in the internal coordinate.
   double CoordinateRange() const;
   // Within 1e-3 of the range from one of the bounds, or of the range without given bounds if that is smaller: from 0 to
@@ -66,7 +72,15 @@ ParameterScale DefaultScale(ParameterKind kind);
 // "shift@2", "shift.x" and "shift" that is given counts.
 struct ParameterOverrides {
   std::map<std::string, double> start, lower_bounds, upper_bounds;
+  std::map<std::string, ParameterPrior> priors;
 };
+
+// "k_bend=1e-5:2, mu=0.3:0.1" -> {{"k_bend", {1e-5, 2}}, {"mu", {0.3, 0.1}}}. Empty text: empty map. Throws `Error`
+// (kUsage), naming `flag`, unless every item is NAME=CENTER:SPREAD with finite numbers and every name is there once.
+std::map<std::string, ParameterPrior> ParseParameterPriors(const std::string& text, const std::string& flag);
+
+// "1e-05, factor 2" of a logarithm, else "0.3 +- 0.1".
+std::string PriorText(const ParameterPrior& prior, ParameterScale scale);
 
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
 // obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction] or start / kBoundFactor .. start *

@@ -54,7 +54,9 @@ std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std
   for (const RecordedMotion& motion : motions) DescribeMotion(motion, &text);
   for (const ParameterBlock& block : blocks) {
     text << "parameter " << block.name << " " << static_cast<int>(block.scale) << " " << block.start << " "
-         << block.unit << " " << block.lower_bound << " " << block.upper_bound << " " << block.frozen << "\n";
+         << block.unit << " " << block.lower_bound << " " << block.upper_bound << " " << block.frozen;
+    if (block.prior.is_given()) text << " prior " << block.prior.center << " " << block.prior.spread;
+    text << "\n";
   }
   text << "adjoint " << static_cast<int>(options.adjoint.method) << " " << options.adjoint.threshold.value_or(0.0)
        << "\n";

@@ -87,7 +87,8 @@ class Profiler {
       return std::nullopt;
     }
     warm_start_ = fit.coordinates;
-    const double scale = summary_.uncertainty->residual_scale * summary_.uncertainty->parameters[index_].widening;
+    const ParameterUncertainty& held = summary_.uncertainty->parameters[index_];
+    const double scale = held.cost_scale * held.widening;
     const double rise = 2.0 * (fit.cost - summary_.cost) / (scale * scale);
     profile_->points.push_back({block_.ToValue(coordinate), rise, fit.values()});
     return rise;

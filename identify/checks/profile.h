@@ -1,10 +1,10 @@
 // Profile likelihood: how much worse does the best fit get when one parameter is held off its estimate?
 //
-// For the parameter i at q_i the profile is  2 (min over the other parameters of L - L at the estimate)/(s w)^2,  s
-// and, where residuals are correlated, the widening w of identify/uncertainty/uncertainty.h. It is 3.84 at the ends of
-// the 95 % interval (chi-square, one degree of freedom), which, unlike the interval from the covariance, holds for
-// costs that are not quadratic: it is lopsided where the cost is, and open where no value within the bounds is
-// excluded.
+// For the parameter i at q_i the profile is  2 (min over the other parameters of L - L at the estimate)/(s w)^2,  L
+// with the priors, s (with priors `ParameterUncertainty::cost_scale`) and, where residuals are correlated, the widening
+// w of identify/uncertainty/uncertainty.h. It is 3.84 at the ends of the 95 % interval (chi-square, one degree of
+// freedom), which, unlike the interval from the covariance, holds for costs that are not quadratic: it is lopsided
+// where the cost is, and open where no value within the bounds is excluded.
 #ifndef CLOTHID_IDENTIFY_CHECKS_PROFILE_H_
 #define CLOTHID_IDENTIFY_CHECKS_PROFILE_H_
 

@@ -26,6 +26,8 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
     parameter.start = block.start;
     parameter.value = block.frozen ? block.start : values[i];
     parameter.at_bound = !block.frozen && block.IsAtBound(best.coordinates[i]);
+    parameter.prior = block.prior;
+    parameter.scale = block.scale;
     summary->parameters.push_back(parameter);
   }
   summary->coordinates = best.coordinates;

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "identify/base/parallel_for.h"
+#include "identify/uncertainty/priors.h"
 
 namespace clothid {
 namespace {
@@ -104,7 +105,20 @@ QuadraticModel FitEvaluator::Sum(const std::vector<RecordingResult>& results, co
     sum.gradient(blocks) += result.gradient;
     sum.hessian(blocks, blocks) += result.hessian;
   }
+  AddPriors(derivative, &sum);
   return sum;
+}
+
+void FitEvaluator::AddPriors(Derivative derivative, QuadraticModel* sum) const {
+  const std::vector<ParameterBlock>& blocks = problem_->blocks();
+  if (!HasPriors(blocks)) return;
+  sum->cost += PriorCost(blocks, sum->coordinates);
+  const Eigen::VectorXd gradient = PriorGradient(blocks, sum->coordinates), precisions = PriorPrecisions(blocks);
+  for (int i = 0; i < problem_->num_blocks(); ++i) {
+    if (derivative == Derivative::kNone || blocks[i].frozen) continue;
+    sum->gradient[i] += gradient[i];
+    if (derivative == Derivative::kRows) sum->hessian(i, i) += precisions[i];
+  }
 }
 
 void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision) {

@@ -43,12 +43,13 @@ class FitEvaluator {
   FitEvaluator(const FitProblem* problem, int num_threads, EvaluationPurpose purpose = EvaluationPurpose::kFit);
 
   enum class Derivative { kNone, kRows, kGradient };
-  // The sum over the recordings, in their order. kGradient also fills `gradient` [p + n], which may else be null. False
-  // where a rollout failed: see last_failure().
+  // The sum over the recordings, in their order, and the priors. kGradient also fills `gradient` [p + n], which may
+  // else be null. False where a rollout failed: see last_failure().
   bool Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost, Eigen::VectorXd* gradient,
                 Precision precision = Precision::kFull);
 
-  // The full Jacobian of all recordings, by sensitivities, with the columns of unknown starts. False as above.
+  // The full Jacobian of all recordings, by sensitivities, with the columns of unknown starts, without priors of
+  // parameters. False as above.
   bool Linearize(const Eigen::VectorXd& coordinates, Linearization* linearization,
                  Precision precision = Precision::kFull);
 
@@ -82,6 +83,7 @@ class FitEvaluator {
   RecordingResult EvaluateRows(int recording, const Eigen::VectorXd& coordinates, Precision precision) const;
   QuadraticModel Sum(const std::vector<RecordingResult>& results, const Eigen::VectorXd& coordinates,
                      Derivative derivative) const;
+  void AddPriors(Derivative derivative, QuadraticModel* sum) const;
   void Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision);
 
   // What one recording tells of some coordinates.

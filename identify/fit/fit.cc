@@ -16,6 +16,7 @@
 #include "identify/fit/fit_recorder.h"
 #include "identify/fit/gauss_newton.h"
 #include "identify/fit/sigmoid_map.h"
+#include "identify/fit/start_estimate.h"
 #include "identify/fit/start_stage.h"
 
 namespace clothid {
@@ -228,6 +229,7 @@ std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitP
       summary->message = "stopped at max_iterations";
     }
   }
+  RemovePriors(*problem, *coordinates, &last.linearization);
   return std::move(last.linearization);
 }
 

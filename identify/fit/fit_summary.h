@@ -41,6 +41,8 @@ struct FittedParameter {
   double start = 0.0;
   bool frozen = false;
   bool at_bound = false;
+  ParameterPrior prior;  // as in its block
+  ParameterScale scale = ParameterScale::kLinear;
 };
 
 // Valid where has_estimate(), whatever the status: the best point that was evaluated, with full precision unless the

@@ -7,6 +7,7 @@
 #include "identify/fit/fit.h"
 #include "identify/fit/start_estimate.h"
 #include "identify/uncertainty/marginal.h"
+#include "identify/uncertainty/priors.h"
 
 namespace clothid {
 namespace {
@@ -28,8 +29,10 @@ bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSu
     estimate->follow = Eigen::MatrixXd::Zero(0, problem.num_blocks());
     return true;
   }
-  FillStarts(problem, *all, summary);
   estimate->known_start = KnownStart(*all, problem.num_blocks());
+  Linearization with_priors = *all;
+  with_priors.jacobian = WithPriorRows(problem.blocks(), all->jacobian, /*scale=*/1.0);
+  FillStarts(problem, with_priors, summary);
   estimate->follow = Marginalize(std::move(*all), problem.num_blocks()).follow;
   return evaluator->LinearizeAlong(summary->coordinates, estimate->follow, &estimate->parameters);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "identify/fit/evaluator.h"
+#include "identify/uncertainty/priors.h"
 
 namespace clothid {
 namespace {
@@ -38,14 +39,16 @@ int WidestInterval(const std::vector<ParameterBlock>& blocks, const Uncertainty&
 
 // The least costly way to move a parameter by its interval [p]. What it costs is what the covariance of independent
 // residuals says, also where the interval is wider than theirs.
-Eigen::VectorXd LeastCostlyStep(const Uncertainty& uncertainty, int parameter) {
+Eigen::VectorXd LeastCostlyStep(const std::vector<ParameterBlock>& blocks, const Uncertainty& uncertainty,
+                                int parameter) {
   Eigen::VectorXd step = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(uncertainty.parameters.size()));
   const ParameterUncertainty& moved = uncertainty.parameters[parameter];
   for (Eigen::Index i = 0; i < step.size(); ++i) {
     const ParameterUncertainty& other = uncertainty.parameters[i];
     if (std::isnan(uncertainty.correlation(i, parameter))) continue;
-    if (uncertainty.is_widened) {
-      const double share = uncertainty.independent_correlation(i, parameter) * other.independent_std;
+    if (uncertainty.is_widened || HasPriors(blocks)) {
+      const double share = uncertainty.independent_correlation(i, parameter) * other.independent_std *
+                           (moved.cost_scale / other.cost_scale);
       step[i] = uncertainty.quantile95 * moved.coordinate_std * share / moved.independent_std;
     } else {
       step[i] = kNormal95 * uncertainty.correlation(i, parameter) * other.coordinate_std;
@@ -72,10 +75,11 @@ std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& bl
   if (check.parameter < 0) return std::nullopt;
   const double std = uncertainty.parameters[check.parameter].coordinate_std;
   if (IsResolution(blocks[check.parameter], coordinates[check.parameter], std)) return std::nullopt;
-  const Eigen::VectorXd own_step = LeastCostlyStep(uncertainty, check.parameter);
+  const Eigen::VectorXd own_step = LeastCostlyStep(blocks, uncertainty, check.parameter);
   Eigen::VectorXd step(coordinates.size());
   step << own_step, follow * own_step;
-  const double scale = uncertainty.residual_scale * uncertainty.parameters[check.parameter].widening;
+  const ParameterUncertainty& widest = uncertainty.parameters[check.parameter];
+  const double scale = widest.cost_scale * widest.widening;
   double lowest = (1.0 - kCostRounding) * cost;
   const auto rise_at = [&](const Eigen::VectorXd& end) {
     double end_cost = 0.0;

@@ -1,5 +1,7 @@
 #include "identify/fit/problem.h"
 
+#include <ceres/normal_prior.h>
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -106,7 +108,8 @@ std::vector<ParameterBlock> MakeBlocks(const std::vector<RecordedMotion>& motion
   return blocks;
 }
 
-void CheckOverrides(const std::map<std::string, double>& values, const std::vector<ParameterBlock>& blocks,
+template <typename Value>
+void CheckOverrides(const std::map<std::string, Value>& values, const std::vector<ParameterBlock>& blocks,
                     const std::string& flag) {
   for (const auto& [name, value] : values) {
     const bool is_known = std::any_of(blocks.begin(), blocks.end(), [&given = name](const ParameterBlock& block) {
@@ -117,6 +120,13 @@ void CheckOverrides(const std::map<std::string, double>& values, const std::vect
       throw Error(ErrorKind::kUsage, flag + ": '" + name + "' is not among the fitted parameters");
     }
   }
+}
+
+// r = (q - centre)/std; null where nothing is believed.
+std::unique_ptr<ceres::CostFunction> MakePrior(const ParameterBlock& block) {
+  if (!block.prior.is_given()) return nullptr;
+  const ceres::Matrix scale = ceres::Matrix::Constant(1, 1, 1.0 / block.PriorStd());
+  return std::make_unique<ceres::NormalPrior>(scale, ceres::Vector::Constant(1, block.PriorCoordinate()));
 }
 
 std::shared_ptr<EvaluationJournal> OpenJournal(const FitOptions& options, const std::string& fingerprint,
@@ -168,9 +178,11 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   CheckOverrides(options.overrides.start, blocks_, "--start");
   CheckOverrides(options.overrides.lower_bounds, blocks_, "--lower");
   CheckOverrides(options.overrides.upper_bounds, blocks_, "--upper");
+  CheckOverrides(options.overrides.priors, blocks_, "--prior");
   if (std::all_of(blocks_.begin(), blocks_.end(), [](const ParameterBlock& block) { return block.frozen; })) {
     throw Error(ErrorKind::kUsage, "--fit: every parameter is frozen by the scene");
   }
+  for (const ParameterBlock& block : blocks_) priors_.push_back(MakePrior(block));
   if (options.on_progress) tracker_ = MakeTracker(options.on_progress);
   const bool has_journal = !options.journal_folder.empty();
   const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
@@ -256,6 +268,7 @@ std::unique_ptr<ceres::Problem> FitProblem::MakeCeresProblem(ceres::EvaluationCa
     problem->SetParameterLowerBound(coordinate, 0, blocks_[i].ToCoordinate(blocks_[i].lower_bound));
     problem->SetParameterUpperBound(coordinate, 0, blocks_[i].ToCoordinate(blocks_[i].upper_bound));
     if (blocks_[i].frozen) problem->SetParameterBlockConstant(coordinate);
+    if (priors_[i] != nullptr) problem->AddResidualBlock(priors_[i].get(), nullptr, coordinate);
   }
   for (int r = 0; r < num_recordings(); ++r) {
     std::vector<double*> parameters;

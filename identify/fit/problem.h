@@ -2,6 +2,7 @@
 #ifndef CLOTHID_IDENTIFY_FIT_PROBLEM_H_
 #define CLOTHID_IDENTIFY_FIT_PROBLEM_H_
 
+#include <ceres/cost_function.h>
 #include <ceres/problem.h>
 
 #include <Eigen/Core>
@@ -19,6 +20,8 @@ namespace clothid {
 // One `RolloutCost` per recording; a parameter is one block, shared by every recording whose scene has it (`mu.NAME`
 // may be in some scenes only), or, of `FitOptions::each`, one block per recording that has it.
 //
+// The prior of a block is one more residual, once for all recordings.
+//
 // A point has the coordinates of the p blocks, and behind them, one recording after the other, the unknowns of those
 // starts that are unknown (costs/start/unknown_start.h): [p + n]. Where a point has the blocks' coordinates alone [p],
 // its starts are their bases.
@@ -26,7 +29,7 @@ class FitProblem {
  public:
   // Starting values and bounds of a shared parameter come from the first recording that has it. Throws `Error` for what
   // `MakeParameterBlock`, `RecordingModel` and `EvaluationJournal` reject, for overrides of parameters that are not
-  // fitted, and where every parameter is frozen.
+  // fitted, priors among them, and where every parameter is frozen.
   FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options);
 
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
@@ -60,8 +63,8 @@ class FitProblem {
   // Throws the `Error` of the first journal that could not be used: evaluations have failed for that reason alone.
   void CheckJournals() const;
 
-  // The Ceres problem on `coordinates` [p + n], whose memory it keeps and changes: costs of a precision, bounds,
-  // constant blocks, among them every unknown start. It does not own the costs and calls `callback` before each
+  // The Ceres problem on `coordinates` [p + n], whose memory it keeps and changes: costs of a precision, priors,
+  // bounds, constant blocks, among them every unknown start. It does not own the costs and calls `callback` before each
   // evaluation.
   std::unique_ptr<ceres::Problem> MakeCeresProblem(ceres::EvaluationCallback* callback, Eigen::VectorXd* coordinates,
                                                    Precision precision = Precision::kFull);
@@ -75,6 +78,7 @@ class FitProblem {
   std::vector<std::unique_ptr<RolloutCost>> costs_;
   std::vector<std::unique_ptr<RolloutCost>> loose_costs_;  // the same with Precision::kLoose
   std::vector<std::vector<int>> block_indices_, coordinate_indices_;
+  std::vector<std::unique_ptr<ceres::CostFunction>> priors_;  // per block; null: none
   int num_start_unknowns_ = 0;
   Eigen::VectorXd start_unknowns_;  // where the next fit starts; empty: zero
 };

@@ -5,6 +5,7 @@
 
 #include "costs/start/unknown_start.h"
 #include "identify/uncertainty/marginal.h"
+#include "identify/uncertainty/priors.h"
 
 namespace clothid {
 namespace {
@@ -64,6 +65,11 @@ void FillStarts(const FitProblem& problem, const Linearization& linearization, F
     summary->starts.back().recording = r;
     first += start->size();
   }
+}
+
+void RemovePriors(const FitProblem& problem, const Eigen::VectorXd& coordinates, Linearization* linearization) {
+  linearization->gradient.head(problem.num_blocks()) -= PriorGradient(problem.blocks(), coordinates);
+  linearization->squared_residual -= 2.0 * PriorCost(problem.blocks(), coordinates);
 }
 
 Linearization KnownStart(const Linearization& linearization, int num_parameters) {

@@ -11,6 +11,9 @@ namespace clothid {
 // Fills FitSummary::starts. `linearization` [r x (p + n)] at the summary's coordinates.
 void FillStarts(const FitProblem& problem, const Linearization& linearization, FitSummary* summary);
 
+// Takes the priors of parameters out of gradient and residuals of a linearization [r x (p + n)] at `coordinates`.
+void RemovePriors(const FitProblem& problem, const Eigen::VectorXd& coordinates, Linearization* linearization);
+
 // As if the starts were known to be what they are estimated to be, and this were the minimum: the first p columns.
 Linearization KnownStart(const Linearization& linearization, int num_parameters);
 

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <vector>
 
+#include "identify/uncertainty/priors.h"
+
 namespace clothid {
 namespace {
 
@@ -89,6 +91,10 @@ class LaggedRows : public ceres::CostFunction {
         evaluator_(evaluator) {
     const Eigen::MatrixXd jacobian = linearization.jacobian(Eigen::all, free_);
     hessian_ = jacobian.transpose() * jacobian;
+    const Eigen::VectorXd precisions = PriorPrecisions(problem.blocks());
+    for (int i = 0; i < static_cast<int>(free_.size()) && free_[i] < problem.num_blocks(); ++i) {
+      hessian_(i, i) += precisions[free_[i]];
+    }
     const Eigen::VectorXd gradient = linearization.gradient(free_);
     const double squared = std::max(linearization.squared_residual, std::numeric_limits<double>::min());
     root_ = RootOf(hessian_ - gradient * (gradient.transpose() / squared));

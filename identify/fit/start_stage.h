@@ -29,7 +29,8 @@ struct StartStageResult {
   // At the last point: what the next step would lower the cost by, in s^2 (identify/uncertainty/uncertainty.h), by
   // moving the parameters, the starts eliminated.
   double predicted_decrease = std::numeric_limits<double>::infinity();
-  // H from the last place where it was made; gradient and cost at the last point.
+  // H from the last place where it was made, of the recordings; gradient and cost at the last point, with the priors of
+  // parameters.
   Linearization linearization;
 };
 

@@ -219,6 +219,10 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
     print_row(parameter.name, ShortNumber(parameter.value, 8), Interval(summary, checks, i),
               ShortNumber(parameter.start, 6), ParameterRemark(summary, checks, i));
   }
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    const std::string prior = PriorRemark(summary, i);
+    if (!prior.empty()) table << "prior           " << summary.parameters[i].name << " " << prior << "\n";
+  }
   table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
         << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
   if (summary.error.cloud.num_points > 0.0) table << CloudRow(summary.error.cloud, summary.start_error.cloud);

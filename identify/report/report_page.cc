@@ -180,7 +180,10 @@ Json RecordingJson(const RecordedMotion& motion, const Observation& observation,
 Json RemarksJson(const FitSummary& summary, const FitChecks& checks) {
   Json remarks = Json::object();
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
-    remarks[summary.parameters[i].name] = ParameterRemark(summary, checks, static_cast<int>(i));
+    const std::string remark = ParameterRemark(summary, checks, static_cast<int>(i));
+    const std::string prior = PriorRemark(summary, static_cast<int>(i));
+    remarks[summary.parameters[i].name] =
+        prior.empty() ? remark : remark + (remark.empty() ? "prior " : "; prior ") + prior;
   }
   return remarks;
 }

@@ -26,6 +26,22 @@ Json NamedJson(const std::vector<FittedParameter>& parameters, const Eigen::Vect
   return json;
 }
 
+// What was believed, and what was told beside it; null where the estimate stands at its bound.
+Json PriorJson(const FitSummary& summary, std::size_t index) {
+  const FittedParameter& parameter = summary.parameters[index];
+  const bool is_log = parameter.scale == ParameterScale::kLog;
+  Json json = {{is_log ? "median" : "mean", parameter.prior.center},
+               {is_log ? "factor" : "std", parameter.prior.spread}};
+  for (const char* key : {"share", "adds_nothing", "value_without", "disagreement"}) json[key] = nullptr;
+  if (!summary.uncertainty || !summary.uncertainty->parameters[index].beside_prior) return json;
+  const ToldBesidePrior& told = *summary.uncertainty->parameters[index].beside_prior;
+  json["share"] = NumberJson(told.share);
+  json["adds_nothing"] = told.adds_nothing();
+  json["value_without"] = NumberJson(told.other_value);
+  json["disagreement"] = NumberJson(told.disagreement);
+  return json;
+}
+
 Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict) {
   Json json = Json::object();
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
@@ -42,6 +58,7 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
                             {"at_bound", parameter.at_bound},
                             {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)},
                             {"usable", UsabilityName(verdict.parameters[i])}};
+    if (parameter.prior.is_given()) json[parameter.name]["prior"] = PriorJson(summary, i);
     if (checks.discretization) {
       json[parameter.name]["step_error"] = has_interval ? NumberJson(uncertainty.step_error) : Json(nullptr);
       json[parameter.name]["step_order"] = has_interval ? NumberJson(uncertainty.step_order) : Json(nullptr);

@@ -1,16 +1,11 @@
 #include "identify/uncertainty/uncertainty.h"
 
-#include <ceres/crs_matrix.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
-#include <stdexcept>
 
-#include "identify/base/join_words.h"
 #include "identify/uncertainty/correlated_scores.h"
+#include "identify/uncertainty/priors.h"
 #include "identify/uncertainty/scaled_jacobian.h"
 
 namespace clothid {
@@ -18,16 +13,12 @@ namespace {
 
 // Changes of the prediction up to this many standard deviations are not seen.
 constexpr double kVisible = 2.0;
-// Entries of a direction below this share of its largest are left out of its words.
-constexpr double kNegligibleShare = 0.01;
 // Correlations of successive residuals are taken as at most this: a recording would have to be long to tell more.
 constexpr double kHighest = 0.97;
 // Steps of some resolutions are what an optimiser leaves.
 constexpr double kLeftResolutions = 10.0;
 // Nobody knows a stiffness to less than this factor from end to end.
 constexpr double kWidestBelief = 1e4;
-// Logarithmic entries that differ by less than this share are one common factor.
-constexpr double kCommonFactor = 0.02;
 
 std::vector<int> FreeBlocks(const std::vector<ParameterBlock>& blocks) {
   std::vector<int> free;
@@ -37,57 +28,44 @@ std::vector<int> FreeBlocks(const std::vector<ParameterBlock>& blocks) {
   return free;
 }
 
-bool IsCommonFactor(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction,
-                    const std::vector<int>& parts) {
-  return parts.size() > 1 && std::all_of(parts.begin(), parts.end(), [&](int i) {
-           return blocks[i].scale == ParameterScale::kLog && std::abs(direction[i] - 1.0) < kCommonFactor;
-         });
-}
-
-std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction) {
-  std::vector<int> parts;
-  std::vector<std::string> names, moves;
-  for (int i = 0; i < direction.size(); ++i) {
-    if (std::abs(direction[i]) < kNegligibleShare) continue;
-    parts.push_back(i);
-    names.push_back(blocks[i].name);
-    std::ostringstream move;
-    move << std::setprecision(3) << blocks[i].name;
-    if (blocks[i].scale == ParameterScale::kLog) {
-      move << " times " << std::exp2(direction[i]);
-    } else {
-      move << (direction[i] < 0.0 ? " minus " : " plus ") << blocks[i].unit * std::abs(direction[i]) * std::log(2.0);
-    }
-    moves.push_back(move.str());
-  }
-  if (parts.size() == 1) return names.front();
-  if (IsCommonFactor(blocks, direction, parts)) return JoinWords(names) + " multiplied by one factor";
-  return JoinWords(moves);
-}
-
-void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
-                   const Eigen::VectorXd& gradient, const ScaledJacobian& jacobian, double scale,
-                   Uncertainty* uncertainty) {
-  const auto has_std = [&](Eigen::Index i) { return uncertainty->parameters[jacobian.indices()[i]].visible; };
+// The rows of `jacobian` whose parameters get a standard deviation: those that are seen or believed.
+std::vector<Eigen::Index> RowsWithStd(const std::vector<ParameterBlock>& blocks, const ScaledJacobian& jacobian,
+                                      const Uncertainty& uncertainty) {
+  std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
-    if (!has_std(i)) continue;
+    const int index = jacobian.indices()[i];
+    if (uncertainty.parameters[index].visible || blocks[index].prior.is_given()) rows.push_back(i);
+  }
+  return rows;
+}
+
+// `gradient`: of the whole cost.
+void FillIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                   const Eigen::VectorXd& gradient, const Posterior& posterior, const std::vector<Eigen::Index>& rows,
+                   Uncertainty* uncertainty) {
+  const ScaledJacobian& jacobian = posterior.jacobian();
+  const double scale = uncertainty->residual_scale;
+  const auto variance = [&](Eigen::Index i) { return posterior.Covariance(i, i, scale); };
+  for (const Eigen::Index i : rows) {
     const int index = jacobian.indices()[i];
     const ParameterBlock& block = blocks[index];
     ParameterUncertainty& parameter = uncertainty->parameters[index];
     const double q = coordinates[index];
-    const double std = std::hypot(scale * jacobian.CoordinateStd(i), block.Resolution(q));
+    const double std = std::hypot(std::sqrt(variance(i)), block.Resolution(q));
     parameter.coordinate_std = std;
     parameter.independent_std = std;
+    if (HasPriors(blocks)) parameter.cost_scale = std::sqrt(variance(i) / jacobian.Covariance(i, i));
     parameter.std = block.ValueDerivative(q) * std;
     SetInterval(block, q, kNormal95 * std, &parameter);
     parameter.distance = std::abs(jacobian.Solve(i, gradient)) / std;
-    for (Eigen::Index j = 0; j < jacobian.size(); ++j) {
-      if (!has_std(j)) continue;
-      uncertainty->correlation(index, jacobian.indices()[j]) =
+    for (const Eigen::Index j : rows) {
+      const int other = jacobian.indices()[j];
+      uncertainty->correlation(index, other) =
+          i == j ? 1.0 : posterior.Covariance(i, j, scale) / std::sqrt(variance(i) * variance(j));
+      uncertainty->independent_correlation(index, other) =
           i == j ? 1.0 : jacobian.Inverse(i, j) / std::sqrt(jacobian.Inverse(i, i) * jacobian.Inverse(j, j));
     }
   }
-  uncertainty->independent_correlation = uncertainty->correlation;
 }
 
 // The intervals of the rows `rows` of `jacobian` again, with the covariance of q over them where it is larger.
@@ -118,14 +96,10 @@ void WidenIntervals(const std::vector<ParameterBlock>& blocks, const Eigen::Vect
 // Looks whether residuals are correlated, and widens the intervals where they are. `fitted_scale`: the root mean square
 // of the residuals.
 void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
-                           const Linearization& linearization, const ScaledJacobian& jacobian, double fitted_scale,
-                           Uncertainty* uncertainty) {
-  if (linearization.frame_scores.empty() || fitted_scale < kRoundingResiduals) return;
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
-    if (uncertainty->parameters[jacobian.indices()[i]].visible) rows.push_back(i);
-  }
-  if (rows.empty()) return;
+                           const Linearization& linearization, const Posterior& posterior,
+                           const std::vector<Eigen::Index>& rows, double fitted_scale, Uncertainty* uncertainty) {
+  if (linearization.frame_scores.empty() || fitted_scale < kRoundingResiduals || rows.empty()) return;
+  const ScaledJacobian& jacobian = posterior.jacobian();
   FrameSeries influences;
   for (const Eigen::MatrixXd& scores : WithoutEmptyFrames(linearization.frame_scores)) {
     Eigen::MatrixXd& influence = influences.emplace_back(static_cast<Eigen::Index>(rows.size()), scores.cols());
@@ -135,14 +109,18 @@ void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eige
   }
   Eigen::VectorXd independent(static_cast<Eigen::Index>(rows.size()));
   for (Eigen::Index a = 0; a < independent.size(); ++a) {
-    independent[a] = std::pow(fitted_scale * jacobian.CoordinateStd(rows[a]), 2);
+    independent[a] =
+        std::pow(fitted_scale, 2) * (jacobian.Covariance(rows[a], rows[a]) - posterior.PriorPart(rows[a], rows[a]));
   }
   if (!(linearization.autocorrelation > kCorrelatedResiduals) && !IsCorrelatedWithinFrames(influences, independent)) {
     return;
   }
   const double correlation =
       std::isnan(linearization.autocorrelation) ? 0.0 : std::clamp(linearization.autocorrelation, 0.0, kHighest);
-  const Eigen::MatrixXd covariance = CovarianceOfSum(influences, correlation);
+  Eigen::MatrixXd covariance = CovarianceOfSum(influences, correlation);
+  for (Eigen::Index a = 0; a < covariance.rows(); ++a) {
+    for (Eigen::Index b = 0; b < covariance.cols(); ++b) covariance(a, b) += posterior.PriorPart(rows[a], rows[b]);
+  }
   if (!((covariance.diagonal().array() > 0.0).all() && covariance.allFinite())) return;
   uncertainty->is_widened = true;
   uncertainty->quantile95 = Student95(ScoreDegreesOfFreedom(influences, correlation));
@@ -152,12 +130,10 @@ void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eige
 // What the Gauss-Newton step over the rows of `jacobian` that have a standard deviation promises, and which parameters
 // have stalled by it.
 void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
-                 const Eigen::VectorXd& gradient, const ScaledJacobian& jacobian, Uncertainty* uncertainty) {
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
-    if (uncertainty->parameters[jacobian.indices()[i]].visible) rows.push_back(i);
-  }
+                 const Eigen::VectorXd& gradient, const Posterior& posterior, const std::vector<Eigen::Index>& rows,
+                 Uncertainty* uncertainty) {
   if (rows.empty()) return;
+  const ScaledJacobian& jacobian = posterior.jacobian();
   const auto size = static_cast<Eigen::Index>(rows.size());
   Eigen::VectorXd step(size);
   Eigen::MatrixXd covariance(size, size);
@@ -165,7 +141,7 @@ void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorX
     const int index = jacobian.indices()[rows[a]];
     step[a] = -jacobian.Solve(rows[a], gradient);
     for (Eigen::Index b = 0; b < size; ++b) {
-      covariance(a, b) = std::pow(uncertainty->residual_scale, 2) * jacobian.Covariance(rows[a], rows[b]);
+      covariance(a, b) = posterior.Covariance(rows[a], rows[b], uncertainty->residual_scale);
     }
     covariance(a, a) += std::pow(kLeftResolutions * blocks[index].Resolution(coordinates[index]), 2);
   }
@@ -178,31 +154,58 @@ void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorX
   }
 }
 
-}  // namespace
-
-Linearization Linearize(const std::vector<double*>& coordinates, int num_measurements, bool sigma_is_known,
-                        ceres::Problem* problem) {
-  ceres::Problem::EvaluateOptions options;
-  options.parameter_blocks = coordinates;
-  double cost = 0.0;
-  std::vector<double> gradient;
-  ceres::CRSMatrix sparse;
-  if (!problem->Evaluate(options, &cost, nullptr, &gradient, &sparse)) {
-    throw std::runtime_error("the problem cannot be evaluated at the solution");
-  }
-  Linearization linearization;
-  linearization.jacobian = Eigen::MatrixXd::Zero(sparse.num_rows, static_cast<Eigen::Index>(coordinates.size()));
-  for (int row = 0; row < sparse.num_rows; ++row) {
-    for (int k = sparse.rows[row]; k < sparse.rows[row + 1]; ++k) {
-      linearization.jacobian(row, sparse.cols[k]) = sparse.values[k];
-    }
-  }
-  linearization.gradient = Eigen::Map<Eigen::VectorXd>(gradient.data(), static_cast<Eigen::Index>(gradient.size()));
-  linearization.squared_residual = 2.0 * cost;
-  linearization.num_measurements = num_measurements;
-  linearization.sigma_is_known = sigma_is_known;
-  return linearization;
+// Of a value between the bounds before anything is measured, without a prior.
+double BelievedStd(const ParameterBlock& block) {
+  const double widest =
+      block.scale == ParameterScale::kLog ? std::log(kWidestBelief) : std::numeric_limits<double>::infinity();
+  return std::min(block.CoordinateRange(), widest) / std::sqrt(12.0);
 }
+
+// What parameters with a prior would be known without it. `moving`: those off their bounds.
+void CompareWithPriors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                       const Eigen::MatrixXd& jacobian, const std::vector<int>& moving, Uncertainty* uncertainty) {
+  for (const int i : moving) {
+    const ParameterBlock& block = blocks[i];
+    ParameterUncertainty& parameter = uncertainty->parameters[i];
+    if (!block.prior.is_given() || std::isnan(parameter.coordinate_std)) continue;
+    ToldBesidePrior told = TellBesidePrior(blocks, coordinates, jacobian, moving, i, parameter.coordinate_std,
+                                           uncertainty->residual_scale, parameter.widening, parameter.visible);
+    const double half_width = kNormal95 * told.other_std;
+    told.is_told = parameter.visible && told.other_std <= kHardlyTold * BelievedStd(block) &&
+                   coordinates[i] - half_width > block.ToCoordinate(block.lower_bound) &&
+                   coordinates[i] + half_width < block.ToCoordinate(block.upper_bound);
+    parameter.beside_prior = told;
+  }
+}
+
+// The change that anything but its own prior sees as a free parameter moves from bound to bound.
+void FillVisibility(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                    const Eigen::MatrixXd& jacobian, const std::vector<int>& free, double fitted_scale,
+                    Uncertainty* uncertainty) {
+  const double noise = std::max(1.0, fitted_scale), visible = kVisible * noise;
+  const ScaledJacobian all(blocks, WithPriorRows(blocks, jacobian, noise), free);
+  for (Eigen::Index i = 0; i < all.size(); ++i) {
+    const int index = free[i];
+    ParameterUncertainty& parameter = uncertainty->parameters[index];
+    parameter.at_bound = blocks[index].IsAtBound(coordinates[index]);
+    parameter.cost_scale = uncertainty->residual_scale;
+    parameter.visible_change =
+        blocks[index].prior.is_given()
+            ? ScaledJacobian(blocks, WithPriorRows(blocks, jacobian, noise, index), free).VisibleChange(i)
+            : all.VisibleChange(i);
+    parameter.visible = parameter.visible_change > visible;
+  }
+  uncertainty->singular_values = all.singular_values();
+  for (Eigen::Index k = all.size() - 1; k >= 0 && all.singular_values()[k] <= visible; --k) {
+    HiddenDirection direction;
+    direction.coordinates = all.Direction(k, coordinates.size());
+    direction.visible_change = all.singular_values()[k];
+    direction.words = DescribeDirection(blocks, direction.coordinates);
+    uncertainty->hidden_directions.push_back(direction);
+  }
+}
+
+}  // namespace
 
 double ParameterUncertainty::total_std() const {
   const auto known = [](double error) { return std::isnan(error) ? 0.0 : error; };
@@ -232,15 +235,12 @@ void JudgeIntervals(const std::vector<ParameterBlock>& blocks, Uncertainty* unce
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     ParameterUncertainty& parameter = uncertainty->parameters[i];
     if (std::isnan(parameter.coordinate_std)) continue;
-    const bool is_log = blocks[i].scale == ParameterScale::kLog;
-    const double widest = is_log ? std::log(kWidestBelief) : std::numeric_limits<double>::infinity();
-    const double believed_std = std::min(blocks[i].CoordinateRange(), widest) / std::sqrt(12.0);
-    if (is_log) parameter.factor = std::exp(2.0 * parameter.half_width95);
-    parameter.share_of_belief = parameter.half_width95 / (kNormal95 * believed_std);
+    if (blocks[i].scale == ParameterScale::kLog) parameter.factor = std::exp(2.0 * parameter.half_width95);
+    parameter.share_of_belief = parameter.half_width95 / (kNormal95 * BelievedStd(blocks[i]));
     parameter.reaches_lower = parameter.lower95 <= blocks[i].lower_bound;
     parameter.reaches_upper = parameter.upper95 >= blocks[i].upper_bound;
-    parameter.identifiable =
-        !parameter.stalled && !parameter.reaches_lower && !parameter.reaches_upper && !parameter.is_hardly_told();
+    const bool is_told = parameter.beside_prior ? parameter.beside_prior->is_told : !parameter.is_hardly_told();
+    parameter.identifiable = !parameter.stalled && !parameter.reaches_lower && !parameter.reaches_upper && is_told;
     if (parameter.stalled) parameter.std = parameter.lower95 = parameter.upper95 = std::nan("");
   }
 }
@@ -252,37 +252,28 @@ bool IsResolution(const ParameterBlock& block, double coordinate, double coordin
 Uncertainty EstimateUncertainty(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                                 const Linearization& linearization) {
   const std::vector<int> free = FreeBlocks(blocks);
-  const ScaledJacobian jacobian(blocks, linearization.jacobian, free);
   const double degrees_of_freedom = linearization.num_measurements - static_cast<double>(free.size());
   const double fitted_scale =
       degrees_of_freedom > 0.0 ? std::sqrt(linearization.squared_residual / degrees_of_freedom) : 1.0;
-  const double visible = kVisible * std::max(1.0, fitted_scale);
 
   Uncertainty uncertainty;
   uncertainty.residual_scale = linearization.sigma_is_known ? std::max(1.0, fitted_scale) : fitted_scale;
   uncertainty.parameters.resize(blocks.size());
   uncertainty.correlation =
       Eigen::MatrixXd::Constant(coordinates.size(), coordinates.size(), std::numeric_limits<double>::quiet_NaN());
-  uncertainty.singular_values = jacobian.singular_values();
+  uncertainty.independent_correlation = uncertainty.correlation;
+  FillVisibility(blocks, coordinates, linearization.jacobian, free, fitted_scale, &uncertainty);
   std::vector<int> off_bounds;
-  for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
-    ParameterUncertainty& parameter = uncertainty.parameters[free[i]];
-    parameter.at_bound = blocks[free[i]].IsAtBound(coordinates[free[i]]);
-    parameter.visible_change = jacobian.VisibleChange(i);
-    parameter.visible = parameter.visible_change > visible;
-    if (!parameter.at_bound) off_bounds.push_back(free[i]);
+  for (const int i : free) {
+    if (!uncertainty.parameters[i].at_bound) off_bounds.push_back(i);
   }
-  for (Eigen::Index k = jacobian.size() - 1; k >= 0 && jacobian.singular_values()[k] <= visible; --k) {
-    HiddenDirection direction;
-    direction.coordinates = jacobian.Direction(k, coordinates.size());
-    direction.visible_change = jacobian.singular_values()[k];
-    direction.words = DescribeDirection(blocks, direction.coordinates);
-    uncertainty.hidden_directions.push_back(direction);
-  }
-  const ScaledJacobian inner(blocks, linearization.jacobian, off_bounds);
-  FillIntervals(blocks, coordinates, linearization.gradient, inner, uncertainty.residual_scale, &uncertainty);
-  AccountForCorrelation(blocks, coordinates, linearization, inner, fitted_scale, &uncertainty);
-  FindStalled(blocks, coordinates, linearization.gradient, inner, &uncertainty);
+  const Posterior posterior(blocks, linearization.jacobian, off_bounds);
+  const std::vector<Eigen::Index> rows = RowsWithStd(blocks, posterior.jacobian(), uncertainty);
+  const Eigen::VectorXd gradient = linearization.gradient + PriorGradient(blocks, coordinates);
+  FillIntervals(blocks, coordinates, gradient, posterior, rows, &uncertainty);
+  AccountForCorrelation(blocks, coordinates, linearization, posterior, rows, fitted_scale, &uncertainty);
+  FindStalled(blocks, coordinates, gradient, posterior, rows, &uncertainty);
+  CompareWithPriors(blocks, coordinates, linearization.jacobian, off_bounds, &uncertainty);
   JudgeIntervals(blocks, &uncertainty);
   return uncertainty;
 }

@@ -7,6 +7,12 @@
 //                     an estimate is no better than the steps at which the optimiser stops
 //   95 % interval   = value(q -+ 1.96 std(q)), cut at the bounds;   std of the value = dvalue/dq std(q)
 //
+// Priors (`ParameterBlock::prior`) of precision P = diag(1/std^2) are residuals of true standard deviation 1, which s
+// does not scale. With H = J^T J + P the estimate then has
+//   covariance of q = H^-1 (s^2 J^T J + P) H^-1,
+// which for s = 1 is H^-1: precisions add up. identify/uncertainty/told_beside_prior.h says what a parameter owes to
+// its own prior.
+//
 // That takes residuals as independent. Where they are not, because successive ones have a correlation above 0.3 or
 // those of one frame belong together (identify/uncertainty/correlated_scores.h), the covariance of q is the sandwich
 // over frames of that room, nowhere less than the one above, and Student's t takes the place of 1.96. A correlation
@@ -18,6 +24,9 @@
 // It is visible where c_i > 2 max(1, s): two standard deviations of the noise, or of what the model leaves
 // unexplained. The right singular vectors of J D with singular values below that are the directions nobody sees:
 // multiplying all stiffnesses, damping, density and drag by one factor is one of them in every recording.
+//
+// Priors are rows of J here, scaled by max(1, s). A parameter is judged without its own: so it is never identifiable
+// for what was believed of it, but may be for what is believed of another, as stiffness is where the density is known.
 //
 // A visible parameter may still be told too little to be called identifiable:
 //   - Its interval reaches a bound: what ends it there is the bound, not the recording.
@@ -40,10 +49,13 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
+#include "identify/uncertainty/hidden_direction.h"
+#include "identify/uncertainty/told_beside_prior.h"
 
 namespace clothid {
 
@@ -52,7 +64,7 @@ namespace clothid {
 inline constexpr double kNormal95 = 1.959963984540054;
 inline constexpr double kChiSquare95 = kNormal95 * kNormal95;
 
-// A least-squares problem at one point.
+// A least-squares problem at one point: of what was measured, without the priors of its parameters.
 struct Linearization {
   Eigen::MatrixXd jacobian;       // [r x p] de/dq, or fewer rows with the same J^T J
   Eigen::VectorXd gradient;       // [p] J^T e
@@ -97,6 +109,10 @@ struct ParameterUncertainty {
   // The same if the start were known exactly; NaN where nothing about it was fitted.
   double known_start_std = std::numeric_limits<double>::quiet_NaN();
   double widening = 1.0;  // the interval of q over the one that it would have then, at least 1
+  // A parameter that goes off by independent_std, all others along so as to raise the cost the least, raises twice the
+  // cost by the square of this: s, unless there are priors.
+  double cost_scale = std::numeric_limits<double>::quiet_NaN();
+  std::optional<ToldBesidePrior> beside_prior;  // of one with a prior and a coordinate_std
   // From the estimate to the minimum of the quadratic model |e + J dq|^2/2 there, in standard deviations as of
   // independent residuals: large where a fit stopped early, or at a kink of the cost. NaN without a coordinate_std.
   double distance = std::numeric_limits<double>::quiet_NaN();
@@ -106,21 +122,18 @@ struct ParameterUncertainty {
   double factor = std::numeric_limits<double>::quiet_NaN();  // between the ends of an interval of a logarithmic q
   bool reaches_lower = false, reaches_upper = false;         // the interval is cut at a bound
   bool at_bound = false;                                     // see `ParameterBlock::IsAtBound`
-  bool visible = false;                                      // false where frozen, too
+  bool visible = false;                                      // without its own prior; false where frozen, too
   bool stalled = false;  // takes part in what the model promises beyond the estimate
-  // Visible and not at its bound, not stalled, the interval narrower than the belief and within the bounds.
+  // Visible and not at its bound, not stalled, the interval narrower than the belief and within the bounds: with a
+  // prior the interval that it would have without it, too.
   bool identifiable = false;
 
   // Noise, step and mesh together: root of squares, of what is known. NaN as `std`.
   double total_std() const;
-  bool is_hardly_told() const { return share_of_belief > kHardlyTold || (reaches_lower && reaches_upper); }
-};
-
-// A direction in which parameters can move between their bounds unseen.
-struct HiddenDirection {
-  Eigen::VectorXd coordinates;  // [p] change of q, the largest entry 1
-  double visible_change = 0.0;  // of the whitened prediction over the bounds, in standard deviations
-  std::string words;            // "k_stretch, k_bend, density and drag multiplied by one factor"
+  // Never of one with a prior: that its interval is hardly narrower than the prior is told otherwise.
+  bool is_hardly_told() const {
+    return !beside_prior && (share_of_belief > kHardlyTold || (reaches_lower && reaches_upper));
+  }
 };
 
 struct Uncertainty {

@@ -1,6 +1,8 @@
 #include "identify/verdict/told.h"
 
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 namespace clothid {
 
@@ -25,7 +27,22 @@ std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, 
   if (parameter.stalled) return "stalled";
   if (parameter.visible && summary.parameters[index].at_bound) return "at its bound";
   if (!HasInterval(summary, checks, index)) return "not identifiable";
+  if (parameter.beside_prior && !parameter.beside_prior->is_told) {
+    return parameter.beside_prior->adds_nothing() ? "as believed" : "by its prior";
+  }
   return parameter.is_hardly_told() ? "hardly told" : "reaches a bound";
+}
+
+std::string PriorRemark(const FitSummary& summary, int index) {
+  const FittedParameter& parameter = summary.parameters[index];
+  if (!parameter.prior.is_given()) return "";
+  const std::string prior = PriorText(parameter.prior, parameter.scale);
+  if (!summary.uncertainty || !summary.uncertainty->parameters[index].beside_prior) return prior;
+  const ToldBesidePrior& told = *summary.uncertainty->parameters[index].beside_prior;
+  std::ostringstream share;
+  share << std::setprecision(2) << told.share;
+  return prior + "; " + (told.adds_nothing() ? "the recording adds nothing" : "the recording makes it narrower") +
+         ": the standard deviation is " + share.str() + " of the prior's";
 }
 
 }  // namespace clothid

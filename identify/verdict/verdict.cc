@@ -24,6 +24,7 @@ std::vector<Reason> FindReasons(const FitSummary& summary, const FitChecks& chec
   std::vector<Reason> reasons;
   AddFitReasons(summary, checks, &reasons);
   AddParameterReasons(summary, checks, &reasons);
+  AddPriorReasons(summary, &reasons);
   AddDiscretizationReasons(summary, checks, &reasons);
   AddCheckReasons(summary, checks, &reasons);
   std::stable_sort(reasons.begin(), reasons.end(), IsGraver);

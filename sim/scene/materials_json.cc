@@ -154,6 +154,23 @@ bool WarpFollowsUv(const JsonNode& materials) {
   return direction && direction->is(Kind::kString) && direction->String() == kWarpByUv;
 }
 
+ParameterPrior ReadPrior(const JsonNode& node, ParameterKind kind) {
+  ParameterPrior prior;
+  if (!IsLogarithmic(kind)) {
+    node.ExpectKeys({"mean", "std"});
+    const JsonNode mean = node.Require("mean", "a number");
+    prior.center = DomainOf(kind) == ParameterDomain::kAny ? mean.Number() : mean.NonNegativeNumber();
+    prior.spread = node.Require("std", "a standard deviation > 0").PositiveNumber();
+    return prior;
+  }
+  node.ExpectKeys({"median", "factor"});
+  prior.center = node.Require("median", "a number > 0").PositiveNumber();
+  const JsonNode factor = node.Require("factor", "a number > 1");
+  if (!factor.is(Kind::kNumber) || !(factor.Number() > 1.0)) factor.Fail("expected a number > 1");
+  prior.spread = factor.Number();
+  return prior;
+}
+
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene) {
   node.ExpectKeys({"density", "membrane", "k_stretch", "k_warp", "k_weft", "k_shear", "k_poisson", "bending", "k_bend",
                    "bend_warp", "bend_weft", "bend_twist", "bend_poisson", "bend_rest", "warp_direction", "warp_angle",

@@ -1,4 +1,5 @@
-// The `materials` and `fields` of scene.json: constants of the cloth, and those of them that vary over it.
+// The `materials` and `fields` of scene.json: constants of the cloth, and those of them that vary over it;
+// and what is believed of them.
 #ifndef CLOTHID_SIM_SCENE_MATERIALS_JSON_H_
 #define CLOTHID_SIM_SCENE_MATERIALS_JSON_H_
 
@@ -21,6 +22,10 @@ bool WarpFollowsUv(const JsonNode& materials);
 // a warp that follows a UV map, the directions that came with the mesh. A relative name of a file starts at `folder`.
 // Throws `Error` naming key and line (kBadData) or a file that cannot be read (kIo).
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene);
+
+// {"median": .., "factor": ..} of a parameter whose logarithm is believed, else {"mean": .., "std": ..}. Throws as
+// above.
+ParameterPrior ReadPrior(const JsonNode& node, ParameterKind kind);
 
 // {"k_stretch": [[..], ..], ..}: the rows of control grids. Throws `Error` (kBadData) naming the key.
 std::vector<GridField> ReadFields(const JsonNode& node);

@@ -124,6 +124,17 @@ void ValidateRange(const ParameterRange& range, ParameterDomain domain, const st
                "lower <= nominal <= upper");
 }
 
+void ValidatePrior(const ParameterRange& range, ParameterKind kind, const std::string& key, const Checker& check) {
+  const ParameterPrior& prior = range.prior;
+  if (!prior.is_given() && std::isnan(prior.spread)) return;
+  const ParameterDomain domain = IsLogarithmic(kind) ? ParameterDomain::kPositive : DomainOf(kind);
+  check.Expect(IsInDomain(domain, prior.center), key + ".center", DomainWords(domain));
+  const double least = IsLogarithmic(kind) ? 1.0 : 0.0;
+  check.Expect(std::isfinite(prior.spread) && prior.spread > least, key + ".spread",
+               IsLogarithmic(kind) ? "a factor > 1" : "a standard deviation > 0");
+  check.Expect(!range.frozen, key, "none of a parameter that is frozen");
+}
+
 void ValidateRanges(const Scene& scene, const Checker& check) {
   for (const auto& [name, range] : scene.parameters) {
     ParameterId id;
@@ -133,6 +144,7 @@ void ValidateRanges(const Scene& scene, const Checker& check) {
       check.Expect(false, "parameters", std::string("known names: ") + error.what());
     }
     ValidateRange(range, DomainOf(id.kind), "parameters." + name, check);
+    ValidatePrior(range, id.kind, "parameters." + name + ".prior", check);
   }
 }
 
@@ -162,6 +174,10 @@ void ValidateFactors(const Parameters& parameters, const Scene& scene, const std
 }  // namespace
 
 const char* IntegratorName(Integrator integrator) { return integrator == Integrator::kSdirk2 ? "sdirk2" : "euler"; }
+
+bool IsLogarithmic(ParameterKind kind) {
+  return kind != ParameterKind::kFriction && DomainOf(kind) != ParameterDomain::kAny;
+}
 
 int Scene::num_steps() const { return std::max(0, static_cast<int>(std::ceil(duration / time_step - kStepRounding))); }
 

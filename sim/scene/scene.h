@@ -4,6 +4,7 @@
 #define CLOTHID_SIM_SCENE_SCENE_H_
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <map>
@@ -79,12 +80,27 @@ struct Handles {
   HandlePath path;  // of nodes.size() handles, in the same order; times on the scene's clock
 };
 
+// What is believed of a parameter before a recording is looked at: that it is normally distributed, or, of a parameter
+// that spans decades, that its logarithm is.
+struct ParameterPrior {
+  double center = std::numeric_limits<double>::quiet_NaN();  // the mean; of a logarithm the median. NaN: none
+  double spread =
+      std::numeric_limits<double>::quiet_NaN();  // > 0: the standard deviation; of a logarithm its factor > 1
+
+  bool is_given() const { return !std::isnan(center); }
+};
+
+// Whether nearly all that is known of such a parameter is a factor, so that fits and priors take its logarithm: every
+// one but friction, which may be zero, and k_poisson, which may be negative.
+bool IsLogarithmic(ParameterKind kind);
+
 // Properties of a parameter in a fit; absent values mean "not given".
 struct ParameterRange {
   double nominal = std::numeric_limits<double>::quiet_NaN();
   double lower_bound = std::numeric_limits<double>::quiet_NaN();
   double upper_bound = std::numeric_limits<double>::quiet_NaN();
   bool frozen = false;
+  ParameterPrior prior;  // not of one that is frozen
 };
 
 struct SolverOptions {
@@ -110,8 +126,8 @@ struct Scene {
   Eigen::VectorXd initial_velocities;  // v_0 [3N] m/s
   Handles handles;
   std::vector<SceneObstacle> obstacles;
-  Material material;  // nominal
-  Bending bending;    // of a cloth with k_b > 0, or with orthotropic bending
+  Material material;   // nominal
+  Bending bending;     // of a cloth with k_b > 0, or with orthotropic bending
   MembraneLaw membrane = MembraneLaw::kArap;
   Warp warp;                      // of a membrane or bending that is orthotropic
   std::vector<GridField> fields;  // constants that vary over the cloth; their levels replace those of `material`

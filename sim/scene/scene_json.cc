@@ -210,7 +210,7 @@ class SceneReader {
     for (const std::string& name : parameters->keys()) {
       const JsonNode node = *parameters->Find(name);
       const ParameterId id = KnownParameter(node, name);
-      node.ExpectKeys({"nominal", "lower", "upper", "frozen"});
+      node.ExpectKeys({"nominal", "lower", "upper", "frozen", "prior"});
       ParameterRange& range = scene_.parameters[name];
       const ParameterDomain domain = DomainOf(id.kind);
       const auto read_bound = domain == ParameterDomain::kAny ? ReadNumber : ReadNonNegative;
@@ -222,6 +222,10 @@ class SceneReader {
       if (range.lower_bound >= range.upper_bound) node.Fail("expected lower < upper");
       if (range.nominal < range.lower_bound || range.nominal > range.upper_bound) {
         node.Fail("expected lower <= nominal <= upper");
+      }
+      if (const auto prior = node.Find("prior")) {
+        if (range.frozen) prior->Fail("expected none of a parameter that is frozen");
+        range.prior = ReadPrior(*prior, id.kind);
       }
     }
   }

@@ -85,6 +85,31 @@ TEST(ParameterBlockTest, OverridesGoBeforeTheSceneBeforeDefaults) {
   EXPECT_EQ(block.upper_bound, 100.0);
 }
 
+TEST(ParameterBlockTest, PriorsAreOfTheSceneOrGiven) {
+  Scene scene = SphereScene();
+  scene.parameters["k_stretch"].prior = {100.0, 2.0};
+  const ParameterBlock stretch = MakeParameterBlock("k_stretch", scene, {});
+  EXPECT_DOUBLE_EQ(stretch.PriorCoordinate(), std::log(100.0));
+  EXPECT_DOUBLE_EQ(stretch.PriorStd(), std::log(2.0));
+  EXPECT_FALSE(MakeParameterBlock("mu", scene, {}).prior.is_given());
+  ParameterOverrides overrides;
+  overrides.priors = ParseParameterPriors("k_stretch = 50:3, mu=0.3:0.1,k_stretch@2=70:4", "--prior");
+  EXPECT_EQ(MakeParameterBlock("k_stretch@1", scene, overrides).prior.center, 50.0);
+  EXPECT_EQ(MakeParameterBlock("k_stretch@2", scene, overrides).prior.spread, 4.0);
+  EXPECT_EQ(MakeParameterBlock("mu", scene, overrides).PriorCoordinate(), 0.3);
+  EXPECT_EQ(MakeParameterBlock("mu", scene, overrides).PriorStd(), 0.1);
+  RecordedMotion motion = MakeMotion(scene, {});
+  overrides.priors = {{"shift", {0.0, 1e-3}}};
+  const ParameterBlock shift = MakeParameterBlock("shift.y", motion, overrides);
+  EXPECT_DOUBLE_EQ(shift.PriorStd() * shift.unit, 1e-3);
+  EXPECT_EQ(PriorText({1e-5, 2.0}, ParameterScale::kLog), "1e-05, factor 2");
+  EXPECT_EQ(PriorText({0.3, 0.1}, ParameterScale::kLinear), "0.3 +- 0.1");
+  for (const char* text : {"mu", "mu=0.3", "mu=0.3:", "mu=:0.1", "=0.3:0.1", "mu=0.3:0.1:2", "mu=0.3:nan", ","}) {
+    ExpectError([&] { ParseParameterPriors(text, "--prior"); }, ErrorKind::kUsage, {"--prior: expected NAME="});
+  }
+  ExpectError([&] { ParseParameterPriors("mu=1:1,mu=1:1", "--prior"); }, ErrorKind::kUsage, {"'mu' is given twice"});
+}
+
 TEST(ParameterBlockTest, FrictionWithoutObstaclesHasAStart) {
   const ParameterBlock block = MakeParameterBlock("mu", SwingScene(), {});
   EXPECT_GT(block.start, block.lower_bound);

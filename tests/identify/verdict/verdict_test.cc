@@ -428,5 +428,72 @@ TEST(VerdictTest, SaysWhereAFitOfTheDiscretizationFailed) {
   EXPECT_EQ(Judge(Converged(), checks).overall, Usability::kUsable) << "which tells the order, and nothing else";
 }
 
+// Of mu, believed to be 0.3 +- 0.1 beforehand.
+FitSummary WithPrior(const ToldBesidePrior& told) {
+  FitSummary summary = Converged();
+  summary.parameters[0].prior = {0.3, 0.1};
+  summary.uncertainty->residual_scale = 1.0;
+  summary.uncertainty->parameters[0].beside_prior = told;
+  summary.uncertainty->parameters[0].identifiable = told.is_told;
+  return summary;
+}
+
+TEST(VerdictTest, SaysWhatParametersOweToTheirPriors) {
+  ToldBesidePrior told;
+  told.share = 0.97;
+  FitSummary summary = WithPrior(told);
+  summary.uncertainty->parameters[0].visible = false;
+  Verdict verdict = Judge(summary, {});
+  EXPECT_EQ(verdict.line, "usable with care: the recording adds nothing to what was believed of mu");
+  EXPECT_TRUE(Says(summary, {}, "its standard deviation is 0.97 of that of the prior, 0.3 +- 0.1"));
+  EXPECT_EQ(verdict.exit_code, kExitSuccess) << "the answer is what was believed, as that of a frozen parameter is";
+  EXPECT_EQ(ParameterRemark(summary, {}, 0), "as believed");
+  EXPECT_TRUE(HasInterval(summary, {}, 0));
+  EXPECT_EQ(PriorRemark(summary, 0),
+            "0.3 +- 0.1; the recording adds nothing: the standard deviation is 0.97 of the prior's");
+  EXPECT_NE(ResultTable(summary, {}).find("\nprior           mu 0.3 +- 0.1; "), std::string::npos);
+
+  told.share = 0.5;
+  summary = WithPrior(told);
+  EXPECT_EQ(Judge(summary, {}).line, "usable with care: mu is not identifiable without its prior");
+  EXPECT_EQ(ParameterRemark(summary, {}, 0), "by its prior");
+
+  told.is_told = true;
+  summary = WithPrior(told);
+  EXPECT_EQ(Judge(summary, {}).line, "usable: every fitted parameter is identifiable");
+  EXPECT_EQ(ParameterRemark(summary, {}, 0), "");
+}
+
+TEST(VerdictTest, SaysWherePriorAndRecordingDisagree) {
+  ToldBesidePrior told;
+  told.share = 0.1;
+  told.is_told = true;
+  told.other_value = 0.8;
+  told.disagreement = 2.9;
+  EXPECT_EQ(Judge(WithPrior(told), {}).overall, Usability::kUsable);
+  told.disagreement = 4.2;
+  const Verdict verdict = Judge(WithPrior(told), {});
+  EXPECT_EQ(verdict.line, "usable with care: the recording contradicts the prior of mu");
+  EXPECT_EQ(verdict.reasons.front(),
+            "the recording contradicts the prior of mu: without the prior it would be about 0.8, 4.2 joint standard "
+            "deviations from 0.3 +- 0.1");
+}
+
+TEST(VerdictTest, SaysWherePriorsHaveTheWrongWeight) {
+  ToldBesidePrior told;
+  told.is_told = true;
+  told.share = 0.1;
+  FitSummary summary = WithPrior(told);
+  summary.uncertainty->residual_scale = 5.0;
+  EXPECT_TRUE(Says(summary, {}, "priors count for less than they are worth"));
+  summary.uncertainty->residual_scale = 1.9;
+  EXPECT_FALSE(Says(summary, {}, "they are worth"));
+  summary.uncertainty->residual_scale = 0.01;
+  EXPECT_TRUE(Says(summary, {}, "priors count for more than they are worth"));
+  summary.parameters[0].prior = {};
+  summary.uncertainty->parameters[0].beside_prior.reset();
+  EXPECT_FALSE(Says(summary, {}, "they are worth"));
+}
+
 }  // namespace
 }  // namespace clothid

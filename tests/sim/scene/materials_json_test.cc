@@ -131,5 +131,21 @@ TEST(ReadMaterials, PoissonsCouplingMayBeNegative) {
   ExpectError([&] { ValidateParameters(parameters, scene, "scene"); }, kBadData, {"'k_poisson'", "a finite number"});
 }
 
+TEST(MaterialsJsonTest, ReadsWhatIsBelieved) {
+  const Scene scene = Read("\"density\": 0.2", R"(, "parameters": {"mu": {"prior": {"mean": 0.3, "std": 0.1}},
+    "density": {"prior": {"median": 0.15, "factor": 2}}, "drag": {"nominal": 1}})");
+  EXPECT_EQ(scene.parameters.at("mu").prior.center, 0.3);
+  EXPECT_EQ(scene.parameters.at("mu").prior.spread, 0.1);
+  EXPECT_EQ(scene.parameters.at("density").prior.center, 0.15);
+  EXPECT_EQ(scene.parameters.at("density").prior.spread, 2.0);
+  EXPECT_FALSE(scene.parameters.at("drag").prior.is_given());
+  Scene wrong = scene;
+  wrong.parameters["density"].prior.spread = 1.0;
+  ExpectError([&] { ValidateScene(wrong, "scene"); }, kBadData, {"parameters.density.prior", "a factor > 1"});
+  wrong = scene;
+  wrong.parameters["mu"].frozen = true;
+  ExpectError([&] { ValidateScene(wrong, "scene"); }, kBadData, {"parameters.mu.prior", "frozen"});
+}
+
 }  // namespace
 }  // namespace clothid

@@ -343,6 +343,14 @@ TEST(ParseScene, NamesWrongParameters) {
   ExpectBadMember("\"parameters\": {\"mu\": {\"lower\": 1, \"upper\": 0.5}}",
                   {"key 'parameters.mu': expected lower < upper"});
   ExpectBadMember("\"parameters\": {\"mu\": {\"nominal\": 1, \"upper\": 0.5}}", {"expected lower <= nominal <= upper"});
+  ExpectBadMember("\"parameters\": {\"mu\": {\"prior\": {\"median\": 0.3, \"factor\": 2}}}",
+                  {"key 'parameters.mu.prior.median': unknown key"});
+  ExpectBadMember("\"parameters\": {\"mu\": {\"prior\": {\"mean\": 0.3}}}",
+                  {"key 'parameters.mu.prior.std': is missing"});
+  ExpectBadMember("\"parameters\": {\"density\": {\"prior\": {\"median\": 0.1, \"factor\": 1}}}",
+                  {"key 'parameters.density.prior.factor': expected a number > 1"});
+  ExpectBadMember("\"parameters\": {\"mu\": {\"frozen\": true, \"prior\": {\"mean\": 0.3, \"std\": 0.1}}}",
+                  {"key 'parameters.mu.prior': expected none of a parameter that is frozen"});
   ExpectBadMember("\"parameters\": {\"mu\": {\"frozen\": 1}}", {"key 'parameters.mu.frozen': expected true or false"});
 }
 
