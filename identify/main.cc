@@ -18,9 +18,11 @@
 #include "sim/base/error.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
+#include "sim/fabric/fabric.h"
 
 DEFINE_string(target, "", "recordings to fit, separated by commas");
 DEFINE_string(scene, "", "scene.json to use instead of the one in each recording");
+DEFINE_string(fabric, "", "kind of cloth whose measured constants stand in for those that the scene does not give");
 DEFINE_string(fit, "", "parameters to fit; empty: mu, where there are obstacles, and k_stretch, or k_warp,k_weft");
 DEFINE_string(each, "", "parameters to fit of which every recording has its own");
 DEFINE_string(field, "", "constants that vary over the cloth, NAME:ROWSxCOLUMNS[,...]");
@@ -64,6 +66,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
 
   --target FILES      motion.bin recordings, fitted jointly
   --scene FILE        scene.json to use instead of the one in each recording
+  --fabric NAME       light, medium, heavy, knit or denim: measured constants in place of those that the scene does not
+                      give
   --fit NAMES         of mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping (mu,k_stretch; k_stretch without
                       obstacles), where the scene has warp and weft of k_warp, k_weft, k_shear, k_poisson in place of
                       k_stretch and bend_warp, bend_weft, bend_twist in place of k_bend (mu,k_warp,k_weft), and of the
@@ -173,6 +177,11 @@ RunOptions OptionsFromFlags(const std::string& command_line) {
     options.holdout_frames = ParseFrameRange(FLAGS_holdout_frames, "--holdout_frames");
   }
   options.reading.scene_path = FLAGS_scene;
+  if (!FLAGS_fabric.empty()) {
+    options.reading.change_scene = [](const std::string& text) {
+      return WithFabric(text, FLAGS_fabric, "--fabric", "the scene");
+    };
+  }
   options.reading.start = ParseStartSource(FLAGS_initial);
   ParseSigma(FLAGS_sigma, &options.reading);
   options.time_step = ParseTimeStep(FLAGS_time_step);

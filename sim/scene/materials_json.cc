@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/fabric/fabric.h"
 #include "sim/scene/mesh_json.h"
 
 namespace clothid {
@@ -85,6 +86,8 @@ void ReadMembrane(const JsonNode& materials, Scene* scene) {
 
 void ReadRigidities(const JsonNode& materials, Scene* scene) {
   scene->bending.orthotropic = HasSeveral(materials, "k_bend", {"bend_warp", "bend_weft", "bend_twist"});
+  const bool has_rigidity = scene->bending.law == BendingLaw::kPatches && !scene->bending.orthotropic;
+  if (!has_rigidity) scene->material.bending_stiffness = 0.0;  // that of a fabric
   ReadNonNegative(materials, "k_bend", &scene->material.bending_stiffness);
   if (!scene->bending.orthotropic) return;
   if (scene->bending.law != BendingLaw::kPatches) {
@@ -169,6 +172,19 @@ ParameterPrior ReadPrior(const JsonNode& node, ParameterKind kind) {
   if (!factor.is(Kind::kNumber) || !(factor.Number() > 1.0)) factor.Fail("expected a number > 1");
   prior.spread = factor.Number();
   return prior;
+}
+
+void ReadFabric(const JsonNode& node, Scene* scene) {
+  const Fabric* fabric = node.is(Kind::kString) ? FindFabric(node.String()) : nullptr;
+  if (fabric == nullptr) node.Fail("expected one of " + FabricNames());
+  scene->fabric = fabric->name;
+  const auto set = [](const MeasuredConstant& constant, double* value) {
+    if (!std::isnan(constant.typical)) *value = constant.typical;
+  };
+  set(fabric->density, &scene->material.density);
+  set(fabric->k_stretch, &scene->material.stretch_stiffness);
+  // Bending by edges has another k_bend, which belongs to the mesh.
+  if (scene->bending.law == BendingLaw::kPatches) set(fabric->k_bend, &scene->material.bending_stiffness);
 }
 
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene) {

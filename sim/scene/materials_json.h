@@ -1,4 +1,4 @@
-// The `materials` and `fields` of scene.json: constants of the cloth, and those of them that vary over it;
+// The `fabric`, `materials` and `fields` of scene.json: constants of the cloth, and those of them that vary over it;
 // and what is believed of them.
 #ifndef CLOTHID_SIM_SCENE_MATERIALS_JSON_H_
 #define CLOTHID_SIM_SCENE_MATERIALS_JSON_H_
@@ -22,6 +22,10 @@ bool WarpFollowsUv(const JsonNode& materials);
 // a warp that follows a UV map, the directions that came with the mesh. A relative name of a file starts at `folder`.
 // Throws `Error` naming key and line (kBadData) or a file that cannot be read (kIo).
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene);
+
+// The name of a fabric (sim/fabric/fabric.h), and its constants for those that are read later. Before `ReadMaterials`,
+// once the law of bending that goes without saying is known. Throws as above.
+void ReadFabric(const JsonNode& node, Scene* scene);
 
 // {"median": .., "factor": ..} of a parameter whose logarithm is believed, else {"mean": .., "std": ..}. Throws as
 // above.

@@ -127,6 +127,7 @@ struct Scene {
   Handles handles;
   std::vector<SceneObstacle> obstacles;
   Material material;   // nominal
+  std::string fabric;  // whose measured constants stand in for those that the scene does not give; empty: none
   Bending bending;     // of a cloth with k_b > 0, or with orthotropic bending
   MembraneLaw membrane = MembraneLaw::kArap;
   Warp warp;                      // of a membrane or bending that is orthotropic

@@ -29,7 +29,7 @@ class SceneReader {
   Scene Read() {
     root_.ExpectKeys({"clothid_scene", "time_step", "integrator", "duration", "gravity", "contact", "touch",
                       "depenetration_speed", "wind", "node_force", "mesh", "initial", "handles", "obstacles",
-                      "materials", "fields", "parameters", "solver"});
+                      "fabric", "materials", "fields", "parameters", "solver"});
     ReadVersion();
     ReadTime();
     ReadForces();
@@ -38,6 +38,7 @@ class SceneReader {
     ReadHandles();
     ReadInitial();
     if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles, folder_);
+    if (const auto fabric = root_.Find("fabric")) ReadFabric(*fabric, &scene_);
     if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, folder_, &scene_);
     if (const auto fields = root_.Find("fields")) scene_.fields = ReadFields(*fields);
     ReadParameters();

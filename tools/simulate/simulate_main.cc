@@ -20,6 +20,7 @@
 #include "sim/base/json_document.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
+#include "sim/fabric/fabric.h"
 #include "sim/rollout/energy_loss.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
@@ -31,6 +32,7 @@
 #include "tools/simulate/true_fields.h"
 
 DEFINE_string(scene, "", "scene.json to simulate");
+DEFINE_string(fabric, "", "kind of cloth whose measured constants stand in for those that the scene does not give");
 DEFINE_string(output, "", "motion.bin to write");
 DEFINE_double(noise, 0.0, "standard deviation of Gaussian noise on every coordinate, m");
 DEFINE_double(frame_rate, 0.0, "frames per second; 0: one per time step");
@@ -54,6 +56,8 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
 
   --scene FILE       scene.json (every key: datasets/README.md)
   --output FILE      motion.bin to write, a name that ends in .bin
+  --fabric NAME      light, medium, heavy, knit or denim: measured constants in place of those that the scene does not
+                     give. The recording's scene names it
   --set LIST         true parameters in place of the scene's nominal ones: mu, mu.OBSTACLE, k_stretch, k_bend,
                      density, drag, damping; where the scene has warp and weft k_warp, k_weft, k_shear, k_poisson,
                      bend_warp, bend_weft, bend_twist. They are written nowhere in the recording.
@@ -196,7 +200,7 @@ void CheckOutputs() {
 
 // The files of a laboratory.
 int RunSensor() {
-  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32", "set_field"}) {
+  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32", "set_field", "fabric"}) {
     gflags::CommandLineFlagInfo info;
     if (gflags::GetCommandLineFlagInfo(flag, &info) && !info.is_default) {
       throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected without --sensor, which tells it");
@@ -242,7 +246,8 @@ int Run(const std::vector<std::string>& arguments) {
   CheckOutputs();
   if (!FLAGS_sensor.empty()) return RunSensor();
   if (!FLAGS_handles_output.empty()) throw Error(ErrorKind::kUsage, "--handles_output: expected with --sensor");
-  const std::string scene_text = ReadText(FLAGS_scene, kMaxJsonBytes);
+  std::string scene_text = ReadText(FLAGS_scene, kMaxJsonBytes);
+  if (!FLAGS_fabric.empty()) scene_text = WithFabric(scene_text, FLAGS_fabric, "--fabric", FLAGS_scene);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
   CheckSyntheticOptions(OptionsFromFlags(), scene, scene_text);
