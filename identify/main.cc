@@ -67,7 +67,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --target FILES      motion.bin recordings, fitted jointly
   --scene FILE        scene.json to use instead of the one in each recording
   --fabric NAME       light, medium, heavy, knit or denim: measured constants in place of those that the scene does not
-                      give
+                      give, and bounds
   --fit NAMES         of mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping (mu,k_stretch; k_stretch without
                       obstacles), where the scene has warp and weft of k_warp, k_weft, k_shear, k_poisson in place of
                       k_stretch and bend_warp, bend_weft, bend_twist in place of k_bend (mu,k_warp,k_weft), and of the
@@ -86,8 +86,9 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       control grid being a unit square; 0: chosen by the marginal likelihood (0)
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values; of a recording's own parameters 0)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
-                      cloth's size, turn +-0.2, v0 +-2, k_poisson +-sqrt(k_warp k_weft), the others start/1e4..start*1e4); drag is that of every
-                      recording, drag@2 goes before it, shift stands for x, y and z
+                      cloth's size, turn +-0.2, v0 +-2, k_poisson +-sqrt(k_warp k_weft), drag and damping
+                      start/1e4..start*1e4, the others 1e3 times beyond what was measured of any cloth); drag is that
+                      of every recording, drag@2 goes before it, shift stands for x, y and z
   --prior LIST        what is believed beforehand: NAME=MEDIAN:FACTOR[,...], as k_bend=1e-5:2, a normal distribution of
                       the logarithm; of mu, k_poisson and a recording's own parameters NAME=MEAN:STD, as mu=0.3:0.1.
                       It is one more residual, once for all recordings. The verdict says what they add to it

@@ -11,6 +11,7 @@
 #include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "sim/fabric/fabric.h"
 
 namespace clothid {
 namespace {
@@ -20,6 +21,10 @@ constexpr double kRelativeResolution = 1e-6;
 constexpr double kLeastFriction = 0.01;
 constexpr double kLeastShareOfUnit = 0.1;
 constexpr char kRecordingMark = '@';
+// How far beyond what was measured bounds lie: of any cloth, of a fabric that the scene names; and beyond the start.
+constexpr double kMeasuredMargin = 1e3;
+constexpr double kFabricMargin = 10.0;
+constexpr double kStartMargin = 100.0;
 
 // What `given` says of parameter `name`; null: nothing.
 template <typename Value>
@@ -117,11 +122,40 @@ double LargestCoupling(const Material& material) {
   return std::sqrt(material.warp_stiffness * material.weft_stiffness);
 }
 
+// What was measured of the constant `kind`; null: nothing.
+const MeasuredConstant* Measured(const Fabric& fabric, ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::kDensity:
+      return &fabric.density;
+    case ParameterKind::kStretchStiffness:
+    case ParameterKind::kWarpStiffness:
+    case ParameterKind::kWeftStiffness:
+    case ParameterKind::kShearStiffness:
+      return &fabric.k_stretch;
+    case ParameterKind::kBendingStiffness:
+    case ParameterKind::kWarpBending:
+    case ParameterKind::kWeftBending:
+    case ParameterKind::kTwistBending:
+      return &fabric.k_bend;
+    default:
+      return nullptr;
+  }
+}
+
 // Without given ones.
-std::pair<double, double> DefaultBounds(const ParameterBlock& block) {
+std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKind kind, const Scene& scene) {
   if (block.is_signed) return {-block.unit, block.unit};
-  if (block.scale == ParameterScale::kLog) return {block.start / kBoundFactor, block.start * kBoundFactor};
-  return {0.0, kMaxFriction};
+  if (block.scale != ParameterScale::kLog) return {0.0, kMaxFriction};
+  const bool is_edges = kind == ParameterKind::kBendingStiffness && scene.bending.law == BendingLaw::kEdges;
+  const MeasuredConstant* any = Measured(AnyFabric(), kind);
+  if (any == nullptr || is_edges) return {block.start / kBoundFactor, block.start * kBoundFactor};
+  const Fabric* fabric = FindFabric(scene.fabric);
+  const MeasuredConstant* own = fabric == nullptr ? nullptr : Measured(*fabric, kind);
+  const bool is_known = own != nullptr && !std::isnan(own->lowest);
+  const MeasuredConstant& range = is_known ? *own : *any;
+  const double margin = is_known ? kFabricMargin : kMeasuredMargin;
+  return {std::min(range.lowest / margin, block.start / kStartMargin),
+          std::max(range.highest * margin, block.start * kStartMargin)};
 }
 
 ParameterBlock MakeAlignmentBlock(const std::string& name, AlignmentId id, const RecordedMotion& motion,
@@ -232,7 +266,7 @@ ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, c
   block.frozen = range.frozen;
   block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
   CheckStart(block);
-  const auto [lower, upper] = DefaultBounds(block);
+  const auto [lower, upper] = DefaultBounds(block, id.kind, scene);
   block.lower_bound = Choose(overrides.lower_bounds, name, range.lower_bound, lower);
   block.upper_bound = Choose(overrides.upper_bounds, name, range.upper_bound, upper);
   CheckBounds(block);

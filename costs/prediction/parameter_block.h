@@ -23,8 +23,8 @@ enum class ParameterScale { kLinear, kLog };
 
 // The largest friction coefficient a fit looks for, unless bounds are given.
 inline constexpr double kMaxFriction = 2.0;
-// Without given bounds a parameter in log space may move by this factor up and down from its starting value: far enough
-// for any wrong nominal value, near enough to keep the simulation of a wandering optimiser solvable.
+// Drag, damping and the k_bend of bending by edges, whose bounds nobody has measured, may move by this factor up and
+// down from their start: far enough for any wrong one, near enough that a wandering optimiser simulates what it can.
 inline constexpr double kBoundFactor = 1e4;
 
 inline constexpr int kEveryRecording = -1;
@@ -83,10 +83,10 @@ std::map<std::string, ParameterPrior> ParseParameterPriors(const std::string& te
 std::string PriorText(const ParameterPrior& prior, ParameterScale scale);
 
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
-// obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction] or start / kBoundFactor .. start *
-// kBoundFactor, of k_poisson +- sqrt(k_warp k_weft) of the nominal values, which is its unit. Throws `Error` (kUsage)
-// for an unknown name, a start outside the bounds, bounds in the wrong order, and for a start of zero in log space: a
-// scene without bending (or drag, or damping) has no such term, so it must give a positive nominal value.
+// obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction], +- its unit sqrt(k_warp k_weft) (k_poisson),
+// kBoundFactor, or 1e3 times beyond what was measured of any cloth, 10 times of the scene's fabric (sim/fabric/fabric.h)
+// and 100 times beyond the start. Throws `Error` (kUsage) for an unknown name, wrong bounds and priors, a start outside
+// the bounds, and one of zero in log space: a scene without bending (or drag, or damping) has no such term to start at.
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
 
 // The same for a recording, and for its own parameters (costs/prediction/alignment.h), too. Of those: start 0, bounds
