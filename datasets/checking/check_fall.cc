@@ -27,7 +27,7 @@ constexpr double kNear = 0.1;        // of the cloth's size: handles all around 
 
 bool HasOtherForces(const Scene& scene) {
   return scene.handles.path.num_handles() > 0 || !scene.node_force.isZero(0.0) || scene.gravity.isZero(0.0) ||
-         (scene.has_drag() && (!scene.wind.mean.isZero(0.0) || !scene.wind.gust.isZero(0.0)));
+         scene.has_wind();
 }
 
 bool StandForCloth(const CheckedMotion& checked) {

@@ -154,7 +154,7 @@ std::vector<Finding> CheckStartVelocity(const CheckedMotion& checked) {
   const RecordedMotion& motion = checked.motion;
   const Scene& scene = motion.scene;
   if (motion.num_frames() < 2) return {};
-  if (scene.has_drag() && (!scene.wind.mean.isZero(0.0) || !scene.wind.gust.isZero(0.0))) return {};
+  if (scene.has_wind()) return {};
   const std::set<int> held(scene.handles.nodes.begin(), scene.handles.nodes.end());
   const Eigen::Matrix3Xd given = AtStart(motion, scene.initial_velocities);
   const double interval = motion.times[1] - motion.times[0];

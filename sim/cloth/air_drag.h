@@ -1,4 +1,5 @@
-// Linear air drag relative to the wind: f_j = c_d a_j (w(t, X_j) - v_j), a_j a third of the adjacent rest area.
+// Linear air drag relative to the wind, the same in every direction: f_j = c_d a_j (w(t, X_j) - v_j), a_j a third of
+// the adjacent rest area.
 #ifndef CLOTHID_SIM_CLOTH_AIR_DRAG_H_
 #define CLOTHID_SIM_CLOTH_AIR_DRAG_H_
 
@@ -8,6 +9,9 @@
 
 namespace clothid {
 
+// dw/dtheta of `Wind::At`, theta the parameter `id` of a wind.
+Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, double wave_phase);
+
 class AirDrag {
  public:
   explicit AirDrag(const Scene& scene);
@@ -15,13 +19,15 @@ class AirDrag {
   // a_j [N], m^2.
   const Eigen::VectorXd& areas() const { return areas_; }
 
-  // w at time t and rest position X_j, m/s.
-  Eigen::Vector3d WindAt(int node, double time) const;
+  // w at time t and rest position X_j, m/s, and its derivative by the parameter `id` of the wind.
+  Eigen::Vector3d WindAt(int node, double time, const Wind& wind) const { return wind.At(time, phases_[node]); }
+  Eigen::Vector3d WindDerivativeAt(int node, double time, const Wind& wind, ParameterId id) const {
+    return WindDerivative(wind, id, time, phases_[node]);
+  }
 
  private:
   Eigen::VectorXd areas_;
   Eigen::VectorXd phases_;  // wave_vector . X_j [N], rad
-  Wind wind_;
 };
 
 }  // namespace clothid

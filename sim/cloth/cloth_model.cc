@@ -101,6 +101,7 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
   laplacian_diagonal_ = LaplacianDiagonal(*triangles_, num_nodes());
   membrane_.emplace(scene.membrane, triangles_);
   stretch_.emplace(triangles_);
+  if (scene.has_directional_drag()) directional_drag_.emplace(scene, triangles_, free_index_, *pattern_);
   if (scene.has_damping()) damping_.emplace(triangles_);
   if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
 }
@@ -108,6 +109,11 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
 const BendingEnergy* ClothModel::bending() const {
   const bool isotropic = bending_terms_.size() == 1 && bending_terms_[0].kind == ParameterKind::kBendingStiffness;
   return isotropic ? &bending_terms_[0].energy : nullptr;
+}
+
+const Eigen::VectorXd* ClothModel::MassSlopes(ParameterKind kind) const {
+  if (kind == ParameterKind::kDensity) return &mass_areas();
+  return kind == ParameterKind::kAddedMass ? &node_areas_ : nullptr;
 }
 
 void ClothModel::SetFields(const std::vector<FieldFactors>* fields) {

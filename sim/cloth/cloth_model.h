@@ -1,6 +1,6 @@
-// The terms that a scene has, built once per simulator: no obstacle, no contact; k_b = 0, no bending; c_d = 0, no air;
-// eta = 0, no internal damping. Constants that vary over the cloth (sim/scene/material_field.h) are put into the terms
-// by SetFields.
+// The terms that a scene has, built once per simulator: no obstacle, no contact; k_b = 0, no bending; c_d = 0, no drag
+// that is the same in every direction; c_n = c_t = 0, none by direction; eta = 0, no internal damping. Constants that
+// vary over the cloth (sim/scene/material_field.h) are put into the terms by SetFields.
 #ifndef CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_
 #define CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_
 
@@ -11,6 +11,7 @@
 
 #include "sim/cloth/air_drag.h"
 #include "sim/cloth/bending_energy.h"
+#include "sim/cloth/directional_drag.h"
 #include "sim/cloth/field_terms.h"
 #include "sim/cloth/membrane.h"
 #include "sim/cloth/rest_curvature.h"
@@ -66,8 +67,14 @@ class ClothModel {
 
   const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
   const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2
-  // [N] m^2, those times the factors of the density, if it is a field. Times density: the lumped masses M.
+  // [N] m^2, those times the factors of the density, if it is a field. Times density: what has weight.
   const Eigen::VectorXd& mass_areas() const { return has_density_field() ? mass_areas_ : node_areas_; }
+  // M of a node, kg: of the cloth and of the air that moves with it.
+  double mass(const Material& material, int node) const {
+    return material.density * mass_areas()[node] + material.added_mass * node_areas_[node];
+  }
+  // dM/dtheta of every node [N]; null for a constant that has no part in it.
+  const Eigen::VectorXd* MassSlopes(ParameterKind kind) const;
   bool has_density_field() const { return mass_areas_.size() > 0; }
   const Eigen::VectorXd& laplacian_diagonal() const { return laplacian_diagonal_; }  // [N] of L, triangle_element.h
   const TriangleElements& triangles() const { return *triangles_; }
@@ -78,6 +85,9 @@ class ClothModel {
   const std::vector<BendingTerm>& bending_terms() const { return bending_terms_; }
   const BendingEnergy* bending() const;                              // that of k_b; null: the scene has none
   const AirDrag* drag() const { return drag_ ? &*drag_ : nullptr; }  // null: the scene has none
+  const DirectionalDrag* directional_drag() const {
+    return directional_drag_ ? &*directional_drag_ : nullptr;
+  }                                                                                     // ditto
   const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
   const WeightedBending* weighted_bending() const { return weighted_bending_.get(); }   // null: k_b is no field
   bool has_contact() const { return !scene_.obstacles.empty(); }
@@ -99,6 +109,7 @@ class ClothModel {
   std::vector<BendingTerm> bending_terms_;
   std::unique_ptr<const WeightedBending> weighted_bending_;
   std::optional<AirDrag> drag_;
+  std::optional<DirectionalDrag> directional_drag_;
   std::optional<StrainRateDamping> damping_;
 };
 

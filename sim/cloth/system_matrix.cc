@@ -42,7 +42,7 @@ void AddMatrix(double factor, const Eigen::SparseMatrix<double>& matrix, Triplet
 Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const Material& material, double time_step) {
   const double h = time_step;
   TripletAssembly assembly(model);
-  const double areal_mass = material.density + (model.drag() != nullptr ? h * material.drag : 0.0);
+  const double areal_mass = material.areal_inertia() + (model.drag() != nullptr ? h * material.drag : 0.0);
   for (const int node : model.free_nodes()) {
     const double further_area = model.mass_areas()[node] - model.node_areas()[node];  // 0 unless density is a field
     assembly.Add(node, node, areal_mass * model.node_areas()[node] + material.density * further_area);

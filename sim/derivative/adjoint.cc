@@ -111,6 +111,11 @@ class ReverseSweep {
     fields_.AddSolve(record, start, y);
     lambda_.velocities = step.TimesMass(y);
     lambda_.positions -= step.TimesStartTransposed(y);
+    if (step.has_prediction()) {
+      const Eigen::MatrixXd by_prediction = step.TimesPredictionTransposed(y);
+      lambda_.velocities -= record.time_step * by_prediction;
+      lambda_.positions -= by_prediction;
+    }
     if (!record.contacts.empty()) lambda_.positions -= step.TimesFramesTransposed(z);
     if (record.stage == Stage::kFirst) {
       lambda_.positions += by_start_.positions;
@@ -143,7 +148,8 @@ class ReverseSweep {
     if (!second.has_impacts()) return {};
     fields_.AddSecondStart(second, by_second_);
     for (size_t p = 0; p < ids_.size(); ++p) {
-      if (ids_[p].kind == ParameterKind::kDensity) gradient_->parameters.row(p) += second.DensityGradient(by_second_);
+      const Eigen::VectorXd* slopes = simulator_->model().MassSlopes(ids_[p].kind);
+      if (slopes != nullptr) gradient_->parameters.row(p) += second.MassGradient(*slopes, by_second_);
     }
     return second.AddImpactsTransposed(by_second_, &by_start_, &lambda_);
   }

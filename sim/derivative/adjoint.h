@@ -33,7 +33,7 @@ using AddPositionGradient = std::function<void(int step, Eigen::MatrixXd* gradie
 // Walks the steps of `rollout` backwards, which must be ok() and come from the same `simulator`. At step n, with
 // lambda_x and lambda_v the gradients with respect to x_{n+1} and v_{n+1}:
 //   w = lambda_v + h lambda_x;   A^T z = w;   y = (I + S)^T z
-//   lambda_v <- M y;             lambda_x <- lambda_x - h (H + V^T) y - X^T z
+//   lambda_v <- M y - h N^T y;   lambda_x <- lambda_x - h (H + V^T) y - N^T y - X^T z
 // with the matrices of step_derivative.h. Stages go back likewise, with second_start_derivative.h between the second
 // and the first. What handle_coupling.h says of handles, transposed, goes to their offsets. Throws `std::runtime_error`
 // where a step Jacobian is singular, and where RecordReader does.

@@ -30,7 +30,7 @@ AdjointSystem::AdjointSystem(const ClothModel& model, const std::vector<Contact>
     : hessian_(hessian) {
   for (const Contact& contact : contacts) {
     const int node = contact.candidate.node;
-    const double mass = parameters.material.density * model.mass_areas()[node];
+    const double mass = model.mass(parameters.material, node);
     const double mu = parameters.friction_coefficients[contact.candidate.obstacle];
     nodes_.push_back({3 * model.free_index()[node],
                       ImpulseTransposed(contact, velocities.segment<3>(3 * node), mass, mu), mass, contact.weight});

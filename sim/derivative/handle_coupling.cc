@@ -4,7 +4,6 @@
 
 #include "sim/matrix/block_product.h"
 #include "sim/step/second_start.h"
-#include "sim/step/step_problem.h"
 
 namespace clothid {
 namespace {
@@ -22,10 +21,15 @@ HandleCoupling::HandleCoupling(const ClothModel& model)
 void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters) {
   record_ = &record;
   damping_ = parameters.material.damping;
+  drag_ = DragConstantsOf(parameters.material);
   times_ = {record.time};
   origins_.clear();
-  if (whole_.damping() != nullptr) {
-    SetStartMetrics(whole_, start, &start_metrics_);
+  if (whole_.damping() != nullptr) SetStartMetrics(whole_, start, &held_.start_metrics);
+  if (whole_.directional_drag() != nullptr) {
+    predicted_ = PredictedPositions(start, record.time_step, model_.scene().handles.nodes, record.positions);
+    whole_.directional_drag()->SetAir(predicted_, parameters.wind, record.time, &held_.air);
+  }
+  if (whole_.damping() != nullptr || whole_.directional_drag() != nullptr) {
     if (start.first_positions == nullptr) {
       times_.push_back(record.time - record.time_step);
       origins_ = {{&start.positions, 1.0}};
@@ -35,8 +39,8 @@ void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, 
       origins_ = {{start.step_positions, 1.0 - kSecondStageReach}, {start.first_positions, kSecondStageReach}};
     }
   }
-  AssembleStepHessian(whole_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
-                      &hessian_);
+  AssembleStepHessian(whole_, parameters, record.time_step, HessianKind::kExact, held_, record.positions,
+                      record.velocities, &hessian_);
 }
 
 Eigen::MatrixXd HandleCoupling::FromHandles(const Eigen::MatrixXd& columns) const {
@@ -57,9 +61,16 @@ Eigen::MatrixXd HandleCoupling::HandleRows(const Eigen::MatrixXd& all) const {
   return rows;
 }
 
-// K = M + h C + h^2 H. Its masses stand on the diagonal: they do not reach from a handle to a free node.
+// K = M + h C + h^2 H. Its masses, and drag that is the same in every direction, stand on the diagonal: they do not
+// reach from a handle to a free node.
 Eigen::MatrixXd HandleCoupling::TimesHessian(const Eigen::MatrixXd& all) const {
   return whole_.ScatterColumns(MultiplySymmetric(hessian_, whole_.GatherColumns(all))) / record_->time_step;
+}
+
+Eigen::MatrixXd HandleCoupling::TimesDrag(const Eigen::MatrixXd& all) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  whole_.directional_drag()->AddVelocityProduct(1.0, drag_, record_->velocities, held_.air, all, &product);
+  return product;
 }
 
 Eigen::MatrixXd HandleCoupling::TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
@@ -72,16 +83,37 @@ Eigen::MatrixXd HandleCoupling::TimesMixed(const Eigen::VectorXd& positions, con
 
 Eigen::MatrixXd HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd all = FromHandles(columns);
-  if (place == 0) return model_.GatherColumns(TimesHessian(all));
+  const DirectionalDrag* drag = whole_.directional_drag();
+  if (place == 0) {
+    Eigen::MatrixXd product = TimesHessian(all);
+    if (drag != nullptr) {
+      drag->AddNormalProduct(-record_->time_step, drag_, record_->velocities, held_.air, predicted_, all, &product);
+    }
+    return model_.GatherColumns(product);
+  }
   const Origin& origin = origins_[place - 1];
-  return origin.share * model_.GatherColumns(TimesMixed(record_->positions, *origin.positions, all));
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  if (whole_.damping() != nullptr) product = TimesMixed(record_->positions, *origin.positions, all);
+  if (drag != nullptr) product -= TimesDrag(all);
+  return origin.share * model_.GatherColumns(product);
 }
 
 Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd all = model_.ScatterColumns(columns);
-  if (place == 0) return HandleRows(TimesHessian(all));
+  const DirectionalDrag* drag = whole_.directional_drag();
+  if (place == 0) {
+    Eigen::MatrixXd product = TimesHessian(all);
+    if (drag != nullptr) {
+      drag->AddNormalProductTransposed(-record_->time_step, drag_, record_->velocities, held_.air, predicted_, all,
+                                       &product);
+    }
+    return HandleRows(product);
+  }
   const Origin& origin = origins_[place - 1];
-  return origin.share * HandleRows(TimesMixed(*origin.positions, record_->positions, all));
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+  if (whole_.damping() != nullptr) product = TimesMixed(*origin.positions, record_->positions, all);
+  if (drag != nullptr) product -= TimesDrag(all);
+  return origin.share * HandleRows(product);
 }
 
 }  // namespace clothid

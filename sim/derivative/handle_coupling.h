@@ -2,11 +2,12 @@
 //
 // With x_h the handles at the end of a step and x_h,n those at its start, the gradient g of sim/step/step_problem.h
 // changes at fixed velocities of the free nodes by
-//   dg = h H_fh dx_h + h V_fh dx_h,n
-// where H_fh and V_fh are the columns of the handles, in the rows of the free nodes, of the H and V of
-// sim/derivative/step_derivative.h; V is there with internal damping alone. In a second stage h V_fh dx_h,n gives way
-// to what V_n and V_1 owe to the handles at the start of the step and at the end of its first stage. Made by the code
-// of H itself, of a cloth whose handles are free.
+//   dg = (h H_fh + C_fh + N_fh) dx_h + (h V_fh - C_fh) dx_h,n
+// where H_fh, V_fh and N_fh are the columns of the handles, in the rows of the free nodes, of the H, V and N of
+// sim/derivative/step_derivative.h; V is there with internal damping alone, N with drag by direction alone. So is C =
+// d2D/dv2: the velocity of a handle is (x_h - x_h,n)/h. In a second stage, which starts from x_s, h V_fh dx_h,n gives
+// way to what V_n and V_1 owe to the handles at the start of the step and at the end of its first stage, and dx_h,n to
+// (1 - kappa) dx_h,n + kappa dx_h,1. Made by the code of H itself, of a cloth whose handles are free.
 #ifndef CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
 #define CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
 
@@ -16,6 +17,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/step_record.h"
 #include "sim/scene/parameters.h"
+#include "sim/step/step_problem.h"
 
 namespace clothid {
 
@@ -29,8 +31,8 @@ class HandleCoupling {
   // The solve that `record` ends. It and what `start` refers to must live until the next call.
   void SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters);
 
-  // The places of the handles that count: the first at the end of the solve, with h H_fh; the others before, with h
-  // V_fh or its like, are there with internal damping alone.
+  // The places of the handles that count: the first at the end of the solve; the others before are there with internal
+  // damping or drag by direction alone.
   int num_places() const { return static_cast<int>(times_.size()); }
   double time(int place) const { return times_[place]; }  // s
 
@@ -43,7 +45,8 @@ class HandleCoupling {
   // Columns over the handles as columns over all nodes [3N x s], zero at free nodes; and the other way.
   Eigen::MatrixXd FromHandles(const Eigen::MatrixXd& columns) const;
   Eigen::MatrixXd HandleRows(const Eigen::MatrixXd& all) const;
-  Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& all) const;  // h H y, with the masses that K has
+  Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& all) const;  // (h H + C) y, with the masses that K has
+  Eigen::MatrixXd TimesDrag(const Eigen::MatrixXd& all) const;     // C y
   Eigen::MatrixXd TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
                              const Eigen::MatrixXd& all) const;  // h V y, h V^T y with the positions exchanged
 
@@ -51,11 +54,13 @@ class HandleCoupling {
   Scene scene_;       // without handles
   ClothModel whole_;  // of that scene
   BlockMatrix hessian_;
-  std::vector<MetricBatch> start_metrics_;
+  HeldTerms held_;
+  Eigen::VectorXd predicted_;  // x^ [3N]; empty without drag by direction
   const StepRecord* record_ = nullptr;
   double damping_ = 0.0;
+  DragConstants drag_;
   std::vector<double> times_;  // of the places
-  // Of the places before the end, and how much of V they have.
+  // Of the places before the end, and how much of V and -C they have.
   struct Origin {
     const Eigen::VectorXd* positions;
     double share;

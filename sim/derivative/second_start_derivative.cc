@@ -7,7 +7,7 @@ SecondStartDerivative::SecondStartDerivative(const StepRecord& first, const Solv
                                              const ClothModel& model) {
   for (const Contact& contact : contacts) {
     const int node = contact.candidate.node;
-    const double area = model.mass_areas()[node], mass = parameters.material.density * area;
+    const double mass = model.mass(parameters.material, node);
     const Eigen::Vector3d change = first.velocities.segment<3>(3 * node) - start.velocities.segment<3>(3 * node);
     if (ImpactShare(contact, mass, change) == 0.0) continue;
     ImpactVelocityDerivative derivative = DifferentiateImpactVelocity(contact, mass, change);
@@ -15,7 +15,7 @@ SecondStartDerivative::SecondStartDerivative(const StepRecord& first, const Solv
     derivative.impulse *= kSecondStageReach;
     derivative.position *= kSecondStageReach;
     derivative.mass *= kSecondStageReach;
-    impacts_.push_back({node, 3 * model.free_index()[node], area, derivative});
+    impacts_.push_back({node, 3 * model.free_index()[node], derivative});
   }
 }
 
@@ -26,21 +26,15 @@ StateColumns SecondStartDerivative::Times(const StateColumns& start, const State
 
 void SecondStartDerivative::SubtractImpacts(const StateColumns& start, const StateColumns& first,
                                             const Eigen::MatrixXd& impulse, StateColumns* second) const {
-  for (const auto& [node, row, slope, impact] : impacts_) {
+  for (const auto& [node, row, impact] : impacts_) {
     second->velocities.middleRows<3>(row) -=
         impact.change * (first.velocities.middleRows<3>(row) - start.velocities.middleRows<3>(row)) +
         impact.impulse * impulse.middleRows<3>(row) + impact.position * start.positions.middleRows<3>(row);
   }
 }
 
-void SecondStartDerivative::SubtractDensity(int column, StateColumns* second) const {
-  for (const auto& [node, row, slope, impact] : impacts_) {
-    second->velocities.col(column).segment<3>(row) -= slope * impact.mass;
-  }
-}
-
 void SecondStartDerivative::SubtractMasses(int column, const Eigen::VectorXd& masses, StateColumns* second) const {
-  for (const auto& [node, row, slope, impact] : impacts_) {
+  for (const auto& [node, row, impact] : impacts_) {
     second->velocities.col(column).segment<3>(row) -= masses[node] * impact.mass;
   }
 }
@@ -55,7 +49,7 @@ void SecondStartDerivative::AddTransposed(const StateColumns& second, StateColum
 Eigen::MatrixXd SecondStartDerivative::AddImpactsTransposed(const StateColumns& second, StateColumns* start,
                                                             StateColumns* first) const {
   Eigen::MatrixXd impulse = Eigen::MatrixXd::Zero(second.velocities.rows(), second.velocities.cols());
-  for (const auto& [node, row, slope, impact] : impacts_) {
+  for (const auto& [node, row, impact] : impacts_) {
     const Eigen::MatrixXd rows = second.velocities.middleRows<3>(row);
     const Eigen::MatrixXd by_change = impact.change.transpose() * rows;
     first->velocities.middleRows<3>(row) -= by_change;
@@ -66,16 +60,17 @@ Eigen::MatrixXd SecondStartDerivative::AddImpactsTransposed(const StateColumns& 
   return impulse;
 }
 
-Eigen::RowVectorXd SecondStartDerivative::DensityGradient(const StateColumns& second) const {
+Eigen::RowVectorXd SecondStartDerivative::MassGradient(const Eigen::VectorXd& slopes,
+                                                       const StateColumns& second) const {
   Eigen::RowVectorXd gradient = Eigen::RowVectorXd::Zero(second.velocities.cols());
-  for (const auto& [node, row, slope, impact] : impacts_) {
-    gradient -= slope * (impact.mass.transpose() * second.velocities.middleRows<3>(row));
+  for (const auto& [node, row, impact] : impacts_) {
+    gradient -= slopes[node] * (impact.mass.transpose() * second.velocities.middleRows<3>(row));
   }
   return gradient;
 }
 
 void SecondStartDerivative::AddMassGradient(const StateColumns& second, Eigen::MatrixXd* gradient) const {
-  for (const auto& [node, row, slope, impact] : impacts_) {
+  for (const auto& [node, row, impact] : impacts_) {
     gradient->row(node) -= impact.mass.transpose() * second.velocities.middleRows<3>(row);
   }
 }

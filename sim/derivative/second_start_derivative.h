@@ -2,7 +2,7 @@
 //
 //   dx_s = dx_n + kappa (dx_1 - dx_n)
 //   dv_s = dv_n + kappa (dv_1 - dv_n - du)
-//   du   = U_c (dv_1 - dv_n) + U_r dr_1 + U_x dx_n + u_m dm   at the nodes whose impact the first stage has stopped
+//   du   = U_c (dv_1 - dv_n) + U_r dr_1 + U_x dx_n + u_m dM   at the nodes whose impact the first stage has stopped
 // with the blocks of sim/contact/impact_share.h. The solved first stage has r_1 = g, so with the matrices of
 // step_derivative.h, b = h (H + V) dx_n - M dv_n + dg/dtheta being what does not come by dv_1:
 //   dr_1 = K dv_1 + b
@@ -29,23 +29,22 @@ class SecondStartDerivative {
   SecondStartDerivative(const StepRecord& first, const SolveStart& start, const std::vector<Contact>& contacts,
                         const Parameters& parameters, const ClothModel& model);
 
-  bool has_impacts() const { return !impacts_.empty(); }  // else r_1 and the density do not count
+  bool has_impacts() const { return !impacts_.empty(); }  // else r_1 and the masses do not count
 
   // dx_s and dv_s from those of the step's start and of the end of its first stage, without what impacts add.
   StateColumns Times(const StateColumns& start, const StateColumns& first) const;
   // Takes kappa du off dv_s. `impulse`: dr_1.
   void SubtractImpacts(const StateColumns& start, const StateColumns& first, const Eigen::MatrixXd& impulse,
                        StateColumns* second) const;
-  // Takes that through the density off column `column` of dv_s; and through any change of the nodes' masses [N] kg.
-  void SubtractDensity(int column, StateColumns* second) const;
+  // Takes that through a change of the nodes' masses [N] kg off column `column` of dv_s.
   void SubtractMasses(int column, const Eigen::VectorXd& masses, StateColumns* second) const;
 
   // The transpose, of gradients by x_s and v_s: adds to those by the start and by the end of the first stage.
   void AddTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
   // With impacts: likewise, and returns the gradient by r_1 [3 Nf x s].
   Eigen::MatrixXd AddImpactsTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
-  // By the density, of each column [1 x s].
-  Eigen::RowVectorXd DensityGradient(const StateColumns& second) const;
+  // By a parameter of which the nodes' masses have the derivatives `slopes` [N], of each column [1 x s].
+  Eigen::RowVectorXd MassGradient(const Eigen::VectorXd& slopes, const StateColumns& second) const;
   // Adds that by every node's mass to `gradient` [N x s].
   void AddMassGradient(const StateColumns& second, Eigen::MatrixXd* gradient) const;
 
@@ -53,7 +52,6 @@ class SecondStartDerivative {
   struct Impact {
     int node;
     int row;                              // of its node's block
-    double mass_slope;                    // dm/d(density), m^2
     ImpactVelocityDerivative derivative;  // times kappa
   };
   std::vector<Impact> impacts_;

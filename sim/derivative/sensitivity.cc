@@ -97,10 +97,12 @@ class HandleTangent {
   std::unique_ptr<HandleCoupling> coupling_;
 };
 
-// What g gains not by dv, negated: -b, b = h (H + V) dx_n - M dv_n + dg/dtheta. `further_parts`: takes others off.
+// What g gains not by dv, negated: -b, b = h (H + V) dx_n + N dx^ - M dv_n + dg/dtheta. `further_parts`: takes others
+// off.
 Eigen::MatrixXd MomentumSide(const StateColumns& start, const std::vector<ParameterId>& parameters,
                              const std::function<void(Eigen::MatrixXd*)>& further_parts, const StepDerivative& step) {
   Eigen::MatrixXd right = step.TimesMass(start.velocities) - step.TimesStart(start.positions);
+  if (step.has_prediction()) right -= step.TimesPrediction(start.positions + step.time_step() * start.velocities);
   further_parts(&right);
   for (size_t p = 0; p < parameters.size(); ++p) {
     if (parameters[p].kind != ParameterKind::kFriction) right.col(p) -= step.MomentumDerivative(parameters[p]);
@@ -170,7 +172,8 @@ class TangentSolver {
         const Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - momentum;
         derivative.SubtractImpacts(*tangent, first_end, impulse, &end);
         for (size_t p = 0; p < ids_.size(); ++p) {
-          if (ids_[p].kind == ParameterKind::kDensity) derivative.SubtractDensity(static_cast<int>(p), &end);
+          const Eigen::VectorXd* slopes = model.MassSlopes(ids_[p].kind);
+          if (slopes != nullptr) derivative.SubtractMasses(static_cast<int>(p), *slopes, &end);
         }
         fields_.SubtractMasses(derivative, &end);
       }

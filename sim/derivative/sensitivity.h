@@ -49,7 +49,7 @@ struct SensitivityOptions {
 };
 
 // Runs the rollout that `Simulate` would run, and with it
-//   A dv = -[(I + S)(h (H + V) dx_n - M dv_n + dg/dtheta) + X dx_n - dr/dtheta],   dx_{n+1} = dx_n + h dv
+//   A dv = -[(I + S)(h (H + V) dx_n + N dx^ - M dv_n + dg/dtheta) + X dx_n - dr/dtheta],   dx_{n+1} = dx_n + h dv
 // with the matrices of step_derivative.h, stage by stage with what second_start_derivative.h says in between; handles
 // that move add what handle_coupling.h says to the bracket of I + S. Throws `std::runtime_error` where a step Jacobian
 // is singular, `std::logic_error` where directions have other sizes, and as `Simulate` does.

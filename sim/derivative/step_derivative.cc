@@ -5,7 +5,6 @@
 #include "sim/matrix/block_product.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/second_start.h"
-#include "sim/step/step_problem.h"
 #include "sim/step/step_solver.h"
 
 namespace clothid {
@@ -19,16 +18,20 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
       hessian_(simulator->step_solver().hessian()),
       jacobian_(simulator->step_solver().jacobian()) {
   const ScopedTimer timer(&jacobian_.seconds().assembly);
-  if (model_.damping() != nullptr) SetStartMetrics(model_, start, &start_metrics_);
-  AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, start_metrics_, record.positions,
-                      &hessian_);
+  if (model_.damping() != nullptr) SetStartMetrics(model_, start, &held_.start_metrics);
+  if (model_.directional_drag() != nullptr) {
+    predicted_ = PredictedPositions(start, record.time_step, model_.scene().handles.nodes, record.positions);
+    model_.directional_drag()->SetAir(predicted_, parameters.wind, record.time, &held_.air);
+  }
+  AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, held_, record.positions,
+                      record.velocities, &hessian_);
   const Material& material = parameters.material;
   const double areal_drag = model_.drag() ? record.time_step * material.drag : 0.0;
   masses_.resize(3 * model_.num_free());
   for (int i = 0; i < model_.num_free(); ++i) {
-    masses_.segment<3>(3 * i).setConstant(material.density * model_.mass_areas()[model_.free_nodes()[i]]);
+    masses_.segment<3>(3 * i).setConstant(model_.mass(material, model_.free_nodes()[i]));
   }
-  damped_masses_ = masses_ * ((material.density + areal_drag) / material.density);
+  damped_masses_ = masses_ * ((material.areal_inertia() + areal_drag) / material.areal_inertia());
   for (int i = 0; model_.has_density_field() && i < model_.num_free(); ++i) {
     const int row = 3 * i;
     damped_masses_.segment<3>(row) =
@@ -57,6 +60,12 @@ Eigen::MatrixXd StepDerivative::TimesVelocity(const Eigen::MatrixXd& columns) co
 Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns);
   product -= damped_masses_.asDiagonal() * columns;
+  if (has_prediction()) {
+    Eigen::MatrixXd drag = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
+    model_.directional_drag()->AddVelocityProduct(record_.time_step, DragConstantsOf(parameters_.material),
+                                                  record_.velocities, held_.air, model_.ScatterColumns(columns), &drag);
+    product -= model_.GatherColumns(drag);
+  }
   return product / record_.time_step;
 }
 
@@ -96,6 +105,22 @@ Eigen::MatrixXd StepDerivative::TimesMixed(const Eigen::VectorXd& positions, con
   return model_.GatherColumns(product);
 }
 
+Eigen::MatrixXd StepDerivative::TimesPrediction(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
+  model_.directional_drag()->AddNormalProduct(-record_.time_step, DragConstantsOf(parameters_.material),
+                                              record_.velocities, held_.air, predicted_, model_.ScatterColumns(columns),
+                                              &product);
+  return model_.GatherColumns(product);
+}
+
+Eigen::MatrixXd StepDerivative::TimesPredictionTransposed(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
+  model_.directional_drag()->AddNormalProductTransposed(-record_.time_step, DragConstantsOf(parameters_.material),
+                                                        record_.velocities, held_.air, predicted_,
+                                                        model_.ScatterColumns(columns), &product);
+  return model_.GatherColumns(product);
+}
+
 Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   for (const Contact& contact : contacts_) {
@@ -116,7 +141,32 @@ Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const Eigen::MatrixXd& col
   return product;
 }
 
-// g = M (v - v_n) - h (M g_0 + node_force + c_d a (w - v)) - h f_int
+Eigen::VectorXd StepDerivative::DragDerivative(ParameterId id) const {
+  const double h = record_.time_step;
+  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
+  if (const AirDrag* drag = model_.drag(); drag != nullptr && IsWind(id.kind)) {
+    for (const int node : model_.free_nodes()) {
+      derivative.segment<3>(3 * node) = -h * parameters_.material.drag * drag->areas()[node] *
+                                        drag->WindDerivativeAt(node, record_.time, parameters_.wind, id);
+    }
+  }
+  const DirectionalDrag* drag = model_.directional_drag();
+  if (drag == nullptr) return derivative;
+  if (IsWind(id.kind)) {
+    drag->AddWindDerivative(-h, DragConstantsOf(parameters_.material), record_.velocities, held_.air, parameters_.wind,
+                            record_.time, id, &derivative);
+  } else {
+    // The force is linear in its constants.
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(derivative.size());
+    const DragConstants unit = {id.kind == ParameterKind::kNormalDrag ? 1.0 : 0.0,
+                                id.kind == ParameterKind::kTangentialDrag ? 1.0 : 0.0};
+    drag->AddForce(unit, record_.velocities, held_.air, &force);
+    derivative -= h * force;
+  }
+  return derivative;
+}
+
+// g = M (v - v_n) - h (rho a g_0 + node_force + c_d a (w - v) + F) - h f_int, F the drag by direction
 Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
   const double h = record_.time_step;
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
@@ -150,12 +200,21 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
       for (const int node : model_.free_nodes()) {
         derivative.segment<3>(3 * node) =
             h * model_.drag()->areas()[node] *
-            (record_.velocities.segment<3>(3 * node) - model_.drag()->WindAt(node, record_.time));
+            (record_.velocities.segment<3>(3 * node) - model_.drag()->WindAt(node, record_.time, parameters_.wind));
       }
+      break;
+    case ParameterKind::kAddedMass:
+      for (const int node : model_.free_nodes()) {
+        derivative.segment<3>(3 * node) = model_.node_areas()[node] * (record_.velocities.segment<3>(3 * node) -
+                                                                       start_.velocities.segment<3>(3 * node));
+      }
+      break;
+    default:  // drag by direction, and wind
+      derivative = DragDerivative(id);
       break;
     case ParameterKind::kDamping:
       if (model_.damping() != nullptr) {
-        model_.damping()->AddForce(-h, h, start_metrics_, record_.positions, &derivative);
+        model_.damping()->AddForce(-h, h, held_.start_metrics, record_.positions, &derivative);
       }
       break;
   }

@@ -1,9 +1,10 @@
 // The linearisation of one solve, a step or a stage of one, shared by both sweeps. With Phi(v_{n+1}; x_n, v_n, theta) =
 // 0:
 //
-//   A dv = -[(I + S)(h (H + V) dx_n - M dv_n + dg/dtheta dtheta) + X dx_n - dr/dtheta dtheta]
+//   A dv = -[(I + S)(h (H + V) dx_n + N dx^ - M dv_n + dg/dtheta dtheta) + X dx_n - dr/dtheta dtheta]
 // where H = d2(E + W)/dx2 at x_{n+1} as in step_problem.h; V = d2W/(dx dx_n), not symmetric, is there for internal
-// damping alone; dr/dtheta, the impulse at fixed F, for friction alone: f_N t at slipping nodes.
+// damping alone; N = dg/dx^, through the normals at dx^ = dx_n + h dv_n, for drag by direction alone; dr/dtheta, the
+// impulse at fixed F, for friction alone: f_N t at slipping nodes.
 //
 // A second stage (sim/step/second_start.h) starts from x_s and v_s in place of x_n and v_n. Its strain rate starts from
 // the metric C_s of x_n and x_1, so that h V dx_n gives way to h (V_n dx_n + V_1 dx_1), V_n = (1 - kappa) d2W/(dx dx_n)
@@ -18,6 +19,7 @@
 #include "sim/rollout/rollout.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/step_jacobian.h"
+#include "sim/step/step_problem.h"
 
 namespace clothid {
 
@@ -35,12 +37,18 @@ class StepDerivative {
   const std::vector<Contact>& contacts() const { return contacts_; }  // sticking and slipping nodes
 
   // On columns over the free nodes [3 Nf x s].
-  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;              // M y
-  Eigen::MatrixXd TimesVelocity(const Eigen::MatrixXd& columns) const;          // K y, dg/dv
-  Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;             // h (H + V) y, dg/dx_n at fixed v
-  Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;   // h (H + V^T) y
-  Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;            // X y
-  Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;  // X^T y
+  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;             // M y
+  Eigen::MatrixXd TimesVelocity(const Eigen::MatrixXd& columns) const;         // K y, dg/dv
+  Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;            // h (H + V) y, dg/dx_n at fixed v
+  Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;  // h (H + V^T) y
+  double time_step() const { return record_.time_step; }                       // h
+  bool has_prediction() const {
+    return model_.directional_drag() != nullptr;
+  }                                                                       // else N is zero and not to be asked for
+  Eigen::MatrixXd TimesPrediction(const Eigen::MatrixXd& columns) const;  // N y
+  Eigen::MatrixXd TimesPredictionTransposed(const Eigen::MatrixXd& columns) const;  // N^T y
+  Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;                // X y
+  Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;      // X^T y
 
   // Of a second stage, whose TimesStart is h H y: whether C_s, and with it g, depends on x_n and x_1.
   bool has_origins() const { return model_.damping() != nullptr && start_.first_positions != nullptr; }
@@ -56,6 +64,7 @@ class StepDerivative {
 
  private:
   Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& columns) const;  // h H y = (K y - M y - h C y)/h
+  Eigen::VectorXd DragDerivative(ParameterId id) const;                // dg/dtheta [3N] of what the wind does
   // h V y, and h V^T y with the positions exchanged.
   Eigen::MatrixXd TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
                              const Eigen::MatrixXd& columns) const;
@@ -66,10 +75,11 @@ class StepDerivative {
   const ClothModel& model_;
   BlockMatrix& hessian_;
   StepJacobian& jacobian_;
-  Eigen::VectorXd masses_;                  // M [3 Nf]
-  Eigen::VectorXd damped_masses_;           // M + h C [3 Nf]
-  std::vector<MetricBatch> start_metrics_;  // C(x_n) or C_s; empty without damping
-  std::vector<Contact> contacts_;           // of the record
+  Eigen::VectorXd masses_;         // M [3 Nf]
+  Eigen::VectorXd damped_masses_;  // M + h c_d diag(a) [3 Nf]
+  HeldTerms held_;
+  Eigen::VectorXd predicted_;      // x^ [3N]; empty without drag by direction
+  std::vector<Contact> contacts_;  // of the record
 };
 
 }  // namespace clothid

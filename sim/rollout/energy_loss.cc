@@ -42,9 +42,9 @@ EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& pos
   EnergyParts parts;
   ElasticForce(parameters.material, positions, model, &parts);
   for (const int node : model.free_nodes()) {
-    const double mass = parameters.material.density * model.mass_areas()[node];
-    parts.kinetic += 0.5 * mass * velocities.segment<3>(3 * node).squaredNorm();
-    parts.gravitational -= mass * model.scene().gravity.dot(positions.segment<3>(3 * node));
+    const double weighty = parameters.material.density * model.mass_areas()[node];  // kg; air has no weight
+    parts.kinetic += 0.5 * model.mass(parameters.material, node) * velocities.segment<3>(3 * node).squaredNorm();
+    parts.gravitational -= weighty * model.scene().gravity.dot(positions.segment<3>(3 * node));
   }
   return parts;
 }
@@ -87,8 +87,7 @@ Eigen::VectorXd NodeInertiaLoss(const Parameters& parameters, const VelocityChan
   for (const int node : model.free_nodes()) {
     const Eigen::Vector3d b = changes.last.segment<3>(3 * node), c = changes.first.segment<3>(3 * node);
     const Eigen::Vector3d u = changes.impact.segment<3>(3 * node);
-    const double mass = parameters.material.density * model.mass_areas()[node];
-    loss[node] = mass * (0.5 * b.squaredNorm() + c.dot(kSecondStageReach * u - 0.5 * c));
+    loss[node] = model.mass(parameters.material, node) * (0.5 * b.squaredNorm() + c.dot(kSecondStageReach * u - 0.5 * c));
   }
   return loss;
 }
@@ -139,7 +138,7 @@ bool MayGainEnergy(const Parameters& parameters, const Simulator& simulator) {
   if (scene.integrator != Integrator::kSdirk2) return false;
   const ClothModel& model = simulator.model();
   const double stiffness = model.membrane().SystemStiffness(parameters.material);
-  const double inertia = parameters.material.density * model.mass_areas().minCoeff();
+  const double inertia = parameters.material.areal_inertia() * model.mass_areas().minCoeff();
   return stiffness * scene.time_step * scene.time_step >= kStiffStep * inertia;
 }
 

@@ -190,10 +190,13 @@ void ReadFabric(const JsonNode& node, Scene* scene) {
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene) {
   node.ExpectKeys({"density", "membrane", "k_stretch", "k_warp", "k_weft", "k_shear", "k_poisson", "bending", "k_bend",
                    "bend_warp", "bend_weft", "bend_twist", "bend_poisson", "bend_rest", "warp_direction", "warp_angle",
-                   "drag", "damping"});
+                   "drag", "drag_normal", "drag_tangential", "added_mass", "damping"});
   Material& material = scene->material;
   ReadPositive(node, "density", &material.density);
   ReadNonNegative(node, "drag", &material.drag);
+  ReadNonNegative(node, "drag_normal", &material.normal_drag);
+  ReadNonNegative(node, "drag_tangential", &material.tangential_drag);
+  ReadNonNegative(node, "added_mass", &material.added_mass);
   ReadNonNegative(node, "damping", &material.damping);
   ReadMembrane(node, scene);
   ReadBending(node, &scene->bending);

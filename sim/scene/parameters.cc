@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 
 #include "sim/base/error.h"
@@ -33,11 +34,28 @@ constexpr MaterialName kMaterialNames[] = {
     {"k_poisson", ParameterKind::kPoissonStiffness, &Material::poisson_stiffness, ParameterDomain::kAny},
     {"bend_warp", ParameterKind::kWarpBending, &Material::warp_bending, ParameterDomain::kPositive},
     {"bend_weft", ParameterKind::kWeftBending, &Material::weft_bending, ParameterDomain::kPositive},
-    {"bend_twist", ParameterKind::kTwistBending, &Material::twist_bending, ParameterDomain::kPositive}};
+    {"bend_twist", ParameterKind::kTwistBending, &Material::twist_bending, ParameterDomain::kPositive},
+    {"drag_normal", ParameterKind::kNormalDrag, &Material::normal_drag, ParameterDomain::kNotNegative},
+    {"drag_tangential", ParameterKind::kTangentialDrag, &Material::tangential_drag, ParameterDomain::kNotNegative},
+    {"added_mass", ParameterKind::kAddedMass, &Material::added_mass, ParameterDomain::kNotNegative}};
+
+struct WindName {
+  const char* name;
+  ParameterKind kind;
+};
+
+constexpr WindName kWindNames[] = {{"wind.x", ParameterKind::kWindX},
+                                   {"wind.y", ParameterKind::kWindY},
+                                   {"wind.z", ParameterKind::kWindZ},
+                                   {"gust.x", ParameterKind::kGustX},
+                                   {"gust.y", ParameterKind::kGustY},
+                                   {"gust.z", ParameterKind::kGustZ},
+                                   {"gust.frequency", ParameterKind::kGustFrequency},
+                                   {"gust.phase", ParameterKind::kGustPhase}};
 
 constexpr std::string_view kFrictionPrefix = "mu.";
 
-// Null for kFriction.
+// Null for friction and wind.
 const MaterialName* FindKind(ParameterKind kind) {
   for (const MaterialName& material : kMaterialNames) {
     if (material.kind == kind) return &material;
@@ -45,7 +63,54 @@ const MaterialName* FindKind(ParameterKind kind) {
   return nullptr;
 }
 
+// 0, 1 or 2 of a component of the mean wind or its profile; -1 of another kind.
+int WindAxis(ParameterKind kind) {
+  return kind == ParameterKind::kWindX ? 0 : kind == ParameterKind::kWindY ? 1 : kind == ParameterKind::kWindZ ? 2 : -1;
+}
+
+// "wind.x", or "wind.x.1" of a knot.
+std::optional<ParameterId> FindWind(std::string_view name) {
+  for (const WindName& wind : kWindNames) {
+    const std::string_view known = wind.name;
+    if (name == known) return ParameterId{wind.kind};
+    if (WindAxis(wind.kind) < 0 || name.substr(0, known.size()) != known) continue;
+    const std::string_view rest = name.substr(known.size());
+    const std::optional<long long> number = ParseInteger(rest.substr(std::min<std::size_t>(1, rest.size())));
+    const bool is_knot = rest[0] == '.' && number && *number >= 1 && *number <= kMaxWindKnots;
+    if (is_knot && rest == "." + std::to_string(*number)) {
+      return ParameterId{wind.kind, kAllObstacles, static_cast<int>(*number - 1)};
+    }
+  }
+  return std::nullopt;
+}
+
+// The value that `id`, of a wind, names.
+double& WindValue(ParameterId id, Wind* wind) {
+  switch (id.kind) {
+    case ParameterKind::kGustX:
+      return wind->gust.x();
+    case ParameterKind::kGustY:
+      return wind->gust.y();
+    case ParameterKind::kGustZ:
+      return wind->gust.z();
+    case ParameterKind::kGustFrequency:
+      return wind->frequency;
+    case ParameterKind::kGustPhase:
+      return wind->phase;
+    default:
+      break;
+  }
+  const int axis = WindAxis(id.kind);
+  if (id.knot == kMeanWind) return wind->mean[axis];
+  if (id.knot >= wind->profile.velocities.cols()) throw std::out_of_range("knot of the wind's profile");
+  return wind->profile.velocities(axis, id.knot);
+}
+
 }  // namespace
+
+bool IsWind(ParameterKind kind) {
+  return std::find(std::begin(kWindKinds), std::end(kWindKinds), kind) != std::end(kWindKinds);
+}
 
 bool Material::operator==(const Material& other) const {
   static_assert(sizeof(Material) == std::size(kMaterialNames) * sizeof(double), "every constant is compared");
@@ -55,6 +120,7 @@ bool Material::operator==(const Material& other) const {
 }
 
 ParameterDomain DomainOf(ParameterKind kind) {
+  if (IsWind(kind)) return ParameterDomain::kAny;
   const MaterialName* material = FindKind(kind);
   return material != nullptr ? material->domain : ParameterDomain::kNotNegative;
 }
@@ -89,6 +155,9 @@ std::string ParameterNames(const std::vector<std::string>& obstacle_names,
   }
   names += "mu";
   for (const std::string& obstacle : obstacle_names) names.append(", ").append(kFrictionPrefix).append(obstacle);
+  for (const WindName& wind : kWindNames) {
+    if (has(wind.kind)) names.append(", ").append(wind.name);
+  }
   return names;
 }
 
@@ -96,6 +165,7 @@ ParameterId ParseParameter(const std::string& name, const std::vector<std::strin
   for (const MaterialName& material : kMaterialNames) {
     if (name == material.name) return {material.kind, kAllObstacles};
   }
+  if (const auto wind = FindWind(name)) return *wind;
   if (name == "mu") return {ParameterKind::kFriction, kAllObstacles};
   if (name.compare(0, kFrictionPrefix.size(), kFrictionPrefix) == 0) {
     const auto found = std::find(obstacle_names.begin(), obstacle_names.end(), name.substr(kFrictionPrefix.size()));
@@ -110,6 +180,10 @@ ParameterId ParseParameter(const std::string& name, const std::vector<std::strin
 std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names) {
   for (const MaterialName& material : kMaterialNames) {
     if (id.kind == material.kind) return material.name;
+  }
+  for (const WindName& wind : kWindNames) {
+    if (id.kind != wind.kind) continue;
+    return id.knot == kMeanWind ? wind.name : std::string(wind.name) + "." + std::to_string(id.knot + 1);
   }
   if (id.obstacle == kAllObstacles) return "mu";
   return std::string(kFrictionPrefix) + obstacle_names.at(static_cast<std::size_t>(id.obstacle));
@@ -134,6 +208,10 @@ std::map<std::string, double> ParseParameterValues(const std::string& text, cons
 }
 
 double GetParameter(const Parameters& parameters, ParameterId id) {
+  if (IsWind(id.kind)) {
+    Wind wind = parameters.wind;
+    return WindValue(id, &wind);
+  }
   if (id.kind != ParameterKind::kFriction) return parameters.material.*MaterialConstant(id.kind);
   const std::vector<double>& mu = parameters.friction_coefficients;
   if (mu.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -142,7 +220,9 @@ double GetParameter(const Parameters& parameters, ParameterId id) {
 
 void SetParameter(ParameterId id, double value, Parameters* parameters) {
   std::vector<double>& mu = parameters->friction_coefficients;
-  if (id.kind != ParameterKind::kFriction) {
+  if (IsWind(id.kind)) {
+    WindValue(id, &parameters->wind) = value;
+  } else if (id.kind != ParameterKind::kFriction) {
     parameters->material.*MaterialConstant(id.kind) = value;
   } else if (id.obstacle == kAllObstacles) {
     std::fill(mu.begin(), mu.end(), value);

@@ -1,4 +1,4 @@
-// What a fit may change: the constants of the material and the friction of the obstacles, and their names.
+// What a fit may change: the constants of the material, the friction of the obstacles and the wind, and their names.
 #ifndef CLOTHID_SIM_SCENE_PARAMETERS_H_
 #define CLOTHID_SIM_SCENE_PARAMETERS_H_
 
@@ -8,18 +8,27 @@
 #include <string>
 #include <vector>
 
+#include "sim/air/wind.h"
+
 namespace clothid {
 
 struct Material {
   double density = 0.15;             // rho, kg/m^2
   double stretch_stiffness = 100.0;  // k, N/m
   double bending_stiffness = 0.0;    // k_b, N m; 0: the scene has no bending
-  double drag = 0.0;                 // c_d, kg/(m^2 s); 0: the scene has neither drag nor wind
+  double drag = 0.0;                 // c_d, kg/(m^2 s), the same in every direction; 0: the scene has no such drag
   double damping = 0.0;              // eta, N s/m; 0: the scene has no internal damping. eta/k is a relaxation time
   // Of an orthotropic membrane, in place of k: C_11, C_22, C_66 and C_12, N/m (sim/cloth/orthotropic_energy.h).
   double warp_stiffness = 0.0, weft_stiffness = 0.0, shear_stiffness = 0.0, poisson_stiffness = 0.0;
   // Of orthotropic bending, in place of k_b: D_11, D_22 and D_66, N m (sim/cloth/bending_patch.h).
   double warp_bending = 0.0, weft_bending = 0.0, twist_bending = 0.0;
+
+  // c_n and c_t of drag by direction: kg/(m^2 s), or kg/m^3 where the law of the air is quadratic
+  // (sim/cloth/directional_drag.h). Both 0: the scene has none.
+  double normal_drag = 0.0, tangential_drag = 0.0;
+  double added_mass = 0.0;  // m_a, kg/m^2: air that moves with the cloth; inertia without weight
+
+  double areal_inertia() const { return density + added_mass; }  // kg/m^2
 
   bool operator==(const Material& other) const;
 };
@@ -31,6 +40,7 @@ struct Parameters {
   std::vector<double> friction_coefficients;  // mu, one per obstacle of the scene
   // How constants of the material vary over the cloth: as many and of the same as the scene has. Null: they do not.
   std::shared_ptr<const std::vector<FieldFactors>> fields;
+  Wind wind = {};  // its profile has the times of the scene's
 };
 
 enum class ParameterKind {
@@ -47,15 +57,32 @@ enum class ParameterKind {
   kWarpBending,
   kWeftBending,
   kTwistBending,
+  kNormalDrag,
+  kTangentialDrag,
+  kAddedMass,
+  kWindX,  // the mean, or a knot of the profile
+  kWindY,
+  kWindZ,
+  kGustX,
+  kGustY,
+  kGustZ,
+  kGustFrequency,
+  kGustPhase,
 };
 
-// All but kFriction, in the order in which lists name them.
+// The constants of a material, in the order in which lists name them.
 inline constexpr ParameterKind kMaterialKinds[] = {ParameterKind::kStretchStiffness, ParameterKind::kBendingStiffness,
                                                    ParameterKind::kDensity,          ParameterKind::kDrag,
                                                    ParameterKind::kDamping,          ParameterKind::kWarpStiffness,
                                                    ParameterKind::kWeftStiffness,    ParameterKind::kShearStiffness,
                                                    ParameterKind::kPoissonStiffness, ParameterKind::kWarpBending,
-                                                   ParameterKind::kWeftBending,      ParameterKind::kTwistBending};
+                                                   ParameterKind::kWeftBending,      ParameterKind::kTwistBending,
+                                                   ParameterKind::kNormalDrag,       ParameterKind::kTangentialDrag,
+                                                   ParameterKind::kAddedMass};
+inline constexpr ParameterKind kWindKinds[] = {
+    ParameterKind::kWindX, ParameterKind::kWindY, ParameterKind::kWindZ,         ParameterKind::kGustX,
+    ParameterKind::kGustY, ParameterKind::kGustZ, ParameterKind::kGustFrequency, ParameterKind::kGustPhase};
+bool IsWind(ParameterKind kind);
 
 // Values that a parameter can have; finite ones.
 enum class ParameterDomain { kPositive, kNotNegative, kAny };
@@ -64,21 +91,28 @@ bool IsInDomain(ParameterDomain domain, double value);
 const char* DomainWords(ParameterDomain domain);  // "a finite number > 0"
 
 inline constexpr int kAllObstacles = -1;
+inline constexpr int kMeanWind = -1;
 
 // One scalar of `Parameters`, or the friction of all obstacles at once.
 struct ParameterId {
   ParameterKind kind = ParameterKind::kStretchStiffness;
   int obstacle = kAllObstacles;  // for kFriction: an index into the scene's obstacles, or kAllObstacles
+  int knot = kMeanWind;          // for kWindX, kWindY and kWindZ: one of the wind's profile, or kMeanWind
 
-  bool operator==(const ParameterId& other) const { return kind == other.kind && obstacle == other.obstacle; }
+  bool operator==(const ParameterId& other) const {
+    return kind == other.kind && obstacle == other.obstacle && knot == other.knot;
+  }
 };
 
 // "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson"; "bend_warp",
-// "bend_weft", "bend_twist"; "mu" (every obstacle), "mu.NAME" (one of them). `obstacle_names` are the scene's, in its
-// order. Throws `Error` (kUsage) that lists the names it would accept. `ParseParameter` in sim/scene/scene.h also asks
-// whether a scene has the parameter.
+// "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass"; "mu" (every obstacle), "mu.NAME" (one of
+// them); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y",
+// "gust.z", "gust.frequency", "gust.phase". `obstacle_names` are the scene's, in its order. Throws `Error` (kUsage)
+// that lists the names it would accept. `ParseParameter` in sim/scene/scene.h also asks whether a scene has the
+// parameter.
 ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names);
-// The names that are accepted, "k_stretch, k_bend, .., mu.ball", less those of kinds for which `has` is false.
+// The names that are accepted, "k_stretch, k_bend, .., mu.ball, wind.x, ..", less those of kinds for which `has` is
+// false, and of knots.
 std::string ParameterNames(const std::vector<std::string>& obstacle_names,
                            const std::function<bool(ParameterKind)>& has);
 std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names);
@@ -87,10 +121,11 @@ std::string ParameterName(ParameterId id, const std::vector<std::string>& obstac
 // `flag`, unless every item is NAME=NUMBER with a finite number and every name is there once. The names may be any.
 std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag);
 
-// The constant of a material that `kind`, any but kFriction, names.
+// The constant of a material that `kind` names; null for friction and wind.
 double Material::*MaterialConstant(ParameterKind kind);
 
-// The value of `id`. For the friction of all obstacles: that of the first; NaN where there is no obstacle.
+// The value of `id`. For the friction of all obstacles: that of the first; NaN where there is no obstacle. Throw
+// `std::out_of_range` for an obstacle or a knot that the parameters do not have.
 double GetParameter(const Parameters& parameters, ParameterId id);
 void SetParameter(ParameterId id, double value, Parameters* parameters);
 

@@ -50,10 +50,6 @@ void ValidateNumbers(const Scene& scene, const Checker& check) {
   check.Expect(std::isfinite(scene.start_time), "start_time", "a finite number");
   check.ExpectFinite(scene.gravity, "gravity");
   check.ExpectFinite(scene.node_force, "node_force");
-  check.ExpectFinite(scene.wind.mean, "wind.mean");
-  check.ExpectFinite(scene.wind.gust, "wind.gust");
-  check.Expect(std::isfinite(scene.wind.frequency), "wind.frequency", "a finite number");
-  check.ExpectFinite(scene.wind.wave_vector, "wind.wave_vector");
   check.ExpectNotNegative(scene.touch, "touch");
   check.ExpectNotNegative(scene.depenetration_speed, "depenetration_speed");
   check.Expect(std::abs(scene.bending.poisson) < 1.0, "materials.bend_poisson", "a number between -1 and 1");
@@ -148,6 +144,23 @@ void ValidateRanges(const Scene& scene, const Checker& check) {
   }
 }
 
+// Whether a model of the scene has what a constant of the material multiplies.
+bool HasTerm(const Scene& scene, ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::kBendingStiffness:
+      return scene.has(kind) && scene.has_bending();
+    case ParameterKind::kDrag:
+      return scene.has_drag();
+    case ParameterKind::kNormalDrag:
+    case ParameterKind::kTangentialDrag:
+      return scene.has_directional_drag();
+    case ParameterKind::kDamping:
+      return scene.has_damping();
+    default:
+      return scene.has(kind);
+  }
+}
+
 void SetFields(const Scene& scene, Parameters* parameters) {
   auto fields = std::make_shared<std::vector<FieldFactors>>();
   for (const GridField& grid : scene.fields) {
@@ -190,6 +203,7 @@ std::vector<std::string> Scene::obstacle_names() const {
 Parameters Scene::nominal_parameters() const {
   Parameters result;
   result.material = material;
+  result.wind = wind;
   for (const SceneObstacle& obstacle : obstacles) {
     result.friction_coefficients.push_back(obstacle.friction_coefficient);
   }
@@ -209,6 +223,12 @@ bool Scene::has_bending() const {
 
 bool Scene::has_drag() const { return material.drag > 0.0 || nominal_parameters().material.drag > 0.0; }
 
+bool Scene::has_directional_drag() const {
+  const Material nominal = nominal_parameters().material;
+  return material.normal_drag > 0.0 || material.tangential_drag > 0.0 || nominal.normal_drag > 0.0 ||
+         nominal.tangential_drag > 0.0;
+}
+
 bool Scene::has_damping() const { return material.damping > 0.0 || nominal_parameters().material.damping > 0.0; }
 
 bool Scene::has(ParameterKind kind) const {
@@ -226,13 +246,9 @@ bool Scene::has(ParameterKind kind) const {
     case ParameterKind::kWeftBending:
     case ParameterKind::kTwistBending:
       return bending.orthotropic;
-    case ParameterKind::kFriction:
-    case ParameterKind::kDensity:
-    case ParameterKind::kDrag:
-    case ParameterKind::kDamping:
-      break;
+    default:
+      return true;
   }
-  return true;
 }
 
 ParameterId ParseParameter(const std::string& name, const Scene& scene) {
@@ -243,7 +259,7 @@ ParameterId ParseParameter(const std::string& name, const Scene& scene) {
     id = ParseParameter(name, obstacles);
   } catch (const Error&) {
   }
-  if (id && scene.has(id->kind)) return *id;
+  if (id && scene.has(id->kind) && id->knot < scene.wind.profile.num_knots()) return *id;
   throw Error(ErrorKind::kUsage,
               (id ? "parameter '" + name + "': the scene has no such term" : "unknown parameter '" + name + "'") +
                   "; expected one of " + names);
@@ -252,6 +268,7 @@ ParameterId ParseParameter(const std::string& name, const Scene& scene) {
 void ValidateScene(const Scene& scene, const std::string& source) {
   const Checker check(source);
   ValidateNumbers(scene, check);
+  ValidateWind(scene.wind, source);
   ValidateSolver(scene.solver, check);
   ValidateMesh(scene.mesh, source);
   if (scene.has_warp()) ValidateWarp(scene.warp, scene.mesh, source);
@@ -284,10 +301,7 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
     if (scene.has(kind)) {
       expect(IsInDomain(DomainOf(kind), value), value, name, std::string("; expected ") + DomainWords(DomainOf(kind)));
     }
-    const bool is_absent = !scene.has(kind) || (kind == ParameterKind::kBendingStiffness && !scene.has_bending()) ||
-                           (kind == ParameterKind::kDrag && !scene.has_drag()) ||
-                           (kind == ParameterKind::kDamping && !scene.has_damping());
-    expect(!is_absent || value == 0.0 || kind == ParameterKind::kStretchStiffness, value, name,
+    expect(HasTerm(scene, kind) || value == 0.0 || kind == ParameterKind::kStretchStiffness, value, name,
            ", but the scene was set up without it; expected 0, or a scene that gives it");
   }
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
@@ -296,6 +310,10 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
            "; expected a finite number >= 0");
   }
   ValidateFactors(parameters, scene, source);
+  ValidateWind(parameters.wind, source);
+  if (parameters.wind.profile.times != scene.wind.profile.times) {
+    throw Error(ErrorKind::kBadData, source + ": expected a wind with the times of the scene's profile");
+  }
 }
 
 std::string Indefinite(const Material& material, const Scene& scene) {

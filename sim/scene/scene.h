@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/air/wind.h"
 #include "sim/scene/handle_path.h"
 #include "sim/scene/material_field.h"
 #include "sim/scene/mesh.h"
@@ -57,14 +58,6 @@ struct Bending {
 enum class MembraneLaw {
   kArap,         // k_stretch; isotropic: the paper's
   kOrthotropic,  // k_warp, k_weft, k_shear and k_poisson, along warp and weft
-};
-
-// w(t, X) = mean + gust sin(frequency t + wave_vector . X), X the rest position.
-struct Wind {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();         // m/s
-  Eigen::Vector3d gust = Eigen::Vector3d::Zero();         // m/s
-  double frequency = 0.0;                                 // rad/s
-  Eigen::Vector3d wave_vector = Eigen::Vector3d::Zero();  // rad/m
 };
 
 struct SceneObstacle {
@@ -117,7 +110,8 @@ struct Scene {
   double duration = 1.0;                                       // s
   Eigen::Vector3d gravity = Eigen::Vector3d(0.0, 0.0, -9.81);  // g_0, m/s^2
   Eigen::Vector3d node_force = Eigen::Vector3d::Zero();        // N, the same on every node
-  Wind wind;
+  Wind wind;                                                   // nominal
+  AirLaw air_law = AirLaw::kLinear;                            // of drag by direction
   ContactMode contact_mode = ContactMode::kGap;
   double touch = 1e-5;               // velocity mode: the gap that counts as contact, relative to the cloth's size
   double depenetration_speed = 1.0;  // m/s, gap mode: the most with which a start inside an obstacle is pushed out
@@ -138,15 +132,19 @@ struct Scene {
   // Which terms a model of the scene has: those of a positive nominal value.
   bool has_bending() const;
   bool has_warp() const { return membrane == MembraneLaw::kOrthotropic || bending.orthotropic; }
-  bool has_drag() const;
+  bool has_drag() const;              // the same in every direction
+  bool has_directional_drag() const;  // drag_normal or drag_tangential
+  bool has_air() const { return has_drag() || has_directional_drag(); }
+  bool has_wind() const { return has_air() && !nominal_parameters().wind.is_still(); }
   bool has_damping() const;
-  // Whether the laws of the scene have such a parameter. k_bend, drag and damping count as there where their term has
-  // the nominal value 0.
+  // Whether the laws of the scene have such a parameter. k_bend, damping, drag of either kind and wind count as there
+  // where their term has the nominal value 0.
   bool has(ParameterKind kind) const;
 
   int num_steps() const;  // the least number of steps that covers `duration`
   std::vector<std::string> obstacle_names() const;
-  // `parameters` where they give a nominal value, else the levels of `fields`, `material` and the obstacles' mu.
+  // `parameters` where they give a nominal value, else the levels of `fields`, `material`, the obstacles' mu and
+  // `wind`.
   Parameters nominal_parameters() const;
 };
 
@@ -154,9 +152,9 @@ struct Scene {
 // usable.
 void ValidateScene(const Scene& scene, const std::string& source);
 
-// Throws `Error` (kBadData) unless every value is in its domain, bending stiffness, drag, damping and the constants of
-// warp and weft are zero where the scene has no such term, the elastic energies are positive (`Indefinite`), and
-// fields are absent or those of the scene, finite.
+// Throws `Error` (kBadData) unless every value is in its domain, bending stiffness, drag of either kind, damping and
+// the constants of warp and weft are zero where the scene has no such term, the elastic energies are positive
+// (`Indefinite`), fields are absent or those of the scene, finite, and the wind's profile has the times of the scene's.
 void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source);
 // The same, whatever the signs of energies are.
 void ValidateDomains(const Parameters& parameters, const Scene& scene, const std::string& source);

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "sim/air/wind_json.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
@@ -28,7 +29,7 @@ class SceneReader {
 
   Scene Read() {
     root_.ExpectKeys({"clothid_scene", "time_step", "integrator", "duration", "gravity", "contact", "touch",
-                      "depenetration_speed", "wind", "node_force", "mesh", "initial", "handles", "obstacles",
+                      "depenetration_speed", "wind", "air", "node_force", "mesh", "initial", "handles", "obstacles",
                       "fabric", "materials", "fields", "parameters", "solver"});
     ReadVersion();
     ReadTime();
@@ -97,13 +98,8 @@ class SceneReader {
   void ReadForces() {
     ReadVector(root_, "gravity", &scene_.gravity);
     ReadVector(root_, "node_force", &scene_.node_force);
-    const auto wind = root_.Find("wind");
-    if (!wind) return;
-    wind->ExpectKeys({"mean", "gust", "frequency", "wave_vector"});
-    ReadVector(*wind, "mean", &scene_.wind.mean);
-    ReadVector(*wind, "gust", &scene_.wind.gust);
-    ReadVector(*wind, "wave_vector", &scene_.wind.wave_vector);
-    if (const auto frequency = wind->Find("frequency")) scene_.wind.frequency = frequency->Number();
+    if (const auto wind = root_.Find("wind")) ReadWind(*wind, &scene_.wind);
+    if (const auto air = root_.Find("air")) ReadAirLaw(*air, &scene_.air_law);
   }
 
   void ReadContact() {

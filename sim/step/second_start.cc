@@ -18,7 +18,7 @@ SecondStart StartSecondStage(const ClothModel& model, const Material& material, 
     const int node = contact.candidate.node;
     const Eigen::Vector3d change = first_velocities.segment<3>(3 * node) - start.velocities.segment<3>(3 * node);
     second.velocities.segment<3>(3 * node) -=
-        kSecondStageReach * ImpactVelocity(contact, material.density * model.mass_areas()[node], change);
+        kSecondStageReach * ImpactVelocity(contact, model.mass(material, node), change);
   }
   return second;
 }

@@ -9,9 +9,9 @@
 namespace clothid {
 namespace {
 
-// d_j = P_jj of P = M + h C + h^2 (k L + k_b Q) + h eta L.
+// d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q) + h eta L.
 double SystemDiagonal(const ClothModel& model, const Material& material, double h, int node) {
-  double diagonal = (material.density + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
+  double diagonal = (material.areal_inertia() + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
   diagonal += h * h * model.membrane().SystemStiffness(material) * model.laplacian_diagonal()[node];
   if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal()[node];
   for (const BendingTerm& term : model.bending_terms()) {
@@ -22,8 +22,15 @@ double SystemDiagonal(const ClothModel& model, const Material& material, double 
 
 }  // namespace
 
+Eigen::VectorXd PredictedPositions(const SolveStart& start, double time_step, const std::vector<int>& handles,
+                                   const Eigen::VectorXd& end_positions) {
+  Eigen::VectorXd positions = start.positions + time_step * start.velocities;
+  for (const int node : handles) positions.segment<3>(3 * node) = end_positions.segment<3>(3 * node);
+  return positions;
+}
+
 void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
-                         const std::vector<MetricBatch>& start_metrics, const Eigen::VectorXd& positions,
+                         const HeldTerms& held, const Eigen::VectorXd& positions, const Eigen::VectorXd& velocities,
                          BlockMatrix* hessian) {
   const Material& material = parameters.material;
   const double h = time_step;
@@ -33,10 +40,13 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
     term.AddHessian(h * h * term.stiffness(material), kind, positions, hessian);
   }
   if (model.damping() != nullptr) {
-    model.damping()->AddHessian(h * h * material.damping, h, kind, start_metrics, positions, hessian);
+    model.damping()->AddHessian(h * h * material.damping, h, kind, held.start_metrics, positions, hessian);
   }
   hessian->CompleteFromLower();
-  const double areal_mass = material.density + (model.drag() ? h * material.drag : 0.0);
+  if (model.directional_drag() != nullptr) {
+    model.directional_drag()->AddHessian(h, DragConstantsOf(material), velocities, held.air, hessian);
+  }
+  const double areal_mass = material.areal_inertia() + (model.drag() ? h * material.drag : 0.0);
   const BlockPattern& pattern = hessian->pattern();
   for (int i = 0; i < model.num_free(); ++i) {
     hessian->block(pattern.Diagonal(i)).diagonal().array() += areal_mass * model.node_areas()[model.free_nodes()[i]];
@@ -82,7 +92,7 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
       end_time_(times.end_time) {
   const bool changed = work_.time_step != time_step_ || !(work_.material == parameters.material);
   if (changed) SetConstants();
-  if (changed || model.drag() != nullptr) SetExternalImpulse();
+  if (changed || model.drag() != nullptr) SetExternalImpulse();  // the wind changes with time
   SetHandles(handle_offsets);
   work_.start_positions = start.positions;
   work_.start_velocities.resize(3 * model.num_free());
@@ -93,7 +103,8 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
     square += (work_.masses[i] * velocity).squaredNorm();
   }
   work_.start_momentum = std::sqrt(square);
-  if (model.damping() != nullptr) SetStartMetrics(model, start, &work_.start_metrics);
+  if (model.damping() != nullptr) SetStartMetrics(model, start, &work_.held.start_metrics);
+  if (model.directional_drag() != nullptr) SetAir(start);
   if (model.has_contact()) FindCandidates(model, start.positions, times.gap_time(), &work_.candidates);
 }
 
@@ -107,7 +118,10 @@ StepProblem StepProblem::WithFriction(double share) const {
 void StepProblem::SetConstants() {
   work_.material = parameters_.material;
   work_.time_step = time_step_;
-  work_.masses = parameters_.material.density * model_.mass_areas()(model_.free_nodes());
+  work_.masses.resize(model_.num_free());
+  for (int i = 0; i < model_.num_free(); ++i) {
+    work_.masses[i] = model_.mass(parameters_.material, model_.free_nodes()[i]);
+  }
   if (model_.drag() != nullptr) {
     work_.drag = time_step_ * parameters_.material.drag * model_.drag()->areas()(model_.free_nodes());
   }
@@ -122,9 +136,13 @@ void StepProblem::SetExternalImpulse() {
   const Scene& scene = model_.scene();
   work_.external_impulse.resize(3 * model_.num_free());
   for (int i = 0; i < model_.num_free(); ++i) {
+    const int node = model_.free_nodes()[i];
     auto impulse = work_.external_impulse.segment<3>(3 * i);
-    impulse = time_step_ * (work_.masses[i] * scene.gravity + scene.node_force);
-    if (model_.drag() != nullptr) impulse += work_.drag[i] * model_.drag()->WindAt(model_.free_nodes()[i], end_time_);
+    const double heavy_mass = parameters_.material.density * model_.mass_areas()[node];
+    impulse = time_step_ * (heavy_mass * scene.gravity + scene.node_force);
+    if (model_.drag() != nullptr) {
+      impulse += work_.drag[i] * model_.drag()->WindAt(node, end_time_, parameters_.wind);
+    }
   }
   work_.external_norm = work_.external_impulse.norm();
 }
@@ -133,6 +151,15 @@ void StepProblem::SetHandles(const HandlePath* offsets) {
   const Handles& handles = model_.scene().handles;
   if (handles.path.num_handles() > 0) work_.handle_positions = handles.path.At(end_time_);
   if (offsets != nullptr) work_.handle_positions += offsets->At(end_time_);
+}
+
+// Handles have the velocity of their way over the solve.
+void StepProblem::SetAir(const SolveStart& start) {
+  Eigen::VectorXd ends = start.positions;
+  PlaceHandles(&ends);
+  work_.all_velocities = (ends - start.positions) / time_step_;
+  const Eigen::VectorXd predicted = PredictedPositions(start, time_step_, model_.scene().handles.nodes, ends);
+  model_.directional_drag()->SetAir(predicted, parameters_.wind, end_time_, &work_.held.air);
 }
 
 int StepProblem::free_block(int candidate) const { return model_.free_index()[work_.candidates[candidate].node]; }
@@ -146,6 +173,7 @@ void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) 
   point->scale = std::max({work_.external_norm, work_.start_momentum, std::numeric_limits<double>::min()});
   AddElasticForce(point);
   if (model_.drag() != nullptr) AddDrag(point);
+  if (model_.directional_drag() != nullptr) AddDirectionalDrag(point);
   if (model_.damping() != nullptr) AddViscousForce(point);
   if (may_touch()) {
     ApplyContactLaw(point);
@@ -171,11 +199,15 @@ void StepProblem::MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) co
     external += impulse.array() * v.array();
   }
   point->potential = 0.5 * kinetic.sum() - external.sum();
+  PlaceHandles(&point->positions);
+}
+
+void StepProblem::PlaceHandles(Eigen::VectorXd* positions) const {
   const Handles& handles = model_.scene().handles;
   const bool move = handles.path.num_handles() > 0;
   for (size_t i = 0; i < handles.nodes.size(); ++i) {
     const int node = 3 * handles.nodes[i], row = 3 * static_cast<int>(i);
-    point->positions.segment<3>(node) =
+    positions->segment<3>(node) =
         move ? work_.handle_positions.segment<3>(row) : work_.start_positions.segment<3>(node);
   }
 }
@@ -188,6 +220,14 @@ void StepProblem::AddDrag(StepPoint* point) const {
   }
 }
 
+void StepProblem::AddDirectionalDrag(StepPoint* point) const {
+  model_.Scatter(point->velocities, &work_.all_velocities);
+  work_.force.setZero(3 * model_.num_nodes());
+  const double power = model_.directional_drag()->AddForce(DragConstantsOf(parameters_.material), work_.all_velocities,
+                                                           work_.held.air, &work_.force);
+  AddForce(time_step_ * power, point);
+}
+
 void StepProblem::AddElasticForce(StepPoint* point) const {
   const Material& material = parameters_.material;
   work_.force.setZero(3 * model_.num_nodes());
@@ -196,18 +236,18 @@ void StepProblem::AddElasticForce(StepPoint* point) const {
     const double stiffness = term.stiffness(material);
     energy += stiffness * term.AddForce(stiffness, point->positions, &work_.force);
   }
-  AddInternalForce(energy, point);
+  AddForce(energy, point);
 }
 
 void StepProblem::AddViscousForce(StepPoint* point) const {
   const double damping = parameters_.material.damping;
   work_.force.setZero(3 * model_.num_nodes());
-  const double potential =
-      damping * model_.damping()->AddForce(damping, time_step_, work_.start_metrics, point->positions, &work_.force);
-  AddInternalForce(potential, point);
+  const double potential = damping * model_.damping()->AddForce(damping, time_step_, work_.held.start_metrics,
+                                                                point->positions, &work_.force);
+  AddForce(potential, point);
 }
 
-void StepProblem::AddInternalForce(double potential, StepPoint* point) const {
+void StepProblem::AddForce(double potential, StepPoint* point) const {
   Eigen::Array3d squares = Eigen::Array3d::Zero();
   for (int i = 0; i < model_.num_free(); ++i) {
     const Eigen::Vector3d impulse = time_step_ * work_.force.segment<3>(3 * model_.free_nodes()[i]);
@@ -234,7 +274,9 @@ void StepProblem::ApplyContactLaw(StepPoint* point) const {
 }
 
 void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const {
-  AssembleStepHessian(model_, parameters_, time_step_, kind, work_.start_metrics, point.positions, hessian);
+  if (model_.directional_drag() != nullptr) model_.Scatter(point.velocities, &work_.all_velocities);
+  AssembleStepHessian(model_, parameters_, time_step_, kind, work_.held, point.positions, work_.all_velocities,
+                      hessian);
 }
 
 double StepProblem::RoundingFloor(const StepPoint& point) const {

@@ -4,10 +4,13 @@
 //   g(v) = M (v - v_n) - h f_ext(v) - h f_int(x_n + h v; x_n) = J^T r,   (r, u = J v) in the contact law
 //   Phi(v) = g(v) - J^T r(F(v)),  F = d v - g + (d gap_speed) n     its root is the step
 //   K = dg/dv = M + h C + h^2 H(x_n + h v)
-// f_ext is gravity, the scene's node force and drag c_d a (w - v), C = c_d diag(a). f_int = -d(E + W)/dx and
+// f_ext is gravity, which does not see the added mass in M, the scene's node force and drag: c_d a (w - v), and that by
+// direction (directional_drag.h). C = c_d diag(a) + d2D/dv2. f_int = -d(E + W)/dx and
 // H = d2(E + W)/dx2, E the energy of stretch and bending, W the dissipation potential of internal damping, which alone
-// depends on x_n and h as well (strain_rate_damping.h). d_j = P_jj, the diagonal of PD's constant matrix
-// P = M + h C + h^2 (k L + k_b Q) + h eta L. All vectors over free nodes [3 Nf] unless marked [3N].
+// depends on x_n and h as well (strain_rate_damping.h). The normals of drag by direction are those at the positions
+// x^ = x_n + h v_n, handles at the end of the step; handles have there the velocity (x_{n+1} - x_n)/h. d_j = P_jj, the
+// diagonal of PD's constant matrix P = M + h c_d diag(a) + h^2 (k L + k_b Q) + h eta L. All vectors over free nodes [3
+// Nf] unless marked [3N].
 #ifndef CLOTHID_SIM_STEP_STEP_PROBLEM_H_
 #define CLOTHID_SIM_STEP_STEP_PROBLEM_H_
 
@@ -20,6 +23,12 @@
 #include "sim/step/stage.h"
 
 namespace clothid {
+
+// What a solve holds fixed of the terms that depend on its start. Empty where the model does not have them.
+struct HeldTerms {
+  std::vector<MetricBatch> start_metrics;  // of damping: C(x_n), or C_s
+  std::vector<AirBatch> air;               // of drag by direction: normals at x^ and the wind at the end
+};
 
 // The equations evaluated at one velocity.
 struct StepPoint {
@@ -47,19 +56,30 @@ struct StepWorkspace {
   Eigen::VectorXd external_impulse;  // h times the part of f_ext that does not depend on v
   double external_norm = 0.0;        // its size, N s
 
-  Eigen::VectorXd start_positions;           // x_n [3N]
-  Eigen::VectorXd start_velocities;          // v_n
-  double start_momentum = 0.0;               // |M v_n|, N s
-  Eigen::VectorXd handle_positions;          // at the end, in the order of the scene's handles
-  std::vector<MetricBatch> start_metrics;    // C(x_n), or C_s; empty without damping
+  Eigen::VectorXd start_positions;   // x_n [3N]
+  Eigen::VectorXd start_velocities;  // v_n
+  double start_momentum = 0.0;       // |M v_n|, N s
+  Eigen::VectorXd handle_positions;  // at the end, in the order of the scene's handles
+  Eigen::VectorXd all_velocities;    // [3N], those of handles set; empty without drag by direction
+  HeldTerms held;
   std::vector<ContactCandidate> candidates;  // empty without obstacles
   Eigen::VectorXd force;                     // [3N] scratch
 };
 
-// K at `positions` [3N] overwrites `hessian`. `start_metrics`: of x_n, see strain_rate_damping.h; unused, and so may be
-// empty, where the model has no damping.
+// x^ [3N]: where a solve of size `time_step` from `start` would end at its first velocities, `handles` where they are
+// in `end_positions` [3N].
+Eigen::VectorXd PredictedPositions(const SolveStart& start, double time_step, const std::vector<int>& handles,
+                                   const Eigen::VectorXd& end_positions);
+
+// c_n and c_t.
+inline DragConstants DragConstantsOf(const Material& material) {
+  return {material.normal_drag, material.tangential_drag};
+}
+
+// K at `positions` and `velocities` [3N] overwrites `hessian`; the velocities matter to drag by direction alone, and
+// may be empty without it.
 void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
-                         const std::vector<MetricBatch>& start_metrics, const Eigen::VectorXd& positions,
+                         const HeldTerms& held, const Eigen::VectorXd& positions, const Eigen::VectorXd& velocities,
                          BlockMatrix* hessian);
 
 // What a rollout keeps of contacts.
@@ -114,14 +134,17 @@ class StepProblem {
   void SetConstants();
   void SetExternalImpulse();
   void SetHandles(const HandlePath* offsets);
+  void SetAir(const SolveStart& start);
 
   // v, x, and the terms of g and its potential that are neither drag nor an internal force.
   void MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const;
+  void PlaceHandles(Eigen::VectorXd* positions) const;  // [3N], at the end
   void AddDrag(StepPoint* point) const;
-  // Take an internal force over the step off the gradient and add its potential and the size of its impulse.
+  // Take a force over the step off the gradient and add its potential and the size of its impulse.
+  void AddDirectionalDrag(StepPoint* point) const;
   void AddElasticForce(StepPoint* point) const;
   void AddViscousForce(StepPoint* point) const;
-  void AddInternalForce(double potential, StepPoint* point) const;  // the one in `work_.force`
+  void AddForce(double potential, StepPoint* point) const;  // the one in `work_.force`
   // Phi and the responses, from v and g.
   void ApplyContactLaw(StepPoint* point) const;
 

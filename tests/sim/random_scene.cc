@@ -76,6 +76,7 @@ class Builder {
     AddStart();
     if (options_.handles && random_.Chance(0.7)) AddHandles();
     if (options_.obstacles) AddObstacles();
+    if (options_.air && random_.Chance(0.3)) AddDirectionalDrag();
     result_.description = words_.str();
     return std::move(result_);
   }
@@ -133,6 +134,16 @@ class Builder {
       scene_.wind.wave_vector = (3.0 / size_) * random_.InCube(3);
       words_ << ", gusts";
     }
+  }
+
+  void AddDirectionalDrag() {
+    Material& material = scene_.material;
+    scene_.air_law = random_.Chance(0.5) ? AirLaw::kQuadratic : AirLaw::kLinear;
+    material.normal_drag = random_.OverOctaves(0.05, 5);
+    material.tangential_drag = random_.Chance(0.5) ? 0.0 : random_.OverOctaves(0.02, 4);
+    material.added_mass = random_.Chance(0.5) ? 0.0 : random_.OverOctaves(0.02, 5);
+    words_ << ", drag " << material.normal_drag << " across and " << material.tangential_drag << " along the cloth"
+           << (scene_.air_law == AirLaw::kQuadratic ? ", quadratic" : "") << ", added mass " << material.added_mass;
   }
 
   // Turned, strained by up to a tenth, and shaken.

@@ -38,7 +38,7 @@ struct RandomScene {
 struct RandomSceneOptions {
   bool handles = true;    // none, fixed or moving
   bool obstacles = true;  // none to three
-  bool air = true;        // drag, steady wind, gusts
+  bool air = true;        // drag of either kind, added mass, steady wind, gusts
 };
 
 // 3 to 60 nodes: a triangle, grids, strips or irregular triangulations, in one piece or two, turned and strained at the

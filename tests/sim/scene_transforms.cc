@@ -63,7 +63,7 @@ Scene Moved(const RandomScene& original, const RigidMotion& motion, const RigidM
   return scene;
 }
 
-double Units::Of(ParameterKind kind) const {
+double Units::Of(ParameterKind kind, AirLaw law) const {
   switch (kind) {
     case ParameterKind::kFriction:
       return 1.0;
@@ -82,15 +82,21 @@ double Units::Of(ParameterKind kind) const {
       return mass / (length * length);
     case ParameterKind::kDrag:
       return mass / (length * length * time);
+    case ParameterKind::kNormalDrag:
+    case ParameterKind::kTangentialDrag:
+      return mass / (length * length * (law == AirLaw::kQuadratic ? length : time));
+    case ParameterKind::kAddedMass:
+      return mass / (length * length);
     case ParameterKind::kDamping:
       return force() / speed();
+    default:
+      return speed();  // of wind
   }
-  return 0.0;
 }
 
-Parameters Rescaled(const Parameters& parameters, const Units& units) {
+Parameters Rescaled(const Parameters& parameters, const Units& units, AirLaw law) {
   Parameters result = parameters;
-  for (const ParameterKind kind : kMaterialKinds) result.material.*MaterialConstant(kind) *= units.Of(kind);
+  for (const ParameterKind kind : kMaterialKinds) result.material.*MaterialConstant(kind) *= units.Of(kind, law);
   return result;
 }
 
@@ -119,7 +125,7 @@ Scene Rescaled(const RandomScene& original, const Units& units) {
   }
   Parameters parameters;
   parameters.material = scene.material;
-  scene.material = Rescaled(parameters, units).material;
+  scene.material = Rescaled(parameters, units, scene.air_law).material;
   for (auto& [name, range] : scene.parameters) {
     range = Rescaled(range, units.Of(ParseParameter(name, scene.obstacle_names()).kind));
   }

@@ -34,12 +34,12 @@ struct Units {
   double speed() const { return length / time; }
   double acceleration() const { return length / (time * time); }
   double force() const { return mass * acceleration(); }
-  double Of(ParameterKind kind) const;
+  double Of(ParameterKind kind, AirLaw law = AirLaw::kLinear) const;
 };
 
 // Every number of the scene in the new units. Relative ones (touch, tolerances, mu) have none.
 Scene Rescaled(const RandomScene& original, const Units& units);
-Parameters Rescaled(const Parameters& parameters, const Units& units);
+Parameters Rescaled(const Parameters& parameters, const Units& units, AirLaw law = AirLaw::kLinear);
 
 // Node i of `scene` becomes node new_index[i]; handles, faces and their corners come in another order, too.
 Scene Renumbered(const Scene& scene, const std::vector<int>& new_index, std::uint64_t seed);

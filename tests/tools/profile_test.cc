@@ -46,7 +46,7 @@ TEST_F(ProfileTest, BareSceneRunsNoContactBendingDragOrDamping) {
   EXPECT_EQ(files.count("stretch_energy.cc"), 1u);
   for (const char* file :
        {"contact.cc", "contact_law.cc", "contact_law.h", "contact_elimination.cc", "obstacle.cc", "bending_energy.cc",
-        "bending_patch.cc", "air_drag.cc", "strain_rate_damping.cc", "warp.cc"}) {
+        "bending_patch.cc", "air_drag.cc", "directional_drag.cc", "strain_rate_damping.cc", "warp.cc"}) {
     EXPECT_EQ(files.count(file), 0u) << file;
   }
   EXPECT_TRUE(Called("StretchEnergy::AddForce"));
@@ -73,7 +73,13 @@ TEST_F(ProfileTest, BendingDragAndDampingRunWhereTheSceneHasThem) {
   files = ExecutedFiles(scene);
   EXPECT_EQ(files.count("bending_energy.cc"), 0u);
   EXPECT_EQ(files.count("air_drag.cc"), 1u);
+  EXPECT_EQ(files.count("directional_drag.cc"), 0u);
   EXPECT_EQ(files.count("strain_rate_damping.cc"), 0u);
+  scene = BareScene();
+  scene["materials"]["drag_normal"] = 0.1;
+  files = ExecutedFiles(scene);
+  EXPECT_EQ(files.count("air_drag.cc"), 0u);
+  EXPECT_EQ(files.count("directional_drag.cc"), 1u);
   scene = BareScene();
   scene["materials"]["damping"] = 0.1;
   files = ExecutedFiles(scene);

@@ -86,7 +86,7 @@ void PrintTensors(const MotionTensors& tensors) {
   if (tensors.cloud_sigma > 0.0) PrintTensor("cloud_sigma", "F64", 0, 1, 1);
 }
 
-const char* UnitOf(ParameterKind kind) {
+const char* UnitOf(ParameterKind kind, AirLaw law) {
   switch (kind) {
     case ParameterKind::kBendingStiffness:
     case ParameterKind::kWarpBending:
@@ -95,11 +95,22 @@ const char* UnitOf(ParameterKind kind) {
       return " N m";
     case ParameterKind::kDrag:
       return " kg/(m^2 s)";
+    case ParameterKind::kNormalDrag:
+    case ParameterKind::kTangentialDrag:
+      return law == AirLaw::kQuadratic ? " kg/m^3" : " kg/(m^2 s)";
+    case ParameterKind::kAddedMass:
+      return " kg/m^2";
     case ParameterKind::kDamping:
       return " N s/m";
     default:
       return " N/m";
   }
+}
+
+// What few scenes have is told where it is there.
+bool IsTold(ParameterKind kind, double value) {
+  return value != 0.0 || (kind != ParameterKind::kNormalDrag && kind != ParameterKind::kTangentialDrag &&
+                          kind != ParameterKind::kAddedMass);
 }
 
 void PrintScene(const Scene& scene) {
@@ -112,7 +123,9 @@ void PrintScene(const Scene& scene) {
             << nominal.material.density << " kg/m^2";
   for (const ParameterKind kind : kMaterialKinds) {
     if (kind == ParameterKind::kDensity || !scene.has(kind)) continue;
-    std::cout << ", " << ParameterName({kind}, {}) << " " << nominal.material.*MaterialConstant(kind) << UnitOf(kind);
+    const double value = nominal.material.*MaterialConstant(kind);
+    if (!IsTold(kind, value)) continue;
+    std::cout << ", " << ParameterName({kind}, {}) << " " << value << UnitOf(kind, scene.air_law);
   }
   std::cout << "\n";
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {

@@ -33,7 +33,7 @@ TEST_F(AirDragTest, TheWindIsAWave) {
     for (const double time : {0.0, 0.3}) {
       const Eigen::Vector3d expected =
           scene_.wind.mean + std::sin(scene_.wind.frequency * time + phase) * scene_.wind.gust;
-      EXPECT_LT((drag.WindAt(node, time) - expected).norm(), 1e-14) << node << " " << time;
+      EXPECT_LT((drag.WindAt(node, time, scene_.wind) - expected).norm(), 1e-14) << node << " " << time;
     }
   }
 }
@@ -72,7 +72,7 @@ TEST_F(AirDragTest, TheImpulseOfAStepIsTheFormula) {
   for (int i = 0; i < model.num_free(); ++i) {
     const int node = model.free_nodes()[i];
     const Eigen::Vector3d expected =
-        h * 0.7 * model.drag()->areas()[node] * (velocities.segment<3>(3 * i) - model.drag()->WindAt(node, end_time));
+        h * 0.7 * model.drag()->areas()[node] * (velocities.segment<3>(3 * i) - model.drag()->WindAt(node, end_time, scene_.wind));
     EXPECT_LT((impulse.segment<3>(3 * i) - expected).norm(), 1e-14) << node;
   }
   const double difference = 0.5 * (drag_of(velocities + direction, &unused) - drag_of(velocities - direction, &unused));

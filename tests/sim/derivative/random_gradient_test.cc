@@ -94,6 +94,10 @@ class RandomDerivative {
     std::vector<ParameterId> all = {{ParameterKind::kStretchStiffness}, {ParameterKind::kDensity}};
     if (material.bending_stiffness > 0.0) all.push_back({ParameterKind::kBendingStiffness});
     if (material.drag > 0.0) all.push_back({ParameterKind::kDrag});
+    if (material.normal_drag > 0.0) all.push_back({ParameterKind::kNormalDrag});
+    if (material.tangential_drag > 0.0) all.push_back({ParameterKind::kTangentialDrag});
+    if (material.added_mass > 0.0) all.push_back({ParameterKind::kAddedMass});
+    if (scene().has_wind()) all.push_back({ParameterKind::kWindY});
     if (material.damping > 0.0) all.push_back({ParameterKind::kDamping});
     for (std::size_t i = 0; i < scene().obstacles.size(); ++i) {
       if (scene().obstacles[i].friction_coefficient > 0.0) {

@@ -149,8 +149,9 @@ TEST(InvarianceTest, ATermWithAZeroCoefficientIsNoTerm) {
     SCOPED_TRACE(random.description);
     Scene without = random.scene;
     without.material.bending_stiffness = without.material.drag = without.material.damping = 0.0;
+    without.material.normal_drag = without.material.tangential_drag = 0.0;
     Scene with = without;
-    for (const char* name : {"k_bend", "drag", "damping"}) with.parameters[name].nominal = 1.0;
+    for (const char* name : {"k_bend", "drag", "drag_normal", "damping"}) with.parameters[name].nominal = 1.0;
     Simulator simulator(with);
     ASSERT_NE(simulator.model().bending(), nullptr);
     const Rollout rollout = Simulate(without.nominal_parameters(), with.num_steps(), &simulator);

@@ -25,7 +25,7 @@ class StepJacobianTest : public ::testing::TestWithParam<std::string> {
     const std::vector<Contact> contacts =
         RestoreContacts(simulator_.model(), rollout_.parameters, start, record.times(), record.contacts);
     AssembleStepHessian(simulator_.model(), rollout_.parameters, record.time_step, HessianKind::kExact, {},
-                        record.positions, hessian);
+                        record.positions, record.velocities, hessian);
     ASSERT_TRUE(jacobian->Factor(method, *hessian, contacts, rollout_.parameters.friction_coefficients));
   }
 

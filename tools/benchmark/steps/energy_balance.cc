@@ -32,14 +32,15 @@ double EnergyRounding(const EnergyParts& parts, const Material& material, const 
   return kRoundings * eps * sum;
 }
 
-void AddAir(const StepRecord& record, const Material& material, const ClothModel& model, EnergyFlow* flow) {
+void AddAir(const StepRecord& record, const Parameters& parameters, const ClothModel& model, EnergyFlow* flow) {
+  const Material& material = parameters.material;
   const double seconds = SolveWeight(record) * record.time_step;
   for (const int node : model.free_nodes()) {
     const Eigen::Vector3d v = record.velocities.segment<3>(3 * node);
     flow->force_work += seconds * model.scene().node_force.dot(v);
     if (model.drag() == nullptr) continue;
-    flow->air_work +=
-        seconds * material.drag * model.node_areas()[node] * (model.drag()->WindAt(node, record.time) - v).dot(v);
+    flow->air_work += seconds * material.drag * model.node_areas()[node] *
+                      (model.drag()->WindAt(node, record.time, parameters.wind) - v).dot(v);
   }
 }
 
@@ -70,7 +71,7 @@ void AddContacts(const StepRecord& record, const SolveStart& start, const Eigen:
   for (std::size_t i = 0; i < point.responses.size(); ++i) {
     if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
     const ContactCandidate& candidate = problem.candidates()[i];
-    const double mass = parameters.material.density * model.mass_areas()[candidate.node];
+    const double mass = model.mass(parameters.material, candidate.node);
     const Eigen::Vector3d v = record.velocities.segment<3>(3 * candidate.node);
     const Eigen::Vector3d impulse =
         SolveWeight(record) * (point.responses[i].impulse - mass * impacts.segment<3>(3 * candidate.node));
@@ -110,7 +111,7 @@ EnergyFlow StepEnergyFlow(const Rollout& rollout, int last, RecordReader* reader
   for (int i = first; i <= last; ++i) {
     const StepRecord& record = reader->record(i);
     const SolveStart start = reader->start(i);
-    AddAir(record, parameters.material, model, &flow);
+    AddAir(record, parameters, model, &flow);
     AddHandles(record, start, parameters, *simulator, &flow);
     AddContacts(record, start, i < last ? changes.impact : no_impacts, parameters, simulator, &flow, &nodes);
     flow.tolerance += EnergyRounding(StateEnergy(parameters, record.positions, record.velocities, *simulator),

@@ -1,0 +1,50 @@
+// The velocity of the air before the cloth disturbs it, and by which law it drags on the cloth.
+//
+//   w(t, X) = mean + profile(t) + gust sin(frequency t + wave_vector . X + phase),   X the rest position
+#ifndef CLOTHID_SIM_AIR_WIND_H_
+#define CLOTHID_SIM_AIR_WIND_H_
+
+#include <Eigen/Core>
+#include <string>
+
+namespace clothid {
+
+inline constexpr int kMaxWindKnots = 10000;
+
+// How drag_normal and drag_tangential grow with the speed: see "Drag by direction" in sim/README.md.
+enum class AirLaw {
+  kLinear,     // force in proportion to the speed: slow air, kg/(m^2 s)
+  kQuadratic,  // to its square: pressure of the air, kg/m^3
+};
+
+// Piecewise linear between its knots, constant before the first and after the last. Without knots: zero.
+struct WindProfile {
+  Eigen::VectorXd times = {};        // [K] s, increasing, on the clock of the scene
+  Eigen::Matrix3Xd velocities = {};  // [3 x K] m/s
+
+  int num_knots() const { return static_cast<int>(times.size()); }
+  // What the value of knot `knot` counts for at a time, 0 to 1.
+  double Weight(int knot, double time) const;
+  Eigen::Vector3d At(double time) const;
+};
+
+struct Wind {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();         // m/s
+  Eigen::Vector3d gust = Eigen::Vector3d::Zero();         // m/s
+  double frequency = 0.0;                                 // rad/s
+  Eigen::Vector3d wave_vector = Eigen::Vector3d::Zero();  // rad/m
+  double phase = 0.0;                                     // rad
+  WindProfile profile = {};
+
+  // `wave_phase`: wave_vector . X, rad.
+  Eigen::Vector3d At(double time, double wave_phase) const;
+  bool is_still() const { return mean.isZero(0.0) && gust.isZero(0.0) && profile.velocities.isZero(0.0); }
+};
+
+// Throws `Error` (kBadData), prefixed by `source`, unless all numbers are finite and the times of a profile increase,
+// at most kMaxWindKnots, with a velocity each.
+void ValidateWind(const Wind& wind, const std::string& source);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_AIR_WIND_H_

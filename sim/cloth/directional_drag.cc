@@ -1,0 +1,323 @@
+#include "sim/cloth/directional_drag.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "sim/cloth/air_drag.h"
+
+namespace clothid {
+namespace {
+
+// The kernels have no clones for other instruction sets, as those of strain_rate_damping.cc.
+
+// In one lane, with u_t and s as in the header.
+struct Flow {
+  double along;            // s
+  double tangential[3];    // u_t
+  double tangential_size;  // |u_t|
+};
+
+CLOTHID_ALWAYS_INLINE Flow FlowOf(const AirBatch& air, const CornerVectors& v, int lane) {
+  Flow flow;
+  flow.along = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    flow.tangential[c] =
+        air.wind[c][lane] - (v.values[0][c][lane] + v.values[1][c][lane] + v.values[2][c][lane]) * (1.0 / 3.0);
+    flow.along += flow.tangential[c] * air.normal[c][lane];
+  }
+  double square = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    flow.tangential[c] -= flow.along * air.normal[c][lane];
+    square += flow.tangential[c] * flow.tangential[c];
+  }
+  flow.tangential_size = std::sqrt(square);
+  return flow;
+}
+
+// Adds D to `potentials` [kLanes].
+template <AirLaw law>
+void DragForces(const TriangleBatch& __restrict__ batch, const AirBatch& __restrict__ air,
+                const CornerVectors& __restrict__ v, DragConstants constants, CornerVectors* __restrict__ forces,
+                double* __restrict__ potentials) {
+  constexpr bool quadratic = law == AirLaw::kQuadratic;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Flow flow = FlowOf(air, v, lane);
+    const double s = flow.along, size = flow.tangential_size;
+    const double normal = batch.area[lane] * constants.normal * (quadratic ? std::abs(s) : 1.0) * s;
+    const double tangential = batch.area[lane] * constants.tangential * (quadratic ? size : 1.0);
+    potentials[lane] += (quadratic ? 1.0 / 3.0 : 0.5) * (normal * s + tangential * size * size);
+    for (int c = 0; c < 3; ++c) {
+      const double third = (normal * air.normal[c][lane] + tangential * flow.tangential[c]) * (1.0 / 3.0);
+      for (int corner = 0; corner < 3; ++corner) forces->values[corner][c][lane] = third;
+    }
+  }
+}
+
+// df/du = B = p n n^T + q (I - n n^T) + r u_t u_t^T, symmetric, by columns.
+struct alignas(64) FlowBlocks {
+  double values[9][kLanes];
+};
+
+template <AirLaw law>
+void DragBlocks(const TriangleBatch& __restrict__ batch, const AirBatch& __restrict__ air,
+                const CornerVectors& __restrict__ v, DragConstants constants, FlowBlocks* __restrict__ blocks) {
+  constexpr bool quadratic = law == AirLaw::kQuadratic;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Flow flow = FlowOf(air, v, lane);
+    const double size = flow.tangential_size;
+    const double c_n = batch.area[lane] * constants.normal, c_t = batch.area[lane] * constants.tangential;
+    const double p = quadratic ? 2.0 * c_n * std::abs(flow.along) : c_n;
+    const double q = quadratic ? c_t * size : c_t;
+    const double r = quadratic ? c_t / std::max(size, std::numeric_limits<double>::min()) : 0.0;
+    for (int column = 0; column < 3; ++column) {
+      for (int row = 0; row < 3; ++row) {
+        blocks->values[3 * column + row][lane] = (p - q) * (air.normal[row][lane] * air.normal[column][lane]) +
+                                                 r * (flow.tangential[row] * flow.tangential[column]) +
+                                                 (row == column ? q : 0.0);
+      }
+    }
+  }
+}
+
+void FillBlocks(AirLaw law, const TriangleBatch& batch, const AirBatch& air, const CornerVectors& v,
+                const DragConstants& constants, FlowBlocks* blocks) {
+  if (law == AirLaw::kQuadratic) {
+    DragBlocks<AirLaw::kQuadratic>(batch, air, v, constants, blocks);
+  } else {
+    DragBlocks<AirLaw::kLinear>(batch, air, v, constants, blocks);
+  }
+}
+
+Eigen::Matrix3d BlockAt(const FlowBlocks& blocks, int lane) {
+  Eigen::Matrix3d block;
+  for (int k = 0; k < 9; ++k) block(k % 3, k / 3) = blocks.values[k][lane];
+  return block;
+}
+
+void SetNormals(const CornerVectors& __restrict__ x, AirBatch* __restrict__ air) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    double e1[3], e2[3], m[3];
+    for (int c = 0; c < 3; ++c) {
+      e1[c] = x.values[1][c][lane] - x.values[0][c][lane];
+      e2[c] = x.values[2][c][lane] - x.values[0][c][lane];
+    }
+    for (int c = 0; c < 3; ++c) m[c] = e1[(c + 1) % 3] * e2[(c + 2) % 3] - e1[(c + 2) % 3] * e2[(c + 1) % 3];
+    const double size = std::sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+    const double inverse = 1.0 / std::max(size, std::numeric_limits<double>::min());
+    for (int c = 0; c < 3; ++c) air->normal[c][lane] = inverse * m[c];
+  }
+}
+
+Eigen::Vector3d CornerOf(const TriangleBatch& batch, int corner, int lane, const double* all) {
+  return Eigen::Map<const Eigen::Vector3d>(all + batch.rows[corner][lane]);
+}
+
+Eigen::Vector3d Mean(const TriangleBatch& batch, int lane, const double* all) {
+  return (CornerOf(batch, 0, lane, all) + CornerOf(batch, 1, lane, all) + CornerOf(batch, 2, lane, all)) / 3.0;
+}
+
+// How the force of one triangle depends on its predicted corners: with m = e_1 x e_2, n = m/|m|,
+//   df = G dn,   G = p n u_t^T + q I + r u_t u_t^T,   dn = (I - n n^T) dm/|m|,   dm = de_1 x e_2 + e_1 x de_2
+// (u . dn is u_t . dn).
+class NormalSlope {
+ public:
+  NormalSlope(AirLaw law, const DragConstants& constants, const TriangleBatch& batch, const AirBatch& air, int lane,
+              const Eigen::VectorXd& velocities, const Eigen::VectorXd& positions)
+      : batch_(batch), lane_(lane) {
+    const Eigen::Vector3d first = CornerOf(batch, 0, lane, positions.data());
+    edge1_ = CornerOf(batch, 1, lane, positions.data()) - first;
+    edge2_ = CornerOf(batch, 2, lane, positions.data()) - first;
+    inverse_ = 1.0 / std::max(edge1_.cross(edge2_).norm(), std::numeric_limits<double>::min());
+    for (int c = 0; c < 3; ++c) normal_[c] = air.normal[c][lane];
+    const Eigen::Vector3d wind(air.wind[0][lane], air.wind[1][lane], air.wind[2][lane]);
+    const Eigen::Vector3d u = wind - Mean(batch, lane, velocities.data());
+    const double s = u.dot(normal_);
+    tangential_ = u - s * normal_;
+    const double c_n = batch.area[lane] * constants.normal, c_t = batch.area[lane] * constants.tangential;
+    const double size = tangential_.norm();
+    if (law == AirLaw::kQuadratic) {
+      along_ = 2.0 * c_n * std::abs(s) - c_t * size;
+      all_ = (c_n * std::abs(s) - c_t * size) * s;
+      across_ = -c_t * s / std::max(size, std::numeric_limits<double>::min());
+    } else {
+      along_ = c_n - c_t;
+      all_ = (c_n - c_t) * s;
+      across_ = 0.0;
+    }
+  }
+
+  // df for changes of the predicted corners in `all` [3N].
+  Eigen::Vector3d Times(const double* all) const {
+    const Eigen::Vector3d first = CornerOf(batch_, 0, lane_, all);
+    const Eigen::Vector3d de1 = CornerOf(batch_, 1, lane_, all) - first, de2 = CornerOf(batch_, 2, lane_, all) - first;
+    const Eigen::Vector3d dm = inverse_ * (de1.cross(edge2_) + edge1_.cross(de2));
+    const Eigen::Vector3d dn = dm - normal_.dot(dm) * normal_;
+    const double tangential = tangential_.dot(dn);
+    return along_ * tangential * normal_ + all_ * dn + across_ * tangential * tangential_;
+  }
+
+  // Adds the transpose times `force` to the corners in `all`.
+  void AddTransposed(const Eigen::Vector3d& force, double* all) const {
+    const Eigen::Vector3d by_normal =
+        (along_ * normal_.dot(force) + across_ * tangential_.dot(force)) * tangential_ + all_ * force;
+    const Eigen::Vector3d by_m = inverse_ * (by_normal - normal_.dot(by_normal) * normal_);
+    const Eigen::Vector3d first = edge2_.cross(by_m), second = by_m.cross(edge1_);
+    Add(1, first, all);
+    Add(2, second, all);
+    Add(0, -first - second, all);
+  }
+
+ private:
+  void Add(int corner, const Eigen::Vector3d& vector, double* all) const {
+    Eigen::Map<Eigen::Vector3d>(all + batch_.rows[corner][lane_]) += vector;
+  }
+
+  const TriangleBatch& batch_;
+  int lane_;
+  Eigen::Vector3d edge1_, edge2_, normal_, tangential_;
+  double inverse_, along_, all_, across_;  // 1/|m|, p, q and r
+};
+
+}  // namespace
+
+DirectionalDrag::DirectionalDrag(const Scene& scene, std::shared_ptr<const TriangleElements> triangles,
+                                 const std::vector<int>& free_index, const BlockPattern& pattern)
+    : law_(scene.air_law), triangles_(std::move(triangles)), places_(triangles_->size()) {
+  const Eigen::VectorXd phases = scene.mesh.rest_positions.transpose() * scene.wind.wave_vector;
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      places_[b].phases[lane] = 0.0;
+      for (int i = 0; i < 3; ++i) {
+        places_[b].phases[lane] += phases[batch.rows[i][lane] / 3] / 3.0;
+        for (int j = 0; j < 3; ++j) {
+          const int row = free_index[batch.rows[i][lane] / 3], column = free_index[batch.rows[j][lane] / 3];
+          if (batch.area[lane] > 0.0 && row >= 0 && column >= 0) {
+            places_[b].blocks[i][j][lane] = pattern.Find(row, column);
+          }
+        }
+      }
+    }
+  }
+}
+
+void DirectionalDrag::SetAir(const Eigen::VectorXd& positions, const Wind& wind, double time,
+                             std::vector<AirBatch>* air) const {
+  air->resize(triangles_->size());
+  CornerVectors x;
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    GatherCorners((*triangles_)[b], positions.data(), &x);
+    SetNormals(x, &(*air)[b]);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Eigen::Vector3d velocity = wind.At(time, places_[b].phases[lane]);
+      for (int c = 0; c < 3; ++c) (*air)[b].wind[c][lane] = velocity[c];
+    }
+  }
+}
+
+double DirectionalDrag::AddForce(const DragConstants& constants, const Eigen::VectorXd& velocities,
+                                 const std::vector<AirBatch>& air, Eigen::VectorXd* force) const {
+  CornerVectors v, forces;
+  double potentials[kLanes] = {};
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    GatherCorners(batch, velocities.data(), &v);
+    if (law_ == AirLaw::kQuadratic) {
+      DragForces<AirLaw::kQuadratic>(batch, air[b], v, constants, &forces, potentials);
+    } else {
+      DragForces<AirLaw::kLinear>(batch, air[b], v, constants, &forces, potentials);
+    }
+    AddCorners(batch, forces, force->data());
+  }
+  return std::accumulate(potentials, potentials + kLanes, 0.0);
+}
+
+void DirectionalDrag::AddHessian(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
+                                 const std::vector<AirBatch>& air, BlockMatrix* hessian) const {
+  CornerVectors v;
+  FlowBlocks blocks;
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    GatherCorners((*triangles_)[b], velocities.data(), &v);
+    FillBlocks(law_, (*triangles_)[b], air[b], v, constants, &blocks);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Eigen::Matrix3d block = (factor / 9.0) * BlockAt(blocks, lane);
+      for (const auto& row : places_[b].blocks) {
+        for (const auto& position : row) {
+          if (position[lane].valid()) hessian->block(position[lane]) += block;
+        }
+      }
+    }
+  }
+}
+
+void DirectionalDrag::AddVelocityProduct(double factor, const DragConstants& constants,
+                                         const Eigen::VectorXd& velocities, const std::vector<AirBatch>& air,
+                                         const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const {
+  CornerVectors v;
+  FlowBlocks blocks;
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    GatherCorners(batch, velocities.data(), &v);
+    FillBlocks(law_, batch, air[b], v, constants, &blocks);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Eigen::Matrix3d block = (factor / 3.0) * BlockAt(blocks, lane);
+      for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+        const Eigen::Vector3d third = block * Mean(batch, lane, columns.col(c).data());
+        for (int i = 0; i < 3; ++i) product->col(c).segment<3>(batch.rows[i][lane]) += third;
+      }
+    }
+  }
+}
+
+void DirectionalDrag::AddNormalProduct(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
+                                       const std::vector<AirBatch>& air, const Eigen::VectorXd& positions,
+                                       const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const {
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    for (int lane = 0; lane < kLanes && batch.area[lane] > 0.0; ++lane) {
+      const NormalSlope slope(law_, constants, batch, air[b], lane, velocities, positions);
+      for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+        const Eigen::Vector3d third = (factor / 3.0) * slope.Times(columns.col(c).data());
+        for (int i = 0; i < 3; ++i) product->col(c).segment<3>(batch.rows[i][lane]) += third;
+      }
+    }
+  }
+}
+
+void DirectionalDrag::AddNormalProductTransposed(double factor, const DragConstants& constants,
+                                                 const Eigen::VectorXd& velocities, const std::vector<AirBatch>& air,
+                                                 const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns,
+                                                 Eigen::MatrixXd* product) const {
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    for (int lane = 0; lane < kLanes && batch.area[lane] > 0.0; ++lane) {
+      const NormalSlope slope(law_, constants, batch, air[b], lane, velocities, positions);
+      for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+        slope.AddTransposed(factor * Mean(batch, lane, columns.col(c).data()), product->col(c).data());
+      }
+    }
+  }
+}
+
+void DirectionalDrag::AddWindDerivative(double factor, const DragConstants& constants,
+                                        const Eigen::VectorXd& velocities, const std::vector<AirBatch>& air,
+                                        const Wind& wind, double time, ParameterId id, Eigen::VectorXd* force) const {
+  CornerVectors v;
+  FlowBlocks blocks;
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    GatherCorners(batch, velocities.data(), &v);
+    FillBlocks(law_, batch, air[b], v, constants, &blocks);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Eigen::Vector3d third =
+          (factor / 3.0) * BlockAt(blocks, lane) * WindDerivative(wind, id, time, places_[b].phases[lane]);
+      for (int i = 0; i < 3; ++i) force->segment<3>(batch.rows[i][lane]) += third;
+    }
+  }
+}
+
+}  // namespace clothid

@@ -1,0 +1,171 @@
+// Drag by direction: the formula, and every derivative against central differences.
+#include "sim/cloth/directional_drag.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <random>
+#include <string>
+
+#include "sim/cloth/cloth_model.h"
+#include "tests/sim/plain_scenes.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kTime = 0.3;
+const DragConstants kConstants = {0.7, 0.2};
+
+// A crumpled cloth of 18 triangles with a handle, whose nodes have velocities of their own.
+class DirectionalDragTest : public ::testing::TestWithParam<AirLaw> {
+ protected:
+  DirectionalDragTest() : scene_(MakeScene()), model_(scene_) {
+    x_ = scene_.initial_positions + Random(0.02);
+    v_ = Random(1.0);
+    drag().SetAir(x_, scene_.wind, kTime, &air_);
+  }
+
+  static Scene MakeScene() {
+    Scene scene = ClothScene(SquareGrid(4, 0.3), 0.01);
+    scene.handles.nodes = {3};
+    scene.material.normal_drag = kConstants.normal;
+    scene.air_law = GetParam();
+    scene.wind.mean = {1.0, -2.0, 0.5};
+    scene.wind.gust = {0.0, 3.0, 1.0};
+    scene.wind.frequency = 9.0;
+    scene.wind.wave_vector = {2.0, 5.0, 0.0};
+    return scene;
+  }
+
+  const DirectionalDrag& drag() const { return *model_.directional_drag(); }
+
+  Eigen::VectorXd Random(double scale) {
+    std::normal_distribution<double> normal(0.0, scale);
+    Eigen::VectorXd vector(scene_.initial_positions.size());
+    for (double& value : vector) value = normal(generator_);
+    return vector;
+  }
+
+  Eigen::VectorXd Force(const Eigen::VectorXd& velocities) const {
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(velocities.size());
+    drag().AddForce(kConstants, velocities, air_, &force);
+    return force;
+  }
+
+  double Potential(const Eigen::VectorXd& velocities) const {
+    Eigen::VectorXd unused = Eigen::VectorXd::Zero(velocities.size());
+    return drag().AddForce(kConstants, velocities, air_, &unused);
+  }
+
+  std::mt19937_64 generator_{3};
+  Scene scene_;
+  ClothModel model_;
+  Eigen::VectorXd x_, v_;
+  std::vector<AirBatch> air_;
+};
+
+TEST_P(DirectionalDragTest, TheForceIsTheFormula) {
+  Eigen::VectorXd expected = Eigen::VectorXd::Zero(v_.size());
+  const Eigen::VectorXd areas = TriangleAreas(scene_.mesh);
+  for (int f = 0; f < scene_.mesh.num_faces(); ++f) {
+    const Eigen::Vector3i nodes = scene_.mesh.faces.col(f);
+    Eigen::Vector3d x[3], v = Eigen::Vector3d::Zero(), rest = Eigen::Vector3d::Zero();
+    for (int i = 0; i < 3; ++i) {
+      x[i] = x_.segment<3>(3 * nodes[i]);
+      v += v_.segment<3>(3 * nodes[i]) / 3.0;
+      rest += scene_.mesh.rest_positions.col(nodes[i]) / 3.0;
+    }
+    const Eigen::Vector3d n = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
+    const Eigen::Vector3d u = scene_.wind.At(kTime, scene_.wind.wave_vector.dot(rest)) - v;
+    const Eigen::Vector3d u_n = u.dot(n) * n, u_t = u - u_n;
+    const bool quadratic = GetParam() == AirLaw::kQuadratic;
+    const Eigen::Vector3d force = areas[f] * (kConstants.normal * (quadratic ? u_n.norm() : 1.0) * u_n +
+                                              kConstants.tangential * (quadratic ? u_t.norm() : 1.0) * u_t);
+    for (int i = 0; i < 3; ++i) expected.segment<3>(3 * nodes[i]) += force / 3.0;
+  }
+  EXPECT_LT((Force(v_) - expected).norm(), 1e-13 * expected.norm());
+}
+
+TEST_P(DirectionalDragTest, TheForceIsMinusTheGradientOfThePotential) {
+  const Eigen::VectorXd direction = Random(1.0);
+  const double step = 1e-5;
+  const double difference = (Potential(v_ + step * direction) - Potential(v_ - step * direction)) / (2.0 * step);
+  EXPECT_NEAR(-Force(v_).dot(direction), difference, 1e-8 * std::abs(difference));
+}
+
+TEST_P(DirectionalDragTest, TheHessianIsMinusTheDerivativeOfTheForce) {
+  const Eigen::VectorXd free = model_.Gather(Random(1.0));
+  const Eigen::VectorXd direction = model_.ScatterColumns(free);
+  const double step = 1e-5;
+  const Eigen::VectorXd difference = (Force(v_ - step * direction) - Force(v_ + step * direction)) / (2.0 * step);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(v_.size(), 1);
+  drag().AddVelocityProduct(1.0, kConstants, v_, air_, direction, &product);
+  EXPECT_LT((product - difference).norm(), 1e-8 * difference.norm());
+  BlockMatrix hessian(model_.pattern());
+  drag().AddHessian(1.0, kConstants, v_, air_, &hessian);
+  EXPECT_LT((hessian.view() * free - model_.Gather(product)).norm(), 1e-13 * product.norm());
+  const Eigen::MatrixXd dense(hessian.view());
+  EXPECT_EQ((dense - dense.transpose()).norm(), 0.0);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense).eigenvalues().minCoeff(), -1e-14 * dense.norm());
+}
+
+TEST_P(DirectionalDragTest, TheDerivativeByThePredictedPositionsIsADifference) {
+  const Eigen::VectorXd direction = Random(1.0), other = Random(1.0);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(x_.size(), 1), transposed = product;
+  drag().AddNormalProduct(2.0, kConstants, v_, air_, x_, direction, &product);
+  drag().AddNormalProductTransposed(2.0, kConstants, v_, air_, x_, other, &transposed);
+  EXPECT_NEAR(other.dot(product.col(0)), direction.dot(transposed.col(0)), 1e-12 * other.norm() * product.norm());
+  Eigen::VectorXd sides[2];
+  const double step = 1e-7;
+  for (const int side : {0, 1}) {
+    drag().SetAir(x_ + (side == 0 ? -step : step) * direction, scene_.wind, kTime, &air_);
+    sides[side] = Force(v_);
+  }
+  const Eigen::VectorXd difference = (sides[1] - sides[0]) / step;
+  EXPECT_LT((product - difference).norm(), 1e-6 * difference.norm());
+}
+
+TEST_P(DirectionalDragTest, TheDerivativeByTheWindIsADifference) {
+  Parameters parameters = scene_.nominal_parameters();
+  for (const ParameterKind kind : kWindKinds) {
+    const ParameterId id{kind};
+    Eigen::VectorXd derivative = Eigen::VectorXd::Zero(v_.size()), sides[2];
+    drag().SetAir(x_, scene_.wind, kTime, &air_);
+    drag().AddWindDerivative(1.0, kConstants, v_, air_, scene_.wind, kTime, id, &derivative);
+    const double value = GetParameter(parameters, id), step = 1e-6;
+    for (const int side : {0, 1}) {
+      Parameters moved = parameters;
+      SetParameter(id, value + (side == 0 ? -step : step), &moved);
+      drag().SetAir(x_, moved.wind, kTime, &air_);
+      sides[side] = Force(v_);
+    }
+    const Eigen::VectorXd difference = (sides[1] - sides[0]) / (2.0 * step);
+    EXPECT_LT((derivative - difference).norm(), 1e-7 * difference.norm()) << static_cast<int>(kind);
+  }
+}
+
+// Wind that meets the cloth squarely, or not at all, has no tangential direction.
+TEST_P(DirectionalDragTest, AirAtRestHasFiniteDerivatives) {
+  Wind calm;
+  for (const double speed : {0.0, 1.0}) {
+    calm.mean.z() = speed;
+    drag().SetAir(scene_.initial_positions, calm, kTime, &air_);
+    const Eigen::VectorXd still = Eigen::VectorXd::Zero(v_.size());
+    BlockMatrix hessian(model_.pattern());
+    drag().AddHessian(1.0, kConstants, still, air_, &hessian);
+    EXPECT_TRUE(hessian.values.allFinite());
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(v_.size(), 1);
+    drag().AddNormalProduct(1.0, kConstants, still, air_, scene_.initial_positions, v_, &product);
+    EXPECT_TRUE(product.allFinite());
+    EXPECT_TRUE(Force(still).allFinite());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, DirectionalDragTest, ::testing::Values(AirLaw::kLinear, AirLaw::kQuadratic),
+                         [](const auto& test) {
+                           return std::string(test.param == AirLaw::kLinear ? "Linear" : "Quadratic");
+                         });
+
+}  // namespace
+}  // namespace clothid
