@@ -70,8 +70,9 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       give, and bounds
   --fit NAMES         of mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping (mu,k_stretch; k_stretch without
                       obstacles), where the scene has warp and weft of k_warp, k_weft, k_shear, k_poisson in place of
-                      k_stretch and bend_warp, bend_weft, bend_twist in place of k_bend (mu,k_warp,k_weft), and of the
-                      parameters of a recording itself:
+                      k_stretch and bend_warp, bend_weft, bend_twist in place of k_bend (mu,k_warp,k_weft), of the air
+                      drag_normal, drag_tangential, added_mass, wind.x, .y, .z, gust.x, .y, .z, gust.frequency,
+                      gust.phase and wind.x.1, .. of a wind profile, and of the parameters of a recording itself:
                       time_offset  s, added to the recording's times to meet the clock of the scene and its handles
                       shift, turn  m and rad about the centroid of the measured points, added to the prediction to
                                    meet the recording: what its frame of reference is off (align: both)

@@ -142,6 +142,28 @@ const MeasuredConstant* Measured(const Fabric& fabric, ParameterKind kind) {
   }
 }
 
+// The value of a wind at q = 1.
+double WindUnit(ParameterKind kind, double nominal) {
+  constexpr double kPi = 3.14159265358979323846, kSpeed = 10.0, kFrequency = 10.0;  // m/s, rad/s
+  const double least = kind == ParameterKind::kGustPhase       ? kPi
+                       : kind == ParameterKind::kGustFrequency ? kFrequency
+                                                               : kSpeed;
+  return std::max(least, 2.0 * std::abs(nominal));
+}
+
+// A start above zero brings a drag into the scene.
+void CheckWindHasDrag(const std::string& name, ParameterId id, const Scene& scene,
+                      const ParameterOverrides& overrides) {
+  if (!IsWind(id.kind) || scene.has_air()) return;
+  for (const char* drag : {"drag", "drag_normal", "drag_tangential"}) {
+    const auto start = overrides.start.find(drag);
+    if (start != overrides.start.end() && start->second > 0.0) return;
+  }
+  throw Error(ErrorKind::kUsage, "parameter '" + name +
+                                     "': wind does nothing to a cloth without drag; give a positive nominal value of "
+                                     "drag or drag_normal in the scene or a positive start");
+}
+
 // Without given ones.
 std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKind kind, const Scene& scene) {
   if (block.is_signed) return {-block.unit, block.unit};
@@ -259,10 +281,13 @@ ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, c
   const double nominal = GetParameter(scene_values, id);
 
   ParameterBlock block;
+  CheckWindHasDrag(name, id, scene, overrides);
   block.name = name;
   block.scale = DefaultScale(id.kind);
   block.is_signed = DomainOf(id.kind) == ParameterDomain::kAny;
-  if (block.is_signed) block.unit = LargestCoupling(scene_values.material);
+  if (block.is_signed) {
+    block.unit = IsWind(id.kind) ? WindUnit(id.kind, nominal) : LargestCoupling(scene_values.material);
+  }
   block.frozen = range.frozen;
   block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
   CheckStart(block);

@@ -1,8 +1,8 @@
 // One scalar that a fit may change, as a Ceres parameter block of size 1.
 //
-// Ceres works on an internal coordinate q: q = log(value) for stiffnesses, density, drag and damping, which are known
+// Ceres works on an internal coordinate q: q = log(value) for stiffnesses, masses, drags and damping, which are known
 // to a factor at best and span decades; q = value for friction coefficients, which live in [0, 2] and may be zero;
-// q = value/unit for what may be negative: k_poisson, and the parameters of a recording itself
+// q = value/unit for what may be negative: k_poisson, the wind, and the parameters of a recording itself
 // (costs/prediction/alignment.h).
 #ifndef CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_
 #define CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_
@@ -36,7 +36,7 @@ struct ParameterBlock {
   int recording = kEveryRecording;  // or the index of the only one
   ParameterScale scale = ParameterScale::kLinear;
   double unit = 1.0;         // linear scale: the value at q = 1
-  bool is_signed = false;    // may be negative: k_poisson, and parameters of the recording itself
+  bool is_signed = false;    // may be negative: k_poisson, wind, and parameters of the recording itself
   double start = 0.0;        // starting value, in the parameter's own unit
   double lower_bound = 0.0;  // in the parameter's own unit; lower_bound < upper_bound
   double upper_bound = 0.0;
@@ -65,7 +65,7 @@ struct ParameterBlock {
 // "drag" of "drag@2"; a name without suffix as it is.
 std::string BaseName(const std::string& name);
 
-// Log for everything but friction and k_poisson.
+// Log for everything but friction, k_poisson and the wind.
 ParameterScale DefaultScale(ParameterKind kind);
 
 // What the user gives over the scene's `parameters`; by parameter name. Of "shift.x@2" the first of "shift.x@2",
@@ -84,9 +84,11 @@ std::string PriorText(const ParameterPrior& prior, ParameterScale scale);
 
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
 // obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction], +- its unit sqrt(k_warp k_weft) (k_poisson),
+// of the wind +- its unit: twice the nominal value, at least 10 m/s, of its frequency 10 rad/s, of its phase pi; and
 // kBoundFactor, or 1e3 times beyond what was measured of any cloth, 10 times of the scene's fabric (sim/fabric/fabric.h)
 // and 100 times beyond the start. Throws `Error` (kUsage) for an unknown name, wrong bounds and priors, a start outside
-// the bounds, and one of zero in log space: a scene without bending (or drag, or damping) has no such term to start at.
+// the bounds, and one of zero in log space: a scene without bending (or drag, or damping) has no such term to start at;
+// and for wind in a scene without drag.
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
 
 // The same for a recording, and for its own parameters (costs/prediction/alignment.h), too. Of those: start 0, bounds

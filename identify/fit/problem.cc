@@ -162,6 +162,10 @@ bool HasParameter(const Scene& scene, const std::string& name) {
   for (const ParameterKind kind : kMaterialKinds) {
     if (base == ParameterName({kind}, {})) return scene.has(kind);
   }
+  if (base.rfind("wind.", 0) == 0) {
+    const int knot = ParseParameter(base, scene.obstacle_names()).knot;
+    return knot < scene.wind.profile.num_knots();
+  }
   if (base.rfind(prefix, 0) != 0) return true;
   const std::vector<std::string> names = scene.obstacle_names();
   return std::find(names.begin(), names.end(), base.substr(prefix.size())) != names.end();

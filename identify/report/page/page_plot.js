@@ -84,7 +84,7 @@ function colouring({low, high, isLog, bar}) {
 }
 
 const titleOf = (axis) => {
-  const unit = UNITS[axis.parameter.replace(/@.*/, '')];
+  const unit = unitOf(axis.parameter);
   return plain(axis.parameter) + (unit ? `, ${unit}` : '');
 };
 
