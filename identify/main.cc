@@ -53,6 +53,7 @@ DEFINE_string(time_step, "", "of the simulation, in s, or auto; empty: the scene
 DEFINE_bool(check_step, false, "the same as --discretization step");
 DEFINE_string(holdout, "", "recordings that are not fitted, to judge the estimates on");
 DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fitted, to judge the estimates on");
+DEFINE_string(horizon, "growing", "growing: fits of the first frames lead to the start; full: all frames at once");
 DEFINE_bool(resume, false, "continue a fit that was killed: replays the evaluations journaled in --output");
 DEFINE_bool(report, true, "write report.html");
 DEFINE_double(step_tolerance, 0.0, "relative residual of a time step; 0: the scene's");
@@ -112,6 +113,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       and what it calls a problem, such as mm for m, ends the run with exit code 2
   --check_gradients   compare adjoint, sensitivities and central differences at the start
   --max_iterations N  (50)
+  --horizon KIND      growing: fits of the first eighth, quarter and half of the recordings lead to where the fit of all
+                      of them starts, past minima that only whole motions have; full: all frames at once (growing)
   --threads N         recordings simulated side by side; the result does not depend on it (1)
   --starts N          fit from N starting points: the own one and a Latin hypercube around it (1)
   --seed S            of the starting points (0)
@@ -196,6 +199,7 @@ RunOptions OptionsFromFlags(const std::string& command_line) {
   options.profiles = ParseNames(FLAGS_profile, "--profile");
   options.discretization = ParseDiscretization(FLAGS_discretization);
   options.discretization.step = options.discretization.step || FLAGS_check_step;
+  options.growing_horizon = ParseHorizon(FLAGS_horizon);
   options.landscape_paths = ParseNames(FLAGS_landscape, "--landscape");
   options.output = FLAGS_output;
   options.report_page = FLAGS_report;

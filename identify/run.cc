@@ -13,6 +13,7 @@
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
 #include "identify/field/field_stage.h"
+#include "identify/fit/growing_horizon.h"
 #include "identify/fit/problem.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/report/node_prediction.h"
@@ -154,9 +155,11 @@ class Run {
 
   void RunFit() {
     if (!options_.fields.empty()) return RunFieldFit();
+    GrowingHorizon growing(inputs_.fitted, fit_options_);
+    GrowingHorizon* const horizon = options_.growing_horizon ? &growing : nullptr;
     const bool has_one_start = fit_options_.num_starts == 1;
-    summary_ = has_one_start ? Fit(fit_options_, problem_.get())
-                             : FitFromStarts(fit_options_, problem_.get(), &checks_.starts.emplace());
+    summary_ = has_one_start ? Fit(fit_options_, problem_.get(), horizon)
+                             : FitFromStarts(fit_options_, problem_.get(), &checks_.starts.emplace(), horizon);
     if (options_.time_step.is_automatic) FitWithChosenStep();
     if (options_.on_fitted) options_.on_fitted(summary_);
   }
@@ -179,6 +182,7 @@ class Run {
     summary_.start_error = first.start_error;
     summary_.start_predicted = first.start_predicted;
     summary_.statistics += first.statistics;
+    summary_.lead += first.lead;
     summary_.total_seconds += first.total_seconds;
     summary_.solver_seconds += first.solver_seconds;
   }

@@ -47,6 +47,7 @@ struct RunOptions {
   bool check_recordings = true;
   // The fit itself with its callbacks, which see the main fit, and its `cancel`, which ends the whole run.
   FitOptions fit;
+  bool growing_horizon = true;  // the fit is led by its first frames (identify/fit/growing_horizon.h)
   // Constants to fit as fields (identify/field/field_fit.h), before the fit and together with its parameters. The level
   // of a field may be one of these. `field_weight`: of the prior, > 0; 0: it is chosen.
   std::vector<FieldRequest> fields;

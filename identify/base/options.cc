@@ -117,6 +117,12 @@ TimeStepOption ParseTimeStep(const std::string& text) {
   Fail("--time_step: expected auto or a number > 0 in s, got '" + Printable(text) + "'");
 }
 
+bool ParseHorizon(const std::string& text) {
+  if (text == "growing") return true;
+  if (text == "full") return false;
+  Fail("--horizon: expected growing or full, got '" + Printable(text) + "'");
+}
+
 std::string JacobianMethodName(JacobianMethod method) {
   switch (method) {
     case JacobianMethod::kAdjoint:

@@ -116,6 +116,8 @@ StartSource ParseStartSource(const std::string& text);
 DiscretizationParts ParseDiscretization(const std::string& text);
 // "auto" or a number > 0 in s; empty: that of the scene. Throws `Error` (kUsage).
 TimeStepOption ParseTimeStep(const std::string& text);
+// Whether "growing", of "growing" and "full". Throws `Error` (kUsage).
+bool ParseHorizon(const std::string& text);
 // METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
 AdjointOptions ParseAdjointOptions(const std::string& text);
 

@@ -122,20 +122,22 @@ std::vector<Eigen::VectorXd> StartPoints(const std::vector<ParameterBlock>& bloc
   return points;
 }
 
-FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiStart* result) {
+FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiStart* result,
+                         GrowingHorizon* horizon) {
   FitOptions each = options;
   each.estimate_uncertainty = false;
   FitSummary best;
   std::size_t best_start = 0;
-  CostStatistics statistics;
+  CostStatistics statistics, lead;
   double total_seconds = 0.0, solver_seconds = 0.0;
   const std::vector<Eigen::VectorXd> points = StartPoints(problem->blocks(), options.num_starts, options.seed);
   for (std::size_t s = 0; s < points.size(); ++s) {
     if (options.on_start) options.on_start(static_cast<int>(s));
     problem->SetStart(points[s]);
-    const FitSummary summary = Fit(each, problem);
+    const FitSummary summary = Fit(each, problem, horizon);
     result->starts.push_back(Describe(summary, problem->Values(points[s])));
     statistics += summary.statistics;
+    lead += summary.lead;
     total_seconds += summary.total_seconds;
     solver_seconds += summary.solver_seconds;
     if (s == 0 || IsBetter(summary, best)) {
@@ -150,6 +152,7 @@ FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiSt
   }
   problem->SetStart(points.front());
   best.statistics = statistics;
+  best.lead = lead;
   best.total_seconds = total_seconds;
   best.solver_seconds = solver_seconds;
   if (options.estimate_uncertainty && best.has_estimate()) {

@@ -47,8 +47,9 @@ std::vector<Eigen::VectorXd> StartPoints(const std::vector<ParameterBlock>& bloc
 
 // `Fit` from options.num_starts points. Returns the converged fit of lowest cost, or else the fit of lowest cost, with
 // the work of all of them in its counts and seconds; its uncertainty is estimated at the end. Stops early when
-// options.cancel turns true.
-FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiStart* result);
+// options.cancel turns true. `horizon` (may be null) leads every one of them.
+FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiStart* result,
+                         GrowingHorizon* horizon = nullptr);
 
 }  // namespace clothid
 

@@ -98,6 +98,7 @@ void AddFieldFit(const FlatFit& flat, const FieldFit& fit, const std::vector<Par
   summary->start_error = flat.summary.start_error;
   summary->start_predicted = flat.summary.start_predicted;
   summary->statistics += flat.summary.statistics;
+  summary->lead += flat.summary.lead;
   summary->total_seconds += flat.summary.total_seconds;
   summary->statistics.rollouts += fit.result.num_rollouts;
   summary->statistics.sweeps += fit.result.num_sweeps;

@@ -35,6 +35,7 @@ void Append(FitSummary next, FitSummary* summary) {
   std::vector<FitIteration> iterations = summary->iterations;
   for (const FitIteration& row : next.iterations) iterations.push_back(After(*summary, row));
   next.statistics += summary->statistics;
+  next.lead = summary->lead;
   next.total_seconds += summary->total_seconds;
   next.solver_seconds += summary->solver_seconds;
   const bool is_lower = next.has_estimate() && next.cost < summary->cost;

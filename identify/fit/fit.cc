@@ -15,6 +15,7 @@
 #include "identify/fit/evaluator.h"
 #include "identify/fit/fit_recorder.h"
 #include "identify/fit/gauss_newton.h"
+#include "identify/fit/growing_horizon.h"
 #include "identify/fit/sigmoid_map.h"
 #include "identify/fit/start_estimate.h"
 #include "identify/fit/start_stage.h"
@@ -248,14 +249,28 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
   }
 }
 
+// From the start, whose cost is known, to where `horizon` leads.
+void FollowLead(const FitOptions& options, const FitProblem& problem, double start_cost, Precision precision,
+                const LedStart& lead, Eigen::VectorXd* coordinates, FitEvaluator* evaluator) {
+  Eigen::VectorXd led = *coordinates;
+  led.head(problem.num_blocks()) = lead.coordinates;
+  if (options.is_cancelled() || led == *coordinates) return;
+  double cost = 0.0;
+  const bool works = evaluator->Evaluate(led, FitEvaluator::Derivative::kNone, &cost, nullptr, precision);
+  if (works && cost < start_cost) *coordinates = led;
+}
+
 }  // namespace
 
-FitSummary Fit(const FitOptions& options, FitProblem* problem) {
+FitSummary Fit(const FitOptions& options, FitProblem* problem) { return Fit(options, problem, nullptr); }
+
+FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* horizon) {
   FitSummary summary;
   Eigen::VectorXd coordinates = problem->StartCoordinates();
   FitEvaluator evaluator(problem, options.num_threads);
   FitRecorder recorder(options, *problem, evaluator);
   std::optional<Linearization> linearization;  // at the estimate, where it is known already
+  LedStart lead;
   problem->Restart();
 
   // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
@@ -265,6 +280,10 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr, first_precision)) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
   } else {
+    if (horizon != nullptr && options.method == FitMethod::kLevenbergMarquardt && !IsAllFrozen(*problem)) {
+      lead = horizon->Lead(*problem, coordinates, &Fit);
+      FollowLead(options, *problem, cost, first_precision, lead, &coordinates, &evaluator);
+    }
     if (problem->num_start_unknowns() > 0) {
       linearization = RunWithUnknownStart(options, problem, &coordinates, &evaluator, &recorder, &summary);
     } else {
@@ -282,8 +301,10 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem) {
   recorder.AddLast();
   summary.iterations = recorder.iterations();
   summary.statistics = evaluator.statistics();
+  summary.statistics += lead.statistics;
+  summary.lead = lead.statistics;
   summary.total_seconds = recorder.seconds();
-  summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds());
+  summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds() - lead.evaluation_seconds);
   summary.linearization = std::move(linearization);
   if (options.estimate_uncertainty && summary.has_estimate()) {
     AddUncertainty(options, *problem, &summary);

@@ -8,6 +8,8 @@
 
 namespace clothid {
 
+class GrowingHorizon;
+
 // From the starting values of the problem's blocks. How the fit ends never throws: see the status; but it throws
 // `Error` where FitOptions::journal_folder is set and a journal cannot be written or is of another fit. The
 // estimate is the point of lowest cost of all that were evaluated. On the same problem it gives the same result on any
@@ -22,6 +24,10 @@ namespace clothid {
 // Where FitOptions::estimate_uncertainty asks for it, the uncertainty of the estimate comes with it, and where the
 // check of its interval meets a point of lower cost, the fit goes on from there (identify/fit/continued_fit.h).
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
+
+// The same, but that Ceres' trust region starts where `horizon` (may be null) leads it, unless the cost is higher there.
+// What that takes counts with the rest. L-BFGS, for many parameters, is not led.
+FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* horizon);
 
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or
 // options.cancel is true, and adds the work to its counts.

@@ -67,6 +67,7 @@ struct FitSummary {
   std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
   int num_continuations = 0;               // how often the fit went on from a lower point (continued_fit.h)
   CostStatistics statistics;
+  CostStatistics lead;  // that part of them that has led to where the optimiser started (growing_horizon.h)
   // Wall time of this run, what was examined beside the fit included. `statistics` sums rollouts and derivatives over
   // recordings, which may be simulated side by side, and counts those that a journal gave with the seconds they once
   // took: then they exceed it.

@@ -241,7 +241,13 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
   }
   if (checks.step_choice) table << "time step       " << StepChoiceText(*checks.step_choice) << "\n";
   table << "status          " << FitStatusName(summary.status) << " after " << summary.num_iterations()
-        << " iterations, " << summary.statistics.rollouts << " rollouts, " << summary.statistics.sweeps << " sweeps\n";
+        << " iterations, " << summary.statistics.rollouts - summary.lead.rollouts << " rollouts, "
+        << summary.statistics.sweeps - summary.lead.sweeps << " sweeps";
+  if (summary.lead.rollouts > 0) {
+    table << "; before them " << summary.lead.rollouts << " rollouts, " << summary.lead.sweeps
+          << " sweeps of the first frames";
+  }
+  table << "\n";
   if (summary.statistics.counts.substeps > 0) {
     table << "note            " << summary.statistics.counts.substeps
           << " substeps were taken: each makes the cost jump a little\n";

@@ -275,6 +275,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["iterations"] = summary.num_iterations();
   if (summary.num_continuations > 0) json["continuations"] = summary.num_continuations;
   json["rollouts"] = summary.statistics.rollouts;
+  json["rollouts_of_first_frames"] = summary.lead.rollouts;
   json["sweeps"] = summary.statistics.sweeps;
   json["failed_steps"] = summary.statistics.counts.failed_steps;
   json["contact_events"] = ContactEventsJson(summary.counts);

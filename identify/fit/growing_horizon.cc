@@ -1,0 +1,82 @@
+#include "identify/fit/growing_horizon.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "costs/prediction/alignment.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kShares[] = {0.125, 0.25, 0.5};  // of the time that was recorded
+// Of a stage, whose estimate is but a start.
+constexpr double kFunctionTolerance = 1e-4;
+constexpr double kParameterTolerance = 1e-3;
+constexpr int kMaxIterations = 12;
+constexpr double kShareOfRange = 0.125;  // of a parameter, for the deviation of what is believed of it
+
+// What a stage believes of a parameter, about what the one before it has found.
+ParameterPrior Belief(const ParameterBlock& block, double coordinate) {
+  const double spread = kShareOfRange * block.CoordinateRange();
+  return {block.ToValue(coordinate), block.scale == ParameterScale::kLog ? std::exp(spread) : spread * block.unit};
+}
+
+}  // namespace
+
+RecordedMotion FirstFrames(const RecordedMotion& motion, double share) {
+  const double end = motion.times[0] + share * (motion.times[motion.num_frames() - 1] - motion.times[0]);
+  const auto within =
+      static_cast<int>(std::upper_bound(motion.times.begin(), motion.times.end(), end) - motion.times.begin());
+  const int count = std::min(std::max(within, kFewestFrames), motion.num_frames());
+  RecordedMotion first = motion;
+  first.centroid = TurnCenter(motion);
+  first.times = motion.times.head(count);
+  first.positions = motion.positions.leftCols(count);
+  if (!motion.clouds.empty()) first.clouds.resize(static_cast<std::size_t>(count));
+  return first;
+}
+
+GrowingHorizon::GrowingHorizon(const std::vector<RecordedMotion>& motions, const FitOptions& options)
+    : motions_(motions), options_(options) {}
+
+FitOptions GrowingHorizon::StageOptions(const FitProblem& problem, const Eigen::VectorXd& coordinates) {
+  FitOptions stage = options_;
+  stage.estimate_uncertainty = false;
+  stage.on_iteration = nullptr;
+  stage.function_tolerance = std::max(options_.function_tolerance, kFunctionTolerance);
+  stage.parameter_tolerance = std::max(options_.parameter_tolerance, kParameterTolerance);
+  stage.max_iterations = std::min(options_.max_iterations, kMaxIterations);
+  const std::string tag = "horizon_" + std::to_string(++num_stages_);
+  stage.journal_tag = options_.journal_tag.empty() ? tag : options_.journal_tag + "_" + tag;
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    const ParameterBlock& block = problem.blocks()[i];
+    if (!block.frozen && std::isnan(block.PriorStd()))
+      stage.overrides.priors[block.name] = Belief(block, coordinates[i]);
+  }
+  return stage;
+}
+
+LedStart GrowingHorizon::Lead(const FitProblem& problem, const Eigen::VectorXd& coordinates, FitFunction fit) {
+  LedStart lead;
+  lead.coordinates = coordinates.head(problem.num_blocks());
+  for (const double share : kShares) {
+    if (options_.is_cancelled()) break;
+    std::vector<RecordedMotion> first;
+    for (const RecordedMotion& motion : motions_) {
+      first.push_back(FirstFrames(motion, share));
+      if (IsUnknown(motion.start_source)) first.back().start_source = StartSource::kSmoothed;
+    }
+    const FitOptions options = StageOptions(problem, lead.coordinates);
+    FitProblem stage(first, options);
+    stage.SetStart(lead.coordinates);
+    const FitSummary summary = fit(options, &stage);
+    lead.statistics += summary.statistics;
+    lead.evaluation_seconds += summary.total_seconds - summary.solver_seconds;
+    if (!summary.has_estimate() || summary.status == FitStatus::kFailed) break;
+    lead.coordinates = summary.coordinates.head(problem.num_blocks());
+  }
+  return lead;
+}
+
+}  // namespace clothid

@@ -1,0 +1,56 @@
+// Leads a fit to where its optimiser starts, by fits of the first frames alone, of more and more of them.
+//
+// Seen to its end, a motion can be reproduced wrongly in many ways: cloth that swings once too often is in step again
+// at the end, and the cost has a minimum there. Seen for its first eighth it cannot: there is one minimum, wide enough
+// for any start. Its estimate is good to a part of a swing over the first quarter, that of the quarter over the half,
+// and so on. Nothing is lost where the cost has but one minimum: three eighths, quarters and halves of a rollout
+// replace the long way that an optimiser would go with whole ones.
+//
+// A short motion may tell little of a parameter, of friction nothing before a contact. So that no stage carries one
+// off, each believes what the stage before it has found: to an eighth of the parameter's range, as a standard
+// deviation (costs/prediction/parameter_block.h, `ParameterPrior`). Priors that are given stand in place of it.
+#ifndef CLOTHID_IDENTIFY_FIT_GROWING_HORIZON_H_
+#define CLOTHID_IDENTIFY_FIT_GROWING_HORIZON_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "datasets/motion/recorded_motion.h"
+#include "identify/base/options.h"
+#include "identify/fit/continued_fit.h"
+#include "identify/fit/problem.h"
+
+namespace clothid {
+
+// The first frames of a recording, at least kFewestFrames, as a recording of its own.
+RecordedMotion FirstFrames(const RecordedMotion& motion, double share);
+inline constexpr int kFewestFrames = 3;
+
+// Where the optimiser starts, and what finding that took.
+struct LedStart {
+  Eigen::VectorXd coordinates;  // [p] of the blocks
+  CostStatistics statistics;
+  double evaluation_seconds = 0.0;  // of evaluations alone
+};
+
+class GrowingHorizon {
+ public:
+  // Both must outlive it; `options` are those of the problems that it leads.
+  GrowingHorizon(const std::vector<RecordedMotion>& motions, const FitOptions& options);
+
+  // By `fit`, from the blocks' part of `coordinates` of `problem`. Unknown starts (costs/start/unknown_start.h) stay at
+  // their bases. Ends early where a stage finds nothing, and where options.cancel turns true. Throws as `FitProblem`
+  // does.
+  LedStart Lead(const FitProblem& problem, const Eigen::VectorXd& coordinates, FitFunction fit);
+
+ private:
+  FitOptions StageOptions(const FitProblem& problem, const Eigen::VectorXd& coordinates);
+
+  const std::vector<RecordedMotion>& motions_;
+  const FitOptions& options_;
+  int num_stages_ = 0;  // so far: each has its own journal
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_FIT_GROWING_HORIZON_H_

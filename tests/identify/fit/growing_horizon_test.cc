@@ -1,0 +1,84 @@
+// Fits that are led by their first frames, past the minima that whole motions have.
+#include "identify/fit/growing_horizon.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "datasets/motion/motion_file.h"
+#include "identify/checks/multi_start.h"
+#include "identify/fit/fit.h"
+#include "tests/costs/synthetic_motion.h"
+
+namespace clothid {
+namespace {
+
+RecordedMotion Bounce() { return ReadMotion(std::string(CLOTHID_SOURCE_DIR) + "/datasets/bounce.motion.bin", {}); }
+
+FitOptions OptionsFor(const std::string& name, double start) {
+  FitOptions options;
+  options.parameters = {name};
+  options.overrides.start[name] = start;
+  options.jacobian = JacobianMethod::kSensitivity;
+  options.estimate_uncertainty = false;
+  return options;
+}
+
+FitSummary FitBounce(double start, bool is_led) {
+  const std::vector<RecordedMotion> motions = {Bounce()};
+  const FitOptions options = OptionsFor("k_stretch", start);
+  FitProblem problem(motions, options);
+  GrowingHorizon horizon(motions, options);
+  return Fit(options, &problem, is_led ? &horizon : nullptr);
+}
+
+TEST(FirstFramesTest, AreThoseOfTheFirstSeconds) {
+  RecordedMotion motion = Bounce();
+  const int num_frames = motion.num_frames();
+  const RecordedMotion half = FirstFrames(motion, 0.5);
+  ASSERT_GT(half.num_frames(), kFewestFrames);
+  EXPECT_LE(half.times[half.num_frames() - 1] - motion.times[0],
+            0.5 * (motion.times[num_frames - 1] - motion.times[0]));
+  EXPECT_GT(motion.times[half.num_frames()] - motion.times[0], 0.5 * (motion.times[num_frames - 1] - motion.times[0]));
+  EXPECT_EQ(half.positions, motion.positions.leftCols(half.num_frames()));
+  EXPECT_EQ(half.centroid, TurnCenter(motion)) << "a turn is about the same point in all of them";
+  EXPECT_EQ(FirstFrames(motion, 1e-3).num_frames(), kFewestFrames);
+  EXPECT_EQ(FirstFrames(motion, 1.0).num_frames(), num_frames);
+}
+
+// A strip that bounces once too often is in step again at the end: from 8 on, fits of all frames end in such minima.
+TEST(GrowingHorizonTest, FindsTheMinimumFromAnyStart) {
+  for (const double start : {0.3, 1.5, 6.0, 8.0, 10.0, 12.0, 20.0, 30.0}) {
+    SCOPED_TRACE(start);
+    const FitSummary led = FitBounce(start, true);
+    ASSERT_EQ(led.status, FitStatus::kConverged) << led.message;
+    EXPECT_NEAR(led.values()[0], 5.0, 1e-4);
+    EXPECT_EQ(led.parameters[0].start, start);
+  }
+  EXPECT_GT(FitBounce(8.0, false).values()[0], 8.0);
+}
+
+// In steps: rollouts of an eighth of the frames count an eighth.
+TEST(GrowingHorizonTest, TakesNoMoreStepsThanFitsOfAllFrames) {
+  const FitSummary led = FitBounce(1.5, true), full = FitBounce(1.5, false);
+  EXPECT_LT(led.statistics.counts.steps, full.statistics.counts.steps);
+  EXPECT_GT(led.lead.rollouts, 0);
+  EXPECT_LT(led.lead.counts.steps, led.statistics.counts.steps);
+  EXPECT_EQ(full.lead.rollouts, 0);
+}
+
+TEST(GrowingHorizonTest, LeadsEveryOneOfSeveralStarts) {
+  const std::vector<RecordedMotion> motions = {Bounce()};
+  FitOptions options = OptionsFor("k_stretch", 8.0);
+  options.num_starts = 4;
+  FitProblem problem(motions, options);
+  GrowingHorizon horizon(motions, options);
+  MultiStart result;
+  FitFromStarts(options, &problem, &result, &horizon);
+  ASSERT_EQ(result.minima.size(), 1u);
+  EXPECT_EQ(result.minima[0].num_starts, 4);
+}
+
+}  // namespace
+}  // namespace clothid
