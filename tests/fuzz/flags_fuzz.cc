@@ -94,6 +94,7 @@ const std::array kFlags = {
     Flag{ReadSigma, "--sigma"},
     Flag{[](const std::string& text) { ParseStartSource(text); }, "--initial"},
     Flag{[](const std::string& text) { ParseFieldRequests(text); }, "--field"},
+    Flag{[](const std::string& text) { ParseParameterPriors(text, "--prior"); }, "--prior"},
 };
 
 }  // namespace
