@@ -1,0 +1,337 @@
+// The forces at handles: closed forms, balances of momentum and energy over rollouts, central differences.
+#include "sim/rollout/handle_forces.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "sim/base/error.h"
+#include "sim/rollout/energy_loss.h"
+#include "tests/sim/plain_scenes.h"
+
+namespace clothid {
+namespace {
+
+constexpr Integrator kIntegrators[] = {Integrator::kEuler, Integrator::kSdirk2};
+using Groups = std::vector<std::vector<int>>;
+
+// A rollout with the forces of groups of its handles.
+struct TestRun {
+  Scene scene;
+  Simulator simulator;
+  Rollout rollout;
+  HandleForces forces;
+  Eigen::MatrixXd values;  // [3G x steps + 1]
+
+  TestRun(const Scene& given, const Groups& groups)
+      : scene(given),
+        simulator(scene),
+        rollout(Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator)),
+        forces(simulator.model(), rollout.parameters, scene.num_steps(), groups) {
+    EXPECT_TRUE(rollout.ok()) << rollout.failure->ToString();
+    Eigen::MatrixXd states(3 * static_cast<Eigen::Index>(forces.nodes().size()), scene.num_steps() + 1);
+    for (int step = 0; step <= scene.num_steps(); ++step) states.col(step) = forces.Gather(rollout.positions(step));
+    values = forces.Over(states);
+  }
+
+  double total_mass() const { return rollout.parameters.material.density * simulator.model().mass_areas().sum(); }
+  Eigen::VectorXd AccelerationAt(int step) const {
+    const double h = scene.time_step;
+    return (rollout.positions(step + 1) - 2.0 * rollout.positions(step) + rollout.positions(step - 1)) / (h * h);
+  }
+};
+
+std::vector<int> FirstRow(int count) {
+  std::vector<int> nodes;
+  for (int i = 0; i < count; ++i) nodes.push_back(i);
+  return nodes;
+}
+
+// The handles move from where they are by `shift`(t), given at so many knots.
+template <typename Shift>
+void MoveHandles(int num_knots, const Shift& shift, Scene* scene) {
+  const std::vector<int>& nodes = scene->handles.nodes;
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(num_knots, 0.0, scene->duration);
+  Eigen::MatrixXd path(3 * static_cast<Eigen::Index>(nodes.size()), num_knots);
+  for (int k = 0; k < num_knots; ++k) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      path.col(k).segment<3>(3 * static_cast<Eigen::Index>(i)) =
+          scene->initial_positions.segment<3>(3 * nodes[i]) + shift(times[k]);
+    }
+  }
+  scene->handles.path = HandlePath(times, path);
+}
+
+// Every term at once, its first row shaken.
+Scene ShakenCloth(Integrator integrator, double time_step) {
+  Scene scene = ClothScene(SquareGrid(6, 0.3), time_step);
+  scene.integrator = integrator;
+  scene.duration = 0.24;
+  scene.handles.nodes = FirstRow(6);
+  scene.material.bending_stiffness = 1e-4;
+  scene.material.damping = 0.05;
+  scene.material.drag = 0.1;
+  scene.wind.mean = Eigen::Vector3d(0.3, 0.1, 0.2);
+  scene.node_force = Eigen::Vector3d(1e-4, 0.0, 2e-4);
+  MoveHandles(
+      25, [](double t) { return Eigen::Vector3d(0.0, 0.02 * std::sin(15.0 * t), 0.03 * t * t); }, &scene);
+  return scene;
+}
+
+TEST(HandleForcesTest, IsTheWeightOfAClothThatHangsAtRest) {
+  for (const Integrator integrator : kIntegrators) {
+    SCOPED_TRACE(IntegratorName(integrator));
+    GridOptions grid = SquareGrid(5, 0.2);
+    grid.axes = {Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ()};
+    Scene scene = ClothScene(grid, 0.02);
+    scene.integrator = integrator;
+    scene.duration = 6.0;
+    scene.handles.nodes = FirstRow(5);
+    scene.material.drag = 1.0;
+    scene.material.damping = 0.5;
+    const TestRun run(scene, {FirstRow(5)});
+    const Eigen::Vector3d force = run.values.rightCols(1);
+    EXPECT_LE((force - Eigen::Vector3d(0.0, 0.0, 9.81 * run.total_mass())).norm(), 1e-5 * 9.81 * run.total_mass());
+  }
+}
+
+// k/2 |F - R|^2 of a strip whose ends stand e apart, and whose sides are held to the rest width: k e per width.
+TEST(HandleForcesTest, IsTheStressOfAStretchedStrip) {
+  GridOptions grid;
+  grid.nodes = {5, 3};
+  grid.size = {0.2, 0.05};
+  Scene scene = ClothScene(grid, 0.01);
+  scene.gravity.setZero();
+  scene.duration = 0.02;
+  constexpr double kStrain = 0.04;
+  for (int node = 0; node < scene.mesh.num_nodes(); ++node) scene.handles.nodes.push_back(node);
+  for (int node = 0; node < scene.mesh.num_nodes(); ++node) scene.initial_positions[3 * node] *= 1.0 + kStrain;
+  scene.handles.nodes.pop_back();  // a cloth must have a node that moves, here one where forces cancel but along x
+  const std::vector<int> left = {0, 5, 10};
+  const TestRun run(scene, {left});
+  const double expected = -scene.material.stretch_stiffness * kStrain * 0.05;
+  EXPECT_NEAR(run.values(0, 0), expected, 1e-9 * std::abs(expected));
+  EXPECT_LE(std::abs(run.values(1, 0)) + std::abs(run.values(2, 0)), 1e-12);
+}
+
+// Lifted as a whole: weight and inertia of all of it, in each group of its own nodes.
+TEST(HandleForcesTest, LiftsAClothHeldEverywhere) {
+  Scene scene = ClothScene(SquareGrid(3, 0.1), 0.01);
+  scene.duration = 0.2;
+  scene.handles.nodes = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Eigen::Vector3d acceleration(0.5, 0.0, 2.0);
+  MoveHandles(
+      21, [&](double t) -> Eigen::Vector3d { return 0.5 * t * t * acceleration; }, &scene);
+  const TestRun run(scene, {{0, 1, 2}, {3}});
+  const double mass = scene.material.density * run.simulator.model().mass_areas()[3];
+  const Eigen::Vector3d force = run.values.col(1).tail<3>();
+  // In the first steps node 8 has not moved yet.
+  EXPECT_LE((force - mass * (acceleration - scene.gravity)).norm(), 1e-3 * mass * 9.81);
+}
+
+// Momentum: what all handles take is what all nodes gain less what acts on them from outside.
+double MomentumDefect(const TestRun& run, int step) {
+  const Scene& scene = run.scene;
+  const ClothModel& model = run.simulator.model();
+  const bool is_euler = scene.integrator == Integrator::kEuler;
+  const Eigen::VectorXd acceleration = run.AccelerationAt(is_euler ? step - 1 : step);
+  const Eigen::VectorXd ends = run.rollout.positions(is_euler ? step : step + 1);
+  const Eigen::VectorXd velocity =
+      (ends - run.rollout.positions(step - 1)) / ((is_euler ? 1.0 : 2.0) * scene.time_step);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int node = 0; node < model.num_nodes(); ++node) {
+    const double mass = scene.material.density * model.mass_areas()[node];
+    sum += mass * (acceleration.segment<3>(3 * node) - scene.gravity) - scene.node_force;
+    sum -= scene.material.drag * model.drag()->areas()[node] *
+           (model.drag()->WindAt(node, step * scene.time_step) - velocity.segment<3>(3 * node));
+  }
+  return (run.values.col(step) - sum).norm() / run.values.col(step).norm();
+}
+
+TEST(HandleForcesTest, ClosesTheBalanceOfMomentumOfBackwardEuler) {
+  const TestRun run(ShakenCloth(Integrator::kEuler, 0.01), {FirstRow(6)});
+  for (int step = 2; step <= run.scene.num_steps(); ++step) EXPECT_LE(MomentumDefect(run, step), 1e-8) << step;
+}
+
+TEST(HandleForcesTest, ClosesTheBalanceOfMomentumOfSdirk2InSecondOrder) {
+  const auto largest = [](double time_step) {
+    Scene scene = ShakenCloth(Integrator::kSdirk2, time_step);
+    scene.material.stretch_stiffness = 5.0;  // so slow that the steps resolve all of its modes
+    MoveHandles(
+        3, [](double t) -> Eigen::Vector3d { return Eigen::Vector3d(0.0, 0.4, 0.3) * t * t; }, &scene);
+    const TestRun run(scene, {FirstRow(6)});
+    double defect = 0.0;
+    for (int step = 2 * run.scene.num_steps() / 3; step < run.scene.num_steps(); ++step) {
+      defect = std::max(defect, MomentumDefect(run, step));
+    }
+    return defect;
+  };
+  const double coarse = largest(0.0025), fine = largest(0.00125);
+  EXPECT_LE(coarse, 0.02);
+  EXPECT_GE(coarse / fine, 3.0);
+}
+
+TEST(HandleForcesTest, SumsGroups) {
+  const Scene scene = ShakenCloth(Integrator::kSdirk2, 0.01);
+  const TestRun all(scene, {FirstRow(6)}), parts(scene, {{0, 1, 5}, {2, 4, 3}});
+  EXPECT_LE((parts.values.topRows(3) + parts.values.bottomRows(3) - all.values).norm(), 1e-10 * all.values.norm());
+}
+
+// Energy: pulled slowly, the work at the handles is the energy that the cloth stores.
+TEST(HandleForcesTest, DoesTheWorkThatAStretchedClothStores) {
+  for (const Integrator integrator : kIntegrators) {
+    SCOPED_TRACE(IntegratorName(integrator));
+    GridOptions grid;
+    grid.nodes = {6, 4};
+    grid.size = {0.2, 0.1};
+    Scene scene = ClothScene(grid, 0.02);
+    scene.integrator = integrator;
+    scene.gravity.setZero();
+    scene.duration = 8.0;
+    scene.material.drag = 0.5;
+    scene.membrane = MembraneLaw::kOrthotropic;
+    scene.material.warp_stiffness = 80.0;
+    scene.material.weft_stiffness = 50.0;
+    scene.material.poisson_stiffness = 20.0;
+    scene.material.shear_stiffness = 15.0;
+    scene.handles.nodes = {0, 6, 12, 18, 5, 11, 17, 23};
+    const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(41, 0.0, scene.duration);
+    Eigen::MatrixXd path(24, times.size());
+    for (Eigen::Index k = 0; k < times.size(); ++k) {
+      const double s = times[k] / scene.duration;
+      for (int i = 0; i < 8; ++i) {
+        path.col(k).segment<3>(3 * i) = scene.initial_positions.segment<3>(3 * scene.handles.nodes[i]);
+        if (i >= 4) path(3 * i, k) += 0.02 * s * s * (3.0 - 2.0 * s);
+      }
+    }
+    scene.handles.path = HandlePath(times, path);
+    const TestRun run(scene, {{0, 6, 12, 18}, {5, 11, 17, 23}});
+    double work = 0.0;
+    for (int step = 1; step <= scene.num_steps(); ++step) {
+      const double moved = run.rollout.positions(step)[3 * 5] - run.rollout.positions(step - 1)[3 * 5];
+      work += 0.5 * (run.values(3, step) + run.values(3, step - 1)) * moved;
+    }
+    const Eigen::VectorXd end = run.rollout.positions(scene.num_steps());
+    const double stored =
+        StateEnergy(run.rollout.parameters, end, Eigen::VectorXd::Zero(end.size()), run.simulator).elastic();
+    EXPECT_NEAR(work, stored, 2e-3 * stored);
+    EXPECT_NEAR(run.values(0, scene.num_steps()), -run.values(3, scene.num_steps()), 1e-3 * run.values(3, 200));
+  }
+}
+
+struct DifferenceCase {
+  const char* name;
+  MembraneLaw membrane;
+  BendingLaw bending;
+  bool orthotropic_bending;
+};
+
+void PrintTo(const DifferenceCase& difference_case, std::ostream* out) { *out << difference_case.name; }
+
+class HandleForceDerivativeTest : public testing::TestWithParam<DifferenceCase> {
+ protected:
+  HandleForceDerivativeTest() {
+    scene_ = ShakenCloth(Integrator::kSdirk2, 0.01);
+    scene_.membrane = GetParam().membrane;
+    scene_.bending.law = GetParam().bending;
+    scene_.bending.orthotropic = GetParam().orthotropic_bending;
+    Material& material = scene_.material;
+    if (scene_.membrane == MembraneLaw::kOrthotropic) {
+      material.warp_stiffness = 80.0;
+      material.weft_stiffness = 50.0;
+      material.poisson_stiffness = 20.0;
+      material.shear_stiffness = 15.0;
+    }
+    if (scene_.bending.orthotropic) {
+      material.bending_stiffness = 0.0;
+      material.warp_bending = 2e-4;
+      material.weft_bending = 1e-4;
+      material.twist_bending = 5e-5;
+    }
+  }
+
+  // Of the first, a middle and the last step of both integrators, in states that no rollout has.
+  template <typename Check>
+  void ForEachStep(const Check& check) {
+    for (const Integrator integrator : kIntegrators) {
+      scene_.integrator = integrator;
+      const Simulator simulator(scene_);
+      const HandleForces forces(simulator.model(), scene_.nominal_parameters(), scene_.num_steps(), groups_);
+      std::mt19937_64 generator(3);
+      std::normal_distribution<double> normal;
+      HandleForces::States states;
+      for (Eigen::MatrixXd& state : states) {
+        state = forces.Gather(scene_.initial_positions);
+        for (double& coordinate : state.reshaped()) coordinate = 1.02 * coordinate + 0.004 * normal(generator);
+      }
+      for (const int step : {0, 1, 7, scene_.num_steps()}) {
+        SCOPED_TRACE(std::string(IntegratorName(integrator)) + ", step " + std::to_string(step));
+        check(simulator.model(), forces, step, states);
+      }
+    }
+  }
+
+  Scene scene_;
+  const Groups groups_ = {{0, 1, 2}, {4, 5}};
+};
+
+TEST_P(HandleForceDerivativeTest, IsThatOfTheForceByPositions) {
+  ForEachStep([](const ClothModel&, const HandleForces& forces, int step, const HandleForces::States& states) {
+    const auto jacobian = forces.Jacobian(step, states);
+    constexpr double kStep = 1e-6;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Eigen::MatrixXd differences(jacobian[k].rows(), jacobian[k].cols());
+      for (Eigen::Index i = 0; i < differences.cols(); ++i) {
+        HandleForces::States up = states, down = states;
+        up[k](i) += kStep;
+        down[k](i) -= kStep;
+        differences.col(i) = (forces.At(step, up) - forces.At(step, down)) / (2.0 * kStep);
+      }
+      EXPECT_LE((jacobian[k] - differences).norm(), 1e-7 * (1.0 + differences.norm())) << k;
+    }
+  });
+}
+
+TEST_P(HandleForceDerivativeTest, IsThatOfTheForceByParameters) {
+  ForEachStep(
+      [this](const ClothModel& model, const HandleForces& forces, int step, const HandleForces::States& states) {
+        for (const ParameterKind kind : kMaterialKinds) {
+          if (!scene_.has(kind)) continue;
+          const ParameterId id{kind};
+          const Eigen::VectorXd derivative = forces.ParameterDerivative(id, step, states);
+          const double value = GetParameter(scene_.nominal_parameters(), id), change = 0.1 * value;
+          const auto force_at = [&](double changed) -> Eigen::VectorXd {
+            Parameters parameters = scene_.nominal_parameters();
+            SetParameter(id, changed, &parameters);
+            return HandleForces(model, parameters, scene_.num_steps(), groups_).At(step, states);
+          };
+          // R is linear in every constant.
+          const Eigen::VectorXd difference = (force_at(value + change) - force_at(value - change)) / (2.0 * change);
+          EXPECT_GT(derivative.norm(), 0.0) << ParameterName(id, {});
+          EXPECT_LE((derivative - difference).norm(), 1e-8 * (1.0 + difference.norm())) << ParameterName(id, {});
+        }
+      });
+}
+
+INSTANTIATE_TEST_SUITE_P(All, HandleForceDerivativeTest,
+                         testing::Values(DifferenceCase{"Arap", MembraneLaw::kArap, BendingLaw::kPatches, false},
+                                         DifferenceCase{"ArapEdges", MembraneLaw::kArap, BendingLaw::kEdges, false},
+                                         DifferenceCase{"Orthotropic", MembraneLaw::kOrthotropic, BendingLaw::kPatches,
+                                                        true}),
+                         [](const auto& named) { return named.param.name; });
+
+TEST(HandleForcesTest, RejectsGroupsThatAreNoHandles) {
+  const Scene scene = ShakenCloth(Integrator::kEuler, 0.01);
+  const Simulator simulator(scene);
+  const auto make = [&](const Groups& groups) {
+    HandleForces(simulator.model(), scene.nominal_parameters(), 10, groups);
+  };
+  EXPECT_THROW(make({{}}), Error);
+  EXPECT_THROW(make({{0, 6}}), Error);
+  EXPECT_THROW(make({{-1}}), Error);
+}
+
+}  // namespace
+}  // namespace clothid
