@@ -20,10 +20,11 @@ namespace {
 
 constexpr long long kAny = -1;  // a size that the shape leaves open
 
-constexpr std::string_view kTensorNames[] = {"positions",        "times",       "rest_positions", "faces",
-                                             "node_index",       "face_index",  "barycentric",    "handle_index",
-                                             "handle_positions", "sigma",       "cloud_offsets",  "cloud_positions",
-                                             "cloud_sigma",      "handle_times"};
+constexpr std::string_view kTensorNames[] = {"positions",        "times",        "rest_positions", "faces",
+                                             "node_index",       "face_index",   "barycentric",    "handle_index",
+                                             "handle_positions", "sigma",        "cloud_offsets",  "cloud_positions",
+                                             "cloud_sigma",      "handle_times", "handle_forces",  "force_times",
+                                             "force_sigma",      "force_nodes",  "force_offsets"};
 
 [[noreturn]] void Fail(const std::string& path, const std::string& message) {
   throw Error(ErrorKind::kBadData, path + ": " + message);
@@ -128,6 +129,48 @@ void ReadClouds(const TensorReader& reader, const std::string& path, MotionTenso
   if (!(tensors->cloud_sigma > 0.0)) Fail(path, "tensor 'cloud_sigma': is not a number > 0");
 }
 
+// Offsets that do not ascend from 0 to the number of nodes are errors, before anything is cut by them.
+std::vector<std::vector<int>> ReadForceGroups(const TensorReader& reader, long long num_groups,
+                                              const std::string& path) {
+  if (!reader.Has("force_nodes") && !reader.Has("force_offsets")) {
+    if (num_groups == 1) return {};
+    Fail(path, "tensor 'force_nodes' is missing; expected the handles of the " + std::to_string(num_groups) +
+                   " groups of 'handle_forces'");
+  }
+  const std::vector<int> nodes = reader.Indices("force_nodes", kAny);
+  const std::vector<int> offsets = reader.Indices("force_offsets", num_groups + 1);
+  bool ascends = offsets.front() == 0 && offsets.back() == static_cast<int>(nodes.size());
+  for (std::size_t i = 1; i < offsets.size(); ++i) ascends &= offsets[i] > offsets[i - 1];
+  if (!ascends) {
+    Fail(path, "tensor 'force_offsets': expected numbers that ascend from 0 to the " + std::to_string(nodes.size()) +
+                   " entries of 'force_nodes', each group with a node");
+  }
+  std::vector<std::vector<int>> groups;
+  for (std::size_t i = 1; i < offsets.size(); ++i) {
+    groups.emplace_back(nodes.begin() + offsets[i - 1], nodes.begin() + offsets[i]);
+  }
+  return groups;
+}
+
+ForceReadings ReadForces(const TensorReader& reader, const std::string& path) {
+  ForceReadings forces;
+  if (!reader.Has("handle_forces")) {
+    for (const char* name : {"force_times", "force_sigma", "force_nodes", "force_offsets"}) {
+      if (reader.Has(name))
+        Fail(path, "tensor 'handle_forces' is missing; expected beside '" + std::string(name) + "'");
+    }
+    return forces;
+  }
+  const std::vector<TensorType> f64 = {TensorType::kF64};
+  forces.times = reader.Doubles(reader.Require("force_times", f64, {kAny}), 1).transpose();
+  const TensorInfo& values = reader.Require("handle_forces", f64, {forces.times.size(), kAny, 3});
+  const long long num_groups = values.shape[1];
+  forces.values = reader.Doubles(values, 3 * num_groups);
+  forces.sigma = reader.Doubles(reader.Require("force_sigma", f64, {num_groups}), 1).transpose();
+  forces.groups = ReadForceGroups(reader, num_groups, path);
+  return forces;
+}
+
 MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) {
   RejectUnknownTensors(file, path);
   const TensorReader reader(file, path);
@@ -159,6 +202,7 @@ MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) 
         reader.Doubles(reader.Require("handle_positions", f64, {num_knots, num_handles, 3}), 3 * num_handles);
   }
   if (reader.Has("sigma")) tensors.sigma = reader.Doubles(reader.Require("sigma", f64, {num_points}), 1).transpose();
+  tensors.forces = ReadForces(reader, path);
   tensors.scene_text = RequireMetadata(file, path, "scene");
   const auto provenance = file.metadata.find("provenance");
   if (provenance != file.metadata.end()) tensors.provenance = provenance->second;

@@ -37,6 +37,17 @@ Eigen::Matrix3Xd JoinClouds(const std::vector<Eigen::Matrix3Xd>& clouds, std::ve
   return all;
 }
 
+void AddForces(const ForceReadings& forces, std::vector<TensorBytes>* result) {
+  if (forces.is_empty()) return;
+  const long long num_groups = forces.num_groups();
+  // As of positions, every missing component is the same NaN.
+  const Eigen::MatrixXd values =
+      forces.values.array().isNaN().select(std::numeric_limits<double>::quiet_NaN(), forces.values);
+  result->push_back({"force_times", TensorType::kF64, {forces.times.size()}, ToBytes<double>(forces.times)});
+  result->push_back({"handle_forces", TensorType::kF64, {forces.times.size(), num_groups, 3}, ToBytes<double>(values)});
+  result->push_back({"force_sigma", TensorType::kF64, {num_groups}, ToBytes<double>(forces.sigma)});
+}
+
 // What is double in every file.
 void AddDoubles(const MotionTensors& tensors, std::vector<TensorBytes>* result) {
   const TensorType f64 = TensorType::kF64;
@@ -57,6 +68,7 @@ void AddDoubles(const MotionTensors& tensors, std::vector<TensorBytes>* result) 
     result->push_back({"handle_times", f64, {tensors.handle_times.size()}, ToBytes<double>(tensors.handle_times)});
   }
   if (tensors.sigma.size() > 0) result->push_back({"sigma", f64, {num_points}, ToBytes<double>(tensors.sigma)});
+  AddForces(tensors.forces, result);
   if (tensors.cloud_sigma > 0.0) {
     result->push_back({"cloud_sigma", f64, {1}, ToBytes<double>(Eigen::VectorXd::Constant(1, tensors.cloud_sigma))});
   }
@@ -94,6 +106,14 @@ void AddIndices(const MotionTensors& tensors, std::vector<TensorBytes>* result) 
   add("node_index", tensors.node_index);
   add("face_index", tensors.face_index);
   add("handle_index", tensors.handle_index);
+  if (tensors.forces.groups.empty()) return;
+  std::vector<int> nodes, offsets = {0};
+  for (const std::vector<int>& group : tensors.forces.groups) {
+    nodes.insert(nodes.end(), group.begin(), group.end());
+    offsets.push_back(static_cast<int>(nodes.size()));
+  }
+  add("force_nodes", nodes);
+  add("force_offsets", offsets);
 }
 
 // The doubles come first, so that every tensor stands on a multiple of its element size.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/motion/force_readings.h"
 #include "sim/scene/mesh.h"
 
 namespace clothid {
@@ -26,6 +27,7 @@ struct MotionTensors {
   std::vector<Eigen::Matrix3Xd> clouds;  // [T] or empty
   bool single_precision_clouds = true;   // they are stored as F32
   double cloud_sigma = 0.0;              // 0: not known
+  ForceReadings forces;                  // or empty
   std::string scene_text;
   std::string provenance;
 };

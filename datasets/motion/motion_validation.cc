@@ -1,5 +1,6 @@
 #include "datasets/motion/motion_validation.h"
 
+#include <algorithm>
 #include <cfloat>
 #include <cmath>
 #include <set>
@@ -12,6 +13,30 @@ namespace {
 
 // A time this little before the start of the scene, in steps, is rounding.
 constexpr double kSameTime = 1e-9;
+
+// What does not depend on handles.
+void ValidateForces(const ForceReadings& forces, int num_nodes, const NumberChecks& check) {
+  if (forces.is_empty()) {
+    if (forces.values.size() > 0 || forces.sigma.size() > 0) check.Fail("force_times", "expected at least one time");
+    return;
+  }
+  check.ExpectIncreasing("force_times", forces.times);
+  const Eigen::Index num_groups = forces.num_groups();
+  check.ExpectSize("handle_forces", forces.values.size(), 3 * num_groups * forces.times.size());
+  check.ExpectSize("handle_forces", forces.values.cols(), forces.times.size());
+  if (forces.values.array().isInf().any()) check.Fail("handle_forces", "expected finite numbers, or NaN");
+  if (forces.values.array().isNaN().all()) check.Fail("handle_forces", "expected a force that was measured");
+  check.ExpectSize("force_sigma", forces.sigma.size(), num_groups);
+  check.ExpectPositive("force_sigma", forces.sigma);
+  std::set<int> seen;
+  for (const std::vector<int>& group : forces.groups) {
+    if (group.empty()) check.Fail("force_nodes", "has a group without a node");
+    for (const int node : group) {
+      check.ExpectIndex("force_nodes", static_cast<Eigen::Index>(seen.size()), node, num_nodes);
+      if (!seen.insert(node).second) check.Fail("force_nodes", "node " + std::to_string(node) + " is listed twice");
+    }
+  }
+}
 
 class TensorValidator {
  public:
@@ -30,6 +55,7 @@ class TensorValidator {
     ValidateHandles();
     ValidateClouds();
     check_.ExpectPositive("sigma", tensors_.sigma);
+    ValidateForces(tensors_.forces, tensors_.mesh.num_nodes(), check_);
   }
 
  private:
@@ -138,16 +164,21 @@ class MotionValidator {
       check_.ExpectClouds("clouds", "clouds", motion_.clouds, motion_.times.size(), DBL_MAX);
     }
     ValidateScenePart();
+    ValidateHandleForces();
   }
 
  private:
   void ValidateTimes() const {
-    const double time_step = motion_.scene.time_step, start = motion_.scene.start_time;
     if (motion_.num_frames() == 0) check_.Fail("times", "expected at least one frame");
-    if (!(time_step > 0.0)) check_.Fail("scene.time_step", "expected a number > 0");
+    if (!(motion_.scene.time_step > 0.0)) check_.Fail("scene.time_step", "expected a number > 0");
     check_.ExpectIncreasing("times", motion_.times);
-    for (Eigen::Index i = 0; i < motion_.times.size(); ++i) {
-      const double steps = (motion_.times[i] - start) / time_step;
+    ValidateSteps("times", motion_.times);
+  }
+
+  void ValidateSteps(const std::string& field, const Eigen::VectorXd& times) const {
+    const double time_step = motion_.scene.time_step, start = motion_.scene.start_time;
+    for (Eigen::Index i = 0; i < times.size(); ++i) {
+      const double steps = (times[i] - start) / time_step;
       std::ostringstream message;
       if (!(steps >= -kSameTime)) {
         message << "lies before the start of the scene (" << start << " s)";
@@ -157,7 +188,23 @@ class MotionValidator {
       } else {
         continue;
       }
-      check_.FailEntry("times", i, message.str());
+      check_.FailEntry(field, i, message.str());
+    }
+  }
+
+  void ValidateHandleForces() const {
+    const ForceReadings& forces = motion_.forces;
+    ValidateForces(forces, motion_.scene.mesh.num_nodes(), check_);
+    if (forces.is_empty()) return;
+    ValidateSteps("force_times", forces.times);
+    const std::vector<int>& handles = motion_.scene.handles.nodes;
+    if (handles.empty()) check_.Fail("handle_forces", "the scene has no handles at which forces act");
+    for (const std::vector<int>& group : forces.groups) {
+      for (const int node : group) {
+        if (std::find(handles.begin(), handles.end(), node) == handles.end()) {
+          check_.Fail("force_nodes", "node " + std::to_string(node) + " is no handle of the scene");
+        }
+      }
     }
   }
 

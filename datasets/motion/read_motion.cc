@@ -210,6 +210,7 @@ RecordedMotion InterpretMotion(MotionTensors tensors, const std::string& path, c
   motion.clouds = std::move(tensors.clouds);
   const bool is_given = options.sigma_source == SigmaSource::kGiven;
   motion.cloud_sigma = is_given ? options.sigma : tensors.cloud_sigma;
+  motion.forces = std::move(tensors.forces);
   motion.provenance = std::move(tensors.provenance);
   return motion;
 }

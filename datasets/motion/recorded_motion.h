@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/motion/force_readings.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -61,6 +62,7 @@ struct RecordedMotion {
   // (of which there may be none).
   std::vector<Eigen::Matrix3Xd> clouds;
   double cloud_sigma = 0.0;  // m, standard deviation of a coordinate of theirs; 0: not known
+  ForceReadings forces;      // or empty
   // m, of the measured points as they were before some of them were held out; absent: none were.
   std::optional<Eigen::Vector3d> centroid;
   Scene scene;  // with mesh, start state and duration of this recording

@@ -11,10 +11,10 @@ constexpr double kSameTime = 1e-9;
 
 }  // namespace
 
-std::vector<FrameStencil> LinearStencils(const RecordedMotion& motion) {
+std::vector<FrameStencil> LinearStencils(const Eigen::VectorXd& times, const Scene& scene) {
   std::vector<FrameStencil> stencils;
-  for (int i = 0; i < motion.num_frames(); ++i) {
-    double steps = (motion.times[i] - motion.scene.start_time) / motion.scene.time_step;
+  for (const double time : times) {
+    double steps = (time - scene.start_time) / scene.time_step;
     const double nearest = std::round(steps);
     if (std::abs(steps - nearest) <= kSameTime * std::max(1.0, nearest)) steps = nearest;
     FrameStencil stencil;

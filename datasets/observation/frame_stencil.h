@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/motion/recorded_motion.h"
+#include "sim/scene/scene.h"
 
 namespace clothid {
 
@@ -29,9 +29,8 @@ struct FrameStencil {
   double weight(int step) const { return weights[static_cast<std::size_t>(step - first_step)]; }
 };
 
-// Of all frames [T], linear. first_step and last_step never decrease. The recording must be valid
-// (datasets/motion/motion_validation.h).
-std::vector<FrameStencil> LinearStencils(const RecordedMotion& motion);
+// Of increasing times [T] from the start of the scene on, linear. first_step and last_step never decrease.
+std::vector<FrameStencil> LinearStencils(const Eigen::VectorXd& times, const Scene& scene);
 
 // The frames whose stencils hold `step`: those from the first to before the second.
 std::pair<int, int> FramesAt(int step, const std::vector<FrameStencil>& stencils);

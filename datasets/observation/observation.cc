@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
+#include "sim/rollout/handle_forces.h"
 #include "sim/scene/mesh.h"
 
 namespace clothid {
@@ -59,8 +61,9 @@ double PredictionError::fit_percent() const {
 
 double PredictionError::autocorrelation() const {
   const double squares = successive_squares + cloud.successive_squares;
-  if (!(squares > 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  return (successive_products + cloud.successive_products) / squares;
+  if (!(squares > 0.0)) return force.autocorrelation();
+  // NaN is not larger.
+  return std::fmax((successive_products + cloud.successive_products) / squares, force.autocorrelation());
 }
 
 PredictionError& PredictionError::operator+=(const PredictionError& other) {
@@ -70,6 +73,7 @@ PredictionError& PredictionError::operator+=(const PredictionError& other) {
   squared_motion += other.squared_motion;
   num_coordinates += other.num_coordinates;
   cloud += other.cloud;
+  force += other.force;
   return *this;
 }
 
@@ -78,9 +82,11 @@ Observation::Observation(const RecordedMotion& motion)
       sigma_is_known_(SigmaIsKnown(motion)),
       points_(motion.points),
       sigma_(PointSigma(motion)),
-      stencils_(LinearStencils(motion)),
-      clouds_(motion, CloudSigma(motion)) {
+      stencils_(LinearStencils(motion.times, motion.scene)),
+      clouds_(motion, CloudSigma(motion)),
+      forces_(motion) {
   for (const FrameStencil& stencil : stencils_) num_steps_ = std::max(num_steps_, stencil.last_step());
+  if (!forces_.is_empty()) num_steps_ = std::max({num_steps_, forces_.last_step(), kFewestForceSteps});
   FindSeenCoordinates(motion);
 }
 
@@ -103,9 +109,9 @@ void Observation::FindSeenCoordinates(const RecordedMotion& motion) {
       coordinates_.push_back({i, num_points() + j, 0});
       measured.push_back(0.0);
     }
-    first_row_.push_back(num_residuals());
+    first_row_.push_back(first_force_row());
   }
-  if (coordinates_.empty()) {
+  if (coordinates_.empty() && forces_.is_empty()) {
     throw Error(ErrorKind::kBadData, motion.name + ": positions: no seen point moves freely; nothing can be fitted");
   }
   measured_ = Eigen::Map<const Eigen::VectorXd>(measured.data(), static_cast<Eigen::Index>(measured.size()));
@@ -150,12 +156,13 @@ Eigen::MatrixXd Observation::Predict(const Rollout& rollout) const {
   return predicted;
 }
 
-Eigen::VectorXd Observation::Whiten(const Eigen::MatrixXd& points) const {
-  Eigen::VectorXd whitened(num_residuals());
-  for (int r = 0; r < num_residuals(); ++r) {
+Eigen::VectorXd Observation::Whiten(const Eigen::MatrixXd& points, const Eigen::MatrixXd& forces) const {
+  Eigen::VectorXd whitened = Eigen::VectorXd::Zero(num_residuals());
+  for (int r = 0; r < first_force_row(); ++r) {
     const SeenCoordinate& seen = coordinates_[r];
-    whitened[r] = seen.point < num_points() ? points(3 * seen.point + seen.axis, seen.frame) / sigma_[seen.point] : 0.0;
+    if (seen.point < num_points()) whitened[r] = points(3 * seen.point + seen.axis, seen.frame) / sigma_[seen.point];
   }
+  if (forces.size() > 0) whitened.tail(forces_.num_residuals()) = forces_.Whiten(forces);
   return whitened;
 }
 
@@ -169,8 +176,11 @@ Eigen::MatrixXd Observation::WhitenFrame(int frame, const Eigen::MatrixXd& point
   return whitened;
 }
 
-Eigen::VectorXd Observation::Residuals(const Eigen::MatrixXd& predicted) const {
-  Eigen::VectorXd residuals = Whiten(predicted) - measured_;
+Eigen::VectorXd Observation::Residuals(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& forces) const {
+  if (forces.cols() != forces_.num_readings()) throw std::logic_error("residuals: expected the predicted forces");
+  Eigen::VectorXd residuals = Whiten(predicted);
+  residuals.head(first_force_row()) -= measured_;
+  if (!forces_.is_empty()) residuals.tail(forces_.num_residuals()) = forces_.Residuals(forces);
   for (int i = 0; has_clouds() && i < num_frames(); ++i) {
     residuals.segment(first_cloud_row(i), clouds_.num_points(i)) = clouds_.Residuals(i, Nodes(predicted).col(i));
   }
@@ -194,20 +204,21 @@ void Observation::LinearizeFrame(int frame, const Eigen::MatrixXd& points, Eigen
   }
 }
 
-PredictionError Observation::Compare(const Eigen::MatrixXd& predicted) const {
+PredictionError Observation::Compare(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& forces) const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(3 * num_points());
   Eigen::VectorXd count = Eigen::VectorXd::Zero(3 * num_points());
-  for (int r = 0; r < num_residuals(); ++r) {
+  for (int r = 0; r < first_force_row(); ++r) {
     const SeenCoordinate& seen = coordinates_[r];
     if (seen.point >= num_points()) continue;
     sum[3 * seen.point + seen.axis] += measured_[r] * sigma_[seen.point];
     count[3 * seen.point + seen.axis] += 1.0;
   }
   PredictionError error;
+  if (forces.size() > 0) error.force = forces_.Compare(forces);
   if (has_clouds()) error.cloud = clouds_.Compare(Nodes(predicted));
-  error.num_coordinates = num_residuals() - error.cloud.num_points;
+  error.num_coordinates = first_force_row() - error.cloud.num_points;
   Eigen::VectorXd last = Eigen::VectorXd::Constant(3 * num_points(), std::numeric_limits<double>::quiet_NaN());
-  for (int r = 0; r < num_residuals(); ++r) {
+  for (int r = 0; r < first_force_row(); ++r) {
     const SeenCoordinate& seen = coordinates_[r];
     if (seen.point >= num_points()) continue;
     const int row = 3 * seen.point + seen.axis;

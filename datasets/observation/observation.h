@@ -14,6 +14,9 @@
 // (datasets/observation/cloud_observation.h), a nonlinear function of all nodes at the recorded time, which are
 // interpolated as the points are. A prediction then has two parts, rows 0 .. 3P - 1: the points; the 3N rows below
 // them: the nodes. Without clouds it is the points alone.
+//
+// Forces that were measured at handles (datasets/observation/force_observation.h) have predictions of their own, [3G x
+// F] N, at times of their own; their rows of the residual come after all others.
 #ifndef CLOTHID_DATASETS_OBSERVATION_OBSERVATION_H_
 #define CLOTHID_DATASETS_OBSERVATION_OBSERVATION_H_
 
@@ -23,6 +26,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/observation/cloud_observation.h"
+#include "datasets/observation/force_observation.h"
 #include "datasets/observation/frame_stencil.h"
 #include "sim/rollout/rollout.h"
 
@@ -44,6 +48,7 @@ struct PredictionError {
   double successive_products = 0.0;  // m^2: errors of a coordinate in one frame and the next in which it is seen
   double successive_squares = 0.0;   // m^2: the mean of their squares, summed likewise
   CloudError cloud;
+  ForceError force;  // no part of any of the sizes below
 
   // m: the root mean square distance of seen points; a partly seen point counts by its share, a point of a cloud by its
   // distance to the predicted surface.
@@ -53,36 +58,43 @@ struct PredictionError {
   double fit_percent() const;
   // Of a coordinate's errors from frame to frame: 0 for the independent noise of a sensor, near 1 where the model
   // misses something that lasts. NaN without two frames, or without error. In a cloud no point can be followed: there
-  // it is of the mean distance of the points that are nearest to a node.
+  // it is of the mean distance of the points that are nearest to a node. Where forces were measured, too, the larger of
+  // theirs and that of positions.
   double autocorrelation() const;
   PredictionError& operator+=(const PredictionError& other);
 };
 
 class Observation {
  public:
-  // Throws `Error` (kBadData), naming the recording, where `ValidateMotion` does and where no coordinate is seen. Keeps
-  // no reference to `motion`.
+  // Throws `Error` (kBadData), naming the recording, where `ValidateMotion` does and where neither a coordinate nor a
+  // force is seen. Keeps no reference to `motion`.
   explicit Observation(const RecordedMotion& motion);
 
-  int num_residuals() const { return static_cast<int>(coordinates_.size()); }  // m
-  int num_frames() const { return static_cast<int>(stencils_.size()); }        // T
-  int num_points() const { return static_cast<int>(points_.size()); }          // P
-  int num_nodes() const { return num_nodes_; }                                 // N
+  int num_residuals() const { return first_force_row() + forces_.num_residuals(); }  // m
+  int num_frames() const { return static_cast<int>(stencils_.size()); }              // T
+  int num_points() const { return static_cast<int>(points_.size()); }                // P
+  int num_nodes() const { return num_nodes_; }                                       // N
   int num_steps() const { return num_steps_; }  // the least number that covers all frames
   bool sigma_is_known() const { return sigma_is_known_; }
   const std::vector<FrameStencil>& stencils() const { return stencils_; }  // [T] linear in time
   const std::vector<ObservedPoint>& points() const { return points_; }     // [P]
   bool has_clouds() const { return !clouds_.empty(); }
   const CloudObservation& clouds() const { return clouds_; }
+  const ForceObservation& forces() const { return forces_; }
+  int first_force_row() const { return static_cast<int>(coordinates_.size()); }  // as many rows are of positions
   int num_predicted() const { return 3 * (num_points() + (has_clouds() ? num_nodes_ : 0)); }  // rows of a prediction R
 
-  // The rows of the residual, ordered by frame, then point, then axis; the points of a frame's cloud come after its
-  // tracked ones. Frame i has the rows first_row(i) .. first_row(i+1)-1.
+  // The rows of the residual that are of positions, ordered by frame, then point, then axis; the points of a frame's
+  // cloud come after its tracked ones. Frame i has the rows first_row(i) .. first_row(i+1)-1.
   const std::vector<SeenCoordinate>& coordinates() const { return coordinates_; }
-  int first_row(int frame) const { return first_row_[frame]; }
+  // Also of reading i of the forces, as frame T + i.
+  int first_row(int frame) const {
+    return frame < num_frames() ? first_row_[frame] : first_force_row() + forces_.first_row(frame - num_frames());
+  }
   int first_cloud_row(int frame) const { return first_row_[frame + 1] - clouds_.num_points(frame); }
   double sigma(int point) const { return point < num_points() ? sigma_[point] : clouds_.sigma(); }  // m
-  const Eigen::VectorXd& whitened_measured() const { return measured_; }  // [m] measured/sigma; 0 in the rows of clouds
+  // [first_force_row()] measured/sigma; 0 in the rows of clouds.
+  const Eigen::VectorXd& whitened_measured() const { return measured_; }
 
   // States at the steps of a stencil, [3N x c] each, to rows of the prediction at its time [R x c]; and the time
   // derivative [R] m/s of their first column.
@@ -93,13 +105,16 @@ class Observation {
 
   // Every point, seen or not, at every frame: [R x T] m. `rollout` must be ok() and have num_steps() steps.
   Eigen::MatrixXd Predict(const Rollout& rollout) const;
-  // The seen coordinates of `points` [R x T] over sigma: [m]; 0 in the rows of clouds.
-  Eigen::VectorXd Whiten(const Eigen::MatrixXd& points) const;
+  // The seen coordinates of `points` [R x T] over sigma: [m]; 0 in the rows of clouds, and of forces where there are
+  // none in `forces` [3G x F].
+  Eigen::VectorXd Whiten(const Eigen::MatrixXd& points, const Eigen::MatrixXd& forces = {}) const;
   // The same for one frame and several columns: [R x c] -> [rows of the frame x c].
   Eigen::MatrixXd WhitenFrame(int frame, const Eigen::MatrixXd& points) const;
-  // (predicted - measured)/sigma, and distances over sigma: [m].
-  Eigen::VectorXd Residuals(const Eigen::MatrixXd& predicted) const;
-  PredictionError Compare(const Eigen::MatrixXd& predicted) const;
+  // (predicted - measured)/sigma, and distances over sigma: [m]. Throws `std::logic_error` where the recording has
+  // forces and `forces` [3G x F] are not given.
+  Eigen::VectorXd Residuals(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& forces = {}) const;
+  // Of positions, and of forces [3G x F] where they are given.
+  PredictionError Compare(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& forces = {}) const;
 
   // One frame with derivatives: the first column of `points` [R x (1 + q)] is the prediction, the others are its
   // derivatives; to residuals [r] and theirs [r x q].
@@ -120,8 +135,9 @@ class Observation {
   std::vector<FrameStencil> stencils_;  // [T]
   std::vector<SeenCoordinate> coordinates_;
   std::vector<int> first_row_;  // [T + 1]
-  Eigen::VectorXd measured_;    // [m]
+  Eigen::VectorXd measured_;    // [first_force_row()]
   CloudObservation clouds_;
+  ForceObservation forces_;
 };
 
 }  // namespace clothid
