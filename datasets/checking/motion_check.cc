@@ -65,6 +65,7 @@ std::vector<Finding> CheckMotion(const RecordedMotion& motion) {
   }
   add(CheckClouds(checked));
   if (Worst(findings) < Severity::kProblem) add(CheckAgainstScene(checked));
+  add(CheckForces(checked));
   add(CheckConstants(checked));
   add({CheckTimeStep(checked)});
   return findings;

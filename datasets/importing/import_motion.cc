@@ -114,6 +114,25 @@ void SetHandles(const ImportOptions& options, double time_shift, const std::stri
   tensors->handle_positions = MeasuredHandlePositions(tensors->times, tensors->positions, points, source);
 }
 
+void SetForces(const ImportOptions& options, double time_shift, MotionTensors* tensors) {
+  if (options.force_file) tensors->forces = ReadForces(*options.force_file, tensors->times, time_shift);
+}
+
+// Forces go with the handles: turned with the points, on the clock of the recording.
+void EditForces(double time_shift, const std::string& name, const ImportOptions& options, MotionTensors* tensors) {
+  ForceReadings& forces = tensors->forces;
+  if (forces.is_empty() || options.force_file) return;
+  const TrackEdit& edit = options.edit;
+  if (edit.times.size() > 0 || edit.frame_rate > 0.0) {
+    FailUsage(name + ": its forces have times of their own; expected no new times for its frames alone");
+  }
+  if (edit.time_scale != 1.0) forces.times *= edit.time_scale;
+  forces.times.array() += time_shift;
+  TurnForces(edit.transform.linear(), name, &forces);
+  KeepReadingsWithin(tensors->times, &forces);
+  if (forces.is_empty()) forces = ForceReadings();
+}
+
 void SetSigma(double sigma, MotionTensors* tensors) {
   if (sigma == 0.0) return;
   if (!std::isfinite(sigma) || sigma < 0.0) FailUsage("sigma: expected a number > 0 (m)");
@@ -182,6 +201,7 @@ MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& optio
   ValidateMesh(tensors.mesh, tracks.name + ": mesh");
   SetPoints(edited.tracks, MakeMap(edited.tracks, tensors.mesh, options), &tensors);
   SetHandles(options, edited.time_shift, tracks.name, &tensors);
+  SetForces(options, edited.time_shift, &tensors);
   SetSigma(options.sigma, &tensors);
   tensors.provenance = options.provenance;
   tensors.scene_text = "{}";
@@ -202,6 +222,7 @@ MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& nam
   }
   result.cloud_sigma *= options.edit.scale;
   EditHandles(edited.time_shift, name, options, &result);
+  EditForces(edited.time_shift, name, options, &result);
   if (options.mesh) {
     result.mesh = *options.mesh;
     ValidateMesh(result.mesh, name + ": mesh");
@@ -211,6 +232,7 @@ MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& nam
     SetPoints(edited.tracks, MakeMap(edited.tracks, result.mesh, options), &result);
   }
   SetHandles(options, edited.time_shift, name, &result);
+  SetForces(options, edited.time_shift, &result);
   SetSigma(options.sigma, &result);
   result.provenance = options.provenance;
   ValidateMotionTensors(result, name);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/formats/point_tracks.h"
+#include "datasets/importing/force_file.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/importing/point_map.h"
 #include "datasets/importing/track_edit.h"
@@ -32,6 +33,7 @@ struct ImportOptions {
   double map_distance = 0.0;  // m, of kNearest and kMarkers, see `PlacementOptions`
   std::vector<int> handle_nodes;
   std::optional<HandleFile> handle_file;  // paths of the handles; without it those of their measured points
+  std::optional<ForceFile> force_file;    // what the handles bear; without it what a recording has
   double sigma = 0.0;                     // m, of every point; 0: not known
   std::string provenance;
 };
@@ -43,7 +45,7 @@ struct ImportOptions {
 MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& options);
 
 // The same for a recording: unit, frame of reference, clock and frames change; paths of handles go with the points.
-// Scene, mesh with map, handles and sigma are replaced where `options` give them.
+// Scene, mesh with map, handles, forces and sigma are replaced where `options` give them.
 MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& name, const ImportOptions& options);
 
 // The observed points of a recording, for export; with the faces of its mesh where point p is node p.

@@ -195,6 +195,7 @@ std::string Provenance(const SyntheticOptions& options) {
     text << (SeesNoNodes(options) ? "none" : "at all nodes");
   }
   if (HasCloud(options)) text << ", clouds of " << options.num_cloud_points << " points";
+  if (options.force_sensor) text << ", forces with noise " << options.force_sensor->sigma << " N";
   text << ", seed " << options.seed;
   return text.str();
 }
@@ -240,6 +241,11 @@ MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const st
   SamplePositions(rollout, frame_steps, options, &motion);
   AddClouds(rollout, scene, frame_steps, options, &motion);
   SetHandlePaths(scene.handles, &motion);
+  if (options.force_sensor) {
+    const double rate = options.force_sensor->rate;
+    const Eigen::VectorXd steps = rate == 0.0 ? frame_steps : FrameSteps(rate, scene.time_step, rollout.num_steps());
+    motion.forces = ReadForceSensor(*options.force_sensor, rollout, scene, steps, options.seed);
+  }
   AddNoise(options, &motion);
   DropPoints(options, &motion);
   return motion;

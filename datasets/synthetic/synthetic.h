@@ -7,10 +7,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "datasets/formats/point_tracks.h"
 #include "datasets/motion/motion_file.h"
+#include "datasets/synthetic/force_sensor.h"
 #include "sim/rollout/rollout.h"
 #include "sim/scene/scene.h"
 
@@ -24,7 +26,8 @@ struct SyntheticOptions {
   double drop_fraction = 0.0;  // in [0, 1): the chance of a point to be missing in a frame
   int num_markers = 0;         // free nodes seen, chosen by `seed`; 0: every node, or none where there are clouds
   int num_cloud_points = 0;    // per frame, unordered, anywhere on the surface; 0: no clouds
-  std::uint64_t seed = 1;      // markers, noise, drops and clouds have streams of their own
+  std::optional<ForceSensor> force_sensor;  // at the handles; absent: no forces
+  std::uint64_t seed = 1;                   // markers, noise, drops, clouds and forces have streams of their own
   bool single_precision =
       false;  // store positions as F32, which limits how well a truth can be recovered (about 1e-7 m)
 };

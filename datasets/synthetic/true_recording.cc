@@ -49,6 +49,7 @@ RecordedMotion MakeRecording(const Rollout& rollout, const Scene& scene, const s
   motion.times = tensors.times;
   motion.positions = tensors.positions;
   motion.sigma = tensors.sigma;
+  motion.forces = tensors.forces;
   motion.points.resize(static_cast<std::size_t>(scene.mesh.num_nodes()));
   for (int node = 0; node < scene.mesh.num_nodes(); ++node) motion.points[node].nodes[0] = node;
   motion.scene = scene;

@@ -1,0 +1,66 @@
+#include "datasets/synthetic/force_sensor.h"
+
+#include <cmath>
+#include <random>
+
+#include "sim/base/error.h"
+#include "sim/cloth/cloth_model.h"
+#include "sim/rollout/handle_forces.h"
+
+namespace clothid {
+namespace {
+
+// After every step [3G x (steps + 1)].
+Eigen::MatrixXd ForcesAfterSteps(const Rollout& rollout, const Scene& scene,
+                                 const std::vector<std::vector<int>>& groups) {
+  ClothModel model(scene);
+  if (rollout.parameters.fields != nullptr) model.SetFields(rollout.parameters.fields.get());
+  const HandleForces forces(model, rollout.parameters, rollout.num_steps(), groups);
+  Eigen::MatrixXd states(3 * static_cast<Eigen::Index>(forces.nodes().size()), rollout.num_steps() + 1);
+  for (int step = 0; step <= rollout.num_steps(); ++step) states.col(step) = forces.Gather(rollout.positions(step));
+  return forces.Over(states);
+}
+
+void Check(const ForceSensor& sensor, const Rollout& rollout, const Scene& scene) {
+  if (!(sensor.sigma >= 0.0) || !std::isfinite(sensor.sigma)) {
+    throw Error(ErrorKind::kUsage, "force_sigma: expected a standard deviation >= 0 (N)");
+  }
+  if (!sensor.bias.allFinite()) throw Error(ErrorKind::kUsage, "force_bias: expected finite numbers (N)");
+  if (scene.handles.nodes.empty()) throw Error(ErrorKind::kUsage, "forces: the scene has no handles");
+  if (rollout.num_steps() < kFewestForceSteps) {
+    throw Error(ErrorKind::kUsage,
+                "forces: expected a scene of at least " + std::to_string(kFewestForceSteps) + " steps");
+  }
+}
+
+}  // namespace
+
+ForceReadings ReadForceSensor(const ForceSensor& sensor, const Rollout& rollout, const Scene& scene,
+                              const Eigen::VectorXd& steps, std::uint64_t seed) {
+  Check(sensor, rollout, scene);
+  ForceReadings forces;
+  forces.groups = sensor.groups;
+  forces.times = scene.start_time + scene.time_step * steps.array();
+  std::vector<std::vector<int>> groups = sensor.groups;
+  if (groups.empty()) groups = {scene.handles.nodes};
+  const Eigen::MatrixXd after = ForcesAfterSteps(rollout, scene, groups);
+  forces.values.resize(after.rows(), steps.size());
+  constexpr std::uint32_t kForces = 0xf04ce;  // apart from the streams of datasets/synthetic/synthetic.cc
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), kForces};
+  std::mt19937_64 generator(sequence);
+  std::normal_distribution<double> normal;
+  for (Eigen::Index i = 0; i < steps.size(); ++i) {
+    const auto before = static_cast<Eigen::Index>(std::floor(steps[i]));
+    const double fraction = steps[i] - static_cast<double>(before);
+    auto force = forces.values.col(i);
+    force = after.col(before);
+    if (fraction > 0.0) force += fraction * (after.col(before + 1) - after.col(before));
+    for (double& component : force) component += sensor.sigma * normal(generator);
+    force += sensor.bias.replicate(forces.num_groups(), 1);
+  }
+  const double sigma = sensor.sigma > 0.0 ? sensor.sigma : kNoiselessForceSigma * after.cwiseAbs().maxCoeff();
+  forces.sigma = Eigen::VectorXd::Constant(forces.num_groups(), sigma > 0.0 ? sigma : kNoiselessForceSigma);
+  return forces;
+}
+
+}  // namespace clothid
