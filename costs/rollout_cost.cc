@@ -143,11 +143,13 @@ bool RolloutCost::LinearizeAlong(const Eigen::VectorXd& coordinates, const Eigen
   return true;
 }
 
-bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts) const {
+bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts,
+                          Eigen::MatrixXd* forces) const {
   const RolloutEvaluation& evaluation = evaluator_->At({coordinates, precision_, Need::kCost, {}});
   if (!evaluation.ok()) return false;
   *predicted = evaluation.predicted;
   if (counts != nullptr) *counts = evaluation.counts;
+  if (forces != nullptr) *forces = evaluation.forces;
   return true;
 }
 

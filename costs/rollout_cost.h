@@ -72,9 +72,10 @@ class RolloutCost : public ceres::CostFunction {
   bool LinearizeAlong(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow, Eigen::MatrixXd* jacobian,
                       Eigen::VectorXd* residuals, Eigen::MatrixXd* frame_scores) const;
 
-  // The prediction [R x T] m (see Observation), and the counts of their rollout (may be null). False where the rollout
-  // failed.
-  bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts = nullptr) const;
+  // The prediction [R x T] m (see Observation), the counts of their rollout (may be null) and the forces [3G x F] N
+  // (may be null). False where the rollout failed.
+  bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts = nullptr,
+               Eigen::MatrixXd* forces = nullptr) const;
 
   // A new fit starts: the adjoint's subspace starts afresh.
   void Restart();

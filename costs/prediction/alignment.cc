@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
+#include "sim/base/error.h"
 #include "sim/scene/mesh.h"
 
 namespace clothid {
@@ -18,6 +21,8 @@ constexpr double kPi = 3.14159265358979323846;
 
 constexpr char kTimeOffsetName[] = "time_offset";
 constexpr char kAlignName[] = "align";  // shift and turn
+constexpr char kForceBiasName[] = "force_bias";
+constexpr int kMostForceGroups = 1000;
 constexpr char kAxes[] = "xyz";
 
 struct GroupName {
@@ -27,6 +32,32 @@ struct GroupName {
 
 constexpr std::array<GroupName, 3> kGroups = {
     {{"shift", AlignmentKind::kShift}, {"turn", AlignmentKind::kTurn}, {"v0", AlignmentKind::kStartVelocity}}};
+
+// The group of "force_bias", "force_bias2", ..: from 0 on; nothing for any other name.
+std::optional<int> ForceBiasGroup(const std::string& name) {
+  const std::size_t length = sizeof(kForceBiasName) - 1;
+  if (name.compare(0, length, kForceBiasName) != 0) return std::nullopt;
+  if (name.size() == length) return 0;
+  int number = 0;
+  const auto [end, error] = std::from_chars(name.data() + length, name.data() + name.size(), number);
+  const bool is_number = error == std::errc() && end == name.data() + name.size() && name[length] != '0';
+  if (!is_number || number < 2 || number > kMostForceGroups) return std::nullopt;
+  return number - 1;
+}
+
+// The measured forces of a group along an axis [F]; empty where there is no such group.
+Eigen::VectorXd ForcesAlong(AlignmentId id, const ForceReadings& forces) {
+  if (forces.is_empty() || id.group >= forces.num_groups()) return {};
+  return forces.values.row(3 * static_cast<Eigen::Index>(id.group) + id.axis).transpose();
+}
+
+double LargestForce(AlignmentId id, const ForceReadings& forces) {
+  double largest = 0.0;
+  for (const double force : ForcesAlong(id, forces)) {
+    if (std::isfinite(force)) largest = std::max(largest, std::abs(force));
+  }
+  return largest;
+}
 
 double MedianFrameInterval(const RecordedMotion& motion) {
   std::vector<double> intervals;
@@ -57,7 +88,19 @@ void Alignment::Set(AlignmentId id, double value) {
     case AlignmentKind::kStartVelocity:
       start_velocity[id.axis] = value;
       break;
+    case AlignmentKind::kForceBias:
+      if (static_cast<int>(force_bias.size()) <= id.group) force_bias.resize(id.group + 1, Eigen::Vector3d::Zero());
+      force_bias[id.group][id.axis] = value;
+      break;
   }
+}
+
+Eigen::VectorXd Alignment::ForceBias(int num_groups) const {
+  Eigen::VectorXd bias = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(num_groups));
+  for (int g = 0; g < std::min(num_groups, static_cast<int>(force_bias.size())); ++g) {
+    bias.segment<3>(3 * static_cast<Eigen::Index>(g)) = force_bias[g];
+  }
+  return bias;
 }
 
 std::optional<AlignmentId> ParseAlignmentId(const std::string& name) {
@@ -66,6 +109,11 @@ std::optional<AlignmentId> ParseAlignmentId(const std::string& name) {
     for (int axis = 0; axis < 3; ++axis) {
       if (name == std::string(group.name) + "." + kAxes[axis]) return AlignmentId{group.kind, axis};
     }
+  }
+  if (name.size() > 2 && name[name.size() - 2] == '.') {
+    const std::size_t axis = std::string_view(kAxes).find(name.back());
+    const std::optional<int> group = ForceBiasGroup(name.substr(0, name.size() - 2));
+    if (group && axis < 3) return AlignmentId{AlignmentKind::kForceBias, static_cast<int>(axis), *group};
   }
   return std::nullopt;
 }
@@ -80,6 +128,10 @@ std::vector<std::string> ExpandAlignmentNames(const std::vector<std::string>& na
       AppendAxes(group.name, &expanded);
       is_group = true;
     }
+    if (ForceBiasGroup(name)) {
+      AppendAxes(name, &expanded);
+      is_group = true;
+    }
     if (!is_group) expanded.push_back(name);
   }
   return expanded;
@@ -92,7 +144,7 @@ std::string AlignmentGroup(const std::string& name) {
 std::string KnownAlignmentNames() {
   std::string names = std::string(kTimeOffsetName) + ", " + kAlignName;
   for (const GroupName& group : kGroups) names += ", " + std::string(group.name) + "[.x|.y|.z]";
-  return names;
+  return names + ", " + kForceBiasName + "[.x|.y|.z]";
 }
 
 double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion) {
@@ -105,6 +157,8 @@ double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion) {
       return kLargestTurn;
     case AlignmentKind::kStartVelocity:
       return kLargestStartSpeed;
+    case AlignmentKind::kForceBias:
+      return std::max(LargestForce(id, motion.forces), motion.forces.sigma[id.group]);
   }
   return 0.0;
 }
@@ -117,9 +171,18 @@ double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
       return kPi;
     case AlignmentKind::kShift:
     case AlignmentKind::kStartVelocity:
+    case AlignmentKind::kForceBias:
       break;
   }
   return std::numeric_limits<double>::infinity();
+}
+
+void ExpectMeasured(AlignmentId id, const std::string& name, const RecordedMotion& motion) {
+  if (id.kind != AlignmentKind::kForceBias) return;
+  const Eigen::VectorXd forces = ForcesAlong(id, motion.forces);
+  if (!forces.array().isNaN().all()) return;
+  throw Error(ErrorKind::kUsage, "parameter '" + name + "': " + motion.name + " has no forces along " + kAxes[id.axis] +
+                                     " of group " + std::to_string(id.group + 1) + " of its handles");
 }
 
 Eigen::Vector3d TurnCenter(const RecordedMotion& motion) {

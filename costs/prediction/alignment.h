@@ -9,6 +9,10 @@
 // it was recorded. R(turn): the rotation about the direction of `turn` by |turn|. c: the centroid of the measured
 // points. So `shift` and `turn` are what must be added to the prediction to meet the recording, `time_offset` what must
 // be added to the times of the recording to meet the scene: positive where its clock is behind.
+//
+// Forces at handles (datasets/observation/force_observation.h) belong to the handles: none of these corrects them. A
+// gauge that is off at zero does:
+//   predicted force of a group = R + force_bias,   one vector for each group, N
 #ifndef CLOTHID_COSTS_PREDICTION_ALIGNMENT_H_
 #define CLOTHID_COSTS_PREDICTION_ALIGNMENT_H_
 
@@ -21,14 +25,17 @@
 
 namespace clothid {
 
-enum class AlignmentKind { kTimeOffset, kShift, kTurn, kStartVelocity };
+enum class AlignmentKind { kTimeOffset, kShift, kTurn, kStartVelocity, kForceBias };
 
 // One scalar of `Alignment`.
 struct AlignmentId {
   AlignmentKind kind = AlignmentKind::kTimeOffset;
-  int axis = 0;  // 0, 1, 2: x, y, z; of the time offset 0
+  int axis = 0;   // 0, 1, 2: x, y, z; of the time offset 0
+  int group = 0;  // of handles, of a force bias
 
-  bool operator==(const AlignmentId& other) const { return kind == other.kind && axis == other.axis; }
+  bool operator==(const AlignmentId& other) const {
+    return kind == other.kind && axis == other.axis && group == other.group;
+  }
 };
 
 struct Alignment {
@@ -36,15 +43,20 @@ struct Alignment {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();           // m
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();            // rad, rotation vector
   Eigen::Vector3d start_velocity = Eigen::Vector3d::Zero();  // v0, m/s
+  std::vector<Eigen::Vector3d> force_bias;                   // N, of the first groups; zero of the others
+
+  // [3G] N.
+  Eigen::VectorXd ForceBias(int num_groups) const;
 
   void Set(AlignmentId id, double value);
 };
 
-// "time_offset", "shift.x" .. "shift.z", "turn.x" .., "v0.x" ..; nothing for any other name.
+// "time_offset", "shift.x" .. "shift.z", "turn.x" .., "v0.x" .., "force_bias.x" .. of the first group of handles,
+// "force_bias2.x" .. of the second, ..; nothing for any other name.
 std::optional<AlignmentId> ParseAlignmentId(const std::string& name);
 
-// `names` with shift, turn and v0 replaced by the three of each, and align by those of shift and turn; all others as
-// they are.
+// `names` with shift, turn, v0 and force_bias replaced by the three of each, and align by those of shift and turn; all
+// others as they are.
 std::vector<std::string> ExpandAlignmentNames(const std::vector<std::string>& names);
 
 // "shift" of "shift.x"; a name without axes as it is.
@@ -54,12 +66,16 @@ std::string AlignmentGroup(const std::string& name);
 std::string KnownAlignmentNames();
 
 // How far a parameter may be from zero unless bounds are given, in its own unit: two frame intervals (their median), a
-// quarter of the cloth's size, 0.2 rad, 2 m/s.
+// quarter of the cloth's size, 0.2 rad, 2 m/s, the largest force that was measured along that axis.
 double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion);
 
 // The farthest that a bound may be from zero: of the time offset the duration of the recording, because the simulation
 // has to cover it; of a turn pi, beyond which the same rotations come again; else infinite.
 double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion);
+
+// Throws `Error` (kUsage), naming parameter and recording, where the recording has not what `id` is a correction of: a
+// force bias wants forces that were measured along its axis.
+void ExpectMeasured(AlignmentId id, const std::string& name, const RecordedMotion& motion);
 
 // c: RecordedMotion::centroid, where it is given, else the mean of the measured points of all frames.
 Eigen::Vector3d TurnCenter(const RecordedMotion& motion);

@@ -32,8 +32,8 @@ class FramePrediction {
   // The time derivative of the prediction [R] m/s; zero where the interpolation is linear.
   Eigen::VectorXd Velocities(int frame, const FrameStates& states) const;
 
-  // d points/d id [R] of a frame, in the unit of `id`, for a fixed rollout: zero for the start velocity. `points` and
-  // `velocities`: of the frame; only the time offset needs velocities.
+  // d points/d id [R] of a frame, in the unit of `id`, for a fixed rollout: zero for start velocity and force bias.
+  // `points` and `velocities`: of the frame; only the time offset needs velocities.
   Eigen::VectorXd Derivative(AlignmentId id, const Eigen::VectorXd& points, const Eigen::VectorXd& velocities) const;
 
   // Adds to `gradient` [3N x s] the part at `step` of  dC/dx = (d residual/dx)^T seeds,  seeds [m x s].

@@ -183,6 +183,7 @@ std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKi
 ParameterBlock MakeAlignmentBlock(const std::string& name, AlignmentId id, const RecordedMotion& motion,
                                   const ParameterOverrides& overrides) {
   ValidateMotion(motion);
+  ExpectMeasured(id, name, motion);
   ParameterBlock block;
   block.name = name;
   block.is_signed = true;

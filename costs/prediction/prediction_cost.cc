@@ -3,9 +3,9 @@
 namespace clothid {
 
 PredictionCost CostOfPrediction(const RobustLoss& loss, const Observation& observation,
-                                const Eigen::MatrixXd& predicted) {
+                                const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& forces) {
   PredictionCost cost;
-  cost.residuals = observation.Residuals(predicted);
+  cost.residuals = observation.Residuals(predicted, forces);
   cost.value = LossWeights(loss, observation, 0, cost.residuals, &cost.weights);
   return cost;
 }

@@ -19,9 +19,9 @@ struct PredictionCost {
   Eigen::VectorXd Gradient() const { return weights.cwiseProduct(WeightedResiduals()); }  // [m] dL/de = w^2 e
 };
 
-// `predicted` [R x T] m, of `observation`.
+// `predicted` [R x T] m and `forces` [3G x F] N, of `observation`.
 PredictionCost CostOfPrediction(const RobustLoss& loss, const Observation& observation,
-                                const Eigen::MatrixXd& predicted);
+                                const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& forces);
 
 }  // namespace clothid
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "costs/prediction/force_prediction.h"
 #include "costs/prediction/frame_prediction.h"
 #include "datasets/observation/residual_derivative.h"
 #include "sim/cloth/cloth_model.h"
@@ -55,8 +56,23 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
   if (start_ == nullptr && IsUnknown(motion.start_source)) start_ = std::make_shared<const UnknownStart>(motion);
 }
 
+int RecordingModel::num_steps() const {
+  const ForceObservation& forces = observation_.forces();
+  if (forces.is_empty()) return interpolation_.num_steps();
+  return std::max({interpolation_.num_steps(), forces.last_step(), kFewestForceSteps});
+}
+
 FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
   return FramePrediction(values_.AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
+}
+
+std::optional<ForcePrediction> RecordingModel::ForcesAt(const Eigen::VectorXd& coordinates) {
+  const ForceObservation& forces = observation_.forces();
+  if (forces.is_empty()) return std::nullopt;
+  const Parameters parameters = ParametersAt(coordinates);
+  simulator_.UseFields(parameters);
+  return ForcePrediction(&forces, simulator_.model(), parameters, num_steps(),
+                         values_.AlignmentAt(coordinates).ForceBias(forces.num_groups()));
 }
 
 RecordingModel::RolloutStart RecordingModel::StartAt(const Eigen::VectorXd& coordinates) const {
@@ -160,9 +176,14 @@ SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordin
 }
 
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass,
-                                 const RolloutStorage& storage, Eigen::MatrixXd* predicted,
-                                 Eigen::MatrixXd* velocities) {
+                                 const RolloutStorage& storage, Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities,
+                                 ForceTrack* forces) {
   const FramePrediction prediction = PredictionAt(coordinates);
+  const std::optional<ForcePrediction> force_prediction = forces == nullptr ? std::nullopt : ForcesAt(coordinates);
+  if (forces != nullptr) *forces = ForceTrack();
+  if (force_prediction) {
+    forces->states.resize(3 * static_cast<Eigen::Index>(force_prediction->forces().nodes().size()), num_steps() + 1);
+  }
   predicted->resize(observation_.num_predicted(), observation_.num_frames());
   if (velocities != nullptr) velocities->resize(0, 0);
   const bool has_velocities = velocities != nullptr && interpolation_.has_slopes();
@@ -174,8 +195,13 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassO
   RolloutOptions options;
   if (storage.keep_factors) options.factor_memory = storage.memory_limit;
   options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), storage.memory_limit);
-  options.visitor = [&sampler](int step, const Eigen::VectorXd& positions) { sampler.AddStep(step, positions); };
-  return RunRollout(coordinates, pass, std::move(options));
+  options.visitor = [&](int step, const Eigen::VectorXd& positions) {
+    sampler.AddStep(step, positions);
+    if (force_prediction) forces->states.col(step) = force_prediction->forces().Gather(positions);
+  };
+  Rollout rollout = RunRollout(coordinates, pass, std::move(options));
+  if (force_prediction && rollout.ok()) forces->predicted = force_prediction->At(forces->states);
+  return rollout;
 }
 
 EnergyGain RecordingModel::EnergyGainAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel) {
@@ -190,18 +216,30 @@ EnergyGain RecordingModel::EnergyGainAt(const Eigen::VectorXd& coordinates, cons
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
                                          const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
                                          const std::vector<int>& active, const Eigen::MatrixXd& seeds,
-                                         const AdjointOptions& options, Precision precision, Eigen::MatrixXd* fields) {
+                                         const AdjointOptions& options, Precision precision, Eigen::MatrixXd* fields,
+                                         const ForceTrack* forces) {
   const FramePrediction prediction = PredictionAt(coordinates);
   const ResidualDerivative derivative(&observation_, predicted);
   const SortedBlocks sorted = values_.Sort(active);
+  const std::optional<ForcePrediction> force_prediction = ForcesAt(coordinates);
+  std::optional<ForceSeeds> force_seeds;
+  if (force_prediction) {
+    if (forces == nullptr || forces->states.cols() != num_steps() + 1 || fields != nullptr) {
+      throw std::logic_error("the adjoint of forces: expected those of the rollout, and no fields");
+    }
+    force_seeds.emplace(&*force_prediction, &forces->states, seeds.bottomRows(observation_.forces().num_residuals()),
+                        sorted.parameters);
+  }
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
     prediction.AddSeeds(step, seeds, derivative, gradient);
+    if (force_seeds) force_seeds->AddTo(step, gradient);
   };
   const RolloutGradient gradient =
       RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision);
   if (fields != nullptr) *fields = gradient.fields;
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
+  if (force_seeds) all(sorted.parameter_places, Eigen::all) += force_seeds->parameter_gradient();
   if (!sorted.velocity_places.empty()) {
     all(sorted.velocity_places, Eigen::all) =
         UniformVelocities(observation_.num_nodes(), sorted.velocity_axes).transpose() * gradient.initial_velocities;
@@ -211,6 +249,16 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   return values_.DerivativesAt(coordinates, active).asDiagonal() * all;
 }
 
+Eigen::VectorXd RecordingModel::ForceBiasDerivative(AlignmentId id) const {
+  const ForceObservation& forces = observation_.forces();
+  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(observation_.num_residuals());
+  if (id.group >= forces.num_groups()) return derivative;
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(3 * forces.num_groups(), forces.num_readings());
+  unit.row(3 * static_cast<Eigen::Index>(id.group) + id.axis).setOnes();
+  derivative.tail(forces.num_residuals()) = forces.Whiten(unit);
+  return derivative;
+}
+
 void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
                                        const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
                                        const ResidualDerivative& derivative, const Eigen::MatrixXd& seeds,
@@ -218,6 +266,10 @@ void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const 
   Eigen::MatrixXd change(predicted.rows(), predicted.cols());
   for (std::size_t i = 0; i < active.corrections.size(); ++i) {
     const AlignmentId id = active.corrections[i];
+    if (id.kind == AlignmentKind::kForceBias) {
+      gradient->row(active.correction_places[i]) = ForceBiasDerivative(id).transpose() * seeds;
+      continue;
+    }
     const bool needs_velocities = id.kind == AlignmentKind::kTimeOffset;
     if (needs_velocities && velocities.size() != predicted.size()) {
       throw std::logic_error("the derivative along the time offset needs the velocities of the prediction");
@@ -230,21 +282,38 @@ void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const 
   }
 }
 
-Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active,
-                                                int frame, const FrameStates& states) const {
-  const Eigen::MatrixXd swept = prediction.Points(frame, states);
+Eigen::MatrixXd RecordingModel::Arranged(const Eigen::MatrixXd& swept, const SortedBlocks& active) {
   const auto num_swept = static_cast<Eigen::Index>(active.parameters.size() + active.start_places.size());
   if (active.has_only_parameters()) return swept.leftCols(1 + num_swept);
   std::vector<int> places = active.parameter_places;
   places.insert(places.end(), active.velocity_places.begin(), active.velocity_places.end());
   places.insert(places.end(), active.start_places.begin(), active.start_places.end());
-  Eigen::MatrixXd all(swept.rows(), 1 + static_cast<Eigen::Index>(places.size() + active.corrections.size()));
+  Eigen::MatrixXd all =
+      Eigen::MatrixXd::Zero(swept.rows(), 1 + static_cast<Eigen::Index>(places.size() + active.corrections.size()));
   all.col(0) = swept.col(0);
   for (std::size_t i = 0; i < places.size(); ++i) all.col(1 + places[i]) = swept.col(1 + static_cast<Eigen::Index>(i));
+  return all;
+}
+
+Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active,
+                                                int frame, const FrameStates& states) const {
+  const Eigen::MatrixXd swept = prediction.Points(frame, states);
+  Eigen::MatrixXd all = Arranged(swept, active);
+  if (active.corrections.empty()) return all;
   Eigen::VectorXd velocities;
   if (interpolation_.has_slopes()) velocities = prediction.Velocities(frame, states);
   for (std::size_t i = 0; i < active.corrections.size(); ++i) {
     all.col(1 + active.correction_places[i]) = prediction.Derivative(active.corrections[i], swept.col(0), velocities);
+  }
+  return all;
+}
+
+Eigen::MatrixXd RecordingModel::ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& active) {
+  Eigen::MatrixXd all = Arranged(swept, active);
+  for (std::size_t i = 0; i < active.corrections.size(); ++i) {
+    const AlignmentId id = active.corrections[i];
+    const Eigen::Index row = 3 * static_cast<Eigen::Index>(id.group) + id.axis;
+    if (id.kind == AlignmentKind::kForceBias && row < all.rows()) all(row, 1 + active.correction_places[i]) = 1.0;
   }
   return all;
 }

@@ -29,6 +29,7 @@
 
 namespace clothid {
 
+class ForcePrediction;
 class FramePrediction;
 class ResidualDerivative;
 
@@ -43,6 +44,12 @@ struct PassOptions {
 struct RolloutStorage {
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of its steps; beyond it there are checkpoints
   bool keep_factors = false;                        // for a PullBack of few seeds, up to `memory_limit` bytes more
+};
+
+// What a rollout leaves behind for forces at handles and their adjoint. Empty without forces.
+struct ForceTrack {
+  Eigen::MatrixXd predicted;  // [3G x F] N
+  Eigen::MatrixXd states;     // [3n x (steps + 1)] m: positions of the nodes near handles after every step
 };
 
 // Owns everything it needs; one per thread. The parameters that are not blocks stay at the scene's nominal values,
@@ -83,16 +90,16 @@ class RecordingModel {
   // How constants vary over the cloth in all rollouts from now on: the fields of the scene, with other factors.
   void SetFields(std::shared_ptr<const std::vector<FieldFactors>> fields) { fields_ = std::move(fields); }
 
-  int num_steps() const { return interpolation_.num_steps(); }
+  int num_steps() const;
 
   // The scene's solver options, with the tolerances of `precision`.
   SolverOptions SolverAt(Precision precision) const;
 
   // `predicted`: the prediction [R x T] m (see Observation) corrected as the coordinates ask, which needs every step;
   // valid where the rollout is ok(). `velocities` (may be null): its time derivatives [R x T] m/s where the time offset
-  // is a block, else empty.
+  // is a block, else empty. `forces` (may be null): those that the recording has measured, likewise.
   Rollout Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass, const RolloutStorage& storage,
-                   Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr);
+                   Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr, ForceTrack* forces = nullptr);
 
   // What the rollout at `coordinates` gains by its integrator; nothing where it failed, or cannot gain any
   // (`MayGainEnergy`): that is not simulated.
@@ -100,15 +107,17 @@ class RecordingModel {
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the coordinates listed in
   // `active` [q]. `predicted` and `velocities`: of the rollout. `fields` (may be null): the same [K F x s] for the
-  // logarithms of the values that the rollout's fields have per triangle (sim/derivative/field_derivative.h). Throws
-  // `std::logic_error` where the time offset is active and velocities are missing.
+  // logarithms of the values that the rollout's fields have per triangle (sim/derivative/field_derivative.h). `forces`
+  // (may be null where the recording has none): of the rollout; not with `fields`. Throws `std::logic_error` where
+  // they are missing, or the velocities of an active time offset.
   Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
                            const Eigen::VectorXd& coordinates, const std::vector<int>& active,
                            const Eigen::MatrixXd& seeds, const AdjointOptions& options, Precision precision,
-                           Eigen::MatrixXd* fields = nullptr);
+                           Eigen::MatrixXd* fields = nullptr, const ForceTrack* forces = nullptr);
 
   // Called per frame with the prediction [R], whitened residuals [r] of the frame and their derivatives with
-  // respect to the coordinates of the blocks `active`, [r x q].
+  // respect to the coordinates of the blocks `active`, [r x q]. Reading i of the forces counts as frame T + i, with the
+  // predicted forces [3G]; they are visited between the frames, each kind in its order.
   using FrameVisitor = std::function<void(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                                           const Eigen::MatrixXd& jacobian)>;
   // `follow` (may be null) [n x q]: `active` are blocks alone, and the derivative along each of them moves the unknown
@@ -121,6 +130,7 @@ class RecordingModel {
   void PushForward(const Rollout& rollout, const Eigen::VectorXd& coordinates, const std::vector<int>& active,
                    const FrameVisitor& visitor, Precision precision);
   // And along changes [K F x q] of what PullBack calls `fields`.
+  // Not of a recording with forces.
   void PushForwardFields(const Rollout& rollout, const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& changes,
                          const FrameVisitor& visitor, Precision precision);
 
@@ -141,6 +151,8 @@ class RecordingModel {
                                     const SensitivityVisitor& visitor, const PassOptions& pass);
 
   FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
+  // Absent where the recording has no forces. The parameters' fields are in the simulator afterwards.
+  std::optional<ForcePrediction> ForcesAt(const Eigen::VectorXd& coordinates);
   // What a rollout has in place of the scene's start.
   struct RolloutStart {
     std::optional<Eigen::VectorXd> positions, velocities;  // [3N]
@@ -162,6 +174,13 @@ class RecordingModel {
   // its derivatives in the order of `active`: [R x (1 + q)].
   Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active, int frame,
                                   const FrameStates& states) const;
+  // The swept columns of a prediction, or of forces, [.. x (1 + c)] in the order of `active` [.. x (1 + q)]; zero in
+  // those of corrections.
+  static Eigen::MatrixXd Arranged(const Eigen::MatrixXd& swept, const SortedBlocks& active);
+  // Forces [3G x (1 + c)] likewise, with the derivatives of their bias.
+  static Eigen::MatrixXd ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& active);
+  // Of all residuals [m] by a force bias, 1/N.
+  Eigen::VectorXd ForceBiasDerivative(AlignmentId id) const;
   // The rows of `gradient` that belong to corrections.
   void SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
                          const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,

@@ -1,17 +1,21 @@
 // The forward sweeps of RecordingModel: with a rollout of their own, and along one that is at hand.
+#include <stdexcept>
+
+#include "costs/prediction/force_prediction.h"
 #include "costs/prediction/frame_prediction.h"
 #include "costs/prediction/recording_model.h"
 
 namespace clothid {
 namespace {
 
-// Hands positions and derivatives to `sampler`, side by side.
-SensitivityVisitor AddStates(FrameSampler* sampler) {
-  return [sampler](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+// Hands positions and derivatives to the samplers, side by side. `forces` may be null.
+SensitivityVisitor AddStates(FrameSampler* sampler, ForceSampler* forces = nullptr) {
+  return [sampler, forces](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
     Eigen::MatrixXd state(positions.size(), 1 + derivative.cols());
     state.col(0) = positions;
     state.rightCols(derivative.cols()) = derivative;
     sampler->AddStep(step, state);
+    if (forces != nullptr) forces->AddStep(step, state);
   };
 }
 
@@ -39,6 +43,7 @@ void RecordingModel::PushForward(const Rollout& rollout, const Eigen::VectorXd& 
 void RecordingModel::PushForwardFields(const Rollout& rollout, const Eigen::VectorXd& coordinates,
                                        const Eigen::MatrixXd& changes, const FrameVisitor& visitor,
                                        Precision precision) {
+  if (!observation_.forces().is_empty()) throw std::logic_error("fields beside forces");
   const FramePrediction prediction = PredictionAt(coordinates);
   FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
     const Eigen::MatrixXd points = prediction.Points(frame, states);
@@ -72,7 +77,17 @@ void RecordingModel::SweepFrames(const Eigen::VectorXd& coordinates, const std::
     visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
   });
   const SensitivityDirections directions = DirectionsOf(sorted, along);
-  sweep(directions, AddStates(&sampler));
+  const std::optional<ForcePrediction> forces = ForcesAt(coordinates);
+  if (!forces) return sweep(directions, AddStates(&sampler));
+  ForceSampler force_sampler(&*forces, sorted.parameters, [&](int reading, const Eigen::MatrixXd& swept) {
+    Eigen::MatrixXd all = ForcesWithDerivatives(swept, sorted);
+    if (along.cols() > 0) all.rightCols(along.cols()) += swept.rightCols(along.cols());
+    Eigen::VectorXd residuals;
+    Eigen::MatrixXd jacobian;
+    observation_.forces().LinearizeReading(reading, all, &residuals, &jacobian);
+    visitor(observation_.num_frames() + reading, all.col(0), residuals, jacobian * derivatives.asDiagonal());
+  });
+  sweep(directions, AddStates(&sampler, &force_sampler));
 }
 
 }  // namespace clothid

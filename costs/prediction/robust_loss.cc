@@ -29,11 +29,25 @@ void Cauchy(double scale, double squared, double* rho, double* weight) {
   *weight = 1.0 / std::sqrt(1.0 + ratio);
 }
 
-// One past the last row of the point in one frame that starts at `begin`.
-Eigen::Index EndOfPoint(const Observation& observation, int first_row, Eigen::Index begin, Eigen::Index size) {
-  const SeenCoordinate& first = observation.coordinates()[first_row + begin];
+// One past the last row of the reading of a force that starts at `begin`.
+Eigen::Index EndOfForce(const ForceObservation& forces, Eigen::Index first_row, Eigen::Index begin, Eigen::Index size) {
+  const SeenForce& first = forces.seen()[first_row + begin];
   Eigen::Index end = begin + 1;
   while (end < size) {
+    const SeenForce& next = forces.seen()[first_row + end];
+    if (next.reading != first.reading || next.row / 3 != first.row / 3) break;
+    ++end;
+  }
+  return end;
+}
+
+// One past the last row of the point in one frame, or of the force, that starts at `begin`.
+Eigen::Index EndOfPoint(const Observation& observation, int first_row, Eigen::Index begin, Eigen::Index size) {
+  const int num_before = observation.first_force_row();
+  if (first_row + begin >= num_before) return EndOfForce(observation.forces(), first_row - num_before, begin, size);
+  const SeenCoordinate& first = observation.coordinates()[first_row + begin];
+  Eigen::Index end = begin + 1;
+  while (end < size && first_row + end < num_before) {
     const SeenCoordinate& next = observation.coordinates()[first_row + end];
     if (next.frame != first.frame || next.point != first.point) break;
     ++end;

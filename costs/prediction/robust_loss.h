@@ -1,7 +1,7 @@
 // Robust losses per observed point.
 //
 // A `ceres::LossFunction` would act on the residual block, which is a whole recording. Here rho acts on e_p, the
-// whitened residual of one point in one frame (up to three coordinates):
+// whitened residual of one point in one frame (up to three coordinates), or of a reading of one group's force:
 //   L = 1/2 sum_p rho(|e_p|^2).
 // With weights w_p = sqrt(rho'(|e_p|^2)) the rows  w e  with Jacobian  w J  have the gradient of L, and one further row
 // sqrt(2 L - |w e|^2) with zero Jacobian gives them its value: rho(s) >= s rho'(s) for a concave rho with rho(0) = 0,

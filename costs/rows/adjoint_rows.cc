@@ -40,7 +40,7 @@ Eigen::MatrixXd AdjointRows::Directions(const RolloutEvaluation& evaluation, con
   for (const RolloutEvaluation& other : recent.evaluations()) {
     if (column > max_differences) break;
     if (other.coordinates == evaluation.coordinates || !other.ok()) continue;
-    vectors.col(column++) = ResidualChange(observation, evaluation, other.predicted);
+    vectors.col(column++) = ResidualChange(observation, evaluation, other.predicted, other.forces);
   }
   vectors.rightCols(others.cols()) = others;
   return vectors;
@@ -76,7 +76,8 @@ ResidualRows AdjointRows::At(const RolloutEvaluation& evaluation, const std::vec
   if (options_->loss.is_robust()) weighted_basis = weights.asDiagonal() * basis;
   const Eigen::MatrixXd gradients =
       model_->PullBack(rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
-                       options_->loss.is_robust() ? weighted_basis : basis, options_->adjoint, evaluation.precision);
+                       options_->loss.is_robust() ? weighted_basis : basis, options_->adjoint, evaluation.precision,
+                       /*fields=*/nullptr, &rollouts->forces());
   ExpectFinite(gradients);
 
   // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.
@@ -99,9 +100,9 @@ Eigen::VectorXd AdjointRows::GradientAt(const RolloutEvaluation& evaluation, con
   Eigen::VectorXd weights;
   const Eigen::VectorXd weighted = WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);
   ++statistics->sweeps;
-  const Eigen::VectorXd gradient =
-      model_->PullBack(rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
-                       weights.cwiseProduct(weighted), options_->adjoint, evaluation.precision);
+  const Eigen::VectorXd gradient = model_->PullBack(
+      rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
+      weights.cwiseProduct(weighted), options_->adjoint, evaluation.precision, /*fields=*/nullptr, &rollouts->forces());
   ExpectFinite(gradient);
   return gradient;
 }

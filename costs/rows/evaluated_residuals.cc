@@ -13,7 +13,7 @@ double LossRow(double cost, double weighted_squared_norm) {
 }
 
 void SetCost(const RobustLoss& loss, const Observation& observation, RolloutEvaluation* evaluation) {
-  PredictionCost cost = CostOfPrediction(loss, observation, evaluation->predicted);
+  PredictionCost cost = CostOfPrediction(loss, observation, evaluation->predicted, evaluation->forces);
   evaluation->cost = cost.value;
   evaluation->loss_row = LossRow(cost.value, cost.WeightedResiduals().squaredNorm());
   evaluation->residuals = std::move(cost.residuals);
@@ -26,10 +26,10 @@ Eigen::VectorXd WeightedResiduals(const RobustLoss& loss, const Observation& obs
 }
 
 // Distances of clouds are not linear in the prediction.
-Eigen::VectorXd ResidualChange(const Observation& observation, const RolloutEvaluation& from,
-                               const Eigen::MatrixXd& to) {
-  if (observation.has_clouds()) return observation.Residuals(to) - from.residuals;
-  return observation.Whiten(to - from.predicted);
+Eigen::VectorXd ResidualChange(const Observation& observation, const RolloutEvaluation& from, const Eigen::MatrixXd& to,
+                               const Eigen::MatrixXd& to_forces) {
+  if (observation.has_clouds()) return observation.Residuals(to, to_forces) - from.residuals;
+  return observation.Whiten(to - from.predicted, to_forces - from.forces);
 }
 
 }  // namespace clothid

@@ -20,9 +20,9 @@ void SetCost(const RobustLoss& loss, const Observation& observation, RolloutEval
 Eigen::VectorXd WeightedResiduals(const RobustLoss& loss, const Observation& observation,
                                   const RolloutEvaluation& evaluation, Eigen::VectorXd* weights);
 
-// The change of the residual [m] from an evaluated point to another prediction [R x T].
-Eigen::VectorXd ResidualChange(const Observation& observation, const RolloutEvaluation& from,
-                               const Eigen::MatrixXd& to);
+// The change of the residual [m] from an evaluated point to another prediction [R x T], with other forces [3G x F].
+Eigen::VectorXd ResidualChange(const Observation& observation, const RolloutEvaluation& from, const Eigen::MatrixXd& to,
+                               const Eigen::MatrixXd& to_forces);
 
 }  // namespace clothid
 

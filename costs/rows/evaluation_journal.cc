@@ -136,9 +136,9 @@ void Field(Archive* archive, ResidualRows* value) {
 // Without the residuals, which the prediction gives again.
 template <typename Archive>
 void Field(Archive* archive, RolloutEvaluation* value) {
-  auto& [coordinates, precision, failure, predicted, residuals, counts, cost, loss_row, has_rows, rows, has_gradient,
-         gradient, has_exact_rows, exact_rows] = *value;
-  Fields(archive, &coordinates, &precision, &failure, &predicted, &counts, &cost, &loss_row, &has_rows, &rows,
+  auto& [coordinates, precision, failure, predicted, forces, residuals, counts, cost, loss_row, has_rows, rows,
+         has_gradient, gradient, has_exact_rows, exact_rows] = *value;
+  Fields(archive, &coordinates, &precision, &failure, &predicted, &forces, &counts, &cost, &loss_row, &has_rows, &rows,
          &has_gradient, &gradient, &has_exact_rows, &exact_rows);
 }
 
@@ -159,7 +159,7 @@ std::string BytesOf(Values*... values) {
 }
 
 RecordFile::Kind JournalKind() {
-  return {"clothid journal 4", "a journal of evaluations, version 4",
+  return {"clothid journal 5", "a journal of evaluations, version 5",
           "is the journal of a fit with other recordings, flags or program; remove it, or use another --output"};
 }
 

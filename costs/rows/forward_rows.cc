@@ -18,6 +18,7 @@ class FrameCollector {
       : observation_(observation), loss_(loss), compressed_(static_cast<int>(active.size())), result_(result) {
     const Eigen::Index num_active = static_cast<Eigen::Index>(active.size());
     result_->predicted.resize(observation.num_predicted(), observation.num_frames());
+    result_->forces.resize(3 * observation.forces().num_groups(), observation.forces().num_readings());
     result_->residuals.resize(observation.num_residuals());
     frame_scores_.setZero(num_active, observation.num_frames());
     if (keeps_jacobian) result_->jacobian.resize(observation.num_residuals(), num_active);
@@ -26,14 +27,17 @@ class FrameCollector {
   void AddFrame(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                 const Eigen::MatrixXd& jacobian) {
     const int first_row = observation_.first_row(frame);
-    result_->predicted.col(frame) = points;
+    const int reading = frame - observation_.num_frames();
+    (reading < 0 ? result_->predicted.col(frame) : result_->forces.col(reading)) = points;
     result_->residuals.segment(first_row, residuals.size()) = residuals;
     Eigen::VectorXd weights;
     result_->cost += LossWeights(loss_, observation_, first_row, residuals, &weights);
     const Eigen::VectorXd weighted = residuals.cwiseProduct(weights);
     weighted_squared_norm_ += weighted.squaredNorm();
     compressed_.Add(weights.asDiagonal() * jacobian, weighted);
-    frame_scores_.col(frame) = jacobian.transpose() * weights.cwiseProduct(weighted);
+    // Forces count with the frame that is nearest in time: what errors share there is in one score.
+    const int score = reading < 0 ? frame : observation_.forces().nearest_frame(reading);
+    frame_scores_.col(score) += jacobian.transpose() * weights.cwiseProduct(weighted);
     if (result_->jacobian.size() > 0) result_->jacobian.middleRows(first_row, jacobian.rows()) = jacobian;
   }
 
@@ -58,6 +62,7 @@ class FrameCollector {
 
 void ForwardRows::MoveTo(RolloutEvaluation* evaluation) {
   evaluation->predicted = std::move(predicted);
+  evaluation->forces = std::move(forces);
   evaluation->residuals = std::move(residuals);
   evaluation->counts = counts;
   evaluation->cost = cost;

@@ -13,6 +13,7 @@ namespace clothid {
 
 struct ForwardRows {
   Eigen::MatrixXd predicted;  // [R x T] m
+  Eigen::MatrixXd forces;     // [3G x F] N
   Eigen::VectorXd residuals;  // [m]
   RolloutCounts counts;
   double cost = 0.0;

@@ -38,7 +38,7 @@ void JournaledComputation::Replay(const EvaluationKey& key, EvaluationOutcome ou
   if (evaluation->is_new()) evaluation->predicted = std::move(predicted);
   if (evaluation->is_new() && evaluation->ok()) evaluation->predicted = computation_->PredictAgain(key);
   if (!evaluation->is_new()) {
-    evaluation->residuals = computation_->model().observation().Residuals(evaluation->predicted);
+    evaluation->residuals = computation_->model().observation().Residuals(evaluation->predicted, evaluation->forces);
   }
   computation_->Resume(key, std::move(outcome), took_first_jacobian, recent, *evaluation);
 }

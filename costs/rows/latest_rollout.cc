@@ -7,12 +7,13 @@
 namespace clothid {
 
 Rollout LatestRollout::Run(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
-                           Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities, CostStatistics* statistics) const {
+                           Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities, ForceTrack* forces,
+                           CostStatistics* statistics) const {
   const ScopedTimer timer(&statistics->rollout_seconds);
   ++statistics->rollouts;
   const RolloutStorage storage{options_->memory_limit, options_->keep_factors};
   Rollout result =
-      model_->Simulate(coordinates, {precision, options_->cancel, passes_left}, storage, predicted, velocities);
+      model_->Simulate(coordinates, {precision, options_->cancel, passes_left}, storage, predicted, velocities, forces);
   statistics->counts += result.counts;
   if (!result.ok()) throw std::runtime_error(result.failure->ToString());
   return result;
@@ -26,8 +27,8 @@ const Rollout& LatestRollout::At(const Eigen::VectorXd& coordinates, Precision p
   CostStatistics counted_before;
   coordinates_.resize(0);
   rollout_ = Rollout();
-  rollout_ =
-      Run(coordinates, precision, passes_left, &predicted_, &velocities_, is_known ? &counted_before : statistics);
+  rollout_ = Run(coordinates, precision, passes_left, &predicted_, &velocities_, &forces_,
+                 is_known ? &counted_before : statistics);
   coordinates_ = coordinates;
   precision_ = precision;
   is_pending_ = false;

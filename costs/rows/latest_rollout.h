@@ -15,10 +15,10 @@ class LatestRollout {
   // Both must outlive it.
   LatestRollout(RecordingModel* model, const RolloutCostOptions* options) : model_(model), options_(options) {}
 
-  // Runs the rollout, with `passes_left` further passes to come, and adds it to `statistics`. `predicted` and
-  // `velocities` (may be null): see RecordingModel::Simulate. Throws `std::runtime_error` where it fails.
+  // Runs the rollout, with `passes_left` further passes to come, and adds it to `statistics`. `predicted`, `velocities`
+  // (may be null) and `forces`: see RecordingModel::Simulate. Throws `std::runtime_error` where it fails.
   Rollout Run(const Eigen::VectorXd& coordinates, Precision precision, int passes_left, Eigen::MatrixXd* predicted,
-              Eigen::MatrixXd* velocities, CostStatistics* statistics) const;
+              Eigen::MatrixXd* velocities, ForceTrack* forces, CostStatistics* statistics) const;
 
   // The kept rollout if it is that of `coordinates`, else as `Run`, and kept from then on. Trajectories are large, so
   // there is one, and never two.
@@ -27,6 +27,7 @@ class LatestRollout {
   // Of the last `At`.
   const Eigen::MatrixXd& predicted() const { return predicted_; }    // [R x T] m
   const Eigen::MatrixXd& velocities() const { return velocities_; }  // see RecordingModel::Simulate
+  const ForceTrack& forces() const { return forces_; }               // likewise
 
   // A rollout of another precision is not kept.
   void DropUnless(Precision precision);
@@ -40,6 +41,7 @@ class LatestRollout {
   const RolloutCostOptions* options_;
   Rollout rollout_;
   Eigen::MatrixXd predicted_, velocities_;
+  ForceTrack forces_;
   Eigen::VectorXd coordinates_;
   Precision precision_ = Precision::kFull;
   bool is_pending_ = false;  // `rollout_` has yet to be made

@@ -15,9 +15,10 @@ ResidualRows NumericRows(const RolloutEvaluation& evaluation, const std::vector<
     Eigen::VectorXd shifted = evaluation.coordinates;
     shifted[active[i]] += step;
     Eigen::MatrixXd predicted;
+    ForceTrack forces;
     rollouts.Run(shifted, evaluation.precision, static_cast<int>(jacobian.cols() - 1 - i), &predicted,
-                 /*velocities=*/nullptr, statistics);
-    jacobian.col(i) = ResidualChange(observation, evaluation, predicted) / step;
+                 /*velocities=*/nullptr, &forces, statistics);
+    jacobian.col(i) = ResidualChange(observation, evaluation, predicted, forces.predicted) / step;
   }
   Eigen::VectorXd weights;
   const Eigen::VectorXd weighted = WeightedResiduals(options.loss, observation, evaluation, &weights);

@@ -9,16 +9,21 @@ namespace {
 // projection restores orthogonality.
 constexpr double kDependent = 1e-10;
 
-int TimeWindow(const Observation& observation, int row) {
-  return observation.coordinates()[row].frame * kNumTimeWindows / observation.num_frames();
-}
+int TimeWindow(int index, int count) { return index * kNumTimeWindows / count; }
 
 }  // namespace
 
 Eigen::MatrixXd DisplacementModes(const Observation& observation, const ResidualDerivative& derivative) {
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(observation.num_residuals(), kNumDisplacementModes);
-  for (int r = 0; r < observation.num_residuals(); ++r) {
-    modes.block<1, 3>(r, 3 * TimeWindow(observation, r)) = derivative.OfShift(r);
+  for (int r = 0; r < observation.first_force_row(); ++r) {
+    const int window = TimeWindow(observation.coordinates()[r].frame, observation.num_frames());
+    modes.block<1, 3>(r, 3 * window) = derivative.OfShift(r);
+  }
+  const ForceObservation& forces = observation.forces();
+  for (int r = 0; r < forces.num_residuals(); ++r) {
+    const SeenForce& seen = forces.seen()[r];
+    const int window = TimeWindow(seen.reading, forces.num_readings());
+    modes(observation.first_force_row() + r, 3 * window + seen.row % 3) = 1.0 / forces.sigma(seen.row / 3);
   }
   return modes;
 }

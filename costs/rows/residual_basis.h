@@ -26,7 +26,7 @@ inline constexpr int kNumTimeWindows = 4;
 inline constexpr int kNumDisplacementModes = 3 * kNumTimeWindows;
 
 // [m x kNumDisplacementModes]: the whitened residual of moving every seen point by 1 m along one axis during one of
-// four equal spans of the recording: to first order the cloth moves there, nodes and all.
+// four equal spans of the recording: to first order the cloth moves there, nodes and all. Forces likewise, by 1 N.
 Eigen::MatrixXd DisplacementModes(const Observation& observation, const ResidualDerivative& derivative);
 
 // An orthonormal basis [m x r], r <= s, of the span of `vectors` [m x s], whose column j is in the span of the first

@@ -109,6 +109,7 @@ void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* ev
   evaluation->counts =
       latest_rollout_.At(evaluation->coordinates, evaluation->precision, PassesAfterRollout(key), statistics).counts;
   evaluation->predicted = latest_rollout_.predicted();
+  evaluation->forces = latest_rollout_.forces().predicted;
   SetCost(options_.loss, model_.observation(), evaluation);
 }
 

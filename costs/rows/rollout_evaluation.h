@@ -47,6 +47,7 @@ struct RolloutEvaluation {
   Precision precision = Precision::kFull;
   std::string failure;        // not empty: nothing else is valid
   Eigen::MatrixXd predicted;  // [R x T] m, see Observation; empty: nothing is known yet
+  Eigen::MatrixXd forces;     // [3G x F] N, likewise; of a recording that has none, empty
   Eigen::VectorXd residuals;  // [m] e of the prediction; empty where others were asked for since
   RolloutCounts counts;       // of the rollout
   double cost = 0.0;          // L

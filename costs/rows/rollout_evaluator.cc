@@ -15,7 +15,7 @@ RolloutEvaluation* RolloutEvaluator::FindOrAdd(const EvaluationKey& key) {
   RolloutEvaluation* const known = cache_.Find(key.coordinates, key.precision);
   if (known == nullptr) return cache_.Add(key.coordinates, key.precision);
   if (known->ok() && !known->is_new() && known->residuals.size() == 0) {
-    known->residuals = model().observation().Residuals(known->predicted);
+    known->residuals = model().observation().Residuals(known->predicted, known->forces);
   }
   return known;
 }

@@ -1,0 +1,219 @@
+// Forces at handles in the cost: adjoint = sensitivity = central differences, in every term of the force.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "costs/full_residual_cost.h"
+#include "costs/rollout_cost.h"
+#include "sim/base/error.h"
+#include "tests/costs/synthetic_forces.h"
+
+namespace clothid {
+namespace {
+
+struct Case {
+  const char* name;
+  Integrator integrator;
+  ContactMode contact_mode;
+  double damping;
+  bool has_ball;
+  std::vector<std::string> parameters;
+};
+
+void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
+
+// Two grippers, the second with a component that its sensor does not have, and readings left out.
+RecordedMotion ForceMotion(const Case& of) {
+  Scene scene = of.has_ball ? SphereScene() : SwingScene();
+  if (!of.has_ball) scene.handles.nodes = {0, 1, 3, 4};
+  scene.integrator = of.integrator;
+  scene.contact_mode = of.contact_mode;
+  scene.material.damping = of.damping;
+  scene.solver.step_tolerance = 1e-12;
+  scene = Shaken(scene);
+  MotionOptions motion_options;
+  motion_options.true_values = {{"k_stretch", 90.0}};
+  motion_options.frame_interval = 0.0125;
+  motion_options.noise = 1e-3;
+  motion_options.sigma = 1e-3;
+  RecordedMotion motion = MakeMotion(scene, motion_options);
+  ForceOptions options;
+  options.true_values = motion_options.true_values;
+  options.groups = {{0, 1}, {4, 3}};
+  options.noise = options.sigma;
+  AddForces(options, &motion);
+  motion.forces.values.row(3).setConstant(std::nan(""));
+  motion.forces.values.col(7).setConstant(std::nan(""));
+  return motion;
+}
+
+std::vector<ParameterBlock> BlocksOf(const RecordedMotion& motion, const std::vector<std::string>& names) {
+  std::vector<ParameterBlock> blocks;
+  for (const std::string& name : names) blocks.push_back(MakeParameterBlock(name, motion, {}));
+  return blocks;
+}
+
+class ForceCostTest : public testing::TestWithParam<Case> {
+ protected:
+  ForceCostTest() : motion_(ForceMotion(GetParam())), blocks_(BlocksOf(motion_, GetParam().parameters)) {
+    at_ = StartOf(blocks_);
+    for (int i = 0; i < at_.size(); ++i) {
+      if (blocks_[i].is_signed) at_[i] += 0.05;
+    }
+  }
+
+  Eigen::VectorXd Gradient(const RolloutCostOptions& options, double* cost) const {
+    const RolloutCost of(motion_, blocks_, options);
+    Eigen::VectorXd gradient;
+    EXPECT_TRUE(of.EvaluateGradient(at_, cost, &gradient)) << of.last_failure();
+    return gradient;
+  }
+
+  static RolloutCostOptions With(JacobianMethod method, const char* loss = "none") {
+    RolloutCostOptions options;
+    options.jacobian = method;
+    options.loss = ParseRobustLoss(loss);
+    return options;
+  }
+
+  RecordedMotion motion_;
+  std::vector<ParameterBlock> blocks_;
+  Eigen::VectorXd at_;
+};
+
+TEST_P(ForceCostTest, AdjointIsTheSensitivity) {
+  for (const char* loss : {"none", "huber:2"}) {
+    double adjoint_cost = 0.0, cost = 0.0;
+    const Eigen::VectorXd adjoint = Gradient(With(JacobianMethod::kAdjoint, loss), &adjoint_cost);
+    const Eigen::VectorXd forward = Gradient(With(JacobianMethod::kSensitivity, loss), &cost);
+    EXPECT_NEAR(adjoint_cost, cost, 1e-12 * cost);
+    for (Eigen::Index i = 0; i < forward.size(); ++i) {
+      EXPECT_NEAR(adjoint[i], forward[i], 1e-10 * std::max(std::abs(forward[i]), 1e-3 * forward.norm()))
+          << blocks_[i].name;
+    }
+  }
+}
+
+TEST_P(ForceCostTest, CheckpointsChangeNothing) {
+  RolloutCostOptions options = With(JacobianMethod::kAdjoint);
+  double cost = 0.0, limited_cost = 0.0;
+  const Eigen::VectorXd gradient = Gradient(options, &cost);
+  options.memory_limit = 0;
+  const Eigen::VectorXd limited = Gradient(options, &limited_cost);
+  EXPECT_NEAR(cost, limited_cost, 1e-8 * cost);
+  EXPECT_LE((gradient - limited).norm(), 1e-7 * gradient.norm());
+}
+
+TEST_P(ForceCostTest, JacobianIsThatOfCentralDifferences) {
+  const FullResidualCost cost(motion_, blocks_);
+  const auto residuals_at = [&](const Eigen::VectorXd& at, Eigen::MatrixXd* jacobian) {
+    std::vector<const double*> parameters;
+    std::vector<double*> columns;
+    for (Eigen::Index i = 0; i < at.size(); ++i) {
+      parameters.push_back(&at[i]);
+      if (jacobian != nullptr) columns.push_back(jacobian->col(i).data());
+    }
+    Eigen::VectorXd residuals(cost.num_residuals());
+    EXPECT_TRUE(cost.Evaluate(parameters.data(), residuals.data(), jacobian != nullptr ? columns.data() : nullptr))
+        << cost.last_failure();
+    return residuals;
+  };
+  Eigen::MatrixXd jacobian(cost.num_residuals(), at_.size());
+  residuals_at(at_, &jacobian);
+  const Eigen::Index num_forces = Observation(motion_).forces().num_residuals();
+  ASSERT_EQ(num_forces, 32 * 5);
+  for (Eigen::Index i = 0; i < at_.size(); ++i) {
+    constexpr double kStep = 2e-5;
+    Eigen::VectorXd up = at_, down = at_;
+    up[i] += kStep;
+    down[i] -= kStep;
+    const Eigen::VectorXd difference = (residuals_at(up, nullptr) - residuals_at(down, nullptr)) / (2.0 * kStep);
+    EXPECT_LE((jacobian.col(i) - difference).tail(num_forces).norm(), 1e-6 * jacobian.col(i).norm()) << blocks_[i].name;
+    EXPECT_LE((jacobian.col(i) - difference).norm(), 1e-6 * jacobian.col(i).norm()) << blocks_[i].name;
+  }
+}
+
+// What Ceres gets: rows of a forward sweep, and of forward differences.
+TEST_P(ForceCostTest, NumericRowsAreThoseOfSensitivities) {
+  Eigen::MatrixXd grams[2];
+  for (const JacobianMethod method : {JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
+    const RolloutCost cost(motion_, blocks_, With(method));
+    std::vector<const double*> parameters;
+    std::vector<double*> columns;
+    Eigen::MatrixXd jacobian(cost.num_residuals(), at_.size());
+    for (Eigen::Index i = 0; i < at_.size(); ++i) {
+      parameters.push_back(&at_[i]);
+      columns.push_back(jacobian.col(i).data());
+    }
+    Eigen::VectorXd residuals(cost.num_residuals());
+    ASSERT_TRUE(cost.Evaluate(parameters.data(), residuals.data(), columns.data())) << cost.last_failure();
+    grams[method == JacobianMethod::kNumeric ? 1 : 0] = jacobian.transpose() * jacobian;
+  }
+  EXPECT_LE((grams[0] - grams[1]).norm(), 1e-3 * grams[0].norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ForceCostTest,
+    testing::Values(
+        Case{"Euler",
+             Integrator::kEuler,
+             ContactMode::kGap,
+             0.0,
+             false,
+             {"k_stretch", "k_bend", "density", "drag", "force_bias.z", "force_bias2.y"}},
+        Case{"DampedEuler",
+             Integrator::kEuler,
+             ContactMode::kGap,
+             0.05,
+             false,
+             {"k_stretch", "density", "damping", "v0.y"}},
+        Case{"DampedSdirk2",
+             Integrator::kSdirk2,
+             ContactMode::kGap,
+             0.05,
+             false,
+             {"k_stretch", "k_bend", "density", "drag", "damping", "time_offset", "shift.x", "v0.z", "force_bias2.z"}},
+        Case{"Gap", Integrator::kSdirk2, ContactMode::kGap, 0.02, true, {"mu", "k_stretch", "density"}},
+        Case{
+            "Velocity", Integrator::kEuler, ContactMode::kVelocity, 0.0, true, {"mu", "k_stretch", "density", "drag"}}),
+    [](const auto& named) { return named.param.name; });
+
+TEST(ForceBiasTest, WantsForcesAlongItsAxis) {
+  RecordedMotion motion = ForceMotion({"", Integrator::kEuler, ContactMode::kGap, 0.0, false, {}});
+  EXPECT_NO_THROW(BlocksOf(motion, {"force_bias.x", "force_bias2.y"}));
+  EXPECT_THROW(BlocksOf(motion, {"force_bias2.x"}), Error);  // was not measured
+  EXPECT_THROW(BlocksOf(motion, {"force_bias3.x"}), Error);
+  motion.forces = ForceReadings();
+  EXPECT_THROW(BlocksOf(motion, {"force_bias.x"}), Error);
+}
+
+TEST(ForceBiasTest, HasNamesPerGroupAndAxis) {
+  EXPECT_EQ(ExpandAlignmentNames({"force_bias", "force_bias12"}),
+            (std::vector<std::string>{"force_bias.x", "force_bias.y", "force_bias.z", "force_bias12.x",
+                                      "force_bias12.y", "force_bias12.z"}));
+  EXPECT_EQ(ParseAlignmentId("force_bias12.y"), (AlignmentId{AlignmentKind::kForceBias, 1, 11}));
+  for (const char* name : {"force_bias", "force_bias1.x", "force_bias02.x", "force_bias-2.x", "force_bias2", "force.x",
+                           "force_bias.w", "force_bias99999.x"}) {
+    EXPECT_FALSE(ParseAlignmentId(name)) << name;
+  }
+}
+
+// A gauge and the path of its clamp, and nothing else that is seen.
+TEST(ForceCostOnlyTest, CountsForcesWithoutPositions) {
+  RecordedMotion motion = ForceMotion({"", Integrator::kSdirk2, ContactMode::kGap, 0.0, false, {}});
+  motion.positions.setConstant(std::nan(""));
+  const std::vector<ParameterBlock> blocks = BlocksOf(motion, {"k_stretch", "density"});
+  RolloutCostOptions options;
+  options.starts_with_sensitivities = true;
+  const RolloutCost cost(motion, blocks, options);
+  double value = 0.0;
+  Eigen::VectorXd gradient;
+  ASSERT_TRUE(cost.EvaluateGradient(StartOf(blocks), &value, &gradient)) << cost.last_failure();
+  EXPECT_GT(value, 100.0);
+  EXPECT_GT(gradient.cwiseAbs().minCoeff(), 1.0);
+  motion.forces = ForceReadings();
+  EXPECT_THROW(Observation{motion}, Error);
+}
+
+}  // namespace
+}  // namespace clothid
