@@ -22,6 +22,17 @@ void DescribeClouds(const RecordedMotion& motion, std::ostream* text) {
   if (!motion.clouds.empty()) *text << "cloud sigma " << motion.cloud_sigma << "\n";
 }
 
+// Likewise.
+void DescribeForces(const ForceReadings& forces, std::ostream* text) {
+  if (forces.is_empty()) return;
+  *text << "forces " << Digest(forces.times) << " " << Digest(forces.values) << " " << Digest(forces.sigma);
+  for (const std::vector<int>& group : forces.groups) {
+    *text << " :";
+    for (const int node : group) *text << " " << node;
+  }
+  *text << "\n";
+}
+
 }  // namespace
 
 void DescribeProgram(std::ostream* text) {
@@ -41,6 +52,7 @@ void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
         << "solver " << scene.solver.step_tolerance << " " << scene.solver.adjoint_tolerance << " "
         << scene.solver.max_newton_iterations << " " << scene.solver.max_substep_halvings << "\n";
   DescribeClouds(motion, text);
+  DescribeForces(motion.forces, text);
   if (!IsUnknown(motion.start_source)) return;
   const HandleMeasurements& handles = motion.handle_measurements;
   *text << "unknown start " << static_cast<int>(motion.start_source) << " " << Digest(handles.times) << " "

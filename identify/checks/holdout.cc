@@ -13,15 +13,29 @@
 namespace clothid {
 namespace {
 
+constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
+
 // Adds the error of one rollout, or tells why there is none.
 void AddError(const Eigen::VectorXd& coordinates, RecordingModel* model, PredictionError* sum, std::string* failure) {
   Eigen::MatrixXd predicted;
-  const Rollout rollout = model->Simulate(coordinates, {}, {}, &predicted);
+  ForceTrack forces;
+  const Rollout rollout = model->Simulate(coordinates, {}, {}, &predicted, /*velocities=*/nullptr, &forces);
   if (rollout.ok()) {
-    *sum += model->observation().Compare(predicted);
+    *sum += model->observation().Compare(predicted, forces.predicted);
   } else if (failure->empty()) {
     *failure = model->name() + ": " + rollout.failure->ToString();
   }
+}
+
+// Leaves the forces of the frames for which `keeps` is true.
+template <typename Keeps>
+void KeepForces(const Keeps& keeps, RecordedMotion* motion) {
+  if (motion->forces.is_empty()) return;
+  const ForceObservation observation(*motion);
+  for (int i = 0; i < observation.num_readings(); ++i) {
+    if (!keeps(observation.nearest_frame(i))) motion->forces.values.col(i).setConstant(kUnseen);
+  }
+  if (motion->forces.values.array().isNaN().all()) motion->forces = ForceReadings();
 }
 
 // The coordinates of blocks, with those of the start that a fit has estimated.
@@ -69,8 +83,16 @@ Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::v
     AddEstimateError(motion, recording, start, blocks, values, &at_estimate, &estimate_failure);
   }
   Holdout holdout;
-  if (nominal_failure.empty()) holdout.nominal_rmse = at_nominal.rmse();
-  if (estimate_failure.empty()) holdout.rmse = at_estimate.rmse();
+  if (nominal_failure.empty()) {
+    holdout.nominal_rmse = at_nominal.rmse();
+    holdout.nominal_force_rms = at_nominal.force.rms();
+  }
+  if (estimate_failure.empty()) {
+    holdout.rmse = at_estimate.rmse();
+    holdout.force_rms = at_estimate.force.rms();
+  }
+  const PredictionError& seen = nominal_failure.empty() ? at_nominal : at_estimate;
+  holdout.has_only_forces = seen.num_coordinates + seen.cloud.num_points == 0.0 && seen.force.num_components > 0.0;
   holdout.failure = estimate_failure.empty() ? nominal_failure : estimate_failure;
   return holdout;
 }
@@ -87,7 +109,6 @@ FrameRange ParseFrameRange(const std::string& text, const std::string& flag) {
 }
 
 std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<RecordedMotion>* motions) {
-  constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
   std::vector<RecordedMotion> held;
   for (RecordedMotion& motion : *motions) {
     if (range.end > motion.num_frames()) {
@@ -104,6 +125,9 @@ std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<R
       const bool is_held = i >= range.begin && i < range.end;
       (is_held ? motion : held.back()).clouds[i].resize(3, 0);
     }
+    const auto is_held = [&range](int frame) { return frame >= range.begin && frame < range.end; };
+    KeepForces(is_held, &held.back());
+    KeepForces([&](int frame) { return !is_held(frame); }, &motion);
   }
   return held;
 }

@@ -17,10 +17,18 @@ namespace clothid {
 struct Holdout {
   double rmse = std::numeric_limits<double>::quiet_NaN();          // m, at the estimate; NaN: a rollout failed
   double nominal_rmse = std::numeric_limits<double>::quiet_NaN();  // m, at the nominal values of the scenes, likewise
-  std::string failure;                                             // one line; empty: all rollouts worked
+  double force_rms = std::numeric_limits<double>::quiet_NaN();     // N, likewise, of held-out forces
+  double nominal_force_rms = std::numeric_limits<double>::quiet_NaN();
+  bool has_only_forces = false;  // nothing else was held out
+  std::string failure;           // one line; empty: all rollouts worked
 
   // The estimates predict no better than what was known before the fit: it has learnt the noise, or the model is wrong.
-  bool has_failed() const { return !(rmse <= nominal_rmse) && !(rmse == rmse && nominal_rmse != nominal_rmse); }
+  // Of positions where there are any.
+  bool has_failed() const {
+    const double own = has_only_forces ? force_rms : rmse;
+    const double nominal = has_only_forces ? nominal_force_rms : nominal_rmse;
+    return !(own <= nominal) && !(own == own && nominal != nominal);
+  }
 };
 
 enum class HeldOut {
@@ -50,9 +58,9 @@ struct FrameRange {
 // "A:B" with 0 <= A < B. Throws `Error` (kUsage), naming `flag`.
 FrameRange ParseFrameRange(const std::string& text, const std::string& flag);
 
-// Cuts the frames of `range` out of every recording of `motions`, where they become unseen, and returns recordings in
-// which they alone are seen. The centroid of both is that of all frames. Throws `Error` (kUsage), naming the recording,
-// where it has fewer frames.
+// Cuts the frames of `range`, with the forces that are nearest to them in time, out of every recording of `motions`,
+// where they become unseen, and returns recordings in which they alone are seen. The centroid of both is that of all
+// frames. Throws `Error` (kUsage), naming the recording, where it has fewer frames.
 std::vector<RecordedMotion> HoldOutFrames(const FrameRange& range, std::vector<RecordedMotion>* motions);
 
 }  // namespace clothid

@@ -61,6 +61,10 @@ FieldModel::FieldModel(const std::vector<RecordedMotion>& motions, const std::ve
       own.push_back(blocks[i]);
       indices.push_back(static_cast<int>(i));
     }
+    if (!motion.forces.is_empty()) {
+      throw Error(ErrorKind::kUsage,
+                  motion.name + ": its forces at handles are no part of a fit of fields; expected a recording without");
+    }
     models_.push_back(std::make_unique<RecordingModel>(motion, std::move(own), PassObserver()));
     std::vector<Eigen::SparseMatrix<double>>& weights = weights_.emplace_back();
     for (const FieldRequest& request : requests) {
@@ -182,7 +186,7 @@ bool FieldModel::MoveTo(const Eigen::VectorXd& unknowns, Precision precision, Fi
       failure_ = model.name() + ": " + at.rollout.failure->ToString();
       return false;
     }
-    at.cost = CostOfPrediction(loss_, model.observation(), at.predicted);
+    at.cost = CostOfPrediction(loss_, model.observation(), at.predicted, /*forces=*/{});
     point->data_cost += at.cost.value;
   }
   failure_ = std::isfinite(point->data_cost) ? "" : "the cost is not finite";

@@ -8,7 +8,7 @@ namespace {
 PredictionError Compare(const FitProblem& problem, const FitPoint& point) {
   PredictionError error;
   for (int r = 0; r < problem.num_recordings(); ++r) {
-    error += problem.cost(r).model().observation().Compare(point.predicted[r]);
+    error += problem.cost(r).model().observation().Compare(point.predicted[r], point.forces[r]);
   }
   return error;
 }
@@ -36,6 +36,7 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
   summary->error = Compare(problem, best);
   summary->start_predicted = evaluator.first().predicted;
   summary->predicted = best.predicted;
+  summary->forces = best.forces;
   summary->counts = best.counts;
 }
 
@@ -44,17 +45,17 @@ double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem
   PredictionError error;
   for (int r = 0; r < problem.num_recordings(); ++r) {
     const Observation& observation = problem.cost(r).model().observation();
-    const Eigen::VectorXd residuals = observation.Residuals(summary.predicted[r]);
+    const Eigen::VectorXd residuals = observation.Residuals(summary.predicted[r], summary.forces[r]);
     Eigen::VectorXd weights;
     LossWeights(loss, observation, 0, residuals, &weights);
     Eigen::MatrixXd predicted = summary.predicted[r];
-    for (int row = 0; row < observation.num_residuals(); ++row) {
+    for (int row = 0; row < observation.first_force_row(); ++row) {
       const SeenCoordinate& seen = observation.coordinates()[row];
       if (seen.point >= observation.num_points()) continue;
       predicted(3 * seen.point + seen.axis, seen.frame) +=
           (weights[row] - 1.0) * residuals[row] * observation.sigma(seen.point);
     }
-    error += observation.Compare(predicted);
+    error += observation.Compare(predicted, summary.forces[r]);
   }
   return error.autocorrelation();
 }

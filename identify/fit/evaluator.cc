@@ -128,10 +128,12 @@ void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precisi
   best_.cost = cost;
   best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();
   best_.predicted.resize(static_cast<std::size_t>(problem_->num_recordings()));
+  best_.forces.resize(best_.predicted.size());
   best_.counts = RolloutCounts();
   for (int r = 0; r < problem_->num_recordings(); ++r) {
     RolloutCounts counts;
-    problem_->cost(r, precision).Predict(problem_->CoordinatesOf(r, coordinates), &best_.predicted[r], &counts);
+    problem_->cost(r, precision)
+        .Predict(problem_->CoordinatesOf(r, coordinates), &best_.predicted[r], &counts, &best_.forces[r]);
     best_.counts += counts;
   }
   if (!first_.is_valid()) first_ = best_;

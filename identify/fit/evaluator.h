@@ -20,6 +20,7 @@ struct FitPoint {
   Eigen::VectorXd coordinates;  // [p + n]; empty: no point was evaluated yet
   double cost = std::numeric_limits<double>::infinity();
   std::vector<Eigen::MatrixXd> predicted;  // per recording [R x T] m, see Observation
+  std::vector<Eigen::MatrixXd> forces;     // per recording [3G x F] N; empty where none were measured
   RolloutCounts counts;                    // of its rollouts, summed over the recordings
 
   bool is_valid() const { return coordinates.size() > 0; }

@@ -63,6 +63,7 @@ struct FitSummary {
   std::vector<Eigen::MatrixXd>
       start_predicted;                     // per recording, at the start as it was evaluated [R x T] m, see Observation
   std::vector<Eigen::MatrixXd> predicted;  // the same at the estimate
+  std::vector<Eigen::MatrixXd> forces;     // and those at handles [3G x F] N, empty where none were measured
   RolloutCounts counts;                    // of the rollouts at the estimate, summed over the recordings
   std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
   int num_continuations = 0;               // how often the fit went on from a lower point (continued_fit.h)

@@ -82,6 +82,11 @@ std::string CloudRow(const CloudError& error, const CloudError& start) {
          percent(start) + "\n";
 }
 
+std::string ForceRow(const ForceError& error, const ForceError& start) {
+  return "force           " + ShortNumber(error.rms(), 4) + " N (root mean square of a component), at the start " +
+         ShortNumber(start.rms(), 4) + " N\n";
+}
+
 // "0.2398 .. 0.2402": with as many digits as tell the ends apart.
 std::string Interval(const FitSummary& summary, const FitChecks& checks, int index) {
   if (!HasInterval(summary, checks, index)) return "-";
@@ -115,7 +120,8 @@ void WriteLargeFiles(const FitSummary& summary, const FitChecks& checks, const s
                      OutputFolder* folder, const ReportOptions& options) {
   try {
     for (std::size_t r = 0; r < motions.size(); ++r) {
-      const MotionTensors tensors = PredictedMotion(motions[r], summary.predicted[r], summary.parameters);
+      const MotionTensors tensors = PredictedMotion(motions[r], summary.predicted[r], summary.parameters,
+                                                    r < summary.forces.size() ? summary.forces[r] : Eigen::MatrixXd());
       WriteMotion(tensors, folder->TemporaryPath(PredictionName(r)));
     }
     if (options.page) folder->Write(kReportName, ReportHtml(summary, checks, motions));
@@ -157,13 +163,17 @@ std::string ProfileCsv(const FitSummary& summary, const FitChecks& checks) {
 }
 
 MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixXd& predicted,
-                              const std::vector<FittedParameter>& parameters) {
+                              const std::vector<FittedParameter>& parameters, const Eigen::MatrixXd& forces) {
   MotionTensors tensors;
   tensors.times = motion.times;
   tensors.single_precision = false;
   tensors.mesh = motion.scene.mesh;
   SetPrediction(motion, predicted, &tensors);
   SetHandlePaths(motion.scene.handles, &tensors);
+  if (forces.cols() > 0) {
+    tensors.forces = motion.forces;
+    tensors.forces.values = forces;
+  }
   tensors.scene_text = motion.scene_text;
   tensors.provenance = "predicted by identify " + Version() + " (git " + GitHash() +
                        ") for the recording with sha256 " + motion.sha256 + " at";
@@ -223,8 +233,11 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
     const std::string prior = PriorRemark(summary, i);
     if (!prior.empty()) table << "prior           " << summary.parameters[i].name << " " << prior << "\n";
   }
-  table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
-        << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
+  if (std::isfinite(summary.error.rmse())) {
+    table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
+          << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
+  }
+  if (summary.error.force.num_components > 0.0) table << ForceRow(summary.error.force, summary.start_error.force);
   if (summary.error.cloud.num_points > 0.0) table << CloudRow(summary.error.cloud, summary.start_error.cloud);
   if (std::isfinite(summary.error.fit_percent())) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "

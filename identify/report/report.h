@@ -19,9 +19,10 @@ std::string ConvergenceCsv(const FitSummary& summary);
 // The text of profile.csv: parameter,value,cost_rise,<parameters>; one block of rows per profile.
 std::string ProfileCsv(const FitSummary& summary, const FitChecks& checks);
 
-// A recording with the predicted positions of every point of `motion` at its times, nothing missing.
+// A recording with the predicted positions of every point of `motion` at its times, nothing missing, and the predicted
+// `forces` [3G x F] N at theirs, if it has any.
 MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixXd& predicted,
-                              const std::vector<FittedParameter>& parameters);
+                              const std::vector<FittedParameter>& parameters, const Eigen::MatrixXd& forces = {});
 
 // Whether `WriteReport` writes files of this name: result.json, convergence.csv, profile.csv, predicted.bin,
 // predicted_2.bin and so on, report.html.

@@ -30,6 +30,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMaxCurveBytes = 400000;
 // Of all landscapes together.
 constexpr std::size_t kMaxLandscapeBytes = 400000;
+// Of the forces of one recording.
+constexpr std::size_t kMaxForceBytes = 200000;
 constexpr int kDigits = 6;
 constexpr int kNumBins = 61;
 // The width of a histogram to both sides of zero, in root mean squares of a coordinate.
@@ -123,6 +125,23 @@ Json HistogramJson(const Observation& observation, const RecordedMotion& motion,
   return {{"range", range}, {"axes", axes}, {"beyond", num_beyond}, {"leaves_out_start", StartsAtFirstFrame(motion)}};
 }
 
+// The forces at handles, a list per component that was measured; thinned by leaving readings out.
+Json ForcesJson(const ForceReadings& forces, const Eigen::MatrixXd& predicted, std::size_t max_bytes) {
+  constexpr std::size_t kBytesPerNumber = 13;
+  Json components = Json::array();
+  const auto num_numbers = static_cast<std::size_t>((2 * forces.values.rows() + 1) * forces.num_readings());
+  const auto every = static_cast<Eigen::Index>(num_numbers * kBytesPerNumber / max_bytes + 1);
+  const auto shown = Eigen::seq(0, forces.num_readings() - 1, every);
+  for (Eigen::Index row = 0; row < forces.values.rows(); ++row) {
+    if (forces.values.row(row).array().isNaN().all()) continue;
+    components.push_back({{"group", row / 3 + 1},
+                          {"axis", std::string(1, "xyz"[row % 3])},
+                          {"measured", RoundedList(forces.values.row(row).transpose()(shown))},
+                          {"predicted", RoundedList(predicted.row(row).transpose()(shown))}});
+  }
+  return {{"times", RoundedList(forces.times(shown))}, {"groups", forces.num_groups()}, {"components", components}};
+}
+
 // What the page may spend on each recording.
 struct Room {
   std::size_t replay_bytes = 0, curve_bytes = 0;
@@ -162,18 +181,22 @@ Json RecordingJson(const RecordedMotion& motion, const Observation& observation,
   const PredictionError error = observation.Compare(summary.predicted[index]);
   const ReplaySource replay = {&shown.motion, &shown.predicted, shown.nodes.size() > 0 ? &shown.nodes : nullptr,
                                &errors};
-  return {{"name", motion.name},
-          {"sha256", motion.sha256},
-          {"frames", motion.num_frames()},
-          {"points", shown.motion.num_points()},
-          {"nodes", motion.scene.mesh.num_nodes()},
-          {"sigma_is_known", observation.sigma_is_known()},
-          {"rmse_m", RoundedJson(error.rmse(), kDigits)},
-          {"start_rmse_m", RoundedJson(start_rmse, kDigits)},
-          {"fit_percent", RoundedJson(error.fit_percent(), kDigits)},
-          {"per_frame", FramesJson(motion, FrameErrors(errors), start_errors, room.curve_bytes)},
-          {"histogram", HistogramJson(points, shown.motion, shown.predicted, error.rmse())},
-          {"replay", ReplayJson(replay, room.replay_bytes)}};
+  Json json = {{"name", motion.name},
+               {"sha256", motion.sha256},
+               {"frames", motion.num_frames()},
+               {"points", shown.motion.num_points()},
+               {"nodes", motion.scene.mesh.num_nodes()},
+               {"sigma_is_known", observation.sigma_is_known()},
+               {"rmse_m", RoundedJson(error.rmse(), kDigits)},
+               {"start_rmse_m", RoundedJson(start_rmse, kDigits)},
+               {"fit_percent", RoundedJson(error.fit_percent(), kDigits)},
+               {"per_frame", FramesJson(motion, FrameErrors(errors), start_errors, room.curve_bytes)},
+               {"histogram", HistogramJson(points, shown.motion, shown.predicted, error.rmse())},
+               {"replay", ReplayJson(replay, room.replay_bytes)}};
+  if (index < summary.forces.size() && summary.forces[index].cols() > 0) {
+    json["forces"] = ForcesJson(motion.forces, summary.forces[index], kMaxForceBytes);
+  }
+  return json;
 }
 
 // What stands beside each parameter.
@@ -204,7 +227,8 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
     json["landscapes"].push_back(
         LandscapeJson(landscape, summary, checks, motions, kMaxLandscapeBytes / checks.landscapes.size()));
   }
-  const std::size_t used = library_bytes + ScriptText(json).size() + kMaxCurveBytes;
+  std::size_t used = library_bytes + ScriptText(json).size() + kMaxCurveBytes;
+  for (const RecordedMotion& motion : motions) used += motion.forces.is_empty() ? 0 : kMaxForceBytes;
   const std::size_t left = used < kMaxReportBytes ? kMaxReportBytes - used : 0;
   const Room room = {left / motions.size(), kMaxCurveBytes / motions.size()};
   for (std::size_t r = 0; r < motions.size(); ++r) {

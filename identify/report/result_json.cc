@@ -129,6 +129,13 @@ Json CloudJson(const CloudError& error) {
           {"far_sigmas", kFarFromSurface}};
 }
 
+// Of forces at handles, whose error is no part of `rmse_m`.
+Json ForceJson(const ForceError& error, const ForceError& start) {
+  return {{"rms_N", NumberJson(error.rms())},
+          {"start_rms_N", NumberJson(start.rms())},
+          {"num_components", static_cast<long long>(error.num_components)}};
+}
+
 Json StartsJson(const FitSummary& summary, const FitChecks& checks) {
   if (!checks.starts) return nullptr;
   Json starts = Json::array(), minima = Json::array();
@@ -174,9 +181,14 @@ Json RepeatedFitJson(const FitSummary& summary, const std::optional<RepeatedFit>
 
 Json HoldoutJson(const std::optional<Holdout>& holdout) {
   if (!holdout) return nullptr;
-  return {{"rmse_m", NumberJson(holdout->rmse)},
-          {"nominal_rmse_m", NumberJson(holdout->nominal_rmse)},
-          {"failed", holdout->has_failed()}};
+  Json json = {{"rmse_m", NumberJson(holdout->rmse)},
+               {"nominal_rmse_m", NumberJson(holdout->nominal_rmse)},
+               {"failed", holdout->has_failed()}};
+  if (std::isfinite(holdout->nominal_force_rms)) {
+    json["force_rms_N"] = NumberJson(holdout->force_rms);
+    json["nominal_force_rms_N"] = NumberJson(holdout->nominal_force_rms);
+  }
+  return json;
 }
 
 Json GradientCheckJson(const std::optional<GradientCheck>& check) {
@@ -257,9 +269,12 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["usable"] = UsabilityName(verdict.overall);
   json["verdict"] = verdict.Lines();
   json["parameters"] = ParametersJson(summary, checks, verdict);
-  json["rmse_m"] = summary.error.rmse();
+  json["rmse_m"] = NumberJson(summary.error.rmse());
   json["fit_percent"] = summary.error.fit_percent();
   if (summary.error.cloud.num_points > 0.0) json["cloud"] = CloudJson(summary.error.cloud);
+  if (summary.error.force.num_components > 0.0) {
+    json["force"] = ForceJson(summary.error.force, summary.start_error.force);
+  }
   if (checks.fields) json["fields"] = FieldsJson(*checks.fields);
   json["holdout"] = HoldoutJson(checks.holdout);
   json["uncertainty"] = UncertaintyJson(summary);

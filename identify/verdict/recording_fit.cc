@@ -34,13 +34,14 @@ std::vector<RecordingFit> DescribeRecordings(const std::vector<RecordedMotion>& 
     const Eigen::MatrixXd& predicted = summary.predicted[r];
     RecordingFit recording;
     recording.name = motions[r].name;
-    recording.error = observation.Compare(predicted);
+    const bool has_forces = r < summary.forces.size();
+    recording.error = observation.Compare(predicted, has_forces ? summary.forces[r] : Eigen::MatrixXd());
     recording.cloth_size = ClothSize(motions[r].scene.mesh);
     if (observation.sigma_is_known()) recording.noise = Noise(observation);
     recording.start = is_aligned ? DifferenceAtStart(motions[r], predicted.col(0)) : DifferenceAtStart(motions[r]);
     const StartSource source = motions[r].start_source;
-    recording.starts_at_noise = observation.sigma_is_known() &&
-                                (source == StartSource::kFirstFrame || source == StartSource::kSmoothed);
+    recording.starts_at_noise =
+        observation.sigma_is_known() && (source == StartSource::kFirstFrame || source == StartSource::kSmoothed);
     recordings.push_back(recording);
   }
   return recordings;

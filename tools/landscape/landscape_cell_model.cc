@@ -53,8 +53,10 @@ double LandscapeCellModel::StartPrior() const {
   return start == nullptr ? 0.0 : start->PriorAt(Eigen::VectorXd::Zero(start->size()));
 }
 
-Rollout LandscapeCellModel::Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted) {
-  return model_.Simulate(Coordinates(x, y), {Precision::kFull, cancel, /*passes_left=*/0}, storage_, predicted);
+Rollout LandscapeCellModel::Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted,
+                                    ForceTrack* forces) {
+  return model_.Simulate(Coordinates(x, y), {Precision::kFull, cancel, /*passes_left=*/0}, storage_, predicted,
+                         /*velocities=*/nullptr, forces);
 }
 
 void LandscapeCellModel::MoveCloudsTo(const Eigen::MatrixXd& predicted, RecordedMotion* motion) const {
@@ -70,12 +72,13 @@ void LandscapeCellModel::Evaluate(const LandscapeWindow& window, double x, doubl
   const ScopedTimer timer(&cell->seconds);
   try {
     Eigen::MatrixXd predicted;
-    const Rollout rollout = Predict(x, y, cancel, &predicted);
+    ForceTrack forces;
+    const Rollout rollout = Predict(x, y, cancel, &predicted, &forces);
     cell->counts = rollout.counts;
     if (!rollout.ok()) throw std::runtime_error(rollout.failure->ToString());
-    const PredictionCost cost = CostOfPrediction(RobustLoss(), model_.observation(), predicted);
+    const PredictionCost cost = CostOfPrediction(RobustLoss(), model_.observation(), predicted, forces.predicted);
     if (!std::isfinite(cost.value)) throw std::runtime_error("the cost is not finite");
-    if (has_gradients) PullBackCost(window, rollout, predicted, cost.Gradient(), Coordinates(x, y), cell);
+    if (has_gradients) PullBackCost(window, rollout, predicted, forces, cost.Gradient(), Coordinates(x, y), cell);
     cell->cost = cost.value + StartPrior();
   } catch (const std::runtime_error& error) {
     cell->failure = error.what();
@@ -83,11 +86,13 @@ void LandscapeCellModel::Evaluate(const LandscapeWindow& window, double x, doubl
 }
 
 void LandscapeCellModel::PullBackCost(const LandscapeWindow& window, const Rollout& rollout,
-                                      const Eigen::MatrixXd& predicted, const Eigen::VectorXd& cost_gradient,
-                                      const Eigen::VectorXd& coordinates, LandscapeCell* cell) {
+                                      const Eigen::MatrixXd& predicted, const ForceTrack& forces,
+                                      const Eigen::VectorXd& cost_gradient, const Eigen::VectorXd& coordinates,
+                                      LandscapeCell* cell) {
   const int x = model_.num_blocks() - 2, y = x + 1;
   const Eigen::VectorXd gradient =
-      model_.PullBack(rollout, predicted, /*velocities=*/{}, coordinates, {x, y}, cost_gradient, {}, Precision::kFull);
+      model_.PullBack(rollout, predicted, /*velocities=*/{}, coordinates, {x, y}, cost_gradient, {}, Precision::kFull,
+                      /*fields=*/nullptr, &forces);
   if (!gradient.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
   // d/d log value = value d/d value.
   cell->gradient_x = gradient[0] * (window.x.scale == ParameterScale::kLog ? coordinates[x] : 1.0);

@@ -22,8 +22,9 @@ class LandscapeCellModel {
   LandscapeCellModel(const RecordedMotion& motion, const LandscapePlan& plan,
                      const std::map<std::string, double>& held);
 
-  // `predicted` [R x T] m, see Observation; valid where the rollout is ok(). `cancel` may be null.
-  Rollout Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted);
+  // `predicted` [R x T] m, see Observation; valid where the rollout is ok(). `cancel` and `forces` may be null.
+  Rollout Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted,
+                  ForceTrack* forces = nullptr);
 
   // Puts every point of the recording's clouds onto the predicted surface, where that is nearest.
   void MoveCloudsTo(const Eigen::MatrixXd& predicted, RecordedMotion* motion) const;
@@ -37,7 +38,8 @@ class LandscapeCellModel {
   Eigen::VectorXd Coordinates(double x, double y) const;
   double StartPrior() const;  // what an unknown start, which is at its base here, adds to every cost
   void PullBackCost(const LandscapeWindow& window, const Rollout& rollout, const Eigen::MatrixXd& predicted,
-                    const Eigen::VectorXd& cost_gradient, const Eigen::VectorXd& coordinates, LandscapeCell* cell);
+                    const ForceTrack& forces, const Eigen::VectorXd& cost_gradient, const Eigen::VectorXd& coordinates,
+                    LandscapeCell* cell);
 
   RecordingModel model_;
   // As of a fit, so that rollouts beyond it get checkpoints, and with them the same rounding, here too.

@@ -64,6 +64,18 @@ void PrintTensor(const char* name, const char* type, Eigen::Index frames, Eigen:
   std::cout << "]\n";
 }
 
+void PrintForceTensors(const ForceReadings& forces) {
+  if (forces.is_empty()) return;
+  PrintTensor("handle_forces", "F64", forces.num_readings(), forces.num_groups(), 3);
+  PrintTensor("force_times", "F64", 0, forces.num_readings(), 1);
+  PrintTensor("force_sigma", "F64", 0, forces.num_groups(), 1);
+  if (forces.groups.empty()) return;
+  std::size_t num_nodes = 0;
+  for (const std::vector<int>& group : forces.groups) num_nodes += group.size();
+  PrintTensor("force_nodes", "I32", 0, static_cast<Eigen::Index>(num_nodes), 1);
+  PrintTensor("force_offsets", "I32", 0, forces.num_groups() + 1, 1);
+}
+
 void PrintTensors(const MotionTensors& tensors) {
   const Eigen::Index num_frames = tensors.times.size();
   std::cout << "tensors\n";
@@ -78,6 +90,7 @@ void PrintTensors(const MotionTensors& tensors) {
   PrintTensor("handle_positions", "F64", tensors.handle_positions.cols(), tensors.handle_positions.rows() / 3, 3);
   PrintTensor("handle_times", "F64", 0, tensors.handle_times.size(), 1);
   PrintTensor("sigma", "F64", 0, tensors.sigma.size(), 1);
+  PrintForceTensors(tensors.forces);
   if (tensors.clouds.empty()) return;
   Eigen::Index num_cloud_points = 0;
   for (const Eigen::Matrix3Xd& cloud : tensors.clouds) num_cloud_points += cloud.cols();

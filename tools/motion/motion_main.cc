@@ -47,6 +47,16 @@ constexpr char kHelp[] = R"(motion: looks at recordings, checks and converts the
   --handle_transform FILE   of the handles' frame of reference, as --transform
   --handle_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
 
+  convert, forces:
+  --forces FILE        forces on the cloth at its handles, N: CSV time,x,y,z (or time,x0,y0,z0,x1,.. of several groups;
+                       columns that are not there were not measured) or .npy of shape (F, 3), (F, G, 3) or (F)
+  --force_sigma S      standard deviation of a component, N; needed
+  --force_nodes LIST   the handles that each sensor holds, as in 0,1:4,5 (all of them one sensor)
+  --force_axis A       x, y or z: the component of a .npy of shape (F)
+  --force_times FILE   times of a .npy in s, another .npy (those of the frames, where there are as many)
+  --force_scale S      multiplies forces: -1 where the force on the gripper was measured (1)
+  --force_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
+
   motion convert_clouds FOLDER OUT --scene FILE (--frame_rate HZ | --times FILE) [--scale S] [--sigma S] [flags]
                        from point clouds: every .npy of shape (M, 3) in FOLDER, or of a pattern, is a frame, in the order
                        of the names; the scene gives mesh, start, handles and obstacles
@@ -92,7 +102,8 @@ constexpr Subcommand kSubcommands[] = {
     {"check", "json", Check},
     {"convert",
      "scene map map_distance sigma handle_nodes handles handle_offsets handle_transform handle_time_offset faces grid "
-     "transpose transform invert_transform scale times frame_rate time_scale start_at skip_frames frames",
+     "transpose transform invert_transform scale times frame_rate time_scale start_at skip_frames frames "
+     "forces force_times force_sigma force_nodes force_axis force_scale force_time_offset",
      Convert},
     {"convert_clouds", "scene frame_rate times scale sigma voxel max_points seed fit_pose float64", ConvertClouds},
 };

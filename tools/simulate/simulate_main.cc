@@ -6,12 +6,14 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/files/atomic_file.h"
 #include "datasets/files/overwrite.h"
 #include "datasets/formats/track_file.h"
+#include "datasets/importing/force_file.h"
 #include "datasets/motion/motion_file.h"
 #include "datasets/motion/motion_name.h"
 #include "datasets/synthetic/capture.h"
@@ -39,6 +41,11 @@ DEFINE_double(frame_rate, 0.0, "frames per second; 0: one per time step");
 DEFINE_double(drop, 0.0, "fraction of points missing in a frame, [0, 1)");
 DEFINE_int32(markers, 0, "number of free nodes seen, chosen by --seed; 0: every node");
 DEFINE_int32(cloud, 0, "points per frame of an unordered cloud on the surface, in place of the nodes; 0: none");
+DEFINE_bool(forces, false, "the forces at the handles, too");
+DEFINE_double(force_sigma, 0.0, "standard deviation of Gaussian noise on every component of a force, N");
+DEFINE_double(force_rate, 0.0, "readings of forces per second; 0: one per frame");
+DEFINE_string(force_bias, "", "what every sensor of forces is off by, X,Y,Z, N");
+DEFINE_string(force_nodes, "", "the handles that each sensor of forces holds");
 DEFINE_uint64(seed, 1, "seed of markers, noise, drops and clouds");
 DEFINE_bool(float32, false, "store positions in single precision");
 DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...]");
@@ -70,12 +77,17 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
   --markers N        N free nodes are seen, chosen by the seed; 0: every node (0)
   --cloud N          an unordered cloud of N points per frame anywhere on the surface is seen in place of the nodes;
                      with --markers, both (0)
-  --seed S           seed of markers, noise, drops and clouds (1)
+  --forces           the forces at the handles, too: those on the cloth, as a sensor at the gripper tells them
+  --force_sigma S    Gaussian noise on every component of them, standard deviation in N (0)
+  --force_rate HZ    readings per second; 0: one per frame (0)
+  --force_bias X,Y,Z what every sensor is off by, N (0,0,0)
+  --force_nodes LIST the handles that each sensor holds, as in 0,1:4,5 (all of them one sensor)
+  --seed S           seed of markers, noise, drops, clouds and forces (1)
   --float32          positions in single precision: half the size, truth recoverable to about 1e-7 m
   --sensor FILE      writes what a laboratory's camera would have seen instead of a recording: the cloth simulated on a
                      grid of twice the density at a quarter of the time step, with the frames, noise, faults, clock and
                      frame of reference of sensor.json (datasets/README.md). The name of --output gives the format, as
-                     for `motion convert`. Without --noise, --frame_rate, --drop, --markers, --cloud, --float32
+                     for `motion convert`. Without --noise, --frame_rate, --drop, --markers, --cloud, --float32, --forces
   --handles_output F with --sensor: the path of the handles as the gripper tells it, CSV
   --threads N        accepted; one rollout runs on one thread (1)
   --help, --version
@@ -111,6 +123,31 @@ Parameters SetTruth(Scene* scene) {
   return parameters;
 }
 
+bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
+
+std::optional<ForceSensor> ForceSensorFromFlags() {
+  if (!FLAGS_forces) {
+    for (const char* flag : {"force_sigma", "force_rate", "force_bias", "force_nodes"}) {
+      if (IsSet(flag)) throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected with --forces");
+    }
+    return std::nullopt;
+  }
+  ForceSensor sensor;
+  sensor.groups = ParseForceGroups(FLAGS_force_nodes, "--force_nodes");
+  sensor.rate = FLAGS_force_rate;
+  sensor.sigma = FLAGS_force_sigma;
+  if (FLAGS_force_bias.empty()) return sensor;
+  const std::vector<std::string> parts = Split(FLAGS_force_bias, ',');
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::optional<double> value = parts.size() == 3 ? ParseNumber(parts[axis]) : std::nullopt;
+    if (!value) {
+      throw Error(ErrorKind::kUsage, "--force_bias: expected X,Y,Z in N, got '" + Printable(FLAGS_force_bias) + "'");
+    }
+    sensor.bias[static_cast<Eigen::Index>(axis)] = *value;
+  }
+  return sensor;
+}
+
 SyntheticOptions OptionsFromFlags() {
   SyntheticOptions options;
   options.noise_sigma = FLAGS_noise;
@@ -118,6 +155,7 @@ SyntheticOptions OptionsFromFlags() {
   options.drop_fraction = FLAGS_drop;
   options.num_markers = FLAGS_markers;
   options.num_cloud_points = FLAGS_cloud;
+  options.force_sensor = ForceSensorFromFlags();
   options.seed = FLAGS_seed;
   options.single_precision = FLAGS_float32;
   return options;
@@ -201,9 +239,9 @@ void CheckOutputs() {
 
 // The files of a laboratory.
 int RunSensor() {
-  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32", "set_field", "fabric"}) {
-    gflags::CommandLineFlagInfo info;
-    if (gflags::GetCommandLineFlagInfo(flag, &info) && !info.is_default) {
+  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32", "set_field", "fabric",
+                           "forces", "force_sigma", "force_rate", "force_bias", "force_nodes"}) {
+    if (IsSet(flag)) {
       throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected without --sensor, which tells it");
     }
   }

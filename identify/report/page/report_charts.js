@@ -28,6 +28,18 @@ function drawPerFrame(recording) {
     (every > 1 ? `, ${every} frames at a time.` : ' of every frame.');
 }
 
+function drawForces({forces}) {
+  part('forces-card').hidden = !forces;
+  part('forces').replaceChildren();
+  for (const {group, axis, measured, predicted} of forces ? forces.components : []) {
+    const target = element('div', 'plot'), lines = [[measured, 'recorded', COLOURS.start], [predicted, 'predicted', COLOURS.estimate]];
+    part('forces').append(target);
+    plot(target, lines.map(([y, name, color]) => ({type: 'scatter', mode: 'lines', x: forces.times, y, name,
+      line: {color, width: 2}, hovertemplate: `%{y:.4g} N at %{x:.4g} s<extra>${name}</extra>`})),
+    {x: {title: 'time, s'}, y: {title: `${axis}${forces.groups > 1 ? ` of group ${group}` : ''}, N`}, showlegend: true, margin: {t: 28}});
+  }
+}
+
 function drawHistogram(recording) {
   const histogram = recording.histogram;
   if (!histogram) {

@@ -91,6 +91,7 @@ async function showRecording(index) {
   const recording = data.recordings[index];
   drawPerFrame(recording);
   drawHistogram(recording);
+  drawForces(recording);
   part('stage').hidden = part('replay-controls').hidden = false;
   part('replay-missing').hidden = true;
   state.replay = null;

@@ -33,8 +33,8 @@ MotionTensors SmallMotion() {
   tensors.forces.times = Eigen::VectorXd::LinSpaced(7, 0.0, 0.19);
   tensors.forces.groups = {{2}, {0}};
   tensors.forces.sigma = Eigen::Vector2d(0.01, 0.02);
-  tensors.forces.values =
-      Eigen::MatrixXd::NullaryExpr(6, 7, [](Eigen::Index i, Eigen::Index j) { return 0.1 * i - j; });
+  tensors.forces.values = Eigen::MatrixXd::NullaryExpr(
+      6, 7, [](Eigen::Index i, Eigen::Index j) { return 0.1 * static_cast<double>(i) - static_cast<double>(j); });
   tensors.forces.values(1, 3) = kNaN;
   return tensors;
 }
