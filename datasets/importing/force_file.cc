@@ -133,6 +133,21 @@ void ReadArray(const ForceFile& file, const Eigen::VectorXd& frames, ForceReadin
 
 }  // namespace
 
+std::string ForceCsv(const ForceReadings& forces) {
+  std::string text = "time";
+  const bool has_groups = forces.num_groups() > 1;
+  for (int row = 0; row < 3 * forces.num_groups(); ++row) {
+    text += std::string(",") + "xyz"[row % 3] + (has_groups ? std::to_string(row / 3) : "");
+  }
+  text += "\n";
+  for (int i = 0; i < forces.num_readings(); ++i) {
+    text += ShortestText(forces.times[i]);
+    for (const double force : forces.values.col(i)) text += "," + (std::isnan(force) ? "" : ShortestText(force));
+    text += "\n";
+  }
+  return text;
+}
+
 void KeepReadingsWithin(const Eigen::VectorXd& times, ForceReadings* forces) {
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < forces->times.size(); ++i) {

@@ -30,6 +30,9 @@ struct ForceFile {
 // missing or not wanted, kIo and kBadData for files, naming file and line, kBadData where no reading is left.
 ForceReadings ReadForces(const ForceFile& file, const Eigen::VectorXd& times, double time_shift);
 
+// The text of such a CSV file, whose numbers read back exactly.
+std::string ForceCsv(const ForceReadings& forces);
+
 // Leaves the readings between the first and the last of `times`.
 void KeepReadingsWithin(const Eigen::VectorXd& times, ForceReadings* forces);
 

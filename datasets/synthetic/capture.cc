@@ -1,5 +1,7 @@
 #include "datasets/synthetic/capture.h"
 
+#include "datasets/synthetic/synthetic.h"
+
 namespace clothid {
 
 Capture TakeCapture(const GridScene& grid_scene, const FineTruth& truth, const Sensor& sensor, std::uint64_t seed) {
@@ -12,6 +14,10 @@ Capture TakeCapture(const GridScene& grid_scene, const FineTruth& truth, const S
   capture.points = SeePoints(sensor, motion, seed);
   const HandlePath& path = grid_scene.scene.handles.path;
   if (path.num_handles() > 0) capture.handles = SeeHandles(sensor, path, motion.start, motion.end, seed);
+  if (!sensor.force_sensor) return capture;
+  const Eigen::VectorXd steps = FrameSteps(sensor.force_sensor->rate, truth.scene.time_step, truth.rollout.num_steps());
+  capture.forces = ReadForceSensor(*sensor.force_sensor, truth.rollout, truth.scene, steps, seed);
+  capture.forces.times.array() += sensor.force_clock_offset;
   return capture;
 }
 

@@ -13,11 +13,12 @@
 namespace clothid {
 
 struct Capture {
-  PointTracks points;   // the nodes of the scene's grid, as the camera sees them
-  PointTracks handles;  // the scene's handles, as the gripper tells them; no points where the scene moves none
+  PointTracks points;    // the nodes of the scene's grid, as the camera sees them
+  PointTracks handles;   // the scene's handles, as the gripper tells them; no points where the scene moves none
+  ForceReadings forces;  // on all handles, on the clock of their sensor; empty where there is none
 };
 
-// Same arguments, same result. Throws `Error` where `SeePoints` does.
+// Same arguments, same result. Throws `Error` where `SeePoints` and `ReadForceSensor` do.
 Capture TakeCapture(const GridScene& grid_scene, const FineTruth& truth, const Sensor& sensor, std::uint64_t seed);
 
 }  // namespace clothid

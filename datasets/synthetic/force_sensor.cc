@@ -11,8 +11,8 @@ namespace clothid {
 namespace {
 
 // After every step [3G x (steps + 1)].
-Eigen::MatrixXd ForcesAfterSteps(const Rollout& rollout, const Scene& scene,
-                                 const std::vector<std::vector<int>>& groups) {
+Eigen::MatrixXd ForcesAfterSteps(const Rollout& rollout, Scene scene, const std::vector<std::vector<int>>& groups) {
+  scene.material = rollout.parameters.material;  // bending and air are there where the rollout has them
   ClothModel model(scene);
   if (rollout.parameters.fields != nullptr) model.SetFields(rollout.parameters.fields.get());
   const HandleForces forces(model, rollout.parameters, rollout.num_steps(), groups);

@@ -78,6 +78,17 @@ void ParseGripper(const JsonNode& node, Sensor* sensor) {
   if (const auto offset = node.Find("clock_offset")) sensor->gripper_clock_offset = offset->Number();
 }
 
+void ParseForces(const JsonNode& node, Sensor* sensor) {
+  node.ExpectKeys({"rate", "noise", "bias", "clock_offset"});
+  ForceSensor& forces = sensor->force_sensor.emplace();
+  const JsonNode rate = node.Require("rate", "readings per second, Hz");
+  forces.rate = rate.PositiveNumber();
+  if (forces.rate > 1.0 / kShortestInterval) rate.Fail("expected a rate of at most 1e5 Hz");
+  if (const auto noise = node.Find("noise")) forces.sigma = noise->NonNegativeNumber();
+  if (const auto bias = node.Find("bias")) forces.bias = bias->Vector3();
+  if (const auto offset = node.Find("clock_offset")) sensor->force_clock_offset = offset->Number();
+}
+
 // Times on the scene's clock.
 std::vector<double> FrameTimes(const Sensor& sensor, const SeenMotion& motion, std::uint64_t seed) {
   std::mt19937_64 generator = MakeGenerator(seed, Stream::kTimes);
@@ -143,7 +154,7 @@ Sensor ParseSensor(const std::string& text, const std::string& source) {
   const JsonValue value = ParseJson(text, source);
   const JsonNode root(value, source);
   root.ExpectKeys({"clothid_sensor", "pose", "clock_offset", "interval", "gaps", "noise", "drop_fraction",
-                   "outlier_fraction", "outlier_distance", "flipped_frames", "gripper"});
+                   "outlier_fraction", "outlier_distance", "flipped_frames", "gripper", "forces"});
   root.Require("clothid_sensor", "the version of the format, 1").Integer(1, 1);
   Sensor sensor;
   if (const auto node = root.Find("pose")) sensor.pose = ParsePose(*node);
@@ -161,6 +172,7 @@ Sensor ParseSensor(const std::string& text, const std::string& source) {
     sensor.num_flipped_frames = node->Integer(0, std::numeric_limits<int>::max());
   }
   if (const auto node = root.Find("gripper")) ParseGripper(*node, &sensor);
+  if (const auto node = root.Find("forces")) ParseForces(*node, &sensor);
   return sensor;
 }
 

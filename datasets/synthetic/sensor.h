@@ -9,10 +9,12 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/formats/point_tracks.h"
+#include "datasets/synthetic/force_sensor.h"
 #include "sim/scene/handle_path.h"
 
 namespace clothid {
@@ -38,6 +40,9 @@ struct Sensor {
   double gripper_rate = 20.0;         // Hz
   double gripper_noise = 0.0;         // m, standard deviation of a coordinate
   double gripper_clock_offset = 0.0;  // s, its clock minus the scene's
+  // That of the forces with which the gripper holds all handles. Absent: none.
+  std::optional<ForceSensor> force_sensor;
+  double force_clock_offset = 0.0;  // s, its clock minus the scene's
 };
 
 // The keys of a sensor.json are the members of `Sensor` (datasets/synthetic/README.md). Throws `Error` (kBadData),

@@ -17,10 +17,10 @@ namespace clothid {
 struct Holdout {
   double rmse = std::numeric_limits<double>::quiet_NaN();          // m, at the estimate; NaN: a rollout failed
   double nominal_rmse = std::numeric_limits<double>::quiet_NaN();  // m, at the nominal values of the scenes, likewise
+  std::string failure;                                             // one line; empty: all rollouts worked
   double force_rms = std::numeric_limits<double>::quiet_NaN();     // N, likewise, of held-out forces
   double nominal_force_rms = std::numeric_limits<double>::quiet_NaN();
   bool has_only_forces = false;  // nothing else was held out
-  std::string failure;           // one line; empty: all rollouts worked
 
   // The estimates predict no better than what was known before the fit: it has learnt the noise, or the model is wrong.
   // Of positions where there are any.

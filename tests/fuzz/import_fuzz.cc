@@ -1,5 +1,6 @@
 // The small files that an import is told about: the first byte chooses a transform, times of frames, a map of points or
-// paths of handles with the places where a tool holds them.
+// paths of handles with the places where a tool holds them; an F, forces at handles.
+#include "datasets/importing/force_file.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/importing/point_map.h"
 #include "datasets/importing/track_edit.h"
@@ -46,6 +47,19 @@ void FuzzOffsets(const std::string& path) {
   Accepts(read, "/proc/self/fd/");  // numbers beyond all bounds overflow in the path, which is the other file's
 }
 
+void FuzzForces(const std::string& path) {
+  ForceFile file;
+  file.path = path;
+  file.groups = {{0, 1}, {7}};
+  file.sigma = 0.1;
+  ForceReadings forces;
+  const Eigen::Vector3d frames(0.0, 1.0, 2.0);
+  if (!Accepts([&] { forces = ReadForces(file, frames, 0.0); }, path)) return;
+  Check(forces.values.rows() == 6 && forces.values.cols() == forces.times.size(), "forces of two groups");
+  Check(!forces.values.array().isInf().any(), "forces that are finite or not there");
+  Check(forces.times.minCoeff() >= 0.0 && forces.times.maxCoeff() <= 2.0, "readings between the frames");
+}
+
 }  // namespace
 }  // namespace clothid
 
@@ -53,6 +67,10 @@ int clothid::FuzzImport(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   static const MemoryFile file;
   file.Write(AsText(data + 1, size - 1));
+  if (data[0] == 'F') {
+    FuzzForces(file.path());
+    return 0;
+  }
   const int kind = data[0] % kNumKinds;
   if (kind == 0) FuzzTransform(file.path());
   if (kind == 1) FuzzTimes(file.path());

@@ -52,6 +52,7 @@ DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...
 DEFINE_string(set_field, "", "true fields in place of the scene's, NAME=FILE.npy[,...]");
 DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
 DEFINE_string(handles_output, "", "with --sensor: CSV file for the path of the gripper");
+DEFINE_string(forces_output, "", "with --sensor: CSV file for the forces on the handles");
 DEFINE_int32(threads, 1, "accepted for symmetry with the other tools: one rollout runs on one thread");
 
 namespace clothid {
@@ -89,6 +90,7 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
                      frame of reference of sensor.json (datasets/README.md). The name of --output gives the format, as
                      for `motion convert`. Without --noise, --frame_rate, --drop, --markers, --cloud, --float32, --forces
   --handles_output F with --sensor: the path of the handles as the gripper tells it, CSV
+  --forces_output F  with --sensor: the forces on the handles as their sensor tells them, CSV
   --threads N        accepted; one rollout runs on one thread (1)
   --help, --version
 
@@ -235,6 +237,13 @@ void CheckOutputs() {
     throw Error(ErrorKind::kUsage,
                 "--handles_output: " + FLAGS_handles_output + ": expected another file than --output");
   }
+  RefuseOverwrite(FLAGS_forces_output, inputs);
+  std::vector<std::string> others = outputs;
+  others.push_back(FLAGS_handles_output);
+  for (const std::string& output : others) {
+    if (!IsSameFile(FLAGS_forces_output, output)) continue;
+    throw Error(ErrorKind::kUsage, "--forces_output: " + FLAGS_forces_output + ": expected a file of its own");
+  }
 }
 
 // The files of a laboratory.
@@ -252,12 +261,17 @@ int RunSensor() {
                                             : "--handles_output: the scene moves no handles");
   }
   const Sensor sensor = ParseSensor(ReadText(FLAGS_sensor, kMaxJsonBytes), FLAGS_sensor);
+  if (sensor.force_sensor.has_value() == FLAGS_forces_output.empty()) {
+    throw Error(ErrorKind::kUsage, sensor.force_sensor ? "--forces_output is missing: the sensor reads forces"
+                                                       : "--forces_output: the sensor reads no forces");
+  }
   const std::vector<TrueParameter> truth =
       MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
   CheckMemory((2.0 * grid_scene.nodes[0] - 1.0) * (2.0 * grid_scene.nodes[1] - 1.0),
               kTrueStepDivisor * static_cast<double>(grid_scene.scene.num_steps()), grid_scene.scene.integrator);
   CheckFileCanBeWritten(FLAGS_output);
   if (has_path) CheckFileCanBeWritten(FLAGS_handles_output);
+  if (sensor.force_sensor) CheckFileCanBeWritten(FLAGS_forces_output);
   const FineTruth fine_truth = [&] {
     StepProgress progress;
     return SimulateFineTruth(grid_scene, truth, progress.options(kTrueStepDivisor * grid_scene.scene.num_steps()));
@@ -267,6 +281,7 @@ int RunSensor() {
   if (has_path) {
     WriteFileAtomically(FLAGS_handles_output, {HandleCsv(capture.handles.times, capture.handles.positions)});
   }
+  if (sensor.force_sensor) WriteFileAtomically(FLAGS_forces_output, {ForceCsv(capture.forces)});
   std::cout << FLAGS_output << ": " << capture.points.num_frames() << " frames of " << capture.points.num_points()
             << " points\n";
   return kExitSuccess;
@@ -285,6 +300,7 @@ int Run(const std::vector<std::string>& arguments) {
   CheckOutputs();
   if (!FLAGS_sensor.empty()) return RunSensor();
   if (!FLAGS_handles_output.empty()) throw Error(ErrorKind::kUsage, "--handles_output: expected with --sensor");
+  if (!FLAGS_forces_output.empty()) throw Error(ErrorKind::kUsage, "--forces_output: expected with --sensor");
   std::string scene_text = ReadText(FLAGS_scene, kMaxJsonBytes);
   if (!FLAGS_fabric.empty()) scene_text = WithFabric(scene_text, FLAGS_fabric, "--fabric", FLAGS_scene);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());

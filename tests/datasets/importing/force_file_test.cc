@@ -71,6 +71,20 @@ TEST_F(ForceFileTest, ReadsArrays) {
   EXPECT_EQ(forces.values.col(1), Eigen::Vector3d(4.0, 5.0, 6.0));
 }
 
+TEST_F(ForceFileTest, ReadsBackWhatIsWritten) {
+  ForceReadings written;
+  written.times = Eigen::Vector3d(1.0, 1.1, 1.3);
+  written.groups = {{0, 1}, {4}};
+  written.values = Eigen::MatrixXd::Constant(6, 3, 1.0 / 3.0);
+  written.values(4, 1) = std::nan("");
+  file_.groups = written.groups;
+  Write("f.csv", ForceCsv(written));
+  const ForceReadings read = ReadForces(file_, frames_, 0.0);
+  EXPECT_EQ(read.times, written.times);
+  EXPECT_TRUE(std::isnan(read.values(4, 1)));
+  EXPECT_EQ((read.values.array() == 1.0 / 3.0).count(), 17);
+}
+
 TEST_F(ForceFileTest, NamesFaults) {
   const auto expect = [&](const std::string& text, const std::string& word) {
     Write("f.csv", text);

@@ -31,6 +31,18 @@ class SensorTest : public testing::Test {
   SeenMotion motion_;
 };
 
+TEST_F(SensorTest, ReadsForcesWhereItSaysSo) {
+  EXPECT_FALSE(ParseSensor(R"({"clothid_sensor": 1})", "sensor.json").force_sensor);
+  const Sensor sensor = ParseSensor(
+      R"({"clothid_sensor": 1, "forces": {"rate": 100, "noise": 0.02, "bias": [1, 2, 3], "clock_offset": 0.5}})",
+      "sensor.json");
+  ASSERT_TRUE(sensor.force_sensor);
+  EXPECT_EQ(sensor.force_sensor->rate, 100.0);
+  EXPECT_EQ(sensor.force_sensor->sigma, 0.02);
+  EXPECT_EQ(sensor.force_sensor->bias, Eigen::Vector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(sensor.force_clock_offset, 0.5);
+}
+
 TEST_F(SensorTest, AFaultlessOneSeesThePointsAtItsRate) {
   const PointTracks tracks = SeePoints({}, motion_, 1);
   ASSERT_EQ(tracks.num_points(), 12);
@@ -180,6 +192,8 @@ TEST_F(SensorTest, NamesWhatItCannotRead) {
   ExpectError(parse("\"pose\": {\"rotation\": [1, 1, 0, 0]}"), ErrorKind::kBadData, {"pose.rotation", "length 1"});
   ExpectError(parse("\"gaps\": [{\"after\": 1}]"), ErrorKind::kBadData, {"gaps[0]", "length"});
   ExpectError(parse("\"gripper\": {\"rate\": 0}"), ErrorKind::kBadData, {"gripper.rate"});
+  ExpectError(parse("\"forces\": {\"noise\": 1}"), ErrorKind::kBadData, {"forces", "rate"});
+  ExpectError(parse("\"forces\": {\"rate\": 10, \"bias\": 1}"), ErrorKind::kBadData, {"forces.bias"});
   ExpectError([] { ParseSensor("{}", "sensor.json"); }, ErrorKind::kBadData, {"clothid_sensor"});
 }
 

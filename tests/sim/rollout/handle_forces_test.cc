@@ -322,6 +322,49 @@ INSTANTIATE_TEST_SUITE_P(All, HandleForceDerivativeTest,
                                                         true}),
                          [](const auto& named) { return named.param.name; });
 
+// Fields of one value everywhere are that value.
+TEST(HandleForcesTest, TakesConstantsThatVaryFromTheFields) {
+  Scene scene = ShakenCloth(Integrator::kSdirk2, 0.01);
+  const TestRun expected(scene, {FirstRow(6)});
+  const std::pair<ParameterKind, double Material::*> kinds[] = {
+      {ParameterKind::kStretchStiffness, &Material::stretch_stiffness},
+      {ParameterKind::kDensity, &Material::density},
+      {ParameterKind::kBendingStiffness, &Material::bending_stiffness}};
+  for (const auto& [kind, constant] : kinds) {
+    GridField field;
+    field.kind = kind;
+    field.values = Eigen::MatrixXd::Constant(2, 2, scene.material.*constant);
+    scene.fields.push_back(field);
+  }
+  const Parameters levels = scene.nominal_parameters();
+  for (const double factor : {1.0, 2.0}) {
+    Parameters parameters = levels;
+    auto fields = std::make_shared<std::vector<FieldFactors>>(*levels.fields);
+    for (FieldFactors& field : *fields) field.log_factors.array() += std::log(factor);
+    parameters.fields = fields;
+    Simulator simulator(scene);
+    simulator.UseFields(parameters);
+    const HandleForces forces(simulator.model(), parameters, scene.num_steps(), {FirstRow(6)});
+    Parameters scaled = scene.nominal_parameters();
+    scaled.fields = nullptr;
+    for (const auto& [kind, constant] : kinds) scaled.material.*constant *= factor;
+    Scene plain = scene;
+    plain.fields.clear();
+    const Simulator plain_simulator(plain);
+    const HandleForces same(plain_simulator.model(), scaled, scene.num_steps(), {FirstRow(6)});
+    ASSERT_EQ(forces.nodes(), same.nodes());
+    HandleForces::States states;
+    for (std::size_t k = 0; k < 3; ++k) {
+      states[k] = forces.Gather(expected.rollout.positions(7 + static_cast<int>(k)));
+    }
+    const Eigen::VectorXd force = forces.At(8, states);
+    EXPECT_LE((force - same.At(8, states)).norm(), 1e-9 * force.norm()) << factor;
+    EXPECT_LE((forces.Jacobian(8, states)[1] - same.Jacobian(8, states)[1]).norm(),
+              1e-9 * forces.Jacobian(8, states)[1].norm())
+        << factor;
+  }
+}
+
 TEST(HandleForcesTest, RejectsGroupsThatAreNoHandles) {
   const Scene scene = ShakenCloth(Integrator::kEuler, 0.01);
   const Simulator simulator(scene);
