@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "identify/base/parallel_for.h"
 #include "identify/field/field_prior.h"
 #include "identify/fit/problem.h"
 #include "sim/base/error.h"
@@ -39,7 +40,8 @@ FieldModel::FieldModel(const std::vector<RecordedMotion>& motions, const std::ve
       scalars_(ScalarsOf(blocks, requests)),
       adjoint_(options.adjoint),
       loss_(options.loss),
-      cancel_(options.cancel) {
+      cancel_(options.cancel),
+      num_threads_(options.num_threads) {
   root_ = SmoothnessRoot(requests);
   for (const FieldRequest& request : requests) {
     for (const GridField& field : motions.front().scene.fields) {
@@ -163,157 +165,44 @@ Eigen::MatrixXd FieldModel::OverTriangles(int recording, const Eigen::MatrixXd& 
   return all;
 }
 
+void FieldModel::ForEachRecording(const std::function<void(int recording)>& work) const {
+  ParallelFor(num_recordings(), num_threads_, work);
+}
+
+void FieldModel::Simulate(int recording, const Eigen::VectorXd& unknowns, Precision precision,
+                          FieldRecordingPoint* at) {
+  RecordingModel& model = *models_[recording];
+  at->coordinates = CoordinatesOf(recording, unknowns);
+  const Eigen::VectorXd logs = OverTriangles(recording, unknowns.tail(num_field_unknowns()));
+  auto fields = std::make_shared<std::vector<FieldFactors>>(*model.scene().nominal_parameters().fields);
+  const int num_faces = model.scene().mesh.num_faces();
+  for (std::size_t f = 0; f < fields->size(); ++f) {
+    (*fields)[f].log_factors += logs.segment(static_cast<Eigen::Index>(f) * num_faces, num_faces);
+  }
+  model.SetFields(std::move(fields));
+  at->rollout = model.Simulate(at->coordinates, {precision, cancel_, 1}, {kRolloutMemory, /*keep_factors=*/true},
+                               &at->predicted, &at->velocities);
+  if (at->rollout.ok()) at->cost = CostOfPrediction(loss_, model.observation(), at->predicted, /*forces=*/{});
+}
+
 bool FieldModel::MoveTo(const Eigen::VectorXd& unknowns, Precision precision, FieldPoint* point) {
   point->unknowns = unknowns;
   point->precision = precision;
   point->data_cost = 0.0;
   point->recordings.clear();
+  point->recordings.resize(models_.size());
+  counts_.rollouts += num_recordings();
+  ForEachRecording([&](int r) { Simulate(r, unknowns, precision, &point->recordings[r]); });
   for (int r = 0; r < num_recordings(); ++r) {
-    RecordingModel& model = *models_[r];
-    FieldRecordingPoint& at = point->recordings.emplace_back();
-    at.coordinates = CoordinatesOf(r, unknowns);
-    const Eigen::VectorXd logs = OverTriangles(r, unknowns.tail(num_field_unknowns()));
-    auto fields = std::make_shared<std::vector<FieldFactors>>(*model.scene().nominal_parameters().fields);
-    const int num_faces = model.scene().mesh.num_faces();
-    for (std::size_t f = 0; f < fields->size(); ++f) {
-      (*fields)[f].log_factors += logs.segment(static_cast<Eigen::Index>(f) * num_faces, num_faces);
-    }
-    model.SetFields(std::move(fields));
-    ++counts_.rollouts;
-    at.rollout = model.Simulate(at.coordinates, {precision, cancel_, 1}, {kRolloutMemory, /*keep_factors=*/true},
-                                &at.predicted, &at.velocities);
+    const FieldRecordingPoint& at = point->recordings[r];
     if (!at.rollout.ok()) {
-      failure_ = model.name() + ": " + at.rollout.failure->ToString();
+      failure_ = models_[r]->name() + ": " + at.rollout.failure->ToString();
       return false;
     }
-    at.cost = CostOfPrediction(loss_, model.observation(), at.predicted, /*forces=*/{});
     point->data_cost += at.cost.value;
   }
   failure_ = std::isfinite(point->data_cost) ? "" : "the cost is not finite";
   return failure_.empty();
-}
-
-FieldModel::ActiveScalars FieldModel::ScalarsIn(int recording) const {
-  ActiveScalars active;
-  for (std::size_t i = 0; i < model_blocks_[recording].size(); ++i) {
-    const auto scalar = std::find(scalars_.begin(), scalars_.end(), model_blocks_[recording][i]);
-    if (scalar == scalars_.end()) continue;
-    active.blocks.push_back(static_cast<int>(i));
-    active.places.push_back(static_cast<int>(scalar - scalars_.begin()));
-  }
-  return active;
-}
-
-Eigen::VectorXd FieldModel::Pull(int recording, const FieldRecordingPoint& at, const Eigen::VectorXd& seeds,
-                                 Precision precision) {
-  RecordingModel& model = *models_[recording];
-  const ActiveScalars own = ScalarsIn(recording);
-  ++counts_.sweeps;
-  Eigen::MatrixXd by_triangle;
-  const Eigen::MatrixXd by_block = model.PullBack(at.rollout, at.predicted, at.velocities, at.coordinates, own.blocks,
-                                                  seeds, adjoint_, precision, &by_triangle);
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size());
-  for (std::size_t i = 0; i < own.places.size(); ++i) {
-    gradient[own.places[i]] = by_block(static_cast<Eigen::Index>(i), 0);
-  }
-  const std::vector<GridField>& fields = model.scene().fields;
-  const int num_faces = model.scene().mesh.num_faces();
-  int first = num_scalars();
-  for (std::size_t k = 0; k < requests_.size(); ++k) {
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-      if (fields[f].kind != requests_[k].kind) continue;
-      gradient.segment(first, requests_[k].size()) =
-          weights_[recording][k].transpose() *
-          by_triangle.col(0).segment(static_cast<Eigen::Index>(f) * num_faces, num_faces);
-    }
-    first += requests_[k].size();
-  }
-  return gradient;
-}
-
-Eigen::VectorXd FieldModel::DataGradient(const FieldPoint& point) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(size());
-  for (int r = 0; r < num_recordings(); ++r) {
-    sum += Pull(r, point.recordings[r], point.recordings[r].cost.Gradient(), point.precision);
-  }
-  return sum;
-}
-
-void FieldModel::SetScalarRows(int recording, Precision precision, FieldRecordingPoint* at) {
-  if (num_scalars() == 0 || at->scalar_rows.size() > 0) return;
-  RecordingModel& model = *models_[recording];
-  const ActiveScalars own = ScalarsIn(recording);
-  at->scalar_rows = Eigen::MatrixXd::Zero(at->cost.weights.size(), num_scalars());
-  if (own.blocks.empty()) return;
-  ++counts_.sweeps;
-  Eigen::Index row = 0;
-  model.PushForward(
-      at->rollout, at->coordinates, own.blocks,
-      [&](int, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
-        for (std::size_t i = 0; i < own.places.size(); ++i) {
-          at->scalar_rows.col(own.places[i]).segment(row, jacobian.rows()) =
-              at->cost.weights.segment(row, jacobian.rows()).cwiseProduct(jacobian.col(static_cast<Eigen::Index>(i)));
-        }
-        row += jacobian.rows();
-      },
-      precision);
-}
-
-std::vector<Eigen::VectorXd> FieldModel::Times(const Eigen::VectorXd& v, FieldPoint* point) {
-  std::vector<Eigen::VectorXd> rows;
-  for (int r = 0; r < num_recordings(); ++r) {
-    FieldRecordingPoint& at = point->recordings[r];
-    SetScalarRows(r, Precision::kLoose, &at);
-    Eigen::VectorXd& own = rows.emplace_back(at.cost.weights.size());
-    ++counts_.sweeps;
-    Eigen::Index row = 0;
-    models_[r]->PushForwardFields(
-        at.rollout, at.coordinates, OverTriangles(r, v.tail(num_field_unknowns())),
-        [&](int, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
-          own.segment(row, jacobian.rows()) = jacobian.col(0);
-          row += jacobian.rows();
-        },
-        Precision::kLoose);
-    own = own.cwiseProduct(at.cost.weights);
-    if (num_scalars() > 0) own += at.scalar_rows * v.head(num_scalars());
-  }
-  return rows;
-}
-
-Eigen::VectorXd FieldModel::TimesTransposed(const std::vector<Eigen::VectorXd>& rows, const FieldPoint& point) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(size());
-  for (int r = 0; r < num_recordings(); ++r) {
-    const FieldRecordingPoint& at = point.recordings[r];
-    sum += Pull(r, at, rows[r].cwiseProduct(at.cost.weights), Precision::kLoose);
-  }
-  return sum;
-}
-
-Eigen::MatrixXd FieldModel::Gram(const Eigen::MatrixXd& columns, FieldPoint* point,
-                                 std::vector<Eigen::MatrixXd>* frame_scores) {
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  for (int r = 0; r < num_recordings(); ++r) {
-    FieldRecordingPoint& at = point->recordings[r];
-    SetScalarRows(r, Precision::kLoose, &at);
-    const Eigen::VectorXd residuals = at.cost.WeightedResiduals();
-    Eigen::MatrixXd scores(columns.cols(), observation(r).num_frames());
-    ++counts_.sweeps;
-    Eigen::Index row = 0;
-    models_[r]->PushForwardFields(
-        at.rollout, at.coordinates, OverTriangles(r, columns.bottomRows(num_field_unknowns())),
-        [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
-          Eigen::MatrixXd own = at.cost.weights.segment(row, jacobian.rows()).asDiagonal() * jacobian;
-          if (num_scalars() > 0) {
-            own += at.scalar_rows.middleRows(row, jacobian.rows()) * columns.topRows(num_scalars());
-          }
-          gram.selfadjointView<Eigen::Lower>().rankUpdate(own.transpose());
-          scores.col(frame) = own.transpose() * residuals.segment(row, jacobian.rows());
-          row += jacobian.rows();
-        },
-        Precision::kLoose);
-    if (frame_scores != nullptr) frame_scores->push_back(std::move(scores));
-  }
-  return gram.selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace clothid

@@ -1,5 +1,6 @@
 // Recordings as functions of fields and parameters: cost, gradient, and products with the Jacobian, none of which takes
-// more than a rollout or a sweep for each recording, however many unknowns a field has.
+// more than a rollout or a sweep for each recording, however many unknowns a field has. Recordings go side by side, on
+// `FitOptions::num_threads`; results do not depend on it.
 //
 // The unknowns are u = (q, theta): q [p] the internal coordinates of the parameters that are fitted with the fields,
 // theta [n] the logarithms of the fields at their control nodes, over their starting values, row by row, one field
@@ -11,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -102,11 +104,21 @@ class FieldModel {
     std::vector<int> blocks, places;
   };
   ActiveScalars ScalarsIn(int recording) const;
+  // Side by side; `work` must touch nothing of another recording.
+  void ForEachRecording(const std::function<void(int recording)>& work) const;
+  void Simulate(int recording, const Eigen::VectorXd& unknowns, Precision precision, FieldRecordingPoint* at);
   Eigen::VectorXd CoordinatesOf(int recording, const Eigen::VectorXd& unknowns) const;
   Eigen::VectorXd Pull(int recording, const FieldRecordingPoint& at, const Eigen::VectorXd& seeds, Precision precision);
   // Changes of the values per triangle [K F x c], from those at the control nodes [n x c].
   Eigen::MatrixXd OverTriangles(int recording, const Eigen::MatrixXd& theta) const;
-  void SetScalarRows(int recording, Precision precision, FieldRecordingPoint* at);
+  // J_r^T of every recording's `seeds`, added up in their order.
+  Eigen::VectorXd PullAll(const FieldPoint& point, Precision precision,
+                          const std::function<Eigen::VectorXd(int recording)>& seeds);
+  void SetScalarRows(FieldPoint* point);
+  void SetScalarRows(int recording, FieldRecordingPoint* at);
+  // The rows of J V that each frame has, from `row` on, for columns V [(p + n) x c].
+  void PushColumns(int recording, const Eigen::MatrixXd& columns, const FieldRecordingPoint& at,
+                   const std::function<void(int frame, Eigen::Index row, const Eigen::MatrixXd& part)>& visit);
 
   std::vector<ParameterBlock> blocks_;
   std::vector<FieldRequest> requests_;
@@ -115,6 +127,7 @@ class FieldModel {
   AdjointOptions adjoint_;
   RobustLoss loss_;
   const std::atomic<bool>* cancel_;
+  int num_threads_;
   std::vector<std::unique_ptr<RecordingModel>> models_;
   std::vector<std::vector<int>> model_blocks_;                     // of every recording: indices in blocks_
   std::vector<std::vector<Eigen::SparseMatrix<double>>> weights_;  // W, per recording and field

@@ -146,6 +146,31 @@ TEST(FieldFit, RecoversAFieldWhereItIsDetermined) {
               motions.front().scene.obstacles[0].friction_coefficient, 0.01);
 }
 
+// A recording more or less at once changes nothing.
+TEST(FieldFit, SameBytesOnEveryNumberOfThreads) {
+  const FieldRequest request{"k_stretch", ParameterKind::kStretchStiffness, 2, 2};
+  std::vector<RecordedMotion> motions = StartMotions(request);
+  for (const double shift : {2e-4, -3e-4}) {
+    motions.push_back(motions.front());
+    motions.back().positions.array() += shift;
+  }
+  FieldFitOptions options;
+  options.fit.max_iterations = 2;
+  const FieldFit one = FitFields(motions, Blocks(motions), {request}, options);
+  ASSERT_TRUE(one.result.ok) << one.result.message;
+  for (const int num_threads : {2, 3}) {
+    options.fit.num_threads = num_threads;
+    const FieldFit fit = FitFields(motions, Blocks(motions), {request}, options);
+    ASSERT_TRUE(fit.result.ok) << fit.result.message;
+    EXPECT_EQ(fit.result.fields.front().values, one.result.fields.front().values);
+    EXPECT_EQ(fit.result.fields.front().log_std, one.result.fields.front().log_std);
+    EXPECT_EQ(fit.coordinates, one.coordinates);
+    EXPECT_EQ(fit.marginal->jacobian, one.marginal->jacobian);
+    EXPECT_EQ(fit.result.num_rollouts, one.result.num_rollouts);
+    EXPECT_EQ(fit.result.num_sweeps, one.result.num_sweeps);
+  }
+}
+
 TEST(FieldFit, LbfgsEndsWhereGaussNewtonDoes) {
   const std::vector<RecordedMotion> motions = StartMotions(kRequest);
   FieldFitOptions options;
