@@ -14,8 +14,8 @@ const char* UnitOf(ParameterKind kind) {
 
 bool IsDetermined(const FittedField& field, Eigen::Index row, Eigen::Index column) {
   if (field.log_std.size() == 0) return false;
-  return field.log_std(row, column) <= kDeterminedStd &&
-         field.deviation_std(row, column) <= kDeterminedShare * field.prior_deviation_std(row, column);
+  return IsDetermined(field.log_std(row, column), field.deviation_std(row, column),
+                      field.prior_deviation_std(row, column));
 }
 
 double ShareDetermined(const FittedField& field) {

@@ -38,6 +38,10 @@ inline constexpr double kDeterminedStd = 0.1;
 // .. and its deviation from the mean at most this share of what the prior leaves it.
 inline constexpr double kDeterminedShare = 0.5;
 
+// Of the three deviations of `FittedField` at a place.
+inline bool IsDetermined(double log_std, double deviation_std, double prior_deviation_std) {
+  return log_std <= kDeterminedStd && deviation_std <= kDeterminedShare * prior_deviation_std;
+}
 bool IsDetermined(const FittedField& field, Eigen::Index row, Eigen::Index column);
 double ShareDetermined(const FittedField& field);  // of the control nodes
 

@@ -9,6 +9,7 @@
 #include "identify/report/cloud_points.h"
 #include "identify/report/fit_quality.h"
 #include "identify/report/page_template.h"
+#include "identify/report/report_fields.h"
 #include "identify/report/report_landscape.h"
 #include "identify/report/report_replay.h"
 #include "identify/report/result_json.h"
@@ -21,6 +22,7 @@ std::string_view ReportPage();             // report_page.html
 std::string_view ReplayScript();           // the scripts that draw a replay
 std::string_view ReportScript();           // those of all else
 std::string_view ReportLandscapeScript();  // report_landscape.js
+std::string_view ReportFieldScript();      // report_field.js
 
 namespace {
 
@@ -227,6 +229,7 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
     json["landscapes"].push_back(
         LandscapeJson(landscape, summary, checks, motions, kMaxLandscapeBytes / checks.landscapes.size()));
   }
+  if (checks.fields) json["fields"] = FieldMapsJson(*checks.fields, motions.front().scene.mesh);
   std::size_t used = library_bytes + ScriptText(json).size() + kMaxCurveBytes;
   for (const RecordedMotion& motion : motions) used += motion.forces.is_empty() ? 0 : kMaxForceBytes;
   const std::size_t left = used < kMaxReportBytes ? kMaxReportBytes - used : 0;
@@ -240,10 +243,11 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
 }  // namespace
 
 std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
-  std::string landscape;  // a page without one has nothing of it
-  if (!checks.landscapes.empty()) landscape = "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
+  std::string maps;  // a page without a landscape or field has nothing of them
+  if (checks.fields) maps += "<script>" + std::string(ReportFieldScript()) + "</script>\n";
+  if (!checks.landscapes.empty()) maps += "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
   const std::size_t library_bytes = PageStyle().size() + PageScript().size() + ReportPage().size() +
-                                    ReplayScript().size() + ReportScript().size() + landscape.size() +
+                                    ReplayScript().size() + ReportScript().size() + maps.size() +
                                     PlotlyLibrary().size() + PlotlyLicences().size();
   const std::string data = ScriptText(DataJson(summary, checks, motions, library_bytes));
   return FillPage(ReportPage(), {{"{{style}}", PageStyle()},
@@ -253,7 +257,7 @@ std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const
                                  {"{{page}}", PageScript()},
                                  {"{{replay}}", ReplayScript()},
                                  {"{{script}}", ReportScript()},
-                                 {"{{landscape}}", landscape}});
+                                 {"{{maps}}", maps}});
 }
 
 }  // namespace clothid

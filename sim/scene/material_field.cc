@@ -62,13 +62,18 @@ bool CanBeField(ParameterKind kind) {
          kind == ParameterKind::kDensity;
 }
 
-Eigen::Matrix2Xd FieldCoordinates(const Mesh& mesh, const std::string& source) {
+Eigen::Matrix2Xd FrontView(const Mesh& mesh, const std::string& source) {
   const Eigen::Matrix2Xd nodes = GridAxes(mesh, source).transpose() * mesh.rest_positions;
-  const Eigen::Vector2d low = nodes.rowwise().minCoeff(), size = nodes.rowwise().maxCoeff() - low;
+  return nodes.colwise() - nodes.rowwise().minCoeff();
+}
+
+Eigen::Matrix2Xd FieldCoordinates(const Mesh& mesh, const std::string& source) {
+  const Eigen::Matrix2Xd nodes = FrontView(mesh, source);
+  const Eigen::Vector2d size = nodes.rowwise().maxCoeff();
   Eigen::Matrix2Xd centres(2, mesh.num_faces());
   for (int f = 0; f < mesh.num_faces(); ++f) {
     const Eigen::Vector2d sum = nodes.col(mesh.faces(0, f)) + nodes.col(mesh.faces(1, f)) + nodes.col(mesh.faces(2, f));
-    centres.col(f) = ((sum / 3.0 - low).array() / size.array()).cwiseMax(0.0).cwiseMin(1.0);
+    centres.col(f) = (sum.array() / (3.0 * size).array()).cwiseMax(0.0).cwiseMin(1.0);
   }
   return centres;
 }
@@ -86,6 +91,15 @@ Eigen::SparseMatrix<double> ControlWeights(const Mesh& mesh, int rows, int colum
   Eigen::SparseMatrix<double> weights(mesh.num_faces(), rows * columns);
   weights.setFromTriplets(triplets.begin(), triplets.end());
   return weights;
+}
+
+double BetweenControlNodes(const Eigen::MatrixXd& values, const Eigen::Vector2d& place) {
+  const Neighbours along = NeighboursAt(place.x(), static_cast<int>(values.cols()));
+  const Neighbours across = NeighboursAt(place.y(), static_cast<int>(values.rows()));
+  const auto on_row = [&](int row) {
+    return (1.0 - along.weight) * values(row, along.first) + along.weight * values(row, along.second);
+  };
+  return (1.0 - across.weight) * on_row(across.first) + across.weight * on_row(across.second);
 }
 
 Eigen::VectorXd LogsOf(const Eigen::MatrixXd& values) { return values.array().log().matrix().transpose().reshaped(); }

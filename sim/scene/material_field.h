@@ -38,12 +38,19 @@ struct FieldFactors {
 // Which constants can be fields: k_stretch, k_bend, density.
 bool CanBeField(ParameterKind kind);
 
+// The nodes at rest as that view shows them [2 x N] m, from a corner of the box around them. Throws as
+// `FieldCoordinates` does.
+Eigen::Matrix2Xd FrontView(const Mesh& mesh, const std::string& source);
+
 // Where the centres of the triangles are in the box around the cloth [2 x F]: along the columns and along the rows, 0
 // to 1. Throws `Error` (kBadData), prefixed by `source`, where the rest shape has no front: its normals cancel.
 Eigen::Matrix2Xd FieldCoordinates(const Mesh& mesh, const std::string& source);
 
 // W [F x rows columns], the control nodes row by row. Throws as `FieldCoordinates` does.
 Eigen::SparseMatrix<double> ControlWeights(const Mesh& mesh, int rows, int columns, const std::string& source);
+
+// What is bilinear between `values` [rows x columns] of the control nodes, at a place in the box, 0 to 1 along either.
+double BetweenControlNodes(const Eigen::MatrixXd& values, const Eigen::Vector2d& place);
 
 // The values at the control nodes, row by row, as logarithms [rows columns].
 Eigen::VectorXd LogsOf(const Eigen::MatrixXd& values);

@@ -181,5 +181,33 @@ TEST_F(ReportBrowserTest, ShowsTheLandscape) {
   ExpectPeace();
 }
 
+// On the cloth, with a colour bar, hatched where it is not determined; on a phone, too.
+TEST_F(ReportBrowserTest, ShowsTheField) {
+  const ToolResult fit = Run("identify --target markers.bin --fit mu,k_stretch --field k_stretch:3x3 --output field");
+  ASSERT_TRUE(fit.exit_code == 0 || fit.exit_code == 4) << fit.exit_code << fit.err;
+  browser().Open((folder() / "field" / "report.html").string(), "document.querySelector('#field-0 .hm image')");
+  const std::string plot = "document.querySelector('#field-0 .plot')";
+  const Json result = Json::parse(ReadBytes(folder() / "field" / "result.json"))["fields"]["fields"]["k_stretch"];
+  // Cells next to the corners of the cloth are nearly those control nodes.
+  EXPECT_NEAR(browser().Evaluate("data.fields[0].value[0][0]").get<double>() / result["values"][0][0].get<double>(),
+              1.0, 0.1);
+  EXPECT_EQ(browser().Evaluate(plot + ".data[0].colorbar.title.text"), "k_stretch, N/m");
+  const int undetermined = browser().Evaluate("data.fields[0].determined.flat().filter(d => d === 0).length");
+  ASSERT_GT(undetermined, 0) << "12 markers do not tell nine stiffnesses";
+  EXPECT_GT(browser().Evaluate(plot + ".data.find(t => t.name === 'not determined').x.length"), undetermined / 2);
+  const std::string caption = browser().Evaluate("document.querySelector('#field-0').textContent");
+  EXPECT_NE(caption.find("determined at "), std::string::npos) << caption;
+  for (const int width : {400, 1400}) {
+    browser().Resize(width, 900);
+    browser().WaitUntil("Math.abs(" + plot + "._fullLayout.width - " + plot + ".clientWidth) < 1");
+    EXPECT_EQ(browser().WhatStandsOut(), "") << width;
+    // A square cloth is square.
+    const std::string layout = plot + "._fullLayout", x = layout + ".xaxis._length", y = layout + ".yaxis._length";
+    EXPECT_NEAR(browser().Evaluate(x + " / " + y), 1.0, 0.05) << width;
+    EXPECT_GE(browser().Evaluate(x), 150) << width;
+  }
+  ExpectPeace();
+}
+
 }  // namespace
 }  // namespace clothid
