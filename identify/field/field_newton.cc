@@ -1,36 +1,45 @@
 #include "identify/field/field_newton.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "identify/field/field_posterior.h"
+#include "identify/field/field_preconditioner.h"
 
 namespace clothid {
 namespace {
 
-constexpr int kWeightNodes = 6;    // a side, of the curvature that the weight is chosen by
+constexpr int kCoarseNodes = 6;    // a side, of the curvature that the weight is chosen by, and the preconditioner
 constexpr int kMostProducts = 40;  // of one step
+constexpr double kForcing = 0.1;   // of the gradient, what a step may leave
 // A step may change a field by this factor at first: logarithms, root mean square.
 constexpr double kFirstRadius = 0.7;
-constexpr double kSmallestRadius = 1e-6;
 constexpr double kLargestLog = 9.2;  // a factor of 1e4 from the start
+// Of a step that does not lower the cost by this share of what it promises, shorter ones are tried.
+constexpr double kLeastRatio = 1e-3, kShorter = 0.3;
+constexpr int kMostTrials = 7;
 // The loose stage ends where a step promises less than this share of the cost; the fit, where it promises less than
 // this in s^2, or this share.
 constexpr double kLooseDecrease = 0.03;
-constexpr double kFinalDecrease = 0.05, kFinalShare = 1e-4;
+constexpr double kFinalDecrease = 0.05, kFinalShare = 1e-5;
+constexpr int kMostWeights = 10;       // of the fixed point before a step
+constexpr double kWeightShare = 0.1;   // of the last lambda, the least that the next may be
 constexpr double kSteadyWeight = 0.5;  // the logarithm of lambda changes by less
 
 double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 struct Step {
-  Eigen::VectorXd change;  // d [p + n]
-  double decrease = 0.0;   // that the quadratic model promises
-  bool is_cut = false;     // by the trust region
+  Eigen::VectorXd change;               // d [p + n]
+  double slope = 0.0, curvature = 0.0;  // g^T d and d^T H d
+  bool is_cut = false;                  // by the trust region
+
+  // What the quadratic model promises of a share of it.
+  double Decrease(double share) const { return -share * slope - 0.5 * share * share * curvature; }
 };
 
 class GaussNewton {
@@ -42,28 +51,35 @@ class GaussNewton {
     const FitOptions& fit = options_.fit;
     start_ = Now();
     Precision precision = point->precision;
+    bool is_stuck = false;
     int iteration = 0;
-    for (; iteration <= fit.max_iterations; ++iteration) {
-      const bool is_steady = ChooseWeight(point);
+    for (; iteration <= fit.max_iterations && !is_stuck; ++iteration) {
+      const bool is_steady = Linearize(point);
       Tell(iteration, *point);
       if (fit.is_cancelled()) return Fail("stopped on request", result);
       const Step step = SolveStep(point);
-      const double cost = Cost(*point);
-      if (precision == Precision::kLoose && step.decrease <= kLooseDecrease * cost) {
+      const double cost = Cost(*point), decrease = step.Decrease(1.0);
+      const bool is_loose = precision == Precision::kLoose;
+      if (is_loose && decrease <= kLooseDecrease * cost) {
         precision = Precision::kFull;
-        const Eigen::VectorXd here = point->unknowns, next = Next(*point, step);
-        if (!model_->MoveTo(next, precision, point) && !model_->MoveTo(here, precision, point)) {
-          return Fail(model_->failure(), result);
-        }
+        if (!MoveToFull(step, point)) return Fail(model_->failure(), result);
         continue;
       }
-      if (is_steady && !step.is_cut && step.decrease <= std::max(kFinalDecrease * scale_, kFinalShare * cost)) break;
-      if (!Try(step, precision, point)) break;
+      if (!step.is_cut && decrease <= std::max(kFinalDecrease * scale_, kFinalShare * cost)) {
+        if (is_steady) break;
+        continue;  // the next weight asks for more
+      }
+      if (Try(step, precision, point)) continue;
+      is_stuck = !is_loose;
+      precision = Precision::kFull;
+      if (is_loose && !MoveToFull({Eigen::VectorXd::Zero(model_->size())}, point)) {
+        return Fail(model_->failure(), result);
+      }
     }
-    result->has_converged = iteration <= fit.max_iterations && radius_ > kSmallestRadius;
-    result->message = result->has_converged            ? "converged"
-                      : iteration > fit.max_iterations ? "stopped at max_iterations"
-                                                       : "stopped where no shorter step lowers the cost";
+    result->has_converged = iteration <= fit.max_iterations && !is_stuck;
+    result->message = result->has_converged ? "converged"
+                      : is_stuck            ? "stopped where no shorter step lowers the cost"
+                                            : "stopped at max_iterations";
     result->num_iterations = std::min(iteration, fit.max_iterations);
     result->weight = weight_;
     return true;
@@ -88,51 +104,36 @@ class GaussNewton {
                            model_->BlockCoordinates(point.unknowns), model_->counts().rollouts, num_products_});
   }
 
-  // Whether the weight is where it is to stay.
-  bool ChooseWeight(FieldPoint* point) {
-    if (!is_chosen_) {
-      const double degrees = std::max(1, model_->num_measurements() - model_->size());
-      scale_ = 2.0 * point->data_cost / degrees;
-      if (model_->sigma_is_known()) scale_ = std::max(1.0, scale_);
-      return true;
-    }
-    const FieldCurvature curvature(kWeightNodes, model_, point);
+  // At the end of the step, or, where that cannot be simulated, here.
+  bool MoveToFull(const Step& step, FieldPoint* point) {
+    const Eigen::VectorXd here = point->unknowns, next = Next(*point, step, 1.0);
+    return model_->MoveTo(next, Precision::kFull, point) || model_->MoveTo(here, Precision::kFull, point);
+  }
+
+  // Sets gradient, weight and preconditioner. Whether the weight is where it is to stay.
+  bool Linearize(FieldPoint* point) {
+    const Eigen::VectorXd theta = Theta(*point);
+    gradient_ = model_->DataGradient(*point);
+    const FieldCurvature curvature(kCoarseNodes, model_, point);
     const double before = weight_;
-    // At first as good as flat: what a wrong level and wrong parameters leave unexplained must not become a field. Then
-    // less and less smooth.
-    if (!(before > 0.0)) weight_ = curvature.NextWeight(Theta(*point), point->data_cost, 1.0);
-    for (int i = 0; before > 0.0 && i < 10; ++i) {
-      weight_ = curvature.NextWeight(Theta(*point), point->data_cost, weight_);
+    if (is_chosen_) ChooseWeight(curvature, theta, point->data_cost);
+    scale_ = curvature.SquaredScale(point->data_cost, weight_);
+    preconditioner_ = std::make_unique<FieldPreconditioner>(curvature, weight_, *model_);
+    gradient_.tail(theta.size()) += weight_ * (model_->prior_matrix() * theta);
+    Hold(point->unknowns);
+    ZeroHeld(&gradient_);
+    return !is_chosen_ || (before > 0.0 && std::abs(std::log(weight_ / before)) < kSteadyWeight);
+  }
+
+  // At first as good as flat: what a wrong level and wrong parameters leave unexplained must not become a field. Then
+  // less and less smooth.
+  void ChooseWeight(const FieldCurvature& curvature, const Eigen::VectorXd& theta, double data_cost) {
+    const double before = weight_;
+    if (!(before > 0.0)) weight_ = curvature.LargestWeight();
+    for (int i = 0; before > 0.0 && i < kMostWeights; ++i) {
+      weight_ = curvature.NextWeight(theta, gradient_, data_cost, weight_);
     }
     weight_ = std::max(weight_, kWeightShare * before);
-    scale_ = curvature.SquaredScale(point->data_cost, weight_);
-    return before > 0.0 && std::abs(std::log(weight_ / before)) < kSteadyWeight;
-  }
-
-  // (lambda P + .. )^-1: what the preconditioner does to the fields; scalars are divided by their own curvature.
-  void SetPreconditioner(FieldPoint* point) {
-    const Eigen::Index n = model_->num_field_unknowns(), p = model_->num_scalars();
-    Eigen::SparseMatrix<double> shifted = weight_ * model_->prior_matrix();
-    const double shift = kMeanShift * weight_ / static_cast<double>(n);
-    for (Eigen::Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += shift;
-    prior_factor_.compute(shifted);
-    scalar_curvature_ = Eigen::VectorXd::Ones(p);
-    // Any product brings the scalars' columns along.
-    if (p > 0 && point->recordings.front().scalar_rows.size() == 0) model_->Times(Eigen::VectorXd::Zero(p + n), point);
-    for (Eigen::Index i = 0; i < p; ++i) {
-      double sum = 0.0;
-      for (const FieldRecordingPoint& at : point->recordings) {
-        if (at.scalar_rows.size() > 0) sum += at.scalar_rows.col(i).squaredNorm();
-      }
-      if (sum > 0.0) scalar_curvature_[i] = sum;
-    }
-  }
-
-  Eigen::VectorXd Precondition(const Eigen::VectorXd& v) const {
-    Eigen::VectorXd solved(v.size());
-    solved.head(model_->num_scalars()) = v.head(model_->num_scalars()).cwiseQuotient(scalar_curvature_);
-    solved.tail(model_->num_field_unknowns()) = prior_factor_.solve(v.tail(model_->num_field_unknowns()));
-    return solved;
   }
 
   // Root mean square of the logarithms, and of the other unknowns.
@@ -143,40 +144,45 @@ class GaussNewton {
   }
 
   // Parameters that are pushed against a bound stay.
-  void Hold(const Eigen::VectorXd& unknowns, const Eigen::VectorXd& gradient) {
+  void Hold(const Eigen::VectorXd& unknowns) {
     held_.clear();
     for (int i = 0; i < model_->num_scalars(); ++i) {
       const ParameterBlock& block = model_->blocks()[model_->scalars()[i]];
       const double lower = block.ToCoordinate(block.lower_bound), upper = block.ToCoordinate(block.upper_bound);
-      if ((unknowns[i] <= lower && gradient[i] > 0.0) || (unknowns[i] >= upper && gradient[i] < 0.0))
+      if ((unknowns[i] <= lower && gradient_[i] > 0.0) || (unknowns[i] >= upper && gradient_[i] < 0.0))
         held_.push_back(i);
     }
   }
 
-  void ZeroHeld(Eigen::VectorXd* gradient) const {
-    for (const int i : held_) (*gradient)[i] = 0.0;
+  void ZeroHeld(Eigen::VectorXd* vector) const {
+    for (const int i : held_) (*vector)[i] = 0.0;
+  }
+
+  Eigen::VectorXd Precondition(const Eigen::VectorXd& v) const {
+    Eigen::VectorXd solved = preconditioner_->Solve(v);
+    ZeroHeld(&solved);
+    return solved;
+  }
+
+  // H times `direction`.
+  Eigen::VectorXd TimesHessian(const Eigen::VectorXd& direction, FieldPoint* point) {
+    const Eigen::Index n = model_->num_field_unknowns();
+    Eigen::VectorXd curved = model_->TimesCurvature(direction, point);
+    curved.tail(n) += weight_ * (model_->prior_matrix() * direction.tail(n));
+    ZeroHeld(&curved);
+    ++num_products_;
+    return curved;
   }
 
   Step SolveStep(FieldPoint* point) {
-    const Eigen::Index n = model_->num_field_unknowns();
-    Eigen::VectorXd gradient = model_->DataGradient(*point);
-    gradient.tail(n) += weight_ * (model_->prior_matrix() * Theta(*point));
-    Hold(point->unknowns, gradient);
-    ZeroHeld(&gradient);
-    SetPreconditioner(point);
     Step step;
     step.change = Eigen::VectorXd::Zero(model_->size());
-    Eigen::VectorXd residual = -gradient, product = Eigen::VectorXd::Zero(model_->size());
-    Eigen::VectorXd z = Precondition(residual);
-    ZeroHeld(&z);
-    Eigen::VectorXd direction = z;
+    Eigen::VectorXd residual = -gradient_, product = Eigen::VectorXd::Zero(model_->size());
+    Eigen::VectorXd z = Precondition(residual), direction = z;
     double square = residual.dot(z);
-    const double size = std::sqrt(square), forcing = Forcing(size);
-    for (int i = 0; i < kMostProducts && std::sqrt(square) > forcing * size && !options_.fit.is_cancelled(); ++i) {
-      Eigen::VectorXd curved = model_->TimesCurvature(direction, point);
-      curved.tail(n) += weight_ * (model_->prior_matrix() * direction.tail(n));
-      ZeroHeld(&curved);
-      ++num_products_;
+    const double enough = kForcing * kForcing * square;
+    for (int i = 0; i < kMostProducts && square > enough && !options_.fit.is_cancelled(); ++i) {
+      const Eigen::VectorXd curved = TimesHessian(direction, point);
       const double length = square / direction.dot(curved);
       step.is_cut = Length(step.change + length * direction) >= radius_;
       const double taken = step.is_cut ? ToBoundary(step.change, direction) : length;
@@ -185,19 +191,13 @@ class GaussNewton {
       residual -= taken * curved;
       if (step.is_cut) break;
       z = Precondition(residual);
-      ZeroHeld(&z);
       const double next = residual.dot(z);
       direction = z + (next / square) * direction;
       square = next;
     }
-    step.decrease = -gradient.dot(step.change) - 0.5 * step.change.dot(product);
+    step.slope = gradient_.dot(step.change);
+    step.curvature = step.change.dot(product);
     return step;
-  }
-
-  // Loose at first, tighter as the gradient falls.
-  double Forcing(double size) {
-    if (!(first_size_ > 0.0)) first_size_ = size;
-    return std::clamp(std::sqrt(size / first_size_), 0.05, 0.3);
   }
 
   // The factor of `direction` that leads from `change` to the boundary of the trust region.
@@ -211,8 +211,8 @@ class GaussNewton {
     return low;
   }
 
-  Eigen::VectorXd Next(const FieldPoint& point, const Step& step) const {
-    Eigen::VectorXd next = point.unknowns + step.change;
+  Eigen::VectorXd Next(const FieldPoint& point, const Step& step, double share) const {
+    Eigen::VectorXd next = point.unknowns + share * step.change;
     for (int i = 0; i < model_->num_scalars(); ++i) {
       const ParameterBlock& block = model_->blocks()[model_->scalars()[i]];
       next[i] = std::clamp(next[i], block.ToCoordinate(block.lower_bound), block.ToCoordinate(block.upper_bound));
@@ -222,33 +222,35 @@ class GaussNewton {
     return next;
   }
 
-  // Takes the step where it lowers the cost, and adapts the trust region; false where that has become too small.
+  // Takes the step, or a share of it, where that lowers the cost, and adapts the trust region; false where none does.
   bool Try(const Step& step, Precision precision, FieldPoint* point) {
-    FieldPoint trial;
-    const bool works = model_->MoveTo(Next(*point, step), precision, &trial);
-    const double ratio = works ? (Cost(*point) - Cost(trial)) / std::max(step.decrease, 1e-300) : -1.0;
-    if (ratio < 0.1) {
-      radius_ = 0.25 * std::min(radius_, Length(step.change));
-    } else if (ratio > 0.75 && step.is_cut) {
-      radius_ *= 2.0;
+    const double length = Length(step.change);
+    double share = 1.0;
+    for (int i = 0; i < kMostTrials && !options_.fit.is_cancelled(); ++i, share *= kShorter) {
+      FieldPoint trial;
+      const bool works = model_->MoveTo(Next(*point, step, share), precision, &trial);
+      const double ratio = works ? (Cost(*point) - Cost(trial)) / std::max(step.Decrease(share), 1e-300) : -1.0;
+      if (!(ratio > kLeastRatio)) continue;
+      if (i > 0 || ratio < 0.1) {
+        radius_ = std::max(share, kShorter) * length;
+      } else if (ratio > 0.75 && step.is_cut) {
+        radius_ *= 2.0;
+      }
+      *point = std::move(trial);
+      return true;
     }
-    if (ratio > 1e-3) *point = std::move(trial);
-    return radius_ > kSmallestRadius;
+    return options_.fit.is_cancelled();
   }
-
-  static constexpr double kWeightShare = 0.1;  // of the last, the least that the next may be
-  // Of the smoothest field that is not flat, cos(pi x): pi^4, times the squares of the control nodes.
-  static constexpr double kMeanShift = 97.0;
 
   FieldModel* model_;
   const FieldFitOptions& options_;
   bool is_chosen_;
   double weight_, scale_ = 0.0;  // lambda, s^2
-  double start_ = 0.0, radius_ = kFirstRadius, first_size_ = 0.0;
+  double start_ = 0.0, radius_ = kFirstRadius;
   int num_products_ = 0;
+  Eigen::VectorXd gradient_;  // of the cost with the prior, zero where held
   std::vector<int> held_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> prior_factor_;
-  Eigen::VectorXd scalar_curvature_;
+  std::unique_ptr<FieldPreconditioner> preconditioner_;
 };
 
 }  // namespace

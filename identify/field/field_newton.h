@@ -2,9 +2,10 @@
 //
 // A step d solves H d = -gradient, H = J^T J + lambda P (field_model.h), by conjugate gradients: a product with H is a
 // forward sweep with one column and a reverse sweep, along the rollout that is at hand with its factors. Within a trust
-// region (Steihaug 1983), as closely as the gradient asks for (Eisenstat and Walker 1996), preconditioned by the prior,
-// which makes the number of iterations that of what the recordings tell, not that of the unknowns. Before every step
-// the weight lambda is chosen anew (field_posterior.h), unless it is given. Far from the solution rollouts are loose.
+// region (Steihaug 1983), preconditioned over a coarse basis and by the prior (field_preconditioner.h), which makes the
+// number of products that of what the recordings tell beyond that basis, not that of the unknowns. Before every step
+// the weight lambda is chosen anew (field_posterior.h), unless it is given. A step that does not lower the cost, as
+// across a kink of a contact, is tried shorter along its line. Far from the solution rollouts are loose.
 #ifndef CLOTHID_IDENTIFY_FIELD_FIELD_NEWTON_H_
 #define CLOTHID_IDENTIFY_FIELD_FIELD_NEWTON_H_
 

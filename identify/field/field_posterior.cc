@@ -84,13 +84,23 @@ double FieldCurvature::SquaredScale(double data_cost, double weight) const {
   return model_->sigma_is_known() ? std::max(1.0, fitted) : fitted;
 }
 
-double FieldCurvature::NextWeight(const Eigen::VectorXd& theta, double data_cost, double weight) const {
+double FieldCurvature::LargestWeight() const {
+  return eigenvalues_.size() == 0 ? 1.0 : std::max(eigenvalues_.maxCoeff(), 1e-300);
+}
+
+double FieldCurvature::NextWeight(const Eigen::VectorXd& theta, const Eigen::VectorXd& data_gradient, double data_cost,
+                                  double weight) const {
   if (eigenvalues_.size() == 0) return weight;
-  const double largest = std::max(eigenvalues_.maxCoeff(), 1e-300);
-  const double roughness = (model_->prior_root() * theta).squaredNorm();
+  // Where the linear model has its minimum: theta moves by the basis' columns times `step`.
+  const Eigen::VectorXd of_cost = basis_.transpose() * data_gradient;
+  const Eigen::VectorXd of_prior = basis_.bottomRows(theta.size()).transpose() * (model_->prior_matrix() * theta);
+  const Eigen::VectorXd step = -(Covariance(weight) * (of_cost + weight * of_prior));
+  const double roughness =
+      (model_->prior_root() * theta).squaredNorm() + 2.0 * of_prior.dot(step) + step.dot(prior_ * step);
+  const double lowest = std::max(0.0, data_cost + of_cost.dot(step) + 0.5 * step.dot(gram_ * step));
   const double determined = NumDetermined(weight) - static_cast<double>(basis_.cols() - eigenvalues_.size());
-  const double next = SquaredScale(data_cost, weight) * determined / std::max(roughness, 1e-300);
-  return std::clamp(next, kSmallestWeight * largest, largest);
+  const double next = SquaredScale(lowest, weight) * determined / std::max(roughness, 1e-300);
+  return std::clamp(next, kSmallestWeight * LargestWeight(), LargestWeight());
 }
 
 Eigen::MatrixXd FieldCurvature::Covariance(double weight) const {

@@ -6,7 +6,10 @@
 // G = V^T J^T J V. Where the control grid is no finer V is the identity, and nothing is lost.
 //   covariance     = s^2 V (G + lambda V^T P V)^-1 V^T,   s^2 = 2 L/(m - gamma), at least 1 where sigma is known
 //   determined     gamma = sum over i of h_i/(h_i + lambda),   h_i the eigenvalues of G relative to V^T P V
-//   weight         lambda = s^2 gamma/(theta^T P theta): where the marginal likelihood is stationary (MacKay 1992)
+//   weight         lambda = s^2 gamma/(theta^T P theta): where the marginal likelihood is stationary (MacKay 1992),
+//   with
+//                  theta and L where the linear model has its minimum for that lambda: they follow lambda, and what is
+//                  left of an unfinished fit does not go into it
 #ifndef CLOTHID_IDENTIFY_FIELD_FIELD_POSTERIOR_H_
 #define CLOTHID_IDENTIFY_FIELD_FIELD_POSTERIOR_H_
 
@@ -28,8 +31,12 @@ class FieldCurvature {
   double SquaredScale(double data_cost, double weight) const;
   // gamma; the unknowns beside the fields and their means count as determined.
   double NumDetermined(double weight) const;
-  // The next lambda of the fixed point, for the unknowns theta [n]; within what the recordings can be told from.
-  double NextWeight(const Eigen::VectorXd& theta, double data_cost, double weight) const;
+  // The next lambda of the fixed point, from `weight` > 0, at the point that the model is at: theta [n], its cost L and
+  // gradient of L [p + n]. Within what the recordings can be told from.
+  double NextWeight(const Eigen::VectorXd& theta, const Eigen::VectorXd& data_gradient, double data_cost,
+                    double weight) const;
+  // Beyond which the fields are as good as flat.
+  double LargestWeight() const;
 
   // Fills the standard deviations of `fields`.
   void AddDeviations(double data_cost, double weight, std::vector<FittedField>* fields) const;
@@ -37,9 +44,10 @@ class FieldCurvature {
   // ones are zero. For `EstimateUncertainty`.
   Linearization Marginal(double weight, FieldPoint* point) const;
 
- private:
-  Eigen::MatrixXd Covariance(double weight) const;  // of the basis' coordinates, over s^2
+  const Eigen::MatrixXd& basis() const { return basis_; }
+  Eigen::MatrixXd Covariance(double weight) const;  // of the basis' coordinates, over s^2 [c x c]
 
+ private:
   FieldModel* model_;
   Eigen::MatrixXd basis_;         // V [(p + n) x c]
   Eigen::MatrixXd gram_, prior_;  // G and V^T P V [c x c]

@@ -3,20 +3,28 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 
 #include "identify/field/field_model.h"
+#include "identify/field/field_posterior.h"
+#include "identify/field/field_preconditioner.h"
 #include "identify/field/field_prior.h"
 #include "identify/field/field_stage.h"
 #include "identify/fit/fit.h"
 #include "identify/fit/problem.h"
 #include "sim/rollout/simulator.h"
+#include "sim/scene/scene_json.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 #include "tests/sim/shipped_scenes.h"
+#include "tests/tools/small_drape.h"
 
 namespace clothid {
 namespace {
@@ -39,15 +47,21 @@ Eigen::MatrixXd TrueValues() {
 }
 
 // What a noisy sensor sees of the true field; the scene knows nothing of it.
-RecordedMotion FieldMotion() {
-  Scene scene = DrapeScene();
-  scene.fields = {{kRequest.kind, TrueValues()}};
+RecordedMotion FieldMotion(const Scene& nominal, double mu, const Eigen::MatrixXd& values, double noise) {
+  Scene scene = nominal;
+  scene.fields = {{kRequest.kind, values}};
+  scene.obstacles[0].friction_coefficient = mu;
   MotionOptions options;
-  options.noise = kNoise;
-  options.sigma = kNoise;
+  options.noise = noise;
+  options.sigma = noise;
   RecordedMotion motion = MakeMotion(scene, options);
-  motion.scene = DrapeScene();
+  motion.scene = nominal;
   return motion;
+}
+
+RecordedMotion FieldMotion() {
+  const Scene scene = DrapeScene();
+  return FieldMotion(scene, scene.obstacles[0].friction_coefficient, TrueValues(), kNoise);
 }
 
 // With a field that is the same everywhere, where a fit starts.
@@ -121,6 +135,34 @@ TEST(FieldModel, PriorIsTheSameOnEveryGrid) {
   }
 }
 
+// Where the coarse basis is that of the control grid it is the inverse of H; else at least over the basis, symmetric
+// and positive.
+TEST(FieldPreconditioner, IsTheInverseOverItsBasis) {
+  const std::vector<RecordedMotion> motions = StartMotions(kRequest);
+  FieldModel model(motions, Blocks(motions), {kRequest}, FitOptions());
+  FieldPoint point;
+  ASSERT_TRUE(model.MoveTo(model.Start(), Precision::kFull, &point));
+  constexpr double kWeight = 3.0;
+  const Eigen::MatrixXd all = Eigen::MatrixXd::Identity(model.size(), model.size());
+  Eigen::MatrixXd hessian = model.Gram(all, &point);
+  hessian.bottomRightCorner(16, 16) += kWeight * model.prior_matrix();
+  for (const int side : {4, 3}) {
+    const FieldCurvature curvature(side, &model, &point);
+    const FieldPreconditioner preconditioner(curvature, kWeight, model);
+    Eigen::MatrixXd inverse(model.size(), model.size());
+    for (Eigen::Index i = 0; i < all.cols(); ++i) inverse.col(i) = preconditioner.Solve(all.col(i));
+    EXPECT_LE((inverse - inverse.transpose()).norm(), 1e-9 * inverse.norm()) << side;
+    EXPECT_EQ(inverse.llt().info(), Eigen::Success) << side;
+    const Eigen::MatrixXd& basis = curvature.basis();
+    const Eigen::MatrixXd over_basis = basis.transpose() * inverse.inverse() * basis;
+    const Eigen::MatrixXd expected = basis.transpose() * hessian * basis;
+    EXPECT_LE((over_basis - expected).norm(), 1e-4 * expected.norm()) << side;
+    if (side < 4) continue;
+    const Eigen::VectorXd eigenvalues = (inverse * hessian).eigenvalues().real();
+    EXPECT_LE((eigenvalues.array() - 1.0).abs().maxCoeff(), 1e-3) << eigenvalues.transpose();
+  }
+}
+
 double DeterminedError(const FittedField& field) {
   double sum = 0.0, count = 0.0;
   for (Eigen::Index r = 0; r < field.values.rows(); ++r) {
@@ -144,6 +186,42 @@ TEST(FieldFit, RecoversAFieldWhereItIsDetermined) {
   EXPECT_LE(fit.result.num_rollouts, 20);
   EXPECT_NEAR(Blocks(motions).front().ToValue(fit.coordinates[0]),
               motions.front().scene.obstacles[0].friction_coefficient, 0.01);
+}
+
+// From where flat fields end, with friction beside the field, on a fine control grid: the cost falls below that of the
+// truth. It is steep in either, and flat where the one makes up for the other.
+TEST(FieldFit, GoesOnWhereFrictionMakesUpForTheField) {
+  const FieldRequest request{"k_stretch", ParameterKind::kStretchStiffness, 8, 8};
+  constexpr double kTrueMu = 0.24;
+  Eigen::Matrix3d values;
+  values << 50.0, 60.0, 70.0, 60.0, 90.0, 100.0, 70.0, 80.0, 120.0;
+  nlohmann::json text = nlohmann::json::parse(SmallDrape(10));
+  text["clothid_scene"] = 2;
+  text["contact"] = "gap";
+  text["duration"] = 0.8;
+  Scene scene = ParseScene(text.dump(), "drape", "");
+  scene.material.stretch_stiffness = 75.0;
+  std::vector<RecordedMotion> motions = {FieldMotion(scene, kTrueMu, values, 1e-3)};
+  SetField({request.kind, Eigen::MatrixXd::Constant(8, 8, 75.0)}, &motions);
+  std::vector<ParameterBlock> blocks = Blocks(motions);
+  blocks.front().start = 0.2516;
+  const FieldFit fit = FitFields(motions, blocks, {request}, FieldFitOptions());
+  ASSERT_TRUE(fit.result.ok) << fit.result.message;
+  EXPECT_TRUE(fit.result.has_converged) << fit.result.message;
+  FieldModel model(motions, blocks, {request}, FitOptions());
+  const auto cost = [&](double q, const Eigen::MatrixXd& field) {
+    Eigen::VectorXd unknowns(model.size());
+    unknowns << q, LogsOf(field / 75.0);
+    const double prior = (model.prior_root() * unknowns.tail(request.size())).squaredNorm();
+    return Cost(unknowns, &model) + 0.5 * fit.result.weight * prior;
+  };
+  Eigen::MatrixXd truth(8, 8);
+  for (int r = 0; r < 8; ++r) {
+    for (int c = 0; c < 8; ++c) truth(r, c) = std::exp(BetweenControlNodes(values.array().log(), {c / 7.0, r / 7.0}));
+  }
+  EXPECT_LE(cost(fit.coordinates[0], fit.result.fields.front().values),
+            cost(blocks.front().ToCoordinate(kTrueMu), truth));
+  EXPECT_NEAR(blocks.front().ToValue(fit.coordinates[0]), kTrueMu, 0.001);
 }
 
 // A recording more or less at once changes nothing.
