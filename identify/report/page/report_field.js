@@ -49,6 +49,7 @@ function fieldCaption(field) {
 function showField(field, index) {
   const card = element('section', 'card'), target = element('div', 'plot map');
   card.id = `field-${index}`;
+  target.style.maxWidth = '560px';  // bar and legend stay beside a square cloth
   card.append(element('h2', '', `Field of ${field.name}`), target, element('p', 'caption', fieldCaption(field)));
   part('heat-map').closest('.card').before(card);
   const axis = (centres) => ({title: 'm', constrain: 'domain', showgrid: false, zeroline: false, nticks: 6,
