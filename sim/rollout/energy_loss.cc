@@ -19,7 +19,7 @@ Eigen::VectorXd ElasticForce(const Material& material, const Eigen::VectorXd& po
   parts->stretch = model.membrane().AddForce(material, positions, &force);
   for (const BendingTerm& term : model.bending_terms()) {
     const double stiffness = term.stiffness(material);
-    parts->bending += stiffness * term.energy.AddForce(stiffness, positions, &force);
+    parts->bending += stiffness * term.AddForce(stiffness, positions, &force);
   }
   return force;
 }
@@ -87,7 +87,8 @@ Eigen::VectorXd NodeInertiaLoss(const Parameters& parameters, const VelocityChan
   for (const int node : model.free_nodes()) {
     const Eigen::Vector3d b = changes.last.segment<3>(3 * node), c = changes.first.segment<3>(3 * node);
     const Eigen::Vector3d u = changes.impact.segment<3>(3 * node);
-    loss[node] = model.mass(parameters.material, node) * (0.5 * b.squaredNorm() + c.dot(kSecondStageReach * u - 0.5 * c));
+    loss[node] =
+        model.mass(parameters.material, node) * (0.5 * b.squaredNorm() + c.dot(kSecondStageReach * u - 0.5 * c));
   }
   return loss;
 }

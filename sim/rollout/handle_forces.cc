@@ -50,9 +50,17 @@ HandleForces::HandleForces(const ClothModel& model, const Parameters& parameters
                            const std::vector<std::vector<int>>& groups)
     : model_(model),
       material_(parameters.material),
+      wind_(parameters.wind),
       num_steps_(num_steps),
       time_step_(model.scene().time_step),
       groups_(groups) {
+  if (model.directional_drag() != nullptr) {
+    throw Error(ErrorKind::kBadData, "forces at handles: expected a scene without drag_normal and drag_tangential");
+  }
+  for (const BendingTerm& term : model.bending_terms()) {
+    if (term.curvature == nullptr) continue;
+    throw Error(ErrorKind::kBadData, "forces at handles: expected a cloth that is flat at rest");
+  }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (groups[g].empty()) throw Error(ErrorKind::kBadData, "group " + std::to_string(g) + " of handles: has no node");
     for (const int node : groups[g]) {
@@ -62,7 +70,8 @@ HandleForces::HandleForces(const ClothModel& model, const Parameters& parameters
                     "group " + std::to_string(g) + " of handles: node " + std::to_string(node) + " is no handle");
       }
       const double drag_area = model.drag() != nullptr ? model.drag()->areas()[node] : 0.0;
-      handles_.push_back({static_cast<int>(g), node, -1, model.mass_areas()[node], drag_area});
+      handles_.push_back(
+          {static_cast<int>(g), node, -1, model.mass_areas()[node], model.mass(material_, node), drag_area});
     }
   }
   FindNodes(groups);
@@ -165,9 +174,13 @@ Eigen::Vector3d HandleForces::Derivative(const std::array<double, 3>& weights, c
   return sum;
 }
 
+Eigen::Vector3d HandleForces::Acceleration(const Handle& handle, const States& states) const {
+  return Derivative(Scaled(kCurvature, 1.0 / (time_step_ * time_step_)), handle, states);
+}
+
 Eigen::Vector3d HandleForces::AirSpeed(int step, const Handle& handle, const States& states) const {
   const double time = model_.scene().start_time + step * time_step_;
-  return Derivative(Window(step).rates, handle, states) - model_.drag()->WindAt(handle.node, time);
+  return Derivative(Window(step).rates, handle, states) - model_.drag()->WindAt(handle.node, time, wind_);
 }
 
 std::array<double, 3> HandleForces::MetricShares(const ForceWindow& window) const {
@@ -212,11 +225,10 @@ Eigen::VectorXd HandleForces::At(int step, const States& states) const {
         bending.stiffness * (positions.reshaped(3, positions.size() / 3) * bending.rows.transpose());
   }
   const Scene& scene = model_.scene();
-  const std::array<double, 3> curvature = Scaled(kCurvature, 1.0 / (time_step_ * time_step_));
   for (const Handle& handle : handles_) {
     auto sum = sums.segment<3>(3 * handle.group);
-    const Eigen::Vector3d acceleration = Derivative(curvature, handle, states);
-    sum += material_.density * handle.mass_area * (acceleration - scene.gravity) - scene.node_force;
+    sum += handle.inertia * Acceleration(handle, states) - material_.density * handle.mass_area * scene.gravity -
+           scene.node_force;
     if (model_.drag() != nullptr) sum += AirSlope(handle, 1.0) * AirSpeed(step, handle, states);
   }
   return sums;
@@ -251,9 +263,8 @@ std::array<Eigen::MatrixXd, 3> HandleForces::Jacobian(int step, const States& st
   }
   for (std::size_t k = 0; k < 3; ++k) {
     for (const Handle& handle : handles_) {
-      const double mass = material_.density * handle.mass_area;
       transposed[k].block<3, 3>(3 * handle.local, 3 * handle.group).diagonal().array() +=
-          mass * kCurvature[k] / (time_step_ * time_step_) + AirSlope(handle, window.rates[k]);
+          handle.inertia * kCurvature[k] / (time_step_ * time_step_) + AirSlope(handle, window.rates[k]);
     }
     transposed[k] = transposed[k].transpose().eval();
   }
@@ -286,9 +297,30 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
       break;
     case ParameterKind::kDensity:
       for (const Handle& handle : handles_) {
-        const Eigen::Vector3d acceleration =
-            Derivative(Scaled(kCurvature, 1.0 / (time_step_ * time_step_)), handle, states);
-        sums.segment<3>(3 * handle.group) += handle.mass_area * (acceleration - model_.scene().gravity);
+        sums.segment<3>(3 * handle.group) += handle.mass_area * (Acceleration(handle, states) - model_.scene().gravity);
+      }
+      break;
+    case ParameterKind::kAddedMass:
+      for (const Handle& handle : handles_) {
+        sums.segment<3>(3 * handle.group) += model_.node_areas()[handle.node] * Acceleration(handle, states);
+      }
+      break;
+    case ParameterKind::kNormalDrag:
+    case ParameterKind::kTangentialDrag:
+      break;  // the constructor refuses scenes that have them
+    case ParameterKind::kWindX:
+    case ParameterKind::kWindY:
+    case ParameterKind::kWindZ:
+    case ParameterKind::kGustX:
+    case ParameterKind::kGustY:
+    case ParameterKind::kGustZ:
+    case ParameterKind::kGustFrequency:
+    case ParameterKind::kGustPhase:
+      for (const Handle& handle : handles_) {
+        if (model_.drag() == nullptr) break;
+        const double time = model_.scene().start_time + step * time_step_;
+        sums.segment<3>(3 * handle.group) -=
+            AirSlope(handle, 1.0) * model_.drag()->WindDerivativeAt(handle.node, time, wind_, id);
       }
       break;
     case ParameterKind::kDrag:

@@ -52,7 +52,8 @@ class HandleForces {
   using States = std::array<Eigen::MatrixXd, 3>;
 
   // `groups` [G]: nodes of the scene, each a handle. `model` must outlive the object and have the fields of
-  // `parameters`, `Simulator::UseFields`. Throws `Error` (kBadData) for a group without nodes or a node that is none.
+  // `parameters`, `Simulator::UseFields`. Throws `Error` (kBadData) for a group without nodes or a node that is none,
+  // and for scenes with drag by direction or with a curved rest shape, whose forces at handles nobody has derived.
   HandleForces(const ClothModel& model, const Parameters& parameters, int num_steps,
                const std::vector<std::vector<int>>& groups);
 
@@ -82,7 +83,8 @@ class HandleForces {
     int group;
     int node;          // of the mesh
     int local;         // its place in nodes()
-    double mass_area;  // its mass over the density, m^2
+    double mass_area;  // what has weight over the density, m^2
+    double inertia;    // M, kg: of the cloth and of the air that moves with it
     double drag_area;  // m^2; 0: no drag
   };
   struct Bending {
@@ -95,6 +97,7 @@ class HandleForces {
   void MakeTriangles(const Parameters& parameters);
   void MakeBending();
   Eigen::Vector3d Derivative(const std::array<double, 3>& weights, const Handle& handle, const States& states) const;
+  Eigen::Vector3d Acceleration(const Handle& handle, const States& states) const;
   // The velocity of a handle to the air around it, m/s; and dR/dx_k of drag, kg/s. All that is said of air is here.
   Eigen::Vector3d AirSpeed(int step, const Handle& handle, const States& states) const;
   double AirSlope(const Handle& handle, double rate) const { return material_.drag * handle.drag_area * rate; }
@@ -106,6 +109,7 @@ class HandleForces {
 
   const ClothModel& model_;
   Material material_;
+  Wind wind_;
   int num_steps_;
   double time_step_;  // h, s
   std::vector<std::vector<int>> groups_;

@@ -145,7 +145,7 @@ double MomentumDefect(const TestRun& run, int step) {
     const double mass = scene.material.density * model.mass_areas()[node];
     sum += mass * (acceleration.segment<3>(3 * node) - scene.gravity) - scene.node_force;
     sum -= scene.material.drag * model.drag()->areas()[node] *
-           (model.drag()->WindAt(node, step * scene.time_step) - velocity.segment<3>(3 * node));
+           (model.drag()->WindAt(node, step * scene.time_step, scene.wind) - velocity.segment<3>(3 * node));
   }
   return (run.values.col(step) - sum).norm() / run.values.col(step).norm();
 }
