@@ -91,7 +91,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values; of a recording's own parameters 0)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
                       cloth's size, turn +-0.2, v0 +-2, force_bias +-the largest force, k_poisson +-sqrt(k_warp k_weft),
-                      drag and damping start/1e4..start*1e4, the others 1e3 times beyond what was measured of any
+                      drag and damping start/1e4..start*1e4, the others 100 times beyond what was measured of any
                       cloth); drag is that of every recording, drag@2 goes before it, shift stands for x, y and z
   --prior LIST        what is believed beforehand: NAME=MEDIAN:FACTOR[,...], as k_bend=1e-5:2, a normal distribution of
                       the logarithm; of mu, k_poisson and a recording's own parameters NAME=MEAN:STD, as mu=0.3:0.1.

@@ -22,7 +22,7 @@ constexpr double kLeastFriction = 0.01;
 constexpr double kLeastShareOfUnit = 0.1;
 constexpr char kRecordingMark = '@';
 // How far beyond what was measured bounds lie: of any cloth, of a fabric that the scene names; and beyond the start.
-constexpr double kMeasuredMargin = 1e3;
+constexpr double kMeasuredMargin = 100.0;
 constexpr double kFabricMargin = 10.0;
 constexpr double kStartMargin = 100.0;
 

@@ -115,7 +115,8 @@ bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, E
 // that work loosely may fail with full precision; where these do, the full stage starts where the fit did.
 void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
                                 FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
-  const StageGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, 0};
+  const StageGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion,
+                        recorder->next_iteration()};
   RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
   if (options.is_cancelled()) return;
   const int last_iteration = recorder->last_iteration();
@@ -200,7 +201,7 @@ std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitP
                                                  FitRecorder* recorder, FitSummary* summary) {
   const bool is_adaptive = IsAdaptive(options, *problem);
   const StageGoal rough{is_adaptive ? Precision::kLoose : Precision::kFull, kShortStep, kLooseStepTolerance,
-                        kInitialTrustRegion, 0};
+                        kInitialTrustRegion, recorder->next_iteration()};
   if (!IsAllFrozen(*problem)) {
     if (options.method == FitMethod::kLevenbergMarquardt) {
       RunLevenbergMarquardt(options, rough, problem, coordinates, evaluator, recorder, summary);
@@ -242,22 +243,31 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
   } else if (IsAdaptive(options, *problem)) {
     RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
   } else if (options.method == FitMethod::kLevenbergMarquardt) {
-    const StageGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, 0};
+    const StageGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion,
+                         recorder->next_iteration()};
     RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
   } else {
     RunLbfgs(options, problem, evaluator, recorder, summary);
   }
 }
 
-// From the start, whose cost is known, to where `horizon` leads.
-void FollowLead(const FitOptions& options, const FitProblem& problem, double start_cost, Precision precision,
-                const LedStart& lead, Eigen::VectorXd* coordinates, FitEvaluator* evaluator) {
+// From the start, whose cost is known, to where `horizon` leads, unless the cost is higher there.
+LedStart FollowLead(const FitOptions& options, const FitProblem& problem, double start_cost, Precision precision,
+                    GrowingHorizon* horizon, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
+                    FitRecorder* recorder) {
+  LedStart lead = horizon->Lead(problem, *coordinates, &Fit);
   Eigen::VectorXd led = *coordinates;
   led.head(problem.num_blocks()) = lead.coordinates;
-  if (options.is_cancelled() || led == *coordinates) return;
+  if (options.is_cancelled() || led == *coordinates) return lead;
+  recorder->AddStart(precision);
   double cost = 0.0;
   const bool works = evaluator->Evaluate(led, FitEvaluator::Derivative::kNone, &cost, nullptr, precision);
   if (works && cost < start_cost) *coordinates = led;
+  return lead;
+}
+
+bool CanBeLed(const FitOptions& options, const FitProblem& problem) {
+  return options.method == FitMethod::kLevenbergMarquardt && options.max_iterations > 0 && !IsAllFrozen(problem);
 }
 
 }  // namespace
@@ -280,9 +290,8 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* h
   if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr, first_precision)) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
   } else {
-    if (horizon != nullptr && options.method == FitMethod::kLevenbergMarquardt && !IsAllFrozen(*problem)) {
-      lead = horizon->Lead(*problem, coordinates, &Fit);
-      FollowLead(options, *problem, cost, first_precision, lead, &coordinates, &evaluator);
+    if (horizon != nullptr && CanBeLed(options, *problem)) {
+      lead = FollowLead(options, *problem, cost, first_precision, horizon, &coordinates, &evaluator, &recorder);
     }
     if (problem->num_start_unknowns() > 0) {
       linearization = RunWithUnknownStart(options, problem, &coordinates, &evaluator, &recorder, &summary);

@@ -18,6 +18,11 @@ ceres::CallbackReturnType FitRecorder::operator()(const ceres::IterationSummary&
              : ceres::SOLVER_CONTINUE;
 }
 
+void FitRecorder::AddStart(Precision precision) {
+  goal_.precision = precision;
+  Add(0);
+}
+
 void FitRecorder::StartStage(const StageGoal& goal) {
   goal_ = goal;
   num_failures_ = evaluator_.num_failures();

@@ -38,6 +38,8 @@ class FitRecorder : public ceres::IterationCallback {
   // Ends the stage where its goal is reached.
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override;
 
+  // The start, evaluated with `precision`, of a fit whose first stage begins elsewhere.
+  void AddStart(Precision precision);
   void StartStage(const StageGoal& goal);
   // The step that ended the fit was evaluated, but its iteration was never reported.
   void AddLast();
@@ -46,6 +48,7 @@ class FitRecorder : public ceres::IterationCallback {
   std::string failure() const;
   const std::vector<FitIteration>& iterations() const { return iterations_; }
   int last_iteration() const { return iterations_.empty() ? 0 : iterations_.back().iteration; }
+  int next_iteration() const { return iterations_.empty() ? 0 : iterations_.back().iteration + 1; }
   double seconds() const;  // since it was made
 
  private:

@@ -59,8 +59,8 @@ TEST(ParameterBlockTest, DefaultsComeFromTheScene) {
   const ParameterBlock stretch = MakeParameterBlock("k_stretch", scene, {});
   EXPECT_EQ(stretch.scale, ParameterScale::kLog);
   EXPECT_EQ(stretch.start, 50.0);
-  EXPECT_DOUBLE_EQ(stretch.lower_bound, 3.27 / 1e3);
-  EXPECT_DOUBLE_EQ(stretch.upper_bound, 2035.0 * 1e3);
+  EXPECT_DOUBLE_EQ(stretch.lower_bound, 3.27 / 100.0);
+  EXPECT_DOUBLE_EQ(stretch.upper_bound, 2035.0 * 100.0);
   EXPECT_DOUBLE_EQ(MakeParameterBlock("damping", scene, {}).lower_bound, 0.5 / 1e4);
   EXPECT_DOUBLE_EQ(MakeParameterBlock("damping", scene, {}).upper_bound, 0.5 * 1e4);
   for (const char* name : {"k_bend", "density", "drag", "damping"}) {
@@ -76,7 +76,7 @@ TEST(ParameterBlockTest, OverridesGoBeforeTheSceneBeforeDefaults) {
   ParameterOverrides overrides;
   ParameterBlock block = MakeParameterBlock("k_stretch", scene, overrides);
   EXPECT_EQ(block.start, 70.0);
-  EXPECT_DOUBLE_EQ(block.lower_bound, 3.27 / 1e3);
+  EXPECT_DOUBLE_EQ(block.lower_bound, 3.27 / 100.0);
   EXPECT_EQ(block.upper_bound, 900.0);
   EXPECT_TRUE(block.frozen);
   overrides.start["k_stretch"] = 80.0;
@@ -94,13 +94,13 @@ TEST(ParameterBlockTest, BoundsFollowFromWhatWasMeasured) {
     const ParameterBlock block = MakeParameterBlock(name, scene, {{{name, start}}, {}, {}, {}});
     return std::pair(block.lower_bound, block.upper_bound);
   };
-  EXPECT_EQ(bounds("k_stretch", 30.0), bounds("k_stretch", 3e3)) << "whatever the start is";
+  EXPECT_EQ(bounds("k_stretch", 30.0), bounds("k_stretch", 1e3)) << "whatever the start is";
   EXPECT_DOUBLE_EQ(bounds("k_stretch", 1e6).second, 1e8) << "but for one far beyond of what was measured";
   EXPECT_DOUBLE_EQ(bounds("k_stretch", 1e-2).first, 1e-4);
-  EXPECT_DOUBLE_EQ(bounds("density", 0.15).first, 0.031 / 1e3);
-  EXPECT_DOUBLE_EQ(bounds("density", 0.15).second, 488.0);
-  EXPECT_DOUBLE_EQ(bounds("k_bend", 1e-4).first, 1.1e-9);
-  EXPECT_DOUBLE_EQ(bounds("k_bend", 1e-4).second, 0.11);
+  EXPECT_DOUBLE_EQ(bounds("density", 0.15).first, 0.031 / 100.0);
+  EXPECT_DOUBLE_EQ(bounds("density", 0.15).second, 48.8);
+  EXPECT_DOUBLE_EQ(bounds("k_bend", 1e-4).first, 1.1e-8);
+  EXPECT_DOUBLE_EQ(bounds("k_bend", 1e-4).second, 0.011);
   scene.fabric = "knit";
   EXPECT_DOUBLE_EQ(bounds("k_stretch", 36.0).first, 0.36) << "a hundredth of the start";
   EXPECT_DOUBLE_EQ(bounds("k_stretch", 36.0).second, 4140.0);

@@ -69,7 +69,20 @@ FitCase OnBallAndTable() {
   return result;
 }
 
-FitSummary RunFit(const RecordedMotion& motion, const FitOptions& options) {
+// Default bounds are those of cloth in SI units: these move with the units.
+FitOptions WithRelativeBounds(const Scene& scene, FitOptions options) {
+  for (const std::string& name : options.parameters) {
+    const ParameterId id = ParseParameter(name, scene);
+    if (id.kind == ParameterKind::kFriction) continue;
+    const double nominal = GetParameter(scene.nominal_parameters(), id);
+    options.overrides.lower_bounds[name] = 1e-4 * nominal;
+    options.overrides.upper_bounds[name] = 1e4 * nominal;
+  }
+  return options;
+}
+
+FitSummary RunFit(const RecordedMotion& motion, const FitOptions& given) {
+  const FitOptions options = WithRelativeBounds(motion.scene, given);
   FitProblem problem({motion}, options);
   FitSummary summary = Fit(options, &problem);
   EXPECT_EQ(summary.status, FitStatus::kConverged) << summary.message;
