@@ -1,6 +1,5 @@
 #include "sim/cloth/directional_drag.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "sim/cloth/air_drag.h"
+#include "sim/cloth/normal_slope.h"
 
 namespace clothid {
 namespace {
@@ -112,75 +112,13 @@ void SetNormals(const CornerVectors& __restrict__ x, AirBatch* __restrict__ air)
   }
 }
 
-Eigen::Vector3d CornerOf(const TriangleBatch& batch, int corner, int lane, const double* all) {
-  return Eigen::Map<const Eigen::Vector3d>(all + batch.rows[corner][lane]);
+NormalSlope SlopeOf(AirLaw law, const DragConstants& constants, const TriangleBatch& batch, const AirBatch& air,
+                    int lane, const Eigen::VectorXd& velocities, const Eigen::VectorXd& positions) {
+  const Eigen::Vector3d normal(air.normal[0][lane], air.normal[1][lane], air.normal[2][lane]);
+  const Eigen::Vector3d wind(air.wind[0][lane], air.wind[1][lane], air.wind[2][lane]);
+  return NormalSlope(law, batch.area[lane] * constants.normal, batch.area[lane] * constants.tangential, batch, lane,
+                     normal, wind - CornerMean(batch, lane, velocities.data()), positions);
 }
-
-Eigen::Vector3d Mean(const TriangleBatch& batch, int lane, const double* all) {
-  return (CornerOf(batch, 0, lane, all) + CornerOf(batch, 1, lane, all) + CornerOf(batch, 2, lane, all)) / 3.0;
-}
-
-// How the force of one triangle depends on its predicted corners: with m = e_1 x e_2, n = m/|m|,
-//   df = G dn,   G = p n u_t^T + q I + r u_t u_t^T,   dn = (I - n n^T) dm/|m|,   dm = de_1 x e_2 + e_1 x de_2
-// (u . dn is u_t . dn).
-class NormalSlope {
- public:
-  NormalSlope(AirLaw law, const DragConstants& constants, const TriangleBatch& batch, const AirBatch& air, int lane,
-              const Eigen::VectorXd& velocities, const Eigen::VectorXd& positions)
-      : batch_(batch), lane_(lane) {
-    const Eigen::Vector3d first = CornerOf(batch, 0, lane, positions.data());
-    edge1_ = CornerOf(batch, 1, lane, positions.data()) - first;
-    edge2_ = CornerOf(batch, 2, lane, positions.data()) - first;
-    inverse_ = 1.0 / std::max(edge1_.cross(edge2_).norm(), std::numeric_limits<double>::min());
-    for (int c = 0; c < 3; ++c) normal_[c] = air.normal[c][lane];
-    const Eigen::Vector3d wind(air.wind[0][lane], air.wind[1][lane], air.wind[2][lane]);
-    const Eigen::Vector3d u = wind - Mean(batch, lane, velocities.data());
-    const double s = u.dot(normal_);
-    tangential_ = u - s * normal_;
-    const double c_n = batch.area[lane] * constants.normal, c_t = batch.area[lane] * constants.tangential;
-    const double size = tangential_.norm();
-    if (law == AirLaw::kQuadratic) {
-      along_ = 2.0 * c_n * std::abs(s) - c_t * size;
-      all_ = (c_n * std::abs(s) - c_t * size) * s;
-      across_ = -c_t * s / std::max(size, std::numeric_limits<double>::min());
-    } else {
-      along_ = c_n - c_t;
-      all_ = (c_n - c_t) * s;
-      across_ = 0.0;
-    }
-  }
-
-  // df for changes of the predicted corners in `all` [3N].
-  Eigen::Vector3d Times(const double* all) const {
-    const Eigen::Vector3d first = CornerOf(batch_, 0, lane_, all);
-    const Eigen::Vector3d de1 = CornerOf(batch_, 1, lane_, all) - first, de2 = CornerOf(batch_, 2, lane_, all) - first;
-    const Eigen::Vector3d dm = inverse_ * (de1.cross(edge2_) + edge1_.cross(de2));
-    const Eigen::Vector3d dn = dm - normal_.dot(dm) * normal_;
-    const double tangential = tangential_.dot(dn);
-    return along_ * tangential * normal_ + all_ * dn + across_ * tangential * tangential_;
-  }
-
-  // Adds the transpose times `force` to the corners in `all`.
-  void AddTransposed(const Eigen::Vector3d& force, double* all) const {
-    const Eigen::Vector3d by_normal =
-        (along_ * normal_.dot(force) + across_ * tangential_.dot(force)) * tangential_ + all_ * force;
-    const Eigen::Vector3d by_m = inverse_ * (by_normal - normal_.dot(by_normal) * normal_);
-    const Eigen::Vector3d first = edge2_.cross(by_m), second = by_m.cross(edge1_);
-    Add(1, first, all);
-    Add(2, second, all);
-    Add(0, -first - second, all);
-  }
-
- private:
-  void Add(int corner, const Eigen::Vector3d& vector, double* all) const {
-    Eigen::Map<Eigen::Vector3d>(all + batch_.rows[corner][lane_]) += vector;
-  }
-
-  const TriangleBatch& batch_;
-  int lane_;
-  Eigen::Vector3d edge1_, edge2_, normal_, tangential_;
-  double inverse_, along_, all_, across_;  // 1/|m|, p, q and r
-};
 
 }  // namespace
 
@@ -266,7 +204,7 @@ void DirectionalDrag::AddVelocityProduct(double factor, const DragConstants& con
     for (int lane = 0; lane < kLanes; ++lane) {
       const Eigen::Matrix3d block = (factor / 3.0) * BlockAt(blocks, lane);
       for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-        const Eigen::Vector3d third = block * Mean(batch, lane, columns.col(c).data());
+        const Eigen::Vector3d third = block * CornerMean(batch, lane, columns.col(c).data());
         for (int i = 0; i < 3; ++i) product->col(c).segment<3>(batch.rows[i][lane]) += third;
       }
     }
@@ -279,7 +217,7 @@ void DirectionalDrag::AddNormalProduct(double factor, const DragConstants& const
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
     for (int lane = 0; lane < kLanes && batch.area[lane] > 0.0; ++lane) {
-      const NormalSlope slope(law_, constants, batch, air[b], lane, velocities, positions);
+      const NormalSlope slope = SlopeOf(law_, constants, batch, air[b], lane, velocities, positions);
       for (Eigen::Index c = 0; c < columns.cols(); ++c) {
         const Eigen::Vector3d third = (factor / 3.0) * slope.Times(columns.col(c).data());
         for (int i = 0; i < 3; ++i) product->col(c).segment<3>(batch.rows[i][lane]) += third;
@@ -295,9 +233,9 @@ void DirectionalDrag::AddNormalProductTransposed(double factor, const DragConsta
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
     for (int lane = 0; lane < kLanes && batch.area[lane] > 0.0; ++lane) {
-      const NormalSlope slope(law_, constants, batch, air[b], lane, velocities, positions);
+      const NormalSlope slope = SlopeOf(law_, constants, batch, air[b], lane, velocities, positions);
       for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-        slope.AddTransposed(factor * Mean(batch, lane, columns.col(c).data()), product->col(c).data());
+        slope.AddTransposed(factor * CornerMean(batch, lane, columns.col(c).data()), product->col(c).data());
       }
     }
   }

@@ -36,16 +36,16 @@ class StepDerivative {
   StepJacobian& jacobian() { return jacobian_; }
   const std::vector<Contact>& contacts() const { return contacts_; }  // sticking and slipping nodes
 
+  double time_step() const { return record_.time_step; }  // h
+  // Whether N is there, and may be asked for.
+  bool has_prediction() const { return model_.directional_drag() != nullptr; }
+
   // On columns over the free nodes [3 Nf x s].
-  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;             // M y
-  Eigen::MatrixXd TimesVelocity(const Eigen::MatrixXd& columns) const;         // K y, dg/dv
-  Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;            // h (H + V) y, dg/dx_n at fixed v
-  Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;  // h (H + V^T) y
-  double time_step() const { return record_.time_step; }                       // h
-  bool has_prediction() const {
-    return model_.directional_drag() != nullptr;
-  }                                                                       // else N is zero and not to be asked for
-  Eigen::MatrixXd TimesPrediction(const Eigen::MatrixXd& columns) const;  // N y
+  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;                  // M y
+  Eigen::MatrixXd TimesVelocity(const Eigen::MatrixXd& columns) const;              // K y, dg/dv
+  Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;                 // h (H + V) y, dg/dx_n at fixed v
+  Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;       // h (H + V^T) y
+  Eigen::MatrixXd TimesPrediction(const Eigen::MatrixXd& columns) const;            // N y
   Eigen::MatrixXd TimesPredictionTransposed(const Eigen::MatrixXd& columns) const;  // N^T y
   Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;                // X y
   Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;      // X^T y
