@@ -84,7 +84,7 @@ function colouring({low, high, isLog, bar}) {
 }
 
 const titleOf = (axis) => {
-  const unit = unitOf(axis.parameter);
+  const unit = parameterUnit(axis.parameter);
   return plain(axis.parameter) + (unit ? `, ${unit}` : '');
 };
 

@@ -10,7 +10,7 @@ const UNITS = {k_stretch: 'N/m', k_bend: 'N m', density: 'kg/m²', drag: 'kg/(m�
   'gust.y': 'm/s', 'gust.z': 'm/s', 'gust.frequency': 'rad/s', 'gust.phase': 'rad'};
 // Of a parameter, whichever recording or knot of the wind it belongs to; none of drag_normal and drag_tangential, whose
 // unit depends on the law of the air.
-const unitOf = (name) => UNITS[name.replace(/@.*/, '').replace(/\.\d+$/, '')] || '';
+const parameterUnit = (name) => UNITS[name.replace(/@.*/, '').replace(/\.\d+$/, '')] || '';
 
 function number(value, digits) {
   if (value === null || value === undefined || Number.isNaN(value)) return '–';

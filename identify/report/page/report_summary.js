@@ -30,7 +30,7 @@ function interval(parameter) {
 function fillEstimates() {
   const rows = Object.entries(result.parameters).map(([name, parameter]) => {
     const title = element('td', '', `${name} `);
-    title.append(element('span', 'unit', unitOf(name)));
+    title.append(element('span', 'unit', parameterUnit(name)));
     const estimate = element('td', 'number estimate', number(parameter.value, 8));
     estimate.dataset.parameter = name;
     const bounds = element('td', 'number', interval(parameter));

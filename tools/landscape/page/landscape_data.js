@@ -6,7 +6,7 @@ const summary = data.summary;
 
 const settingName = (setting) => `${setting.name || 'scene as it is'}, ${setting.contact} mode`;
 const windowName = (window) => window.zoom === 1 ? 'Whole range' : `Zoom ${number(window.zoom, 4)}`;
-const unitOf = (which) => UNITS[summary[which].parameter] ? ` ${UNITS[summary[which].parameter]}` : '';
+const unitOf = (which) => ` ${parameterUnit(summary[which].parameter)}`.trimEnd();
 const valueOf = (which, value, digits) => `${summary[which].parameter} ${number(value, digits)}${unitOf(which)}`;
 const placeOf = (x, y, digits = 5) => `${valueOf('x', x, digits)}, ${valueOf('y', y, digits)}`;
 const rangeOf = (window) => ['x', 'y'].map((which) => summary[which].parameter + ' ' +
