@@ -28,6 +28,7 @@ bool IsSameSigma(const LandscapeSigma& a, const LandscapeSigma& b) {
 
 double RmseOfRootCost(const RecordedMotion& motion) {
   const Observation observation(motion);
+  if (!observation.forces().is_empty()) return std::nan("");
   const double sigma = observation.sigma(observation.coordinates().front().point);
   double num_points = 0.0;
   for (const SeenCoordinate& seen : observation.coordinates()) {

@@ -105,6 +105,11 @@ void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
                                             : Remark(line));
   };
   if (!holdout.failure.empty()) add("held out: " + holdout.failure);
+  if (holdout.has_only_forces && !std::isnan(holdout.force_rms + holdout.nominal_force_rms)) {
+    add(std::string("held out: the estimates predict forces ") + (holdout.has_failed() ? "worse" : "better") +
+        " than the nominal parameters, root mean square " + NumberText(holdout.force_rms) + " N against " +
+        NumberText(holdout.nominal_force_rms) + " N");
+  }
   if (std::isnan(holdout.rmse) || std::isnan(holdout.nominal_rmse)) return;
   add(std::string("held out: the estimates predict ") + (holdout.has_failed() ? "worse" : "better") +
       " than the nominal parameters, rmse " + MillimetreText(holdout.rmse) + " against " +

@@ -6,6 +6,7 @@
 #include "costs/full_residual_cost.h"
 #include "costs/rollout_cost.h"
 #include "sim/base/error.h"
+#include "tests/costs/start/forget_start.h"
 #include "tests/costs/synthetic_forces.h"
 
 namespace clothid {
@@ -196,6 +197,51 @@ TEST(ForceBiasTest, HasNamesPerGroupAndAxis) {
                            "force_bias.w", "force_bias99999.x"}) {
     EXPECT_FALSE(ParseAlignmentId(name)) << name;
   }
+}
+
+// Unknowns of a start move the handles, too, and with them the forces there.
+TEST(ForceStartTest, GradientsCountWithAnUnknownStart) {
+  Scene scene = SphereScene();
+  scene.material.damping = 0.01;
+  scene.solver.step_tolerance = 1e-12;
+  MotionOptions motion_options;
+  motion_options.noise = motion_options.sigma = 1e-3;
+  RecordedMotion motion = ForgetStart(StartSource::kMoving, MakeMotion(scene, motion_options));
+  ForceOptions options;
+  options.true_values = {{"k_stretch", 90.0}};
+  options.noise = options.sigma = 0.01;
+  AddForces(options, &motion);
+  const RolloutCost cost(motion, MakeBlocks(motion.scene, {"k_stretch", "density"}), {});
+  const int num_unknowns = cost.model().num_start_unknowns();
+  Eigen::VectorXd at(2 + num_unknowns);
+  at.head(2) = StartOf(cost.model().blocks());
+  std::srand(3);
+  at.tail(num_unknowns) = 2e-4 * Eigen::VectorXd::Random(num_unknowns);
+  double value = 0.0;
+  Eigen::VectorXd gradient, residuals;
+  Eigen::MatrixXd jacobian;
+  ASSERT_TRUE(cost.EvaluateGradient(at, &value, &gradient)) << cost.last_failure();
+  ASSERT_TRUE(cost.Linearize(at, &jacobian, &residuals));
+  EXPECT_NEAR(value, 0.5 * residuals.squaredNorm(), 1e-9 * value);
+  EXPECT_LE((jacobian.transpose() * residuals - gradient).norm(), 1e-2 * gradient.norm());
+  for (Eigen::Index i = 0; i < at.size(); i += 9) {
+    double best = 1.0;
+    for (const double step : {1e-6, 1e-7, 1e-5}) {
+      double costs[2] = {0.0, 0.0};
+      for (const int side : {0, 1}) {
+        Eigen::VectorXd moved = at;
+        moved[i] += side == 0 ? -step : step;
+        ASSERT_TRUE(cost.EvaluateGradient(moved, &costs[side], nullptr));
+      }
+      best = std::min(best, std::abs((costs[1] - costs[0]) / (2.0 * step) - gradient[i]) / gradient.norm());
+    }
+    EXPECT_LE(best, 1e-5 * std::abs(gradient[i]) / gradient.norm() + 1e-7) << i;
+  }
+  const Eigen::MatrixXd follow = 1e-3 * Eigen::MatrixXd::Random(num_unknowns, 2);
+  Eigen::MatrixXd along, scores;
+  ASSERT_TRUE(cost.LinearizeAlong(at, follow, &along, &residuals, &scores));
+  const Eigen::VectorXd expected = gradient.head(2) + follow.transpose() * gradient.tail(num_unknowns);
+  EXPECT_LE((along.transpose() * residuals - expected).norm(), 1e-5 * expected.norm());
 }
 
 // A gauge and the path of its clamp, and nothing else that is seen.

@@ -195,7 +195,8 @@ void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptio
   ParallelFor(static_cast<int>(options->motions.size()), options->num_threads, [&](int setting) {
     const std::unique_ptr<LandscapeCellModel> model = MakeModel(*options, setting);
     Eigen::MatrixXd predicted;
-    const Rollout rollout = model->Predict(x, y, options->cancel, &predicted);
+    ForceTrack forces;
+    const Rollout rollout = model->Predict(x, y, options->cancel, &predicted, &forces);
     RecordedMotion& motion = options->motions[setting];
     if (options->cancel != nullptr && options->cancel->load()) return;
     if (!rollout.ok()) {
@@ -208,6 +209,8 @@ void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptio
     motion.positions =
         motion.positions.array().isNaN().select(motion.positions, predicted.topRows(motion.positions.rows()));
     model->MoveCloudsTo(predicted, &motion);
+    if (motion.forces.is_empty()) return;
+    motion.forces.values = motion.forces.values.array().isNaN().select(motion.forces.values, forces.predicted);
   });
 }
 
