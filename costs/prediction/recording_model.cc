@@ -56,23 +56,8 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
   if (start_ == nullptr && IsUnknown(motion.start_source)) start_ = std::make_shared<const UnknownStart>(motion);
 }
 
-int RecordingModel::num_steps() const {
-  const ForceObservation& forces = observation_.forces();
-  if (forces.is_empty()) return interpolation_.num_steps();
-  return std::max({interpolation_.num_steps(), forces.last_step(), kFewestForceSteps});
-}
-
 FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
   return FramePrediction(values_.AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
-}
-
-std::optional<ForcePrediction> RecordingModel::ForcesAt(const Eigen::VectorXd& coordinates) {
-  const ForceObservation& forces = observation_.forces();
-  if (forces.is_empty()) return std::nullopt;
-  const Parameters parameters = ParametersAt(coordinates);
-  simulator_.UseFields(parameters);
-  return ForcePrediction(&forces, simulator_.model(), parameters, num_steps(),
-                         values_.AlignmentAt(coordinates).ForceBias(forces.num_groups()));
 }
 
 RecordingModel::RolloutStart RecordingModel::StartAt(const Eigen::VectorXd& coordinates) const {
@@ -249,16 +234,6 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   return values_.DerivativesAt(coordinates, active).asDiagonal() * all;
 }
 
-Eigen::VectorXd RecordingModel::ForceBiasDerivative(AlignmentId id) const {
-  const ForceObservation& forces = observation_.forces();
-  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(observation_.num_residuals());
-  if (id.group >= forces.num_groups()) return derivative;
-  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(3 * forces.num_groups(), forces.num_readings());
-  unit.row(3 * static_cast<Eigen::Index>(id.group) + id.axis).setOnes();
-  derivative.tail(forces.num_residuals()) = forces.Whiten(unit);
-  return derivative;
-}
-
 void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
                                        const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
                                        const ResidualDerivative& derivative, const Eigen::MatrixXd& seeds,
@@ -304,16 +279,6 @@ Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& predictio
   if (interpolation_.has_slopes()) velocities = prediction.Velocities(frame, states);
   for (std::size_t i = 0; i < active.corrections.size(); ++i) {
     all.col(1 + active.correction_places[i]) = prediction.Derivative(active.corrections[i], swept.col(0), velocities);
-  }
-  return all;
-}
-
-Eigen::MatrixXd RecordingModel::ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& active) {
-  Eigen::MatrixXd all = Arranged(swept, active);
-  for (std::size_t i = 0; i < active.corrections.size(); ++i) {
-    const AlignmentId id = active.corrections[i];
-    const Eigen::Index row = 3 * static_cast<Eigen::Index>(id.group) + id.axis;
-    if (id.kind == AlignmentKind::kForceBias && row < all.rows()) all(row, 1 + active.correction_places[i]) = 1.0;
   }
   return all;
 }

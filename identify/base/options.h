@@ -22,10 +22,11 @@ enum class FitMethod {
   kLbfgs,               // `ceres::GradientProblem` on the scalar gradient: for many parameters
 };
 
-// How precisely points are evaluated. What comes out of a fit is of full precision either way.
+// How precisely points are evaluated. What comes out of a fit is of full precision, but with kLoose.
 enum class FitPrecision {
   kAdaptive,  // kLevenbergMarquardt: loosely until the next step is short, then fully; else as kFull
   kFull,
+  kLoose,  // loosely to the end: for the start of another fit; where Jacobians are differences as kFull
 };
 
 // What of the discretisation an answer is to count with (identify/checks/discretization_check.h).

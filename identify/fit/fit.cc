@@ -177,9 +177,13 @@ bool IsAllFrozen(const FitProblem& problem) {
 }
 
 // L-BFGS would lose its picture of the curvature between two stages.
-bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
-  return options.precision == FitPrecision::kAdaptive && options.method == FitMethod::kLevenbergMarquardt &&
+bool StartsLoosely(const FitOptions& options, const FitProblem& problem) {
+  return options.precision != FitPrecision::kFull && options.method == FitMethod::kLevenbergMarquardt &&
          options.jacobian != JacobianMethod::kNumeric && !IsAllFrozen(problem);
+}
+
+bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
+  return options.precision == FitPrecision::kAdaptive && StartsLoosely(options, problem);
 }
 
 // One run of the start stage, from the best point so far.
@@ -243,8 +247,12 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
   } else if (IsAdaptive(options, *problem)) {
     RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
   } else if (options.method == FitMethod::kLevenbergMarquardt) {
-    const StageGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion,
-                         recorder->next_iteration()};
+    StageGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, recorder->next_iteration()};
+    if (StartsLoosely(options, *problem)) {
+      goal.precision = Precision::kLoose;
+      goal.step = kShortStep;
+      goal.function_tolerance = kLooseStepTolerance;
+    }
     RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
   } else {
     RunLbfgs(options, problem, evaluator, recorder, summary);
@@ -255,11 +263,11 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
 LedStart FollowLead(const FitOptions& options, const FitProblem& problem, double start_cost, Precision precision,
                     GrowingHorizon* horizon, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
                     FitRecorder* recorder) {
+  recorder->AddStart(precision);
   LedStart lead = horizon->Lead(problem, *coordinates, &Fit);
   Eigen::VectorXd led = *coordinates;
   led.head(problem.num_blocks()) = lead.coordinates;
   if (options.is_cancelled() || led == *coordinates) return lead;
-  recorder->AddStart(precision);
   double cost = 0.0;
   const bool works = evaluator->Evaluate(led, FitEvaluator::Derivative::kNone, &cost, nullptr, precision);
   if (works && cost < start_cost) *coordinates = led;
@@ -286,7 +294,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* h
   // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
   // cached.
   double cost = 0.0;
-  const Precision first_precision = IsAdaptive(options, *problem) ? Precision::kLoose : Precision::kFull;
+  const Precision first_precision = StartsLoosely(options, *problem) ? Precision::kLoose : Precision::kFull;
   if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr, first_precision)) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
   } else {

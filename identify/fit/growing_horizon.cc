@@ -44,6 +44,7 @@ FitOptions GrowingHorizon::StageOptions(const FitProblem& problem, const Eigen::
   FitOptions stage = options_;
   stage.estimate_uncertainty = false;
   stage.on_iteration = nullptr;
+  if (options_.precision == FitPrecision::kAdaptive) stage.precision = FitPrecision::kLoose;
   stage.function_tolerance = std::max(options_.function_tolerance, kFunctionTolerance);
   stage.parameter_tolerance = std::max(options_.parameter_tolerance, kParameterTolerance);
   stage.max_iterations = std::min(options_.max_iterations, kMaxIterations);

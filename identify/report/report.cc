@@ -87,6 +87,19 @@ std::string ForceRow(const ForceError& error, const ForceError& start) {
          ShortNumber(start.rms(), 4) + " N\n";
 }
 
+// Of positions, where any were measured, of clouds and of forces.
+std::string ErrorRows(const FitSummary& summary) {
+  const PredictionError &error = summary.error, &start = summary.start_error;
+  std::ostringstream rows;
+  if (std::isfinite(error.rmse())) {
+    rows << "rmse            " << Millimetres(error.rmse()) << " (" << error.rmse() << " m), at the start "
+         << Millimetres(start.rmse()) << "\n";
+  }
+  if (error.force.num_components > 0.0) rows << ForceRow(error.force, start.force);
+  if (error.cloud.num_points > 0.0) rows << CloudRow(error.cloud, start.cloud);
+  return rows.str();
+}
+
 // "0.2398 .. 0.2402": with as many digits as tell the ends apart.
 std::string Interval(const FitSummary& summary, const FitChecks& checks, int index) {
   if (!HasInterval(summary, checks, index)) return "-";
@@ -233,12 +246,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
     const std::string prior = PriorRemark(summary, i);
     if (!prior.empty()) table << "prior           " << summary.parameters[i].name << " " << prior << "\n";
   }
-  if (std::isfinite(summary.error.rmse())) {
-    table << "rmse            " << Millimetres(summary.error.rmse()) << " (" << summary.error.rmse()
-          << " m), at the start " << Millimetres(summary.start_error.rmse()) << "\n";
-  }
-  if (summary.error.force.num_components > 0.0) table << ForceRow(summary.error.force, summary.start_error.force);
-  if (summary.error.cloud.num_points > 0.0) table << CloudRow(summary.error.cloud, summary.start_error.cloud);
+  table << ErrorRows(summary);
   if (std::isfinite(summary.error.fit_percent())) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
           << summary.start_error.fit_percent() << " % (0 %: no better than a cloth at rest)\n";

@@ -136,6 +136,15 @@ Json ForceJson(const ForceError& error, const ForceError& start) {
           {"num_components", static_cast<long long>(error.num_components)}};
 }
 
+void AddErrors(const FitSummary& summary, Json* json) {
+  (*json)["rmse_m"] = NumberJson(summary.error.rmse());
+  (*json)["fit_percent"] = summary.error.fit_percent();
+  if (summary.error.cloud.num_points > 0.0) (*json)["cloud"] = CloudJson(summary.error.cloud);
+  if (summary.error.force.num_components > 0.0) {
+    (*json)["force"] = ForceJson(summary.error.force, summary.start_error.force);
+  }
+}
+
 Json StartsJson(const FitSummary& summary, const FitChecks& checks) {
   if (!checks.starts) return nullptr;
   Json starts = Json::array(), minima = Json::array();
@@ -269,12 +278,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["usable"] = UsabilityName(verdict.overall);
   json["verdict"] = verdict.Lines();
   json["parameters"] = ParametersJson(summary, checks, verdict);
-  json["rmse_m"] = NumberJson(summary.error.rmse());
-  json["fit_percent"] = summary.error.fit_percent();
-  if (summary.error.cloud.num_points > 0.0) json["cloud"] = CloudJson(summary.error.cloud);
-  if (summary.error.force.num_components > 0.0) {
-    json["force"] = ForceJson(summary.error.force, summary.start_error.force);
-  }
+  AddErrors(summary, &json);
   if (checks.fields) json["fields"] = FieldsJson(*checks.fields);
   json["holdout"] = HoldoutJson(checks.holdout);
   json["uncertainty"] = UncertaintyJson(summary);

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "sim/cloth/mesh_unfolding.h"
-#include "sim/cloth/quadratic_fit.h"
+#include "sim/geometry/quadratic_fit.h"
 
 namespace clothid {
 namespace {

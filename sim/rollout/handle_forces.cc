@@ -2,14 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
-#include <string>
 
-#include "sim/base/error.h"
-#include "sim/cloth/field_terms.h"
 #include "sim/matrix/block_product.h"
-#include "sim/scene/material_field.h"
-#include "sim/scene/warp.h"
 
 namespace clothid {
 namespace {
@@ -24,15 +18,6 @@ std::array<double, 3> Scaled(std::array<double, 3> weights, double factor) {
   return weights;
 }
 
-// What the factors of a field of `kind` are; nothing where there is none.
-const Eigen::VectorXd* LogFactors(const Parameters& parameters, ParameterKind kind) {
-  if (parameters.fields == nullptr) return nullptr;
-  for (const FieldFactors& field : *parameters.fields) {
-    if (field.kind == kind) return &field.log_factors;
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 ForceWindow WindowOfForce(int step, int num_steps, Integrator integrator, double time_step) {
@@ -44,115 +29,6 @@ ForceWindow WindowOfForce(int step, int num_steps, Integrator integrator, double
       is_euler && window.place == 2 ? kLastStep : kParabola[static_cast<std::size_t>(window.place)];
   window.rates = Scaled(rates, 1.0 / time_step);
   return window;
-}
-
-HandleForces::HandleForces(const ClothModel& model, const Parameters& parameters, int num_steps,
-                           const std::vector<std::vector<int>>& groups)
-    : model_(model),
-      material_(parameters.material),
-      wind_(parameters.wind),
-      num_steps_(num_steps),
-      time_step_(model.scene().time_step),
-      groups_(groups) {
-  if (model.directional_drag() != nullptr) {
-    throw Error(ErrorKind::kBadData, "forces at handles: expected a scene without drag_normal and drag_tangential");
-  }
-  for (const BendingTerm& term : model.bending_terms()) {
-    if (term.curvature == nullptr) continue;
-    throw Error(ErrorKind::kBadData, "forces at handles: expected a cloth that is flat at rest");
-  }
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    if (groups[g].empty()) throw Error(ErrorKind::kBadData, "group " + std::to_string(g) + " of handles: has no node");
-    for (const int node : groups[g]) {
-      const bool is_handle = node >= 0 && node < model.num_nodes() && model.free_index()[node] < 0;
-      if (!is_handle) {
-        throw Error(ErrorKind::kBadData,
-                    "group " + std::to_string(g) + " of handles: node " + std::to_string(node) + " is no handle");
-      }
-      const double drag_area = model.drag() != nullptr ? model.drag()->areas()[node] : 0.0;
-      handles_.push_back(
-          {static_cast<int>(g), node, -1, model.mass_areas()[node], model.mass(material_, node), drag_area});
-    }
-  }
-  FindNodes(groups);
-  MakeTriangles(parameters);
-  MakeBending();
-}
-
-// The corners of the triangles at handles, and what bending couples handles with.
-void HandleForces::FindNodes(const std::vector<std::vector<int>>& groups) {
-  const Mesh& mesh = model_.scene().mesh;
-  std::vector<bool> is_held(static_cast<std::size_t>(mesh.num_nodes())), is_near = is_held;
-  for (const std::vector<int>& group : groups) {
-    for (const int node : group) is_held[node] = is_near[node] = true;
-  }
-  for (int f = 0; f < mesh.num_faces(); ++f) {
-    const Eigen::Vector3i corners = mesh.faces.col(f);
-    if (!is_held[corners[0]] && !is_held[corners[1]] && !is_held[corners[2]]) continue;
-    faces_.push_back(f);
-    for (const int node : corners) is_near[node] = true;
-  }
-  for (const BendingTerm& term : model_.bending_terms()) {
-    const Eigen::SparseMatrix<double>& matrix = term.energy.matrix();
-    for (const Handle& handle : handles_) {
-      for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, handle.node); it; ++it) is_near[it.row()] = true;
-    }
-  }
-  local_.assign(is_near.size(), -1);
-  for (int node = 0; node < mesh.num_nodes(); ++node) {
-    if (!is_near[node]) continue;
-    local_[node] = static_cast<int>(nodes_.size());
-    nodes_.push_back(node);
-  }
-  selection_ = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(nodes_.size()), 3 * num_groups());
-  for (Handle& handle : handles_) {
-    handle.local = local_[handle.node];
-    selection_.block<3, 3>(3 * handle.local, 3 * handle.group) += Eigen::Matrix3d::Identity();
-  }
-}
-
-void HandleForces::MakeTriangles(const Parameters& parameters) {
-  const Scene& scene = model_.scene();
-  Mesh mesh;
-  mesh.rest_positions = scene.mesh.rest_positions(Eigen::all, nodes_);
-  mesh.faces = scene.mesh.faces(Eigen::all, faces_);
-  for (int& node : mesh.faces.reshaped()) node = local_[node];
-  std::vector<std::vector<int>> neighbours(nodes_.size());
-  for (int f = 0; f < mesh.num_faces(); ++f) {
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        if (i != j) neighbours[mesh.faces(i, f)].push_back(mesh.faces(j, f));
-      }
-    }
-  }
-  pattern_ = std::make_shared<const BlockPattern>(neighbours);
-  std::vector<int> index(nodes_.size());
-  std::iota(index.begin(), index.end(), 0);
-  Eigen::Matrix3Xd warp;
-  const bool has_axes = scene.membrane == MembraneLaw::kOrthotropic;
-  if (has_axes) warp = WarpDirections(scene.warp, scene.mesh)(Eigen::all, faces_);
-  std::shared_ptr<const TriangleElements> triangles = std::make_shared<const TriangleElements>(
-      MakeTriangleElements(mesh, index, *pattern_, has_axes ? &warp : nullptr));
-  if (model_.damping() != nullptr) damping_.emplace(triangles);
-  if (const Eigen::VectorXd* factors = LogFactors(parameters, ParameterKind::kStretchStiffness)) {
-    triangles = WeightedTriangles(*triangles, (*factors)(faces_).array().exp());
-  }
-  membrane_.emplace(scene.membrane, triangles);
-}
-
-void HandleForces::MakeBending() {
-  for (const BendingTerm& term : model_.bending_terms()) {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (const Handle& handle : handles_) {
-      // Q is symmetric.
-      for (Eigen::SparseMatrix<double>::InnerIterator it(term.energy.matrix(), handle.node); it; ++it) {
-        entries.emplace_back(handle.group, local_[it.row()], it.value());
-      }
-    }
-    Bending bending{term.kind, term.stiffness(material_), {num_groups(), static_cast<Eigen::Index>(nodes_.size())}};
-    bending.rows.setFromTriplets(entries.begin(), entries.end());
-    bending_.push_back(std::move(bending));
-  }
 }
 
 Eigen::MatrixXd HandleForces::Gather(const Eigen::Ref<const Eigen::MatrixXd>& all) const {
@@ -210,6 +86,12 @@ void HandleForces::SubtractSums(const Eigen::VectorXd& force, Eigen::VectorXd* s
   for (const Handle& handle : handles_) sums->segment<3>(3 * handle.group) -= force.segment<3>(3 * handle.local);
 }
 
+void HandleForces::AddBending(const Bending& bending, double stiffness, const Eigen::VectorXd& positions,
+                              Eigen::VectorXd* sums) const {
+  sums->reshaped(3, num_groups()) +=
+      stiffness * (positions.reshaped(3, positions.size() / 3) * bending.rows.transpose());
+}
+
 Eigen::VectorXd HandleForces::At(int step, const States& states) const {
   const ForceWindow window = Window(step);
   const Eigen::VectorXd positions = states[static_cast<std::size_t>(window.place)].col(0);
@@ -220,10 +102,7 @@ Eigen::VectorXd HandleForces::At(int step, const States& states) const {
   }
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(3 * num_groups());
   SubtractSums(force, &sums);
-  for (const Bending& bending : bending_) {
-    sums.reshaped(3, num_groups()) +=
-        bending.stiffness * (positions.reshaped(3, positions.size() / 3) * bending.rows.transpose());
-  }
+  for (const Bending& bending : bending_) AddBending(bending, bending.stiffness, positions, &sums);
   const Scene& scene = model_.scene();
   for (const Handle& handle : handles_) {
     auto sum = sums.segment<3>(3 * handle.group);
@@ -291,8 +170,7 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
     case ParameterKind::kWeftBending:
     case ParameterKind::kTwistBending:
       for (const Bending& bending : bending_) {
-        if (bending.kind != id.kind) continue;
-        sums.reshaped(3, num_groups()) += positions.reshaped(3, positions.size() / 3) * bending.rows.transpose();
+        if (bending.kind == id.kind) AddBending(bending, 1.0, positions, &sums);
       }
       break;
     case ParameterKind::kDensity:

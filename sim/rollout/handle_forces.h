@@ -97,13 +97,16 @@ class HandleForces {
   void MakeTriangles(const Parameters& parameters);
   void MakeBending();
   Eigen::Vector3d Derivative(const std::array<double, 3>& weights, const Handle& handle, const States& states) const;
-  Eigen::Vector3d Acceleration(const Handle& handle, const States& states) const;
+  Eigen::Vector3d Acceleration(const Handle& handle, const States& states) const;  // a, m/s^2
   // The velocity of a handle to the air around it, m/s; and dR/dx_k of drag, kg/s. All that is said of air is here.
   Eigen::Vector3d AirSpeed(int step, const Handle& handle, const States& states) const;
   double AirSlope(const Handle& handle, double rate) const { return material_.drag * handle.drag_area * rate; }
   // S with Edot = (C(x_q) - S)/(2 h), as the code of damping takes it; q's own share of it is there, too.
   std::array<double, 3> MetricShares(const ForceWindow& window) const;
   std::vector<MetricBatch> StartMetrics(const ForceWindow& window, const States& states) const;
+  // Adds stiffness times the sums of Q x over groups to `sums` [3G].
+  void AddBending(const Bending& bending, double stiffness, const Eigen::VectorXd& positions,
+                  Eigen::VectorXd* sums) const;
   // Takes the sums of a force [3n] over groups off `sums` [3G].
   void SubtractSums(const Eigen::VectorXd& force, Eigen::VectorXd* sums) const;
 

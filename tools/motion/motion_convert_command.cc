@@ -19,6 +19,7 @@
 #include "sim/base/text_file.h"
 #include "sim/scene/obj_file.h"
 #include "sim/scene/scene_json.h"
+#include "tools/motion/force_flags.h"
 #include "tools/motion/motion_commands.h"
 
 DEFINE_string(scene, "", "convert: scene.json of the recording");
@@ -42,13 +43,6 @@ DEFINE_string(handles, "", "convert: file with their paths");
 DEFINE_string(handle_offsets, "", "convert: file with the places where a tool holds them");
 DEFINE_string(handle_transform, "", "convert: file with a rigid transform of the handles");
 DEFINE_double(handle_time_offset, 0.0, "convert: clock of --handles minus that of the recording, s");
-DEFINE_string(forces, "", "convert: file with forces at the handles");
-DEFINE_string(force_times, "", "convert: file with the times of a .npy of forces, s");
-DEFINE_double(force_sigma, 0.0, "convert: standard deviation of a component of a force, N");
-DEFINE_string(force_nodes, "", "convert: the handles that each sensor holds");
-DEFINE_string(force_axis, "", "convert: x, y or z, of a .npy of forces with one component");
-DEFINE_double(force_scale, 1.0, "convert: factor of forces");
-DEFINE_double(force_time_offset, 0.0, "convert: clock of --forces minus that of the recording, s");
 
 namespace clothid {
 namespace {
@@ -190,39 +184,14 @@ void SetHandleFile(ImportOptions* options) {
   options->handle_file = file;
 }
 
-void SetForceFile(ImportOptions* options) {
-  if (!IsSet("forces")) {
-    for (const char* flag :
-         {"force_times", "force_sigma", "force_nodes", "force_axis", "force_scale", "force_time_offset"}) {
-      if (IsSet(flag)) FailFlag(flag, "expected with --forces");
-    }
-    return;
-  }
-  if (!(FLAGS_force_sigma > 0.0)) FailFlag("force_sigma", "expected with --forces, a number > 0 (N)");
-  ForceFile file;
-  file.path = FLAGS_forces;
-  file.times_path = FLAGS_force_times;
-  file.groups = ParseForceGroups(FLAGS_force_nodes, "--force_nodes");
-  if (IsSet("force_axis")) {
-    const std::size_t axis = std::string("xyz").find(FLAGS_force_axis);
-    if (FLAGS_force_axis.size() != 1 || axis > 2) {
-      FailFlag("force_axis", "expected x, y or z, got '" + Printable(FLAGS_force_axis) + "'");
-    }
-    file.axis = static_cast<int>(axis);
-  }
-  file.scale = FLAGS_force_scale;
-  file.sigma = FLAGS_force_sigma;
-  file.time_offset = FLAGS_force_time_offset;
-  options->force_file = file;
-}
-
 // No input is to be lost to an output.
 void CheckOutputs(const std::string& input, const std::string& output) {
   std::vector<std::string> inputs = TrackPaths(input);
   for (const std::string& file : {FLAGS_faces, FLAGS_transform, FLAGS_times, FLAGS_map, FLAGS_handles,
-                                  FLAGS_handle_offsets, FLAGS_handle_transform, FLAGS_forces, FLAGS_force_times}) {
+                                  FLAGS_handle_offsets, FLAGS_handle_transform}) {
     inputs.push_back(file);
   }
+  for (const std::string& file : ForceInputs()) inputs.push_back(file);
   if (!FLAGS_scene.empty()) {
     for (const std::string& file : FilesOfScene(FLAGS_scene)) inputs.push_back(file);
   }
@@ -262,7 +231,7 @@ int ToMotionFile(const std::string& input, const std::string& output, ImportOpti
   options.scene_path = FLAGS_scene;
   SetMap(&options);
   SetHandleFile(&options);
-  SetForceFile(&options);
+  options.force_file = ForceFileFromFlags();
   options.sigma = FLAGS_sigma;
   MotionTensors motion;
   if (IsMotionName(input)) {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/files/atomic_file.h"
@@ -31,6 +31,7 @@
 #include "sim/scene/scene_json.h"
 #include "tools/base/command_line.h"
 #include "tools/base/count_progress.h"
+#include "tools/simulate/force_flags.h"
 #include "tools/simulate/true_fields.h"
 
 DEFINE_string(scene, "", "scene.json to simulate");
@@ -41,11 +42,6 @@ DEFINE_double(frame_rate, 0.0, "frames per second; 0: one per time step");
 DEFINE_double(drop, 0.0, "fraction of points missing in a frame, [0, 1)");
 DEFINE_int32(markers, 0, "number of free nodes seen, chosen by --seed; 0: every node");
 DEFINE_int32(cloud, 0, "points per frame of an unordered cloud on the surface, in place of the nodes; 0: none");
-DEFINE_bool(forces, false, "the forces at the handles, too");
-DEFINE_double(force_sigma, 0.0, "standard deviation of Gaussian noise on every component of a force, N");
-DEFINE_double(force_rate, 0.0, "readings of forces per second; 0: one per frame");
-DEFINE_string(force_bias, "", "what every sensor of forces is off by, X,Y,Z, N");
-DEFINE_string(force_nodes, "", "the handles that each sensor of forces holds");
 DEFINE_uint64(seed, 1, "seed of markers, noise, drops and clouds");
 DEFINE_bool(float32, false, "store positions in single precision");
 DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...]");
@@ -127,29 +123,6 @@ Parameters SetTruth(Scene* scene) {
 
 bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
 
-std::optional<ForceSensor> ForceSensorFromFlags() {
-  if (!FLAGS_forces) {
-    for (const char* flag : {"force_sigma", "force_rate", "force_bias", "force_nodes"}) {
-      if (IsSet(flag)) throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected with --forces");
-    }
-    return std::nullopt;
-  }
-  ForceSensor sensor;
-  sensor.groups = ParseForceGroups(FLAGS_force_nodes, "--force_nodes");
-  sensor.rate = FLAGS_force_rate;
-  sensor.sigma = FLAGS_force_sigma;
-  if (FLAGS_force_bias.empty()) return sensor;
-  const std::vector<std::string> parts = Split(FLAGS_force_bias, ',');
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::optional<double> value = parts.size() == 3 ? ParseNumber(parts[axis]) : std::nullopt;
-    if (!value) {
-      throw Error(ErrorKind::kUsage, "--force_bias: expected X,Y,Z in N, got '" + Printable(FLAGS_force_bias) + "'");
-    }
-    sensor.bias[static_cast<Eigen::Index>(axis)] = *value;
-  }
-  return sensor;
-}
-
 SyntheticOptions OptionsFromFlags() {
   SyntheticOptions options;
   options.noise_sigma = FLAGS_noise;
@@ -230,19 +203,20 @@ void CheckOutputs() {
   std::vector<std::string> inputs = FilesOfScene(FLAGS_scene);
   inputs.push_back(FLAGS_sensor);
   const std::vector<std::string> outputs = FLAGS_sensor.empty() ? std::vector{FLAGS_output} : TrackPaths(FLAGS_output);
-  for (const std::string& output : outputs) RefuseOverwrite(output, inputs);
-  RefuseOverwrite(FLAGS_handles_output, inputs);
+  std::vector<std::pair<std::string, std::string>> taken;  // flags and files
   for (const std::string& output : outputs) {
-    if (!IsSameFile(FLAGS_handles_output, output)) continue;
-    throw Error(ErrorKind::kUsage,
-                "--handles_output: " + FLAGS_handles_output + ": expected another file than --output");
+    RefuseOverwrite(output, inputs);
+    taken.emplace_back("--output", output);
   }
-  RefuseOverwrite(FLAGS_forces_output, inputs);
-  std::vector<std::string> others = outputs;
-  others.push_back(FLAGS_handles_output);
-  for (const std::string& output : others) {
-    if (!IsSameFile(FLAGS_forces_output, output)) continue;
-    throw Error(ErrorKind::kUsage, "--forces_output: " + FLAGS_forces_output + ": expected a file of its own");
+  const std::pair<std::string, std::string> others[] = {{"--handles_output", FLAGS_handles_output},
+                                                        {"--forces_output", FLAGS_forces_output}};
+  for (const auto& [flag, file] : others) {
+    RefuseOverwrite(file, inputs);
+    for (const auto& [other_flag, other] : taken) {
+      if (!IsSameFile(file, other)) continue;
+      throw Error(ErrorKind::kUsage, flag + ": " + file + ": expected another file than " + other_flag);
+    }
+    taken.emplace_back(flag, file);
   }
 }
 

@@ -44,7 +44,7 @@ TEST_F(MotionCloudsTest, ASimulatedCloudIsLookedAtAndFitted) {
   EXPECT_NEAR(result["parameters"]["k_stretch"]["value"].get<double>(), 20.0, 0.6);
   EXPECT_TRUE(result["fit_percent"].is_null());
   EXPECT_EQ(result["cloud"]["num_points"], 840);
-  EXPECT_EQ(result["cloud"]["rmse_m"], result["rmse_m"]);
+  EXPECT_DOUBLE_EQ(result["cloud"]["rmse_m"].get<double>(), result["rmse_m"].get<double>());
   EXPECT_LT(result["cloud"]["far_share"].get<double>(), 0.01);
   ExpectSuccess("motion check result/predicted.bin");
 }

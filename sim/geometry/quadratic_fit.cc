@@ -1,4 +1,4 @@
-#include "sim/cloth/quadratic_fit.h"
+#include "sim/geometry/quadratic_fit.h"
 
 #include <Eigen/QR>
 #include <algorithm>

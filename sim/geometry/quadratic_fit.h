@@ -1,6 +1,6 @@
-// Second derivatives of a function of the plane from its values at some points. Internal to sim/cloth.
-#ifndef CLOTHID_SIM_CLOTH_QUADRATIC_FIT_H_
-#define CLOTHID_SIM_CLOTH_QUADRATIC_FIT_H_
+// Second derivatives of a function of the plane from its values at some points.
+#ifndef CLOTHID_SIM_GEOMETRY_QUADRATIC_FIT_H_
+#define CLOTHID_SIM_GEOMETRY_QUADRATIC_FIT_H_
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
@@ -33,4 +33,4 @@ class QuadraticFit {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_QUADRATIC_FIT_H_
+#endif  // CLOTHID_SIM_GEOMETRY_QUADRATIC_FIT_H_
