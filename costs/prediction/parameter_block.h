@@ -83,12 +83,12 @@ std::map<std::string, ParameterPrior> ParseParameterPriors(const std::string& te
 std::string PriorText(const ParameterPrior& prior, ParameterScale scale);
 
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
-// obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction], +- its unit sqrt(k_warp k_weft) (k_poisson),
-// of the wind +- its unit: twice the nominal value, at least 10 m/s, of its frequency 10 rad/s, of its phase pi; and
-// kBoundFactor, or 100 times beyond what was measured of any cloth, 10 times of the scene's fabric (sim/fabric/fabric.h)
-// and 100 times beyond the start. Throws `Error` (kUsage) for an unknown name, wrong bounds and priors, a start outside
-// the bounds, and one of zero in log space: a scene without bending (or drag, or damping) has no such term to start at;
-// and for wind in a scene without drag.
+// obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction], +- its unit sqrt(k_warp k_weft)
+// (k_poisson), of the wind +- its unit: twice the nominal value, at least 10 m/s, of its frequency 10 rad/s, of its
+// phase pi; and kBoundFactor, or 100 times beyond what was measured of any cloth, 10 times of the scene's fabric
+// (sim/fabric/fabric.h) and 100 times beyond the start. Throws `Error` (kUsage) for an unknown name, wrong bounds and
+// priors, a start outside the bounds, and one of zero in log space: a scene without bending (or drag, or damping) has
+// no such term to start at; and for wind in a scene without drag.
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
 
 // The same for a recording, and for its own parameters (costs/prediction/alignment.h), too. Of those: start 0, bounds

@@ -14,7 +14,8 @@
 //   sum over triangles |F - R|^2/(2 e^2) + x_0^T Q x_0/(6 b^2)                     e = 0.03, b = 0.1
 //   the same of v_0, to second order about x_b, with                               e = 0.6/s, b = 6/s
 //   sum over measurements of handles |offset - deviation|^2/(2 sigma^2)            datasets/motion/recorded_motion.h
-// a the mean area of triangles, L and Q the matrices of sim/cloth/, Q by edges; by patches it counts three times. Taken to second order about the base:
+// a the mean area of triangles, L and Q the matrices of sim/cloth/, Q by edges; by patches it counts three times. Taken
+// to second order about the base:
 //   prior(s) = 1/2 (s - m)^T P (s - m) = 1/2 |U (s - m)|^2.
 // Independent priors on the modes would leave velocities of 1 to 2 m/s open. A strain of 1 % in place of 3 % would bias
 // the stiffness: gravity strains a cloth, too. Rates of half the size would pull friction by a third of its deviation

@@ -1,6 +1,6 @@
-// A fit with fields, as `identify --field` runs it: the parameters with the levels of flat fields; from there fields and
-// parameters together (field_fit.h); then the parameters as any fit goes on, on the cloth that the fields make, with intervals that count with what is not known of the
-// fields.
+// A fit with fields, as `identify --field` runs it: the parameters with the levels of flat fields; from there fields
+// and parameters together (field_fit.h); then the parameters as any fit goes on, on the cloth that the fields make,
+// with intervals that count with what is not known of the fields.
 #ifndef CLOTHID_IDENTIFY_FIELD_FIELD_STAGE_H_
 #define CLOTHID_IDENTIFY_FIELD_FIELD_STAGE_H_
 
