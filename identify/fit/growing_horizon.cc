@@ -22,18 +22,27 @@ ParameterPrior Belief(const ParameterBlock& block, double coordinate) {
   return {block.ToValue(coordinate), block.scale == ParameterScale::kLog ? std::exp(spread) : spread * block.unit};
 }
 
+// How many of these increasing times are not after `end`, but at least kFewestFrames where there are as many.
+int NumUntil(const Eigen::VectorXd& times, double end) {
+  const auto within = static_cast<int>(std::upper_bound(times.begin(), times.end(), end) - times.begin());
+  return std::min(std::max(within, kFewestFrames), static_cast<int>(times.size()));
+}
+
 }  // namespace
 
 RecordedMotion FirstFrames(const RecordedMotion& motion, double share) {
   const double end = motion.times[0] + share * (motion.times[motion.num_frames() - 1] - motion.times[0]);
-  const auto within =
-      static_cast<int>(std::upper_bound(motion.times.begin(), motion.times.end(), end) - motion.times.begin());
-  const int count = std::min(std::max(within, kFewestFrames), motion.num_frames());
+  const int count = NumUntil(motion.times, end);
   RecordedMotion first = motion;
   first.centroid = TurnCenter(motion);
   first.times = motion.times.head(count);
   first.positions = motion.positions.leftCols(count);
   if (!motion.clouds.empty()) first.clouds.resize(static_cast<std::size_t>(count));
+  if (!motion.forces.is_empty()) {
+    const int num_readings = NumUntil(motion.forces.times, end);
+    first.forces.times = motion.forces.times.head(num_readings);
+    first.forces.values = motion.forces.values.leftCols(num_readings);
+  }
   return first;
 }
 
@@ -52,8 +61,8 @@ FitOptions GrowingHorizon::StageOptions(const FitProblem& problem, const Eigen::
   stage.journal_tag = options_.journal_tag.empty() ? tag : options_.journal_tag + "_" + tag;
   for (int i = 0; i < problem.num_blocks(); ++i) {
     const ParameterBlock& block = problem.blocks()[i];
-    if (!block.frozen && std::isnan(block.PriorStd()))
-      stage.overrides.priors[block.name] = Belief(block, coordinates[i]);
+    if (block.frozen || !std::isnan(block.PriorStd())) continue;
+    stage.overrides.priors[block.name] = Belief(block, coordinates[i]);
   }
   return stage;
 }

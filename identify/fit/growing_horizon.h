@@ -3,8 +3,8 @@
 // Seen to its end, a motion can be reproduced wrongly in many ways: cloth that swings once too often is in step again
 // at the end, and the cost has a minimum there. Seen for its first eighth it cannot: there is one minimum, wide enough
 // for any start. Its estimate is good to a part of a swing over the first quarter, that of the quarter over the half,
-// and so on. Nothing is lost where the cost has but one minimum: three eighths, quarters and halves of a rollout
-// replace the long way that an optimiser would go with whole ones.
+// and so on. Little is lost where the cost has but one minimum: a few eighths, quarters and halves of rollouts replace
+// the long way that an optimiser would go with whole ones.
 //
 // A short motion may tell little of a parameter, of friction nothing before a contact. So that no stage carries one
 // off, each believes what the stage before it has found: to an eighth of the parameter's range, as a standard
@@ -22,7 +22,8 @@
 
 namespace clothid {
 
-// The first frames of a recording, at least kFewestFrames, as a recording of its own.
+// The frames and forces of the first `share` of the time of a recording, at least kFewestFrames of each, as a recording
+// of its own.
 RecordedMotion FirstFrames(const RecordedMotion& motion, double share);
 inline constexpr int kFewestFrames = 3;
 

@@ -47,6 +47,19 @@ TEST(FirstFramesTest, AreThoseOfTheFirstSeconds) {
   EXPECT_EQ(FirstFrames(motion, 1.0).num_frames(), num_frames);
 }
 
+TEST(FirstFramesTest, TakeTheForcesOfTheirTimeAlong) {
+  RecordedMotion motion = Bounce();
+  const double start = motion.times[0], end = motion.times[motion.num_frames() - 1];
+  motion.forces.times = Eigen::VectorXd::LinSpaced(11, start, end);
+  motion.forces.values = Eigen::MatrixXd::Random(3, 11);
+  motion.forces.sigma = Eigen::VectorXd::Constant(1, 0.1);
+  const RecordedMotion half = FirstFrames(motion, 0.55);
+  EXPECT_EQ(half.forces.num_readings(), 6);
+  EXPECT_EQ(half.forces.values, motion.forces.values.leftCols(6));
+  EXPECT_EQ(FirstFrames(motion, 1e-3).forces.num_readings(), kFewestFrames);
+  EXPECT_TRUE(FirstFrames(Bounce(), 0.5).forces.is_empty());
+}
+
 // A strip that bounces once too often is in step again at the end: from 8 on, fits of all frames end in such minima.
 TEST(GrowingHorizonTest, FindsTheMinimumFromAnyStart) {
   for (const double start : {0.3, 1.5, 6.0, 8.0, 10.0, 12.0, 20.0, 30.0}) {
