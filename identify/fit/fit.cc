@@ -248,11 +248,7 @@ void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorX
     RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
   } else if (options.method == FitMethod::kLevenbergMarquardt) {
     StageGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, recorder->next_iteration()};
-    if (StartsLoosely(options, *problem)) {
-      goal.precision = Precision::kLoose;
-      goal.step = kShortStep;
-      goal.function_tolerance = kLooseStepTolerance;
-    }
+    if (StartsLoosely(options, *problem)) goal.precision = Precision::kLoose;
     RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
   } else {
     RunLbfgs(options, problem, evaluator, recorder, summary);

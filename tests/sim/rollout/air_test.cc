@@ -7,6 +7,7 @@
 
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
+#include "tests/sim/order_of_convergence.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
@@ -95,8 +96,6 @@ TEST(AddedMassTest, IsMassWithoutGravity) {
   EXPECT_LE((a.positions(20) - b.positions(20)).norm(), 1e-7 * b.positions(20).norm());
 }
 
-constexpr double kFrame = 0.01;  // s, between compared positions
-
 // Held by corners that move, in gusts of a quadratic drag that is stronger across the cloth.
 Scene SailScene() {
   Scene scene = ShippedScene("wind", 6);
@@ -117,33 +116,6 @@ Scene SailScene() {
   const double begin = scene.start_time;
   scene.handles.path = HandlePath(Eigen::Vector3d(begin, begin + 0.15, begin + 0.3), path);
   return scene;
-}
-
-std::vector<Eigen::VectorXd> Frames(Scene scene, Integrator integrator, int steps_per_frame) {
-  scene.integrator = integrator;
-  scene.time_step = kFrame / steps_per_frame;
-  scene.solver.step_tolerance = 1e-10;
-  std::vector<Eigen::VectorXd> frames;
-  RolloutOptions options;
-  options.visitor = [&](int step, const Eigen::VectorXd& positions) {
-    if (step % steps_per_frame == 0) frames.push_back(positions);
-  };
-  Simulator simulator(scene);
-  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator, nullptr, options);
-  EXPECT_TRUE(rollout.ok()) << rollout.failure->ToString();
-  return frames;
-}
-
-double Distance(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b) {
-  double square = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) square += (a[i] - b[i]).squaredNorm();
-  return std::sqrt(square);
-}
-
-double Order(const Scene& scene, Integrator integrator, int steps) {
-  const std::vector<Eigen::VectorXd> truth = Frames(scene, Integrator::kSdirk2, 16 * steps);
-  return std::log2(Distance(Frames(scene, integrator, steps), truth) /
-                   Distance(Frames(scene, integrator, 2 * steps), truth));
 }
 
 TEST(SailTest, IsOfSecondOrderWithMovingHandles) {

@@ -11,41 +11,12 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
+#include "tests/sim/order_of_convergence.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
 namespace clothid {
 namespace {
-
-constexpr double kFrame = 0.01;  // s, between compared positions
-
-std::vector<Eigen::VectorXd> Frames(Scene scene, Integrator integrator, int steps_per_frame) {
-  scene.integrator = integrator;
-  scene.time_step = kFrame / steps_per_frame;
-  scene.solver.step_tolerance = 1e-10;
-  std::vector<Eigen::VectorXd> frames;
-  RolloutOptions options;
-  options.visitor = [&](int step, const Eigen::VectorXd& positions) {
-    if (step % steps_per_frame == 0) frames.push_back(positions);
-  };
-  Simulator simulator(scene);
-  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator, nullptr, options);
-  EXPECT_TRUE(rollout.ok()) << rollout.failure->ToString();
-  return frames;
-}
-
-double Distance(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b) {
-  double square = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) square += (a[i] - b[i]).squaredNorm();
-  return std::sqrt(square);
-}
-
-// log2 of the ratio of the errors at kFrame/`steps` and half of that.
-double Order(const Scene& scene, Integrator integrator, int steps) {
-  const std::vector<Eigen::VectorXd> truth = Frames(scene, Integrator::kSdirk2, 16 * steps);
-  return std::log2(Distance(Frames(scene, integrator, steps), truth) /
-                   Distance(Frames(scene, integrator, 2 * steps), truth));
-}
 
 Scene Wind(double damping) {
   Scene scene = ShippedScene("wind", 6);
