@@ -10,6 +10,7 @@
 #include "costs/rollout_cost.h"
 #include "datasets/observation/observation.h"
 #include "identify/base/options.h"
+#include "identify/fit/dent_check.h"
 #include "identify/fit/interval_check.h"
 #include "identify/uncertainty/uncertainty.h"
 
@@ -54,6 +55,7 @@ struct FitSummary {
   Eigen::VectorXd coordinates;             // [p + n] of the estimate, see FitProblem
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
+  std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
   std::vector<StartEstimate> starts;  // of the recordings whose start was unknown, where there is an uncertainty
   // At the estimate, where the fit ended with one; `AddUncertainty` takes it.
   std::optional<Linearization> linearization;

@@ -37,6 +37,18 @@ bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSu
   return evaluator->LinearizeAlong(summary->coordinates, estimate->follow, &estimate->parameters);
 }
 
+// Whether the cost is what the covariance takes it for, near the estimate and farther away.
+void CheckCost(const FitProblem& problem, const EstimateLinearization& estimate, FitEvaluator* evaluator,
+               FitSummary* summary) {
+  const Uncertainty& uncertainty = *summary->uncertainty;
+  summary->interval_check =
+      CheckInterval(problem.blocks(), summary->coordinates, summary->cost, uncertainty, estimate.follow, evaluator);
+  const bool is_explained =
+      estimate.parameters.sigma_is_known ? uncertainty.residual_scale < kExplainedScale : !uncertainty.is_widened;
+  if (is_explained) return;
+  summary->dents = CheckForDents(problem.blocks(), summary->coordinates, summary->cost, uncertainty, evaluator);
+}
+
 }  // namespace
 
 void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary) {
@@ -53,10 +65,7 @@ void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSum
         summary->uncertainty->parameters[i].known_start_std = known.parameters[i].std;
       }
     }
-    if (options.check_interval) {
-      summary->interval_check = CheckInterval(problem.blocks(), summary->coordinates, summary->cost,
-                                              *summary->uncertainty, estimate.follow, &evaluator);
-    }
+    if (options.check_interval) CheckCost(problem, estimate, &evaluator, summary);
   }
   summary->statistics += evaluator.statistics();
   summary->total_seconds += evaluator.seconds();

@@ -89,6 +89,18 @@ Json IntervalCheckJson(const FitSummary& summary) {
           {"rise_above", NumberJson(check.rise_above)}};
 }
 
+Json DentsJson(const FitSummary& summary) {
+  Json json = Json::object();
+  for (const DentCheck& check : summary.dents) {
+    json[summary.parameters[check.parameter].name] = {{"step", check.step},
+                                                      {"expected_rise", NumberJson(check.expected_rise)},
+                                                      {"rise_below", NumberJson(check.rise_below)},
+                                                      {"rise_above", NumberJson(check.rise_above)},
+                                                      {"is_dent", check.is_dent()}};
+  }
+  return json;
+}
+
 Json UncertaintyJson(const FitSummary& summary) {
   if (!summary.uncertainty) return nullptr;
   const Uncertainty& uncertainty = *summary.uncertainty;
@@ -117,6 +129,7 @@ Json UncertaintyJson(const FitSummary& summary) {
                {"correlation", correlation},
                {"hidden_directions", directions},
                {"interval_check", IntervalCheckJson(summary)}};
+  if (!summary.dents.empty()) json["dents"] = DentsJson(summary);
   if (uncertainty.is_widened) json["widening"] = {{"quantile95", uncertainty.quantile95}, {"parameters", widening}};
   return json;
 }

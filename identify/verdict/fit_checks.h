@@ -34,7 +34,7 @@ struct FitChecks {
   std::optional<StepChoice> step_choice;
   std::optional<DiscretizationCheck> discretization;
   std::optional<Holdout> holdout;
-  std::vector<EnergyGain> energy;        // of every recording; empty: nobody looked
+  std::vector<EnergyGain> energy;                // of every recording; empty: nobody looked
   std::vector<RecordingFit> recordings;          // of `DescribeRecordings`; empty: nobody looked
   std::vector<std::vector<Finding>> findings;    // of every recording, before the fit
   std::vector<Eigen::MatrixXd> predicted_nodes;  // see identify/report/node_prediction.h

@@ -80,18 +80,35 @@ void AddSize(const RecordingFit& recording, const std::string& prefix, std::vect
                           " % of the " + MillimetreText(recording.cloth_size) + " of the cloth"});
 }
 
+// Errors that noise does not explain: intervals, which scale with them, know what chance would do, and neither what the
+// model misses nor that of another minimum.
+void AddUnexplained(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
+  const double factor = recording.error.rmse() / recording.noise;
+  if (!(factor > kExplainedScale)) return;
+  const std::string brief = prefix + "the error is " + NumberText(factor, 2) + " times the noise";
+  reasons->push_back({Usability::kWithCare,
+                      kExitSuccess,
+                      {},
+                      brief,
+                      brief + ": rmse " + MillimetreText(recording.error.rmse()) + " against " +
+                          MillimetreText(recording.noise) +
+                          "; model, start or handles miss something, or this is not the best minimum, and intervals "
+                          "know of neither"});
+}
+
 void AddStart(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
   if (!recording.start || !recording.start->is_noticeable()) return;
   const StartDifference& start = *recording.start;
   const bool is_large = start.is_large();
   const std::string brief = prefix + "the scene's start is not where the first frame shows the cloth";
-  reasons->push_back({is_large ? Usability::kDoNotUse : Usability::kWithCare,
-                      is_large ? kExitDoNotUse : kExitSuccess,
-                      {},
-                      brief,
-                      brief + ": " + MillimetreText(start.rms) + " off (root mean square), " +
-                          NumberText(100.0 * start.rms / start.cloth_size, 3) +
-                          " % of the cloth's size; correct initial.positions, or leave it out: the start is then estimated"});
+  reasons->push_back(
+      {is_large ? Usability::kDoNotUse : Usability::kWithCare,
+       is_large ? kExitDoNotUse : kExitSuccess,
+       {},
+       brief,
+       brief + ": " + MillimetreText(start.rms) + " off (root mean square), " +
+           NumberText(100.0 * start.rms / start.cloth_size, 3) +
+           " % of the cloth's size; correct initial.positions, or leave it out: the start is then estimated"});
 }
 
 void AddNoisyStart(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
@@ -236,6 +253,7 @@ void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vect
     const std::string prefix = Prefix(checks, recording);
     AddFitPercent(recording, prefix, reasons);
     AddSize(recording, prefix, reasons);
+    AddUnexplained(recording, prefix, reasons);
     AddStart(recording, prefix, reasons);
     AddNoisyStart(recording, prefix, reasons);
   }

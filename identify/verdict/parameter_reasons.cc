@@ -143,4 +143,22 @@ void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std
   for (const int i : free) AddWide(summary, i, reasons);
 }
 
+void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  for (const DentCheck& check : summary.dents) {
+    if (!check.is_dent() || !HasInterval(summary, checks, check.parameter)) continue;
+    const FittedParameter& parameter = summary.parameters[check.parameter];
+    const std::string brief = "the interval of " + parameter.name + " is that of one dent of a rough cost";
+    const double share =
+        100.0 * check.step / (parameter.scale == ParameterScale::kLog ? 1.0 : std::abs(parameter.value));
+    const auto rise = [](double value) { return std::isnan(value) ? std::string("nothing") : NumberText(value, 2); };
+    reasons->push_back({Usability::kWithCare,
+                        kExitSuccess,
+                        {check.parameter},
+                        brief,
+                        brief + ": " + NumberText(share, 2) + " % below and above it the cost rises by " +
+                            rise(check.rise_below) + " and " + rise(check.rise_above) + " instead of " +
+                            NumberText(check.expected_rise, 2) + "; what --starts or a landscape show is its width"});
+  }
+}
+
 }  // namespace clothid

@@ -28,6 +28,8 @@ struct Reason {
 void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // Its parameters: what the recordings tell of each, and what their intervals are worth.
 void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
+// Parameters whose interval a step of 1 % leads out of (identify/fit/dent_check.h).
+void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // What parameters owe to their priors, and where recordings contradict them.
 void AddPriorReasons(const FitSummary& summary, std::vector<Reason>* reasons);
 // What time step and mesh do to the estimates.

@@ -1,10 +1,20 @@
 #include "identify/verdict/told.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
 
 namespace clothid {
+
+namespace {
+
+bool IsInDent(const FitSummary& summary, int index) {
+  return std::any_of(summary.dents.begin(), summary.dents.end(),
+                     [&](const DentCheck& check) { return check.parameter == index && check.is_dent(); });
+}
+
+}  // namespace
 
 std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen || !summary.uncertainty) return std::nullopt;
@@ -21,7 +31,8 @@ bool HasInterval(const FitSummary& summary, const FitChecks& checks, int index) 
 std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen) return "frozen";
   if (IsIdentifiable(summary, checks, index).value_or(true)) {
-    return summary.parameters[index].at_bound ? "at its bound" : "";
+    if (summary.parameters[index].at_bound) return "at its bound";
+    return IsInDent(summary, index) ? "one dent" : "";
   }
   const ParameterUncertainty& parameter = summary.uncertainty->parameters[index];
   if (parameter.stalled) return "stalled";

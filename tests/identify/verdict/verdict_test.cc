@@ -336,6 +336,31 @@ TEST(VerdictTest, SaysWhereTheCostIsNotQuadratic) {
       Says(summary, {}, "the interval of mu cannot be relied on: at its ends the cost rises by 3.7 and 1.2e+02"));
 }
 
+TEST(VerdictTest, SaysWhereNoiseDoesNotExplainTheError) {
+  RecordingFit recording = Recording(0.04, 1.0);
+  recording.noise = 0.02;
+  EXPECT_EQ(Judge(Converged(), With(recording)).overall, Usability::kUsable);
+  recording.noise = 0.005;
+  EXPECT_EQ(Judge(Converged(), With(recording)).line, "usable with care: the error is 8 times the noise");
+  EXPECT_TRUE(Says(Converged(), With(recording), "rmse 40 mm against 5 mm"));
+  recording.noise = kNaN;
+  EXPECT_EQ(Judge(Converged(), With(recording)).overall, Usability::kUsable) << "nobody knows";
+}
+
+TEST(VerdictTest, SaysWhereAnIntervalIsThatOfADent) {
+  FitSummary summary = Converged();
+  summary.dents = {DentCheck{0, 0.003, 1e6, 2e6, 5e5}};
+  EXPECT_FALSE(Says(summary, {}, "one dent")) << "not quadratic, but no dent";
+  summary.dents[0].rise_above = -40.0;
+  EXPECT_EQ(Judge(summary, {}).line, "usable with care: the interval of mu is that of one dent of a rough cost");
+  EXPECT_TRUE(Says(summary, {}, "1 % below and above it the cost rises by 2e+06 and -40 instead of 1e+06"));
+  EXPECT_NE(ResultTable(summary, {}).find("one dent"), std::string::npos);
+  RecordingFit recording = Recording(0.04, 1.0);
+  recording.noise = 0.005;
+  EXPECT_EQ(Judge(summary, With(recording)).line.find("usable with care: the interval of mu is that of one dent"), 0u)
+      << "more than any other doubt";
+}
+
 FitChecks TwoMinima(double cost_rise) {
   FitChecks checks;
   checks.starts.emplace();
