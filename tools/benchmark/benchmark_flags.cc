@@ -37,6 +37,7 @@ DEFINE_int32(truth_levels, 0, "coverage: so often the mesh of the truth is refin
 DEFINE_string(discretization, "", "coverage: what intervals count with besides noise: step, mesh or all");
 DEFINE_string(sensor, "", "coverage: sensor.json of a camera and a gripper; empty: white noise");
 DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
+DEFINE_string(bending, "", "forward: laws of bending and their k_bend; empty: the scenes' own");
 DEFINE_string(quantities, "", "accuracy: of forward, gradient, fit; empty: all");
 DEFINE_int32(cells, 0, "continuity: steps of friction; figure3: cells per axis; 0: see --help");
 DEFINE_string(offsets, "", "figure3: offsets of the sphere, m; empty: see --help");
@@ -164,6 +165,7 @@ ForwardBenchmarkOptions ForwardOptionsFromFlags() {
   ForwardBenchmarkOptions options;
   if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
   SetIntegrators(&options.integrators);
+  if (!FLAGS_bending.empty()) options.bending = ParseNames(FLAGS_bending, "--bending");
   if (!FLAGS_nodes.empty()) options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
   if (!FLAGS_steps.empty()) options.num_steps = ParseInteger(FLAGS_steps, "--steps");
   options.repeats = FLAGS_repeats;

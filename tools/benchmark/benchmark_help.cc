@@ -10,7 +10,7 @@ const char kBenchmarkHelp[] = R"(benchmark: accuracy, cost and time of the metho
   benchmark coverage       --scene FILE --set LIST [--sensor] [--initial] [--cut] [--seeds] [--settings] [--noise]
                            [--sigma] [--frame_rate] [--markers] [--start_factor] [--seed] [--threads] [--output]
   benchmark fields         --scene FILE [--set] [--nodes] [--settings] [--sigma] [--methods] [--seed] [--output]
-  benchmark forward        [--scene LIST] [--integrator] [--nodes] [--steps] [--repeats] [--output]
+  benchmark forward        [--scene LIST] [--integrator] [--bending] [--nodes] [--steps] [--repeats] [--output]
   benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
   benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
   benchmark accuracy       [--scene] [--settings] [--quantities] [--integrator] [--nodes] [--repeats] [--output]
@@ -122,6 +122,8 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --touch LIST      gaps that count as contact in velocity mode, relative to the cloth's size (1e-5,1e-3)
   --zoom LIST       shares of both axes, falling (0.03,0.01,0.003)
   --contact MODE    of the cloth that slides: gap or velocity (gap); stability: LIST of these (both)
+  --bending LIST    forward: laws of bending with their k_bend in N m that take turns, of edges:K_BEND and
+                    patches:K_BEND (the scenes' own)
   --integrator LIST of euler, sdirk2 (both); figure3: one of them (euler)
   --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)
   --mu LIST         friction coefficients (0,0.1,0.35,0.8,2)

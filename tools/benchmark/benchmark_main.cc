@@ -77,7 +77,7 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<FieldsOptions, FieldsBenchmark>(FieldsOptionsFromFlags(), RunFieldsBenchmark, FieldsTable,
                                                            {{"fields.csv", FieldsCsv}});
      }},
-    {"forward", "scene integrator nodes steps repeats output",
+    {"forward", "scene integrator bending nodes steps repeats output",
      [] {
        return RunBenchmark<ForwardBenchmarkOptions, ForwardBenchmark>(ForwardOptionsFromFlags(), RunForwardBenchmark,
                                                                       ForwardTable, {{"forward.csv", ForwardCsv}});

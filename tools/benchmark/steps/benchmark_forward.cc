@@ -30,21 +30,35 @@ void Require(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorKind::kUsage, message);
 }
 
-Scene MakeScene(const std::string& name, int nodes, const std::string& integrator) {
+// "patches:3.5e-3".
+void SetBending(const std::string& text, Scene* scene) {
+  const std::size_t colon = text.find(':');
+  const std::string law = text.substr(0, colon);
+  const double bending_stiffness =
+      colon == std::string::npos ? kNaN : ParseNumber(text.substr(colon + 1)).value_or(kNaN);
+  Require((law == "edges" || law == "patches") && bending_stiffness >= 0.0,
+          "--bending: '" + Printable(text) + "': expected edges:K_BEND or patches:K_BEND, K_BEND >= 0 in N m");
+  scene->bending.law = law == "edges" ? BendingLaw::kEdges : BendingLaw::kPatches;
+  scene->material.bending_stiffness = bending_stiffness;
+}
+
+Scene MakeScene(const std::string& name, int nodes, const std::string& bending, const std::string& integrator) {
   const double stretch_stiffness = name == "slope" ? 50.0 : 100.0, time_step = name == "wind" ? 1.0 / 90.0 : 0.01;
   Scene scene = MakeBenchmarkScene(name, nodes, stretch_stiffness, time_step);
   scene.solver.step_tolerance = kStepTolerance;
   scene.integrator = IntegratorNamed(integrator);
+  if (!bending.empty()) SetBending(bending, &scene);
   return scene;
 }
 
 // One case, with its simulator and what its rollouts without a failed step took.
 struct Run {
-  Run(const std::string& scene, int nodes, const std::string& integrator)
-      : simulator(MakeScene(scene, nodes, integrator)) {
+  Run(const std::string& scene, int nodes, const std::string& bending, const std::string& integrator)
+      : simulator(MakeScene(scene, nodes, bending, integrator)) {
     result.scene = scene;
     result.nodes = nodes;
     result.integrator = integrator;
+    result.bending = bending;
     const CholeskySolver cholesky(simulator.model().pattern());
     result.factor_flops = cholesky.num_flops();
     result.factor_entries = cholesky.num_entries();
@@ -110,9 +124,37 @@ void PutCase(const ForwardCase& result, std::ostream& out) {
 double TimesEuler(const ForwardBenchmark& benchmark, const ForwardCase& result) {
   for (const ForwardCase& euler : benchmark.cases) {
     const bool same = euler.scene == result.scene && euler.nodes == result.nodes;
-    if (same && IntegratorNamed(euler.integrator) == Integrator::kEuler) return result.seconds / euler.seconds;
+    if (same && euler.bending == result.bending && IntegratorNamed(euler.integrator) == Integrator::kEuler)
+      return result.seconds / euler.seconds;
   }
   return kNaN;
+}
+
+// Of a step, relative to the first law of bending.
+double TimesFirstBending(const ForwardBenchmark& benchmark, const ForwardCase& result) {
+  for (const ForwardCase& first : benchmark.cases) {
+    const bool same = first.scene == result.scene && first.nodes == result.nodes;
+    if (same && first.integrator == result.integrator) return result.seconds / first.seconds;
+  }
+  return kNaN;
+}
+
+void WriteBendingTable(const ForwardBenchmark& benchmark, std::ostream& out) {
+  const bool is_given = std::any_of(benchmark.cases.begin(), benchmark.cases.end(),
+                                    [](const ForwardCase& result) { return !result.bending.empty(); });
+  if (!is_given) return;
+  out << "\nms per step by the law of bending, and relative to the first of them\n"
+         "scene      nodes  method  bending               step  x first  Newton  linear  factors\n";
+  for (const ForwardCase& result : benchmark.cases) {
+    PutCase(result, out);
+    out << " " << std::left << std::setw(18) << result.bending << std::right;
+    Put(1e3 * result.seconds, 8, 2, out);
+    Put(TimesFirstBending(benchmark, result), 9, 2, out);
+    Put(result.newton_iterations(), 8, 2, out);
+    Put(result.linear_iterations(), 8, 2, out);
+    Put(result.factorizations(), 9, 2, out);
+    out << "\n";
+  }
 }
 
 void WriteStepTable(const ForwardBenchmark& benchmark, std::ostream& out) {
@@ -171,7 +213,8 @@ void WriteFactorTable(const ForwardBenchmark& benchmark, std::ostream& out) {
 double GrowthExponent(const ForwardBenchmark& benchmark, const ForwardCase& of) {
   std::vector<double> nodes, seconds;
   for (const ForwardCase& result : benchmark.cases) {
-    if (result.scene != of.scene || result.integrator != of.integrator || !(result.iteration_seconds() > 0.0)) continue;
+    const bool same = result.scene == of.scene && result.integrator == of.integrator && result.bending == of.bending;
+    if (!same || !(result.iteration_seconds() > 0.0)) continue;
     nodes.push_back(std::pow(result.nodes, 2));
     seconds.push_back(result.iteration_seconds());
   }
@@ -184,9 +227,11 @@ void WriteGrowthTable(const ForwardBenchmark& benchmark, std::ostream& out) {
          "scene      nodes  method   iterations per step  ms per iteration  exponent\n";
   for (std::size_t i = 0; i < benchmark.cases.size(); ++i) {
     const ForwardCase& result = benchmark.cases[i];
-    const bool last = std::none_of(
-        benchmark.cases.begin() + i + 1, benchmark.cases.end(),
-        [&](const ForwardCase& other) { return other.scene == result.scene && other.integrator == result.integrator; });
+    const bool last =
+        std::none_of(benchmark.cases.begin() + i + 1, benchmark.cases.end(), [&](const ForwardCase& other) {
+          return other.scene == result.scene && other.integrator == result.integrator &&
+                 other.bending == result.bending;
+        });
     PutCase(result, out);
     Put(result.newton_iterations(), 21, 2, out);
     Put(1e3 * result.iteration_seconds(), 18, 2, out);
@@ -234,7 +279,9 @@ ForwardBenchmark RunForwardBenchmark(const ForwardBenchmarkOptions& options) {
   std::vector<Run> runs;
   for (const std::string& scene : options.scenes) {
     for (const int nodes : options.nodes) {
-      for (const std::string& integrator : options.integrators) runs.emplace_back(scene, nodes, integrator);
+      for (const std::string& bending : options.bending) {
+        for (const std::string& integrator : options.integrators) runs.emplace_back(scene, nodes, bending, integrator);
+      }
     }
   }
   const int num_rollouts = options.repeats * static_cast<int>(runs.size());
@@ -262,23 +309,26 @@ std::string ForwardTable(const ForwardBenchmark& benchmark) {
   WriteStepTable(benchmark, out);
   WriteFactorTable(benchmark, out);
   WriteGrowthTable(benchmark, out);
+  WriteBendingTable(benchmark, out);
   return out.str();
 }
 
 std::string ForwardCsv(const ForwardBenchmark& benchmark) {
   std::ostringstream out;
   out << std::setprecision(std::numeric_limits<double>::max_digits10)
-      << "scene,nodes,integrator,steps,newton_iterations,linear_iterations,factorizations,fallbacks,substeps,failed_"
+      << "scene,nodes,integrator,bending,steps,newton_iterations,linear_iterations,factorizations,fallbacks,substeps,"
+         "failed_"
          "steps,bytes_"
          "per_node_and_step,"
          "factor_flops,factor_entries,dgemm_flops_per_second,step_seconds,evaluation_seconds,assembly_seconds,"
          "contact_seconds,factorization_seconds,solution_seconds,reference_step_seconds\n";
   for (const ForwardCase& result : benchmark.cases) {
     const RolloutCounts& counts = result.counts;
-    out << result.scene << "," << result.nodes << "," << result.integrator << "," << counts.steps << ","
-        << counts.newton_iterations << "," << counts.linear_iterations << "," << counts.factorizations << ","
-        << counts.fallbacks << "," << counts.substeps << "," << counts.failed_steps << "," << result.bytes << ","
-        << result.factor_flops << "," << result.factor_entries << "," << benchmark.dgemm_rate << "," << result.seconds;
+    out << result.scene << "," << result.nodes << "," << result.integrator << "," << result.bending << ","
+        << counts.steps << "," << counts.newton_iterations << "," << counts.linear_iterations << ","
+        << counts.factorizations << "," << counts.fallbacks << "," << counts.substeps << "," << counts.failed_steps
+        << "," << result.bytes << "," << result.factor_flops << "," << result.factor_entries << ","
+        << benchmark.dgemm_rate << "," << result.seconds;
     for (const auto phase : kPhases) out << "," << result.phases.*phase;
     out << "," << ReferenceStepSeconds(result.scene, result.nodes).value_or(kNaN) << "\n";
   }
