@@ -155,11 +155,13 @@ class Run {
 
   void RunFit() {
     if (!options_.fields.empty()) return RunFieldFit();
-    GrowingHorizon growing(inputs_.fitted, fit_options_);
-    GrowingHorizon* const horizon = options_.growing_horizon ? &growing : nullptr;
-    const bool has_one_start = fit_options_.num_starts == 1;
-    summary_ = has_one_start ? Fit(fit_options_, problem_.get(), horizon)
-                             : FitFromStarts(fit_options_, problem_.get(), &checks_.starts.emplace(), horizon);
+    if (fit_options_.num_starts > 1) {
+      summary_ = FitFromStarts(fit_options_, inputs_.fitted, options_.growing_horizon, problem_.get(),
+                               &checks_.starts.emplace());
+    } else {
+      GrowingHorizon growing(inputs_.fitted, fit_options_);
+      summary_ = Fit(fit_options_, problem_.get(), options_.growing_horizon ? &growing : nullptr);
+    }
     if (options_.time_step.is_automatic) FitWithChosenStep();
     if (options_.on_fitted) options_.on_fitted(summary_);
   }

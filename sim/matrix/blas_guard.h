@@ -7,8 +7,9 @@
 namespace clothid {
 
 // Rollouts run side by side in threads, so nothing within one of them may be parallel: OpenMP regions of the calling
-// thread stay on that thread (Debian's CHOLMOD asks for four threads whatever the machine has). And where BLAS itself
-// must not be called by two threads at once, they take turns.
+// thread stay on that thread (Debian's CHOLMOD asks for four threads whatever the machine has), and OpenBLAS with
+// threads of its own is held to one of them, for the whole process and for good: its numbers are then those of the
+// serial build. Where BLAS itself must not be called by two threads at once, they take turns.
 class BlasGuard {
  public:
   BlasGuard();
@@ -20,6 +21,10 @@ class BlasGuard {
   int openmp_levels_;
   std::unique_lock<std::mutex> lock_;
 };
+
+// Whether threads take turns in BLAS, so that several are hardly faster than one: with OpenBLAS built without threads,
+// or with those of OpenMP. With OpenBLAS of pthreads, ATLAS, BLIS and the reference they do not.
+bool ThreadsTakeTurnsInBlas();
 
 }  // namespace clothid
 

@@ -2,6 +2,8 @@
 
 #include <cholmod.h>
 
+#include <mutex>
+
 #include "sim/matrix/blas_guard.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/matrix/cholmod_calls.h"
@@ -57,6 +59,9 @@ std::vector<int> FillReducingOrder(const std::vector<std::vector<int>>& neighbou
   graph.dtype = CHOLMOD_DOUBLE;
   graph.sorted = graph.packed = 1;
 
+  // METIS draws from the C library's rand, one sequence for all threads: two orderings at once would share it.
+  static std::mutex metis_mutex;
+  const std::lock_guard<std::mutex> lock(metis_mutex);
   const BlasGuard guard;
   OrderingSession session;
   const cholmod_factor* factor = session.Analyze(&graph);

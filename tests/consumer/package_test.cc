@@ -228,7 +228,7 @@ TEST_F(PackageTest, DebianPackage) {
     GTEST_SKIP() << "a package is absent: dpkg or dpkg-dev";
   Success(CPACK " -G DEB --config '" CLOTHID_BINARY_DIR "/CPackConfig.cmake' -B package");
   const std::string control = Success("dpkg-deb --info package/*.deb");
-  for (const char* line : {"Package: clothid\n", "Version: " CLOTHID_VERSION, "libcholmod", "libopenblas0-serial",
+  for (const char* line : {"Package: clothid\n", "Version: " CLOTHID_VERSION, "libcholmod", "libopenblas0-pthread",
                            "Recommends: libceres-dev, libeigen3-dev\n", "binaries are under the GPL"}) {
     EXPECT_NE(control.find(line), std::string::npos) << line << "\n" << control;
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "identify/base/output_folder.h"
+#include "identify/base/parallel_for.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
 #include "tools/base/command_line.h"
@@ -18,6 +19,7 @@
 #include "tools/benchmark/fits/figure3_table.h"
 
 DECLARE_string(output);
+DECLARE_int32(threads);
 
 namespace clothid {
 namespace {
@@ -135,6 +137,7 @@ int Run(const std::vector<std::string>& arguments) {
   std::vector<CommandFlags> flags;
   for (const Subcommand& each : kSubcommands) flags.push_back({each.name, each.flags});
   RejectOtherFlags(command.name, flags);
+  NoteTurnsInBlas("benchmark", FLAGS_threads, &std::cerr);
   try {
     return command.run();
   } catch (const Interrupted&) {

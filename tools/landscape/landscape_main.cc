@@ -14,6 +14,7 @@
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
 #include "identify/base/output_folder.h"
+#include "identify/base/parallel_for.h"
 #include "identify/base/version.h"
 #include "identify/landscape/landscape_sigma.h"
 #include "sim/base/error.h"
@@ -82,8 +83,7 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
   --gradients         the adjoint gradient at every cell, on a log axis by the logarithm
   --shard I/N         only the cells I, I + N, I + 2 N, .., 0 <= I < N
   --resume            continue a scan that was stopped, ending in the same bytes; starts one that was not
-  --threads N         cells side by side; the result does not depend on it (1). Threads take turns in Debian's serial
-                      OpenBLAS: shards side by side are faster
+  --threads N         cells side by side; the result does not depend on it (1)
   --output DIR        landscape.csv, a row per cell; timing.csv; plan.json; summary.json: minimum, roughness and
                       contact events of every window (landscape_result)
   -h, --help; --version
@@ -177,6 +177,7 @@ void PrintSummary(const LandscapePart& part) {
 
 int Scan() {
   LandscapeRunOptions options = OptionsFromFlags();
+  NoteTurnsInBlas("landscape", FLAGS_threads, &std::cerr);
   LandscapeRunResult result;
   {
     CountProgress progress(&std::cerr, isatty(STDERR_FILENO) != 0, "cells", CountProgress::End::kTold);

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "sim/matrix/cholesky.h"
@@ -33,6 +35,29 @@ TEST(FillReducingOrderTest, IsAPermutationThatReducesFill) {
     return CholeskySolver(identity.shared_pattern()).Factor(identity.values)->bytes();
   };
   EXPECT_LT(10 * factor_bytes(renumbered), factor_bytes(hub_first));
+}
+
+// METIS shares a random sequence among threads.
+TEST(FillReducingOrderTest, IsTheSameInEveryThread) {
+  constexpr int kSide = 40;
+  std::vector<std::vector<int>> grid(kSide * kSide);
+  for (int node = 0; node < kSide * kSide; ++node) {
+    const int column = node % kSide;
+    for (int other : {node - kSide, node - 1, node + 1, node + kSide}) {
+      const bool is_across = other == node - 1 ? column > 0 : other == node + 1 ? column + 1 < kSide : true;
+      if (other >= 0 && other < kSide * kSide && is_across) grid[node].push_back(other);
+    }
+  }
+  const std::vector<int> expected = FillReducingOrder(grid);
+  std::atomic<int> num_wrong{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 20; ++i) num_wrong += FillReducingOrder(grid) != expected;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(num_wrong, 0);
 }
 
 }  // namespace
