@@ -19,7 +19,7 @@
 namespace clothid {
 namespace {
 
-constexpr int kPosteriorNodes = 16;    // a side, of the curvature that gives standard deviations
+constexpr int kPosteriorModes = 16;    // a side, of the curvature that gives standard deviations
 constexpr double kLargestLog = 9.2;    // a factor of 1e4 from the start
 constexpr double kSmallChange = 1e-4;  // of the cost, relative
 
@@ -135,7 +135,7 @@ FieldFit FitFields(const std::vector<RecordedMotion>& motions, const std::vector
         field.start = model.ValuesOf(static_cast<int>(k), model.Start())(0, 0);
       }
       if (options.estimate_deviations && !options.fit.is_cancelled()) {
-        const FieldCurvature curvature(kPosteriorNodes, &model, &point);
+        const FieldCurvature curvature(kPosteriorModes, &model, &point);
         curvature.AddDeviations(point.data_cost, result.weight, &result.fields);
         result.num_determined = curvature.NumDetermined(result.weight);
         if (!blocks.empty()) fit.marginal = curvature.Marginal(result.weight, &point);

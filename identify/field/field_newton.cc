@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,7 +15,10 @@
 namespace clothid {
 namespace {
 
-constexpr int kCoarseNodes = 6;    // a side, of the curvature that the weight is chosen by, and the preconditioner
+// Half waves a side of the smoothest modes that the fit has at first, then; after that all. Of the last the curvature
+// is that which the weight is chosen by and the preconditioner has.
+constexpr int kStageModes[] = {4, 8};
+constexpr int kNumStages = 2;
 constexpr int kMostProducts = 40;  // of one step
 constexpr double kForcing = 0.1;   // of the gradient, what a step may leave
 // A step may change a field by this factor at first: logarithms, root mean square.
@@ -23,13 +27,13 @@ constexpr double kLargestLog = 9.2;  // a factor of 1e4 from the start
 // Of a step that does not lower the cost by this share of what it promises, shorter ones are tried.
 constexpr double kLeastRatio = 1e-3, kShorter = 0.3;
 constexpr int kMostTrials = 7;
-// The loose stage ends where a step promises less than this share of the cost; the fit, where it promises less than
-// this in s^2, or this share.
+// A stage of few modes and the loose one end where a step promises less than this share of the cost; the fit, where it
+// promises less than this in s^2, or this share.
 constexpr double kLooseDecrease = 0.03;
 constexpr double kFinalDecrease = 0.05, kFinalShare = 1e-5;
-constexpr int kMostWeights = 10;       // of the fixed point before a step
-constexpr double kWeightShare = 0.1;   // of the last lambda, the least that the next may be
 constexpr double kSteadyWeight = 0.5;  // the logarithm of lambda changes by less
+// A curvature serves on while logarithms have moved by less, root mean square.
+constexpr double kSameCurvature = 0.05;
 
 double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -42,6 +46,8 @@ struct Step {
   double Decrease(double share) const { return -share * slope - 0.5 * share * share * curvature; }
 };
 
+enum class End { kNone, kConverged, kStuck };
+
 class GaussNewton {
  public:
   GaussNewton(FieldModel* model, const FieldFitOptions& options)
@@ -50,35 +56,17 @@ class GaussNewton {
   bool Run(FieldPoint* point, FieldResult* result) {
     const FitOptions& fit = options_.fit;
     start_ = Now();
-    Precision precision = point->precision;
-    bool is_stuck = false;
     int iteration = 0;
-    for (; iteration <= fit.max_iterations && !is_stuck; ++iteration) {
-      const bool is_steady = Linearize(point);
+    for (; iteration <= fit.max_iterations; ++iteration) {
+      Linearize(point);
       Tell(iteration, *point);
       if (fit.is_cancelled()) return Fail("stopped on request", result);
-      const Step step = SolveStep(point);
-      const double cost = Cost(*point), decrease = step.Decrease(1.0);
-      const bool is_loose = precision == Precision::kLoose;
-      if (is_loose && decrease <= kLooseDecrease * cost) {
-        precision = Precision::kFull;
-        if (!MoveToFull(step, point)) return Fail(model_->failure(), result);
-        continue;
-      }
-      if (!step.is_cut && decrease <= std::max(kFinalDecrease * scale_, kFinalShare * cost)) {
-        if (is_steady) break;
-        continue;  // the next weight asks for more
-      }
-      if (Try(step, precision, point)) continue;
-      is_stuck = !is_loose;
-      precision = Precision::kFull;
-      if (is_loose && !MoveToFull({Eigen::VectorXd::Zero(model_->size())}, point)) {
-        return Fail(model_->failure(), result);
-      }
+      if (!Advance(SolveStep(point), point)) return Fail(model_->failure(), result);
+      if (end_ != End::kNone) break;
     }
-    result->has_converged = iteration <= fit.max_iterations && !is_stuck;
+    result->has_converged = end_ == End::kConverged;
     result->message = result->has_converged ? "converged"
-                      : is_stuck            ? "stopped where no shorter step lowers the cost"
+                      : end_ == End::kStuck ? "stopped where no shorter step lowers the cost"
                                             : "stopped at max_iterations";
     result->num_iterations = std::min(iteration, fit.max_iterations);
     result->weight = weight_;
@@ -104,36 +92,62 @@ class GaussNewton {
                            model_->BlockCoordinates(point.unknowns), model_->counts().rollouts, num_products_});
   }
 
+  bool has_all_modes() const { return stage_ == kNumStages; }
+
+  // Takes the step and goes over to what is next where it promises little: more modes, full precision, the end. False
+  // where the fit cannot go on.
+  bool Advance(const Step& step, FieldPoint* point) {
+    const double cost = Cost(*point), decrease = step.Decrease(1.0);
+    const bool is_loose = point->precision == Precision::kLoose, is_little = decrease <= kLooseDecrease * cost;
+    if (!has_all_modes()) {
+      const bool works = decrease > kFinalDecrease * scale_ && Try(step, point);
+      if (is_little || !works) ++stage_;
+      return true;
+    }
+    if (is_loose && is_little) return MoveToFull(step, point);
+    if (!step.is_cut && decrease <= std::max(kFinalDecrease * scale_, kFinalShare * cost)) {
+      if (is_steady_) end_ = End::kConverged;
+      return true;  // the next weight may ask for more
+    }
+    if (Try(step, point)) return true;
+    if (is_loose) return MoveToFull({Eigen::VectorXd::Zero(model_->size())}, point);
+    if (curvature_at_ == point->unknowns) end_ = End::kStuck;
+    curvature_modes_ = 0;  // a curvature of this very point may find a step
+    return true;
+  }
+
   // At the end of the step, or, where that cannot be simulated, here.
   bool MoveToFull(const Step& step, FieldPoint* point) {
     const Eigen::VectorXd here = point->unknowns, next = Next(*point, step, 1.0);
     return model_->MoveTo(next, Precision::kFull, point) || model_->MoveTo(here, Precision::kFull, point);
   }
 
-  // Sets gradient, weight and preconditioner. Whether the weight is where it is to stay.
-  bool Linearize(FieldPoint* point) {
+  // Sets gradient, curvature, weight and preconditioner.
+  void Linearize(FieldPoint* point) {
     const Eigen::VectorXd theta = Theta(*point);
-    gradient_ = model_->DataGradient(*point);
-    const FieldCurvature curvature(kCoarseNodes, model_, point);
+    data_gradient_ = model_->DataGradient(*point);
+    FormCurvature(point);
     const double before = weight_;
-    if (is_chosen_) ChooseWeight(curvature, theta, point->data_cost);
-    scale_ = curvature.SquaredScale(point->data_cost, weight_);
-    preconditioner_ = std::make_unique<FieldPreconditioner>(curvature, weight_, *model_);
+    if (is_chosen_) weight_ = curvature_->FollowWeight(theta, data_gradient_, point->data_cost, weight_);
+    is_steady_ = !is_chosen_ || (before > 0.0 && std::abs(std::log(weight_ / before)) < kSteadyWeight);
+    scale_ = curvature_->SquaredScale(point->data_cost, weight_);
+    gradient_ = data_gradient_;
     gradient_.tail(theta.size()) += weight_ * (model_->prior_matrix() * theta);
     Hold(point->unknowns);
     ZeroHeld(&gradient_);
-    return !is_chosen_ || (before > 0.0 && std::abs(std::log(weight_ / before)) < kSteadyWeight);
+    preconditioner_ = std::make_unique<FieldPreconditioner>(*curvature_, weight_, *model_, held_);
   }
 
-  // At first as good as flat: what a wrong level and wrong parameters leave unexplained must not become a field. Then
-  // less and less smooth.
-  void ChooseWeight(const FieldCurvature& curvature, const Eigen::VectorXd& theta, double data_cost) {
-    const double before = weight_;
-    if (!(before > 0.0)) weight_ = curvature.LargestWeight();
-    for (int i = 0; before > 0.0 && i < kMostWeights; ++i) {
-      weight_ = curvature.NextWeight(theta, gradient_, data_cost, weight_);
-    }
-    weight_ = std::max(weight_, kWeightShare * before);
+  // Where there are no more modes than a stage has, it is the last.
+  void FormCurvature(FieldPoint* point) {
+    const int modes = kStageModes[std::min(stage_, kNumStages - 1)];
+    if (modes == curvature_modes_ && Length(point->unknowns - curvature_at_) < kSameCurvature) return;
+    curvature_.emplace(modes, model_, point);
+    curvature_modes_ = modes;
+    curvature_at_ = point->unknowns;
+    if (!curvature_->is_complete()) return;
+    stage_ = kNumStages;
+    curvature_modes_ = kStageModes[kNumStages - 1];
   }
 
   // Root mean square of the logarithms, and of the other unknowns.
@@ -175,6 +189,23 @@ class GaussNewton {
   }
 
   Step SolveStep(FieldPoint* point) {
+    return has_all_modes() && !curvature_->is_complete() ? SolveOverAll(point) : SolveOverModes(*point);
+  }
+
+  // Without any product.
+  Step SolveOverModes(const FieldPoint& point) const {
+    Eigen::VectorXd change = curvature_->Step(Theta(point), data_gradient_, weight_, held_);
+    Step step;
+    const double length = Length(curvature_->basis() * change);
+    step.is_cut = length >= radius_;
+    if (step.is_cut) change *= radius_ / length;
+    step.change = curvature_->basis() * change;
+    step.slope = gradient_.dot(step.change);
+    step.curvature = change.dot(curvature_->Hessian(weight_) * change);
+    return step;
+  }
+
+  Step SolveOverAll(FieldPoint* point) {
     Step step;
     step.change = Eigen::VectorXd::Zero(model_->size());
     Eigen::VectorXd residual = -gradient_, product = Eigen::VectorXd::Zero(model_->size());
@@ -223,12 +254,12 @@ class GaussNewton {
   }
 
   // Takes the step, or a share of it, where that lowers the cost, and adapts the trust region; false where none does.
-  bool Try(const Step& step, Precision precision, FieldPoint* point) {
+  bool Try(const Step& step, FieldPoint* point) {
     const double length = Length(step.change);
     double share = 1.0;
     for (int i = 0; i < kMostTrials && !options_.fit.is_cancelled(); ++i, share *= kShorter) {
       FieldPoint trial;
-      const bool works = model_->MoveTo(Next(*point, step, share), precision, &trial);
+      const bool works = model_->MoveTo(Next(*point, step, share), point->precision, &trial);
       const double ratio = works ? (Cost(*point) - Cost(trial)) / std::max(step.Decrease(share), 1e-300) : -1.0;
       if (!(ratio > kLeastRatio)) continue;
       if (i > 0 || ratio < 0.1) {
@@ -247,9 +278,14 @@ class GaussNewton {
   bool is_chosen_;
   double weight_, scale_ = 0.0;  // lambda, s^2
   double start_ = 0.0, radius_ = kFirstRadius;
-  int num_products_ = 0;
-  Eigen::VectorXd gradient_;  // of the cost with the prior, zero where held
+  int stage_ = 0, num_products_ = 0;
+  bool is_steady_ = false;  // the weight is where it is to stay
+  End end_ = End::kNone;
+  Eigen::VectorXd data_gradient_, gradient_;  // of the recordings, and of the cost with the prior, zero where held
   std::vector<int> held_;
+  std::optional<FieldCurvature> curvature_;
+  int curvature_modes_ = 0;       // half waves a side, ..
+  Eigen::VectorXd curvature_at_;  // .. and the unknowns that it was formed at
   std::unique_ptr<FieldPreconditioner> preconditioner_;
 };
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/field/field_prior.h"
+
 namespace clothid {
 namespace {
 
@@ -12,42 +14,18 @@ namespace {
 constexpr double kLevelStd = 9.2;
 // The weight is looked for between the largest of h, beyond which the field is as good as flat, and this share of it.
 constexpr double kSmallestWeight = 1e-12;
-
-// Bilinear from `coarse` nodes on a line to `fine` ones.
-Eigen::MatrixXd Interpolation(int fine, int coarse) {
-  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(fine, coarse);
-  for (int i = 0; i < fine; ++i) {
-    const double place = fine > 1 ? i * (coarse - 1.0) / (fine - 1.0) : 0.0;
-    const int first = std::min(static_cast<int>(place), std::max(coarse - 2, 0));
-    weights(i, first) += 1.0 - (place - first);
-    if (coarse > 1) weights(i, first + 1) += place - first;
-  }
-  return weights;
-}
-
-// The columns of the fields that are bilinear on the coarser grid [size x coarse size].
-Eigen::MatrixXd CoarseColumns(const FieldRequest& request, int most_per_side) {
-  const int rows = std::min(request.rows, most_per_side), columns = std::min(request.columns, most_per_side);
-  const Eigen::MatrixXd across = Interpolation(request.rows, rows), along = Interpolation(request.columns, columns);
-  Eigen::MatrixXd all(request.size(), rows * columns);
-  for (int r = 0; r < request.rows; ++r) {
-    for (int c = 0; c < request.columns; ++c) {
-      for (int i = 0; i < rows; ++i) {
-        for (int j = 0; j < columns; ++j) all(r * request.columns + c, i * columns + j) = across(r, i) * along(c, j);
-      }
-    }
-  }
-  return all;
-}
+constexpr int kMostWeights = 10;      // of the fixed point at once
+constexpr double kWeightShare = 0.1;  // of the last lambda, the least that the next may be
 
 }  // namespace
 
-FieldCurvature::FieldCurvature(int most_per_side, FieldModel* model, FieldPoint* point) : model_(model) {
+FieldCurvature::FieldCurvature(int modes_per_side, FieldModel* model, FieldPoint* point)
+    : model_(model), modes_per_side_(modes_per_side) {
   const int num_scalars = model->num_scalars();
   std::vector<Eigen::MatrixXd> parts;
   Eigen::Index num_columns = num_scalars;
   for (const FieldRequest& request : model->requests()) {
-    parts.push_back(CoarseColumns(request, most_per_side));
+    parts.push_back(SmoothModes(request.rows, request.columns, modes_per_side));
     num_columns += parts.back().cols();
   }
   basis_ = Eigen::MatrixXd::Zero(model->size(), num_columns);
@@ -88,27 +66,53 @@ double FieldCurvature::LargestWeight() const {
   return eigenvalues_.size() == 0 ? 1.0 : std::max(eigenvalues_.maxCoeff(), 1e-300);
 }
 
+Eigen::VectorXd FieldCurvature::Coordinates(const Eigen::VectorXd& theta) const {
+  Eigen::VectorXd coordinates = basis_.bottomRows(theta.size()).transpose() * theta;
+  coordinates.head(model_->num_scalars()).setZero();
+  return coordinates;
+}
+
+Eigen::VectorXd FieldCurvature::Step(const Eigen::VectorXd& theta, const Eigen::VectorXd& data_gradient, double weight,
+                                     const std::vector<int>& held) const {
+  const Eigen::VectorXd gradient = basis_.transpose() * data_gradient + weight * (prior_ * Coordinates(theta));
+  return -(Covariance(weight, held) * gradient);
+}
+
 double FieldCurvature::NextWeight(const Eigen::VectorXd& theta, const Eigen::VectorXd& data_gradient, double data_cost,
                                   double weight) const {
   if (eigenvalues_.size() == 0) return weight;
-  // Where the linear model has its minimum: theta moves by the basis' columns times `step`.
-  const Eigen::VectorXd of_cost = basis_.transpose() * data_gradient;
-  const Eigen::VectorXd of_prior = basis_.bottomRows(theta.size()).transpose() * (model_->prior_matrix() * theta);
-  const Eigen::VectorXd step = -(Covariance(weight) * (of_cost + weight * of_prior));
-  const double roughness =
-      (model_->prior_root() * theta).squaredNorm() + 2.0 * of_prior.dot(step) + step.dot(prior_ * step);
-  const double lowest = std::max(0.0, data_cost + of_cost.dot(step) + 0.5 * step.dot(gram_ * step));
+  // Where the linear model has its minimum over the modes.
+  const Eigen::VectorXd step = Step(theta, data_gradient, weight);
+  const Eigen::VectorXd there = Coordinates(theta) + step;
+  const double roughness = there.dot(prior_ * there);
+  const double slope = (basis_.transpose() * data_gradient).dot(step);
+  const double lowest = std::max(0.0, data_cost + slope + 0.5 * step.dot(gram_ * step));
   const double determined = NumDetermined(weight) - static_cast<double>(basis_.cols() - eigenvalues_.size());
   const double next = SquaredScale(lowest, weight) * determined / std::max(roughness, 1e-300);
   return std::clamp(next, kSmallestWeight * LargestWeight(), LargestWeight());
 }
 
-Eigen::MatrixXd FieldCurvature::Covariance(double weight) const {
+double FieldCurvature::FollowWeight(const Eigen::VectorXd& theta, const Eigen::VectorXd& data_gradient,
+                                    double data_cost, double weight) const {
+  if (!(weight > 0.0)) return LargestWeight();
+  double next = weight;
+  for (int i = 0; i < kMostWeights; ++i) next = NextWeight(theta, data_gradient, data_cost, next);
+  return std::max(next, kWeightShare * weight);
+}
+
+Eigen::MatrixXd FieldCurvature::Covariance(double weight, const std::vector<int>& held) const {
   Eigen::MatrixXd curvature = gram_ + weight * prior_ + means_.transpose() * means_ / (kLevelStd * kLevelStd);
   for (int i = 0; i < model_->num_scalars(); ++i) {  // what nothing tells is within its bounds
     curvature(i, i) += std::pow(model_->blocks()[model_->scalars()[i]].CoordinateRange(), -2);
   }
-  return curvature.ldlt().solve(Eigen::MatrixXd::Identity(basis_.cols(), basis_.cols()));
+  for (const int i : held) {
+    curvature.row(i).setZero();
+    curvature.col(i).setZero();
+    curvature(i, i) = 1.0;
+  }
+  Eigen::MatrixXd covariance = curvature.ldlt().solve(Eigen::MatrixXd::Identity(basis_.cols(), basis_.cols()));
+  for (const int i : held) covariance(i, i) = 0.0;
+  return covariance;
 }
 
 void FieldCurvature::AddDeviations(double data_cost, double weight, std::vector<FittedField>* fields) const {
@@ -126,8 +130,10 @@ void FieldCurvature::AddDeviations(double data_cost, double weight, std::vector<
     const FieldRequest& request = field.request;
     const Eigen::MatrixXd values = basis_.middleRows(row, request.size());
     const Eigen::MatrixXd deviations = values.rowwise() - means_.row(static_cast<Eigen::Index>(k));
+    // Of the modes beyond the basis there is the prior.
+    const Eigen::VectorXd rough = scale / weight * RoughVariances(request.rows, request.columns, modes_per_side_);
     const auto deviation_of = [&](const Eigen::MatrixXd& weights, const Eigen::MatrixXd& matrix) -> Eigen::MatrixXd {
-      const Eigen::VectorXd variances = (weights * matrix).cwiseProduct(weights).rowwise().sum();
+      const Eigen::VectorXd variances = (weights * matrix).cwiseProduct(weights).rowwise().sum() + rough;
       const Eigen::VectorXd roots = variances.cwiseMax(0.0).cwiseSqrt();
       return roots.reshaped(request.columns, request.rows).transpose();
     };

@@ -10,8 +10,9 @@ constexpr double kMeanShift = 97.0;
 
 }  // namespace
 
-FieldPreconditioner::FieldPreconditioner(const FieldCurvature& curvature, double weight, const FieldModel& model)
-    : basis_(curvature.basis()), coarse_(curvature.Covariance(weight)) {
+FieldPreconditioner::FieldPreconditioner(const FieldCurvature& curvature, double weight, const FieldModel& model,
+                                         const std::vector<int>& held)
+    : basis_(curvature.basis()), coarse_(curvature.Covariance(weight, held)) {
   const Eigen::Index n = model.num_field_unknowns(), c = basis_.cols() - model.num_scalars();
   Eigen::SparseMatrix<double> shifted = weight * model.prior_matrix();
   const double shift = kMeanShift * weight / static_cast<double>(n);

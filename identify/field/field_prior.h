@@ -7,6 +7,7 @@
 #ifndef CLOTHID_IDENTIFY_FIELD_FIELD_PRIOR_H_
 #define CLOTHID_IDENTIFY_FIELD_FIELD_PRIOR_H_
 
+#include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <vector>
 
@@ -14,9 +15,17 @@
 
 namespace clothid {
 
+// Its eigenvectors are products of cosines, the smoothest first: modes.
+
 // B of one field [size x size], and of several, one after the other.
 Eigen::SparseMatrix<double> SmoothnessRoot(int rows, int columns);
 Eigen::SparseMatrix<double> SmoothnessRoot(const std::vector<FieldRequest>& requests);
+
+// The modes of a field with less than `most_per_side` half waves along either side of the control grid, row by row:
+// orthonormal columns [size x modes]; all modes where no side has more control nodes.
+Eigen::MatrixXd SmoothModes(int rows, int columns, int most_per_side);
+// The variances at the control nodes that the prior of weight 1 leaves to all other modes [size].
+Eigen::VectorXd RoughVariances(int rows, int columns, int most_per_side);
 
 }  // namespace clothid
 

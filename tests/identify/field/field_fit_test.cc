@@ -135,6 +135,24 @@ TEST(FieldModel, PriorIsTheSameOnEveryGrid) {
   }
 }
 
+// Eigenvectors of the prior, and what they leave out of its covariance.
+TEST(FieldModel, SmoothModesAreThoseOfThePrior) {
+  constexpr int kRows = 5, kColumns = 7;
+  const Eigen::MatrixXd prior = SmoothnessRoot(kRows, kColumns).transpose() * SmoothnessRoot(kRows, kColumns);
+  const Eigen::MatrixXd all = SmoothModes(kRows, kColumns, 7);
+  ASSERT_EQ(all.cols(), kRows * kColumns);
+  EXPECT_LE((all.transpose() * all - Eigen::MatrixXd::Identity(35, 35)).norm(), 1e-12);
+  const Eigen::VectorXd roughness = (all.transpose() * prior * all).diagonal();
+  EXPECT_LE((prior * all - all * roughness.asDiagonal()).norm(), 1e-10 * prior.norm());
+  EXPECT_LE((RoughVariances(kRows, kColumns, 7)).norm(), 0.0);
+  const Eigen::MatrixXd few = SmoothModes(kRows, kColumns, 3);
+  ASSERT_EQ(few.cols(), 9);
+  const Eigen::MatrixXd rest = all - few * (few.transpose() * all);
+  const Eigen::VectorXd variances =
+      rest.array().square().matrix() * roughness.cwiseMax(1e-9).cwiseInverse();  // the mean is not in `rest`
+  EXPECT_LE((RoughVariances(kRows, kColumns, 3) - variances).norm(), 1e-9 * variances.norm());
+}
+
 // Where the coarse basis is that of the control grid it is the inverse of H; else at least over the basis, symmetric
 // and positive.
 TEST(FieldPreconditioner, IsTheInverseOverItsBasis) {

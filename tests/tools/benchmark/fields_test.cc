@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "tests/tools/small_drape.h"
@@ -29,6 +30,27 @@ TEST_F(FieldsTest, RecoversWhatIsDetermined) {
   EXPECT_LE(newton.determined_error, 0.08);
   EXPECT_LE(newton.rollouts, 20);
   EXPECT_LT(newton.rollouts, benchmark.fits[1].rollouts);
+}
+
+// The weight of the prior, and so the work, are those of the field, not of the control grid.
+TEST_F(FieldsTest, FineControlGridsTakeNoMoreWork) {
+  WriteBytes(folder() / "scene.json", SmallDrape(8));
+  FieldsOptions options;
+  options.scene_path = (folder() / "scene.json").string();
+  options.nodes = 8;
+  options.sides = {6, 12};
+  options.with_lbfgs = false;
+  options.num_differences = 0;
+  const FieldsBenchmark benchmark = RunFieldsBenchmark(options);
+  ASSERT_EQ(benchmark.fits.size(), 2u);
+  for (const FieldsFit& fit : benchmark.fits) {
+    EXPECT_TRUE(fit.has_converged) << fit.side;
+    EXPECT_LE(fit.determined_error, 0.1) << fit.side;
+    EXPECT_LE(fit.rollouts, 16) << fit.side;
+    EXPECT_LE(fit.sweeps, 60) << fit.side;
+  }
+  EXPECT_NEAR(std::log(benchmark.fits[1].weight / benchmark.fits[0].weight), 0.0, std::log(2.0));
+  EXPECT_GT(benchmark.fits[1].determined_share, 0.5 * benchmark.fits[0].determined_share);
 }
 
 TEST_F(FieldsTest, PrintsATableAndWritesEveryFit) {

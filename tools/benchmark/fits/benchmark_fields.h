@@ -26,7 +26,8 @@ struct FieldsFit {
   int iterations = 0, rollouts = 0, sweeps = 0;
   double seconds = 0.0;             // of processor time, of the fit, standard deviations included
   double difference_seconds = 0.0;  // of a Jacobian by numeric differences, as some of its columns took
-  double seconds_per_iteration() const { return iterations > 0 ? seconds / iterations : seconds; }
+  double iteration_seconds = 0.0;   // of processor time, to the last iteration
+  double seconds_per_iteration() const { return iterations > 0 ? iteration_seconds / iterations : iteration_seconds; }
 };
 
 struct FieldsOptions {
