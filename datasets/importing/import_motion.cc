@@ -58,6 +58,7 @@ void SetPoints(const PointTracks& tracks, const PointMap& map, MotionTensors* te
   tensors->node_index = map.node_index;
   tensors->face_index = map.face_index;
   tensors->barycentric = map.barycentric;
+  tensors->point_kind.clear();
   tensors->positions.resize(3 * static_cast<Eigen::Index>(map.points.size()), tracks.num_frames());
   for (std::size_t q = 0; q < map.points.size(); ++q) {
     tensors->positions.middleRows<3>(3 * static_cast<Eigen::Index>(q)) =
@@ -152,6 +153,10 @@ void SetScene(const ImportOptions& options, const std::string& source, MotionTen
   tensors->scene_text = WithoutFiles(motion.scene_text, options.scene_path, options.mesh.has_value());
 }
 
+void SetKinds(const SurfaceMarks& marks, const std::string& source, MotionTensors* tensors) {
+  if (marks.as_surface) tensors->point_kind = MarkSurfacePoints(*tensors, marks, source);
+}
+
 // Whatever cannot be read back is found here.
 void Verify(const MotionTensors& tensors, const std::string& source) {
   ValidateMotionTensors(tensors, source);
@@ -203,6 +208,7 @@ MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& optio
   SetHandles(options, edited.time_shift, tracks.name, &tensors);
   SetForces(options, edited.time_shift, &tensors);
   SetSigma(options.sigma, &tensors);
+  SetKinds(options.surface, tracks.name, &tensors);
   tensors.provenance = options.provenance;
   tensors.scene_text = "{}";
   ValidateMotionTensors(tensors, tracks.name);
@@ -234,6 +240,7 @@ MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& nam
   SetHandles(options, edited.time_shift, name, &result);
   SetForces(options, edited.time_shift, &result);
   SetSigma(options.sigma, &result);
+  SetKinds(options.surface, name, &result);
   result.provenance = options.provenance;
   ValidateMotionTensors(result, name);
   if (!options.scene_path.empty()) SetScene(options, name, &result);

@@ -10,6 +10,7 @@
 #include "datasets/importing/force_file.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/importing/point_map.h"
+#include "datasets/importing/surface_points.h"
 #include "datasets/importing/track_edit.h"
 #include "datasets/motion/motion_file.h"
 #include "sim/scene/mesh.h"
@@ -31,6 +32,7 @@ struct ImportOptions {
   PointMapKind map = PointMapKind::kNodes;
   std::string map_path;       // kFile
   double map_distance = 0.0;  // m, of kNearest and kMarkers, see `PlacementOptions`
+  SurfaceMarks surface;       // without `as_surface` what a recording says is kept, and imported points are material
   std::vector<int> handle_nodes;
   std::optional<HandleFile> handle_file;  // paths of the handles; without it those of their measured points
   std::optional<ForceFile> force_file;    // what the handles bear; without it what a recording has

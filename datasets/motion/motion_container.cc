@@ -20,11 +20,11 @@ namespace {
 
 constexpr long long kAny = -1;  // a size that the shape leaves open
 
-constexpr std::string_view kTensorNames[] = {"positions",        "times",        "rest_positions", "faces",
-                                             "node_index",       "face_index",   "barycentric",    "handle_index",
-                                             "handle_positions", "sigma",        "cloud_offsets",  "cloud_positions",
-                                             "cloud_sigma",      "handle_times", "handle_forces",  "force_times",
-                                             "force_sigma",      "force_nodes",  "force_offsets"};
+constexpr std::string_view kTensorNames[] = {
+    "positions",     "times",         "rest_positions",  "faces",        "node_index",
+    "face_index",    "barycentric",   "point_kind",      "handle_index", "handle_positions",
+    "sigma",         "cloud_offsets", "cloud_positions", "cloud_sigma",  "handle_times",
+    "handle_forces", "force_times",   "force_sigma",     "force_nodes",  "force_offsets"};
 
 [[noreturn]] void Fail(const std::string& path, const std::string& message) {
   throw Error(ErrorKind::kBadData, path + ": " + message);
@@ -191,6 +191,7 @@ MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) 
   if (reader.Has("barycentric")) {
     tensors.barycentric = reader.Doubles(reader.Require("barycentric", f64, {num_points, 3}), 3);
   }
+  if (reader.Has("point_kind")) tensors.point_kind = reader.Indices("point_kind", num_points);
   if (reader.Has("handle_index")) tensors.handle_index = reader.Indices("handle_index", kAny);
   if (reader.Has("handle_times")) {
     tensors.handle_times = reader.Doubles(reader.Require("handle_times", f64, {kAny}), 1).transpose();

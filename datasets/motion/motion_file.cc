@@ -105,6 +105,7 @@ void AddIndices(const MotionTensors& tensors, std::vector<TensorBytes>* result) 
   };
   add("node_index", tensors.node_index);
   add("face_index", tensors.face_index);
+  add("point_kind", tensors.point_kind);
   add("handle_index", tensors.handle_index);
   if (tensors.forces.groups.empty()) return;
   std::vector<int> nodes, offsets = {0};

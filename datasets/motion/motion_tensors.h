@@ -20,6 +20,7 @@ struct MotionTensors {
   std::vector<int> node_index;           // [P] or empty
   std::vector<int> face_index;           // [P] or empty
   Eigen::Matrix3Xd barycentric;          // [3 x P] or empty
+  std::vector<int> point_kind;           // [P] of PointKind, or empty: all are material
   std::vector<int> handle_index;         // [H] or empty
   Eigen::MatrixXd handle_positions;      // [3H x T], [3H x K] or empty
   Eigen::VectorXd handle_times;          // [K], or empty: the times of the frames

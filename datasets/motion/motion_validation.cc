@@ -51,6 +51,7 @@ class TensorValidator {
     ValidateIndices(tensors_.node_index, tensors_.mesh.num_nodes(), "node_index");
     ValidateIndices(tensors_.face_index, tensors_.mesh.num_faces(), "face_index");
     ValidateIndices(tensors_.handle_index, tensors_.mesh.num_nodes(), "handle_index");
+    ValidateKinds();
     ValidateBarycentric();
     ValidateHandles();
     ValidateClouds();
@@ -94,6 +95,9 @@ class TensorValidator {
       check_.ExpectSize("face_index", static_cast<Eigen::Index>(tensors_.face_index.size()), num_points());
     }
     check_.ExpectSize("barycentric", tensors_.barycentric.size(), by_face ? 3 * num_points() : 0);
+    if (!tensors_.point_kind.empty()) {
+      check_.ExpectSize("point_kind", static_cast<Eigen::Index>(tensors_.point_kind.size()), num_points());
+    }
     if (!by_node && !by_face && num_points() != tensors_.mesh.num_nodes() && num_points() > 0) {
       check_.Fail("positions", "expected the " + std::to_string(tensors_.mesh.num_nodes()) +
                                    " nodes of the mesh, found " + std::to_string(num_points()) +
@@ -104,6 +108,15 @@ class TensorValidator {
   void ValidateIndices(const std::vector<int>& indices, int count, const std::string& tensor) const {
     for (std::size_t i = 0; i < indices.size(); ++i) {
       check_.ExpectIndex(tensor, static_cast<Eigen::Index>(i), indices[i], count);
+    }
+  }
+
+  void ValidateKinds() const {
+    for (std::size_t p = 0; p < tensors_.point_kind.size(); ++p) {
+      const int kind = tensors_.point_kind[p];
+      if (kind >= 0 && kind <= static_cast<int>(PointKind::kBorder)) continue;
+      check_.FailEntry("point_kind", static_cast<Eigen::Index>(p),
+                       "is " + std::to_string(kind) + "; expected 0 (material), 1 (surface) or 2 (border)");
     }
   }
 

@@ -29,6 +29,7 @@ std::vector<ObservedPoint> MakePoints(const MotionTensors& tensors) {
   std::vector<ObservedPoint> points(static_cast<std::size_t>(tensors.positions.rows() / 3));
   for (std::size_t p = 0; p < points.size(); ++p) {
     ObservedPoint& point = points[p];
+    if (!tensors.point_kind.empty()) point.kind = static_cast<PointKind>(tensors.point_kind[p]);
     if (tensors.face_index.empty()) {
       point.nodes[0] = tensors.node_index.empty() ? static_cast<int>(p) : tensors.node_index[p];
       continue;

@@ -12,11 +12,21 @@
 
 namespace clothid {
 
-// An observed point: a mesh node, or a point on a triangle. predicted = sum_k weights[k] x[nodes[k]].
+// What is known of where an observed point lies on the cloth. The numbers are those of files.
+enum class PointKind {
+  kMaterial = 0,  // it is the same point of the cloth in all frames
+  kSurface = 1,   // it lies on the cloth, in every frame somewhere else
+  kBorder = 2,    // it lies on the border of the cloth, likewise
+};
+
+// An observed point: a mesh node, or a point on a triangle. predicted = sum_k weights[k] x[nodes[k]]. Of a point that
+// is not material that is no more than about where it lies: it is compared with the surface
+// (datasets/observation/cloud_observation.h).
 struct ObservedPoint {
   int num_nodes = 1;  // 1 (a node) or 3 (barycentric)
   int nodes[3] = {0, 0, 0};
   double weights[3] = {1.0, 0.0, 0.0};
+  PointKind kind = PointKind::kMaterial;
 };
 
 // Where a recording's sigma comes from.

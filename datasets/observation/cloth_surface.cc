@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -32,6 +33,7 @@ struct ClothTopology::Data {
   Eigen::Matrix3Xi faces;
   std::vector<Feature> features;
   std::vector<std::array<int, 3>> side_features;  // by face
+  std::vector<int> border_edges;                  // features
   int first_vertex = 0;                           // the feature of node 0
 
   void AddEdge(int face, int side, std::map<std::pair<int, int>, int>* edges) {
@@ -51,6 +53,7 @@ struct ClothTopology::Data {
     for (int edge = static_cast<int>(faces.cols()); edge < num_faces_and_edges; ++edge) {
       features[edge].is_border = features[edge].faces.size() == 1;
       if (!features[edge].is_border) continue;
+      border_edges.push_back(edge);
       for (int k = 0; k < 2; ++k) features[first_vertex + features[edge].nodes[k]].is_border = true;
     }
   }
@@ -70,6 +73,8 @@ ClothTopology::ClothTopology(const Eigen::Matrix3Xi& faces, int num_nodes) {
   data->AddVertices(num_nodes);
   data_ = std::move(data);
 }
+
+bool ClothTopology::has_border() const { return !data_->border_edges.empty(); }
 
 ClothSurface::ClothSurface(const ClothTopology& topology, const Eigen::VectorXd& nodes)
     : topology_(topology.data_), nodes_(nodes) {
@@ -146,20 +151,24 @@ SurfaceDistance ClothSurface::MeasureWithin(const Vector3d& q, int feature) cons
   return result;
 }
 
-SurfaceDistance ClothSurface::MeasureBorder(const Vector3d& q, int feature, double allowance) const {
+SurfaceDistance ClothSurface::ProjectOnFace(const Vector3d& q, int feature) const {
   const SurfaceDistance projection = Project(q, feature);
-  const int face = topology_->features[feature].faces.front();
-  const SearchTriangle& triangle = tree_->triangles()[face];
-  const Vector3d& normal = triangle.normal;
   SurfaceDistance result;
   result.num_nodes = 3;
-  result.nodes = topology_->features[face].nodes;
+  result.nodes = topology_->features[topology_->features[feature].faces.front()].nodes;
   result.closest = projection.closest;
   for (int k = 0; k < 3; ++k) {
     for (int i = 0; i < projection.num_nodes; ++i) {
       if (result.nodes[k] == projection.nodes[i]) result.weights[k] = projection.weights[i];
     }
   }
+  return result;
+}
+
+SurfaceDistance ClothSurface::MeasureBorder(const Vector3d& q, int feature, double allowance) const {
+  SurfaceDistance result = ProjectOnFace(q, feature);
+  const SearchTriangle& triangle = tree_->triangles()[topology_->features[feature].faces.front()];
+  const Vector3d& normal = triangle.normal;
   const Vector3d offset = q - result.closest;
   const double height = normal.dot(offset);
   const double along = std::sqrt(std::max(0.0, offset.squaredNorm() - height * height));
@@ -174,6 +183,54 @@ SurfaceDistance ClothSurface::MeasureBorder(const Vector3d& q, int feature, doub
   const Eigen::Matrix3d along_gradient = (-offset * result.weights.transpose() - height * height_gradient) / along;
   result.distance = sign * length;
   result.gradient = (sign / length) * (height * height_gradient + excess * along_gradient);
+  return result;
+}
+
+Vector3d ClothSurface::Outwards(int edge) const {
+  const Feature& own = topology_->features[edge];
+  const SearchTriangle& triangle = tree_->triangles()[own.faces.front()];
+  const Vector3d start = Position(own.nodes[0]);
+  const Vector3d outwards = (Position(own.nodes[1]) - start).cross(triangle.normal).normalized();
+  const Vector3d middle = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3.0;
+  return outwards.dot(middle - start) > 0.0 ? Vector3d(-outwards) : outwards;
+}
+
+SurfaceDistance ClothSurface::MeasureToBorder(const Vector3d& q) const {
+  int nearest = topology_->border_edges.front(), vertex = -1;
+  double least = std::numeric_limits<double>::infinity();
+  Vector3d outwards = Vector3d::Zero();
+  for (const int edge : topology_->border_edges) {
+    const SurfaceDistance projection = Project(q, edge);
+    const double squared = (q - projection.closest).squaredNorm();
+    const bool is_vertex = projection.weights[0] == 0.0 || projection.weights[1] == 0.0;
+    const int end = is_vertex ? projection.nodes[projection.weights[0] == 0.0 ? 1 : 0] : -1;
+    const bool is_same = is_vertex && end == vertex;  // the other edge of the vertex
+    if (is_same) outwards += Outwards(edge);
+    if (is_same || !(squared < least)) continue;
+    least = squared;
+    nearest = edge;
+    vertex = end;
+    outwards = Outwards(edge);
+  }
+  return vertex < 0 ? Beyond(q, nearest, outwards) : Beyond(q, topology_->first_vertex + vertex, outwards);
+}
+
+SurfaceDistance ClothSurface::Beyond(const Vector3d& q, int feature, const Vector3d& outwards) const {
+  SurfaceDistance result = ProjectOnFace(q, feature);
+  const SearchTriangle& triangle = tree_->triangles()[topology_->features[feature].faces.front()];
+  const Vector3d offset = q - result.closest;
+  const double height = triangle.normal.dot(offset);
+  Vector3d direction = outwards - triangle.normal.dot(outwards) * triangle.normal;
+  if (topology_->features[feature].num_nodes == 1) {
+    const Vector3d along = offset - height * triangle.normal;
+    const double sign = along.dot(direction) < 0.0 ? -1.0 : 1.0;
+    if (along.norm() > kSingular * q.cwiseAbs().maxCoeff()) direction = sign * along;
+  }
+  direction.normalize();
+  result.distance = direction.dot(offset);
+  const Vector3d slopes =
+      triangle.Barycentric(result.closest + direction) - triangle.Barycentric(result.closest);  // m . grad b
+  result.gradient = height * triangle.normal * slopes.transpose() - direction * result.weights.transpose();
   return result;
 }
 

@@ -20,6 +20,15 @@
 // layers, or on the axis of a fold), and in the plane of a border vertex or of a crooked border, where the face whose
 // normal counts changes. Beyond the border d changes its sign with d_n, which d^2 does not see.
 //
+// A point that is known to lie on the border has a second distance, along the cloth. With c the closest point on the
+// border, a polyline, n the normal of the face at it and m the unit vector in the plane of this face that points away
+// from the cloth:
+//   u = m . (q - c),   du/dx_k = -w_k m + (n . (q - c)) (m . grad b_k) n
+// positive beyond the border. At an edge m is normal to it; at a vertex it is the direction of q - c in the plane,
+// turned outwards by u's sign. The second term is how the plane turns with the nodes: with u and d_n as above |q - c|^2
+// = u^2 + d_n^2, whose left side has the derivative -2 sum_k w_k (q - c) . dx_k by the envelope theorem. u is as smooth
+// as d is, with its sign also where the point is on the border: a Gauss-Newton method sees nothing of a kink there.
+//
 // The nearest layer counts. Of a cloth folded onto itself a point of the upper layer may be nearer to the lower one;
 // nothing tells them apart. And the distance is one-sided: cloth where nothing was measured is no error.
 #ifndef CLOTHID_DATASETS_OBSERVATION_CLOTH_SURFACE_H_
@@ -48,6 +57,8 @@ class ClothTopology {
   // `faces` [3 x F] as of a mesh that `ValidateMesh` accepts.
   ClothTopology(const Eigen::Matrix3Xi& faces, int num_nodes);
 
+  bool has_border() const;
+
  private:
   friend class ClothSurface;
   struct Data;
@@ -62,6 +73,8 @@ class ClothSurface {
 
   // Of the point q. `allowance` >= 0, m. Of features that are equally near the same one is always taken.
   SurfaceDistance Measure(const Eigen::Vector3d& q, double allowance) const;
+  // u of the point q, and the closest point of the border. There must be a border.
+  SurfaceDistance MeasureToBorder(const Eigen::Vector3d& q) const;
 
  private:
   SurfaceDistance MeasureFace(const Eigen::Vector3d& q, int face) const;
@@ -69,6 +82,12 @@ class ClothSurface {
   SurfaceDistance MeasureBorder(const Eigen::Vector3d& q, int feature, double allowance) const;
   // c and its weights, for a feature of one or two nodes.
   SurfaceDistance Project(const Eigen::Vector3d& q, int feature) const;
+  // The same, of the nodes of the first face that has the feature.
+  SurfaceDistance ProjectOnFace(const Eigen::Vector3d& q, int feature) const;
+  // u, with c on this edge or vertex. `outwards`: m at an edge; at a vertex any vector on the side beyond the border.
+  SurfaceDistance Beyond(const Eigen::Vector3d& q, int feature, const Eigen::Vector3d& outwards) const;
+  // m at an edge of the border.
+  Eigen::Vector3d Outwards(int edge) const;
   Eigen::Vector3d Pseudonormal(int feature) const;
   Eigen::Vector3d Position(int node) const { return nodes_.segment<3>(3 * static_cast<Eigen::Index>(node)); }
 

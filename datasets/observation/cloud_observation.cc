@@ -1,7 +1,10 @@
 #include "datasets/observation/cloud_observation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "sim/base/error.h"
 
 namespace clothid {
 namespace {
@@ -46,60 +49,126 @@ class NodeMeans {
   Eigen::VectorXd sum_, count_, last_;  // [N]
 };
 
+bool HasSurfacePoints(const RecordedMotion& motion) {
+  return std::any_of(motion.points.begin(), motion.points.end(),
+                     [](const ObservedPoint& point) { return point.kind != PointKind::kMaterial; });
+}
+
+bool HasBorderPoints(const RecordedMotion& motion) {
+  return std::any_of(motion.points.begin(), motion.points.end(),
+                     [](const ObservedPoint& point) { return point.kind == PointKind::kBorder; });
+}
+
+ClothTopology TopologyFor(const RecordedMotion& motion) {
+  const bool is_needed = !motion.clouds.empty() || HasSurfacePoints(motion);
+  return ClothTopology(is_needed ? motion.scene.mesh.faces : Eigen::Matrix3Xi(), motion.scene.mesh.num_nodes());
+}
+
 }  // namespace
 
 double CloudError::rmse() const { return std::sqrt(squared_distance / num_points); }
 
+double CloudError::border_rmse() const { return std::sqrt(squared_border / num_border); }
+
+double CloudError::node_rmse() const { return std::sqrt(squared_node / num_tracked); }
+
 CloudError& CloudError::operator+=(const CloudError& other) {
   squared_distance += other.squared_distance;
   num_points += other.num_points;
+  squared_border += other.squared_border;
+  num_border += other.num_border;
+  squared_node += other.squared_node;
+  num_tracked += other.num_tracked;
   num_far += other.num_far;
   successive_products += other.successive_products;
   successive_squares += other.successive_squares;
   return *this;
 }
 
-CloudObservation::CloudObservation(const RecordedMotion& motion, double sigma)
-    : clouds_(motion.clouds),
-      sigma_(sigma),
-      topology_(motion.clouds.empty() ? Eigen::Matrix3Xi() : motion.scene.mesh.faces, motion.scene.mesh.num_nodes()) {}
+CloudObservation::CloudObservation(const RecordedMotion& motion, double cloud_sigma, const Eigen::VectorXd& sigma,
+                                   const std::vector<bool>& is_held)
+    : cloud_sigma_(cloud_sigma), topology_(TopologyFor(motion)) {
+  if (motion.clouds.empty() && !HasSurfacePoints(motion)) return;
+  if (HasBorderPoints(motion) && !topology_.has_border()) {
+    throw Error(ErrorKind::kBadData, motion.name + ": points are of the border, but the mesh has no border");
+  }
+  points_.resize(static_cast<std::size_t>(motion.num_frames()));
+  row_points_.resize(points_.size());
+  for (int frame = 0; frame < motion.num_frames(); ++frame) {
+    if (!motion.clouds.empty()) {
+      for (const auto& position : motion.clouds[frame].colwise()) AddPoint({position, cloud_sigma, false, -1}, frame);
+    }
+    for (int p = 0; p < motion.num_points(); ++p) {
+      const PointKind kind = motion.points[p].kind;
+      const Eigen::Vector3d position = motion.positions.col(frame).segment<3>(3 * p);
+      if (kind == PointKind::kMaterial || is_held[p] || !position.allFinite()) continue;
+      AddPoint({position, sigma[p], kind == PointKind::kBorder, p}, frame);
+    }
+  }
+}
+
+void CloudObservation::AddPoint(const SeenSurfacePoint& point, int frame) {
+  std::vector<SeenSurfacePoint>& points = points_[static_cast<std::size_t>(frame)];
+  const int index = static_cast<int>(points.size());
+  points.push_back(point);
+  row_points_[frame].emplace_back(index, false);
+  if (point.is_border) row_points_[frame].emplace_back(index, true);
+}
 
 CloudRows CloudObservation::Linearize(int frame, const Eigen::VectorXd& nodes) const {
-  CloudRows rows(static_cast<std::size_t>(num_points(frame)));
-  if (rows.empty()) return rows;
+  CloudRows rows;
+  if (num_rows(frame) == 0) return rows;
+  rows.reserve(static_cast<std::size_t>(num_rows(frame)));
   const ClothSurface surface(topology_, nodes);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i] = surface.Measure(clouds_[frame].col(static_cast<Eigen::Index>(i)), kBorderAllowance * sigma_);
-    rows[i].distance /= sigma_;
-    rows[i].gradient /= sigma_;
+  for (int row = 0; row < num_rows(frame); ++row) {
+    const SeenSurfacePoint& seen = point(frame, row);
+    const double allowance = seen.is_border ? std::numeric_limits<double>::infinity() : kBorderAllowance * seen.sigma;
+    rows.push_back(is_border_row(frame, row) ? surface.MeasureToBorder(seen.position)
+                                             : surface.Measure(seen.position, allowance));
+    rows.back().distance /= seen.sigma;
+    rows.back().gradient /= seen.sigma;
   }
   return rows;
 }
 
 Eigen::VectorXd CloudObservation::Residuals(int frame, const Eigen::VectorXd& nodes) const {
   const CloudRows rows = Linearize(frame, nodes);
-  Eigen::VectorXd residuals(num_points(frame));
+  Eigen::VectorXd residuals(num_rows(frame));
   for (Eigen::Index i = 0; i < residuals.size(); ++i) residuals[i] = rows[static_cast<std::size_t>(i)].distance;
   return residuals;
 }
 
 Eigen::Matrix3Xd CloudObservation::ClosestPoints(int frame, const Eigen::VectorXd& nodes) const {
+  Eigen::Matrix3Xd closest(3, static_cast<Eigen::Index>(points(frame).size()));
   const CloudRows rows = Linearize(frame, nodes);
-  Eigen::Matrix3Xd points(3, num_points(frame));
-  for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) = rows[static_cast<std::size_t>(i)].closest;
-  return points;
+  Eigen::Index column = 0;
+  for (int row = 0; row < num_rows(frame); ++row) {
+    if (!is_border_row(frame, row)) closest.col(column++) = rows[static_cast<std::size_t>(row)].closest;
+  }
+  return closest;
 }
 
-CloudError CloudObservation::Compare(const Eigen::MatrixXd& nodes) const {
+CloudError CloudObservation::Compare(const Eigen::MatrixXd& tracked, const Eigen::MatrixXd& nodes) const {
   CloudError error;
   NodeMeans means(nodes.rows() / 3);
-  for (int frame = 0; frame < static_cast<int>(clouds_.size()); ++frame) {
-    for (const SurfaceDistance& row : Linearize(frame, nodes.col(frame))) {
-      const double distance = row.distance * sigma_;
+  for (int frame = 0; frame < static_cast<int>(points_.size()); ++frame) {
+    const CloudRows rows = Linearize(frame, nodes.col(frame));
+    for (int i = 0; i < num_rows(frame); ++i) {
+      const SurfaceDistance& row = rows[static_cast<std::size_t>(i)];
+      const SeenSurfacePoint& seen = point(frame, i);
+      const double distance = row.distance * seen.sigma;
+      if (is_border_row(frame, i)) {
+        error.squared_border += distance * distance;
+        error.num_border += 1.0;
+        continue;
+      }
       error.squared_distance += distance * distance;
       error.num_points += 1.0;
       error.num_far += std::abs(row.distance) > kFarFromSurface;
       means.Add(row, distance);
+      if (seen.tracked < 0) continue;
+      error.squared_node += (tracked.col(frame).segment<3>(3 * seen.tracked) - seen.position).squaredNorm();
+      error.num_tracked += 1.0;
     }
     means.EndFrame(&error);
   }

@@ -41,11 +41,16 @@ const RecordedMotion& Validated(const RecordedMotion& motion) {
   return motion;
 }
 
-bool IsHandlePoint(const ObservedPoint& point, const std::vector<bool>& is_handle) {
-  for (int k = 0; k < point.num_nodes; ++k) {
-    if (point.weights[k] != 0.0 && !is_handle[point.nodes[k]]) return false;
+// Of every point [P] whether all of its nodes are handles.
+std::vector<bool> FindHeldPoints(const RecordedMotion& motion) {
+  std::vector<bool> is_handle(static_cast<std::size_t>(motion.scene.mesh.num_nodes()), false), is_held;
+  for (const int node : motion.scene.handles.nodes) is_handle[node] = true;
+  for (const ObservedPoint& point : motion.points) {
+    bool all = true;
+    for (int k = 0; k < point.num_nodes; ++k) all &= point.weights[k] == 0.0 || is_handle[point.nodes[k]];
+    is_held.push_back(all);
   }
-  return true;
+  return is_held;
 }
 
 }  // namespace
@@ -83,7 +88,7 @@ Observation::Observation(const RecordedMotion& motion)
       points_(motion.points),
       sigma_(PointSigma(motion)),
       stencils_(LinearStencils(motion.times, motion.scene)),
-      clouds_(motion, CloudSigma(motion)),
+      clouds_(motion, CloudSigma(motion), sigma_, FindHeldPoints(motion)),
       forces_(motion) {
   for (const FrameStencil& stencil : stencils_) num_steps_ = std::max(num_steps_, stencil.last_step());
   if (!forces_.is_empty()) num_steps_ = std::max({num_steps_, forces_.last_step(), kFewestForceSteps});
@@ -91,13 +96,12 @@ Observation::Observation(const RecordedMotion& motion)
 }
 
 void Observation::FindSeenCoordinates(const RecordedMotion& motion) {
-  std::vector<bool> is_handle(num_nodes_, false);
-  for (int node : motion.scene.handles.nodes) is_handle[node] = true;
+  const std::vector<bool> is_held = FindHeldPoints(motion);
   std::vector<double> measured;
   first_row_.push_back(0);
   for (int i = 0; i < num_frames(); ++i) {
     for (int p = 0; p < num_points(); ++p) {
-      if (IsHandlePoint(points_[p], is_handle)) continue;
+      if (is_held[p] || points_[p].kind != PointKind::kMaterial) continue;
       for (int axis = 0; axis < 3; ++axis) {
         const double position = motion.positions(3 * p + axis, i);
         if (!std::isfinite(position)) continue;
@@ -105,7 +109,7 @@ void Observation::FindSeenCoordinates(const RecordedMotion& motion) {
         measured.push_back(position / sigma_[p]);
       }
     }
-    for (int j = 0; j < clouds_.num_points(i); ++j) {
+    for (int j = 0; j < clouds_.num_rows(i); ++j) {
       coordinates_.push_back({i, num_points() + j, 0});
       measured.push_back(0.0);
     }
@@ -182,7 +186,7 @@ Eigen::VectorXd Observation::Residuals(const Eigen::MatrixXd& predicted, const E
   residuals.head(first_force_row()) -= measured_;
   if (!forces_.is_empty()) residuals.tail(forces_.num_residuals()) = forces_.Residuals(forces);
   for (int i = 0; has_clouds() && i < num_frames(); ++i) {
-    residuals.segment(first_cloud_row(i), clouds_.num_points(i)) = clouds_.Residuals(i, Nodes(predicted).col(i));
+    residuals.segment(first_cloud_row(i), clouds_.num_rows(i)) = clouds_.Residuals(i, Nodes(predicted).col(i));
   }
   return residuals;
 }
@@ -215,8 +219,8 @@ PredictionError Observation::Compare(const Eigen::MatrixXd& predicted, const Eig
   }
   PredictionError error;
   if (forces.size() > 0) error.force = forces_.Compare(forces);
-  if (has_clouds()) error.cloud = clouds_.Compare(Nodes(predicted));
-  error.num_coordinates = first_force_row() - error.cloud.num_points;
+  if (has_clouds()) error.cloud = clouds_.Compare(predicted.topRows(3 * num_points()), Nodes(predicted));
+  error.num_coordinates = first_force_row() - error.cloud.num_points - error.cloud.num_border;
   Eigen::VectorXd last = Eigen::VectorXd::Constant(3 * num_points(), std::numeric_limits<double>::quiet_NaN());
   for (int r = 0; r < first_force_row(); ++r) {
     const SeenCoordinate& seen = coordinates_[r];

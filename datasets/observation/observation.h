@@ -10,10 +10,12 @@
 // Where the recording does not know its sigma, every coordinate has sigma = 1e-3 of the cloth's size (the square root
 // of its rest area): costs are then free of scale, and say nothing about likelihood.
 //
-// A recording may have point clouds, too, or alone. Their residuals are distances to the predicted surface
-// (datasets/observation/cloud_observation.h), a nonlinear function of all nodes at the recorded time, which are
-// interpolated as the points are. A prediction then has two parts, rows 0 .. 3P - 1: the points; the 3N rows below
-// them: the nodes. Without clouds it is the points alone.
+// A recording may have point clouds, too, or alone, and points that are not material (`PointKind`). Their residuals are
+// distances to the predicted surface (datasets/observation/cloud_observation.h), a nonlinear function of all nodes at
+// the recorded time, which are interpolated as the points are. A prediction then has two parts, rows 0 .. 3P - 1: the
+// points, as if all were material; the 3N rows below them: the nodes. With material points alone it has the first.
+//
+// Below, clouds are all points that are compared with the surface.
 //
 // Forces that were measured at handles (datasets/observation/force_observation.h) have predictions of their own, [3G x
 // F] N, at times of their own; their rows of the residual come after all others.
@@ -32,10 +34,10 @@
 
 namespace clothid {
 
-// A coordinate with a residual, or the distance of a cloud's point.
+// A coordinate with a residual, or a row of the frame's cloud.
 struct SeenCoordinate {
   int frame = 0;
-  int point = 0;  // P + j: point j of the frame's cloud
+  int point = 0;  // P + j: row j of the frame's cloud
   int axis = 0;   // 0, 1, 2: x, y, z; 0 in a cloud
 };
 
@@ -91,8 +93,15 @@ class Observation {
   int first_row(int frame) const {
     return frame < num_frames() ? first_row_[frame] : first_force_row() + forces_.first_row(frame - num_frames());
   }
-  int first_cloud_row(int frame) const { return first_row_[frame + 1] - clouds_.num_points(frame); }
-  double sigma(int point) const { return point < num_points() ? sigma_[point] : clouds_.sigma(); }  // m
+  int first_cloud_row(int frame) const { return first_row_[frame + 1] - clouds_.num_rows(frame); }
+  double sigma(int point) const { return sigma_[point]; }  // m, of a tracked point
+  double sigma(const SeenCoordinate& seen) const {         // m
+    return seen.point < num_points() ? sigma_[seen.point] : clouds_.point(seen.frame, seen.point - num_points()).sigma;
+  }
+  // Whether the row is the distance to the border of a point that has one to the surface, too.
+  bool is_border_row(const SeenCoordinate& seen) const {
+    return seen.point >= num_points() && clouds_.is_border_row(seen.frame, seen.point - num_points());
+  }
   // [first_force_row()] measured/sigma; 0 in the rows of clouds.
   const Eigen::VectorXd& whitened_measured() const { return measured_; }
 

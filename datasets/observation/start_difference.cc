@@ -40,7 +40,7 @@ std::optional<StartDifference> DifferenceAtStart(const RecordedMotion& motion, c
   if (!(std::abs(motion.times[0] - motion.scene.start_time) <= 0.5 * motion.scene.time_step)) return std::nullopt;
   double squares = 0.0, noise_squares = 0.0, count = 0.0;
   for (int p = 0; p < motion.num_points(); ++p) {
-    if (IsHeld(motion.scene, motion.points[p])) continue;
+    if (motion.points[p].kind != PointKind::kMaterial || IsHeld(motion.scene, motion.points[p])) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const double measured = motion.positions(3 * p + axis, 0);
       if (std::isnan(measured)) continue;

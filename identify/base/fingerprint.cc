@@ -1,6 +1,7 @@
 #include "identify/base/fingerprint.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <ios>
 #include <locale>
 #include <sstream>
@@ -14,6 +15,15 @@ namespace {
 
 std::string Digest(const Eigen::MatrixXd& numbers) {
   return Sha256Hex({std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double))});
+}
+
+// Nothing where all points are material.
+void DescribeKinds(const RecordedMotion& motion, std::ostream* text) {
+  const auto is_material = [](const ObservedPoint& point) { return point.kind == PointKind::kMaterial; };
+  if (std::all_of(motion.points.begin(), motion.points.end(), is_material)) return;
+  *text << "kinds";
+  for (const ObservedPoint& point : motion.points) *text << " " << static_cast<int>(point.kind);
+  *text << "\n";
 }
 
 // Nothing where there are no clouds.
@@ -51,6 +61,7 @@ void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
         << "handles " << Digest(scene.handles.path.times()) << " " << Digest(scene.handles.path.positions()) << "\n"
         << "solver " << scene.solver.step_tolerance << " " << scene.solver.adjoint_tolerance << " "
         << scene.solver.max_newton_iterations << " " << scene.solver.max_substep_halvings << "\n";
+  DescribeKinds(motion, text);
   DescribeClouds(motion, text);
   DescribeForces(motion.forces, text);
   if (!IsUnknown(motion.start_source)) return;

@@ -89,6 +89,7 @@ Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::v
   }
   if (estimate_failure.empty()) {
     holdout.rmse = at_estimate.rmse();
+    holdout.nodes_rmse = at_estimate.cloud.node_rmse();
     holdout.force_rms = at_estimate.force.rms();
   }
   const PredictionError& seen = nominal_failure.empty() ? at_nominal : at_estimate;

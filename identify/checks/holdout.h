@@ -20,7 +20,8 @@ struct Holdout {
   std::string failure;                                             // one line; empty: all rollouts worked
   double force_rms = std::numeric_limits<double>::quiet_NaN();     // N, likewise, of held-out forces
   double nominal_force_rms = std::numeric_limits<double>::quiet_NaN();
-  bool has_only_forces = false;  // nothing else was held out
+  double nodes_rmse = std::numeric_limits<double>::quiet_NaN();  // m, see CloudError::node_rmse; NaN without
+  bool has_only_forces = false;                                  // nothing else was held out
 
   // The estimates predict no better than what was known before the fit: it has learnt the noise, or the model is wrong.
   // Of positions where there are any.

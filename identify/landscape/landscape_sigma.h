@@ -23,7 +23,7 @@ bool IsSameSigma(const LandscapeSigma& a, const LandscapeSigma& b);
 
 // m: the factor between the root mean square distance of seen points and the square root of the cost without a loss,
 //   rmse = sigma sqrt(2 L/n),   n the seen coordinates over 3, and the points of clouds; NaN unless all have
-//   one sigma, and where forces are part of the cost.
+//   one sigma, and where forces, or distances to the border, are part of the cost.
 double RmseOfRootCost(const RecordedMotion& motion);
 
 }  // namespace clothid

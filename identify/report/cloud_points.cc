@@ -26,10 +26,11 @@ RecordedMotion CloudsAsPoints(const RecordedMotion& motion) {
   shown.sigma.resize(0);
   ObservedPoint point;
   point.nodes[0] = FreeNode(motion.scene);
+  for (ObservedPoint& own : shown.points) own.kind = PointKind::kMaterial;
   shown.points.resize(motion.points.size() + static_cast<std::size_t>(largest), point);
   shown.positions = Eigen::MatrixXd::Constant(3 * shown.num_points(), motion.num_frames(), kNaN);
   shown.positions.topRows(3 * motion.num_points()) = motion.positions;
-  for (int frame = 0; frame < motion.num_frames(); ++frame) {
+  for (int frame = 0; frame < motion.num_frames() && !motion.clouds.empty(); ++frame) {
     const Eigen::Matrix3Xd& cloud = motion.clouds[static_cast<std::size_t>(frame)];
     shown.positions.col(frame).segment(3 * motion.num_points(), cloud.size()) = cloud.reshaped();
   }
@@ -38,15 +39,22 @@ RecordedMotion CloudsAsPoints(const RecordedMotion& motion) {
 
 Eigen::MatrixXd ClosestPoints(const Observation& observation, const Eigen::MatrixXd& predicted) {
   const CloudObservation& clouds = observation.clouds();
-  int largest = 0;
-  for (int frame = 0; frame < observation.num_frames(); ++frame) largest = std::max(largest, clouds.num_points(frame));
+  const auto is_untracked = [](const SeenSurfacePoint& point) { return point.tracked < 0; };
+  Eigen::Index largest = 0;
+  for (int frame = 0; frame < observation.num_frames(); ++frame) {
+    const std::vector<SeenSurfacePoint>& seen = clouds.points(frame);
+    largest = std::max<Eigen::Index>(largest, std::count_if(seen.begin(), seen.end(), is_untracked));
+  }
   const Eigen::Index num_tracked = 3 * observation.num_points();
   Eigen::MatrixXd points = Eigen::MatrixXd::Constant(num_tracked + 3 * largest, observation.num_frames(), kNaN);
   points.topRows(num_tracked) = predicted.topRows(num_tracked);
   for (int frame = 0; frame < observation.num_frames(); ++frame) {
     const Eigen::VectorXd nodes = predicted.col(frame).tail(3 * observation.num_nodes());
-    points.col(frame).segment(num_tracked, 3 * clouds.num_points(frame)) =
-        clouds.ClosestPoints(frame, nodes).reshaped();
+    const Eigen::Matrix3Xd closest = clouds.ClosestPoints(frame, nodes);
+    for (Eigen::Index i = 0; i < closest.cols(); ++i) {
+      const int tracked = clouds.points(frame)[static_cast<std::size_t>(i)].tracked;
+      points.col(frame).segment<3>(tracked < 0 ? num_tracked + 3 * i : 3 * tracked) = closest.col(i);
+    }
   }
   return points;
 }

@@ -10,12 +10,13 @@
 namespace clothid {
 
 // `motion` without clouds, the points of which come after its P tracked ones: point j of every frame's cloud is point
-// P + j, not seen in frames with fewer. They are observed as if they were some free node: which one says nothing.
+// P + j, not seen in frames with fewer. They are observed as if they were some free node: which one says nothing. All
+// points are material.
 RecordedMotion CloudsAsPoints(const RecordedMotion& motion);
 
 // The prediction [R x T] of a recording with clouds for `CloudsAsPoints` [3(P + C) x T], C the points of its largest
-// cloud: what a point of a cloud is compared with is the nearest point of the predicted surface. NaN where there is
-// none.
+// cloud: what a point of a cloud, or one that is not material, is compared with is the nearest point of the predicted
+// surface. NaN where there is none.
 Eigen::MatrixXd ClosestPoints(const Observation& observation, const Eigen::MatrixXd& predicted);
 
 }  // namespace clothid

@@ -56,9 +56,9 @@ void SetPoints(const RecordedMotion& motion, MotionTensors* tensors) {
   }
 }
 
-// A recording with clouds is predicted by its nodes, below the tracked points.
+// A recording with points that are compared with the surface is predicted by its nodes, below the tracked points.
 void SetPrediction(const RecordedMotion& motion, const Eigen::MatrixXd& predicted, MotionTensors* tensors) {
-  if (!motion.clouds.empty()) {
+  if (predicted.rows() > 3 * motion.num_points()) {
     tensors->positions = predicted.bottomRows(3 * motion.scene.mesh.num_nodes());
     return;
   }
@@ -76,8 +76,15 @@ std::string Millimetres(double metres) { return ShortNumber(1e3 * metres, 4) + "
 
 std::string CloudRow(const CloudError& error, const CloudError& start) {
   const auto percent = [](const CloudError& of) { return ShortNumber(100.0 * of.num_far / of.num_points, 3) + " %"; };
-  return "cloud           " + Millimetres(error.rmse()) +
-         " from points to the surface (root mean square), at the start " + Millimetres(start.rmse()) +
+  std::string rows;
+  if (error.num_tracked > 0.0) {
+    rows = "surface         " + Millimetres(error.rmse()) + " (nodes " + Millimetres(error.node_rmse());
+    if (error.num_border > 0.0) rows += ", border " + Millimetres(error.border_rmse());
+    rows += ")";
+  } else {
+    rows = "cloud           " + Millimetres(error.rmse());
+  }
+  return rows + " from points to the surface (root mean square), at the start " + Millimetres(start.rmse()) +
          "; farther than " + ShortNumber(kFarFromSurface, 2) + " sigma " + percent(error) + ", at the start " +
          percent(start) + "\n";
 }

@@ -136,10 +136,13 @@ Json UncertaintyJson(const FitSummary& summary) {
 
 // Of point clouds: distances from points to the predicted surface.
 Json CloudJson(const CloudError& error) {
-  return {{"rmse_m", error.rmse()},
-          {"num_points", static_cast<long long>(error.num_points)},
-          {"far_share", error.num_far / error.num_points},
-          {"far_sigmas", kFarFromSurface}};
+  Json json = {{"rmse_m", error.rmse()},
+               {"num_points", static_cast<long long>(error.num_points)},
+               {"far_share", error.num_far / error.num_points},
+               {"far_sigmas", kFarFromSurface}};
+  if (error.num_tracked > 0.0) json["nodes_rmse_m"] = error.node_rmse();
+  if (error.num_border > 0.0) json["border_rmse_m"] = error.border_rmse();
+  return json;
 }
 
 // Of forces at handles, whose error is no part of `rmse_m`.
@@ -206,6 +209,7 @@ Json HoldoutJson(const std::optional<Holdout>& holdout) {
   Json json = {{"rmse_m", NumberJson(holdout->rmse)},
                {"nominal_rmse_m", NumberJson(holdout->nominal_rmse)},
                {"failed", holdout->has_failed()}};
+  if (std::isfinite(holdout->nodes_rmse)) json["nodes_rmse_m"] = holdout->nodes_rmse;
   if (std::isfinite(holdout->nominal_force_rms)) {
     json["force_rms_N"] = NumberJson(holdout->force_rms);
     json["nominal_force_rms_N"] = NumberJson(holdout->nominal_force_rms);

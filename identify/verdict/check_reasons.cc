@@ -112,7 +112,8 @@ void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
   }
   if (std::isnan(holdout.rmse) || std::isnan(holdout.nominal_rmse)) return;
   add(std::string("held out: the estimates predict ") + (holdout.has_failed() ? "worse" : "better") +
-      " than the nominal parameters, rmse " + MillimetreText(holdout.rmse) + " against " +
+      " than the nominal parameters, rmse " + MillimetreText(holdout.rmse) +
+      (std::isnan(holdout.nodes_rmse) ? "" : " (nodes " + MillimetreText(holdout.nodes_rmse) + ")") + " against " +
       MillimetreText(holdout.nominal_rmse));
 }
 

@@ -12,7 +12,7 @@ namespace {
 double Noise(const Observation& observation) {
   double squares = 0.0, count = 0.0;
   for (const SeenCoordinate& seen : observation.coordinates()) {
-    squares += std::pow(observation.sigma(seen.point), 2);
+    squares += std::pow(observation.sigma(seen), 2);
     count += seen.point < observation.num_points() ? 1.0 / 3.0 : 1.0;
   }
   return std::sqrt(squares / count);

@@ -16,12 +16,25 @@ namespace {
 
 const std::vector<std::string> kNames = {"mu", "k_stretch", "k_bend"};
 
+// Clouds alone, clouds beside tracked points, and tracked points that are not material.
+enum class Kind { kAlone, kBesidePoints, kSliding };
+
 // Frames between the steps of a cloth that slides on a ball; clouds of 40 points, with 2 mm of noise.
-RecordedMotion CloudMotion(bool keep_points) {
+RecordedMotion CloudMotion(Kind kind) {
   MotionOptions options;
   options.true_values = {{"mu", 0.35}, {"k_stretch", 90.0}};
   options.frame_interval = 0.0125;
   options.sigma = 1e-3;
+  if (kind == Kind::kSliding) {
+    RecordedMotion motion = MakeMotion(SphereScene(), options);
+    SlidePoints(/*borders=*/true, 12, &motion);
+    motion.positions.col(3).setConstant(std::numeric_limits<double>::quiet_NaN());
+    std::mt19937_64 generator(13);
+    std::normal_distribution<double> normal(0.0, 2e-3);
+    for (double& position : motion.positions.reshaped()) position += normal(generator);
+    return motion;
+  }
+  const bool keep_points = kind == Kind::kBesidePoints;
   RecordedMotion motion = MakeMotion(SphereScene(), options);
   AddClouds(40, 2e-3, keep_points, &motion);
   motion.cloud_sigma = 2e-3;
@@ -30,7 +43,7 @@ RecordedMotion CloudMotion(bool keep_points) {
   return motion;
 }
 
-class CloudCostTest : public testing::TestWithParam<bool> {
+class CloudCostTest : public testing::TestWithParam<Kind> {
  protected:
   CloudCostTest() : motion_(CloudMotion(GetParam())), blocks_(MakeBlocks(motion_.scene, kNames)) {}
 
@@ -45,8 +58,12 @@ class CloudCostTest : public testing::TestWithParam<bool> {
   std::vector<ParameterBlock> blocks_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Kinds, CloudCostTest, testing::Values(false, true),
-                         [](const auto& test) { return test.param ? "BesidePoints" : "Alone"; });
+std::string NameOf(const testing::TestParamInfo<Kind>& test) {
+  return test.param == Kind::kAlone ? "Alone" : test.param == Kind::kBesidePoints ? "BesidePoints" : "Sliding";
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, CloudCostTest, testing::Values(Kind::kAlone, Kind::kBesidePoints, Kind::kSliding),
+                         NameOf);
 
 Eigen::VectorXd GradientOf(const RolloutCost& cost, const Eigen::VectorXd& coordinates, double* value) {
   Eigen::VectorXd gradient;
@@ -176,7 +193,7 @@ TEST_P(CloudCostTest, ModesAreShiftsOfTheClothToFirstOrder) {
 }
 
 TEST(CloudLossTest, EveryPointOfACloudIsWeighedAlone) {
-  RecordedMotion motion = CloudMotion(/*keep_points=*/true);
+  RecordedMotion motion = CloudMotion(Kind::kBesidePoints);
   const Observation observation(motion);
   Eigen::VectorXd e = Eigen::VectorXd::Zero(observation.num_residuals()), weights;
   const int end = observation.first_row(1);

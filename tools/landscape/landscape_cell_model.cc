@@ -63,7 +63,8 @@ void LandscapeCellModel::MoveCloudsTo(const Eigen::MatrixXd& predicted, Recorded
   const Eigen::Index num_rows = 3 * model_.observation().num_nodes();
   for (std::size_t i = 0; i < motion->clouds.size(); ++i) {
     const Eigen::VectorXd nodes = predicted.col(static_cast<Eigen::Index>(i)).tail(num_rows);
-    motion->clouds[i] = model_.observation().clouds().ClosestPoints(static_cast<int>(i), nodes);
+    const Eigen::Matrix3Xd closest = model_.observation().clouds().ClosestPoints(static_cast<int>(i), nodes);
+    motion->clouds[i] = closest.leftCols(motion->clouds[i].cols());
   }
 }
 

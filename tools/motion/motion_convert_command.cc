@@ -1,5 +1,6 @@
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <iostream>
@@ -37,6 +38,9 @@ DEFINE_string(frames, "", "convert: frames A:B to keep");
 DEFINE_string(skip_frames, "", "convert: frames to leave out");
 DEFINE_string(map, "nodes", "convert: nodes, nearest, markers or a CSV file");
 DEFINE_double(map_distance, 0.0, "convert: how far a point may be off its place, m");
+DEFINE_bool(as_surface, false, "convert: the points lie on the cloth, but are not material");
+DEFINE_bool(borders, false, "convert: those of the mesh's border lie on that of the cloth");
+DEFINE_bool(corners, false, "convert: those of its corners are material");
 DEFINE_double(sigma, 0.0, "convert: standard deviation of a coordinate, m");
 DEFINE_string(handle_nodes, "", "convert: nodes with a prescribed path");
 DEFINE_string(handles, "", "convert: file with their paths");
@@ -51,6 +55,9 @@ namespace {
 constexpr const char* kSceneFlags[] = {"scene",
                                        "map",
                                        "map_distance",
+                                       "as_surface",
+                                       "borders",
+                                       "corners",
                                        "sigma",
                                        "handle_nodes",
                                        "handles",
@@ -165,6 +172,10 @@ void SetMap(ImportOptions* options) {
   }
   options->map_distance = FLAGS_map_distance;
   if (!(FLAGS_map_distance >= 0.0)) FailFlag("map_distance", "expected a distance >= 0 (m)");
+  for (const char* flag : {"borders", "corners"}) {
+    if (IsSet(flag) && !FLAGS_as_surface) FailFlag(flag, "expected with --as_surface");
+  }
+  options->surface = {FLAGS_as_surface, FLAGS_borders, FLAGS_corners};
 }
 
 void SetHandleFile(ImportOptions* options) {
@@ -222,6 +233,8 @@ void PrintSummary(const MotionTensors& motion, const std::string& path) {
             << TimeText(motion.times[motion.times.size() - 1]) << " s, " << motion.positions.rows() / 3
             << " points on a mesh of " << motion.mesh.num_nodes() << " nodes, " << motion.handle_index.size()
             << " handles";
+  const auto num_material = std::count(motion.point_kind.begin(), motion.point_kind.end(), 0);
+  if (!motion.point_kind.empty()) std::cout << ", " << num_material << " of the points material";
   if (!motion.forces.is_empty()) std::cout << ", " << motion.forces.num_readings() << " readings of forces";
   std::cout << "\n";
 }

@@ -86,6 +86,7 @@ void PrintTensors(const MotionTensors& tensors) {
   PrintTensor("node_index", "I32", 0, static_cast<Eigen::Index>(tensors.node_index.size()), 1);
   PrintTensor("face_index", "I32", 0, static_cast<Eigen::Index>(tensors.face_index.size()), 1);
   PrintTensor("barycentric", "F64", 0, tensors.barycentric.cols(), 3);
+  PrintTensor("point_kind", "I32", 0, static_cast<Eigen::Index>(tensors.point_kind.size()), 1);
   PrintTensor("handle_index", "I32", 0, static_cast<Eigen::Index>(tensors.handle_index.size()), 1);
   PrintTensor("handle_positions", "F64", tensors.handle_positions.cols(), tensors.handle_positions.rows() / 3, 3);
   PrintTensor("handle_times", "F64", 0, tensors.handle_times.size(), 1);

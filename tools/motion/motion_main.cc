@@ -38,6 +38,9 @@ constexpr char kHelp[] = R"(motion: looks at recordings, checks and converts the
   --map HOW            nodes: point i is node i; nearest: the nearest node, or markers: the nearest place on a triangle,
                        of a rest shape that lies near the points; FILE: CSV id,node or id,face,b0,b1,b2 (nodes)
   --map_distance D     m: how far a point may be off its place (half an edge)
+  --as_surface         the points lie on the cloth, but are other points of it in every frame
+  --borders            with it: those of the mesh's border lie on the border of the cloth
+  --corners            with it: those of its corners are the corners of the cloth
   --sigma S            standard deviation of a coordinate, m (not known)
 
   convert, handles:
@@ -101,7 +104,8 @@ constexpr Subcommand kSubcommands[] = {
     {"info", "", Info},
     {"check", "json", Check},
     {"convert",
-     "scene map map_distance sigma handle_nodes handles handle_offsets handle_transform handle_time_offset faces grid "
+     "scene map map_distance as_surface borders corners sigma handle_nodes handles handle_offsets handle_transform "
+     "handle_time_offset faces grid "
      "transpose transform invert_transform scale times frame_rate time_scale start_at skip_frames frames "
      "forces force_times force_sigma force_nodes force_axis force_scale force_time_offset",
      Convert},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -334,6 +335,57 @@ TEST_F(ImportTest, ConvertsARecording) {
   options.map = PointMapKind::kFile;
   options.map_path = folder_.Write("map.csv", "id,node\n3,3\n");
   EXPECT_EQ(ConvertMotion(capture_, "capture.bin", options).positions, capture_.positions.middleRows(9, 3));
+}
+
+TEST_F(ImportTest, MarksPointsThatAreNotMaterial) {
+  ImportOptions options;
+  options.surface.as_surface = true;
+  EXPECT_EQ(ConvertMotion(capture_, "capture.bin", options).point_kind, std::vector<int>(64, 1));
+  options.surface.borders = true;
+  const std::vector<int> kinds = ConvertMotion(capture_, "capture.bin", options).point_kind;
+  EXPECT_EQ(std::count(kinds.begin(), kinds.end(), 2), 28);
+  EXPECT_EQ(kinds[9], 1);
+  options.surface.corners = true;
+  MotionTensors marked = ConvertMotion(capture_, "capture.bin", options);
+  for (const int corner : {0, 7, 56, 63}) EXPECT_EQ(marked.point_kind[corner], 0);
+  EXPECT_EQ(std::count(marked.point_kind.begin(), marked.point_kind.end(), 2), 24);
+  // They stay, but where the points become others.
+  EXPECT_EQ(ConvertMotion(marked, "marked.bin", {}).point_kind, marked.point_kind);
+  options = {};
+  options.mesh = marked.mesh;
+  EXPECT_TRUE(ConvertMotion(marked, "marked.bin", options).point_kind.empty());
+  options_.surface.as_surface = true;
+  EXPECT_EQ(ImportMotion(tracks_, options_).point_kind, std::vector<int>(64, 1));
+}
+
+TEST_F(ImportTest, MarksMarkersOnBorders) {
+  MotionTensors markers = capture_;
+  const Eigen::Vector3i corners = markers.mesh.faces.col(0);  // two of them on the first row
+  markers.positions.conservativeResize(9, Eigen::NoChange);
+  markers.sigma.resize(0);
+  markers.face_index = {0, 0, 0};
+  markers.barycentric = Eigen::Matrix3Xd::Zero(3, 3);
+  for (int k = 0, p = 1; k < 3; ++k) {
+    const bool is_on_row = corners[k] < kCaptureColumns;
+    if (is_on_row) markers.barycentric(k, 0) = 0.5;
+    if (is_on_row && p == 1) markers.barycentric(k, p++) = 1.0;
+  }
+  markers.barycentric.col(2).setConstant(1.0 / 3.0);
+  const std::vector<int> expected = {2, 2, 1};
+  EXPECT_EQ(MarkSurfacePoints(markers, {true, true, false}, "markers.bin"), expected);
+  markers.barycentric.leftCols(2) = markers.barycentric.rightCols(2).eval();
+  markers.barycentric.setConstant(1.0 / 3.0);
+  ExpectError(
+      [&] {
+        MarkSurfacePoints(markers, {true, true, false}, "markers.bin");
+      },
+      kBadData, {"markers.bin: no point is on a border"});
+  ExpectError(
+      [&] {
+        MarkSurfacePoints(markers, {true, false, true}, "markers.bin");
+      },
+      kBadData, {"markers.bin: no point is at a corner"});
+  ExpectError([&] { MarkSurfacePoints(markers, {false, true, false}, "markers.bin"); }, kUsage, {"as_surface"});
 }
 
 // A path with times of its own keeps all of them where frames are left out.

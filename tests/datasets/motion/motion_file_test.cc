@@ -60,6 +60,7 @@ void ExpectSame(const MotionTensors& a, const MotionTensors& b) {
   EXPECT_EQ(a.node_index, b.node_index);
   EXPECT_EQ(a.face_index, b.face_index);
   EXPECT_TRUE(SameNumbers(a.barycentric, b.barycentric));
+  EXPECT_EQ(a.point_kind, b.point_kind);
   EXPECT_EQ(a.handle_index, b.handle_index);
   EXPECT_TRUE(SameNumbers(a.handle_positions, b.handle_positions));
   EXPECT_TRUE(SameNumbers(a.handle_times, b.handle_times));
@@ -164,6 +165,20 @@ TEST_F(MotionFile, RoundTripsPointsOnNodesAndTriangles) {
   rounded.provenance.clear();
   Written(rounded);
   ExpectSame(ReadMotionTensors(Path()), rounded);
+}
+
+TEST_F(MotionFile, KindsOfPointsBecomePartOfARecording) {
+  MotionTensors tensors = SmallMotion();
+  const std::string before = Written(tensors);
+  tensors.point_kind = {0, 2, 0, 2, 1, 2, 0, 2, 0};
+  EXPECT_NE(Written(tensors), before);
+  EXPECT_EQ(ReadMotionTensors(Path()).point_kind, tensors.point_kind);
+  const RecordedMotion motion = ReadMotion(Path());
+  EXPECT_EQ(motion.points[0].kind, PointKind::kMaterial);
+  EXPECT_EQ(motion.points[4].kind, PointKind::kSurface);
+  EXPECT_EQ(motion.points[7].kind, PointKind::kBorder);
+  tensors.point_kind.clear();
+  EXPECT_EQ(Written(tensors), before);
 }
 
 // Beside the tracked points; the second frame has no cloud.
@@ -505,6 +520,9 @@ TEST_F(MotionFile, RefusesToWriteWhatItWouldNotRead) {
         t->barycentric = Eigen::Matrix3Xd::Constant(3, 9, 0.3);
       },
       {"tensor 'barycentric': row 0 does not sum to 1"});
+  expect([](MotionTensors* t) { t->point_kind = {1, 1}; }, {"tensor 'point_kind': expected 9 numbers, found 2"});
+  expect([](MotionTensors* t) { t->point_kind = {0, 0, 0, 0, 3, 0, 0, 0, 0}; },
+         {"tensor 'point_kind': entry 4 is 3; expected 0 (material), 1 (surface) or 2 (border)"});
   expect([](MotionTensors* t) { t->handle_index.clear(); }, {"tensor 'handle_positions': expected 0 numbers"});
   expect([](MotionTensors* t) { t->sigma.resize(3); }, {"tensor 'sigma': expected 9 numbers"});
   expect([](MotionTensors* t) { t->handle_times = Eigen::Vector3d(0, 1, 2); },

@@ -134,6 +134,51 @@ TEST(ClothSurfaceTest, SidesAndBordersOfAFlatSheet) {
   EXPECT_NEAR(on.gradient.rowwise().sum().z(), -1.0, 1e-15);
 }
 
+// Of points about the border, inside and outside, at its edges and corners, on both sides of the cloth.
+TEST(ClothSurfaceTest, DistanceToTheBorderHasItsDerivative) {
+  const Mesh mesh = SheetMesh();
+  const ClothTopology topology(mesh.faces, mesh.num_nodes());
+  ASSERT_TRUE(topology.has_border());
+  const VectorXd nodes = Crumpled(mesh);
+  const double step = 1e-6;
+  std::mt19937 generator(9);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::map<std::string, int> num_checked;
+  for (const Vector3d& q : PointsAround(1500)) {
+    VectorXd direction(nodes.size());
+    for (double& coordinate : direction) coordinate = normal(generator);
+    const SurfaceDistance at = ClothSurface(topology, nodes).MeasureToBorder(q),
+                          above = ClothSurface(topology, nodes + step * direction).MeasureToBorder(q),
+                          below = ClothSurface(topology, nodes - step * direction).MeasureToBorder(q);
+    if (above.nodes != at.nodes || below.nodes != at.nodes || at.distance * above.distance * below.distance == 0.0) {
+      continue;
+    }
+    const bool is_vertex = at.weights.maxCoeff() == 1.0;
+    if (is_vertex != (above.weights.maxCoeff() == 1.0) || is_vertex != (below.weights.maxCoeff() == 1.0)) continue;
+    double derivative = 0.0;
+    for (int k = 0; k < 3; ++k) derivative += at.gradient.col(k).dot(direction.segment<3>(3 * at.nodes[k]));
+    EXPECT_NEAR(derivative, (above.distance - below.distance) / (2.0 * step), 1e-6 * direction.norm()) << q.transpose();
+    ++num_checked[std::string(is_vertex ? "vertex" : "edge") + (at.distance > 0.0 ? ", beyond" : ", within")];
+  }
+  for (const char* kind : {"vertex, beyond", "edge, beyond", "edge, within"}) EXPECT_GT(num_checked[kind], 10) << kind;
+}
+
+TEST(ClothSurfaceTest, DistanceToTheBorderIsAlongTheCloth) {
+  const Mesh mesh = SheetMesh();
+  const ClothSurface surface(ClothTopology(mesh.faces, mesh.num_nodes()), mesh.rest_positions.reshaped());
+  EXPECT_NEAR(surface.MeasureToBorder({0.43, -0.02, 0.1}).distance, 0.02, 1e-15);
+  EXPECT_NEAR(surface.MeasureToBorder({0.43, 0.02, -0.1}).distance, -0.02, 1e-15);
+  EXPECT_NEAR(surface.MeasureToBorder({1.03, 0.84, 0.2}).distance, 0.05, 1e-15);  // at a corner
+  const SurfaceDistance above = surface.MeasureToBorder({0.4, 0.0, 0.03});        // above a node
+  EXPECT_NEAR(above.distance, 0.0, 1e-15);
+  EXPECT_TRUE(above.gradient.allFinite());
+  EXPECT_NEAR(above.gradient.rowwise().sum().y(), 1.0, 1e-12);
+  // A closed mesh has none.
+  Eigen::Matrix3Xi tetrahedron(3, 4);
+  tetrahedron << 0, 0, 0, 1, 1, 2, 3, 2, 2, 3, 1, 3;
+  EXPECT_FALSE(ClothTopology(tetrahedron, 4).has_border());
+}
+
 TEST(ClothSurfaceTest, DistanceIsContinuousAcrossBorderAndAllowance) {
   const Mesh mesh = SheetMesh();
   const ClothSurface surface(ClothTopology(mesh.faces, mesh.num_nodes()), Crumpled(mesh));

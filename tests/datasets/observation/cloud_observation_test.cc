@@ -155,6 +155,81 @@ TEST(CloudObservationTest, ErrorsAreDistancesToTheSurface) {
   EXPECT_NEAR(sum.rmse(), std::sqrt((sum.squared_error + sum.cloud.squared_distance) / (6.0 + 5.0)), 1e-14);
 }
 
+// The nodes of the sheet as another program saw them: one of the border, one of the surface, one a handle, one
+// material.
+RecordedMotion SlidingMotion() {
+  RecordedMotion motion = MakeMotion(false);
+  motion.clouds.clear();
+  motion.cloud_sigma = 0.0;
+  motion.scene.handles.nodes = {2};
+  motion.points.resize(4);
+  const int nodes[] = {1, 4, 2, 8};
+  const PointKind kinds[] = {PointKind::kBorder, PointKind::kSurface, PointKind::kSurface, PointKind::kMaterial};
+  for (int p = 0; p < 4; ++p) {
+    motion.points[p].nodes[0] = nodes[p];
+    motion.points[p].kind = kinds[p];
+  }
+  motion.sigma = Eigen::Vector4d(0.01, 0.02, 0.03, 0.04);
+  motion.positions.resize(12, 3);
+  for (int i = 0; i < 3; ++i) {
+    motion.positions.col(i) << 0.45, -0.03, 0.02, 0.61, 0.52, -0.04, 0.3, 0.3, 0.3, 0.98, 1.01, 0.02;
+  }
+  motion.positions(3, 1) = std::numeric_limits<double>::quiet_NaN();
+  return motion;
+}
+
+TEST(CloudObservationTest, PointsThatAreNotMaterialHaveDistances) {
+  const RecordedMotion motion = SlidingMotion();
+  const Observation observation(motion);
+  EXPECT_TRUE(observation.sigma_is_known());
+  EXPECT_EQ(observation.num_residuals(), 6 + 5 + 6);  // 3 of node 8, 2 of the border, 1 of the surface, but in frame 1
+  EXPECT_EQ(observation.num_predicted(), 3 * (4 + 9));
+  const Eigen::VectorXd still = motion.scene.mesh.rest_positions.reshaped();
+  Eigen::MatrixXd predicted(39, 3);
+  for (int i = 0; i < 3; ++i) {
+    predicted.col(i) << still.segment<3>(3), still.segment<3>(12), still.segment<3>(6), still.segment<3>(24), still;
+  }
+  const Eigen::VectorXd residuals = observation.Residuals(predicted);
+  EXPECT_NEAR(residuals[3], 2.0, 1e-12);  // height of the point of the border, though it is 3 sigma beyond
+  EXPECT_NEAR(residuals[4], 3.0, 1e-12);  // along the cloth
+  EXPECT_NEAR(residuals[5], -2.0, 1e-12);
+  EXPECT_EQ(observation.sigma(observation.coordinates()[4]), 0.01);
+  EXPECT_EQ(observation.sigma(observation.coordinates()[5]), 0.02);
+  EXPECT_TRUE(observation.is_border_row(observation.coordinates()[4]));
+  EXPECT_FALSE(observation.is_border_row(observation.coordinates()[3]));
+  const PredictionError error = observation.Compare(predicted);
+  EXPECT_EQ(error.num_coordinates, 9.0);
+  EXPECT_EQ(error.cloud.num_points, 5.0);
+  EXPECT_NEAR(error.cloud.squared_distance, 3 * 4e-4 + 2 * 16e-4, 1e-14);
+  EXPECT_NEAR(error.cloud.border_rmse(), 0.03, 1e-12);
+  const double border_node = 0.05 * 0.05 + 0.03 * 0.03 + 4e-4, inner_node = 0.11 * 0.11 + 4e-4 + 16e-4;
+  EXPECT_NEAR(error.cloud.node_rmse(), std::sqrt((3 * border_node + 2 * inner_node) / 5.0), 1e-12);
+}
+
+TEST(CloudObservationTest, TheDerivativeOfPointsThatAreNotMaterialIsExact) {
+  const RecordedMotion motion = SlidingMotion();
+  const Observation observation(motion);
+  const Eigen::MatrixXd predicted = observation.Predict(MakeRollout(motion.scene.mesh));
+  const ResidualDerivative derivative(&observation, predicted);
+  std::srand(5);
+  const double step = 1e-7;
+  const Eigen::MatrixXd change = Eigen::MatrixXd::Random(predicted.rows(), predicted.cols());
+  const Eigen::VectorXd difference =
+      (observation.Residuals(predicted + step * change) - observation.Residuals(predicted - step * change)) /
+      (2.0 * step);
+  EXPECT_LT((derivative.Apply(change) - difference).norm(), 1e-6 * difference.norm());
+}
+
+TEST(CloudObservationTest, RefusesPointsOfABorderThatIsNotThere) {
+  RecordedMotion motion = SlidingMotion();
+  motion.scene.mesh.rest_positions = Eigen::Matrix3Xd::Zero(3, 9);
+  motion.scene.mesh.rest_positions.leftCols(4) << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
+  motion.scene.mesh.rest_positions.rightCols(5) << 5, 6, 5, 5, 6, 0, 0, 1, 0, 0, 0, 0, 0, 1, 1;
+  motion.scene.mesh.faces.resize(3, 10);
+  motion.scene.mesh.faces << 0, 0, 0, 1, 4, 4, 4, 5, 5, 6, 1, 2, 3, 3, 6, 5, 7, 6, 8, 7, 2, 3, 1, 2, 5, 8, 6, 8, 7, 8;
+  EXPECT_THROW(Observation{motion}, Error);
+}
+
 TEST(CloudObservationTest, SigmaIsKnownWhereItIsOfAllPoints) {
   RecordedMotion motion = MakeMotion(true);
   EXPECT_FALSE(Observation(motion).sigma_is_known());
@@ -162,7 +237,7 @@ TEST(CloudObservationTest, SigmaIsKnownWhereItIsOfAllPoints) {
   EXPECT_TRUE(Observation(motion).sigma_is_known());
   motion.cloud_sigma = 0.0;
   EXPECT_FALSE(Observation(motion).sigma_is_known());
-  EXPECT_NEAR(Observation(motion).sigma(2), 1e-3, 1e-12);  // of the size of the cloth
+  EXPECT_NEAR(Observation(motion).clouds().cloud_sigma(), 1e-3, 1e-12);  // of the size of the cloth
   motion = MakeMotion(false);
   EXPECT_TRUE(Observation(motion).sigma_is_known());
 }

@@ -61,6 +61,17 @@ TEST_F(MotionTest, InfoNamesWhatIsInside) {
   }
 }
 
+TEST_F(MotionTest, ConvertMarksPointsThatAreNotMaterial) {
+  ExpectSuccess("motion convert good.bin slid.bin --as_surface --borders --corners");
+  const ToolResult info = Run("motion info slid.bin");
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  for (const char* part : {"point_kind I32 [16]", "--as_surface --borders --corners"}) {
+    EXPECT_NE(info.out.find(part), std::string::npos) << part << "\n" << info.out;
+  }
+  ExpectRefused("motion convert good.bin slid.bin --borders", 1, "--borders: expected with --as_surface");
+  ExpectRefused("motion convert good.bin slid.csv --as_surface", 1, "--as_surface: expected with a motion.bin");
+}
+
 TEST_F(MotionTest, CheckAcceptsAGoodFile) {
   const ToolResult result = Run("motion check good.bin");
   EXPECT_EQ(result.exit_code, 0) << result.err;
