@@ -79,9 +79,10 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       shift, turn  m and rad about the centroid of the measured points, added to the prediction to
                                    meet the recording: what its frame of reference is off (align: both)
                       v0           m/s, added to the velocity of every free node at the start
+                      handle_shift m, added to the path of all handles: what the tool that moves them is off
                       force_bias   N, added to the predicted forces of the first group of handles, force_bias2 of the
                                    second: what a gauge is off at zero
-                      each of the last four is x, y and z, as shift.x. predicted.bin is in the recording's frame
+                      each of the last five is x, y and z, as shift.x. predicted.bin is in the recording's frame
   --each NAMES        to fit as well, but one per recording: drag becomes drag@1, drag@2, ... in the order of --target
   --field LIST        constants that vary over the cloth, of k_stretch, k_bend and density, each on a control grid:
                       NAME:ROWSxCOLUMNS, as k_stretch:8x8. They are fitted with the parameters of --fit, among which
@@ -91,9 +92,10 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       control grid being a unit square; 0: chosen by the marginal likelihood (0)
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values; of a recording's own parameters 0)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
-                      cloth's size, turn +-0.2, v0 +-2, force_bias +-the largest force, k_poisson +-sqrt(k_warp k_weft),
-                      drag and damping start/1e4..start*1e4, the others 100 times beyond what was measured of any
-                      cloth); drag is that of every recording, drag@2 goes before it, shift stands for x, y and z
+                      cloth's size, turn +-0.2, v0 +-2, handle_shift +-1/10 of the size, force_bias +-the largest
+                      force, k_poisson +-sqrt(k_warp k_weft), drag and damping start/1e4..start*1e4, the others 100
+                      times beyond what was measured of any cloth); drag is that of every recording, drag@2 goes
+                      before it, shift stands for x, y and z
   --prior LIST        what is believed beforehand: NAME=MEDIAN:FACTOR[,...], as k_bend=1e-5:2, a normal distribution of
                       the logarithm; of mu, k_poisson and a recording's own parameters NAME=MEAN:STD, as mu=0.3:0.1.
                       It is one more residual, once for all recordings. The verdict says what they add to it

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kFrameIntervals = 2.0;
 constexpr double kShareOfCloth = 0.25;
+constexpr double kHandleShareOfCloth = 0.1;
 constexpr double kLargestTurn = 0.2;        // rad
 constexpr double kLargestStartSpeed = 2.0;  // m/s
 constexpr double kPi = 3.14159265358979323846;
@@ -30,8 +31,10 @@ struct GroupName {
   AlignmentKind kind;
 };
 
-constexpr std::array<GroupName, 3> kGroups = {
-    {{"shift", AlignmentKind::kShift}, {"turn", AlignmentKind::kTurn}, {"v0", AlignmentKind::kStartVelocity}}};
+constexpr std::array<GroupName, 4> kGroups = {{{"shift", AlignmentKind::kShift},
+                                               {"turn", AlignmentKind::kTurn},
+                                               {"v0", AlignmentKind::kStartVelocity},
+                                               {"handle_shift", AlignmentKind::kHandleShift}}};
 
 // The group of "force_bias", "force_bias2", ..: from 0 on; nothing for any other name.
 std::optional<int> ForceBiasGroup(const std::string& name) {
@@ -88,6 +91,9 @@ void Alignment::Set(AlignmentId id, double value) {
     case AlignmentKind::kStartVelocity:
       start_velocity[id.axis] = value;
       break;
+    case AlignmentKind::kHandleShift:
+      handle_shift[id.axis] = value;
+      break;
     case AlignmentKind::kForceBias:
       if (static_cast<int>(force_bias.size()) <= id.group) force_bias.resize(id.group + 1, Eigen::Vector3d::Zero());
       force_bias[id.group][id.axis] = value;
@@ -124,7 +130,8 @@ std::vector<std::string> ExpandAlignmentNames(const std::vector<std::string>& na
     const bool is_align = name == kAlignName;
     bool is_group = false;
     for (const GroupName& group : kGroups) {
-      if (name != group.name && !(is_align && group.kind != AlignmentKind::kStartVelocity)) continue;
+      const bool is_rigid = group.kind == AlignmentKind::kShift || group.kind == AlignmentKind::kTurn;
+      if (name != group.name && !(is_align && is_rigid)) continue;
       AppendAxes(group.name, &expanded);
       is_group = true;
     }
@@ -157,6 +164,8 @@ double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion) {
       return kLargestTurn;
     case AlignmentKind::kStartVelocity:
       return kLargestStartSpeed;
+    case AlignmentKind::kHandleShift:
+      return kHandleShareOfCloth * ClothSize(motion.scene.mesh);
     case AlignmentKind::kForceBias:
       return std::max(LargestForce(id, motion.forces), motion.forces.sigma[id.group]);
   }
@@ -171,6 +180,7 @@ double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
       return kPi;
     case AlignmentKind::kShift:
     case AlignmentKind::kStartVelocity:
+    case AlignmentKind::kHandleShift:
     case AlignmentKind::kForceBias:
       break;
   }
@@ -178,6 +188,9 @@ double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
 }
 
 void ExpectMeasured(AlignmentId id, const std::string& name, const RecordedMotion& motion) {
+  if (id.kind == AlignmentKind::kHandleShift && motion.scene.handles.nodes.empty()) {
+    throw Error(ErrorKind::kUsage, "parameter '" + name + "': " + motion.name + " has no handles");
+  }
   if (id.kind != AlignmentKind::kForceBias) return;
   const Eigen::VectorXd forces = ForcesAlong(id, motion.forces);
   if (!forces.array().isNaN().all()) return;

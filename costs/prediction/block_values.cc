@@ -62,6 +62,9 @@ SortedBlocks BlockValues::Sort(const std::vector<int>& active) const {
     } else if (id->kind == AlignmentKind::kStartVelocity) {
       sorted.velocity_axes.push_back(id->axis);
       sorted.velocity_places.push_back(place);
+    } else if (id->kind == AlignmentKind::kHandleShift) {
+      sorted.handle_axes.push_back(id->axis);
+      sorted.handle_places.push_back(place);
     } else {
       sorted.corrections.push_back(*id);
       sorted.correction_places.push_back(place);

@@ -19,11 +19,15 @@ struct SortedBlocks {
   std::vector<int> parameter_places;
   std::vector<int> velocity_axes;  // of the start velocity
   std::vector<int> velocity_places;
+  std::vector<int> handle_axes;  // of the shift of the handles
+  std::vector<int> handle_places;
   std::vector<AlignmentId> corrections;  // all other parameters of the recording
   std::vector<int> correction_places;
   std::vector<int> start_places;  // of what follows the blocks: the unknown start, in its order
 
-  bool has_only_parameters() const { return velocity_places.empty() && correction_places.empty(); }
+  bool has_only_parameters() const {
+    return velocity_places.empty() && handle_places.empty() && correction_places.empty();
+  }
 };
 
 class BlockValues {

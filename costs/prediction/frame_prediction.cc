@@ -34,6 +34,7 @@ Eigen::VectorXd FramePrediction::Derivative(AlignmentId id, const Eigen::VectorX
     case AlignmentKind::kTurn:
       return correction_.TurnDerivative(id.axis, points);
     case AlignmentKind::kStartVelocity:
+    case AlignmentKind::kHandleShift:
     case AlignmentKind::kForceBias:
       break;
   }

@@ -32,7 +32,8 @@ class FramePrediction {
   // The time derivative of the prediction [R] m/s; zero where the interpolation is linear.
   Eigen::VectorXd Velocities(int frame, const FrameStates& states) const;
 
-  // d points/d id [R] of a frame, in the unit of `id`, for a fixed rollout: zero for start velocity and force bias.
+  // d points/d id [R] of a frame, in the unit of `id`, for a fixed rollout: zero for start velocity, shift of
+  // handles and force bias.
   // `points` and `velocities`: of the frame; only the time offset needs velocities.
   Eigen::VectorXd Derivative(AlignmentId id, const Eigen::VectorXd& points, const Eigen::VectorXd& velocities) const;
 

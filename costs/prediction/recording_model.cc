@@ -20,13 +20,16 @@ FrameInterpolation InterpolationFor(const RecordedMotion& motion, const BlockVal
                                 : FrameInterpolation(motion, time_offset->upper_bound);
 }
 
-// [3N x q]: in every column each node moves at 1 m/s along one of `axes` [q].
-Eigen::MatrixXd UniformVelocities(int num_nodes, const std::vector<int>& axes) {
-  Eigen::MatrixXd velocities = Eigen::MatrixXd::Zero(3 * num_nodes, static_cast<Eigen::Index>(axes.size()));
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    for (int node = 0; node < num_nodes; ++node) velocities(3 * node + axes[i], static_cast<Eigen::Index>(i)) = 1.0;
+// Handles that stand still have a path, too, as only a path can be corrected.
+Scene WithHandlePath(Scene scene) {
+  Handles& handles = scene.handles;
+  if (handles.nodes.empty() || handles.path.num_handles() > 0) return scene;
+  Eigen::VectorXd places(3 * static_cast<Eigen::Index>(handles.nodes.size()));
+  for (std::size_t i = 0; i < handles.nodes.size(); ++i) {
+    places.segment<3>(3 * static_cast<Eigen::Index>(i)) = scene.initial_positions.segment<3>(3 * handles.nodes[i]);
   }
-  return velocities;
+  handles.path = HandlePath(Eigen::VectorXd::Constant(1, scene.start_time), places);
+  return scene;
 }
 
 // Columns of a start beyond which they are for a Gauss-Newton matrix.
@@ -50,7 +53,9 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       observation_(motion),
       interpolation_(InterpolationFor(motion, values_, observation_)),
       turn_center_(TurnCenter(motion)),
-      simulator_(SceneAtStart(motion.scene, values_.start())),
+      simulator_(SceneAtStart(
+          values_.Find(AlignmentKind::kHandleShift) == nullptr ? motion.scene : WithHandlePath(motion.scene),
+          values_.start())),
       start_(std::move(start)),
       observer_(std::move(observer)) {
   if (start_ == nullptr && IsUnknown(motion.start_source)) start_ = std::make_shared<const UnknownStart>(motion);
@@ -58,50 +63,6 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
 
 FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
   return FramePrediction(values_.AlignmentAt(coordinates), turn_center_, interpolation_, &observation_);
-}
-
-RecordingModel::RolloutStart RecordingModel::StartAt(const Eigen::VectorXd& coordinates) const {
-  RolloutStart start;
-  if (start_ != nullptr) {
-    const Eigen::VectorXd unknowns = StartUnknowns(coordinates);
-    start.positions = start_->PositionsAt(unknowns);
-    start.velocities = start_->VelocitiesAt(unknowns);
-    start.handle_offsets = start_->HandleOffsetsAt(unknowns);
-  }
-  if (values_.Find(AlignmentKind::kStartVelocity) == nullptr) return start;
-  const Eigen::Vector3d velocity = values_.AlignmentAt(coordinates).start_velocity;
-  if (!start.velocities) start.velocities = scene().initial_velocities;
-  for (int node : simulator_.model().free_nodes()) start.velocities->segment<3>(3 * node) += velocity;
-  return start;
-}
-
-SensitivityDirections RecordingModel::DirectionsOf(const SortedBlocks& active, const Eigen::MatrixXd& along) const {
-  SensitivityDirections directions;
-  const auto num_axes = static_cast<Eigen::Index>(active.velocity_axes.size());
-  const auto num_active = static_cast<int>(active.start_places.size());
-  if (num_active > 0 && num_active != num_start_unknowns()) {
-    throw std::logic_error("derivatives along some unknowns of the start; expected all or none");
-  }
-  if (num_active > 0 || along.cols() > 0) {
-    directions = num_active > 0 ? start_->directions() : start_->DirectionsAlong(along);
-    const auto put_behind = [num_axes](Eigen::MatrixXd* columns) {
-      if (columns->cols() == 0 || num_axes == 0) return;
-      Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(columns->rows(), num_axes + columns->cols());
-      wider.rightCols(columns->cols()) = *columns;
-      *columns = std::move(wider);
-    };
-    put_behind(&directions.initial_positions);
-    put_behind(&directions.initial_velocities);
-    put_behind(&directions.handle_offsets);
-  }
-  directions.parameters = active.parameters;
-  if (num_axes == 0) return directions;
-  const Eigen::Index num_columns = std::max(num_axes, directions.initial_positions.cols());
-  if (directions.initial_velocities.cols() == 0) {
-    directions.initial_velocities = Eigen::MatrixXd::Zero(3 * observation_.num_nodes(), num_columns);
-  }
-  directions.initial_velocities.leftCols(num_axes) = UniformVelocities(observation_.num_nodes(), active.velocity_axes);
-  return directions;
 }
 
 SolverOptions RecordingModel::SolverAt(Precision precision) const {
@@ -225,11 +186,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   if (force_seeds) all(sorted.parameter_places, Eigen::all) += force_seeds->parameter_gradient();
-  if (!sorted.velocity_places.empty()) {
-    all(sorted.velocity_places, Eigen::all) =
-        UniformVelocities(observation_.num_nodes(), sorted.velocity_axes).transpose() * gradient.initial_velocities;
-  }
-  if (!sorted.start_places.empty()) all(sorted.start_places, Eigen::all) = start_->PullBack(gradient);
+  SetStartRows(gradient, sorted, &all);
   SetCorrectionRows(prediction, sorted, predicted, velocities, derivative, seeds, &all);
   return values_.DerivativesAt(coordinates, active).asDiagonal() * all;
 }
@@ -262,6 +219,7 @@ Eigen::MatrixXd RecordingModel::Arranged(const Eigen::MatrixXd& swept, const Sor
   if (active.has_only_parameters()) return swept.leftCols(1 + num_swept);
   std::vector<int> places = active.parameter_places;
   places.insert(places.end(), active.velocity_places.begin(), active.velocity_places.end());
+  places.insert(places.end(), active.handle_places.begin(), active.handle_places.end());
   places.insert(places.end(), active.start_places.begin(), active.start_places.end());
   Eigen::MatrixXd all =
       Eigen::MatrixXd::Zero(swept.rows(), 1 + static_cast<Eigen::Index>(places.size() + active.corrections.size()));

@@ -167,9 +167,15 @@ class RecordingModel {
     }
   };
   RolloutStart StartAt(const Eigen::VectorXd& coordinates) const;
-  // The columns of a forward sweep: of the parameters, then of the start velocity, then of the unknown start: those of
-  // all its unknowns where they are active, or `along` [n x q], if any, of them.
+  // K of the corrections that `StartAt` has of the handles.
+  Eigen::Index num_handle_knots() const;
+  // Moves the handles, whose path the start may correct, by `shift` m at all times.
+  void ShiftHandles(const Eigen::Vector3d& shift, RolloutStart* start) const;
+  // The columns of a forward sweep: of the parameters, then of the start velocity and of the shift of the handles, then
+  // of the unknown start: those of all its unknowns where they are active, or `along` [n x q], if any, of them.
   SensitivityDirections DirectionsOf(const SortedBlocks& active, const Eigen::MatrixXd& along) const;
+  // The rows [.. x s] of a reverse sweep that belong to these columns.
+  void SetStartRows(const RolloutGradient& gradient, const SortedBlocks& active, Eigen::MatrixXd* all) const;
   // The prediction at a frame, from states whose further columns are derivatives along the directions of `active`, and
   // its derivatives in the order of `active`: [R x (1 + q)].
   Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active, int frame,

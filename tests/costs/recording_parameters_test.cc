@@ -6,6 +6,7 @@
 
 #include "costs/full_residual_cost.h"
 #include "costs/rollout_cost.h"
+#include "sim/base/error.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid {
@@ -221,6 +222,66 @@ TEST(RecordingModelTest, AtZeroNothingIsCorrected) {
   coordinates[3] = 0.0;
   ASSERT_TRUE(aligned.Simulate(coordinates, {}, {}, &predicted).ok());
   EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-15);
+}
+
+// Standing handles and moving ones, a damped cloth, a time offset and a start velocity beside them.
+TEST(HandleShiftTest, AdjointIsSensitivityIsCentralDifferences) {
+  for (const bool moves : {false, true}) {
+    Scene scene = SwingScene();
+    scene.material.damping = 0.01;
+    if (moves) {
+      Eigen::MatrixXd places(6, 3);
+      places.topRows(3) = Eigen::Vector3d(0.0, 0.0, 0.0).replicate(1, 3);
+      places.bottomRows(3) = scene.initial_positions.segment<3>(12).replicate(1, 3);
+      places.row(1) << 0.0, 0.02, 0.01;
+      scene.handles.path = HandlePath(Eigen::Vector3d(0.0, 0.1, 0.2), places);
+    }
+    MotionOptions options;
+    options.true_values = {{"k_stretch", 90.0}};
+    options.noise = 1e-3;
+    const RecordedMotion motion = MakeMotion(scene, options);
+    const std::vector<ParameterBlock> blocks =
+        BlocksOf(motion, {"handle_shift.z", "k_stretch", "v0.x", "handle_shift.x", "shift.y", "handle_shift.y"});
+    Eigen::VectorXd point(6);
+    point << 0.1, blocks[1].ToCoordinate(blocks[1].start), 0.1, -0.05, 0.02, 0.15;
+    RolloutCostOptions method;
+    const RolloutCost adjoint(motion, blocks, method);
+    method.jacobian = JacobianMethod::kSensitivity;
+    const RolloutCost sensitivity(motion, blocks, method);
+    double value = 0.0, same_value = 0.0, above_value = 0.0, below_value = 0.0;
+    Eigen::VectorXd a, s;
+    ASSERT_TRUE(adjoint.EvaluateGradient(point, &value, &a)) << adjoint.last_failure();
+    ASSERT_TRUE(sensitivity.EvaluateGradient(point, &same_value, &s)) << sensitivity.last_failure();
+    for (Eigen::Index i = 0; i < a.size(); ++i) {
+      EXPECT_NEAR(a[i], s[i], 1e-10 * s.norm()) << blocks[i].name << " " << moves;
+      Eigen::VectorXd above = point, below = point;
+      above[i] += 1e-5;
+      below[i] -= 1e-5;
+      ASSERT_TRUE(adjoint.EvaluateGradient(above, &above_value, nullptr));
+      ASSERT_TRUE(adjoint.EvaluateGradient(below, &below_value, nullptr));
+      EXPECT_NEAR(a[i], (above_value - below_value) / 2e-5, 2e-6 * std::abs(a[i]) + 1e-7 * s.norm())
+          << blocks[i].name << " " << moves;
+    }
+  }
+}
+
+TEST(HandleShiftTest, MovesHandlesAtAllTimes) {
+  const RecordedMotion motion = SwingAtSteps();
+  const std::vector<ParameterBlock> blocks = BlocksOf(motion, {"handle_shift.y"});
+  RecordingModel model(motion, blocks), plain(motion, {});
+  Eigen::MatrixXd shifted, expected;
+  ASSERT_TRUE(model.Simulate(Eigen::VectorXd::Constant(1, blocks[0].ToCoordinate(0.004)), {}, {}, &shifted).ok());
+  ASSERT_TRUE(plain.Simulate({}, {}, {}, &expected).ok());
+  const Eigen::MatrixXd moved = shifted - expected;
+  for (const int node : {0, 4}) {
+    EXPECT_LT((moved.middleRows<3>(3 * node).colwise() - Eigen::Vector3d(0.0, 0.004, 0.0)).norm(), 1e-12);
+  }
+  EXPECT_TRUE(moved.col(0).segment<3>(3).isZero(0.0));  // the start of a free node
+  ASSERT_TRUE(model.Simulate(Eigen::VectorXd::Zero(1), {}, {}, &shifted).ok());
+  EXPECT_LT((shifted - expected).norm(), 1e-12);
+  RecordedMotion free = motion;
+  free.scene.handles = {};
+  EXPECT_THROW(BlocksOf(free, {"handle_shift.y"}), Error);
 }
 
 TEST(RecordingModelTest, TheTimeOffsetNeedsVelocities) {

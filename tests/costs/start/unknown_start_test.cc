@@ -76,6 +76,31 @@ TEST_P(UnknownStartTest, AdjointEqualsSensitivityEqualsDifferences) {
   EXPECT_GE(checked, 11);
 }
 
+// The path of the handles is off by what their sensor scatters and by one vector beside it.
+TEST_P(UnknownStartTest, HandlesMayBeShiftedBesides) {
+  const RecordedMotion motion = NoisySphere(GetParam());
+  std::vector<ParameterBlock> blocks;
+  for (const char* name : {"handle_shift.z", "k_stretch", "v0.x", "handle_shift.y"}) {
+    blocks.push_back(MakeParameterBlock(name, motion, {}));
+  }
+  const RolloutCost cost(motion, blocks, {});
+  Eigen::VectorXd point = SomePoint(cost), gradient, residuals;
+  point[0] = 0.05;
+  point[3] = -0.1;
+  double value = 0.0;
+  Eigen::MatrixXd jacobian;
+  ASSERT_TRUE(cost.EvaluateGradient(point, &value, &gradient)) << cost.last_failure();
+  ASSERT_TRUE(cost.Linearize(point, &jacobian, &residuals));
+  EXPECT_LE((jacobian.transpose() * residuals - gradient).norm(), 1e-2 * gradient.norm());
+  for (const Eigen::Index i : {0, 2, 3, 40, 70}) {
+    Eigen::VectorXd plus = point, minus = point;
+    plus[i] += 1e-6;
+    minus[i] -= 1e-6;
+    const double difference = (CostAt(cost, plus) - CostAt(cost, minus)) / 2e-6;
+    EXPECT_NEAR(gradient[i], difference, 1e-5 * std::abs(gradient[i]) + 1e-6 * gradient.norm()) << i;
+  }
+}
+
 TEST_P(UnknownStartTest, RowsAreThoseOfTheCost) {
   const RecordedMotion motion = NoisySphere(GetParam());
   RolloutCostOptions options;

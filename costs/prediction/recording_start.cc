@@ -1,0 +1,111 @@
+// The part of RecordingModel that is about starts and handles: what a rollout has in place of the scene's, and the
+// derivatives along that.
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "costs/prediction/recording_model.h"
+#include "sim/cloth/cloth_model.h"
+
+namespace clothid {
+namespace {
+
+// [3N x q]: in every column each of N vectors is one of the unit vectors `axes` [q].
+Eigen::MatrixXd AlongAxes(Eigen::Index num_vectors, const std::vector<int>& axes) {
+  Eigen::MatrixXd columns(3 * num_vectors, static_cast<Eigen::Index>(axes.size()));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    columns.col(static_cast<Eigen::Index>(i)) = Eigen::Vector3d::Unit(axes[i]).replicate(num_vectors, 1);
+  }
+  return columns;
+}
+
+// Zero columns before those of `columns`, if it has any.
+void PutBehind(Eigen::Index num_columns, Eigen::MatrixXd* columns) {
+  if (columns->cols() == 0 || num_columns == 0) return;
+  Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(columns->rows(), num_columns + columns->cols());
+  wider.rightCols(columns->cols()) = *columns;
+  *columns = std::move(wider);
+}
+
+// Sets the columns from `first` on. `all` may be empty: it then gets `num_columns`, the others zero.
+void SetColumns(const Eigen::MatrixXd& columns, Eigen::Index first, Eigen::Index num_columns, Eigen::MatrixXd* all) {
+  if (columns.cols() == 0) return;
+  if (all->cols() == 0) *all = Eigen::MatrixXd::Zero(columns.rows(), num_columns);
+  all->middleCols(first, columns.cols()) = columns;
+}
+
+}  // namespace
+
+RecordingModel::RolloutStart RecordingModel::StartAt(const Eigen::VectorXd& coordinates) const {
+  RolloutStart start;
+  if (start_ != nullptr) {
+    const Eigen::VectorXd unknowns = StartUnknowns(coordinates);
+    start.positions = start_->PositionsAt(unknowns);
+    start.velocities = start_->VelocitiesAt(unknowns);
+    start.handle_offsets = start_->HandleOffsetsAt(unknowns);
+  }
+  if (values_.Find(AlignmentKind::kHandleShift) != nullptr) {
+    ShiftHandles(values_.AlignmentAt(coordinates).handle_shift, &start);
+  }
+  if (values_.Find(AlignmentKind::kStartVelocity) == nullptr) return start;
+  const Eigen::Vector3d velocity = values_.AlignmentAt(coordinates).start_velocity;
+  if (!start.velocities) start.velocities = scene().initial_velocities;
+  for (int node : simulator_.model().free_nodes()) start.velocities->segment<3>(3 * node) += velocity;
+  return start;
+}
+
+Eigen::Index RecordingModel::num_handle_knots() const {
+  if (start_ == nullptr || start_->num_handle_unknowns() == 0) return 1;
+  return start_->directions().handle_offsets.rows() / (3 * static_cast<Eigen::Index>(scene().handles.nodes.size()));
+}
+
+void RecordingModel::ShiftHandles(const Eigen::Vector3d& shift, RolloutStart* start) const {
+  const std::vector<int>& nodes = scene().handles.nodes;
+  if (!start->positions) start->positions = scene().initial_positions;
+  for (const int node : nodes) start->positions->segment<3>(3 * node) += shift;
+  const Eigen::VectorXd shifts = shift.replicate(static_cast<Eigen::Index>(nodes.size()), 1);
+  if (start->handle_offsets) {
+    const HandlePath& own = *start->handle_offsets;
+    start->handle_offsets = HandlePath(own.times(), own.positions().colwise() + shifts);
+  } else {
+    start->handle_offsets = HandlePath(Eigen::VectorXd::Constant(1, scene().start_time), shifts);
+  }
+}
+
+SensitivityDirections RecordingModel::DirectionsOf(const SortedBlocks& active, const Eigen::MatrixXd& along) const {
+  SensitivityDirections directions;
+  const auto num_axes = static_cast<Eigen::Index>(active.velocity_axes.size());
+  const auto num_first = num_axes + static_cast<Eigen::Index>(active.handle_axes.size());
+  const auto num_active = static_cast<int>(active.start_places.size());
+  if (num_active > 0 && num_active != num_start_unknowns()) {
+    throw std::logic_error("derivatives along some unknowns of the start; expected all or none");
+  }
+  if (num_active > 0 || along.cols() > 0) {
+    directions = num_active > 0 ? start_->directions() : start_->DirectionsAlong(along);
+    PutBehind(num_first, &directions.initial_positions);
+    PutBehind(num_first, &directions.initial_velocities);
+    PutBehind(num_first, &directions.handle_offsets);
+  }
+  directions.parameters = active.parameters;
+  const Eigen::Index num_columns = std::max(num_first, directions.initial_positions.cols());
+  SetColumns(AlongAxes(observation_.num_nodes(), active.velocity_axes), 0, num_columns, &directions.initial_velocities);
+  SetColumns(
+      AlongAxes(num_handle_knots() * static_cast<Eigen::Index>(scene().handles.nodes.size()), active.handle_axes),
+      num_axes, num_columns, &directions.handle_offsets);
+  return directions;
+}
+
+void RecordingModel::SetStartRows(const RolloutGradient& gradient, const SortedBlocks& active,
+                                  Eigen::MatrixXd* all) const {
+  if (!active.velocity_places.empty()) {
+    (*all)(active.velocity_places, Eigen::all) =
+        AlongAxes(observation_.num_nodes(), active.velocity_axes).transpose() * gradient.initial_velocities;
+  }
+  if (!active.handle_places.empty()) {
+    (*all)(active.handle_places, Eigen::all) =
+        AlongAxes(gradient.handle_offsets.rows() / 3, active.handle_axes).transpose() * gradient.handle_offsets;
+  }
+  if (!active.start_places.empty()) (*all)(active.start_places, Eigen::all) = start_->PullBack(gradient);
+}
+
+}  // namespace clothid
