@@ -5,8 +5,8 @@
 // A row per measured point: d/sigma, d the signed distance to the predicted cloth
 // (datasets/observation/cloth_surface.h), which says what it cannot see. Noise may carry a point kBorderAllowance sigma
 // beyond the border of the cloth. A point of the border has two rows: d/sigma, in which that noise may be any, and
-// u/sigma, its signed distance along the cloth to the border. A
-// loss takes every row for a point.
+// u/sigma, its signed distance along the cloth to the border.
+// A loss takes every row for a point.
 #ifndef CLOTHID_DATASETS_OBSERVATION_CLOUD_OBSERVATION_H_
 #define CLOTHID_DATASETS_OBSERVATION_CLOUD_OBSERVATION_H_
 

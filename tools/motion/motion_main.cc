@@ -105,8 +105,8 @@ constexpr Subcommand kSubcommands[] = {
     {"check", "json", Check},
     {"convert",
      "scene map map_distance as_surface borders corners sigma handle_nodes handles handle_offsets handle_transform "
-     "handle_time_offset faces grid "
-     "transpose transform invert_transform scale times frame_rate time_scale start_at skip_frames frames "
+     "handle_time_offset faces grid transpose transform invert_transform scale times frame_rate time_scale start_at "
+     "skip_frames frames "
      "forces force_times force_sigma force_nodes force_axis force_scale force_time_offset",
      Convert},
     {"convert_clouds", "scene frame_rate times scale sigma voxel max_points seed fit_pose float64", ConvertClouds},
