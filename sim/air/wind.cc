@@ -27,9 +27,15 @@ Eigen::Vector3d WindProfile::At(double time) const {
   return velocities.col(i) + share * (velocities.col(i + 1) - velocities.col(i));
 }
 
-Eigen::Vector3d Wind::At(double time, double wave_phase) const {
-  const Eigen::Vector3d wave = mean + gust * std::sin(frequency * time + wave_phase + phase);
-  return profile.num_knots() == 0 ? wave : wave + profile.At(time);
+double Wind::GustAngle(double time, const RestPlace& place) const {
+  return frequency * time + wave_vector.dot(place.position) + phase;
+}
+
+Eigen::Vector3d Wind::At(double time, const RestPlace& place) const {
+  Eigen::Vector3d velocity = mean + gust * std::sin(GustAngle(time, place));
+  if (profile.num_knots() > 0) velocity += profile.At(time);
+  if (!shear.isZero(0.0)) velocity *= ShearFactor(place);
+  return velocity;
 }
 
 void ValidateWind(const Wind& wind, const std::string& source) {
@@ -41,6 +47,7 @@ void ValidateWind(const Wind& wind, const std::string& source) {
   expect(std::isfinite(wind.frequency), "frequency", "a finite number");
   expect(wind.wave_vector.allFinite(), "wave_vector", "finite numbers");
   expect(std::isfinite(wind.phase), "phase", "a finite number");
+  expect(wind.shear.allFinite(), "shear", "finite numbers");
   const WindProfile& profile = wind.profile;
   expect(profile.num_knots() <= kMaxWindKnots, "profile.times", "at most " + std::to_string(kMaxWindKnots) + " times");
   expect(profile.times.allFinite() && std::is_sorted(profile.times.begin(), profile.times.end(), std::less_equal<>()),

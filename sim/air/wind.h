@@ -1,6 +1,8 @@
 // The velocity of the air before the cloth disturbs it, and by which law it drags on the cloth.
 //
-//   w(t, X) = mean + profile(t) + gust sin(frequency t + wave_vector . X + phase),   X the rest position
+//   w(t, X) = (1 + shear . (X - c)) (mean + profile(t) + gust sin(frequency t + wave_vector . X + phase))
+// X the rest position, c the centroid of the cloth at rest (its area's): so the wind varies over the cloth with the
+// material, and where the cloth moves to does not matter.
 #ifndef CLOTHID_SIM_AIR_WIND_H_
 #define CLOTHID_SIM_AIR_WIND_H_
 
@@ -28,16 +30,25 @@ struct WindProfile {
   Eigen::Vector3d At(double time) const;
 };
 
+// A place on the cloth.
+struct RestPlace {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();     // X, m
+  Eigen::Vector3d from_center = Eigen::Vector3d::Zero();  // X - c, m
+};
+
 struct Wind {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();         // m/s
   Eigen::Vector3d gust = Eigen::Vector3d::Zero();         // m/s
   double frequency = 0.0;                                 // rad/s
   Eigen::Vector3d wave_vector = Eigen::Vector3d::Zero();  // rad/m
   double phase = 0.0;                                     // rad
+  Eigen::Vector3d shear = Eigen::Vector3d::Zero();        // 1/m: by which share the wind grows along the rest shape
   WindProfile profile = {};
 
-  // `wave_phase`: wave_vector . X, rad.
-  Eigen::Vector3d At(double time, double wave_phase) const;
+  Eigen::Vector3d At(double time, const RestPlace& place) const;
+  // frequency t + wave_vector . X + phase, rad, and 1 + shear . (X - c).
+  double GustAngle(double time, const RestPlace& place) const;
+  double ShearFactor(const RestPlace& place) const { return 1.0 + shear.dot(place.from_center); }
   bool is_still() const { return mean.isZero(0.0) && gust.isZero(0.0) && profile.velocities.isZero(0.0); }
 };
 

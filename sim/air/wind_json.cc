@@ -38,10 +38,11 @@ WindProfile ReadProfile(const JsonNode& node) {
 }  // namespace
 
 void ReadWind(const JsonNode& node, Wind* wind) {
-  node.ExpectKeys({"mean", "gust", "frequency", "wave_vector", "phase", "profile"});
+  node.ExpectKeys({"mean", "gust", "frequency", "wave_vector", "phase", "shear", "profile"});
   ReadVector(node, "mean", &wind->mean);
   ReadVector(node, "gust", &wind->gust);
   ReadVector(node, "wave_vector", &wind->wave_vector);
+  ReadVector(node, "shear", &wind->shear);
   if (const auto frequency = node.Find("frequency")) wind->frequency = frequency->Number();
   if (const auto phase = node.Find("phase")) wind->phase = phase->Number();
   if (const auto profile = node.Find("profile")) wind->profile = ReadProfile(*profile);

@@ -4,8 +4,11 @@
 
 namespace clothid {
 
-Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, double wave_phase) {
-  const double angle = wind.frequency * time + wave_phase + wind.phase;
+namespace {
+
+// Of what the shear is a factor of.
+Eigen::Vector3d UnshearedDerivative(const Wind& wind, ParameterId id, double time, const RestPlace& place) {
+  const double angle = wind.GustAngle(time, place);
   const double share = id.knot == kMeanWind ? 1.0 : wind.profile.Weight(id.knot, time);
   switch (id.kind) {
     case ParameterKind::kWindX:
@@ -24,12 +27,46 @@ Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, do
       return time * std::cos(angle) * wind.gust;
     case ParameterKind::kGustPhase:
       return std::cos(angle) * wind.gust;
+    case ParameterKind::kGustWaveX:
+      return place.position.x() * std::cos(angle) * wind.gust;
+    case ParameterKind::kGustWaveY:
+      return place.position.y() * std::cos(angle) * wind.gust;
+    case ParameterKind::kGustWaveZ:
+      return place.position.z() * std::cos(angle) * wind.gust;
     default:
       return Eigen::Vector3d::Zero();
   }
 }
 
-AirDrag::AirDrag(const Scene& scene)
-    : areas_(NodeAreas(scene.mesh)), phases_(scene.mesh.rest_positions.transpose() * scene.wind.wave_vector) {}
+// 0, 1 or 2 of a component of the shear; -1 of another kind.
+int ShearAxis(ParameterKind kind) {
+  return kind == ParameterKind::kWindShearX   ? 0
+         : kind == ParameterKind::kWindShearY ? 1
+         : kind == ParameterKind::kWindShearZ ? 2
+                                              : -1;
+}
+
+}  // namespace
+
+Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, const RestPlace& place) {
+  const int axis = ShearAxis(id.kind);
+  if (axis < 0) return wind.ShearFactor(place) * UnshearedDerivative(wind, id, time, place);
+  Wind unsheared = wind;
+  unsheared.shear.setZero();
+  return place.from_center[axis] * unsheared.At(time, place);
+}
+
+std::vector<RestPlace> RestPlaces(const Mesh& mesh) {
+  const Eigen::VectorXd areas = NodeAreas(mesh);
+  const Eigen::Vector3d center = mesh.rest_positions * areas / areas.sum();
+  std::vector<RestPlace> places;
+  for (int node = 0; node < mesh.num_nodes(); ++node) {
+    const Eigen::Vector3d position = mesh.rest_positions.col(node);
+    places.push_back({position, position - center});
+  }
+  return places;
+}
+
+AirDrag::AirDrag(const Scene& scene) : areas_(NodeAreas(scene.mesh)), places_(RestPlaces(scene.mesh)) {}
 
 }  // namespace clothid

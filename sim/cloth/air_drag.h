@@ -4,13 +4,17 @@
 #define CLOTHID_SIM_CLOTH_AIR_DRAG_H_
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "sim/scene/scene.h"
 
 namespace clothid {
 
 // dw/dtheta of `Wind::At`, theta the parameter `id` of a wind.
-Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, double wave_phase);
+Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, const RestPlace& place);
+
+// The places of all nodes [N].
+std::vector<RestPlace> RestPlaces(const Mesh& mesh);
 
 class AirDrag {
  public:
@@ -20,14 +24,14 @@ class AirDrag {
   const Eigen::VectorXd& areas() const { return areas_; }
 
   // w at time t and rest position X_j, m/s, and its derivative by the parameter `id` of the wind.
-  Eigen::Vector3d WindAt(int node, double time, const Wind& wind) const { return wind.At(time, phases_[node]); }
+  Eigen::Vector3d WindAt(int node, double time, const Wind& wind) const { return wind.At(time, places_[node]); }
   Eigen::Vector3d WindDerivativeAt(int node, double time, const Wind& wind, ParameterId id) const {
-    return WindDerivative(wind, id, time, phases_[node]);
+    return WindDerivative(wind, id, time, places_[node]);
   }
 
  private:
   Eigen::VectorXd areas_;
-  Eigen::VectorXd phases_;  // wave_vector . X_j [N], rad
+  std::vector<RestPlace> places_;  // [N]
 };
 
 }  // namespace clothid

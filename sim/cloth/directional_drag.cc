@@ -125,13 +125,14 @@ NormalSlope SlopeOf(AirLaw law, const DragConstants& constants, const TriangleBa
 DirectionalDrag::DirectionalDrag(const Scene& scene, std::shared_ptr<const TriangleElements> triangles,
                                  const std::vector<int>& free_index, const BlockPattern& pattern)
     : law_(scene.air_law), triangles_(std::move(triangles)), places_(triangles_->size()) {
-  const Eigen::VectorXd phases = scene.mesh.rest_positions.transpose() * scene.wind.wave_vector;
+  const std::vector<RestPlace> nodes = RestPlaces(scene.mesh);
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
     for (int lane = 0; lane < kLanes; ++lane) {
-      places_[b].phases[lane] = 0.0;
       for (int i = 0; i < 3; ++i) {
-        places_[b].phases[lane] += phases[batch.rows[i][lane] / 3] / 3.0;
+        const RestPlace& corner = nodes[batch.rows[i][lane] / 3];
+        places_[b].centers[lane].position += corner.position / 3.0;
+        places_[b].centers[lane].from_center += corner.from_center / 3.0;
         for (int j = 0; j < 3; ++j) {
           const int row = free_index[batch.rows[i][lane] / 3], column = free_index[batch.rows[j][lane] / 3];
           if (batch.area[lane] > 0.0 && row >= 0 && column >= 0) {
@@ -151,7 +152,7 @@ void DirectionalDrag::SetAir(const Eigen::VectorXd& positions, const Wind& wind,
     GatherCorners((*triangles_)[b], positions.data(), &x);
     SetNormals(x, &(*air)[b]);
     for (int lane = 0; lane < kLanes; ++lane) {
-      const Eigen::Vector3d velocity = wind.At(time, places_[b].phases[lane]);
+      const Eigen::Vector3d velocity = wind.At(time, places_[b].centers[lane]);
       for (int c = 0; c < 3; ++c) (*air)[b].wind[c][lane] = velocity[c];
     }
   }
@@ -252,7 +253,7 @@ void DirectionalDrag::AddWindDerivative(double factor, const DragConstants& cons
     FillBlocks(law_, batch, air[b], v, constants, &blocks);
     for (int lane = 0; lane < kLanes; ++lane) {
       const Eigen::Vector3d third =
-          (factor / 3.0) * BlockAt(blocks, lane) * WindDerivative(wind, id, time, places_[b].phases[lane]);
+          (factor / 3.0) * BlockAt(blocks, lane) * WindDerivative(wind, id, time, places_[b].centers[lane]);
       for (int i = 0; i < 3; ++i) force->segment<3>(batch.rows[i][lane]) += third;
     }
   }

@@ -64,10 +64,10 @@ class DirectionalDrag {
                          Eigen::VectorXd* force) const;
 
  private:
-  // Of a batch: where d2D/dv2 has its blocks, invalid for handles, and wave_vector . X of the centres, rad.
+  // Of a batch: where d2D/dv2 has its blocks, invalid for handles, and the centres at rest.
   struct Places {
     BlockPosition blocks[3][3][kLanes];
-    double phases[kLanes];
+    RestPlace centers[kLanes];
   };
 
   AirLaw law_;

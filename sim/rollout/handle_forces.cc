@@ -194,6 +194,12 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
     case ParameterKind::kGustZ:
     case ParameterKind::kGustFrequency:
     case ParameterKind::kGustPhase:
+    case ParameterKind::kGustWaveX:
+    case ParameterKind::kGustWaveY:
+    case ParameterKind::kGustWaveZ:
+    case ParameterKind::kWindShearX:
+    case ParameterKind::kWindShearY:
+    case ParameterKind::kWindShearZ:
       for (const Handle& handle : handles_) {
         if (model_.drag() == nullptr) break;
         const double time = model_.scene().start_time + step * time_step_;

@@ -51,7 +51,13 @@ constexpr WindName kWindNames[] = {{"wind.x", ParameterKind::kWindX},
                                    {"gust.y", ParameterKind::kGustY},
                                    {"gust.z", ParameterKind::kGustZ},
                                    {"gust.frequency", ParameterKind::kGustFrequency},
-                                   {"gust.phase", ParameterKind::kGustPhase}};
+                                   {"gust.phase", ParameterKind::kGustPhase},
+                                   {"gust.wave.x", ParameterKind::kGustWaveX},
+                                   {"gust.wave.y", ParameterKind::kGustWaveY},
+                                   {"gust.wave.z", ParameterKind::kGustWaveZ},
+                                   {"wind.shear.x", ParameterKind::kWindShearX},
+                                   {"wind.shear.y", ParameterKind::kWindShearY},
+                                   {"wind.shear.z", ParameterKind::kWindShearZ}};
 
 constexpr std::string_view kFrictionPrefix = "mu.";
 
@@ -97,6 +103,18 @@ double& WindValue(ParameterId id, Wind* wind) {
       return wind->frequency;
     case ParameterKind::kGustPhase:
       return wind->phase;
+    case ParameterKind::kGustWaveX:
+      return wind->wave_vector.x();
+    case ParameterKind::kGustWaveY:
+      return wind->wave_vector.y();
+    case ParameterKind::kGustWaveZ:
+      return wind->wave_vector.z();
+    case ParameterKind::kWindShearX:
+      return wind->shear.x();
+    case ParameterKind::kWindShearY:
+      return wind->shear.y();
+    case ParameterKind::kWindShearZ:
+      return wind->shear.z();
     default:
       break;
   }

@@ -68,6 +68,12 @@ enum class ParameterKind {
   kGustZ,
   kGustFrequency,
   kGustPhase,
+  kGustWaveX,
+  kGustWaveY,
+  kGustWaveZ,
+  kWindShearX,
+  kWindShearY,
+  kWindShearZ,
 };
 
 // The constants of a material, in the order in which lists name them.
@@ -80,8 +86,10 @@ inline constexpr ParameterKind kMaterialKinds[] = {ParameterKind::kStretchStiffn
                                                    ParameterKind::kNormalDrag,       ParameterKind::kTangentialDrag,
                                                    ParameterKind::kAddedMass};
 inline constexpr ParameterKind kWindKinds[] = {
-    ParameterKind::kWindX, ParameterKind::kWindY, ParameterKind::kWindZ,         ParameterKind::kGustX,
-    ParameterKind::kGustY, ParameterKind::kGustZ, ParameterKind::kGustFrequency, ParameterKind::kGustPhase};
+    ParameterKind::kWindX,      ParameterKind::kWindY,     ParameterKind::kWindZ,         ParameterKind::kGustX,
+    ParameterKind::kGustY,      ParameterKind::kGustZ,     ParameterKind::kGustFrequency, ParameterKind::kGustPhase,
+    ParameterKind::kGustWaveX,  ParameterKind::kGustWaveY, ParameterKind::kGustWaveZ,     ParameterKind::kWindShearX,
+    ParameterKind::kWindShearY, ParameterKind::kWindShearZ};
 bool IsWind(ParameterKind kind);
 
 // Values that a parameter can have; finite ones.
@@ -107,9 +115,9 @@ struct ParameterId {
 // "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson"; "bend_warp",
 // "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass"; "mu" (every obstacle), "mu.NAME" (one of
 // them); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y",
-// "gust.z", "gust.frequency", "gust.phase". `obstacle_names` are the scene's, in its order. Throws `Error` (kUsage)
-// that lists the names it would accept. `ParseParameter` in sim/scene/scene.h also asks whether a scene has the
-// parameter.
+// "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x", ... `obstacle_names` are the scene's, in
+// its order. Throws `Error` (kUsage) that lists the names it would accept. `ParseParameter` in sim/scene/scene.h also
+// asks whether a scene has the parameter.
 ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names);
 // The names that are accepted, "k_stretch, k_bend, .., mu.ball, wind.x, ..", less those of kinds for which `has` is
 // false, and of knots.

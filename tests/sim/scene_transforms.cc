@@ -49,6 +49,7 @@ Scene Moved(const RandomScene& original, const RigidMotion& motion, const RigidM
   Scene scene = original.scene;
   scene.mesh.rest_positions = rest.OfPoints(scene.mesh.rest_positions);
   scene.wind.wave_vector = rest.OfVectors(scene.wind.wave_vector);
+  scene.wind.shear = rest.OfVectors(scene.wind.shear);
   scene.gravity = motion.OfVectors(scene.gravity);
   scene.node_force = motion.OfVectors(scene.node_force);
   scene.wind.mean = motion.OfVectors(scene.wind.mean);
@@ -111,6 +112,7 @@ Scene Rescaled(const RandomScene& original, const Units& units) {
   scene.wind.gust *= units.speed();
   scene.wind.frequency /= units.time;
   scene.wind.wave_vector /= units.length;
+  scene.wind.shear /= units.length;
   scene.depenetration_speed *= units.speed();
   scene.mesh.rest_positions *= units.length;
   scene.initial_positions *= units.length;

@@ -7,7 +7,9 @@ const plain = (text) => String(text).replace(/&/g, '&amp;').replace(/</g, '&lt;'
 const UNITS = {k_stretch: 'N/m', k_bend: 'N m', density: 'kg/m²', drag: 'kg/(m² s)', damping: 'N s/m',
   k_warp: 'N/m', k_weft: 'N/m', k_shear: 'N/m', k_poisson: 'N/m', bend_warp: 'N m', bend_weft: 'N m',
   bend_twist: 'N m', added_mass: 'kg/m²', 'wind.x': 'm/s', 'wind.y': 'm/s', 'wind.z': 'm/s', 'gust.x': 'm/s',
-  'gust.y': 'm/s', 'gust.z': 'm/s', 'gust.frequency': 'rad/s', 'gust.phase': 'rad'};
+  'gust.y': 'm/s', 'gust.z': 'm/s', 'gust.frequency': 'rad/s', 'gust.phase': 'rad',
+  'gust.wave.x': 'rad/m', 'gust.wave.y': 'rad/m', 'gust.wave.z': 'rad/m', 'wind.shear.x': '1/m', 'wind.shear.y': '1/m',
+  'wind.shear.z': '1/m'};
 // Of a parameter, whichever recording or knot of the wind it belongs to; none of drag_normal and drag_tangential, whose
 // unit depends on the law of the air.
 const parameterUnit = (name) => UNITS[name.replace(/@.*/, '').replace(/\.\d+$/, '')] || '';

@@ -64,6 +64,18 @@ TEST(AirFitTest, FindsTheKnotsOfAProfileAndGusts) {
   ExpectRecovered(RunFit(MakeMotion(scene, {gust, 0.0, 0.0, 0.0}), {"gust.z", "gust.frequency", "gust.phase"}), gust);
 }
 
+TEST(AirFitTest, FindsHowTheWindVariesOverTheCloth) {
+  Scene scene = WindySwing(AirLaw::kQuadratic);
+  scene.wind.shear = {0.5, 0.5, 0.0};
+  const std::map<std::string, double> shear = {{"wind.shear.x", 2.0}, {"wind.shear.y", -1.2}, {"wind.y", 0.8}};
+  ExpectRecovered(RunFit(MakeMotion(scene, {shear, 0.0, 0.0, 0.0}), {"wind.shear.x", "wind.shear.y", "wind.y"}), shear);
+  scene.wind.gust = {0.5, 0.5, 0.5};
+  scene.wind.frequency = 15.0;
+  scene.wind.wave_vector = {3.0, 1.0, 0.0};
+  const std::map<std::string, double> wave = {{"gust.wave.x", 5.0}, {"gust.wave.y", -0.7}};
+  ExpectRecovered(RunFit(MakeMotion(scene, {wave, 0.0, 0.0, 0.0}), {"gust.wave.x", "gust.wave.y"}), wave);
+}
+
 // A cloth that hangs still in a steady wind tells how hard the wind pushes, not how fast it is.
 TEST(AirFitTest, NamesWindAgainstDragOfAClothThatHangsStill) {
   Scene scene = SphereScene();

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "sim/cloth/air_drag.h"
 #include "sim/scene/scene.h"
@@ -20,19 +22,44 @@ Wind FullWind() {
   wind.gust = {0.0, 3.0, 1.0};
   wind.frequency = 9.0;
   wind.phase = 0.7;
+  wind.wave_vector = {1.0, 0.5, 2.0};
   wind.profile.times = Eigen::Vector3d(0.1, 0.4, 0.5);
   wind.profile.velocities.resize(3, 3);
   wind.profile.velocities << 0.0, 1.0, 2.0, 3.0, 3.0, -1.0, 0.5, 0.0, 0.0;
   return wind;
 }
 
+// Where the waves are 0.3 rad ahead.
+RestPlace Place() { return {Eigen::Vector3d(0.1, 0.2, 0.05), Eigen::Vector3d(-0.2, 0.1, 0.15)}; }
+
 TEST(WindTest, IsMeanProfileAndWave) {
   Wind wind = FullWind();
   const double angle = 9.0 * 0.25 + 0.3 + 0.7;
-  EXPECT_LT((wind.At(0.25, 0.3) - (wind.mean + std::sin(angle) * wind.gust + Eigen::Vector3d(0.5, 3.0, 0.25))).norm(),
-            1e-14);
+  const Eigen::Vector3d wave = wind.mean + std::sin(angle) * wind.gust, whole = wave + Eigen::Vector3d(0.5, 3.0, 0.25);
+  EXPECT_LT((wind.At(0.25, Place()) - whole).norm(), 1e-14);
+  wind.shear = {1.0, 0.5, -2.0};
+  EXPECT_LT((wind.At(0.25, Place()) - (1.0 - 0.2 + 0.05 - 0.3) * whole).norm(), 1e-14);
+  wind.shear.setZero();
   wind.profile = {};
-  EXPECT_LT((wind.At(0.25, 0.3) - (wind.mean + std::sin(angle) * wind.gust)).norm(), 1e-14);
+  EXPECT_LT((wind.At(0.25, Place()) - wave).norm(), 1e-14);
+}
+
+TEST(WindTest, ShearIsMeasuredFromTheCentroidOfTheArea) {
+  GridOptions grid;
+  grid.nodes = {3, 4};
+  grid.size = {0.2, 0.6};
+  grid.origin = {5.0, -1.0, 2.0};
+  const Mesh mesh = MakeGrid(grid);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), far = Eigen::Vector3d::Zero();
+  for (const RestPlace& place : RestPlaces(mesh)) {
+    sum += place.from_center;
+    far = far.cwiseMax(place.from_center.cwiseAbs());
+  }
+  EXPECT_LT(sum.norm(), 1e-12);
+  std::vector<double> sizes(far.begin(), far.end());
+  std::sort(sizes.begin(), sizes.end());
+  EXPECT_NEAR(sizes[1], 0.1, 1e-12);
+  EXPECT_NEAR(sizes[2], 0.3, 1e-12);
 }
 
 TEST(WindTest, AProfileIsConstantBeyondItsEnds) {
@@ -54,8 +81,10 @@ TEST(WindTest, WeightsOfKnotsMakeTheProfile) {
 TEST(WindTest, DerivativesAreDifferences) {
   Parameters parameters;
   parameters.wind = FullWind();
+  parameters.wind.shear = {1.0, 0.5, -2.0};
   for (const char* name : {"wind.x", "wind.y", "wind.z", "wind.x.1", "wind.y.2", "wind.z.3", "gust.x", "gust.y",
-                           "gust.z", "gust.frequency", "gust.phase"}) {
+                           "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", "gust.wave.y", "gust.wave.z",
+                           "wind.shear.x", "wind.shear.y", "wind.shear.z"}) {
     const ParameterId id = ParseParameter(name, std::vector<std::string>());
     EXPECT_EQ(ParameterName(id, {}), name);
     const double value = GetParameter(parameters, id), step = 1e-6;
@@ -65,17 +94,17 @@ TEST(WindTest, DerivativesAreDifferences) {
         Parameters moved = parameters;
         SetParameter(id, value + (side == 0 ? -step : step), &moved);
         EXPECT_NE(GetParameter(moved, id), value);
-        sides[side] = moved.wind.At(time, 0.3);
+        sides[side] = moved.wind.At(time, Place());
       }
-      const Eigen::Vector3d derivative = WindDerivative(parameters.wind, id, time, 0.3);
+      const Eigen::Vector3d derivative = WindDerivative(parameters.wind, id, time, Place());
       EXPECT_LT((derivative - (sides[1] - sides[0]) / (2.0 * step)).norm(), 1e-8) << name << " " << time;
     }
   }
 }
 
 TEST(WindTest, NamesOfKnotsAreCountedFromOne) {
-  for (const char* name :
-       {"wind.x.0", "wind.x.", "wind.x.01", "wind.x.-1", "wind.x.1.1", "gust.x.1", "wind", "wind.w"}) {
+  for (const char* name : {"wind.x.0", "wind.x.", "wind.x.01", "wind.x.-1", "wind.x.1.1", "gust.x.1", "wind", "wind.w",
+                           "wind.shear.x.1", "gust.wave"}) {
     ExpectError([&] { ParseParameter(name, std::vector<std::string>()); }, ErrorKind::kUsage,
                 {"unknown parameter", name, "wind.x, wind.y, wind.z, gust.x"});
   }
@@ -93,12 +122,14 @@ std::string WindScene(const std::string& keys) {
 
 TEST(WindTest, IsReadFromJson) {
   const Scene scene = ParseScene(
-      WindScene("\"wind\": {\"mean\": [1, 2, 3], \"phase\": 0.5, \"profile\": {\"times\": [0, 0.5], \"velocities\": "
+      WindScene("\"wind\": {\"mean\": [1, 2, 3], \"phase\": 0.5, \"shear\": [0, 2, 1], \"profile\": {\"times\": [0, "
+                "0.5], \"velocities\": "
                 "[[0, 0, 1], [0, 2, 0]]}}, \"air\": {\"law\": \"quadratic\"}, \"materials\": {\"drag_normal\": 0.6, "
                 "\"drag_tangential\": 0.02, \"added_mass\": 0.1},\n"
                 "\"parameters\": {\"wind.x\": {\"nominal\": -4}, \"wind.z.1\": {\"lower\": -2, \"upper\": 2}}"),
       "scene.json", "");
   EXPECT_EQ(scene.wind.phase, 0.5);
+  EXPECT_EQ(scene.wind.shear, Eigen::Vector3d(0.0, 2.0, 1.0));
   EXPECT_EQ(scene.wind.profile.times, Eigen::Vector2d(0.0, 0.5));
   EXPECT_EQ(scene.wind.profile.velocities.col(1), Eigen::Vector3d(0.0, 2.0, 0.0));
   EXPECT_EQ(scene.air_law, AirLaw::kQuadratic);

@@ -35,6 +35,7 @@ class DirectionalDragTest : public ::testing::TestWithParam<AirLaw> {
     scene.wind.gust = {0.0, 3.0, 1.0};
     scene.wind.frequency = 9.0;
     scene.wind.wave_vector = {2.0, 5.0, 0.0};
+    scene.wind.shear = {1.0, -3.0, 0.0};
     return scene;
   }
 
@@ -68,6 +69,7 @@ class DirectionalDragTest : public ::testing::TestWithParam<AirLaw> {
 TEST_P(DirectionalDragTest, TheForceIsTheFormula) {
   Eigen::VectorXd expected = Eigen::VectorXd::Zero(v_.size());
   const Eigen::VectorXd areas = TriangleAreas(scene_.mesh);
+  const Eigen::Vector3d center(0.15, 0.15, 0.0);  // of the square
   for (int f = 0; f < scene_.mesh.num_faces(); ++f) {
     const Eigen::Vector3i nodes = scene_.mesh.faces.col(f);
     Eigen::Vector3d x[3], v = Eigen::Vector3d::Zero(), rest = Eigen::Vector3d::Zero();
@@ -77,7 +79,7 @@ TEST_P(DirectionalDragTest, TheForceIsTheFormula) {
       rest += scene_.mesh.rest_positions.col(nodes[i]) / 3.0;
     }
     const Eigen::Vector3d n = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
-    const Eigen::Vector3d u = scene_.wind.At(kTime, scene_.wind.wave_vector.dot(rest)) - v;
+    const Eigen::Vector3d u = scene_.wind.At(kTime, {rest, rest - center}) - v;
     const Eigen::Vector3d u_n = u.dot(n) * n, u_t = u - u_n;
     const bool quadratic = GetParam() == AirLaw::kQuadratic;
     const Eigen::Vector3d force = areas[f] * (kConstants.normal * (quadratic ? u_n.norm() : 1.0) * u_n +

@@ -48,6 +48,7 @@ Scene AirScene(const AirParam& param) {
   scene.wind.frequency = 9.0;
   scene.wind.phase = 0.4;
   scene.wind.wave_vector = {3.0, 2.0, 1.0};
+  scene.wind.shear = {1.5, -0.8, 0.3};
   scene.wind.profile.times = Eigen::Vector3d(0.0, 0.2, 0.4);
   scene.wind.profile.velocities.resize(3, 3);
   scene.wind.profile.velocities << 0.1, -0.2, 0.3, 0.0, 0.2, 0.1, 0.1, 0.1, -0.3;
@@ -62,7 +63,8 @@ class AirCase {
       : scene_(AirScene(param)), simulator_(scene_), parameters_(scene_.nominal_parameters()) {
     for (const char* name :
          {"drag_normal", "drag_tangential", "added_mass", "drag", "density", "wind.x", "wind.y", "wind.z", "wind.x.1",
-          "wind.y.2", "wind.z.3", "gust.x", "gust.y", "gust.z", "gust.frequency", "gust.phase"}) {
+          "wind.y.2", "wind.z.3", "gust.x", "gust.y", "gust.z", "gust.frequency", "gust.phase",
+          "gust.wave.x", "gust.wave.y", "wind.shear.x", "wind.shear.y"}) {
       directions_.parameters.push_back(ParseParameter(name, scene_));
       names_.emplace_back(name);
     }
