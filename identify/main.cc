@@ -28,6 +28,8 @@ DEFINE_string(fit, "", "parameters to fit; empty: mu, where there are obstacles,
 DEFINE_string(each, "", "parameters to fit of which every recording has its own");
 DEFINE_string(field, "", "constants that vary over the cloth, NAME:ROWSxCOLUMNS[,...]");
 DEFINE_double(field_weight, 0.0, "weight of the smoothness of fields; 0: chosen by the marginal likelihood");
+DEFINE_string(wind_profile, "", "knots of a wind that changes over the time of every recording, KNOTS[:AXES]");
+DEFINE_double(wind_smoothness, 0.0, "how far the wind wanders, m/s in a second; 0: chosen by the marginal likelihood");
 DEFINE_string(start, "", "starting values, NAME=VALUE[,...]");
 DEFINE_string(lower, "", "lower bounds, NAME=VALUE[,...]");
 DEFINE_string(upper, "", "upper bounds, NAME=VALUE[,...]");
@@ -74,7 +76,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       obstacles), where the scene has warp and weft of k_warp, k_weft, k_shear, k_poisson in place of
                       k_stretch and bend_warp, bend_weft, bend_twist in place of k_bend (mu,k_warp,k_weft), of the air
                       drag_normal, drag_tangential, added_mass, wind.x, .y, .z, gust.x, .y, .z, gust.frequency,
-                      gust.phase and wind.x.1, .. of a wind profile, and of the parameters of a recording itself:
+                      gust.phase, gust.wave.x, .., wind.shear.x, .. and wind.x.1, .. of a wind profile, and of the
+                      parameters of a recording itself:
                       time_offset  s, added to the recording's times to meet the clock of the scene and its handles
                       shift, turn  m and rad about the centroid of the measured points, added to the prediction to
                                    meet the recording: what its frame of reference is off (align: both)
@@ -90,6 +93,11 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       `simulate --set_field` reads
   --field_weight W    of the smoothness of fields: W/2 times the integral of the squared Laplacian of the logarithm, the
                       control grid being a unit square; 0: chosen by the marginal likelihood (0)
+  --wind_profile K[:AXES]  a wind that changes over time, piecewise linear between K knots evenly over each recording,
+                      which has its own; from the wind of the scene. AXES: its components that change, as in 8:xy (xyz).
+                      The wind is believed to change little from knot to knot
+  --wind_smoothness S  by S sqrt(h) m/s (standard deviation) between knots h s apart, where residuals are as large as
+                      sigma; 0: chosen by the marginal likelihood (0). Without --wind_profile: of fitted wind.x.1, ..
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values; of a recording's own parameters 0)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
                       cloth's size, turn +-0.2, v0 +-2, handle_shift +-1/10 of the size, force_bias +-the largest
@@ -161,6 +169,7 @@ FitOptions FitOptionsFromFlags() {
   FitOptions options;
   options.parameters = ParseNames(FLAGS_fit, "--fit");
   options.each = ParseNames(FLAGS_each, "--each");
+  options.wind_smoothness = FLAGS_wind_smoothness;
   options.overrides.start = ParseParameterValues(FLAGS_start, "--start");
   options.overrides.lower_bounds = ParseParameterValues(FLAGS_lower, "--lower");
   options.overrides.upper_bounds = ParseParameterValues(FLAGS_upper, "--upper");
@@ -199,6 +208,7 @@ RunOptions OptionsFromFlags(const std::string& command_line) {
   options.fit = FitOptionsFromFlags();
   options.fields = ParseFieldRequests(FLAGS_field);
   options.field_weight = FLAGS_field_weight;
+  options.wind = ParseWindRequest(FLAGS_wind_profile);
   options.check_recordings = FLAGS_check;
   options.check_gradients = FLAGS_check_gradients;
   options.profiles = ParseNames(FLAGS_profile, "--profile");

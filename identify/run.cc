@@ -6,6 +6,7 @@
 
 #include "datasets/checking/motion_check.h"
 #include "datasets/motion/motion_validation.h"
+#include "identify/base/knot_names.h"
 #include "identify/base/output_folder.h"
 #include "identify/checks/discretization_check.h"
 #include "identify/checks/energy_check.h"
@@ -18,6 +19,7 @@
 #include "identify/landscape/fit_landscape.h"
 #include "identify/report/node_prediction.h"
 #include "identify/report/report.h"
+#include "identify/wind/wind_fit.h"
 #include "sim/base/phase_seconds.h"
 #include "sim/scene/refinement.h"
 
@@ -69,6 +71,7 @@ RunInputs ReadInputs(const RunOptions& options) {
       if (options.time_step.seconds > 0.0) motion.scene.time_step = options.time_step.seconds;
     }
   }
+  if (options.wind.is_given()) SetWindProfile(options.wind, &inputs.fitted);
   for (const std::string& folder : options.landscape_paths) {
     inputs.landscapes.push_back(ReadFitLandscape(folder, inputs.fitted));
   }
@@ -133,7 +136,13 @@ class Run {
   static FitOptions FitOptionsOf(const RunOptions& options, const OutputFolder* folder) {
     FitOptions fit = options.fit;
     if (options.resume) fit.journal_folder = folder->path();
+    if (options.wind.is_given()) AddKnots(options.wind, &fit);
+    if (ChoosesSmoothness(options)) fit.wind_smoothness = kFirstWindSmoothness;
     return fit;
+  }
+
+  static bool ChoosesSmoothness(const RunOptions& options) {
+    return options.wind.is_given() && options.fit.wind_smoothness == 0.0;
   }
 
   void TellParameters() const {
@@ -155,13 +164,17 @@ class Run {
 
   void RunFit() {
     if (!options_.fields.empty()) return RunFieldFit();
-    if (fit_options_.num_starts > 1) {
-      summary_ = FitFromStarts(fit_options_, inputs_.fitted, options_.growing_horizon, problem_.get(),
-                               &checks_.starts.emplace());
-    } else {
-      GrowingHorizon growing(inputs_.fitted, fit_options_);
-      summary_ = Fit(fit_options_, problem_.get(), options_.growing_horizon ? &growing : nullptr);
+    GrowingHorizon growing(inputs_.fitted, fit_options_);
+    GrowingHorizon* const horizon = options_.growing_horizon ? &growing : nullptr;
+    if (ChoosesSmoothness(options_)) {
+      summary_ = FitWithChosenSmoothness(inputs_.fitted, horizon, &fit_options_, &problem_);
+      if (options_.on_fitted) options_.on_fitted(summary_);
+      return;
     }
+    summary_ = fit_options_.num_starts == 1
+                   ? Fit(fit_options_, problem_.get(), horizon)
+                   : FitFromStarts(fit_options_, inputs_.fitted, options_.growing_horizon, problem_.get(),
+                                   &checks_.starts.emplace());
     if (options_.time_step.is_automatic) FitWithChosenStep();
     if (options_.on_fitted) options_.on_fitted(summary_);
   }
@@ -178,15 +191,7 @@ class Run {
     problem_ = std::make_unique<FitProblem>(inputs_.fitted, fit_options_);
     problem_->SetStart(choice.start);
     summary_ = Fit(fit_options_, problem_.get());
-    for (std::size_t i = 0; i < first.parameters.size() && summary_.has_estimate(); ++i) {
-      summary_.parameters[i].start = first.parameters[i].start;
-    }
-    summary_.start_error = first.start_error;
-    summary_.start_predicted = first.start_predicted;
-    summary_.statistics += first.statistics;
-    summary_.lead += first.lead;
-    summary_.total_seconds += first.total_seconds;
-    summary_.solver_seconds += first.solver_seconds;
+    AddEarlierFit(first, &summary_);
   }
 
   // What is held out moves with the same cloth.
@@ -203,6 +208,9 @@ class Run {
   void Examine() {
     const ScopedTimer timer(&summary_.total_seconds);
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
+    if (options_.wind.is_given()) {
+      checks_.wind = DescribeWind(inputs_.fitted, summary_, fit_options_.wind_smoothness, ChoosesSmoothness(options_));
+    }
     checks_.energy = CheckEnergy(inputs_.fitted, *problem_, summary_, fit_options_.cancel);
     for (const std::string& name : options_.profiles) {
       if (!summary_.uncertainty || fit_options_.is_cancelled()) break;
@@ -268,6 +276,21 @@ void RunOptions::Validate() const {
          "--landscape: is shown in report.html; expected without --report=false");
   Expect(!resume || !output.empty(), "--resume: expected with --output");
   ValidateFields();
+  ValidateWind();
+}
+
+void RunOptions::ValidateWind() const {
+  if (!wind.is_given()) return;
+  Expect(fields.empty(), "--wind_profile: expected without --field");
+  for (const auto& [name, prior] : fit.overrides.priors) {
+    Expect(!FindKnot(name), "--prior: knots of --wind_profile are believed to change little; expected none of '" +
+                                name + "'; see --wind_smoothness");
+  }
+  if (fit.wind_smoothness > 0.0) return;
+  const std::string hint = ", which several fits choose";
+  Expect(!resume, "--resume: expected with --wind_smoothness" + hint);
+  Expect(fit.num_starts == 1, "--starts: expected with --wind_smoothness" + hint);
+  Expect(!time_step.is_automatic, "--time_step: expected with --wind_smoothness" + hint);
 }
 
 void RunOptions::ValidateFields() const {

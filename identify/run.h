@@ -27,6 +27,7 @@
 #include "identify/field/field_request.h"
 #include "identify/fit/fit.h"
 #include "identify/verdict/verdict.h"
+#include "identify/wind/wind_request.h"
 #include "sim/base/error.h"
 
 namespace clothid {
@@ -52,6 +53,9 @@ struct RunOptions {
   // of a field may be one of these. `field_weight`: of the prior, > 0; 0: it is chosen.
   std::vector<FieldRequest> fields;
   double field_weight = 0.0;
+  // A wind that changes over the time of every recording, fitted with the parameters; its smoothness is
+  // `FitOptions::wind_smoothness`, 0: it is chosen (identify/wind/wind_fit.h).
+  WindRequest wind;
   // Beside the fit.
   bool check_gradients = false;              // at the start, before the fit
   std::vector<std::string> profiles;         // parameters whose profile likelihood is wanted
@@ -75,6 +79,7 @@ struct RunOptions {
 
  private:
   void ValidateFields() const;
+  void ValidateWind() const;
 };
 
 struct RunResult {

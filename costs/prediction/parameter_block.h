@@ -28,6 +28,7 @@ inline constexpr double kMaxFriction = 2.0;
 inline constexpr double kBoundFactor = 1e4;
 
 inline constexpr int kEveryRecording = -1;
+inline constexpr int kNoBlock = -1;
 
 struct ParameterBlock {
   // As `ParseParameter` or `ParseAlignmentId` reads it, the same in every recording of a joint fit; or, of one
@@ -44,6 +45,11 @@ struct ParameterBlock {
   // What is believed beforehand, in the parameter's own unit; log scale: of the logarithm. It is one more residual of
   // whoever minimises, (q - PriorCoordinate())/PriorStd(): `RolloutCost` knows nothing of it.
   ParameterPrior prior;
+  // A difference that is believed to be small: to block `linked_to` of the same fit, of the same scale, with a standard
+  // deviation in the parameter's own unit. It is one more residual, likewise, that counts as residuals of the recording
+  // do (identify/uncertainty/priors.h).
+  int linked_to = kNoBlock;
+  double link_spread = 0.0;
 
   double ToCoordinate(double value) const;
   double ToValue(double coordinate) const;
@@ -52,6 +58,8 @@ struct ParameterBlock {
   // The prior in the internal coordinate; NaN where there is none.
   double PriorCoordinate() const;
   double PriorStd() const;
+  bool is_linked() const { return linked_to != kNoBlock; }
+  double LinkStd() const { return link_spread / unit; }  // in the internal coordinate, which is linear
   // From bound to bound, in the internal coordinate.
   double CoordinateRange() const;
   // Within 1e-3 of the range from one of the bounds, or of the range without given bounds if that is smaller: from 0 to
@@ -85,10 +93,10 @@ std::string PriorText(const ParameterPrior& prior, ParameterScale scale);
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
 // obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction], +- its unit sqrt(k_warp k_weft)
 // (k_poisson), of the wind +- its unit: twice the nominal value, at least 10 m/s, of its frequency 10 rad/s, of its
-// phase pi; and kBoundFactor, or 100 times beyond what was measured of any cloth, 10 times of the scene's fabric
-// (sim/fabric/fabric.h) and 100 times beyond the start. Throws `Error` (kUsage) for an unknown name, wrong bounds and
-// priors, a start outside the bounds, and one of zero in log space: a scene without bending (or drag, or damping) has
-// no such term to start at; and for wind in a scene without drag.
+// phase pi, of its wave vector 10 rad/m, of its shear 10 1/m; and kBoundFactor, or 100 times beyond what was measured
+// of any cloth, 10 times of the scene's fabric (sim/fabric/fabric.h) and 100 times beyond the start. Throws `Error`
+// (kUsage) for an unknown name, wrong bounds and priors, a start outside the bounds, and one of zero in log space: a
+// scene without bending (or drag, or damping) has no such term to start at; and for wind in a scene without drag.
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
 
 // The same for a recording, and for its own parameters (costs/prediction/alignment.h), too. Of those: start 0, bounds

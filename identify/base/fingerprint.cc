@@ -79,6 +79,7 @@ std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std
     text << "parameter " << block.name << " " << static_cast<int>(block.scale) << " " << block.start << " "
          << block.unit << " " << block.lower_bound << " " << block.upper_bound << " " << block.frozen;
     if (block.prior.is_given()) text << " prior " << block.prior.center << " " << block.prior.spread;
+    if (block.is_linked()) text << " linked " << block.linked_to << " " << block.link_spread;
     text << "\n";
   }
   text << "adjoint " << static_cast<int>(options.adjoint.method) << " " << options.adjoint.threshold.value_or(0.0)

@@ -22,6 +22,9 @@ void FitOptions::Validate() const {
   if (num_threads < 1 || num_threads > kMaxThreads) {
     Fail("--threads: expected a number from 1 to " + std::to_string(kMaxThreads));
   }
+  if (!(wind_smoothness >= 0.0 && std::isfinite(wind_smoothness))) {
+    Fail("--wind_smoothness: expected a number > 0, in m/s per square root of a second");
+  }
   if (!(function_tolerance > 0.0)) Fail("function_tolerance: expected a number > 0");
   if (!(parameter_tolerance > 0.0)) Fail("parameter_tolerance: expected a number > 0");
 }

@@ -65,6 +65,10 @@ struct FitOptions {
   // order of the recordings; with one recording it stays "drag".
   std::vector<std::string> each;
   ParameterOverrides overrides;
+  // How far the wind may wander, m/s in a second: between neighbouring knots of a fitted profile that are h apart its
+  // difference is believed to be normal with the standard deviation wind_smoothness sqrt(h), where residuals are as
+  // large as their sigma, and in proportion to them elsewhere (identify/uncertainty/priors.h). 0: nothing is believed.
+  double wind_smoothness = 0.0;
   FitMethod method = FitMethod::kLevenbergMarquardt;
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   AdjointOptions adjoint;  // how reverse sweeps solve their linear systems

@@ -2,9 +2,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <iomanip>
 #include <sstream>
 #include <utility>
+
+#include "identify/base/knot_names.h"
 
 namespace clothid {
 namespace {
@@ -12,6 +15,8 @@ namespace {
 constexpr char kEraseToEnd[] = "\033[K";
 // How many steps of an evaluation, and iterations of a fit, tell how long the others take. The first ones set up what
 // is made once, or start far from the solution.
+// Of a fit of more parameters an iteration does not show the knots of the wind.
+constexpr std::size_t kMostNames = 12;
 constexpr int kFewestSteps = 10, kFewestIterations = 3;
 // s. An evaluation that takes less does not show its steps; between two such lines.
 constexpr double kTerminalPatience = 1.0, kTerminalInterval = 0.2, kPlainInterval = 10.0;
@@ -120,7 +125,10 @@ void ProgressPrinter::Print(const std::vector<std::string>& names, const FitIter
   iterations_left_ = max_iterations_ - iteration.iteration;
   std::ostringstream line;
   line << "iteration " << iteration.iteration << "  cost " << std::setprecision(6) << iteration.cost;
-  for (std::size_t i = 0; i < names.size(); ++i) line << "  " << names[i] << " " << iteration.values[i];
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names.size() > kMostNames && FindKnot(names[i])) continue;
+    line << "  " << names[i] << " " << iteration.values[i];
+  }
   line << "  rollouts " << iteration.rollouts;
   if (is_terminal_ && num_timed_ >= kFewestIterations) {
     const double seconds_each = timed_seconds_ / num_timed_;

@@ -1,6 +1,7 @@
 #include "identify/fit/estimate.h"
 
 #include "datasets/observation/observation.h"
+#include "identify/uncertainty/priors.h"
 
 namespace clothid {
 namespace {
@@ -27,6 +28,7 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
     parameter.value = block.frozen ? block.start : values[i];
     parameter.at_bound = !block.frozen && block.IsAtBound(best.coordinates[i]);
     parameter.prior = block.prior;
+    parameter.is_knot = IsKnot(problem.blocks(), i);
     parameter.scale = block.scale;
     summary->parameters.push_back(parameter);
   }

@@ -111,14 +111,16 @@ QuadraticModel FitEvaluator::Sum(const std::vector<RecordingResult>& results, co
 
 void FitEvaluator::AddPriors(Derivative derivative, QuadraticModel* sum) const {
   const std::vector<ParameterBlock>& blocks = problem_->blocks();
-  if (!HasPriors(blocks)) return;
+  if (!HasPriors(blocks) && !HasLinks(blocks)) return;
   sum->cost += PriorCost(blocks, sum->coordinates);
-  const Eigen::VectorXd gradient = PriorGradient(blocks, sum->coordinates), precisions = PriorPrecisions(blocks);
+  if (derivative == Derivative::kNone) return;
+  std::vector<int> free;
   for (int i = 0; i < problem_->num_blocks(); ++i) {
-    if (derivative == Derivative::kNone || blocks[i].frozen) continue;
-    sum->gradient[i] += gradient[i];
-    if (derivative == Derivative::kRows) sum->hessian(i, i) += precisions[i];
+    if (!blocks[i].frozen) free.push_back(i);
   }
+  const Eigen::VectorXd gradient = PriorGradient(blocks, sum->coordinates);
+  sum->gradient(free) += gradient(free);
+  if (derivative == Derivative::kRows) sum->hessian(free, free) += PriorHessian(blocks)(free, free);
 }
 
 void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision) {

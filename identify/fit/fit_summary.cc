@@ -22,4 +22,16 @@ Eigen::VectorXd FitSummary::values() const {
   return values;
 }
 
+void AddEarlierFit(const FitSummary& first, FitSummary* summary) {
+  for (std::size_t i = 0; i < first.parameters.size() && summary->has_estimate(); ++i) {
+    summary->parameters[i].start = first.parameters[i].start;
+  }
+  summary->start_error = first.start_error;
+  summary->start_predicted = first.start_predicted;
+  summary->statistics += first.statistics;
+  summary->lead += first.lead;
+  summary->total_seconds += first.total_seconds;
+  summary->solver_seconds += first.solver_seconds;
+}
+
 }  // namespace clothid

@@ -43,6 +43,7 @@ struct FittedParameter {
   bool frozen = false;
   bool at_bound = false;
   ParameterPrior prior;  // as in its block
+  bool is_knot = false;  // of a profile that is believed to be smooth
   ParameterScale scale = ParameterScale::kLinear;
 };
 
@@ -81,6 +82,9 @@ struct FitSummary {
   int num_iterations() const { return iterations.empty() ? 0 : iterations.back().iteration; }
   Eigen::VectorXd values() const;  // [p] of the parameters
 };
+
+// Makes `summary`, of a fit that went on from the end of `first`, one of both: its starts and its work are added.
+void AddEarlierFit(const FitSummary& first, FitSummary* summary);
 
 }  // namespace clothid
 

@@ -30,6 +30,7 @@ bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSu
     return true;
   }
   estimate->known_start = KnownStart(*all, problem.num_blocks());
+  estimate->known_start.gradient = -PriorGradient(problem.blocks(), summary->coordinates);
   Linearization with_priors = *all;
   with_priors.jacobian = WithPriorRows(problem.blocks(), all->jacobian, /*scale=*/1.0);
   FillStarts(problem, with_priors, summary);

@@ -1,7 +1,5 @@
 #include "identify/fit/problem.h"
 
-#include <ceres/normal_prior.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -10,6 +8,7 @@
 
 #include "costs/rows/evaluation_journal.h"
 #include "identify/base/fingerprint.h"
+#include "identify/fit/prior_costs.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 
@@ -122,13 +121,6 @@ void CheckOverrides(const std::map<std::string, Value>& values, const std::vecto
   }
 }
 
-// r = (q - centre)/std; null where nothing is believed.
-std::unique_ptr<ceres::CostFunction> MakePrior(const ParameterBlock& block) {
-  if (!block.prior.is_given()) return nullptr;
-  const ceres::Matrix scale = ceres::Matrix::Constant(1, 1, 1.0 / block.PriorStd());
-  return std::make_unique<ceres::NormalPrior>(scale, ceres::Vector::Constant(1, block.PriorCoordinate()));
-}
-
 std::shared_ptr<EvaluationJournal> OpenJournal(const FitOptions& options, const std::string& fingerprint,
                                                int recording) {
   const std::string tag = options.journal_tag.empty() ? "" : options.journal_tag + "_";
@@ -186,7 +178,11 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   if (std::all_of(blocks_.begin(), blocks_.end(), [](const ParameterBlock& block) { return block.frozen; })) {
     throw Error(ErrorKind::kUsage, "--fit: every parameter is frozen by the scene");
   }
-  for (const ParameterBlock& block : blocks_) priors_.push_back(MakePrior(block));
+  if (options.wind_smoothness > 0.0) LinkKnots(motions, options.wind_smoothness, &blocks_);
+  for (const ParameterBlock& block : blocks_) {
+    priors_.push_back(MakePriorCost(block));
+    links_.push_back(MakeLinkCost(block));
+  }
   if (options.on_progress) tracker_ = MakeTracker(options.on_progress);
   const bool has_journal = !options.journal_folder.empty();
   const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
@@ -273,6 +269,11 @@ std::unique_ptr<ceres::Problem> FitProblem::MakeCeresProblem(ceres::EvaluationCa
     problem->SetParameterUpperBound(coordinate, 0, blocks_[i].ToCoordinate(blocks_[i].upper_bound));
     if (blocks_[i].frozen) problem->SetParameterBlockConstant(coordinate);
     if (priors_[i] != nullptr) problem->AddResidualBlock(priors_[i].get(), nullptr, coordinate);
+  }
+  for (int i = 0; i < num_blocks(); ++i) {
+    if (links_[i] == nullptr) continue;
+    double* const other = coordinates->data() + blocks_[i].linked_to;
+    problem->AddResidualBlock(links_[i].get(), nullptr, coordinates->data() + i, other);
   }
   for (int r = 0; r < num_recordings(); ++r) {
     std::vector<double*> parameters;

@@ -20,7 +20,8 @@ namespace clothid {
 // One `RolloutCost` per recording; a parameter is one block, shared by every recording whose scene has it (`mu.NAME`
 // may be in some scenes only), or, of `FitOptions::each`, one block per recording that has it.
 //
-// The prior of a block is one more residual, once for all recordings.
+// The prior of a block is one more residual, once for all recordings, and so is the link of a knot of the wind's
+// profile to the knot before it (`FitOptions::wind_smoothness`).
 //
 // A point has the coordinates of the p blocks, and behind them, one recording after the other, the unknowns of those
 // starts that are unknown (costs/start/unknown_start.h): [p + n]. Where a point has the blocks' coordinates alone [p],
@@ -78,7 +79,7 @@ class FitProblem {
   std::vector<std::unique_ptr<RolloutCost>> costs_;
   std::vector<std::unique_ptr<RolloutCost>> loose_costs_;  // the same with Precision::kLoose
   std::vector<std::vector<int>> block_indices_, coordinate_indices_;
-  std::vector<std::unique_ptr<ceres::CostFunction>> priors_;  // per block; null: none
+  std::vector<std::unique_ptr<ceres::CostFunction>> priors_, links_;  // per block; null: none
   int num_start_unknowns_ = 0;
   Eigen::VectorXd start_unknowns_;  // where the next fit starts; empty: zero
 };

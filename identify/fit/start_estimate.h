@@ -14,7 +14,8 @@ void FillStarts(const FitProblem& problem, const Linearization& linearization, F
 // Takes the priors of parameters out of gradient and residuals of a linearization [r x (p + n)] at `coordinates`.
 void RemovePriors(const FitProblem& problem, const Eigen::VectorXd& coordinates, Linearization* linearization);
 
-// As if the starts were known to be what they are estimated to be, and this were the minimum: the first p columns.
+// As if the starts were known to be what they are estimated to be, and this were the minimum of what was measured: the
+// first p columns.
 Linearization KnownStart(const Linearization& linearization, int num_parameters);
 
 }  // namespace clothid

@@ -91,10 +91,10 @@ class LaggedRows : public ceres::CostFunction {
         evaluator_(evaluator) {
     const Eigen::MatrixXd jacobian = linearization.jacobian(Eigen::all, free_);
     hessian_ = jacobian.transpose() * jacobian;
-    const Eigen::VectorXd precisions = PriorPrecisions(problem.blocks());
-    for (int i = 0; i < static_cast<int>(free_.size()) && free_[i] < problem.num_blocks(); ++i) {
-      hessian_(i, i) += precisions[free_[i]];
-    }
+    std::vector<int> blocks = free_;
+    blocks.erase(std::lower_bound(blocks.begin(), blocks.end(), problem.num_blocks()), blocks.end());
+    const auto count = static_cast<Eigen::Index>(blocks.size());
+    hessian_.topLeftCorner(count, count) += PriorHessian(problem.blocks())(blocks, blocks);
     const Eigen::VectorXd gradient = linearization.gradient(free_);
     const double squared = std::max(linearization.squared_residual, std::numeric_limits<double>::min());
     root_ = RootOf(hessian_ - gradient * (gradient.transpose() / squared));

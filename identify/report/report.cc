@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "datasets/importing/handle_tracks.h"
+#include "identify/base/knot_names.h"
 #include "identify/base/version.h"
 #include "identify/report/report_page.h"
 #include "identify/report/result_json.h"
@@ -131,6 +132,19 @@ std::string StartRow(const StartEstimate& start) {
   return row + " (root mean square of a coordinate)\n";
 }
 
+std::string WindRows(const WindResult& result) {
+  std::string rows;
+  for (const FittedWind& wind : result.winds) {
+    const std::string recording = result.profiles.size() > 1 ? std::to_string(wind.recording + 1) + ": " : "";
+    rows += "wind            " + recording + DescribeFittedWind(wind) + "\n";
+  }
+  if (result.smoothness > 0.0) {
+    rows += "smoothness      " + ShortNumber(result.smoothness, 3) + " m/s in a second, " +
+            (result.smoothness_is_chosen ? "chosen by the marginal likelihood" : "as given") + "\n";
+  }
+  return rows;
+}
+
 std::string PredictionName(std::size_t recording) {
   return recording == 0 ? "predicted.bin" : "predicted_" + std::to_string(recording + 1) + ".bin";
 }
@@ -246,6 +260,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
   print_row("parameter", "estimate", "95 % interval", "start", "");
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     const FittedParameter& parameter = summary.parameters[i];
+    if (checks.wind && FindKnot(parameter.name)) continue;
     print_row(parameter.name, ShortNumber(parameter.value, 8), Interval(summary, checks, i),
               ShortNumber(parameter.start, 6), ParameterRemark(summary, checks, i));
   }
@@ -262,6 +277,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
   if (checks.fields) {
     for (const FittedField& field : checks.fields->fields) table << "field           " << DescribeField(field) << "\n";
   }
+  if (checks.wind) table << WindRows(*checks.wind);
   if (checks.gradient_check) {
     table << "gradient check  adjoint against sensitivity " << std::setprecision(3)
           << checks.gradient_check->adjoint_vs_sensitivity << ", against central differences "

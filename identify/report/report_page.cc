@@ -23,6 +23,7 @@ std::string_view ReplayScript();           // the scripts that draw a replay
 std::string_view ReportScript();           // those of all else
 std::string_view ReportLandscapeScript();  // report_landscape.js
 std::string_view ReportFieldScript();      // report_field.js
+std::string_view ReportWindScript();       // report_wind.js
 
 namespace {
 
@@ -243,8 +244,9 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
 }  // namespace
 
 std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
-  std::string maps;  // a page without a landscape or field has nothing of them
+  std::string maps;  // a page without a landscape, field or profile of the wind has nothing of them
   if (checks.fields) maps += "<script>" + std::string(ReportFieldScript()) + "</script>\n";
+  if (checks.wind) maps += "<script>" + std::string(ReportWindScript()) + "</script>\n";
   if (!checks.landscapes.empty()) maps += "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
   const std::size_t library_bytes = PageStyle().size() + PageScript().size() + ReportPage().size() +
                                     ReplayScript().size() + ReportScript().size() + maps.size() +

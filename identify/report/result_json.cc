@@ -9,6 +9,7 @@
 #include "identify/base/source_names.h"
 #include "identify/base/version.h"
 #include "identify/report/fields_json.h"
+#include "identify/report/wind_json.h"
 
 namespace clothid {
 namespace {
@@ -297,6 +298,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["parameters"] = ParametersJson(summary, checks, verdict);
   AddErrors(summary, &json);
   if (checks.fields) json["fields"] = FieldsJson(*checks.fields);
+  if (checks.wind) json["wind"] = WindJson(*checks.wind);
   json["holdout"] = HoldoutJson(checks.holdout);
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, checks);

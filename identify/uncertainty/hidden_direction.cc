@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "identify/base/join_words.h"
+#include "identify/base/knot_names.h"
 
 namespace clothid {
 namespace {
@@ -14,6 +15,8 @@ namespace {
 constexpr double kNegligibleShare = 0.01;
 // Logarithmic entries that differ by less than this share are one common factor.
 constexpr double kCommonFactor = 0.02;
+// Of more knots of the wind the names alone are told.
+constexpr std::size_t kMostKnots = 3;
 
 bool IsCommonFactor(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction,
                     const std::vector<int>& parts) {
@@ -26,11 +29,15 @@ bool IsCommonFactor(const std::vector<ParameterBlock>& blocks, const Eigen::Vect
 
 std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction) {
   std::vector<int> parts;
-  std::vector<std::string> names, moves;
+  std::vector<std::string> names, moves, knots;
   for (int i = 0; i < direction.size(); ++i) {
     if (std::abs(direction[i]) < kNegligibleShare) continue;
     parts.push_back(i);
     names.push_back(blocks[i].name);
+    if (FindKnot(blocks[i].name)) {
+      knots.push_back(blocks[i].name);
+      if (knots.size() > kMostKnots) continue;
+    }
     std::ostringstream move;
     move << std::setprecision(3) << blocks[i].name;
     if (blocks[i].scale == ParameterScale::kLog) {
@@ -41,6 +48,12 @@ std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const E
     moves.push_back(move.str());
   }
   if (parts.size() == 1) return names.front();
+  if (knots.size() > kMostKnots) {
+    moves.erase(std::remove_if(moves.begin(), moves.end(),
+                               [](const std::string& move) { return FindKnot(move.substr(0, move.find(' '))); }),
+                moves.end());
+    for (const std::string& run : WithKnotRuns(knots)) moves.push_back(run);
+  }
   if (IsCommonFactor(blocks, direction, parts)) return JoinWords(names) + " multiplied by one factor";
   return JoinWords(moves);
 }

@@ -34,7 +34,8 @@ std::vector<Eigen::Index> RowsWithStd(const std::vector<ParameterBlock>& blocks,
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < jacobian.size(); ++i) {
     const int index = jacobian.indices()[i];
-    if (uncertainty.parameters[index].visible || blocks[index].prior.is_given()) rows.push_back(i);
+    const bool is_believed = blocks[index].prior.is_given() || IsKnot(blocks, index);
+    if (uncertainty.parameters[index].visible || is_believed) rows.push_back(i);
   }
   return rows;
 }
@@ -109,8 +110,9 @@ void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eige
   }
   Eigen::VectorXd independent(static_cast<Eigen::Index>(rows.size()));
   for (Eigen::Index a = 0; a < independent.size(); ++a) {
+    const Eigen::Index i = rows[a];
     independent[a] =
-        std::pow(fitted_scale, 2) * (jacobian.Covariance(rows[a], rows[a]) - posterior.PriorPart(rows[a], rows[a]));
+        std::pow(fitted_scale, 2) * (jacobian.Covariance(i, i) - posterior.PriorPart(i, i) - posterior.LinkPart(i, i));
   }
   if (!(linearization.autocorrelation > kCorrelatedResiduals) && !IsCorrelatedWithinFrames(influences, independent)) {
     return;
@@ -119,7 +121,10 @@ void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eige
       std::isnan(linearization.autocorrelation) ? 0.0 : std::clamp(linearization.autocorrelation, 0.0, kHighest);
   Eigen::MatrixXd covariance = CovarianceOfSum(influences, correlation);
   for (Eigen::Index a = 0; a < covariance.rows(); ++a) {
-    for (Eigen::Index b = 0; b < covariance.cols(); ++b) covariance(a, b) += posterior.PriorPart(rows[a], rows[b]);
+    for (Eigen::Index b = 0; b < covariance.cols(); ++b) {
+      covariance(a, b) += posterior.PriorPart(rows[a], rows[b]) +
+                          std::pow(uncertainty->residual_scale, 2) * posterior.LinkPart(rows[a], rows[b]);
+    }
   }
   if (!((covariance.diagonal().array() > 0.0).all() && covariance.allFinite())) return;
   uncertainty->is_widened = true;
@@ -192,7 +197,8 @@ void FillVisibility(const std::vector<ParameterBlock>& blocks, const Eigen::Vect
     parameter.visible_change =
         blocks[index].prior.is_given()
             ? ScaledJacobian(blocks, WithPriorRows(blocks, jacobian, noise, index), free).VisibleChange(i)
-            : all.VisibleChange(i);
+        : IsKnot(blocks, index) ? VisibleWithoutLinks(blocks, all, i)
+                                : all.VisibleChange(i);
     parameter.visible = parameter.visible_change > visible;
   }
   uncertainty->singular_values = all.singular_values();
@@ -240,7 +246,8 @@ void JudgeIntervals(const std::vector<ParameterBlock>& blocks, Uncertainty* unce
     parameter.reaches_lower = parameter.lower95 <= blocks[i].lower_bound;
     parameter.reaches_upper = parameter.upper95 >= blocks[i].upper_bound;
     const bool is_told = parameter.beside_prior ? parameter.beside_prior->is_told : !parameter.is_hardly_told();
-    parameter.identifiable = !parameter.stalled && !parameter.reaches_lower && !parameter.reaches_upper && is_told;
+    parameter.identifiable =
+        parameter.visible && !parameter.stalled && !parameter.reaches_lower && !parameter.reaches_upper && is_told;
     if (parameter.stalled) parameter.std = parameter.lower95 = parameter.upper95 = std::nan("");
   }
 }

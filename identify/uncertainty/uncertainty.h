@@ -13,6 +13,9 @@
 // which for s = 1 is H^-1: precisions add up. identify/uncertainty/told_beside_prior.h says what a parameter owes to
 // its own prior.
 //
+// Links of knots (`ParameterBlock::linked_to`) are rows of J, as sure as the measurements turn out to be. A knot is
+// judged by what is left without its own.
+//
 // That takes residuals as independent. Where they are not, because successive ones have a correlation above 0.3 or
 // those of one frame belong together (identify/uncertainty/correlated_scores.h), the covariance of q is the sandwich
 // over frames of that room, nowhere less than the one above, and Student's t takes the place of 1.96. A correlation

@@ -127,7 +127,7 @@ void AddEstimatedStart(const FitSummary& summary, std::vector<Reason>* reasons) 
   std::string factors;
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const ParameterUncertainty& parameter = summary.uncertainty->parameters[i];
-    if (std::isnan(parameter.std) || std::isnan(parameter.known_start_std)) continue;
+    if (std::isnan(parameter.std) || std::isnan(parameter.known_start_std) || summary.parameters[i].is_knot) continue;
     factors += (factors.empty() ? "" : ", ") + summary.parameters[i].name + " " +
                NumberText(parameter.std / parameter.known_start_std, 2);
   }
@@ -139,14 +139,22 @@ void AddEstimatedStart(const FitSummary& summary, std::vector<Reason>* reasons) 
                           (factors.empty() ? "" : "; standard deviations are larger for it by " + factors)});
 }
 
-// "mu 2.1, k_stretch 3": by how much intervals are wider than those of independent residuals.
+// "mu 2.1, k_stretch 3, knots of the wind up to 4": by how much intervals are wider than those of independent
+// residuals.
 std::string Widenings(const FitSummary& summary) {
   std::string text;
+  double of_knots = 0.0;
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const ParameterUncertainty& parameter = summary.uncertainty->parameters[i];
     if (std::isnan(parameter.std)) continue;
+    if (summary.parameters[i].is_knot) {
+      of_knots = std::max(of_knots, parameter.widening);
+      continue;
+    }
     text += (text.empty() ? "" : ", ") + summary.parameters[i].name + " " + NumberText(parameter.widening, 2);
   }
+  if (of_knots > 0.0)
+    text += (text.empty() ? "" : ", ") + std::string("knots of the wind up to ") + NumberText(of_knots, 2);
   return text;
 }
 

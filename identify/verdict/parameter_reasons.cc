@@ -95,7 +95,7 @@ void AddUndetermined(const FitSummary& summary, const std::vector<int>& free, st
     } else if (parameter.visible && (parameter.is_hardly_told() || reaches_bound)) {
       AddHardlyTold(summary, i, reasons);
     }
-    if (!parameter.visible && !parameter.beside_prior) hidden.push_back(i);
+    if (!parameter.visible && !parameter.beside_prior && !summary.parameters[i].is_knot) hidden.push_back(i);
   }
   AddStalled(summary, stalled, reasons);
   AddHidden(summary, hidden, reasons);

@@ -45,10 +45,29 @@ void AddWeight(const FitSummary& summary, std::vector<Reason>* reasons) {
                           " times as large; --sigma with what they are weighs them right"});
 }
 
+// Knots of the wind that only their neighbours tell.
+void AddKnots(const FitSummary& summary, std::vector<Reason>* reasons) {
+  std::vector<int> knots, believed;
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    if (!summary.parameters[i].is_knot) continue;
+    knots.push_back(i);
+    if (!summary.uncertainty->parameters[i].visible) believed.push_back(i);
+  }
+  if (believed.empty()) return;
+  const std::string count = std::to_string(believed.size()) + " of " + std::to_string(knots.size()) + " knots";
+  const std::string brief = "the recordings do not determine the wind at " + count;
+  const bool is_all = believed.size() == knots.size();
+  reasons->push_back({is_all ? Usability::kDoNotUse : Usability::kWithCare,
+                      is_all ? kExitNotIdentifiable : kExitSuccess, believed, brief,
+                      brief + ", " + NamesText(summary, believed) +
+                          ": there it is what was believed of it beside its neighbours, that it changes little"});
+}
+
 }  // namespace
 
 void AddPriorReasons(const FitSummary& summary, std::vector<Reason>* reasons) {
   if (!summary.uncertainty) return;
+  AddKnots(summary, reasons);
   bool has_prior = false;
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     const FittedParameter& parameter = summary.parameters[i];

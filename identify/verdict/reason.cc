@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "identify/base/join_words.h"
+#include "identify/base/knot_names.h"
 
 namespace clothid {
 
@@ -28,7 +29,7 @@ std::string ValuesText(const FitSummary& summary, const Eigen::VectorXd& values)
 std::string NamesText(const FitSummary& summary, const std::vector<int>& parameters) {
   std::vector<std::string> names;
   for (const int i : parameters) names.push_back(summary.parameters[i].name);
-  return JoinWords(names);
+  return JoinWords(WithKnotRuns(names));
 }
 
 }  // namespace clothid

@@ -30,7 +30,7 @@ void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vect
 void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // Parameters whose interval a step of 1 % leads out of (identify/fit/dent_check.h).
 void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
-// What parameters owe to their priors, and where recordings contradict them.
+// What parameters and knots owe to what was believed of them, and where recordings contradict it.
 void AddPriorReasons(const FitSummary& summary, std::vector<Reason>* reasons);
 // What time step and mesh do to the estimates.
 void AddDiscretizationReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);

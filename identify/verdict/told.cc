@@ -38,6 +38,7 @@ std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, 
   if (parameter.stalled) return "stalled";
   if (parameter.visible && summary.parameters[index].at_bound) return "at its bound";
   if (!HasInterval(summary, checks, index)) return "not identifiable";
+  if (summary.parameters[index].is_knot && !parameter.visible) return "as smooth as believed";
   if (parameter.beside_prior && !parameter.beside_prior->is_told) {
     return parameter.beside_prior->adds_nothing() ? "as believed" : "by its prior";
   }

@@ -67,6 +67,81 @@ TEST(PriorsTest, CostHasItsGradientAndCurvature) {
   EXPECT_LT(((rows.transpose() * rows).diagonal() - PriorPrecisions(blocks)).norm(), 1e-12);
 }
 
+// Three knots of a wind, each linked to the one before, and a parameter of another kind.
+std::vector<ParameterBlock> LinkedBlocks() {
+  std::vector<ParameterBlock> blocks(4);
+  for (int i = 0; i < 4; ++i) {
+    blocks[i].name = i < 3 ? "wind.y." + std::to_string(i + 1) : "wind.shear.x";
+    blocks[i].is_signed = true;
+    blocks[i].unit = 10.0;
+    blocks[i].lower_bound = -10.0;
+    blocks[i].upper_bound = 10.0;
+    if (i == 0 || i == 3) continue;
+    blocks[i].linked_to = i - 1;
+    blocks[i].link_spread = 0.5 * i;
+  }
+  return blocks;
+}
+
+TEST(PriorsTest, LinksHaveTheirGradientAndCurvature) {
+  const std::vector<ParameterBlock> blocks = LinkedBlocks();
+  EXPECT_TRUE(HasLinks(blocks));
+  EXPECT_FALSE(HasPriors(blocks));
+  EXPECT_TRUE(IsKnot(blocks, 0) && IsKnot(blocks, 2) && !IsKnot(blocks, 3));
+  const Eigen::Vector4d q(0.1, 0.15, -0.05, 0.3);
+  EXPECT_NEAR(PriorCost(blocks, q), 0.5 * (std::pow(0.5 / 0.5, 2) + std::pow(-2.0 / 1.0, 2)), 1e-12);
+  const double step = 1e-4;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector4d move = step * Eigen::Vector4d::Unit(i);
+    EXPECT_NEAR(PriorGradient(blocks, q)[i], (PriorCost(blocks, q + move) - PriorCost(blocks, q - move)) / (2.0 * step),
+                1e-6);
+    const Eigen::VectorXd change = PriorGradient(blocks, q + move) - PriorGradient(blocks, q - move);
+    EXPECT_LT((PriorHessian(blocks).col(i) - change / (2.0 * step)).norm(), 1e-6);
+  }
+}
+
+// Rows for links count as measurements do: the covariance is s^2 (J^T J + L^T L)^-1.
+TEST(PriorsTest, LinksAreAsSureAsTheMeasurements) {
+  const std::vector<ParameterBlock> blocks = LinkedBlocks();
+  const Eigen::MatrixXd jacobian = 50.0 * RandomMatrix(6, 4), links = LinkRows(blocks);
+  const Eigen::MatrixXd inverse = (jacobian.transpose() * jacobian + links.transpose() * links).inverse();
+  const Posterior posterior(blocks, jacobian, {0, 1, 2, 3});
+  const Eigen::MatrixXd part = inverse * links.transpose() * links * inverse;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(posterior.Covariance(i, i, 3.0), 9.0 * inverse(i, i), 1e-10 * inverse(i, i));
+    EXPECT_NEAR(posterior.LinkPart(i, i), part(i, i), 1e-10 * part.norm());
+  }
+  const Eigen::Vector4d q = Eigen::Vector4d::Zero();
+  const Uncertainty uncertainty = EstimateUncertainty(blocks, q, Measured(jacobian, 2.0, Eigen::Vector4d::Zero()));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(uncertainty.parameters[i].coordinate_std, 2.0 * std::sqrt(inverse(i, i)), 1e-6);
+    EXPECT_TRUE(uncertainty.parameters[i].visible);
+  }
+}
+
+TEST(PriorsTest, AKnotIsSeenByWhatIsLeftWithoutItsOwnLinks) {
+  const std::vector<ParameterBlock> blocks = LinkedBlocks();
+  Eigen::MatrixXd jacobian = 0.3 * RandomMatrix(6, 4);
+  const ScaledJacobian all(blocks, WithPriorRows(blocks, jacobian, 1.0), {0, 1, 2, 3});
+  for (int i = 0; i < 3; ++i) {
+    std::vector<ParameterBlock> others = blocks;
+    for (int j = 1; j < 3; ++j) {
+      if (j == i || blocks[j].linked_to == i) others[j].linked_to = kNoBlock;
+    }
+    const ScaledJacobian left(blocks, WithPriorRows(others, jacobian, 1.0), {0, 1, 2, 3});
+    EXPECT_NEAR(VisibleWithoutLinks(blocks, all, i), left.VisibleChange(i), 1e-8) << i;
+  }
+  jacobian.col(2).setZero();  // after the last frame
+  jacobian *= 300.0;
+  const Uncertainty uncertainty =
+      EstimateUncertainty(blocks, Eigen::Vector4d::Zero(), Measured(jacobian, 1.0, Eigen::Vector4d::Zero()));
+  EXPECT_TRUE(uncertainty.parameters[1].identifiable);
+  EXPECT_FALSE(uncertainty.parameters[2].visible);
+  EXPECT_FALSE(uncertainty.parameters[2].identifiable);
+  EXPECT_NEAR(uncertainty.parameters[2].coordinate_std,
+              std::hypot(uncertainty.parameters[1].coordinate_std, blocks[2].LinkStd()), 1e-4);
+}
+
 TEST(PriorsTest, PrecisionsAddUp) {
   const std::vector<ParameterBlock> blocks = {Log("k_bend", 2.0, 1.1), Log("k_stretch")};
   const Eigen::MatrixXd jacobian = 5.0 * RandomMatrix(40, 2);

@@ -1,0 +1,36 @@
+'use strict';
+// The wind over time: fitted profiles with their 95 % intervals, one chart for each component of each recording.
+
+const WIND_BAND = 'rgba(45,95,154,0.18)';
+
+function windTraces(times, {values, lower95, upper95, start}) {
+  const line = (y, more) => ({type: 'scatter', mode: 'lines', x: times, y, ...more});
+  const hidden = {hoverinfo: 'skip', showlegend: false, line: {width: 0}};
+  return [line(lower95, hidden),
+    line(upper95, {...hidden, fill: 'tonexty', fillcolor: WIND_BAND, showlegend: true, name: '95 % interval'}),
+    line(start, {name: 'start', line: {color: COLOURS.start, width: 1.5, dash: 'dash'},
+      hovertemplate: '%{y:.3g} m/s at %{x:.4g} s<extra>start</extra>'}),
+    line(values, {name: 'estimate', mode: 'lines+markers', line: {color: COLOURS.estimate, width: 2}, marker: {size: 6},
+      hovertemplate: '%{y:.3g} m/s at %{x:.4g} s<extra>estimate</extra>'})];
+}
+
+function showWind({recordings, smoothness, smoothness_is_chosen: isChosen}) {
+  const card = element('section', 'card'), area = element('div', 'multiples');
+  card.id = 'wind';
+  const believed = smoothness === null ? '' : ` Believed to wander by ${number(smoothness, 3)} m/s in a second for` +
+    ` residuals as large as sigma, ${isChosen ? 'chosen by the marginal likelihood' : 'as given'}.`;
+  card.append(element('h2', '', 'Wind over time'), area,
+    element('p', 'caption', `Linear between the knots, which are marked, constant beyond.${believed}`));
+  part('heat-map').closest('.card').before(card);
+  recordings.forEach(({profile, fitted}, index) => {
+    for (const wind of fitted) {
+      const target = element('div', 'plot');
+      area.append(target);
+      const name = `wind.${wind.component}${recordings.length > 1 ? ` of ${data.recordings[index].name}` : ''}`;
+      plot(target, windTraces(profile.times, wind), {x: {title: 'time, s'}, y: {title: 'm/s'}, showlegend: true,
+        margin: {t: 48}, title: {text: `<b>${plain(name)}</b>`, x: 0.02, y: 0.97, font: {size: 13}}});
+    }
+  });
+}
+
+showWind(result.wind);

@@ -1,0 +1,89 @@
+#include "identify/wind/wind_result.h"
+
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <tuple>
+#include <utility>
+
+#include "costs/prediction/parameter_block.h"
+#include "identify/base/knot_names.h"
+
+namespace clothid {
+namespace {
+
+// The recording of "wind.y.3@2", counted from 0; with a single one there is no suffix.
+int RecordingOf(const std::string& name) {
+  const std::string base = BaseName(name);
+  return base == name ? 0 : std::stoi(name.substr(base.size() + 1)) - 1;
+}
+
+int AxisOf(ParameterKind kind) { return kind == ParameterKind::kWindX ? 0 : kind == ParameterKind::kWindY ? 1 : 2; }
+
+FittedWind MakeWind(const std::pair<int, int>& recording_and_axis, std::vector<int> parameters,
+                    const std::vector<RecordedMotion>& motions, const FitSummary& summary) {
+  FittedWind wind;
+  std::tie(wind.recording, wind.axis) = recording_and_axis;
+  const auto count = static_cast<Eigen::Index>(parameters.size());
+  wind.times = motions[wind.recording].scene.wind.profile.times.head(count);
+  wind.values.resize(count);
+  wind.start.resize(count);
+  wind.lower95 = wind.upper95 = Eigen::VectorXd::Constant(count, std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const FittedParameter& parameter = summary.parameters[parameters[k]];
+    wind.values[k] = parameter.value;
+    wind.start[k] = parameter.start;
+    if (!summary.uncertainty) continue;
+    const ParameterUncertainty& interval = summary.uncertainty->parameters[parameters[k]];
+    wind.num_told += interval.visible ? 1 : 0;
+    if (std::isnan(interval.std)) continue;
+    wind.lower95[k] = interval.lower95;
+    wind.upper95[k] = interval.upper95;
+  }
+  wind.parameters = std::move(parameters);
+  return wind;
+}
+
+}  // namespace
+
+WindResult DescribeWind(const std::vector<RecordedMotion>& motions, const FitSummary& summary, double smoothness,
+                        bool smoothness_is_chosen) {
+  WindResult result;
+  result.smoothness = smoothness;
+  result.smoothness_is_chosen = smoothness_is_chosen;
+  for (const RecordedMotion& motion : motions) result.profiles.push_back(motion.scene.wind.profile);
+  std::map<std::pair<int, int>, std::vector<int>> knots;
+  for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
+    const std::optional<ParameterId> id = FindKnot(summary.parameters[i].name);
+    if (id) knots[{RecordingOf(summary.parameters[i].name), AxisOf(id->kind)}].push_back(i);
+  }
+  for (const auto& [place, parameters] : knots) {
+    result.winds.push_back(MakeWind(place, parameters, motions, summary));
+    const FittedWind& wind = result.winds.back();
+    result.profiles[wind.recording].velocities.row(wind.axis) = wind.values;
+  }
+  return result;
+}
+
+std::string DescribeFittedWind(const FittedWind& wind) {
+  std::ostringstream text;
+  const auto count = wind.values.size();
+  text << std::setprecision(3) << "xyz"[wind.axis] << " over " << count << " knots: " << wind.values.minCoeff()
+       << " .. " << wind.values.maxCoeff() << " m/s";
+  double narrowest = std::numeric_limits<double>::infinity(), widest = 0.0;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double half = 0.5 * (wind.upper95[k] - wind.lower95[k]);
+    if (std::isnan(half)) continue;
+    narrowest = std::fmin(narrowest, half);
+    widest = std::fmax(widest, half);
+  }
+  text << std::setprecision(2);
+  if (std::isfinite(narrowest)) text << ", 95 % intervals +- " << narrowest << " .. " << widest << " m/s";
+  text << ", told at " << wind.num_told << " of " << count << " knots";
+  return text.str();
+}
+
+}  // namespace clothid
