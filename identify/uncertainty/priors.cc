@@ -109,9 +109,17 @@ double VisibleWithoutLinks(const std::vector<ParameterBlock>& blocks, const Scal
   const Eigen::MatrixXd told = links * inverse * links.transpose();
   const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(told.rows(), told.cols()) - told;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(left);
-  if (!(eigen.eigenvalues().minCoeff() > kNothingLeft)) return 0.0;
   const Eigen::VectorXd pull = eigen.eigenvectors().transpose() * (links * inverse.col(i));
-  return 1.0 / std::sqrt(inverse(i, i) + (pull.array().square() / eigen.eigenvalues().array()).sum());
+  double variance = inverse(i, i);
+  for (Eigen::Index k = 0; k < pull.size(); ++k) {
+    const double square = pull[k] * pull[k];
+    if (eigen.eigenvalues()[k] > kNothingLeft) {
+      variance += square / eigen.eigenvalues()[k];
+    } else if (square > kNothingLeft * inverse(i, i)) {
+      return 0.0;  // else what nothing tells any more is another knot
+    }
+  }
+  return 1.0 / std::sqrt(variance);
 }
 
 Posterior::Posterior(const std::vector<ParameterBlock>& blocks, const Eigen::MatrixXd& jacobian,

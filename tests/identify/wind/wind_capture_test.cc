@@ -37,7 +37,6 @@ std::pair<int, double> CellOf(int point, int count, int points) {
   return {cell, (point - first) / (next - first)};
 }
 
-
 class WindCaptureTest : public ToolTest {
  protected:
   void SetUp() override {
@@ -112,8 +111,7 @@ class WindCaptureTest : public ToolTest {
     std::ostringstream obj;
     for (int j = 0; j < kRows; ++j) {
       for (int i = 0; i < kColumns; ++i) {
-        const int point =
-            PointOf(i, kColumns, kPointColumns) + kPointColumns * PointOf(j, kRows, kPointRows);
+        const int point = PointOf(i, kColumns, kPointColumns) + kPointColumns * PointOf(j, kRows, kPointRows);
         obj << "v " << fine.rest_positions.col(point).transpose() << "\n";
       }
     }
