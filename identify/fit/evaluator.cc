@@ -114,13 +114,16 @@ void FitEvaluator::AddPriors(Derivative derivative, QuadraticModel* sum) const {
   if (!HasPriors(blocks) && !HasLinks(blocks)) return;
   sum->cost += PriorCost(blocks, sum->coordinates);
   if (derivative == Derivative::kNone) return;
-  std::vector<int> free;
-  for (int i = 0; i < problem_->num_blocks(); ++i) {
-    if (!blocks[i].frozen) free.push_back(i);
-  }
   const Eigen::VectorXd gradient = PriorGradient(blocks, sum->coordinates);
-  sum->gradient(free) += gradient(free);
-  if (derivative == Derivative::kRows) sum->hessian(free, free) += PriorHessian(blocks)(free, free);
+  Eigen::MatrixXd hessian;
+  if (derivative == Derivative::kRows) hessian = PriorHessian(blocks);
+  for (int i = 0; i < problem_->num_blocks(); ++i) {
+    if (blocks[i].frozen) continue;
+    sum->gradient[i] += gradient[i];
+    for (int j = 0; j < static_cast<int>(hessian.cols()); ++j) {
+      if (!blocks[j].frozen) sum->hessian(i, j) += hessian(i, j);
+    }
+  }
 }
 
 void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision) {

@@ -130,7 +130,9 @@ TEST(WindFitTest, FindsAWindThatChanges) {
   for (Eigen::Index k = 0; k < 11; ++k) {
     const double truth = TrueWind(wind.times[k]);
     // The first ones hardly move the cloth before the others do.
-    if (k >= 2) EXPECT_NEAR(wind.values[k], truth, 0.5) << k;
+    if (k >= 2) {
+      EXPECT_NEAR(wind.values[k], truth, 0.5) << k;
+    }
     // A knot stands for the wind about it, which bends.
     num_inside += wind.lower95[k] - 0.1 < truth && truth < wind.upper95[k] + 0.1 ? 1 : 0;
   }
