@@ -107,6 +107,25 @@ TEST_F(CapturesTest, AreNotRefused) {
               {"missing points", "jumps of points"});
 }
 
+// The grid of every frame slides over the cloth: the prediction is nearer to its surface than to its nodes.
+TEST_F(CapturesTest, PointsThatSlideAreNearTheSurface) {
+  for (const char* name : {"a", "b"}) {
+    ExpectSuccess("motion convert '" + captures + "/hung_" + name + ".motion.bin' " + name +
+                  ".bin --as_surface --borders --frames 0:25");
+  }
+  const ToolResult fit =
+      Run("identify --target a.bin --holdout b.bin --fit k_stretch,k_bend,drag --initial first --jacobian sensitivity "
+          "--horizon full --max_iterations 4 --output result");
+  EXPECT_EQ(fit.exit_code, 3) << fit.err;  // not converged: that would take a minute
+  EXPECT_NE(fit.out.find("\nsurface "), std::string::npos) << fit.out;
+  const nlohmann::json result = nlohmann::json::parse(ReadBytes(folder() / "result" / "result.json"));
+  const nlohmann::json &cloud = result["cloud"], &holdout = result["holdout"];
+  EXPECT_LT(result["rmse_m"].get<double>(), 0.03);
+  EXPECT_LT(result["rmse_m"].get<double>(), 0.6 * cloud["nodes_rmse_m"].get<double>());
+  EXPECT_LT(cloud["border_rmse_m"].get<double>(), 0.03);
+  EXPECT_LT(holdout["rmse_m"].get<double>(), 0.6 * holdout["nodes_rmse_m"].get<double>());
+}
+
 TEST_F(CapturesTest, AFitLowersTheErrorOnTheOtherRepetition) {
   const ToolResult fit =
       Run("identify --target '" + captures + "/hung_a.motion.bin' --holdout '" + captures +
