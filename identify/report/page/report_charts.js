@@ -99,7 +99,7 @@ function drawConvergence() {
   const {convergence} = data, which = part('convergence-axis').value, x = convergence[which];
   const marker = (color) => ({color, size: 8, symbol: convergence.loose.map((loose) => loose ? 'circle-open' : 'circle')});
   const charts = [['cost', convergence.cost, null],
-    ...Object.entries(convergence.values).map(([name, values]) => [name, values, result.parameters[name].value])];
+    ...Object.entries(convergence.values).filter(([name]) => !isCharted(name)).map(([name, values]) => [name, values, result.parameters[name].value])];
   const area = part('convergence');
   while (area.children.length < charts.length) area.append(element('div', 'plot'));
   charts.forEach(([name, values, final], i) => {

@@ -28,7 +28,7 @@ function interval(parameter) {
 }
 
 function fillEstimates() {
-  const rows = Object.entries(result.parameters).map(([name, parameter]) => {
+  const rows = Object.entries(result.parameters).filter(([name]) => !isCharted(name)).map(([name, parameter]) => {
     const title = element('td', '', `${name} `);
     title.append(element('span', 'unit', parameterUnit(name)));
     const estimate = element('td', 'number estimate', number(parameter.value, 8));

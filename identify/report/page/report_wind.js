@@ -7,7 +7,7 @@ function windTraces(times, {values, lower95, upper95, start}) {
   const line = (y, more) => ({type: 'scatter', mode: 'lines', x: times, y, ...more});
   const hidden = {hoverinfo: 'skip', showlegend: false, line: {width: 0}};
   return [line(lower95, hidden),
-    line(upper95, {...hidden, fill: 'tonexty', fillcolor: WIND_BAND, showlegend: true, name: '95 % interval'}),
+    line(upper95, {...hidden, fill: 'tonexty', fillcolor: WIND_BAND}),
     line(start, {name: 'start', line: {color: COLOURS.start, width: 1.5, dash: 'dash'},
       hovertemplate: '%{y:.3g} m/s at %{x:.4g} s<extra>start</extra>'}),
     line(values, {name: 'estimate', mode: 'lines+markers', line: {color: COLOURS.estimate, width: 2}, marker: {size: 6},
@@ -20,15 +20,15 @@ function showWind({recordings, smoothness, smoothness_is_chosen: isChosen}) {
   const believed = smoothness === null ? '' : ` Believed to wander by ${number(smoothness, 3)} m/s in a second for` +
     ` residuals as large as sigma, ${isChosen ? 'chosen by the marginal likelihood' : 'as given'}.`;
   card.append(element('h2', '', 'Wind over time'), area,
-    element('p', 'caption', `Linear between the knots, which are marked, constant beyond.${believed}`));
+    element('p', 'caption', `With its 95 % interval; dashed: the start. Linear between the knots, which are marked, constant beyond.${believed}`));
   part('heat-map').closest('.card').before(card);
   recordings.forEach(({profile, fitted}, index) => {
     for (const wind of fitted) {
       const target = element('div', 'plot');
       area.append(target);
       const name = `wind.${wind.component}${recordings.length > 1 ? ` of ${data.recordings[index].name}` : ''}`;
-      plot(target, windTraces(profile.times, wind), {x: {title: 'time, s'}, y: {title: 'm/s'}, showlegend: true,
-        margin: {t: 48}, title: {text: `<b>${plain(name)}</b>`, x: 0.02, y: 0.97, font: {size: 13}}});
+      plot(target, windTraces(profile.times, wind), {x: {title: 'time, s'}, y: {title: 'm/s'}, margin: {t: 28},
+        title: {text: `<b>${plain(name)}</b>`, x: 0.02, y: 0.97, font: {size: 13}}});
     }
   });
 }

@@ -55,7 +55,8 @@ TEST_F(WindProgramTest, WhatIsFittedCanBeSimulatedAgain) {
 }
 
 TEST_F(WindProgramTest, EveryRecordingHasItsOwnWind) {
-  const ToolResult fit = Run("identify --target cloth.bin,cloth.bin --scene scene.json --fit drag_normal " +
+  WriteBytes(folder() / "twin.bin", ReadBytes(folder() / "cloth.bin"));
+  const ToolResult fit = Run("identify --target cloth.bin,twin.bin --scene scene.json --fit drag_normal " +
                              std::string("--wind_profile 3:xz --wind_smoothness 5 --initial first --output result"));
   EXPECT_EQ(fit.exit_code, 0) << fit.err << fit.out;
   EXPECT_NE(fit.out.find("\nwind            2: z over 3 knots: "), std::string::npos) << fit.out;
