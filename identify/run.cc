@@ -6,7 +6,6 @@
 
 #include "datasets/checking/motion_check.h"
 #include "datasets/motion/motion_validation.h"
-#include "identify/base/knot_names.h"
 #include "identify/base/output_folder.h"
 #include "identify/checks/discretization_check.h"
 #include "identify/checks/energy_check.h"
@@ -167,7 +166,9 @@ class Run {
     GrowingHorizon growing(inputs_.fitted, fit_options_);
     GrowingHorizon* const horizon = options_.growing_horizon ? &growing : nullptr;
     if (ChoosesSmoothness(options_)) {
-      summary_ = FitWithChosenSmoothness(inputs_.fitted, horizon, &fit_options_, &problem_);
+      bool is_chosen = false;
+      summary_ = FitWithChosenSmoothness(inputs_.fitted, horizon, &fit_options_, &problem_, &is_chosen);
+      smoothness_source_ = is_chosen ? SmoothnessSource::kChosen : SmoothnessSource::kNotChosen;
       if (options_.on_fitted) options_.on_fitted(summary_);
       return;
     }
@@ -209,7 +210,7 @@ class Run {
     const ScopedTimer timer(&summary_.total_seconds);
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
     if (options_.wind.is_given()) {
-      checks_.wind = DescribeWind(inputs_.fitted, summary_, fit_options_.wind_smoothness, ChoosesSmoothness(options_));
+      checks_.wind = DescribeWind(inputs_.fitted, summary_, fit_options_.wind_smoothness, smoothness_source_);
     }
     checks_.energy = CheckEnergy(inputs_.fitted, *problem_, summary_, fit_options_.cancel);
     for (const std::string& name : options_.profiles) {
@@ -259,52 +260,11 @@ class Run {
   FitOptions fit_options_;
   std::unique_ptr<FitProblem> problem_;  // until the files are written
   FitSummary summary_;
+  SmoothnessSource smoothness_source_ = SmoothnessSource::kGiven;
   FitChecks checks_;
 };
 
 }  // namespace
-
-void RunOptions::Validate() const {
-  fit.Validate();
-  Expect(step_tolerance >= 0.0 && std::isfinite(step_tolerance), "--step_tolerance: expected a number > 0");
-  Expect(!target_paths.empty() || !targets.empty(), "--target: expected a recording");
-  Expect(target_paths.empty() || targets.empty(), "targets: expected without target_paths");
-  Expect(holdout_paths.empty() || holdouts.empty(), "holdouts: expected without holdout_paths");
-  Expect(!holdout_frames || (holdout_paths.empty() && holdouts.empty()),
-         "--holdout_frames: expected without --holdout");
-  Expect(landscape_paths.empty() || (report_page && !output.empty()),
-         "--landscape: is shown in report.html; expected without --report=false");
-  Expect(!resume || !output.empty(), "--resume: expected with --output");
-  ValidateFields();
-  ValidateWind();
-}
-
-void RunOptions::ValidateWind() const {
-  if (!wind.is_given()) return;
-  Expect(fields.empty(), "--wind_profile: expected without --field");
-  for (const auto& [name, prior] : fit.overrides.priors) {
-    Expect(!FindKnot(name), "--prior: knots of --wind_profile are believed to change little; expected none of '" +
-                                name + "'; see --wind_smoothness");
-  }
-  if (fit.wind_smoothness > 0.0) return;
-  const std::string hint = ", which several fits choose";
-  Expect(!resume, "--resume: expected with --wind_smoothness" + hint);
-  Expect(fit.num_starts == 1, "--starts: expected with --wind_smoothness" + hint);
-  Expect(!time_step.is_automatic, "--time_step: expected with --wind_smoothness" + hint);
-}
-
-void RunOptions::ValidateFields() const {
-  Expect(field_weight >= 0.0 && std::isfinite(field_weight), "--field_weight: expected a number > 0");
-  Expect(field_weight == 0.0 || !fields.empty(), "--field_weight: expected with --field");
-  if (fields.empty()) return;
-  Expect(!resume, "--resume: expected without --field, whose evaluations no journal keeps");
-  Expect(fit.num_starts == 1, "--starts: expected without --field, which starts once");
-  Expect(profiles.empty(), "--profile: expected without --field, which a profile would hold");
-  Expect(!discretization.any(), "--discretization: expected without --field, which is not fitted again");
-  Expect(!time_step.is_automatic, "--time_step: expected without --field, which is not fitted again");
-  Expect(fit.method != FitMethod::kLbfgs || field_weight > 0.0,
-         "--field_weight: expected with --method lbfgs, which does not choose it");
-}
 
 RunResult Identify(const RunOptions& options) {
   options.Validate();

@@ -140,7 +140,7 @@ std::string WindRows(const WindResult& result) {
   }
   if (result.smoothness > 0.0) {
     rows += "smoothness      " + ShortNumber(result.smoothness, 3) + " m/s in a second, " +
-            (result.smoothness_is_chosen ? "chosen by the marginal likelihood" : "as given") + "\n";
+            SmoothnessWords(result.smoothness_source) + "\n";
   }
   return rows;
 }

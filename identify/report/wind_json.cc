@@ -36,7 +36,7 @@ Json WindJson(const WindResult& result) {
                                                     {"knots_told", wind.num_told}});
   }
   return {{"smoothness", result.smoothness > 0.0 ? Json(result.smoothness) : Json(nullptr)},
-          {"smoothness_is_chosen", result.smoothness_is_chosen},
+          {"smoothness_source", SmoothnessWords(result.smoothness_source)},
           {"recordings", recordings}};
 }
 

@@ -96,7 +96,8 @@ double StationarySmoothness(const std::vector<ParameterBlock>& blocks, const Eig
 }
 
 FitSummary FitWithChosenSmoothness(const std::vector<RecordedMotion>& motions, GrowingHorizon* horizon,
-                                   FitOptions* options, std::unique_ptr<FitProblem>* problem) {
+                                   FitOptions* options, std::unique_ptr<FitProblem>* problem, bool* is_chosen) {
+  *is_chosen = false;
   FitOptions search = *options;
   search.estimate_uncertainty = false;
   FitSummary summary = Fit(search, problem->get(), horizon);
@@ -105,6 +106,7 @@ FitSummary FitWithChosenSmoothness(const std::vector<RecordedMotion>& motions, G
     if (!linearization) break;
     const Eigen::VectorXd blocks = summary.coordinates.head((*problem)->num_blocks());
     const double next = StationarySmoothness((*problem)->blocks(), blocks, *linearization, search.wind_smoothness);
+    *is_chosen = true;
     if (std::abs(std::log(next / search.wind_smoothness)) < kSettled) break;
     search.wind_smoothness = next;
     search.journal_tag = "wind_" + std::to_string(fit);

@@ -30,9 +30,10 @@ inline constexpr double kLeastWindSmoothness = 1e-3, kMostWindSmoothness = 1e3;
 double StationarySmoothness(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                             const Linearization& linearization, double smoothness);
 
-// `options` with a smoothness to start with, and `problem` made with it, become those of the last fit.
+// `options` with a smoothness to start with, and `problem` made with it, become those of the last fit. `is_chosen`: the
+// smoothness of the last fit is such a choice; false where the fit ended before.
 FitSummary FitWithChosenSmoothness(const std::vector<RecordedMotion>& motions, GrowingHorizon* horizon,
-                                   FitOptions* options, std::unique_ptr<FitProblem>* problem);
+                                   FitOptions* options, std::unique_ptr<FitProblem>* problem, bool* is_chosen);
 
 }  // namespace clothid
 

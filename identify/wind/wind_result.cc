@@ -49,11 +49,23 @@ FittedWind MakeWind(const std::pair<int, int>& recording_and_axis, std::vector<i
 
 }  // namespace
 
+const char* SmoothnessWords(SmoothnessSource source) {
+  switch (source) {
+    case SmoothnessSource::kGiven:
+      return "as given";
+    case SmoothnessSource::kChosen:
+      return "chosen by the marginal likelihood";
+    case SmoothnessSource::kNotChosen:
+      break;
+  }
+  return "to start with: the fit ended before a choice";
+}
+
 WindResult DescribeWind(const std::vector<RecordedMotion>& motions, const FitSummary& summary, double smoothness,
-                        bool smoothness_is_chosen) {
+                        SmoothnessSource source) {
   WindResult result;
   result.smoothness = smoothness;
-  result.smoothness_is_chosen = smoothness_is_chosen;
+  result.smoothness_source = source;
   for (const RecordedMotion& motion : motions) result.profiles.push_back(motion.scene.wind.profile);
   std::map<std::pair<int, int>, std::vector<int>> knots;
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
@@ -81,8 +93,9 @@ std::string DescribeFittedWind(const FittedWind& wind) {
     widest = std::fmax(widest, half);
   }
   text << std::setprecision(2);
-  if (std::isfinite(narrowest)) text << ", 95 % intervals +- " << narrowest << " .. " << widest << " m/s";
-  text << ", told at " << wind.num_told << " of " << count << " knots";
+  if (!std::isfinite(narrowest)) return text.str() + ", without intervals";
+  text << ", 95 % intervals +- " << narrowest << " .. " << widest << " m/s, told at " << wind.num_told << " of "
+       << count << " knots";
   return text.str();
 }
 

@@ -21,15 +21,23 @@ struct FittedWind {
   int num_told = 0;                      // knots that the recording tells without what is believed of their neighbours
 };
 
+// Of the smoothness of a profile.
+enum class SmoothnessSource {
+  kGiven,
+  kChosen,     // by the marginal likelihood
+  kNotChosen,  // yet: the fit ended before
+};
+const char* SmoothnessWords(SmoothnessSource source);
+
 struct WindResult {
   double smoothness = 0.0;  // m/s in a second (`FitOptions::wind_smoothness`)
-  bool smoothness_is_chosen = false;
+  SmoothnessSource smoothness_source = SmoothnessSource::kGiven;
   std::vector<FittedWind> winds;      // by recording and component
   std::vector<WindProfile> profiles;  // of every recording, at the estimate, with the components that were not fitted
 };
 
 WindResult DescribeWind(const std::vector<RecordedMotion>& motions, const FitSummary& summary, double smoothness,
-                        bool smoothness_is_chosen);
+                        SmoothnessSource source);
 
 // One line: "y over 8 knots: 0.12 .. 1.43 m/s, 95 % intervals +- 0.2 .. 0.5 m/s, told at 7 of 8 knots".
 std::string DescribeFittedWind(const FittedWind& wind);

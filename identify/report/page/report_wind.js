@@ -14,11 +14,11 @@ function windTraces(times, {values, lower95, upper95, start}) {
       hovertemplate: '%{y:.3g} m/s at %{x:.4g} s<extra>estimate</extra>'})];
 }
 
-function showWind({recordings, smoothness, smoothness_is_chosen: isChosen}) {
+function showWind({recordings, smoothness, smoothness_source: source}) {
   const card = element('section', 'card'), area = element('div', 'multiples');
   card.id = 'wind';
   const believed = smoothness === null ? '' : ` Believed to wander by ${number(smoothness, 3)} m/s in a second for` +
-    ` residuals as large as sigma, ${isChosen ? 'chosen by the marginal likelihood' : 'as given'}.`;
+    ` residuals as large as sigma, ${source}.`;
   card.append(element('h2', '', 'Wind over time'), area,
     element('p', 'caption', `With its 95 % interval; dashed: the start. Linear between the knots, which are marked, constant beyond.${believed}`));
   part('heat-map').closest('.card').before(card);

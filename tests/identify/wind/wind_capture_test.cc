@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/npy_file.h"
@@ -55,9 +56,13 @@ class WindCaptureTest : public ToolTest {
                   "times.npy' --map map.csv --handle_nodes 0,1,2,3,4,5,6,7,8,9,10 --handles handles.csv --sigma 0.001");
   }
 
-  nlohmann::json Fit(const std::string& flags) const {
-    const ToolResult fit = Run("identify --target r1.bin --check=false --initial smoothed --report=false --output r " +
-                               std::string(kFit) + flags);
+  // Two more iterations from `start`.
+  nlohmann::json Fit(const std::string& start, const std::string& flags) const {
+    const ToolResult fit =
+        Run("identify --target r1.bin --check=false --initial smoothed --horizon full --jacobian sensitivity "
+            "--max_iterations 2 --report=false --output r --fit drag_normal,added_mass,wind.x,wind.y,gust.y,"
+            "gust.frequency,gust.phase,gust.wave.x --start " +
+            start + " " + flags);
     EXPECT_TRUE(fit.exit_code == 0 || fit.exit_code == 3 || fit.exit_code == 4) << fit.exit_code << fit.err << fit.out;
     return nlohmann::json::parse(ReadBytes(folder() / "r" / "result.json"));
   }
@@ -81,13 +86,14 @@ class WindCaptureTest : public ToolTest {
     return std::sqrt(sum / count);
   }
 
+  // Air by direction, air that moves along, and a gust that runs along the width. All but the mesh are guesses.
   static constexpr char kScene[] = R"({
     "clothid_scene": 2, "time_step": 0.0111111111, "duration": 1.6333333333,
     "mesh": {"obj": "rest.obj"}, "handles": {"nodes": [], "path": "handles.csv"},
-    "wind": {"mean": [0, 0.5, 0]},
-    "materials": {"density": 0.13, "k_stretch": 300, "k_bend": 2e-4, "damping": 0.3, "drag_normal": 0.2},
+    "wind": {"mean": [0, 0.5, 0], "gust": [0, 1, 0], "frequency": 1, "phase": 1.5, "wave_vector": [-3, 0, 0]},
+    "materials": {"density": 0.13, "k_stretch": 300, "k_bend": 2e-4, "damping": 0.3, "drag_normal": 0.2,
+                  "added_mass": 0.1},
     "solver": {"step_tolerance": 1e-7}})";
-  static constexpr char kFit[] = "--fit drag_normal ";
 
  private:
   // Squares of nodes, cut along diagonals that alternate.
@@ -165,6 +171,22 @@ class WindCaptureTest : public ToolTest {
 
   std::string source_;
 };
+
+TEST_F(WindCaptureTest, IsReproducedWithinEightMillimetres) {
+  const nlohmann::json result =
+      Fit("drag_normal=2.1047,added_mass=0.5962,wind.x=0.6031,wind.y=-0.01,gust.y=0.2156,gust.frequency=1.1591,"
+          "gust.phase=1.7186,gust.wave.x=-6.5016",
+          "");
+  EXPECT_LT(result["rmse_m"].get<double>(), 0.008);
+  EXPECT_GT(result["fit_percent"].get<double>(), 80.0);
+}
+
+TEST_F(WindCaptureTest, TheFirstFramesPredictTheLast) {
+  const nlohmann::json result = Fit("START", "--holdout_frames 36:50");
+  const double error = result["holdout"]["rmse_m"];
+  EXPECT_LT(error, result["holdout"]["nominal_rmse_m"].get<double>());
+  EXPECT_LT(error, ErrorOfHeldShape());
+}
 
 }  // namespace
 }  // namespace clothid

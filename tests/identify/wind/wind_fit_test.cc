@@ -121,7 +121,7 @@ TEST(WindFitTest, FindsAWindThatChanges) {
   EXPECT_EQ(result.summary.status, FitStatus::kConverged) << result.summary.message;
   ASSERT_TRUE(result.checks.wind.has_value());
   ASSERT_EQ(result.checks.wind->winds.size(), 1u);
-  EXPECT_TRUE(result.checks.wind->smoothness_is_chosen);
+  EXPECT_EQ(result.checks.wind->smoothness_source, SmoothnessSource::kChosen);
   EXPECT_NE(result.checks.wind->smoothness, kFirstWindSmoothness);
   const FittedWind& wind = result.checks.wind->winds.front();
   EXPECT_EQ(wind.axis, 1);
@@ -157,7 +157,7 @@ TEST(WindFitTest, FindsTheKnotsOfEveryRecordingAgain) {
   options.fit.wind_smoothness = 1e4;
   const RunResult result = Identify(options);
   ASSERT_TRUE(result.checks.wind.has_value());
-  EXPECT_FALSE(result.checks.wind->smoothness_is_chosen);
+  EXPECT_EQ(result.checks.wind->smoothness_source, SmoothnessSource::kGiven);
   ASSERT_EQ(result.checks.wind->winds.size(), 2u);
   EXPECT_LT((result.checks.wind->winds[0].values - Eigen::Vector3d(0.7, -0.5, 1.2)).norm(), 1e-4);
   EXPECT_LT((result.checks.wind->winds[1].values - Eigen::Vector3d(0.7, -0.5, -0.4)).norm(), 1e-4);

@@ -36,7 +36,7 @@ TEST_F(WindProgramTest, WhatIsFittedCanBeSimulatedAgain) {
   EXPECT_NE(fit.out.find("m/s in a second, chosen by the marginal likelihood\n"), std::string::npos) << fit.out;
   EXPECT_EQ(fit.out.find("\nwind.z.1"), std::string::npos) << fit.out;
   const Json result = Result("result"), wind = result["wind"], profile = wind["recordings"][0]["profile"];
-  EXPECT_EQ(wind["smoothness_is_chosen"], true);
+  EXPECT_EQ(wind["smoothness_source"], "chosen by the marginal likelihood");
   EXPECT_EQ(profile["times"].size(), 7u);
   EXPECT_NEAR(profile["velocities"][3][2].get<double>(), 2.5, 0.6);
   EXPECT_EQ(profile["velocities"][3][2], result["parameters"]["wind.z.4"]["value"]);
