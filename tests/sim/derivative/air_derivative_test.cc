@@ -62,9 +62,9 @@ class AirCase {
   explicit AirCase(const AirParam& param)
       : scene_(AirScene(param)), simulator_(scene_), parameters_(scene_.nominal_parameters()) {
     for (const char* name :
-         {"drag_normal", "drag_tangential", "added_mass", "drag", "density", "wind.x", "wind.y", "wind.z", "wind.x.1",
-          "wind.y.2", "wind.z.3", "gust.x", "gust.y", "gust.z", "gust.frequency", "gust.phase",
-          "gust.wave.x", "gust.wave.y", "wind.shear.x", "wind.shear.y"}) {
+         {"drag_normal",    "drag_tangential", "added_mass",  "drag",        "density",      "wind.x",      "wind.y",
+          "wind.z",         "wind.x.1",        "wind.y.2",    "wind.z.3",    "gust.x",       "gust.y",      "gust.z",
+          "gust.frequency", "gust.phase",      "gust.wave.x", "gust.wave.y", "wind.shear.x", "wind.shear.y"}) {
       directions_.parameters.push_back(ParseParameter(name, scene_));
       names_.emplace_back(name);
     }
