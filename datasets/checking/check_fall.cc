@@ -30,6 +30,13 @@ bool HasOtherForces(const Scene& scene) {
          scene.has_wind();
 }
 
+// m/s^2, of cloth that nothing but its weight moves: that moves the mass of the air along. Energies per mass are those
+// of this pull, too.
+Eigen::Vector3d FreeFall(const Scene& scene) {
+  const Material material = scene.nominal_parameters().material;
+  return scene.gravity * (material.density / material.areal_inertia());
+}
+
 bool StandForCloth(const CheckedMotion& checked) {
   const Eigen::Vector3d off =
       checked.rest_points.rowwise().mean() - checked.motion.scene.mesh.rest_positions.rowwise().mean();
@@ -81,7 +88,7 @@ std::optional<EnergyGain> FindGain(const CheckedMotion& checked) {
   const int num_frames = motion.num_frames();
   Eigen::VectorXd potential(num_frames);
   for (int frame = 0; frame < num_frames; ++frame) {
-    potential[frame] = -motion.scene.gravity.dot(MeanStep(motion.positions, 0, frame));
+    potential[frame] = -FreeFall(motion.scene).dot(MeanStep(motion.positions, 0, frame));
   }
   if (!potential.allFinite()) return std::nullopt;
   EnergyGain gain;
@@ -108,7 +115,7 @@ std::optional<EnergyGain> FindGain(const CheckedMotion& checked) {
 
 std::vector<Finding> CheckEnergy(const CheckedMotion& checked) {
   const std::optional<EnergyGain> gain = FindGain(checked);
-  const double least = kLeastDrop * checked.cloth_size * checked.motion.scene.gravity.norm();
+  const double least = kLeastDrop * checked.cloth_size * FreeFall(checked.motion.scene).norm();
   if (!gain || !(gain->most > kGain * gain->scale) || !(gain->scale > least)) return {};
   Finding finding;
   finding.what = "energy";
@@ -183,7 +190,7 @@ std::vector<Finding> CheckHeldPoints(const CheckedMotion& checked, int num_free)
   const double needed = noise / kHeld + kLeastFall * checked.cloth_size;
   int frame = 1;
   const auto fall = [&] {
-    return 0.5 * motion.scene.gravity.norm() * std::pow(motion.times[frame] - motion.times[0], 2);
+    return 0.5 * FreeFall(motion.scene).norm() * std::pow(motion.times[frame] - motion.times[0], 2);
   };
   while (frame < last && fall() < needed) ++frame;
   if (fall() < needed) return {};
@@ -215,8 +222,8 @@ std::vector<Finding> CheckFreeFall(const CheckedMotion& checked, int num_free) {
   const MeanFall fall = FitFall(checked, count);
   const Eigen::Vector3d acceleration = fall.acceleration * (num_nodes / num_free_nodes);
   const auto across = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d { return v - pull * pull.dot(v); };
-  const Eigen::Vector3d measured = across(acceleration), given = across(motion.scene.gravity);
-  const double size = motion.scene.gravity.norm();
+  const Eigen::Vector3d measured = across(acceleration), given = across(FreeFall(motion.scene));
+  const double size = FreeFall(motion.scene).norm();
   const double of_mean = kNoiseFall * checked.noise.rms() / std::sqrt(1.0 * motion.num_points());
   const double noise = of_mean * fall.noise_factor;
   if (fall.length < kLeastFall * checked.cloth_size + of_mean || noise > kWrongFall * size) return {};

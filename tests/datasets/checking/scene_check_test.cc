@@ -123,6 +123,16 @@ TEST(SceneCheck, MeasuresAFreeFall) {
   ExpectWarning(FreeFall(20.0), "energy", "--frame_rate");
 }
 
+// Air that moves with a cloth has no weight: 0.1 kg/m^2 of cloth that moves 0.2 kg/m^2 of air falls by a third of g.
+TEST(SceneCheck, AFallMovesTheMassOfTheAir) {
+  MotionTensors tensors = FreeFall(3.27);
+  EXPECT_EQ(FindingOf(tensors, "fall").severity, Severity::kWarning);
+  tensors.scene_text =
+      R"({"clothid_scene": 2, "time_step": 0.005, "materials": {"density": 0.1, "added_mass": 0.2}})";
+  EXPECT_EQ(FindingOf(tensors, "fall").severity, Severity::kOk);
+  EXPECT_NE(FindingOf(tensors, "fall").value.find("gravity alone: 3.27"), std::string::npos);
+}
+
 TEST(SceneCheck, KnowsUsualConstants) {
   MotionTensors tensors = MadeUpCapture();
   const auto with = [&](const std::string& constant) {
