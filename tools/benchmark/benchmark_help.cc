@@ -40,8 +40,8 @@ that it would be if the start were known, and rollouts per fit.
 fields: fits a k_stretch that varies over the cloth by a factor of 2 or so about --set k_stretch (70 N/m), with noise of
 --sigma (1 mm), on control grids of --settings nodes a side (4, 8, 16, 32): by Gauss-Newton with conjugate gradients, and
 by L-BFGS with the weight of the prior that it has chosen. Prints the error of log k over all control nodes, the share of
-those that the verdict calls determined and their error, iterations, rollouts, sweeps, processor seconds, and what a
-Jacobian by differences takes.
+those that the verdict calls determined and their error, iterations, rollouts, sweeps, processor seconds, those of an
+iteration without the standard deviations at the end, and what a Jacobian by differences takes.
 
 forward: simulates the scenes wind, slope and sphere on square grids with either integrator and prints the time of a step and its phases, the
 factorisation beside its floating-point operations at the speed of dgemm, the growth with the number of nodes, and the
