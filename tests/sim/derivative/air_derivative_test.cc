@@ -48,7 +48,7 @@ Scene AirScene(const AirParam& param) {
   scene.wind.frequency = 9.0;
   scene.wind.phase = 0.4;
   scene.wind.wave_vector = {3.0, 2.0, 1.0};
-  scene.wind.shear = {1.5, -0.8, 0.3};
+  scene.wind.shear = {0.9, -0.48, 0.18};
   scene.wind.profile.times = Eigen::Vector3d(0.0, 0.2, 0.4);
   scene.wind.profile.velocities.resize(3, 3);
   scene.wind.profile.velocities << 0.1, -0.2, 0.3, 0.0, 0.2, 0.1, 0.1, 0.1, -0.3;
