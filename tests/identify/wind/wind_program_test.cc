@@ -57,13 +57,13 @@ TEST_F(WindProgramTest, WhatIsFittedCanBeSimulatedAgain) {
 TEST_F(WindProgramTest, EveryRecordingHasItsOwnWind) {
   WriteBytes(folder() / "twin.bin", ReadBytes(folder() / "cloth.bin"));
   const ToolResult fit = Run("identify --target cloth.bin,twin.bin --scene scene.json --fit drag_normal " +
-                             std::string("--wind_profile 3:xz --wind_smoothness 5 --initial first --output result"));
+                             std::string("--wind_profile 3:z --wind_smoothness 5 --initial first --output result"));
   EXPECT_EQ(fit.exit_code, 0) << fit.err << fit.out;
   EXPECT_NE(fit.out.find("\nwind            2: z over 3 knots: "), std::string::npos) << fit.out;
   EXPECT_NE(fit.out.find("\nsmoothness      5 m/s in a second, as given\n"), std::string::npos) << fit.out;
   const Json result = Result("result");
   EXPECT_EQ(result["wind"]["recordings"].size(), 2u);
-  EXPECT_TRUE(result["parameters"].contains("wind.x.3@2"));
+  EXPECT_TRUE(result["parameters"].contains("wind.z.3@2"));
   EXPECT_NEAR(result["parameters"]["wind.z.2@1"]["value"].get<double>(),
               result["parameters"]["wind.z.2@2"]["value"].get<double>(), 1e-3);
 }
