@@ -31,8 +31,12 @@ Eigen::MatrixXd ForcePrediction::At(const Eigen::MatrixXd& states) const {
   return predicted;
 }
 
-ForceSampler::ForceSampler(const ForcePrediction* prediction, std::vector<ParameterId> parameters, Visitor visitor)
-    : prediction_(prediction), parameters_(std::move(parameters)), visitor_(std::move(visitor)) {}
+ForceSampler::ForceSampler(const ForcePrediction* prediction, std::vector<ParameterId> parameters, Visitor visitor,
+                           Eigen::MatrixXd fields)
+    : prediction_(prediction),
+      parameters_(std::move(parameters)),
+      visitor_(std::move(visitor)),
+      fields_(std::move(fields)) {}
 
 void ForceSampler::AddStep(int step, const Eigen::Ref<const Eigen::MatrixXd>& state) {
   const HandleForces& forces = prediction_->forces();
@@ -60,6 +64,7 @@ Eigen::MatrixXd ForceSampler::ForceAfter(int step) const {
   for (std::size_t p = 0; p < parameters_.size(); ++p) {
     after.col(1 + static_cast<Eigen::Index>(p)) += forces.ParameterDerivative(parameters_[p], step, states);
   }
+  if (fields_.cols() > 0) after.rightCols(fields_.cols()) += forces.FieldDerivative(step, states) * fields_;
   return after;
 }
 
@@ -114,6 +119,9 @@ void ForceSeeds::AddTo(int step, Eigen::MatrixXd* gradient) {
       parameter_gradient_.row(static_cast<Eigen::Index>(p)) +=
           forces.ParameterDerivative(parameters_[p], next_step_, states).transpose() * seeds;
     }
+    const Eigen::MatrixXd by_fields = forces.FieldDerivative(next_step_, states);
+    if (field_gradient_.size() == 0) field_gradient_.setZero(by_fields.cols(), seeds.cols());
+    field_gradient_.noalias() += by_fields.transpose() * seeds;
   }
   Eigen::MatrixXd& own = pending_[static_cast<std::size_t>(step % 3)];
   for (std::size_t i = 0; i < forces.nodes().size(); ++i) {

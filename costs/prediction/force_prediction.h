@@ -2,7 +2,7 @@
 //   predicted(t_i) = sum_j w_ij R_j + bias
 // with R_j the forces after step j (sim/rollout/handle_forces.h), linear in time between steps, and the bias of the
 // sensors (costs/prediction/alignment.h). R_j depends on three successive states, so both sweeps meet it through the
-// positions that they differentiate anyway; what it owes to the parameters themselves is added here.
+// positions that they differentiate anyway; what it owes to the parameters and fields themselves is added here.
 #ifndef CLOTHID_COSTS_PREDICTION_FORCE_PREDICTION_H_
 #define CLOTHID_COSTS_PREDICTION_FORCE_PREDICTION_H_
 
@@ -49,8 +49,10 @@ class ForceSampler {
   // c)].
   using Visitor = std::function<void(int reading, const Eigen::MatrixXd& forces)>;
 
-  // `parameters`: what the first of the columns belong to. `prediction` must outlive the sampler.
-  ForceSampler(const ForcePrediction* prediction, std::vector<ParameterId> parameters, Visitor visitor);
+  // `parameters`: what the first of the columns belong to; the last ones are along changes of fields, `fields` [K F x
+  // q] as of `SensitivityDirections`. `prediction` must outlive the sampler.
+  ForceSampler(const ForcePrediction* prediction, std::vector<ParameterId> parameters, Visitor visitor,
+               Eigen::MatrixXd fields = {});
   // `state` [3N x (1 + c)] after `step` steps, positions and changes of them; steps 0, 1, 2, .. in order.
   void AddStep(int step, const Eigen::Ref<const Eigen::MatrixXd>& state);
 
@@ -61,6 +63,7 @@ class ForceSampler {
   const ForcePrediction* prediction_;
   std::vector<ParameterId> parameters_;
   Visitor visitor_;
+  Eigen::MatrixXd fields_;
   HandleForces::States kept_;             // the latest states, that of step s at place s modulo 3
   std::array<Eigen::MatrixXd, 2> after_;  // the latest forces, likewise modulo 2
   int next_step_ = 0, next_reading_ = 0;
@@ -77,6 +80,8 @@ class ForceSeeds {
   void AddTo(int step, Eigen::MatrixXd* gradient);
   // dC/d(parameters) at fixed positions [p x s], after step 0.
   const Eigen::MatrixXd& parameter_gradient() const { return parameter_gradient_; }
+  // And by fields [K F x s]; empty where the prediction has none.
+  const Eigen::MatrixXd& field_gradient() const { return field_gradient_; }
 
  private:
   // dC/dR of the force after `step` steps [3G x s].
@@ -86,7 +91,7 @@ class ForceSeeds {
   const Eigen::MatrixXd* states_;
   Eigen::MatrixXd seeds_;
   std::vector<ParameterId> parameters_;
-  Eigen::MatrixXd parameter_gradient_;
+  Eigen::MatrixXd parameter_gradient_, field_gradient_;
   int next_step_;
   std::array<Eigen::MatrixXd, 3> pending_;  // of states [3n x s], that of step s at place s modulo 3
 };

@@ -170,8 +170,8 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   const std::optional<ForcePrediction> force_prediction = ForcesAt(coordinates);
   std::optional<ForceSeeds> force_seeds;
   if (force_prediction) {
-    if (forces == nullptr || forces->states.cols() != num_steps() + 1 || fields != nullptr) {
-      throw std::logic_error("the adjoint of forces: expected those of the rollout, and no fields");
+    if (forces == nullptr || forces->states.cols() != num_steps() + 1) {
+      throw std::logic_error("the adjoint of forces: expected those of the rollout");
     }
     force_seeds.emplace(&*force_prediction, &forces->states, seeds.bottomRows(observation_.forces().num_residuals()),
                         sorted.parameters);
@@ -183,6 +183,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   const RolloutGradient gradient =
       RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision);
   if (fields != nullptr) *fields = gradient.fields;
+  if (fields != nullptr && force_seeds && fields->size() > 0) *fields += force_seeds->field_gradient();
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   if (force_seeds) all(sorted.parameter_places, Eigen::all) += force_seeds->parameter_gradient();

@@ -108,7 +108,7 @@ class RecordingModel {
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the coordinates listed in
   // `active` [q]. `predicted` and `velocities`: of the rollout. `fields` (may be null): the same [K F x s] for the
   // logarithms of the values that the rollout's fields have per triangle (sim/derivative/field_derivative.h). `forces`
-  // (may be null where the recording has none): of the rollout; not with `fields`. Throws `std::logic_error` where
+  // (may be null where the recording has none): of the rollout. Throws `std::logic_error` where
   // they are missing, or the velocities of an active time offset.
   Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
                            const Eigen::VectorXd& coordinates, const std::vector<int>& active,
@@ -130,7 +130,6 @@ class RecordingModel {
   void PushForward(const Rollout& rollout, const Eigen::VectorXd& coordinates, const std::vector<int>& active,
                    const FrameVisitor& visitor, Precision precision);
   // And along changes [K F x q] of what PullBack calls `fields`.
-  // Not of a recording with forces.
   void PushForwardFields(const Rollout& rollout, const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& changes,
                          const FrameVisitor& visitor, Precision precision);
 

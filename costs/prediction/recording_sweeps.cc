@@ -1,5 +1,6 @@
 // The forward sweeps of RecordingModel: with a rollout of their own, and along one that is at hand.
-#include <stdexcept>
+#include <optional>
+#include <vector>
 
 #include "costs/prediction/force_prediction.h"
 #include "costs/prediction/frame_prediction.h"
@@ -43,7 +44,6 @@ void RecordingModel::PushForward(const Rollout& rollout, const Eigen::VectorXd& 
 void RecordingModel::PushForwardFields(const Rollout& rollout, const Eigen::VectorXd& coordinates,
                                        const Eigen::MatrixXd& changes, const FrameVisitor& visitor,
                                        Precision precision) {
-  if (!observation_.forces().is_empty()) throw std::logic_error("fields beside forces");
   const FramePrediction prediction = PredictionAt(coordinates);
   FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
     const Eigen::MatrixXd points = prediction.Points(frame, states);
@@ -54,7 +54,19 @@ void RecordingModel::PushForwardFields(const Rollout& rollout, const Eigen::Vect
   });
   SensitivityDirections directions;
   directions.fields = changes;
-  clothid::PushForward(rollout, directions, AddStates(&sampler), &simulator_, SolverAt(precision).adjoint_tolerance);
+  const std::optional<ForcePrediction> forces = ForcesAt(coordinates);
+  std::optional<ForceSampler> force_sampler;
+  if (forces) {
+    const auto visit = [&](int reading, const Eigen::MatrixXd& swept) {
+      Eigen::VectorXd residuals;
+      Eigen::MatrixXd jacobian;
+      observation_.forces().LinearizeReading(reading, swept, &residuals, &jacobian);
+      visitor(observation_.num_frames() + reading, swept.col(0), residuals, jacobian);
+    };
+    force_sampler.emplace(&*forces, std::vector<ParameterId>(), visit, changes);
+  }
+  clothid::PushForward(rollout, directions, AddStates(&sampler, force_sampler ? &*force_sampler : nullptr), &simulator_,
+                       SolverAt(precision).adjoint_tolerance);
 }
 
 void RecordingModel::SweepFrames(const Eigen::VectorXd& coordinates, const std::vector<int>& active,

@@ -121,7 +121,7 @@ FieldFit FitFields(const std::vector<RecordedMotion>& motions, const std::vector
     result.start_cost = point.data_cost;
     for (int r = 0; r < model.num_recordings(); ++r) {
       fit.start_predicted.push_back(point.recordings[r].predicted);
-      fit.start_error += model.observation(r).Compare(fit.start_predicted.back());
+      fit.start_error += model.observation(r).Compare(fit.start_predicted.back(), point.recordings[r].forces.predicted);
     }
     result.ok =
         is_lbfgs ? RunLbfgs(options, &model, &point, &result) : RunFieldNewton(options, &model, &point, &result);

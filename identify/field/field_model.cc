@@ -63,10 +63,6 @@ FieldModel::FieldModel(const std::vector<RecordedMotion>& motions, const std::ve
       own.push_back(blocks[i]);
       indices.push_back(static_cast<int>(i));
     }
-    if (!motion.forces.is_empty()) {
-      throw Error(ErrorKind::kUsage,
-                  motion.name + ": its forces at handles are no part of a fit of fields; expected a recording without");
-    }
     models_.push_back(std::make_unique<RecordingModel>(motion, std::move(own), PassObserver()));
     std::vector<Eigen::SparseMatrix<double>>& weights = weights_.emplace_back();
     for (const FieldRequest& request : requests) {
@@ -181,8 +177,8 @@ void FieldModel::Simulate(int recording, const Eigen::VectorXd& unknowns, Precis
   }
   model.SetFields(std::move(fields));
   at->rollout = model.Simulate(at->coordinates, {precision, cancel_, 1}, {kRolloutMemory, /*keep_factors=*/true},
-                               &at->predicted, &at->velocities);
-  if (at->rollout.ok()) at->cost = CostOfPrediction(loss_, model.observation(), at->predicted, /*forces=*/{});
+                               &at->predicted, &at->velocities, &at->forces);
+  if (at->rollout.ok()) at->cost = CostOfPrediction(loss_, model.observation(), at->predicted, at->forces.predicted);
 }
 
 bool FieldModel::MoveTo(const Eigen::VectorXd& unknowns, Precision precision, FieldPoint* point) {

@@ -30,6 +30,7 @@ struct FieldRecordingPoint {
   Eigen::VectorXd coordinates;  // of its blocks
   Rollout rollout;
   Eigen::MatrixXd predicted, velocities;
+  ForceTrack forces;
   PredictionCost cost;
   Eigen::MatrixXd scalar_rows;  // [m x p] weighted columns of J; empty until they are asked for
 };
@@ -116,7 +117,7 @@ class FieldModel {
                           const std::function<Eigen::VectorXd(int recording)>& seeds);
   void SetScalarRows(FieldPoint* point);
   void SetScalarRows(int recording, FieldRecordingPoint* at);
-  // The rows of J V that each frame has, from `row` on, for columns V [(p + n) x c].
+  // The rows of J V that each frame, or reading of forces, has (`Observation::first_row`), for columns V [(p + n) x c].
   void PushColumns(int recording, const Eigen::MatrixXd& columns, const FieldRecordingPoint& at,
                    const std::function<void(int frame, Eigen::Index row, const Eigen::MatrixXd& part)>& visit);
 

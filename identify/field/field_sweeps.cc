@@ -23,7 +23,7 @@ Eigen::VectorXd FieldModel::Pull(int recording, const FieldRecordingPoint& at, c
   const ActiveScalars own = ScalarsIn(recording);
   Eigen::MatrixXd by_triangle;
   const Eigen::MatrixXd by_block = model.PullBack(at.rollout, at.predicted, at.velocities, at.coordinates, own.blocks,
-                                                  seeds, adjoint_, precision, &by_triangle);
+                                                  seeds, adjoint_, precision, &by_triangle, &at.forces);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size());
   for (std::size_t i = 0; i < own.places.size(); ++i) {
     gradient[own.places[i]] = by_block(static_cast<Eigen::Index>(i), 0);
@@ -72,15 +72,14 @@ void FieldModel::SetScalarRows(int recording, FieldRecordingPoint* at) {
   const ActiveScalars own = ScalarsIn(recording);
   at->scalar_rows = Eigen::MatrixXd::Zero(at->cost.weights.size(), num_scalars());
   if (own.blocks.empty()) return;
-  Eigen::Index row = 0;
   models_[recording]->PushForward(
       at->rollout, at->coordinates, own.blocks,
-      [&](int, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
+      [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
+        const int row = observation(recording).first_row(frame);
         for (std::size_t i = 0; i < own.places.size(); ++i) {
           at->scalar_rows.col(own.places[i]).segment(row, jacobian.rows()) =
               at->cost.weights.segment(row, jacobian.rows()).cwiseProduct(jacobian.col(static_cast<Eigen::Index>(i)));
         }
-        row += jacobian.rows();
       },
       Precision::kLoose);
 }
@@ -88,14 +87,13 @@ void FieldModel::SetScalarRows(int recording, FieldRecordingPoint* at) {
 void FieldModel::PushColumns(
     int recording, const Eigen::MatrixXd& columns, const FieldRecordingPoint& at,
     const std::function<void(int frame, Eigen::Index row, const Eigen::MatrixXd& part)>& visit) {
-  Eigen::Index row = 0;
   models_[recording]->PushForwardFields(
       at.rollout, at.coordinates, OverTriangles(recording, columns.bottomRows(num_field_unknowns())),
       [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
+        const int row = observation(recording).first_row(frame);
         Eigen::MatrixXd part = at.cost.weights.segment(row, jacobian.rows()).asDiagonal() * jacobian;
         if (num_scalars() > 0) part += at.scalar_rows.middleRows(row, jacobian.rows()) * columns.topRows(num_scalars());
         visit(frame, row, part);
-        row += jacobian.rows();
       },
       Precision::kLoose);
 }
@@ -123,10 +121,13 @@ Eigen::MatrixXd FieldModel::Gram(const Eigen::MatrixXd& columns, FieldPoint* poi
     const FieldRecordingPoint& at = point->recordings[r];
     const Eigen::VectorXd residuals = at.cost.WeightedResiduals();
     grams[r] = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-    scores[r].resize(columns.cols(), observation(r).num_frames());
+    scores[r].setZero(columns.cols(), observation(r).num_frames());
     PushColumns(r, columns, at, [&](int frame, Eigen::Index row, const Eigen::MatrixXd& part) {
       grams[r].selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
-      scores[r].col(frame) = part.transpose() * residuals.segment(row, part.rows());
+      // Forces count with the frame that is nearest in time.
+      const int reading = frame - observation(r).num_frames();
+      const int score = reading < 0 ? frame : observation(r).forces().nearest_frame(reading);
+      scores[r].col(score) += part.transpose() * residuals.segment(row, part.rows());
     });
   });
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());

@@ -31,7 +31,8 @@ HandleForces::HandleForces(const ClothModel& model, const Parameters& parameters
       wind_(parameters.wind),
       num_steps_(num_steps),
       time_step_(model.scene().time_step),
-      groups_(groups) {
+      groups_(groups),
+      fields_(parameters.fields) {
   if (model.directional_drag() != nullptr) {
     throw Error(ErrorKind::kBadData, "forces at handles: expected a scene without drag_normal and drag_tangential");
   }
@@ -114,6 +115,7 @@ void HandleForces::MakeTriangles(const Parameters& parameters) {
   if (model_.damping() != nullptr) damping_.emplace(triangles);
   if (const Eigen::VectorXd* factors = LogFactors(parameters, ParameterKind::kStretchStiffness)) {
     triangles = WeightedTriangles(*triangles, (*factors)(faces_).array().exp());
+    stretch_.emplace(triangles);
   }
   membrane_.emplace(scene.membrane, triangles);
 }

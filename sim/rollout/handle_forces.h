@@ -26,6 +26,8 @@
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/cloth/stretch_energy.h"
+#include "sim/scene/material_field.h"
 #include "sim/scene/parameters.h"
 
 namespace clothid {
@@ -72,6 +74,10 @@ class HandleForces {
   // dR/d(parameter) [3G] at fixed positions, in the parameter's own unit; zero for friction.
   Eigen::VectorXd ParameterDerivative(ParameterId id, int step, const States& states) const;
 
+  // dR/d(logarithm of the value that a field of the parameters has in a triangle) at fixed positions [3G x K F],
+  // columns as the rows of `SensitivityDirections::fields`; no columns without fields.
+  Eigen::MatrixXd FieldDerivative(int step, const States& states) const;
+
   // R after every step [3G x (num_steps + 1)] from the positions of `nodes()` after every step [3n x (num_steps + 1)].
   Eigen::MatrixXd Over(const Eigen::MatrixXd& positions) const;
   // The first columns of the window of `step`, of the same positions.
@@ -110,6 +116,12 @@ class HandleForces {
   // Takes the sums of a force [3n] over groups off `sums` [3G].
   void SubtractSums(const Eigen::VectorXd& force, Eigen::VectorXd* sums) const;
 
+  // What the triangles owe to fields of stretch, density and bending, added to `derivative` [3G x F].
+  void AddStretchColumns(int step, const States& states, Eigen::Ref<Eigen::MatrixXd> derivative) const;
+  void AddMassColumns(const FieldFactors& field, const States& states, Eigen::Ref<Eigen::MatrixXd> derivative) const;
+  void AddBendingColumns(const FieldFactors& field, int step, const States& states,
+                         Eigen::Ref<Eigen::MatrixXd> derivative) const;
+
   const ClothModel& model_;
   Material material_;
   Wind wind_;
@@ -121,8 +133,10 @@ class HandleForces {
   std::vector<int> local_;          // [N] the place in nodes_, -1: none
   Eigen::MatrixXd selection_;       // [3n x 3G] 1 where a coordinate of a handle belongs to a group
   std::shared_ptr<const BlockPattern> pattern_;
-  std::optional<Membrane> membrane_;          // of the triangles at handles, over nodes_
-  std::optional<StrainRateDamping> damping_;  // likewise
+  std::shared_ptr<const std::vector<FieldFactors>> fields_;  // null: none
+  std::optional<Membrane> membrane_;                         // of the triangles at handles, over nodes_
+  std::optional<StretchEnergy> stretch_;                     // of the same, where stretch is a field
+  std::optional<StrainRateDamping> damping_;                 // likewise
   std::vector<Bending> bending_;
 };
 

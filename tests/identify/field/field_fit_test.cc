@@ -21,6 +21,7 @@
 #include "identify/fit/problem.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/scene_json.h"
+#include "tests/costs/synthetic_forces.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 #include "tests/sim/shipped_scenes.h"
@@ -120,6 +121,51 @@ TEST(FieldModel, ProductsAreThoseOfOneJacobian) {
   const Eigen::VectorXd gradient = model.DataGradient(point);
   const Eigen::VectorXd by_rows = model.TimesTransposed({point.recordings.front().cost.WeightedResiduals()}, point);
   EXPECT_LE((gradient - by_rows).norm(), 1e-4 * gradient.norm());
+}
+
+// Forces at handles are rows like others, of fields of every constant.
+TEST(FieldModel, ForcesGoWithPositions) {
+  std::vector<RecordedMotion> motions = {FieldMotion()};
+  motions.front().scene = Shaken(motions.front().scene);
+  motions.front().scene.solver.step_tolerance = 1e-11;
+  ForceOptions seen;
+  seen.groups = {{0, 1, 2}, {5, 6}};
+  seen.true_values = {{"k_stretch", 70.0}, {"density", 0.25}};
+  seen.sigma = 1e-2;
+  AddForces(seen, &motions.front());
+  const std::vector<FieldRequest> requests = ParseFieldRequests("k_stretch:3x3,density:2x2,k_bend:2x2");
+  for (const FieldRequest& request : requests) {
+    const double level = GetParameter(motions.front().scene.nominal_parameters(), {request.kind});
+    SetField({request.kind, Eigen::MatrixXd::Constant(request.rows, request.columns, level)}, &motions);
+  }
+  FieldModel model(motions, Blocks(motions), requests, FitOptions());
+  FieldPoint point;
+  ASSERT_TRUE(model.MoveTo(model.Start(), Precision::kFull, &point)) << model.failure();
+  ASSERT_EQ(point.recordings.front().forces.predicted.rows(), 6);
+  const Eigen::VectorXd gradient = model.DataGradient(point);
+  int first = model.num_scalars();
+  for (const FieldRequest& request : requests) {
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(model.size());
+    direction.segment(first, request.size()) = Eigen::VectorXd::LinSpaced(request.size(), -0.7, 1.9).array().cos();
+    first += request.size();
+    double best = 1.0;
+    for (const double step : {1e-4, 1e-5}) {
+      const double difference =
+          (Cost(point.unknowns + step * direction, &model) - Cost(point.unknowns - step * direction, &model)) /
+          (2.0 * step);
+      best = std::min(best, std::abs(difference / gradient.dot(direction) - 1.0));
+    }
+    EXPECT_LE(best, 1e-5) << request.name;
+  }
+  ASSERT_TRUE(model.MoveTo(model.Start(), Precision::kFull, &point));
+  const Eigen::MatrixXd all = Eigen::MatrixXd::Identity(model.size(), model.size());
+  std::vector<Eigen::MatrixXd> scores;
+  const Eigen::MatrixXd gram = model.Gram(all, &point, &scores);
+  for (const int column : {0, 1, 10, 16}) {
+    const Eigen::VectorXd product = model.TimesCurvature(all.col(column), &point);
+    EXPECT_LE((product - gram.col(column)).norm(), 1e-4 * product.norm()) << column;
+  }
+  EXPECT_LE((scores.front().rowwise().sum() - gradient).norm(), 1e-4 * gradient.norm());
 }
 
 // The integral of the squared Laplacian, whatever the grid; nothing of the mean.

@@ -371,6 +371,43 @@ TEST(HandleForcesTest, TakesConstantsThatVaryFromTheFields) {
   }
 }
 
+// By the logarithm of the value of a triangle, of every constant that can be a field.
+TEST(HandleForcesTest, FieldDerivativesAreThoseOfDifferences) {
+  for (const Integrator integrator : kIntegrators) {
+    SCOPED_TRACE(IntegratorName(integrator));
+    Scene scene = ShakenCloth(integrator, 0.01);
+    for (const ParameterKind kind :
+         {ParameterKind::kStretchStiffness, ParameterKind::kDensity, ParameterKind::kBendingStiffness}) {
+      const double level = GetParameter(scene.nominal_parameters(), {kind});
+      scene.fields.push_back({kind, level * Eigen::Matrix2d{{1.0, 1.3}, {0.8, 1.1}}});
+    }
+    const TestRun run(scene, {{0, 1, 2}, {4, 5}});
+    HandleForces::States states;
+    for (std::size_t k = 0; k < 3; ++k) states[k] = run.forces.Gather(run.rollout.positions(7 + static_cast<int>(k)));
+    const int step = integrator == Integrator::kEuler ? 9 : 8;
+    const Eigen::MatrixXd derivative = run.forces.FieldDerivative(step, states);
+    const Eigen::Index num_faces = scene.mesh.num_faces();
+    ASSERT_EQ(derivative.cols(), 3 * num_faces);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::VectorXd change = Eigen::VectorXd::LinSpaced(num_faces, -2.0, 3.0).array().cos();
+      const auto force_at = [&](double share) -> Eigen::VectorXd {
+        auto fields = std::make_shared<std::vector<FieldFactors>>(*run.rollout.parameters.fields);
+        (*fields)[static_cast<std::size_t>(k)].log_factors += share * change;
+        Parameters parameters = run.rollout.parameters;
+        parameters.fields = fields;
+        Simulator simulator(scene);
+        simulator.UseFields(parameters);
+        return HandleForces(simulator.model(), parameters, scene.num_steps(), {{0, 1, 2}, {4, 5}}).At(step, states);
+      };
+      constexpr double kStep = 1e-4;
+      const Eigen::VectorXd difference = (force_at(kStep) - force_at(-kStep)) / (2.0 * kStep);
+      const Eigen::VectorXd along = derivative.middleCols(k * num_faces, num_faces) * change;
+      EXPECT_GT(along.norm(), 0.0) << k;
+      EXPECT_LE((along - difference).norm(), 1e-6 * difference.norm()) << k;
+    }
+  }
+}
+
 TEST(HandleForcesTest, RejectsGroupsThatAreNoHandles) {
   const Scene scene = ShakenCloth(Integrator::kEuler, 0.01);
   const Simulator simulator(scene);
