@@ -10,7 +10,6 @@
 #include "costs/rollout_cost.h"
 #include "datasets/observation/observation.h"
 #include "identify/base/options.h"
-#include "identify/fit/dent_check.h"
 #include "identify/fit/interval_check.h"
 #include "identify/uncertainty/uncertainty.h"
 

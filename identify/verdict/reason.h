@@ -28,7 +28,7 @@ struct Reason {
 void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // Its parameters: what the recordings tell of each, and what their intervals are worth.
 void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
-// Parameters whose interval a step of 1 % leads out of (identify/fit/dent_check.h).
+// Parameters whose interval a step of 1 % leads out of (identify/fit/interval_check.h).
 void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // What parameters and knots owe to what was believed of them, and where recordings contradict it.
 void AddPriorReasons(const FitSummary& summary, std::vector<Reason>* reasons);

@@ -1,5 +1,5 @@
 // An interval that is that of a dent of a rough cost is told from one of a smooth cost.
-#include "identify/fit/dent_check.h"
+#include "identify/fit/interval_check.h"
 
 #include <gtest/gtest.h>
 
