@@ -7,6 +7,7 @@
 #include "sim/base/error.h"
 
 namespace clothid {
+
 double WindProfile::Weight(int knot, double time) const {
   const Eigen::Index last = times.size() - 1;
   const double t = std::clamp(time, times[0], times[last]);
@@ -25,6 +26,13 @@ Eigen::Vector3d WindProfile::At(double time) const {
   const Eigen::Index i = std::upper_bound(times.begin(), times.end(), time) - times.begin() - 1;
   const double share = (time - times[i]) / (times[i + 1] - times[i]);
   return velocities.col(i) + share * (velocities.col(i + 1) - velocities.col(i));
+}
+
+std::vector<RestPlace> RestPlaces(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& areas) {
+  const Eigen::Vector3d center = positions * areas / areas.sum();
+  std::vector<RestPlace> places;
+  for (const auto& position : positions.colwise()) places.push_back({position, position - center});
+  return places;
 }
 
 double Wind::GustAngle(double time, const RestPlace& place) const {

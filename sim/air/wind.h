@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 namespace clothid {
 
@@ -35,6 +36,9 @@ struct RestPlace {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();     // X, m
   Eigen::Vector3d from_center = Eigen::Vector3d::Zero();  // X - c, m
 };
+
+// Those of all nodes [N], at `positions` [3 x N] m with `areas` [N], which weigh the centroid.
+std::vector<RestPlace> RestPlaces(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& areas);
 
 struct Wind {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();         // m/s

@@ -56,17 +56,7 @@ Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, co
   return place.from_center[axis] * unsheared.At(time, place);
 }
 
-std::vector<RestPlace> RestPlaces(const Mesh& mesh) {
-  const Eigen::VectorXd areas = NodeAreas(mesh);
-  const Eigen::Vector3d center = mesh.rest_positions * areas / areas.sum();
-  std::vector<RestPlace> places;
-  for (int node = 0; node < mesh.num_nodes(); ++node) {
-    const Eigen::Vector3d position = mesh.rest_positions.col(node);
-    places.push_back({position, position - center});
-  }
-  return places;
-}
-
-AirDrag::AirDrag(const Scene& scene) : areas_(NodeAreas(scene.mesh)), places_(RestPlaces(scene.mesh)) {}
+AirDrag::AirDrag(const Scene& scene)
+    : areas_(NodeAreas(scene.mesh)), places_(RestPlaces(scene.mesh.rest_positions, areas_)) {}
 
 }  // namespace clothid

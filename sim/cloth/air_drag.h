@@ -13,9 +13,6 @@ namespace clothid {
 // dw/dtheta of `Wind::At`, theta the parameter `id` of a wind.
 Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, const RestPlace& place);
 
-// The places of all nodes [N].
-std::vector<RestPlace> RestPlaces(const Mesh& mesh);
-
 class AirDrag {
  public:
   explicit AirDrag(const Scene& scene);

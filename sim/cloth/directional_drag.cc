@@ -125,7 +125,7 @@ NormalSlope SlopeOf(AirLaw law, const DragConstants& constants, const TriangleBa
 DirectionalDrag::DirectionalDrag(const Scene& scene, std::shared_ptr<const TriangleElements> triangles,
                                  const std::vector<int>& free_index, const BlockPattern& pattern)
     : law_(scene.air_law), triangles_(std::move(triangles)), places_(triangles_->size()) {
-  const std::vector<RestPlace> nodes = RestPlaces(scene.mesh);
+  const std::vector<RestPlace> nodes = RestPlaces(scene.mesh.rest_positions, NodeAreas(scene.mesh));
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
     for (int lane = 0; lane < kLanes; ++lane) {

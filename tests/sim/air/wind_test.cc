@@ -51,7 +51,7 @@ TEST(WindTest, ShearIsMeasuredFromTheCentroidOfTheArea) {
   grid.origin = {5.0, -1.0, 2.0};
   const Mesh mesh = MakeGrid(grid);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(), far = Eigen::Vector3d::Zero();
-  for (const RestPlace& place : RestPlaces(mesh)) {
+  for (const RestPlace& place : RestPlaces(mesh.rest_positions, NodeAreas(mesh))) {
     sum += place.from_center;
     far = far.cwiseMax(place.from_center.cwiseAbs());
   }
