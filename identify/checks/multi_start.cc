@@ -1,14 +1,11 @@
 #include "identify/checks/multi_start.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <random>
 #include <utility>
 
-#include "identify/base/parallel_for.h"
 #include "identify/fit/continued_fit.h"
 #include "identify/fit/growing_horizon.h"
 
@@ -145,29 +142,6 @@ std::vector<FitSummary> FitInTurn(const FitOptions& options, const std::vector<R
   return fits;
 }
 
-// Side by side, each on a problem of its own: fits of one problem do not depend on those before them.
-std::vector<FitSummary> FitSideBySide(const FitOptions& options, const std::vector<RecordedMotion>& motions,
-                                      bool is_led, const Points& points) {
-  FitOptions each = options;
-  each.num_threads = 1;
-  each.on_iteration = nullptr;  // whose iterations these are nobody could tell
-  each.on_progress = nullptr;
-  std::vector<FitSummary> fits(points.size());
-  std::mutex mutex;
-  int num_begun = 0;
-  ParallelFor(static_cast<int>(points.size()), options.num_threads, [&](int s) {
-    if (options.on_start) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      options.on_start(num_begun++);
-    }
-    FitProblem problem(motions, each);
-    GrowingHorizon horizon(motions, each);
-    problem.SetStart(points[s]);
-    fits[s] = Fit(each, &problem, is_led ? &horizon : nullptr);
-  });
-  return fits;
-}
-
 // The best of `fits`, with the counts and seconds of all.
 FitSummary TakeBest(std::vector<FitSummary> fits, std::size_t* best_start) {
   CostStatistics statistics, lead;
@@ -201,17 +175,12 @@ FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMo
   FitOptions each = options;
   each.estimate_uncertainty = false;
   const Points points = StartPoints(problem->blocks(), options.num_starts, options.seed);
-  const bool side_by_side = options.num_threads > 1 && options.journal_folder.empty();
-  const auto begin = std::chrono::steady_clock::now();
-  std::vector<FitSummary> fits =
-      side_by_side ? FitSideBySide(each, motions, is_led, points) : FitInTurn(each, motions, is_led, points, problem);
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  std::vector<FitSummary> fits = FitInTurn(each, motions, is_led, points, problem);
   for (std::size_t s = 0; s < fits.size(); ++s) {
     result->starts.push_back(Describe(fits[s], problem->Values(points[s])));
   }
   std::size_t best_start = 0;
   FitSummary best = TakeBest(std::move(fits), &best_start);
-  best.total_seconds = elapsed.count();
   problem->SetStart(points.front());
   if (options.estimate_uncertainty && best.has_estimate()) {
     AddUncertainty(options, *problem, &best);

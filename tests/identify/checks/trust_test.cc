@@ -65,7 +65,6 @@ TEST(MultiStartTest, StartsThatAgreeSayTheSameAsOneFit) {
   EXPECT_EQ(problem.StartCoordinates(), StartPoints(problem.blocks(), 1, 0)[0]) << "the problem is as it was";
 }
 
-// Side by side on problems of their own or one after the other on one: the same bits.
 TEST(MultiStartTest, SameBytesOnEveryNumberOfThreads) {
   FitOptions options = OptionsFor({"k_stretch", "k_bend"});
   options.num_starts = 4;
