@@ -120,6 +120,7 @@ void ForceSeeds::AddTo(int step, Eigen::MatrixXd* gradient) {
           forces.ParameterDerivative(parameters_[p], next_step_, states).transpose() * seeds;
     }
     const Eigen::MatrixXd by_fields = forces.FieldDerivative(next_step_, states);
+    if (by_fields.cols() == 0) continue;
     if (field_gradient_.size() == 0) field_gradient_.setZero(by_fields.cols(), seeds.cols());
     field_gradient_.noalias() += by_fields.transpose() * seeds;
   }

@@ -112,6 +112,17 @@ TEST(CloudObservationTest, SeedsAreTheTransposeOfTheDerivative) {
   }
 }
 
+void ExpectDerivativeIsDifference(const Observation& observation, const Eigen::MatrixXd& predicted,
+                                  const ResidualDerivative& derivative) {
+  std::srand(5);
+  const double step = 1e-7;
+  const Eigen::MatrixXd change = Eigen::MatrixXd::Random(predicted.rows(), predicted.cols());
+  const Eigen::VectorXd difference =
+      (observation.Residuals(predicted + step * change) - observation.Residuals(predicted - step * change)) /
+      (2.0 * step);
+  EXPECT_LT((derivative.Apply(change) - difference).norm(), 1e-6 * difference.norm());
+}
+
 // Whoever differentiates has said where: the rows of clouds come with the derivative, in every one of its forms.
 TEST(CloudObservationTest, TheDerivativeIsThatAtItsPrediction) {
   for (const bool has_points : {false, true}) {
@@ -119,13 +130,7 @@ TEST(CloudObservationTest, TheDerivativeIsThatAtItsPrediction) {
     const Observation observation(motion);
     const Eigen::MatrixXd predicted = observation.Predict(MakeRollout(motion.scene.mesh));
     const ResidualDerivative derivative(&observation, predicted);
-    std::srand(5);
-    const double step = 1e-7;
-    const Eigen::MatrixXd change = Eigen::MatrixXd::Random(predicted.rows(), predicted.cols());
-    const Eigen::VectorXd difference =
-        (observation.Residuals(predicted + step * change) - observation.Residuals(predicted - step * change)) /
-        (2.0 * step);
-    EXPECT_LT((derivative.Apply(change) - difference).norm(), 1e-6 * difference.norm());
+    ExpectDerivativeIsDifference(observation, predicted, derivative);
     const Eigen::Vector3d shift(0.3, -0.5, 0.2);
     const Eigen::MatrixXd shifts = shift.replicate(predicted.rows() / 3, predicted.cols());
     const Eigen::VectorXd shifted = derivative.Apply(shifts);
@@ -210,14 +215,7 @@ TEST(CloudObservationTest, TheDerivativeOfPointsThatAreNotMaterialIsExact) {
   const RecordedMotion motion = SlidingMotion();
   const Observation observation(motion);
   const Eigen::MatrixXd predicted = observation.Predict(MakeRollout(motion.scene.mesh));
-  const ResidualDerivative derivative(&observation, predicted);
-  std::srand(5);
-  const double step = 1e-7;
-  const Eigen::MatrixXd change = Eigen::MatrixXd::Random(predicted.rows(), predicted.cols());
-  const Eigen::VectorXd difference =
-      (observation.Residuals(predicted + step * change) - observation.Residuals(predicted - step * change)) /
-      (2.0 * step);
-  EXPECT_LT((derivative.Apply(change) - difference).norm(), 1e-6 * difference.norm());
+  ExpectDerivativeIsDifference(observation, predicted, ResidualDerivative(&observation, predicted));
 }
 
 TEST(CloudObservationTest, RefusesPointsOfABorderThatIsNotThere) {
