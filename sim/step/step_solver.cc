@@ -7,9 +7,10 @@ namespace clothid {
 namespace {
 
 constexpr double kLargestForcing = 0.1;       // tolerance of the linear system of a Newton iteration, ...
+constexpr double kForcingInContact = 0.3;     // ... where contacts are likely to change on the way, ...
 constexpr double kForcing = 0.9;              // ... its share of the square of the last reduction of the residual, ...
 constexpr double kGoalShare = 0.3;            // ... and at least so much of the reduction that is left to do
-constexpr int kRefactorIterations = 10;       // a linear solve that takes more costs as much as a new factor
+constexpr int kRefactorIterations = 8;        // a linear solve that takes more costs as much as a new factor
 constexpr int kDerivativeDigits = 8;          // that are asked of a derivative with a factor that was kept, ...
 constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
 constexpr double kRefineTolerance = 1e-8;     // of the linear system of an iteration beyond the tolerance
@@ -22,11 +23,23 @@ constexpr int kPatience = 30;                // iterations without progress befo
 constexpr double kProgress = 0.8;            // a residual below this share of the lowest one is progress
 constexpr double kSmallestIncrement = 1e-2;  // of the share of friction in its continuation
 
-// The tolerance of Newton's linear system at relative residual `residual`, `last` before the last iteration (0: none):
-// the forcing term of Eisenstat and Walker 1996, choice 2, but no more accurate than a residual below `goal` needs.
-double ForcingTerm(double residual, double last, double goal) {
-  const double ratio = last > 0.0 ? residual / last : 1.0;
-  return std::max(std::min(kLargestForcing, kForcing * ratio * ratio), kGoalShare * goal / residual);
+bool InContact(const StepPoint& point) {
+  return std::any_of(point.responses.begin(), point.responses.end(),
+                     [](const ContactResponse& response) { return response.branch != ContactBranch::kTakeOff; });
+}
+
+bool BranchesDiffer(const StepPoint& a, const StepPoint& b) {
+  return !std::equal(a.responses.begin(), a.responses.end(), b.responses.begin(), b.responses.end(),
+                     [](const auto& r, const auto& s) { return r.branch == s.branch; });
+}
+
+// The tolerance of Newton's linear system at `point`, whose relative residual was `last` before the last iteration (0:
+// none): the forcing term of Eisenstat and Walker 1996, choice 2, but no more accurate than a residual below `goal`
+// needs.
+double ForcingTerm(const StepPoint& point, bool changes, double last, double goal) {
+  const double residual = point.relative_residual, ratio = last > 0.0 ? residual / last : 1.0;
+  const double largest = changes ? kForcingInContact : kLargestForcing;
+  return std::max(std::min(largest, kForcing * ratio * ratio), kGoalShare * goal / residual);
 }
 
 // Whether Newton's method gets on. In a stiff cloth the residual stays where it is for dozens of iterations, set by
@@ -224,18 +237,35 @@ bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& d
   return false;
 }
 
+bool StepSolver::SearchInContact(const StepProblem& problem, const Eigen::VectorXd& direction, double forcing,
+                                 double first_length, StepPoint* point) {
+  if (!problem.may_touch()) return false;
+  Eigen::VectorXd corrected = direction;
+  {
+    const ScopedTimer timer(&jacobian_.seconds().contact);
+    if (!sweeps_.Correct(problem, hessian_, *point, forcing, &corrected)) return false;
+  }
+  return LineSearch(problem, corrected, first_length, point);
+}
+
+bool StepSolver::FactorAtHandServes(double forcing) const {
+  return jacobian_.factor() != nullptr && !new_factor_is_due_ &&
+         -std::log10(forcing) * iterations_per_digit_ <= kRefactorIterations;
+}
+
 bool StepSolver::Iterate(const Task& task, double forcing, double first_length, StepPoint* point) {
   const StepProblem& problem = task.problem;
   std::vector<Contact> contacts;
   if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
   Eigen::VectorXd direction;
-  if (jacobian_.factor() != nullptr && !new_factor_is_due_ &&
-      DirectionByFactorAtHand(task, contacts, *point, forcing, &direction) &&
-      LineSearch(problem, direction, first_length, point)) {
+  const auto search = [&] {
+    return SearchInContact(problem, direction, forcing, first_length, point) ||
+           LineSearch(problem, direction, first_length, point);
+  };
+  if (FactorAtHandServes(forcing) && DirectionByFactorAtHand(task, contacts, *point, forcing, &direction) && search()) {
     return true;
   }
-  return DirectionByNewFactor(task, contacts, *point, forcing, &direction) &&
-         LineSearch(problem, direction, first_length, point);
+  return DirectionByNewFactor(task, contacts, *point, forcing, &direction) && search();
 }
 
 // The length of the first trial is halved where an iteration undoes the one before it: a cycle between branches.
@@ -247,7 +277,8 @@ bool StepSolver::Newton(const Task& task, StepPoint* point) {
   const int max_iterations = model_.scene().solver.max_newton_iterations;
   for (int iteration = 0; iteration < max_iterations && !task.IsSolvedAt(*point); ++iteration) {
     ++task.counts->newton_iterations;
-    const double forcing = ForcingTerm(point->relative_residual, last, task.ToleranceAt(*point));
+    const bool changes = iteration == 0 ? InContact(*point) : BranchesDiffer(*point, trial_);
+    const double forcing = ForcingTerm(*point, changes, last, task.ToleranceAt(*point));
     const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last &&
                         change.dot(last_change) < -kReversal * change.norm() * last_change.norm();
     first_length = cycles ? std::max(0.5 * first_length, kShortestFirstLength) : std::min(2.0 * first_length, 1.0);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "sim/step/contact_sweeps.h"
 #include "sim/step/step_counts.h"
 #include "sim/step/step_jacobian.h"
 #include "sim/step/step_problem.h"
@@ -82,11 +83,17 @@ class StepSolver {
   bool SolveAt(const Task& task, const std::vector<Contact>& contacts, const Eigen::VectorXd& residual, double forcing,
                Eigen::VectorXd* direction);
   bool LineSearch(const StepProblem& problem, const Eigen::VectorXd& direction, double first_length, StepPoint* point);
+  // The same along `direction` as ContactSweeps corrects it; false where it does not.
+  bool SearchInContact(const StepProblem& problem, const Eigen::VectorXd& direction, double forcing,
+                       double first_length, StepPoint* point);
+  // Whether a solve to `forcing` is likely to take less than a new factor.
+  bool FactorAtHandServes(double forcing) const;
 
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
   StepPoint trial_;               // kept for its memory
+  ContactSweeps sweeps_;          // likewise
   Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
   bool ends_with_factors_ = false;
   double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known
