@@ -1,0 +1,279 @@
+#include "sim/matrix/supernodal_factor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sim/matrix/lanes.h"
+
+namespace clothid {
+namespace {
+
+// Columns of a tile, and its rows.
+constexpr int kWidth = 6;
+constexpr int kBlock = 3;
+constexpr int kRows = 8;
+
+// A supernode that is being made, or that is done: `num_rows` x `num_columns` scalars by columns.
+struct Panel {
+  double* values;
+  int num_rows, num_columns;
+};
+
+// Rows of a supernode `source` that is done, from one that is a column of another supernode on: of `num_rows`
+// the first `num_columns` are, and all are there at the rows `targets`.
+struct Update {
+  const double* source;
+  std::ptrdiff_t stride;  // of its columns
+  int depth;              // their number
+  int num_columns, num_rows;
+  const int* targets;
+};
+
+// The columns of a tile [kRows x kColumns].
+template <typename Rows, int kColumns>
+struct Tile {
+  // Adds the sum over k of a[., k] b[j, k] to column j, where both are rows of one matrix by columns.
+  CLOTHID_ALWAYS_INLINE void SetProducts(const double* a, const double* b, std::ptrdiff_t stride, int depth) {
+    CLOTHID_UNROLL
+    for (int j = 0; j < kColumns; ++j) columns[j].SetZero();
+    for (int k = 0; k < depth; ++k, a += stride, b += stride) {
+      Rows rows;
+      rows.Load(a);
+      CLOTHID_UNROLL
+      for (int j = 0; j < kColumns; ++j) columns[j].AddProduct(rows, b[j]);
+    }
+  }
+
+  CLOTHID_ALWAYS_INLINE void SetDifferences(const Tile& products, const double* from, std::ptrdiff_t stride) {
+    CLOTHID_UNROLL
+    for (int j = 0; j < kColumns; ++j) {
+      columns[j].Load(from + j * stride);
+      columns[j].Subtract(products.columns[j]);
+    }
+  }
+
+  // Its first `num_rows` rows.
+  CLOTHID_ALWAYS_INLINE void Store(int num_rows, std::ptrdiff_t stride, double* to) const {
+    if (num_rows >= kRows) {
+      CLOTHID_UNROLL
+      for (int j = 0; j < kColumns; ++j) columns[j].Store(to + j * stride);
+      return;
+    }
+    double numbers[kColumns][kRows];
+    CLOTHID_UNROLL
+    for (int j = 0; j < kColumns; ++j) columns[j].Store(numbers[j]);
+    for (int j = 0; j < kColumns; ++j) {
+      for (int i = 0; i < num_rows; ++i) to[j * stride + i] = numbers[j][i];
+    }
+  }
+
+  // Takes its first `num_rows` rows off the columns `to` at the rows `targets`.
+  CLOTHID_ALWAYS_INLINE void SubtractFrom(const int* targets, int num_rows, double* const* to) const {
+    if (num_rows >= kRows && targets[kRows - 1] - targets[0] == kRows - 1) {
+      CLOTHID_UNROLL
+      for (int j = 0; j < kColumns; ++j) {
+        Rows rows;
+        rows.Load(to[j] + targets[0]);
+        rows.Subtract(columns[j]);
+        rows.Store(to[j] + targets[0]);
+      }
+      return;
+    }
+    double numbers[kColumns][kRows];
+    CLOTHID_UNROLL
+    for (int j = 0; j < kColumns; ++j) columns[j].Store(numbers[j]);
+    const int count = std::min(num_rows, kRows);
+    for (int j = 0; j < kColumns; ++j) {
+      for (int i = 0; i < count; ++i) to[j][targets[i]] -= numbers[j][i];
+    }
+  }
+
+  // With its first row on the diagonal: becomes its Cholesky factor L, and `diagonal` L's rows by columns, with
+  // reciprocals on the diagonal. False: it is not positive definite.
+  CLOTHID_ALWAYS_INLINE bool Factor(double (*diagonal)[kRows]) {
+    bool positive = true;
+    CLOTHID_UNROLL
+    for (int j = 0; j < kColumns; ++j) {
+      const double pivot = columns[j][j];
+      positive = positive && pivot > 0.0;
+      const double reciprocal = 1.0 / std::sqrt(pivot);
+      columns[j].Scale(reciprocal);
+      CLOTHID_UNROLL
+      for (int i = j + 1; i < kColumns; ++i) columns[i].SubtractProduct(columns[j], columns[j][i]);
+      columns[j].Store(diagonal[j]);
+      diagonal[j][j] = reciprocal;
+    }
+    return positive;
+  }
+
+  // Below the diagonal: X L^T = tile.
+  CLOTHID_ALWAYS_INLINE void Solve(const double (*diagonal)[kRows]) {
+    CLOTHID_UNROLL
+    for (int j = 0; j < kColumns; ++j) {
+      CLOTHID_UNROLL
+      for (int i = 0; i < j; ++i) columns[j].SubtractProduct(columns[i], diagonal[i][j]);
+      columns[j].Scale(diagonal[j][j]);
+    }
+  }
+
+  Rows columns[kColumns];
+};
+
+// The dense arithmetic of a supernode.
+template <typename Rows>
+struct Arithmetic {
+  template <int kColumns>
+  CLOTHID_ALWAYS_INLINE static void SubtractStrip(const Update& update, int first, const Panel& panel) {
+    double* to[kColumns];
+    for (int j = 0; j < kColumns; ++j) {
+      to[j] = panel.values + static_cast<std::ptrdiff_t>(update.targets[first + j]) * panel.num_rows;
+    }
+    for (int row = first; row < update.num_rows; row += kRows) {
+      Tile<Rows, kColumns> tile;
+      tile.SetProducts(update.source + row, update.source + first, update.stride, update.depth);
+      tile.SubtractFrom(update.targets + row, update.num_rows - row, to);
+    }
+  }
+
+  CLOTHID_ALWAYS_INLINE static void Subtract(const Update& update, const Panel& panel) {
+    int first = 0;
+    for (; first + kWidth <= update.num_columns; first += kWidth) SubtractStrip<kWidth>(update, first, panel);
+    if (first < update.num_columns) SubtractStrip<kBlock>(update, first, panel);
+  }
+
+  template <int kColumns>
+  CLOTHID_ALWAYS_INLINE static bool FactorStrip(int first, const Panel& panel) {
+    const std::ptrdiff_t stride = panel.num_rows;
+    double* const own = panel.values + first * stride;
+    const double* const b = panel.values + first;
+    Tile<Rows, kColumns> products, tile;
+    products.SetProducts(b, b, stride, first);
+    tile.SetDifferences(products, own + first, stride);
+    double diagonal[kColumns][kRows];
+    if (!tile.Factor(diagonal)) return false;
+    const int num_rows = std::min(panel.num_rows - first, kRows);
+    for (int j = 0; j < kColumns; ++j) std::copy_n(diagonal[j], num_rows, own + first + j * stride);
+    for (int row = first + kRows; row < panel.num_rows; row += kRows) {
+      products.SetProducts(panel.values + row, b, stride, first);
+      tile.SetDifferences(products, own + row, stride);
+      tile.Solve(diagonal);
+      tile.Store(panel.num_rows - row, stride, own + row);
+    }
+    return true;
+  }
+
+  CLOTHID_ALWAYS_INLINE static bool Factor(const Panel& panel) {
+    int first = 0;
+    for (; first + kWidth <= panel.num_columns; first += kWidth) {
+      if (!FactorStrip<kWidth>(first, panel)) return false;
+    }
+    return first == panel.num_columns || FactorStrip<kBlock>(first, panel);
+  }
+};
+
+// What an instruction set has.
+struct Kernels {
+  void (*subtract)(const Update& update, const Panel& panel);
+  bool (*factor)(const Panel& panel);  // false: not positive definite
+};
+
+using CommonArithmetic = Arithmetic<Lanes<Vector2, 4>>;
+void SubtractByCommon(const Update& update, const Panel& panel) { CommonArithmetic::Subtract(update, panel); }
+bool FactorByCommon(const Panel& panel) { return CommonArithmetic::Factor(panel); }
+
+#if CLOTHID_HAS_AVX2
+using Avx2Arithmetic = Arithmetic<Lanes<Vector4, 2>>;
+CLOTHID_AVX2 void SubtractByAvx2(const Update& update, const Panel& panel) { Avx2Arithmetic::Subtract(update, panel); }
+CLOTHID_AVX2 bool FactorByAvx2(const Panel& panel) { return Avx2Arithmetic::Factor(panel); }
+#endif
+
+Kernels KernelsOf([[maybe_unused]] InstructionSet instructions) {
+#if CLOTHID_HAS_AVX2
+  if (instructions == InstructionSet::kAvx2) return {SubtractByAvx2, FactorByAvx2};
+#endif
+  return {SubtractByCommon, FactorByCommon};
+}
+
+// A factorisation under way.
+class Factorization {
+ public:
+  Factorization(const Supernodes& supernodes, const BlockPattern& pattern, const double* values, double* factor,
+                InstructionSet instructions)
+      : kernels_(KernelsOf(instructions)),
+        supernodes_(supernodes),
+        pattern_(pattern),
+        values_(values),
+        factor_(factor),
+        positions_(pattern.num_blocks()),
+        targets_(3 * supernodes.max_rows) {}
+
+  bool Run() {
+    for (int s = 0; s < supernodes_.size(); ++s) {
+      const Panel panel = PanelOf(s);
+      Assemble(s, panel);
+      for (int u = supernodes_.update_starts[s]; u < supernodes_.update_starts[s + 1]; ++u) {
+        Subtract(supernodes_.updates[u], panel);
+      }
+      if (!kernels_.factor(panel)) return false;
+    }
+    return true;
+  }
+
+ private:
+  Panel PanelOf(int s) const {
+    return {factor_ + supernodes_.value_starts[s], 3 * supernodes_.num_rows(s), 3 * supernodes_.num_columns(s)};
+  }
+
+  // The columns of A, and where its rows are.
+  void Assemble(int s, const Panel& panel) {
+    const int* const rows = supernodes_.rows.data() + supernodes_.row_starts[s];
+    for (int i = 0; i < supernodes_.num_rows(s); ++i) positions_[rows[i]] = i;
+    std::fill_n(panel.values, static_cast<std::size_t>(panel.num_rows) * panel.num_columns, 0.0);
+    double* to = panel.values;
+    for (int column = supernodes_.columns[s]; column < supernodes_.columns[s + 1]; ++column) {
+      const int* const a_rows = pattern_.rows_begin(column);
+      const int num_rows = pattern_.num_rows(column);
+      const int first = static_cast<int>(std::lower_bound(a_rows, a_rows + num_rows, column) - a_rows);
+      const double* from = values_ + pattern_.Position(column, 0).start;
+      for (int c = 0; c < 3; ++c, to += panel.num_rows, from += 3 * static_cast<std::ptrdiff_t>(num_rows)) {
+        for (int k = first; k < num_rows; ++k) std::copy_n(from + 3 * k, 3, to + 3 * positions_[a_rows[k]]);
+      }
+    }
+  }
+
+  void Subtract(const Supernodes::Update& update, const Panel& panel) {
+    const Panel source = PanelOf(update.source);
+    const int* const rows = supernodes_.rows.data() + supernodes_.row_starts[update.source];
+    int* target = targets_.data();
+    for (int i = update.first; i < supernodes_.num_rows(update.source); ++i, target += 3) {
+      const int row = 3 * positions_[rows[i]];
+      target[0] = row;
+      target[1] = row + 1;
+      target[2] = row + 2;
+    }
+    kernels_.subtract(
+        {source.values + 3 * static_cast<std::ptrdiff_t>(update.first), source.num_rows, source.num_columns,
+         3 * (update.last - update.first), source.num_rows - 3 * update.first, targets_.data()},
+        panel);
+  }
+
+  const Kernels kernels_;
+  const Supernodes& supernodes_;
+  const BlockPattern& pattern_;
+  const double* values_;
+  double* factor_;
+  std::vector<int> positions_;  // of the rows of A in the supernode
+  std::vector<int> targets_;    // of the rows of an update in the supernode, by scalars
+};
+
+}  // namespace
+
+std::size_t NumFactorValues(const Supernodes& supernodes) { return supernodes.value_starts.back() + kRows; }
+
+bool FactorSupernodes(const Supernodes& supernodes, const BlockPattern& pattern, const double* values, double* factor,
+                      InstructionSet instructions) {
+  return Factorization(supernodes, pattern, values, factor, instructions).Run();
+}
+
+}  // namespace clothid

@@ -1,0 +1,32 @@
+// The numeric half of a supernodal Cholesky factorisation A = L L^T.
+//
+// Without BLAS: the supernodes of a cloth are small matrices, for which the calls cost more than the arithmetic, and
+// OpenBLAS takes a lock of the whole process in each of them.
+#ifndef CLOTHID_SIM_MATRIX_SUPERNODAL_FACTOR_H_
+#define CLOTHID_SIM_MATRIX_SUPERNODAL_FACTOR_H_
+
+#include <cstddef>
+
+#include "sim/matrix/block_matrix.h"
+#include "sim/matrix/lanes.h"
+#include "sim/matrix/supernodes.h"
+
+namespace clothid {
+
+// Internal to sim/matrix, behind CholeskySolver.
+//
+// How many numbers `FactorSupernodes` needs: those of L and some to spare, as vector instructions read beyond the end.
+std::size_t NumFactorValues(const Supernodes& supernodes);
+
+// `values` [pattern.num_values()]: A, of which the lower triangle is read. `factor` [NumFactorValues]: becomes L as
+// `Supernodes` has it, with the reciprocals of its diagonal in place of it; what stands above it is finite and means
+// nothing, as do the numbers to spare, which must be finite before. False where A is not positive definite; then
+// nothing in `factor` means anything. Left-looking (Ng and Peyton
+// 1993): for every supernode in turn the columns of A, minus the products of the rows of earlier supernodes, then a
+// dense factorisation. The numbers do not depend on the machine.
+bool FactorSupernodes(const Supernodes& supernodes, const BlockPattern& pattern, const double* values, double* factor,
+                      InstructionSet instructions = BestInstructionSet());
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_MATRIX_SUPERNODAL_FACTOR_H_
