@@ -1,4 +1,7 @@
 // Sparse Cholesky factorisation A = L L^T: analyse a pattern once, factor values, solve, solve again.
+//
+// Any number of threads may make factors with one solver and solve with one factor at once, and none waits for another.
+// The numbers depend neither on the threads nor on the machine.
 #ifndef CLOTHID_SIM_MATRIX_CHOLESKY_H_
 #define CLOTHID_SIM_MATRIX_CHOLESKY_H_
 
@@ -10,15 +13,15 @@
 
 namespace clothid {
 
-// A numeric factor L L^T, made by a CholeskySolver, whose analysis and work space it shares: one thread at a time may
-// solve with the factors of a solver or make another one. Any thread may destroy a factor at any time.
+// A numeric factor L L^T, made by a CholeskySolver, whose analysis it shares.
 class CholeskyFactor {
  public:
   ~CholeskyFactor();
   CholeskyFactor(const CholeskyFactor&) = delete;
   CholeskyFactor& operator=(const CholeskyFactor&) = delete;
 
-  // `right` [n x s], solved together. Throws as CholeskySolver does.
+  // `right` [n x s], solved together, which takes far less time than one after the other. How many there are does not
+  // change the numbers of one, except that one alone is rounded differently. `solution` may be `right`.
   void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const;
 
   std::size_t bytes() const;  // of the numeric values
@@ -30,17 +33,19 @@ class CholeskyFactor {
   std::unique_ptr<Numeric> numeric_;
 };
 
-// Supernodal Cholesky (CHOLMOD) of symmetric matrices with one pattern, analysed once, in the order in which the
+// Supernodal Cholesky of symmetric matrices with one pattern, analysed once by CHOLMOD, in the order in which the
 // pattern comes (see fill_reducing_order.h). Factorising is also a test of the matrix' inertia. The memory of factors
-// that are gone is used again. Throws `std::runtime_error`, which names CHOLMOD's routine, where it is out of memory.
+// that are gone is used again.
 class CholeskySolver {
  public:
+  // Throws `std::runtime_error`, which names CHOLMOD's routine, where the analysis runs out of memory.
   explicit CholeskySolver(std::shared_ptr<const BlockPattern> pattern);
   ~CholeskySolver();
   CholeskySolver(const CholeskySolver&) = delete;
   CholeskySolver& operator=(const CholeskySolver&) = delete;
 
-  // `values` [pattern.num_values()]; null where the matrix is not positive definite.
+  // `values` [pattern.num_values()], of which the lower triangle is read; null where the matrix is not positive
+  // definite.
   std::shared_ptr<const CholeskyFactor> Factor(const Eigen::VectorXd& values);
 
   // Of one factorisation, without the zeros that supernodes add: operations (an addition and a multiplication are two)
