@@ -1,5 +1,6 @@
 #include "sim/matrix/cholesky.h"
 
+#include <algorithm>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -66,6 +67,19 @@ void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* soluti
 }
 
 std::size_t CholeskyFactor::bytes() const { return sizeof(double) * numeric_->values.size(); }
+
+void SinglePrecisionFactor::Set(std::shared_ptr<const CholeskyFactor> factor) {
+  if (factor != factor_ && factor != nullptr) {
+    values_.resize(factor->numeric_->values.size());
+    std::transform(factor->numeric_->values.begin(), factor->numeric_->values.end(), values_.begin(),
+                   [](double value) { return static_cast<float>(value); });
+  }
+  factor_ = std::move(factor);
+}
+
+void SinglePrecisionFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
+  SolveSupernodes(factor_->numeric_->state->supernodes, values_.data(), right, solution);
+}
 
 CholeskySolver::CholeskySolver(std::shared_ptr<const BlockPattern> pattern)
     : state_(std::make_shared<State>(std::move(pattern))) {}

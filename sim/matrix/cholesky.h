@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "sim/matrix/block_matrix.h"
 
@@ -28,9 +29,24 @@ class CholeskyFactor {
 
  private:
   friend class CholeskySolver;
+  friend class SinglePrecisionFactor;
   struct Numeric;
   explicit CholeskyFactor(std::unique_ptr<Numeric> numeric);
   std::unique_ptr<Numeric> numeric_;
+};
+
+// A copy of a factor in single precision: half the memory to read, which is what a solve with a large factor waits for,
+// and an error of 1e-7 times the condition of the matrix. Good enough as a preconditioner.
+class SinglePrecisionFactor {
+ public:
+  // Copies `factor` unless it is the one that was copied last. Null: holds none from now on.
+  void Set(std::shared_ptr<const CholeskyFactor> factor);
+  // As CholeskyFactor::Solve.
+  void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const;
+
+ private:
+  std::shared_ptr<const CholeskyFactor> factor_;
+  std::vector<float> values_;
 };
 
 // Supernodal Cholesky of symmetric matrices with one pattern, analysed once by CHOLMOD, in the order in which the

@@ -10,6 +10,8 @@
 #define CLOTHID_SIM_MATRIX_LANES_H_
 
 #include <cstring>
+#include <type_traits>
+#include <utility>
 
 #include "sim/base/vector_clones.h"
 
@@ -35,13 +37,16 @@ inline InstructionSet BestInstructionSet() {
   return InstructionSet::kCommon;
 }
 
-typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
-typedef double Vector4 __attribute__((vector_size(4 * sizeof(double))));
+typedef double Double2 __attribute__((vector_size(2 * sizeof(double))));
+typedef double Double4 __attribute__((vector_size(4 * sizeof(double))));
+typedef float Float4 __attribute__((vector_size(4 * sizeof(float))));
+typedef float Float8 __attribute__((vector_size(8 * sizeof(float))));
 
 // kParts vectors beside each other.
 template <typename Vector, int kParts>
 struct Lanes {
-  static constexpr int kPart = sizeof(Vector) / sizeof(double);
+  using Scalar = std::decay_t<decltype(std::declval<Vector>()[0])>;
+  static constexpr int kPart = sizeof(Vector) / sizeof(Scalar);
   static constexpr int kSize = kParts * kPart;
 
   CLOTHID_ALWAYS_INLINE void SetZero() {
@@ -50,11 +55,11 @@ struct Lanes {
   }
 
   // From and to any address, without alignment.
-  CLOTHID_ALWAYS_INLINE void Load(const double* from) {
+  CLOTHID_ALWAYS_INLINE void Load(const Scalar* from) {
     CLOTHID_UNROLL
     for (int p = 0; p < kParts; ++p) std::memcpy(&parts[p], from + p * kPart, sizeof(Vector));
   }
-  CLOTHID_ALWAYS_INLINE void Store(double* to) const {
+  CLOTHID_ALWAYS_INLINE void Store(Scalar* to) const {
     CLOTHID_UNROLL
     for (int p = 0; p < kParts; ++p) std::memcpy(to + p * kPart, &parts[p], sizeof(Vector));
   }
@@ -67,7 +72,7 @@ struct Lanes {
     CLOTHID_UNROLL
     for (int p = 0; p < kParts; ++p) parts[p] -= a.parts[p];
   }
-  CLOTHID_ALWAYS_INLINE void Scale(double a) {
+  CLOTHID_ALWAYS_INLINE void Scale(Scalar a) {
     CLOTHID_UNROLL
     for (int p = 0; p < kParts; ++p) parts[p] *= a;
   }
@@ -75,26 +80,59 @@ struct Lanes {
     CLOTHID_UNROLL
     for (int p = 0; p < kParts; ++p) parts[p] += a.parts[p] * b.parts[p];
   }
-  CLOTHID_ALWAYS_INLINE void AddProduct(const Lanes& a, double b) {
+  CLOTHID_ALWAYS_INLINE void AddProduct(const Lanes& a, Scalar b) {
     CLOTHID_UNROLL
     for (int p = 0; p < kParts; ++p) parts[p] += a.parts[p] * b;
   }
-  CLOTHID_ALWAYS_INLINE void SubtractProduct(const Lanes& a, double b) {
+  CLOTHID_ALWAYS_INLINE void SubtractProduct(const Lanes& a, Scalar b) {
     CLOTHID_UNROLL
     for (int p = 0; p < kParts; ++p) parts[p] -= a.parts[p] * b;
   }
 
-  // Of eight: by halves, in an order that does not depend on the vectors.
-  CLOTHID_ALWAYS_INLINE double Sum() const {
-    static_assert(kSize == 8, "written out for eight");
-    const Lanes& a = *this;
-    return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
+  // Folded in the middle again and again, so that the order of the additions does not depend on the vectors.
+  CLOTHID_ALWAYS_INLINE Scalar Sum() const {
+    Lanes a = *this;
+    CLOTHID_UNROLL
+    for (int half = kParts / 2; half > 0; half /= 2) {
+      CLOTHID_UNROLL
+      for (int p = 0; p < half; ++p) a.parts[p] += a.parts[p + half];
+    }
+    const Vector& v = a.parts[0];
+    if constexpr (kPart == 2) return v[0] + v[1];
+    if constexpr (kPart == 4) return (v[0] + v[2]) + (v[1] + v[3]);
+    if constexpr (kPart == 8) return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
   }
 
   // Fixed indices alone stay in registers.
-  CLOTHID_ALWAYS_INLINE double operator[](int i) const { return parts[i / kPart][i % kPart]; }
+  CLOTHID_ALWAYS_INLINE Scalar operator[](int i) const { return parts[i / kPart][i % kPart]; }
 
   Vector parts[kParts];
+};
+
+// Four and eight numbers in the registers of an instruction set.
+template <typename Scalar>
+struct CommonLanes;
+template <>
+struct CommonLanes<double> {
+  using Four = Lanes<Double2, 2>;
+  using Eight = Lanes<Double2, 4>;
+};
+template <>
+struct CommonLanes<float> {
+  using Four = Lanes<Float4, 1>;
+  using Eight = Lanes<Float4, 2>;
+};
+template <typename Scalar>
+struct Avx2Lanes;
+template <>
+struct Avx2Lanes<double> {
+  using Four = Lanes<Double4, 1>;
+  using Eight = Lanes<Double4, 2>;
+};
+template <>
+struct Avx2Lanes<float> {
+  using Four = Lanes<Float4, 1>;
+  using Eight = Lanes<Float8, 1>;
 };
 
 }  // namespace clothid

@@ -178,12 +178,12 @@ struct Kernels {
   bool (*factor)(const Panel& panel);  // false: not positive definite
 };
 
-using CommonArithmetic = Arithmetic<Lanes<Vector2, 4>>;
+using CommonArithmetic = Arithmetic<CommonLanes<double>::Eight>;
 void SubtractByCommon(const Update& update, const Panel& panel) { CommonArithmetic::Subtract(update, panel); }
 bool FactorByCommon(const Panel& panel) { return CommonArithmetic::Factor(panel); }
 
 #if CLOTHID_HAS_AVX2
-using Avx2Arithmetic = Arithmetic<Lanes<Vector4, 2>>;
+using Avx2Arithmetic = Arithmetic<Avx2Lanes<double>::Eight>;
 CLOTHID_AVX2 void SubtractByAvx2(const Update& update, const Panel& panel) { Avx2Arithmetic::Subtract(update, panel); }
 CLOTHID_AVX2 bool FactorByAvx2(const Panel& panel) { return Avx2Arithmetic::Factor(panel); }
 #endif

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
 #include "sim/matrix/lanes.h"
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
 
 namespace clothid {
 namespace {
@@ -14,8 +19,9 @@ constexpr int kBlock = 3;
 constexpr int kRows = 8;
 
 // A supernode, by scalars: `values` [num_rows x num_columns].
+template <typename Scalar>
 struct Panel {
-  const double* values;
+  const Scalar* values;
   int num_rows, num_columns;
   const int* rows_below;  // by blocks
 };
@@ -24,16 +30,17 @@ struct Panel {
 // unknowns of the columns, then of the rows below them.
 template <typename Rows>
 struct OneSide {
+  using Scalar = typename Rows::Scalar;
   static constexpr int kSides = 1;
 
   template <int kColumns>
-  CLOTHID_ALWAYS_INLINE static void ForwardStrip(const Panel& panel, int first, double* work) {
+  CLOTHID_ALWAYS_INLINE static void ForwardStrip(const Panel<Scalar>& panel, int first, Scalar* work) {
     const std::ptrdiff_t stride = panel.num_rows;
-    const double* const l = panel.values + first * stride;
-    double x[kColumns];
+    const Scalar* const l = panel.values + first * stride;
+    Scalar x[kColumns];
     CLOTHID_UNROLL
     for (int j = 0; j < kColumns; ++j) {
-      double sum = work[first + j];
+      Scalar sum = work[first + j];
       CLOTHID_UNROLL
       for (int i = 0; i < j; ++i) sum -= l[i * stride + first + j] * x[i];
       x[j] = work[first + j] = sum * l[j * stride + first + j];
@@ -51,9 +58,9 @@ struct OneSide {
   }
 
   template <int kColumns>
-  CLOTHID_ALWAYS_INLINE static void BackwardStrip(const Panel& panel, int first, double* work) {
+  CLOTHID_ALWAYS_INLINE static void BackwardStrip(const Panel<Scalar>& panel, int first, Scalar* work) {
     const std::ptrdiff_t stride = panel.num_rows;
-    const double* const l = panel.values + first * stride;
+    const Scalar* const l = panel.values + first * stride;
     Rows sums[kColumns];
     CLOTHID_UNROLL
     for (int j = 0; j < kColumns; ++j) sums[j].SetZero();
@@ -66,10 +73,10 @@ struct OneSide {
         sums[j].AddProduct(entries, x);
       }
     }
-    double x[kColumns];
+    Scalar x[kColumns];
     CLOTHID_UNROLL
     for (int j = kColumns - 1; j >= 0; --j) {
-      double sum = work[first + j] - sums[j].Sum();
+      Scalar sum = work[first + j] - sums[j].Sum();
       CLOTHID_UNROLL
       for (int i = j + 1; i < kColumns; ++i) sum -= l[j * stride + first + i] * x[i];
       x[j] = work[first + j] = sum * l[j * stride + first + j];
@@ -80,12 +87,13 @@ struct OneSide {
 // Of Sides::kSize right-hand sides, beside each other in the rows of `work`: vector instructions work on all of them.
 template <typename Sides>
 struct ManySides {
+  using Scalar = typename Sides::Scalar;
   static constexpr int kSides = Sides::kSize;
 
   template <int kColumns>
-  CLOTHID_ALWAYS_INLINE static void ForwardStrip(const Panel& panel, int first, double* work) {
+  CLOTHID_ALWAYS_INLINE static void ForwardStrip(const Panel<Scalar>& panel, int first, Scalar* work) {
     const std::ptrdiff_t stride = panel.num_rows;
-    const double* const l = panel.values + first * stride;
+    const Scalar* const l = panel.values + first * stride;
     Sides x[kColumns];
     CLOTHID_UNROLL
     for (int j = 0; j < kColumns; ++j) {
@@ -105,9 +113,9 @@ struct ManySides {
   }
 
   template <int kColumns>
-  CLOTHID_ALWAYS_INLINE static void BackwardStrip(const Panel& panel, int first, double* work) {
+  CLOTHID_ALWAYS_INLINE static void BackwardStrip(const Panel<Scalar>& panel, int first, Scalar* work) {
     const std::ptrdiff_t stride = panel.num_rows;
-    const double* const l = panel.values + first * stride;
+    const Scalar* const l = panel.values + first * stride;
     Sides x[kColumns];
     CLOTHID_UNROLL
     for (int j = 0; j < kColumns; ++j) x[j].Load(work + kSides * (first + j));
@@ -130,44 +138,46 @@ struct ManySides {
 // Through a supernode. `x` [n x kSides] by rows, `own` of it at the supernode's columns.
 template <typename Strips>
 struct Sweep {
+  using Scalar = typename Strips::Scalar;
   static constexpr int kSides = Strips::kSides;
 
-  CLOTHID_ALWAYS_INLINE static void Forward(const Panel& panel, double* x, double* own, double* work) {
+  CLOTHID_ALWAYS_INLINE static void Forward(const Panel<Scalar>& panel, Scalar* x, Scalar* own, Scalar* work) {
     std::copy_n(own, kSides * panel.num_columns, work);
-    std::fill_n(work + kSides * panel.num_columns, kSides * (panel.num_rows - panel.num_columns) + kRows, 0.0);
+    std::fill_n(work + kSides * panel.num_columns, kSides * (panel.num_rows - panel.num_columns) + kRows, Scalar{0});
     int first = 0;
     for (; first + kWidth <= panel.num_columns; first += kWidth) {
       Strips::template ForwardStrip<kWidth>(panel, first, work);
     }
     if (first < panel.num_columns) Strips::template ForwardStrip<kBlock>(panel, first, work);
     std::copy_n(work, kSides * panel.num_columns, own);
-    const double* from = work + kSides * panel.num_columns;
-    const double* const end = work + kSides * panel.num_rows;
+    const Scalar* from = work + kSides * panel.num_columns;
+    const Scalar* const end = work + kSides * panel.num_rows;
     for (const int* row = panel.rows_below; from != end; ++row) {
-      double* const to = x + 3 * kSides * static_cast<std::ptrdiff_t>(*row);
+      Scalar* const to = x + 3 * kSides * static_cast<std::ptrdiff_t>(*row);
       for (int i = 0; i < 3 * kSides; ++i) to[i] += *from++;
     }
   }
 
-  CLOTHID_ALWAYS_INLINE static void Backward(const Panel& panel, const double* x, double* own, double* work) {
+  CLOTHID_ALWAYS_INLINE static void Backward(const Panel<Scalar>& panel, const Scalar* x, Scalar* own, Scalar* work) {
     std::copy_n(own, kSides * panel.num_columns, work);
-    double* to = work + kSides * panel.num_columns;
-    double* const end = work + kSides * panel.num_rows;
+    Scalar* to = work + kSides * panel.num_columns;
+    Scalar* const end = work + kSides * panel.num_rows;
     for (const int* row = panel.rows_below; to != end; ++row) {
-      const double* const from = x + 3 * kSides * static_cast<std::ptrdiff_t>(*row);
+      const Scalar* const from = x + 3 * kSides * static_cast<std::ptrdiff_t>(*row);
       for (int i = 0; i < 3 * kSides; ++i) *to++ = from[i];
     }
-    std::fill_n(end, kRows, 0.0);
+    std::fill_n(end, kRows, Scalar{0});
     int first = panel.num_columns / kWidth * kWidth;
     if (first < panel.num_columns) Strips::template BackwardStrip<kBlock>(panel, first, work);
     for (first -= kWidth; first >= 0; first -= kWidth) Strips::template BackwardStrip<kWidth>(panel, first, work);
     std::copy_n(work, kSides * panel.num_columns, own);
   }
 
-  CLOTHID_ALWAYS_INLINE static void Solve(const Supernodes& supernodes, const double* factor, double* x, double* work) {
+  CLOTHID_ALWAYS_INLINE static void Solve(const Supernodes& supernodes, const Scalar* factor, Scalar* x, Scalar* work) {
     const auto panel = [&](int s) {
-      return Panel{factor + supernodes.value_starts[s], 3 * supernodes.num_rows(s), 3 * supernodes.num_columns(s),
-                   supernodes.rows.data() + supernodes.row_starts[s] + supernodes.num_columns(s)};
+      return Panel<Scalar>{factor + supernodes.value_starts[s], 3 * supernodes.num_rows(s),
+                           3 * supernodes.num_columns(s),
+                           supernodes.rows.data() + supernodes.row_starts[s] + supernodes.num_columns(s)};
     };
     const auto own = [&](int s) { return x + 3 * kSides * static_cast<std::ptrdiff_t>(supernodes.columns[s]); };
     for (int s = 0; s < supernodes.size(); ++s) Forward(panel(s), x, own(s), work);
@@ -176,75 +186,115 @@ struct Sweep {
 };
 
 // Solves in place for `x` [n x sides] by rows, with `work` for a supernode.
-using Kernel = void (*)(const Supernodes& supernodes, const double* factor, double* x, double* work);
+template <typename Scalar>
+using Kernel = void (*)(const Supernodes& supernodes, const Scalar* factor, Scalar* x, Scalar* work);
+
+template <typename Strips, typename Scalar = typename Strips::Scalar>
+void SolveByCommon(const Supernodes& supernodes, const Scalar* factor, Scalar* x, Scalar* work) {
+  Sweep<Strips>::Solve(supernodes, factor, x, work);
+}
+
+#if CLOTHID_HAS_AVX2
+template <typename Strips, typename Scalar = typename Strips::Scalar>
+CLOTHID_AVX2 void SolveByAvx2(const Supernodes& supernodes, const Scalar* factor, Scalar* x, Scalar* work) {
+  Sweep<Strips>::Solve(supernodes, factor, x, work);
+}
+#endif
 
 // What an instruction set has: for one, four and eight right-hand sides.
+template <typename Scalar>
 struct Kernels {
-  Kernel one, four, eight;
+  Kernel<Scalar> one, four, eight;
 };
 
-using CommonOne = Sweep<OneSide<Lanes<Vector2, 4>>>;
-using CommonFour = Sweep<ManySides<Lanes<Vector2, 2>>>;
-using CommonEight = Sweep<ManySides<Lanes<Vector2, 4>>>;
-void SolveOneByCommon(const Supernodes& supernodes, const double* factor, double* x, double* work) {
-  CommonOne::Solve(supernodes, factor, x, work);
-}
-void SolveFourByCommon(const Supernodes& supernodes, const double* factor, double* x, double* work) {
-  CommonFour::Solve(supernodes, factor, x, work);
-}
-void SolveEightByCommon(const Supernodes& supernodes, const double* factor, double* x, double* work) {
-  CommonEight::Solve(supernodes, factor, x, work);
+template <typename Scalar>
+Kernels<Scalar> KernelsOf([[maybe_unused]] InstructionSet instructions) {
+#if CLOTHID_HAS_AVX2
+  using Best = Avx2Lanes<Scalar>;
+  if (instructions == InstructionSet::kAvx2) {
+    return {SolveByAvx2<OneSide<typename Best::Eight>>, SolveByAvx2<ManySides<typename Best::Four>>,
+            SolveByAvx2<ManySides<typename Best::Eight>>};
+  }
+#endif
+  using Common = CommonLanes<Scalar>;
+  return {SolveByCommon<OneSide<typename Common::Eight>>, SolveByCommon<ManySides<typename Common::Four>>,
+          SolveByCommon<ManySides<typename Common::Eight>>};
 }
 
-#if CLOTHID_HAS_AVX2
-using Avx2One = Sweep<OneSide<Lanes<Vector4, 2>>>;
-using Avx2Four = Sweep<ManySides<Lanes<Vector4, 1>>>;
-using Avx2Eight = Sweep<ManySides<Lanes<Vector4, 2>>>;
-CLOTHID_AVX2 void SolveOneByAvx2(const Supernodes& supernodes, const double* factor, double* x, double* work) {
-  Avx2One::Solve(supernodes, factor, x, work);
-}
-CLOTHID_AVX2 void SolveFourByAvx2(const Supernodes& supernodes, const double* factor, double* x, double* work) {
-  Avx2Four::Solve(supernodes, factor, x, work);
-}
-CLOTHID_AVX2 void SolveEightByAvx2(const Supernodes& supernodes, const double* factor, double* x, double* work) {
-  Avx2Eight::Solve(supernodes, factor, x, work);
-}
+// While it lives, this thread takes numbers below the smallest normal one for zeros. Single precision meets them where
+// a solution decays, and they would slow down the processor many times.
+class SubnormalsAsZeros {
+ public:
+#if defined(__x86_64__)
+  SubnormalsAsZeros() { _mm_setcsr(before_ | kFlushToZero | kDenormalsAreZeros); }
+  ~SubnormalsAsZeros() { _mm_setcsr(before_); }
+#else
+  SubnormalsAsZeros() {}
 #endif
+  SubnormalsAsZeros(const SubnormalsAsZeros&) = delete;
+  SubnormalsAsZeros& operator=(const SubnormalsAsZeros&) = delete;
 
-Kernels KernelsOf([[maybe_unused]] InstructionSet instructions) {
-#if CLOTHID_HAS_AVX2
-  if (instructions == InstructionSet::kAvx2) return {SolveOneByAvx2, SolveFourByAvx2, SolveEightByAvx2};
+#if defined(__x86_64__)
+ private:
+  static constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZeros = 0x0040;
+  const unsigned before_ = _mm_getcsr();
 #endif
-  return {SolveOneByCommon, SolveFourByCommon, SolveEightByCommon};
+};
+
+void Run(const Supernodes& supernodes, const double* factor, Kernel<double> kernel, double* x, double* work) {
+  kernel(supernodes, factor, x, work);
+}
+void Run(const Supernodes& supernodes, const float* factor, Kernel<float> kernel, float* x, float* work) {
+  const SubnormalsAsZeros guard;
+  kernel(supernodes, factor, x, work);
+}
+
+// By which a column is divided while it is solved for. Single precision would lose small numbers.
+template <typename Scalar>
+double ScaleOf(const Eigen::Ref<const Eigen::VectorXd>& column) {
+  if constexpr (std::is_same_v<Scalar, double>) return 1.0;
+  const double largest = column.size() == 0 ? 0.0 : column.cwiseAbs().maxCoeff();
+  return largest > 0.0 ? largest : 1.0;
 }
 
 // Of `columns` [n x s] those from `first` on, `width` of them, with a kernel for `sides`.
-void SolveBeside(const Supernodes& supernodes, const double* factor, Kernel kernel, Eigen::Index sides,
+template <typename Scalar>
+void SolveBeside(const Supernodes& supernodes, const Scalar* factor, Kernel<Scalar> kernel, Eigen::Index sides,
                  Eigen::Index first, Eigen::Index width, Eigen::MatrixXd* columns) {
-  const Eigen::Index size = columns->rows();
-  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(sides, size);
-  x.topRows(width) = columns->middleCols(first, width).transpose();
-  Eigen::VectorXd work(sides * 3 * supernodes.max_rows + kRows);
-  kernel(supernodes, factor, x.data(), work.data());
-  columns->middleCols(first, width) = x.topRows(width).transpose();
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  Matrix x = Matrix::Zero(sides, columns->rows()), work(sides, 3 * supernodes.max_rows + kRows);
+  Eigen::VectorXd scales(width);
+  for (Eigen::Index c = 0; c < width; ++c) {
+    scales[c] = ScaleOf<Scalar>(columns->col(first + c));
+    x.row(c) = (columns->col(first + c).transpose() / scales[c]).template cast<Scalar>();
+  }
+  Run(supernodes, factor, kernel, x.data(), work.data());
+  for (Eigen::Index c = 0; c < width; ++c) {
+    columns->col(first + c) = x.row(c).transpose().template cast<double>() * scales[c];
+  }
 }
 
 }  // namespace
 
-void SolveSupernodes(const Supernodes& supernodes, const double* factor, const Eigen::MatrixXd& right,
+template <typename Scalar>
+void SolveSupernodes(const Supernodes& supernodes, const Scalar* factor, const Eigen::MatrixXd& right,
                      Eigen::MatrixXd* solution, InstructionSet instructions) {
-  const Kernels kernels = KernelsOf(instructions);
+  const Kernels<Scalar> kernels = KernelsOf<Scalar>(instructions);
+  const Eigen::Index num_sides = right.cols();
   *solution = right;
-  if (right.cols() == 1) {
-    Eigen::VectorXd work(3 * supernodes.max_rows + kRows);
-    kernels.one(supernodes, factor, solution->data(), work.data());
+  if (num_sides == 1) {
+    SolveBeside<Scalar>(supernodes, factor, kernels.one, 1, 0, 1, solution);
     return;
   }
-  const Eigen::Index num_sides = right.cols();
   for (Eigen::Index first = 0; first < num_sides; first += 8) {
     const Eigen::Index width = std::min<Eigen::Index>(8, num_sides - first), sides = width > 4 ? 8 : 4;
-    SolveBeside(supernodes, factor, sides > 4 ? kernels.eight : kernels.four, sides, first, width, solution);
+    SolveBeside<Scalar>(supernodes, factor, sides > 4 ? kernels.eight : kernels.four, sides, first, width, solution);
   }
 }
+
+template void SolveSupernodes(const Supernodes&, const double*, const Eigen::MatrixXd&, Eigen::MatrixXd*,
+                              InstructionSet);
+template void SolveSupernodes(const Supernodes&, const float*, const Eigen::MatrixXd&, Eigen::MatrixXd*,
+                              InstructionSet);
 
 }  // namespace clothid

@@ -73,7 +73,8 @@ class StepJacobian {
   bool SolveReduced(Direction direction, const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q);
   bool SolveByConjugateGradients(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* q);
   Eigen::MatrixXd ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const;
-  Eigen::MatrixXd ApplyFactor(const Eigen::MatrixXd& vectors) const;
+  void SolveWithFactor(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result);
+  Eigen::MatrixXd ApplyFactor(const Eigen::MatrixXd& vectors);
   bool has_coupling() const { return in_contact_ && elimination_->has_coupling(); }
 
   const ClothModel& model_;
@@ -81,6 +82,7 @@ class StepJacobian {
   const BlockMatrix* hessian_ = nullptr;
   CholeskySolver cholesky_;
   std::shared_ptr<const ReducedFactor> factor_;
+  SinglePrecisionFactor preconditioner_;  // the factor, where it is large and of another point
   bool factor_is_of_point_ = false;
   std::unique_ptr<LuFactor> lu_;                     // made when first asked for
   std::unique_ptr<ContactElimination> elimination_;  // null in a scene without obstacles

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -58,6 +59,43 @@ TEST_F(CholeskyTest, FactorsLiveSideBySideAndBeyondTheirSolver) {
   EXPECT_EQ(half, solution);
   EXPECT_EQ(first->bytes(), second->bytes());
   EXPECT_GE(first->bytes(), sizeof(double) * pattern_->num_values() / 2);
+}
+
+TEST_F(CholeskyTest, SinglePrecisionIsNearTheSolutionAtAnyScale) {
+  const BlockMatrix matrix = Matrix(0.0);
+  CholeskySolver solver(pattern_);
+  const auto factor = solver.Factor(matrix.values);
+  SinglePrecisionFactor single;
+  single.Set(factor);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Random(pattern_->size(), 6), expected, solution;
+  right.col(1) *= 1e-100;
+  right.col(2) *= 1e100;
+  right.col(3).setZero();
+  right.col(4).tail(pattern_->size() - 1).setZero();
+  for (const int num_columns : {1, 3, 6}) {
+    factor->Solve(right.leftCols(num_columns), &expected);
+    single.Solve(right.leftCols(num_columns), &solution);
+    for (int c = 0; c < num_columns; ++c) {
+      EXPECT_LE((solution.col(c) - expected.col(c)).norm(), 1e-6 * expected.col(c).norm()) << c;
+    }
+  }
+  EXPECT_TRUE(solution.col(3).isZero(0.0));
+  const auto other = solver.Factor(4.0 * matrix.values);
+  single.Set(other);
+  single.Solve(right.leftCols(1), &solution);
+  EXPECT_LE((4.0 * solution - expected.leftCols(1)).norm(), 1e-6 * expected.col(0).norm());
+}
+
+// Numbers below the smallest normal one are zeros within a solve in single precision, and nowhere else.
+TEST_F(CholeskyTest, SinglePrecisionLeavesTheProcessorAsItWas) {
+  const BlockMatrix matrix = Matrix(0.0);
+  CholeskySolver solver(pattern_);
+  SinglePrecisionFactor single;
+  single.Set(solver.Factor(matrix.values));
+  Eigen::MatrixXd solution;
+  single.Solve(Eigen::MatrixXd::Random(pattern_->size(), 1), &solution);
+  const volatile double smallest = std::numeric_limits<double>::min();
+  EXPECT_GT(0.5 * smallest, 0.0);
 }
 
 TEST(CholeskySolverTest, CountsTheWorkOfADenseMatrix) {

@@ -14,19 +14,26 @@ namespace {
 // Solves with A at every tenth step of the scene, for random right-hand sides.
 class StepJacobianTest : public ::testing::TestWithParam<std::string> {
  protected:
-  StepJacobianTest() : simulator_(ShippedScene(GetParam(), 8)) {
-    rollout_ = Simulate(simulator_.scene().nominal_parameters(), simulator_.scene().num_steps(), &simulator_);
+  explicit StepJacobianTest(int nodes = 8, int num_steps = 0) : simulator_(ShippedScene(GetParam(), nodes)) {
+    rollout_ = Simulate(simulator_.scene().nominal_parameters(),
+                        num_steps == 0 ? simulator_.scene().num_steps() : num_steps, &simulator_);
   }
 
-  // K and the contacts of record i, factored.
-  void Factor(StepJacobian::Method method, std::size_t i, BlockMatrix* hessian, StepJacobian* jacobian) {
+  // K and the contacts of record i.
+  void SetPoint(std::size_t i, BlockMatrix* hessian, StepJacobian* jacobian) {
     const StepRecord& record = rollout_.records[i];
     const Eigen::VectorXd& start = i == 0 ? rollout_.initial_positions : rollout_.records[i - 1].positions;
     const std::vector<Contact> contacts =
         RestoreContacts(simulator_.model(), rollout_.parameters, start, record.times(), record.contacts);
     AssembleStepHessian(simulator_.model(), rollout_.parameters, record.time_step, HessianKind::kExact, {},
                         record.positions, record.velocities, hessian);
-    ASSERT_TRUE(jacobian->Factor(method, *hessian, contacts, rollout_.parameters.friction_coefficients));
+    jacobian->SetPoint(*hessian, contacts, rollout_.parameters.friction_coefficients);
+  }
+
+  // The same, factored.
+  void Factor(StepJacobian::Method method, std::size_t i, BlockMatrix* hessian, StepJacobian* jacobian) {
+    SetPoint(i, hessian, jacobian);
+    ASSERT_TRUE(jacobian->Factor(method));
   }
 
   Simulator simulator_;
@@ -55,6 +62,37 @@ TEST_P(StepJacobianTest, ReducedSolvesWhatLuSolves) {
     EXPECT_NEAR(y.col(0).dot(right.col(1)), z.col(0).dot(with_impulse.col(1)), 1e-12 * z.norm() * right.norm());
   }
 }
+
+// Large enough that a factor of another point is taken in single precision.
+class LargeStepJacobianTest : public StepJacobianTest {
+ protected:
+  LargeStepJacobianTest() : StepJacobianTest(26, 12) {}
+};
+
+TEST_P(LargeStepJacobianTest, AFactorOfAnotherPointSolvesToTheTolerance) {
+  ASSERT_TRUE(rollout_.ok()) << rollout_.failure->ToString();
+  BlockMatrix hessian(simulator_.model().pattern());
+  StepJacobian lagged(simulator_.model()), direct(simulator_.model());
+  Eigen::MatrixXd dv, expected, z, z_expected, y, y_expected;
+  for (const std::size_t last : {5u, 11u}) {
+    Factor(StepJacobian::Method::kReduced, last, &hessian, &direct);
+    Factor(StepJacobian::Method::kReduced, last - 1, &hessian, &lagged);
+    ASSERT_GE(lagged.factor()->bytes(), 512u * 1024u);
+    SetPoint(last, &hessian, &lagged);
+    for (const int num_columns : {1, 3}) {
+      const Eigen::MatrixXd right = 1e-6 * Eigen::MatrixXd::Random(3 * simulator_.model().num_free(), num_columns);
+      ASSERT_TRUE(lagged.Solve(right, 1e-10, &dv) && direct.Solve(right, 1e-12, &expected));
+      EXPECT_GT(lagged.iterations(), 0);
+      EXPECT_LT((dv - expected).norm(), 1e-7 * expected.norm()) << num_columns;
+      ASSERT_TRUE(lagged.SolveTransposed(right, 1e-10, &z, &y) &&
+                  direct.SolveTransposed(right, 1e-12, &z_expected, &y_expected));
+      EXPECT_LT((y - y_expected).norm(), 1e-7 * y_expected.norm()) << num_columns;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, LargeStepJacobianTest, ::testing::Values("drape", "slope", "wind"),
+                         [](const auto& scene) { return scene.param; });
 
 INSTANTIATE_TEST_SUITE_P(Scenes, StepJacobianTest, ::testing::Values("drape", "slope", "wind"),
                          [](const auto& scene) { return scene.param; });
