@@ -6,31 +6,66 @@
 #include <memory>
 
 #include "sim/base/vector_clones.h"
+#include "sim/matrix/lanes.h"
 
 namespace clothid {
 namespace {
 
-// Columns that are multiplied at once.
-constexpr int kWidth = 8;
-typedef double Lanes __attribute__((vector_size(kWidth * sizeof(double))));
-
-// One block row of a product. The matrix is symmetric, so its column is read as its row: `values` holds its three
-// scalar columns, each with 3 `num_rows` entries; entry 3 k + r belongs to row 3 rows[k] + r of `x`.
-CLOTHID_VECTOR_CLONES void MultiplyLanes(const double* values, const int* rows, int num_rows, const Lanes* x,
-                                         Lanes* y) {
-  const double* const columns[3] = {values, values + 3 * num_rows, values + 6 * num_rows};
-  Lanes sum0 = {}, sum1 = {}, sum2 = {};
-  for (int k = 0; k < num_rows; ++k) {
-    const Lanes* const x_rows = x + 3 * rows[k];
-    for (int r = 0; r < 3; ++r) {
-      sum0 += columns[0][3 * k + r] * x_rows[r];
-      sum1 += columns[1][3 * k + r] * x_rows[r];
-      sum2 += columns[2][3 * k + r] * x_rows[r];
+// All block rows of a product with Sides::kSize columns, which stand beside each other in the rows of `x` and `y`. The
+// matrix is symmetric, so a column is read as its row: the values of a block column are three scalar columns, each with
+// three entries for every block.
+template <typename Sides>
+CLOTHID_ALWAYS_INLINE void MultiplyBeside(const BlockPattern& pattern, const double* values, const double* x,
+                                          double* y) {
+  constexpr int kSides = Sides::kSize;
+  for (int i = 0; i < pattern.num_blocks(); ++i, y += 3 * kSides) {
+    const int num_rows = pattern.num_rows(i);
+    const int* const rows = pattern.rows_begin(i);
+    const double* const columns = values + pattern.Position(i, 0).start;
+    Sides sums[3], entries;
+    CLOTHID_UNROLL
+    for (int c = 0; c < 3; ++c) sums[c].SetZero();
+    for (int k = 0; k < num_rows; ++k) {
+      const double* const x_rows = x + 3 * kSides * static_cast<std::ptrdiff_t>(rows[k]);
+      CLOTHID_UNROLL
+      for (int r = 0; r < 3; ++r) {
+        entries.Load(x_rows + kSides * r);
+        CLOTHID_UNROLL
+        for (int c = 0; c < 3; ++c) sums[c].AddProduct(entries, columns[3 * (c * num_rows + k) + r]);
+      }
     }
+    CLOTHID_UNROLL
+    for (int c = 0; c < 3; ++c) sums[c].Store(y + kSides * c);
   }
-  y[0] = sum0;
-  y[1] = sum1;
-  y[2] = sum2;
+}
+
+using Kernel = void (*)(const BlockPattern& pattern, const double* values, const double* x, double* y);
+
+template <typename Sides>
+void MultiplyByCommon(const BlockPattern& pattern, const double* values, const double* x, double* y) {
+  MultiplyBeside<Sides>(pattern, values, x, y);
+}
+
+#if CLOTHID_HAS_AVX2
+template <typename Sides>
+CLOTHID_AVX2 void MultiplyByAvx2(const BlockPattern& pattern, const double* values, const double* x, double* y) {
+  MultiplyBeside<Sides>(pattern, values, x, y);
+}
+#endif
+
+struct Kernels {
+  Kernel four, eight;
+};
+
+Kernels BestKernels() {
+#if CLOTHID_HAS_AVX2
+  using Best = Avx2Lanes<double>;
+  if (BestInstructionSet() == InstructionSet::kAvx2) {
+    return {MultiplyByAvx2<Best::Four>, MultiplyByAvx2<Best::Eight>};
+  }
+#endif
+  using Common = CommonLanes<double>;
+  return {MultiplyByCommon<Common::Four>, MultiplyByCommon<Common::Eight>};
 }
 
 // Three components and one to spare.
@@ -92,20 +127,13 @@ void MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::
     MultiplyVector(matrix, columns.data(), product->data());
     return;
   }
-  const Eigen::Index size = columns.rows();
-  const std::unique_ptr<Lanes[]> x(new Lanes[size]), y(new Lanes[size]);
-  for (Eigen::Index first = 0; first < columns.cols(); first += kWidth) {
-    const int width = static_cast<int>(std::min<Eigen::Index>(kWidth, columns.cols() - first));
-    for (Eigen::Index row = 0; row < size; ++row) {
-      for (int c = 0; c < kWidth; ++c) x[row][c] = c < width ? columns(row, first + c) : 0.0;
-    }
-    for (int i = 0; i < pattern.num_blocks(); ++i) {
-      MultiplyLanes(values + pattern.Position(i, 0).start, pattern.rows_begin(i), pattern.num_rows(i), x.get(),
-                    y.get() + 3 * i);
-    }
-    for (int c = 0; c < width; ++c) {
-      for (Eigen::Index row = 0; row < size; ++row) (*product)(row, first + c) = y[row][c];
-    }
+  const Kernels kernels = BestKernels();
+  for (Eigen::Index first = 0; first < columns.cols(); first += 8) {
+    const Eigen::Index width = std::min<Eigen::Index>(8, columns.cols() - first), sides = width > 4 ? 8 : 4;
+    Eigen::MatrixXd x = Eigen::MatrixXd::Zero(sides, columns.rows()), y(sides, columns.rows());
+    x.topRows(width) = columns.middleCols(first, width).transpose();
+    (sides > 4 ? kernels.eight : kernels.four)(pattern, values, x.data(), y.data());
+    product->middleCols(first, width) = y.topRows(width).transpose();
   }
 }
 
