@@ -60,6 +60,9 @@ class StepJacobian {
   // A^T z = right and y = (I + S)^T z.
   bool SolveTransposed(const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* z, Eigen::MatrixXd* y);
 
+  // Floating-point operations of a factorisation over the entries of L: what one costs in solves grows with that.
+  double factor_flops_per_entry() const { return cholesky_.num_flops() / cholesky_.num_entries(); }
+
   int iterations() const { return iterations_; }  // of the last solve; 0: direct
 
   // v <- (I + S) v, with the contacts of the point.

@@ -10,7 +10,9 @@ constexpr double kLargestForcing = 0.1;       // tolerance of the linear system 
 constexpr double kForcingInContact = 0.3;     // ... where contacts are likely to change on the way, ...
 constexpr double kForcing = 0.9;              // ... its share of the square of the last reduction of the residual, ...
 constexpr double kGoalShare = 0.3;            // ... and at least so much of the reduction that is left to do
-constexpr int kRefactorIterations = 8;        // a linear solve that takes more costs as much as a new factor
+constexpr double kFlopsPerEntry = 18.0;       // of a factorisation, in the time that a solve takes per entry of L
+constexpr double kFewestIterations = 5.0;     // a linear solve that takes more may cost as much as a new factor, ...
+constexpr double kMostIterations = 10.0;      // ... one that takes more does
 constexpr int kDerivativeDigits = 8;          // that are asked of a derivative with a factor that was kept, ...
 constexpr int kDerivativeIterations = 5;      // ... in at most so many iterations
 constexpr double kRefineTolerance = 1e-8;     // of the linear system of an iteration beyond the tolerance
@@ -80,7 +82,12 @@ double FrictionPotential(const StepProblem& problem, const StepPoint& lagged, co
 
 }  // namespace
 
-StepSolver::StepSolver(const ClothModel& model) : model_(model), hessian_(model.pattern()), jacobian_(model) {}
+StepSolver::StepSolver(const ClothModel& model)
+    : model_(model),
+      hessian_(model.pattern()),
+      jacobian_(model),
+      refactor_iterations_(
+          std::clamp(jacobian_.factor_flops_per_entry() / kFlopsPerEntry, kFewestIterations, kMostIterations)) {}
 
 double StepSolver::Tolerance(const StepProblem& problem, double tolerance, const StepPoint& point) {
   return std::max(tolerance, problem.RoundingFloor(point));
@@ -199,7 +206,7 @@ bool StepSolver::DirectionByFactorAtHand(const Task& task, const std::vector<Con
   Eigen::MatrixXd solution;
   const bool solved = jacobian_.Solve(-point.residual, forcing, &solution) && solution.allFinite();
   task.counts->linear_iterations += jacobian_.iterations();
-  new_factor_is_due_ = jacobian_.iterations() > kRefactorIterations;
+  new_factor_is_due_ = jacobian_.iterations() > refactor_iterations_;
   iterations_per_digit_ = -jacobian_.iterations() / std::log10(forcing);
   if (solved) *direction = solution;
   return solved;
@@ -250,7 +257,7 @@ bool StepSolver::SearchInContact(const StepProblem& problem, const Eigen::Vector
 
 bool StepSolver::FactorAtHandServes(double forcing) const {
   return jacobian_.factor() != nullptr && !new_factor_is_due_ &&
-         -std::log10(forcing) * iterations_per_digit_ <= kRefactorIterations;
+         -std::log10(forcing) * iterations_per_digit_ <= refactor_iterations_;
 }
 
 bool StepSolver::Iterate(const Task& task, double forcing, double first_length, StepPoint* point) {

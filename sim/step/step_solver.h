@@ -92,6 +92,7 @@ class StepSolver {
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
+  double refactor_iterations_;    // a linear solve that takes more costs as much as a new factor
   StepPoint trial_;               // kept for its memory
   ContactSweeps sweeps_;          // likewise
   Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
