@@ -284,7 +284,10 @@ bool StepSolver::Newton(const Task& task, StepPoint* point) {
   const int max_iterations = model_.scene().solver.max_newton_iterations;
   for (int iteration = 0; iteration < max_iterations && !task.IsSolvedAt(*point); ++iteration) {
     ++task.counts->newton_iterations;
-    const bool changes = iteration == 0 ? InContact(*point) : BranchesDiffer(*point, trial_);
+    // After a line search the trial is the point before it. Without candidates the responses are those of an earlier
+    // step.
+    const bool changes =
+        task.problem.may_touch() && (iteration == 0 ? InContact(*point) : BranchesDiffer(*point, trial_));
     const double forcing = ForcingTerm(*point, changes, last, task.ToleranceAt(*point));
     const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last &&
                         change.dot(last_change) < -kReversal * change.norm() * last_change.norm();

@@ -90,22 +90,20 @@ TEST(LooselyAdmissiblePointsTest, DoNotEndAFit) {
   scene.integrator = Integrator::kEuler;
   scene.bending.law = BendingLaw::kEdges;
   const std::map<std::string, double> truth = {{"mu", 0.35}, {"k_stretch", 400.0}};
-  for (const int max_iterations : {3, 4}) {
-    for (const double start : {1.0, 5.0}) {
-      RecordedMotion motion = MakeMotion(scene, {truth, 0.0, 0.0, 0.0});
-      motion.scene.solver.max_newton_iterations = max_iterations;
-      motion.scene.solver.max_substep_halvings = 0;
-      FitOptions options;
-      options.overrides.start["k_stretch"] = start;
-      options.max_iterations = 100;
-      FitProblem problem({motion}, options);
-      const FitSummary summary = Fit(options, &problem);
-      EXPECT_GT(summary.statistics.counts.failed_steps, 0);
-      EXPECT_NE(summary.status, FitStatus::kFailed) << summary.message;
-      if (summary.status != FitStatus::kConverged) continue;
-      for (const FittedParameter& parameter : summary.parameters) {
-        EXPECT_NEAR(parameter.value, truth.at(parameter.name), 1e-5 * truth.at(parameter.name)) << parameter.name;
-      }
+  for (const double start : {0.3, 1.0, 4.0}) {
+    RecordedMotion motion = MakeMotion(scene, {truth, 0.0, 0.0, 0.0});
+    motion.scene.solver.max_newton_iterations = 3;
+    motion.scene.solver.max_substep_halvings = 0;
+    FitOptions options;
+    options.overrides.start["k_stretch"] = start;
+    options.max_iterations = 100;
+    FitProblem problem({motion}, options);
+    const FitSummary summary = Fit(options, &problem);
+    EXPECT_GT(summary.statistics.counts.failed_steps, 0);
+    EXPECT_NE(summary.status, FitStatus::kFailed) << summary.message;
+    if (summary.status != FitStatus::kConverged) continue;
+    for (const FittedParameter& parameter : summary.parameters) {
+      EXPECT_NEAR(parameter.value, truth.at(parameter.name), 1e-5 * truth.at(parameter.name)) << parameter.name;
     }
   }
 }
