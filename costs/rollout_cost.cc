@@ -154,6 +154,7 @@ bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* p
 }
 
 void RolloutCost::Restart() { evaluator_->ForgetJacobian(); }
+void RolloutCost::Forget() { evaluator_->Forget(); }
 
 const std::string& RolloutCost::last_failure() const { return evaluator_->last_failure(); }
 

@@ -79,6 +79,8 @@ class RolloutCost : public ceres::CostFunction {
 
   // A new fit starts: the adjoint's subspace starts afresh.
   void Restart();
+  // Everything starts afresh but `statistics`: which evaluations are cached does not depend on those before.
+  void Forget();
 
   // Why the last evaluation returned false, in one line that names the recording; empty where it did not.
   const std::string& last_failure() const;

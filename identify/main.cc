@@ -45,7 +45,7 @@ DEFINE_string(initial, "estimated",
 DEFINE_bool(check, true, "check the recordings before the fit, as motion check does");
 DEFINE_bool(check_gradients, false, "compare adjoint, sensitivities and finite differences at the start");
 DEFINE_int32(max_iterations, 50, "iterations before the fit counts as not converged");
-DEFINE_int32(threads, 1, "recordings simulated side by side");
+DEFINE_int32(threads, 1, "recordings and fits side by side");
 DEFINE_string(output, "clothid_result", "folder for the results");
 DEFINE_int32(starts, 1, "number of starting points");
 DEFINE_uint64(seed, 0, "seed of the starting points");
@@ -128,7 +128,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --max_iterations N  (50)
   --horizon KIND      growing: fits of the first eighth, quarter and half of the recordings lead to where the fit of all
                       of them starts, past minima that only whole motions have; full: all frames at once (growing)
-  --threads N         recordings simulated side by side; the result does not depend on it (1)
+  --threads N         recordings, and fits of --starts, side by side; the result does not depend on it (1)
   --starts N          fit from N starting points: the own one and a Latin hypercube around it (1)
   --seed S            of the starting points (0)
   --profile NAMES     profile likelihood of these parameters: intervals of costs that are not quadratic

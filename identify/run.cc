@@ -174,7 +174,8 @@ class Run {
     }
     summary_ = fit_options_.num_starts == 1
                    ? Fit(fit_options_, problem_.get(), horizon)
-                   : FitFromStarts(fit_options_, problem_.get(), &checks_.starts.emplace(), horizon);
+                   : FitFromStarts(fit_options_, inputs_.fitted, options_.growing_horizon, problem_.get(),
+                                   &checks_.starts.emplace());
     if (options_.time_step.is_automatic) FitWithChosenStep();
     if (options_.on_fitted) options_.on_fitted(summary_);
   }

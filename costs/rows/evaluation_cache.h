@@ -21,6 +21,7 @@ class EvaluationCache {
   RolloutEvaluation* Add(const Eigen::VectorXd& coordinates, Precision precision);
   // Pointers to others are void.
   void Remove(const RolloutEvaluation* evaluation);
+  void Clear() { evaluations_.clear(); }
 
   // The latest first.
   const std::deque<RolloutEvaluation>& evaluations() const { return evaluations_; }

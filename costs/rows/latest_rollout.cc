@@ -38,8 +38,13 @@ const Rollout& LatestRollout::At(const Eigen::VectorXd& coordinates, Precision p
 void LatestRollout::DropUnless(Precision precision) {
   if (precision == precision_) return;
   precision_ = precision;
+  Drop();
+}
+
+void LatestRollout::Drop() {
   coordinates_.resize(0);
   rollout_ = Rollout();
+  is_pending_ = false;
 }
 
 void LatestRollout::Resume(const Eigen::VectorXd& coordinates, Precision precision) {

@@ -31,6 +31,7 @@ class LatestRollout {
 
   // A rollout of another precision is not kept.
   void DropUnless(Precision precision);
+  void Drop();
   // Whose rollout is kept; empty: none.
   const Eigen::VectorXd& coordinates() const { return coordinates_; }
   // A journal tells whose rollout was kept, and has counted it: it is made when it is asked for.

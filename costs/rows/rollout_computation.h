@@ -42,6 +42,11 @@ class RolloutComputation {
   bool TakesFirstJacobian() const;
   // The next points are far from those before: the subspace of the adjoint starts afresh.
   void ForgetJacobian() { adjoint_rows_.SetLastJacobian(Eigen::MatrixXd()); }
+  // As if nothing had been computed before.
+  void Forget() {
+    latest_rollout_.Drop();
+    ForgetJacobian();
+  }
 
   // What an outcome tells beside its evaluation, and the way back: as if `Complete` had just computed `evaluation`.
   // `took_first_jacobian`: in doing so; where the outcome does not have it, it was made again.

@@ -37,6 +37,11 @@ class RolloutEvaluator {
 
   // Forgets what the last Jacobian was: the next points are far from it.
   void ForgetJacobian() { computation_.ForgetJacobian(); }
+  // As if nothing had been evaluated before, but for the counts: what the next points take does not depend on it.
+  void Forget() {
+    cache_.Clear();
+    computation_.Forget();
+  }
 
   int num_rows() const { return computation_.num_rows(); }  // without the row of the loss
   const std::vector<int>& free_blocks() const { return computation_.free_blocks(); }

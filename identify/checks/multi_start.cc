@@ -1,12 +1,16 @@
 #include "identify/checks/multi_start.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <random>
 #include <utility>
 
+#include "identify/base/parallel_for.h"
 #include "identify/fit/continued_fit.h"
+#include "identify/fit/growing_horizon.h"
 
 namespace clothid {
 namespace {
@@ -122,39 +126,95 @@ std::vector<Eigen::VectorXd> StartPoints(const std::vector<ParameterBlock>& bloc
   return points;
 }
 
-FitSummary FitFromStarts(const FitOptions& options, FitProblem* problem, MultiStart* result,
-                         GrowingHorizon* horizon) {
-  FitOptions each = options;
-  each.estimate_uncertainty = false;
-  FitSummary best;
-  std::size_t best_start = 0;
-  CostStatistics statistics, lead;
-  double total_seconds = 0.0, solver_seconds = 0.0;
-  const std::vector<Eigen::VectorXd> points = StartPoints(problem->blocks(), options.num_starts, options.seed);
+namespace {
+
+using Points = std::vector<Eigen::VectorXd>;
+
+// One after the other, on the problem itself, so that its journals hold all of them. Ends with the first that is
+// interrupted.
+std::vector<FitSummary> FitInTurn(const FitOptions& options, const std::vector<RecordedMotion>& motions, bool is_led,
+                                  const Points& points, FitProblem* problem) {
+  GrowingHorizon horizon(motions, options);
+  std::vector<FitSummary> fits;
   for (std::size_t s = 0; s < points.size(); ++s) {
     if (options.on_start) options.on_start(static_cast<int>(s));
     problem->SetStart(points[s]);
-    const FitSummary summary = Fit(each, problem, horizon);
-    result->starts.push_back(Describe(summary, problem->Values(points[s])));
-    statistics += summary.statistics;
-    lead += summary.lead;
-    total_seconds += summary.total_seconds;
-    solver_seconds += summary.solver_seconds;
-    if (s == 0 || IsBetter(summary, best)) {
-      best = summary;
-      best_start = s;
-    }
-    if (summary.status == FitStatus::kInterrupted) {
-      best.status = FitStatus::kInterrupted;
-      best.message = summary.message;
-      break;
-    }
+    problem->Forget();
+    fits.push_back(Fit(options, problem, is_led ? &horizon : nullptr));
+    if (fits.back().status == FitStatus::kInterrupted) break;
   }
-  problem->SetStart(points.front());
+  return fits;
+}
+
+// Side by side, each on a problem of its own: fits of one problem do not depend on those before them.
+std::vector<FitSummary> FitSideBySide(const FitOptions& options, const std::vector<RecordedMotion>& motions,
+                                      bool is_led, const Points& points) {
+  FitOptions each = options;
+  each.num_threads = 1;
+  each.on_iteration = nullptr;  // whose iterations these are nobody could tell
+  each.on_progress = nullptr;
+  std::vector<FitSummary> fits(points.size());
+  std::mutex mutex;
+  int num_begun = 0;
+  ParallelFor(static_cast<int>(points.size()), options.num_threads, [&](int s) {
+    if (options.on_start) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      options.on_start(num_begun++);
+    }
+    FitProblem problem(motions, each);
+    GrowingHorizon horizon(motions, each);
+    problem.SetStart(points[s]);
+    fits[s] = Fit(each, &problem, is_led ? &horizon : nullptr);
+  });
+  return fits;
+}
+
+// The best of `fits`, with the counts and seconds of all.
+FitSummary TakeBest(std::vector<FitSummary> fits, std::size_t* best_start) {
+  CostStatistics statistics, lead;
+  double total_seconds = 0.0, solver_seconds = 0.0;
+  std::string interruption;
+  *best_start = 0;
+  for (std::size_t s = 0; s < fits.size(); ++s) {
+    statistics += fits[s].statistics;
+    lead += fits[s].lead;
+    total_seconds += fits[s].total_seconds;
+    solver_seconds += fits[s].solver_seconds;
+    if (fits[s].status == FitStatus::kInterrupted) interruption = fits[s].message;
+    if (IsBetter(fits[s], fits[*best_start])) *best_start = s;
+  }
+  FitSummary best = std::move(fits[*best_start]);
   best.statistics = statistics;
   best.lead = lead;
   best.total_seconds = total_seconds;
   best.solver_seconds = solver_seconds;
+  if (!interruption.empty()) {
+    best.status = FitStatus::kInterrupted;
+    best.message = interruption;
+  }
+  return best;
+}
+
+}  // namespace
+
+FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMotion>& motions, bool is_led,
+                         FitProblem* problem, MultiStart* result) {
+  FitOptions each = options;
+  each.estimate_uncertainty = false;
+  const Points points = StartPoints(problem->blocks(), options.num_starts, options.seed);
+  const bool side_by_side = options.num_threads > 1 && options.journal_folder.empty();
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<FitSummary> fits =
+      side_by_side ? FitSideBySide(each, motions, is_led, points) : FitInTurn(each, motions, is_led, points, problem);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  for (std::size_t s = 0; s < fits.size(); ++s) {
+    result->starts.push_back(Describe(fits[s], problem->Values(points[s])));
+  }
+  std::size_t best_start = 0;
+  FitSummary best = TakeBest(std::move(fits), &best_start);
+  best.total_seconds = elapsed.count();
+  problem->SetStart(points.front());
+  problem->Forget();
   if (options.estimate_uncertainty && best.has_estimate()) {
     AddUncertainty(options, *problem, &best);
     ContinueFromLowerPoints(options, &Fit, problem, &best);

@@ -252,6 +252,10 @@ void FitProblem::Restart() {
   for (const auto& cost : costs_) cost->Restart();
 }
 
+void FitProblem::Forget() {
+  for (const auto& cost : costs_) cost->Forget();
+}
+
 void FitProblem::CheckJournals() const {
   for (const auto& cost : costs_) cost->CheckJournal();
 }

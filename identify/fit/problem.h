@@ -57,6 +57,7 @@ class FitProblem {
 
   // What every cost does of that name.
   void Restart();
+  void Forget();
 
   // Follows the evaluations; null where nobody asked for that.
   EvaluationTracker* tracker() const { return tracker_.get(); }

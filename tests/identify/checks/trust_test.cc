@@ -47,10 +47,11 @@ TEST(MultiStartTest, StartsThatAgreeSayTheSameAsOneFit) {
   FitOptions options = OptionsFor({"k_stretch", "k_bend"});
   options.num_starts = 4;
   options.seed = 1;
-  FitProblem problem({NoisySwing()}, options);
+  const std::vector<RecordedMotion> motions = {NoisySwing()};
+  FitProblem problem(motions, options);
   const FitSummary single = Fit(options, &problem);
   MultiStart starts;
-  const FitSummary summary = FitFromStarts(options, &problem, &starts);
+  const FitSummary summary = FitFromStarts(options, motions, /*is_led=*/false, &problem, &starts);
   EXPECT_EQ(summary.status, FitStatus::kConverged);
   ASSERT_EQ(starts.starts.size(), 4u);
   ASSERT_EQ(starts.minima.size(), 1u);
@@ -64,16 +65,53 @@ TEST(MultiStartTest, StartsThatAgreeSayTheSameAsOneFit) {
   EXPECT_EQ(problem.StartCoordinates(), StartPoints(problem.blocks(), 1, 0)[0]) << "the problem is as it was";
 }
 
+// Side by side on problems of their own or one after the other on one: the same bits.
+TEST(MultiStartTest, SameBytesOnEveryNumberOfThreads) {
+  FitOptions options = OptionsFor({"k_stretch", "k_bend"});
+  options.num_starts = 4;
+  const std::vector<RecordedMotion> motions = {NoisySwing()};
+  const auto fit = [&](int num_threads, MultiStart* starts) {
+    options.num_threads = num_threads;
+    int num_told = 0;
+    options.on_start = [&](int start) { EXPECT_EQ(start, num_told++); };
+    FitProblem problem(motions, options);
+    FitSummary summary = FitFromStarts(options, motions, /*is_led=*/true, &problem, starts);
+    EXPECT_EQ(num_told, 4);
+    return summary;
+  };
+  MultiStart alone;
+  const FitSummary expected = fit(1, &alone);
+  for (const int num_threads : {2, 3}) {
+    SCOPED_TRACE(num_threads);
+    MultiStart starts;
+    const FitSummary summary = fit(num_threads, &starts);
+    EXPECT_EQ(summary.values(), expected.values());
+    EXPECT_EQ(summary.cost, expected.cost);
+    EXPECT_EQ(summary.statistics.rollouts, expected.statistics.rollouts);
+    EXPECT_EQ(summary.lead.rollouts, expected.lead.rollouts);
+    EXPECT_EQ(summary.uncertainty->parameters[1].std, expected.uncertainty->parameters[1].std);
+    ASSERT_EQ(starts.starts.size(), alone.starts.size());
+    for (std::size_t s = 0; s < starts.starts.size(); ++s) {
+      EXPECT_EQ(starts.starts[s].values, alone.starts[s].values);
+      EXPECT_EQ(starts.starts[s].cost, alone.starts[s].cost);
+      EXPECT_EQ(starts.starts[s].minimum, alone.starts[s].minimum);
+    }
+  }
+}
+
 TEST(MultiStartTest, EndsWhereItIsInterrupted) {
   FitOptions options = OptionsFor({"k_stretch"});
   options.num_starts = 3;
-  std::atomic<bool> cancel{false};
-  options.cancel = &cancel;
-  options.on_start = [&](int start) { cancel = start == 1; };
-  FitProblem problem({NoisySwing()}, options);
-  MultiStart starts;
-  EXPECT_EQ(FitFromStarts(options, &problem, &starts).status, FitStatus::kInterrupted);
-  EXPECT_EQ(starts.starts.size(), 2u);
+  const std::vector<RecordedMotion> motions = {NoisySwing()};
+  for (const int num_threads : {1, 2}) {
+    std::atomic<bool> cancel{false};
+    options.num_threads = num_threads;
+    options.cancel = &cancel;
+    options.on_start = [&](int start) { cancel = start == 1; };
+    FitProblem problem(motions, options);
+    MultiStart starts;
+    EXPECT_EQ(FitFromStarts(options, motions, /*is_led=*/false, &problem, &starts).status, FitStatus::kInterrupted);
+  }
 }
 
 TEST(ProfileTest, IsThatOfTheCovarianceWhereTheCostIsQuadratic) {

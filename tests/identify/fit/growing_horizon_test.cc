@@ -86,9 +86,8 @@ TEST(GrowingHorizonTest, LeadsEveryOneOfSeveralStarts) {
   FitOptions options = OptionsFor("k_stretch", 8.0);
   options.num_starts = 4;
   FitProblem problem(motions, options);
-  GrowingHorizon horizon(motions, options);
   MultiStart result;
-  FitFromStarts(options, &problem, &result, &horizon);
+  FitFromStarts(options, motions, /*is_led=*/true, &problem, &result);
   ASSERT_EQ(result.minima.size(), 1u);
   EXPECT_EQ(result.minima[0].num_starts, 4);
 }
