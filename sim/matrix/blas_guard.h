@@ -1,4 +1,5 @@
-// What every call that ends in BLAS needs around it.
+// What every call that ends in BLAS needs around it: those of UMFPACK, and CHOLMOD's analyses. Cholesky factors and
+// solves call none.
 #ifndef CLOTHID_SIM_MATRIX_BLAS_GUARD_H_
 #define CLOTHID_SIM_MATRIX_BLAS_GUARD_H_
 
@@ -22,7 +23,7 @@ class BlasGuard {
   std::unique_lock<std::mutex> lock_;
 };
 
-// Whether threads take turns in BLAS, so that several are hardly faster than one: with OpenBLAS built without threads,
+// Whether threads take turns in BLAS: with OpenBLAS built without threads,
 // or with those of OpenMP. With OpenBLAS of pthreads, ATLAS, BLIS and the reference they do not.
 bool ThreadsTakeTurnsInBlas();
 
