@@ -259,7 +259,6 @@ int IdentifyFromFlags(const std::vector<std::string>& arguments, const std::stri
     throw Error(ErrorKind::kUsage, "'" + Printable(arguments.front()) + "': expected flags only; see identify --help");
   }
   RunOptions options = OptionsFromFlags(command_line);
-  NoteTurnsInBlas("identify", FLAGS_threads, &std::cerr);
   options.fit.cancel = &CatchInterrupts();
   ProgressPrinter printer(&std::cerr, isatty(STDERR_FILENO) != 0, options.fit.max_iterations, {}, TerminalColumns);
   std::vector<std::string> names;

@@ -6,8 +6,6 @@
 #include <mutex>
 #include <vector>
 
-#include "sim/matrix/blas_guard.h"
-
 namespace clothid {
 
 void ParallelFor(int num_tasks, int num_threads, const std::function<void(int task)>& work,
@@ -27,12 +25,6 @@ void ParallelFor(int num_tasks, int num_threads, const std::function<void(int ta
   for (int t = 1; t < std::min(num_threads, num_tasks); ++t) workers.push_back(std::async(std::launch::async, run));
   run();  // whatever it throws leaves once the futures have waited for their threads
   for (std::future<void>& worker : workers) worker.get();
-}
-
-void NoteTurnsInBlas(const std::string& program, int num_threads, std::ostream* out) {
-  if (num_threads < 2 || !ThreadsTakeTurnsInBlas()) return;
-  *out << program << ": note: --threads: this BLAS must not be called by two threads at once, so they take turns and "
-       << "gain little; OpenBLAS with threads (libopenblas0-pthread) can be\n";
 }
 
 }  // namespace clothid

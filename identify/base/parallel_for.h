@@ -3,8 +3,6 @@
 #define CLOTHID_IDENTIFY_BASE_PARALLEL_FOR_H_
 
 #include <functional>
-#include <ostream>
-#include <string>
 
 namespace clothid {
 
@@ -16,9 +14,6 @@ inline constexpr int kMaxThreads = 4096;
 // threads have ended.
 void ParallelFor(int num_tasks, int num_threads, const std::function<void(int task)>& work,
                  const std::function<void(int task, int num_done)>& done = {});
-
-// One line of `program` to whoever asks for threads that take turns in BLAS (sim/matrix/blas_guard.h); else nothing.
-void NoteTurnsInBlas(const std::string& program, int num_threads, std::ostream* out);
 
 }  // namespace clothid
 

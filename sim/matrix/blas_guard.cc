@@ -29,16 +29,16 @@ bool PrepareBlas() {
   return threads == OpenBlasThreads::kNone || threads == OpenBlasThreads::kOpenMp;
 }
 
-}  // namespace
-
-bool ThreadsTakeTurnsInBlas() {
+bool ThreadsTakeTurns() {
   static const bool take_turns = PrepareBlas();
   return take_turns;
 }
 
+}  // namespace
+
 BlasGuard::BlasGuard() : openmp_levels_(omp_get_max_active_levels()) {
   static std::mutex blas_mutex;
-  if (ThreadsTakeTurnsInBlas()) lock_ = std::unique_lock<std::mutex>(blas_mutex);
+  if (ThreadsTakeTurns()) lock_ = std::unique_lock<std::mutex>(blas_mutex);
   omp_set_max_active_levels(0);
 }
 

@@ -23,10 +23,6 @@ class BlasGuard {
   std::unique_lock<std::mutex> lock_;
 };
 
-// Whether threads take turns in BLAS: with OpenBLAS built without threads,
-// or with those of OpenMP. With OpenBLAS of pthreads, ATLAS, BLIS and the reference they do not.
-bool ThreadsTakeTurnsInBlas();
-
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_MATRIX_BLAS_GUARD_H_

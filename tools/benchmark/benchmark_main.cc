@@ -137,7 +137,6 @@ int Run(const std::vector<std::string>& arguments) {
   std::vector<CommandFlags> flags;
   for (const Subcommand& each : kSubcommands) flags.push_back({each.name, each.flags});
   RejectOtherFlags(command.name, flags);
-  NoteTurnsInBlas("benchmark", FLAGS_threads, &std::cerr);
   try {
     return command.run();
   } catch (const Interrupted&) {

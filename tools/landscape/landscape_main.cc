@@ -177,7 +177,6 @@ void PrintSummary(const LandscapePart& part) {
 
 int Scan() {
   LandscapeRunOptions options = OptionsFromFlags();
-  NoteTurnsInBlas("landscape", FLAGS_threads, &std::cerr);
   LandscapeRunResult result;
   {
     CountProgress progress(&std::cerr, isatty(STDERR_FILENO) != 0, "cells", CountProgress::End::kTold);
