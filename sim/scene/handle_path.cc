@@ -83,8 +83,15 @@ Eigen::VectorXd HandlePath::At(double time) const { return Interpolate(times_, p
 
 // Slopes are linear in positions, and so is what lies between two knots.
 Eigen::VectorXd HandlePath::KnotWeights(double time) const {
-  const Eigen::MatrixXd knots = Eigen::MatrixXd::Identity(times_.size(), times_.size());
-  return Interpolate(times_, knots, ParabolaSlopes(times_, knots), time);
+  // The two knots around it, and those that their slopes depend on.
+  const Eigen::Index next = std::upper_bound(times_.begin(), times_.end(), time) - times_.begin();
+  const Eigen::Index first = std::clamp<Eigen::Index>(next - 2, 0, std::max<Eigen::Index>(times_.size() - 3, 0));
+  const Eigen::Index count = std::min<Eigen::Index>(std::max<Eigen::Index>(next + 2, 3), times_.size()) - first;
+  const Eigen::VectorXd times = times_.segment(first, count);
+  const Eigen::MatrixXd knots = Eigen::MatrixXd::Identity(count, count);
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(times_.size());
+  weights.segment(first, count) = Interpolate(times, knots, ParabolaSlopes(times, knots), time);
+  return weights;
 }
 
 // The natural cubic smoothing spline in Reinsch's form (Green and Silverman, Nonparametric Regression and Generalized

@@ -22,7 +22,7 @@ class HandlePath {
 
   // [3H] m.
   Eigen::VectorXd At(double time) const;
-  // [T] w with At(time) = positions() w: what a change of the positions does. It takes T^2 operations.
+  // [T] w with At(time) = positions() w: what a change of the positions does; zero but at four knots.
   Eigen::VectorXd KnotWeights(double time) const;
 
  private:
