@@ -18,7 +18,7 @@ std::optional<ForcePrediction> RecordingModel::ForcesAt(const Eigen::VectorXd& c
   const ForceObservation& forces = observation_.forces();
   if (forces.is_empty()) return std::nullopt;
   const Parameters parameters = ParametersAt(coordinates);
-  simulator_.UseFields(parameters);
+  simulator_.UseParameters(parameters);
   return ForcePrediction(&forces, simulator_.model(), parameters, num_steps(),
                          values_.AlignmentAt(coordinates).ForceBias(forces.num_groups()));
 }

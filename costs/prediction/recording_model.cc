@@ -151,7 +151,7 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassO
 }
 
 EnergyGain RecordingModel::EnergyGainAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel) {
-  simulator_.UseFields(ParametersAt(coordinates));
+  simulator_.UseParameters(ParametersAt(coordinates));
   if (!MayGainEnergy(ParametersAt(coordinates), simulator_)) return {};
   RolloutOptions options;
   options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), RolloutStorage().memory_limit);

@@ -1,6 +1,7 @@
 #include "sim/cloth/cloth_model.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "sim/cloth/bending_patch.h"
@@ -75,19 +76,25 @@ void BendingTerm::AddHessian(double stiffness, HessianKind hessian_kind, const E
   if (curvature != nullptr) curvature->AddHessian(stiffness, hessian_kind, positions, hessian);
 }
 
-ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeAreas(scene.mesh)) {
-  std::vector<BendingMatrix> bending;
-  if (scene.has_bending() && HasField(scene, ParameterKind::kBendingStiffness)) {
-    weighted_bending_ = std::make_unique<WeightedBending>(scene);
-    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(scene.mesh.num_faces());
-    bending.push_back(
-        {ParameterKind::kBendingStiffness, weighted_bending_->Matrix(ones), weighted_bending_->Moments(ones)});
+ClothModel::ClothModel(const Scene& scene) : ClothModel(scene, nullptr) {}
+
+ClothModel::ClothModel(const Scene& scene, const ClothModel& like) : ClothModel(scene, &like) {}
+
+ClothModel::ClothModel(const Scene& scene, const ClothModel* like)
+    : scene_(&scene), node_areas_(NodeAreas(scene.mesh)) {
+  std::vector<BendingMatrix> bending = MakeBending();
+  if (like == nullptr) {
+    NumberFreeNodes(bending);
+    pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending));
+    if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
   } else {
-    bending = BendingMatrices(scene);
+    free_nodes_ = like->free_nodes_;
+    free_index_ = like->free_index_;
+    pattern_ = like->pattern_;
+    touch_gap_ = like->touch_gap_;
+    ExpectPattern(bending);
   }
-  NumberFreeNodes(bending);
   if (scene.has_drag()) drag_.emplace(scene);
-  pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending));
   for (BendingMatrix& term : bending) {
     bending_terms_.push_back({term.kind, MaterialConstant(term.kind),
                               BendingEnergy(std::move(term.matrix), free_index_, *pattern_),
@@ -103,7 +110,27 @@ ClothModel::ClothModel(const Scene& scene) : scene_(scene), node_areas_(NodeArea
   stretch_.emplace(triangles_);
   if (scene.has_directional_drag()) directional_drag_.emplace(scene, triangles_, free_index_, *pattern_);
   if (scene.has_damping()) damping_.emplace(triangles_);
-  if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
+}
+
+std::vector<BendingMatrix> ClothModel::MakeBending() {
+  if (!scene_->has_bending() || !HasField(*scene_, ParameterKind::kBendingStiffness)) return BendingMatrices(*scene_);
+  weighted_bending_ = std::make_unique<WeightedBending>(*scene_);
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(scene_->mesh.num_faces());
+  std::vector<BendingMatrix> bending;
+  bending.push_back(
+      {ParameterKind::kBendingStiffness, weighted_bending_->Matrix(ones), weighted_bending_->Moments(ones)});
+  return bending;
+}
+
+void ClothModel::ExpectPattern(const std::vector<BendingMatrix>& bending) const {
+  const std::vector<std::vector<int>> neighbours = FreeNeighbours(scene_->mesh, free_index_, num_free(), bending);
+  for (int i = 0; i < num_free(); ++i) {
+    for (const int j : neighbours[i]) {
+      const int* rows = pattern_->rows_begin(i);
+      if (i == j || std::binary_search(rows, rows + pattern_->num_rows(i), j)) continue;
+      throw std::logic_error("a cloth of another size couples other nodes");
+    }
+  }
 }
 
 const BendingEnergy* ClothModel::bending() const {
@@ -117,16 +144,16 @@ const Eigen::VectorXd* ClothModel::MassSlopes(ParameterKind kind) const {
 }
 
 void ClothModel::SetFields(const std::vector<FieldFactors>* fields) {
-  for (std::size_t i = 0; i < scene_.fields.size(); ++i) {
-    const ParameterKind kind = scene_.fields[i].kind;
-    Eigen::VectorXd factors = Eigen::VectorXd::Ones(scene_.mesh.num_faces());
+  for (std::size_t i = 0; i < scene_->fields.size(); ++i) {
+    const ParameterKind kind = scene_->fields[i].kind;
+    Eigen::VectorXd factors = Eigen::VectorXd::Ones(scene_->mesh.num_faces());
     if (fields != nullptr) factors = (*fields)[i].log_factors.array().exp();
     if (kind == ParameterKind::kStretchStiffness) {
       const auto weighted = WeightedTriangles(*triangles_, factors);
-      membrane_.emplace(scene_.membrane, weighted);
+      membrane_.emplace(scene_->membrane, weighted);
       stretch_.emplace(weighted);
     }
-    if (kind == ParameterKind::kDensity) mass_areas_ = WeightedNodeAreas(scene_.mesh, factors);
+    if (kind == ParameterKind::kDensity) mass_areas_ = WeightedNodeAreas(scene_->mesh, factors);
     if (kind == ParameterKind::kBendingStiffness && weighted_bending_ != nullptr) {
       bending_terms_.front().energy = BendingEnergy(weighted_bending_->Matrix(factors), free_index_, *pattern_);
       bending_terms_.front().curvature = MakeCurvature(weighted_bending_->Moments(factors));
@@ -141,7 +168,7 @@ std::shared_ptr<const RestCurvature> ClothModel::MakeCurvature(std::vector<RestM
 
 void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending) {
   free_index_.assign(num_nodes(), 0);
-  for (const int handle : scene_.handles.nodes) free_index_[handle] = -1;
+  for (const int handle : scene_->handles.nodes) free_index_[handle] = -1;
   std::vector<int> ascending;
   for (int node = 0; node < num_nodes(); ++node) {
     if (free_index_[node] < 0) continue;
@@ -149,7 +176,7 @@ void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending) {
     ascending.push_back(node);
   }
   const int num_free = static_cast<int>(ascending.size());
-  for (const int k : FillReducingOrder(FreeNeighbours(scene_.mesh, free_index_, num_free, bending))) {
+  for (const int k : FillReducingOrder(FreeNeighbours(scene_->mesh, free_index_, num_free, bending))) {
     free_nodes_.push_back(ascending[k]);
   }
   for (int i = 0; i < num_free; ++i) free_index_[free_nodes_[i]] = i;

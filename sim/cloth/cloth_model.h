@@ -47,12 +47,15 @@ class ClothModel {
  public:
   // `scene` must outlive the model and have passed `ValidateScene`.
   explicit ClothModel(const Scene& scene);
+  // Likewise, of a scene that differs from that of `like` in rest positions alone: in its order of the nodes, with its
+  // pattern and its touch_gap. Throws `std::logic_error` where bending couples nodes that it does not couple in `like`.
+  ClothModel(const Scene& scene, const ClothModel& like);
 
   // Null: the constants are the same everywhere, as at first; else those of the scene's fields, `ValidateParameters`.
   void SetFields(const std::vector<FieldFactors>* fields);
 
-  const Scene& scene() const { return scene_; }
-  int num_nodes() const { return scene_.mesh.num_nodes(); }
+  const Scene& scene() const { return *scene_; }
+  int num_nodes() const { return scene_->mesh.num_nodes(); }
 
   // Handles are exact Dirichlet conditions: every equation lives on the free nodes alone. Vectors and matrices over
   // them are "free" [3 Nf], in an order of the nodes in which factors of matrices over them stay sparse; `Gather` and
@@ -90,14 +93,17 @@ class ClothModel {
   }                                                                                     // ditto
   const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
   const WeightedBending* weighted_bending() const { return weighted_bending_.get(); }   // null: k_b is no field
-  bool has_contact() const { return !scene_.obstacles.empty(); }
+  bool has_contact() const { return !scene_->obstacles.empty(); }
   double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
 
  private:
+  ClothModel(const Scene& scene, const ClothModel* like);
+  std::vector<BendingMatrix> MakeBending();
   void NumberFreeNodes(const std::vector<BendingMatrix>& bending);
+  void ExpectPattern(const std::vector<BendingMatrix>& bending) const;                        // that covers it
   std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> moments) const;  // null of none
 
-  const Scene& scene_;
+  const Scene* scene_;
   std::vector<int> free_nodes_, free_index_;
   std::shared_ptr<const BlockPattern> pattern_;
   Eigen::VectorXd node_areas_, laplacian_diagonal_;

@@ -8,6 +8,7 @@
 #include "sim/derivative/field_derivative.h"
 #include "sim/derivative/handle_coupling.h"
 #include "sim/derivative/second_start_derivative.h"
+#include "sim/derivative/size_derivative.h"
 #include "sim/derivative/step_derivative.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/simulator.h"
@@ -64,7 +65,7 @@ class HandleGradient {
   void Add(double time, const Eigen::MatrixXd& rows) {
     const Eigen::VectorXd weights = offsets_.KnotWeights(time);
     for (Eigen::Index k = 0; k < weights.size(); ++k) {
-      values_.middleRows(k * rows.rows(), rows.rows()) += weights[k] * rows;
+      if (weights[k] != 0.0) values_.middleRows(k * rows.rows(), rows.rows()) += weights[k] * rows;
     }
   }
 
@@ -86,6 +87,7 @@ class ReverseSweep {
         solver_(options, rollout.parameters, simulator),
         handles_(rollout, num_columns, simulator->model()),
         fields_(rollout.parameters, num_columns, simulator->model()),
+        sizes_(rollout.parameters, parameters, *simulator),
         gradient_(gradient) {
     gradient->parameters = Eigen::MatrixXd::Zero(static_cast<int>(parameters.size()), num_columns);
     lambda_.positions = Eigen::MatrixXd::Zero(3 * simulator->model().num_free(), num_columns);
@@ -99,7 +101,7 @@ class ReverseSweep {
   }
 
   void PullBackSolve(const StepRecord& record, const SolveStart& start) {
-    StepDerivative step(record, start, parameters_, simulator_);
+    StepDerivative step(record, start, parameters_, simulator_, &sizes_);
     Eigen::MatrixXd by_impulse;  // by r_1, where impacts make it count
     if (record.stage == Stage::kFirst) by_impulse = LeaveSecondStart(record, start, step);
     Eigen::MatrixXd w = lambda_.velocities + record.time_step * lambda_.positions, z, y;
@@ -148,7 +150,7 @@ class ReverseSweep {
     if (!second.has_impacts()) return {};
     fields_.AddSecondStart(second, by_second_);
     for (size_t p = 0; p < ids_.size(); ++p) {
-      const Eigen::VectorXd* slopes = simulator_->model().MassSlopes(ids_[p].kind);
+      const Eigen::VectorXd* slopes = step.MassSlopes(ids_[p]);
       if (slopes != nullptr) gradient_->parameters.row(p) += second.MassGradient(*slopes, by_second_);
     }
     return second.AddImpactsTransposed(by_second_, &by_start_, &lambda_);
@@ -160,6 +162,7 @@ class ReverseSweep {
   AdjointSolver solver_;
   HandleGradient handles_;
   FieldGradient fields_;
+  SizeDerivative sizes_;
   RolloutGradient* gradient_;
   StateColumns lambda_;                // by the end of the solve that comes next
   StateColumns by_second_, by_start_;  // between two stages: by x_s and v_s, and by x_n and v_n besides
@@ -170,7 +173,7 @@ class ReverseSweep {
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,
                          const AdjointOptions& options) {
-  simulator->UseFields(rollout.parameters);
+  simulator->UseParameters(rollout.parameters);
   const PhaseSeconds before = simulator->step_solver().seconds();
   RolloutGradient gradient;
   std::optional<ScopedTimer> timer(&gradient.work.total_seconds);

@@ -24,8 +24,8 @@ namespace clothid {
 // Forward: along columns [K F x q], which are the last ones of the sweep. Nothing without columns.
 class FieldTangent {
  public:
-  // The parameters' fields must be in the model, `Simulator::UseFields`. Throws `std::logic_error` where the columns
-  // have other rows.
+  // The parameters' fields must be in the model, `Simulator::UseParameters`. Throws `std::logic_error` where the
+  // columns have other rows.
   FieldTangent(const Eigen::MatrixXd& columns, const Parameters& parameters, const ClothModel& model);
 
   // Takes dg of a solve off the last columns of `right` [3 Nf x c].

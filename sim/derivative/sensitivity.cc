@@ -8,6 +8,7 @@
 #include "sim/derivative/field_derivative.h"
 #include "sim/derivative/handle_coupling.h"
 #include "sim/derivative/second_start_derivative.h"
+#include "sim/derivative/size_derivative.h"
 #include "sim/derivative/step_derivative.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/segment.h"
@@ -85,6 +86,7 @@ class HandleTangent {
     const Eigen::Index num_rows = offsets_->positions().rows();
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_rows, columns_.cols() - first_);
     for (Eigen::Index k = 0; k < weights.size(); ++k) {
+      if (weights[k] == 0.0) continue;
       sum += weights[k] * columns_.middleRows(k * num_rows, num_rows).rightCols(sum.cols());
     }
     return sum;
@@ -144,12 +146,13 @@ class TangentSolver {
         ids_(ids),
         handles_(handles),
         fields_(fields),
+        sizes_(parameters, ids, *simulator),
         tolerance_(tolerance),
         simulator_(simulator) {}
 
   // Of one solve.
   void Advance(const StepRecord& record, const SolveStart& start, StateColumns* tangent) const {
-    StepDerivative step(record, start, parameters_, simulator_);
+    StepDerivative step(record, start, parameters_, simulator_, &sizes_);
     Solve(
         record, start, [](Eigen::MatrixXd*) {}, &step, tangent);
   }
@@ -161,7 +164,7 @@ class TangentSolver {
     SecondStart second_start;
     StateColumns first_end = *tangent, end;
     {
-      StepDerivative step(first, start, parameters_, simulator_);
+      StepDerivative step(first, start, parameters_, simulator_, &sizes_);
       const Eigen::MatrixXd momentum = Solve(
           first, start, [](Eigen::MatrixXd*) {}, &step, &first_end);
       second_start = StartSecondStage(model, parameters_.material, start, first.positions, first.velocities,
@@ -172,14 +175,14 @@ class TangentSolver {
         const Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - momentum;
         derivative.SubtractImpacts(*tangent, first_end, impulse, &end);
         for (size_t p = 0; p < ids_.size(); ++p) {
-          const Eigen::VectorXd* slopes = model.MassSlopes(ids_[p].kind);
+          const Eigen::VectorXd* slopes = step.MassSlopes(ids_[p]);
           if (slopes != nullptr) derivative.SubtractMasses(static_cast<int>(p), *slopes, &end);
         }
         fields_.SubtractMasses(derivative, &end);
       }
     }
     const SolveStart from{second_start.positions, second_start.velocities, &start.positions, &first.positions};
-    StepDerivative step(second, from, parameters_, simulator_);
+    StepDerivative step(second, from, parameters_, simulator_, &sizes_);
     const auto subtract_origins = [&](Eigen::MatrixXd* right) {
       if (step.has_origins()) *right -= step.TimesOrigins(tangent->positions, first_end.positions);
     };
@@ -227,6 +230,7 @@ class TangentSolver {
   const std::vector<ParameterId>& ids_;
   const HandleTangent& handles_;
   const FieldTangent& fields_;
+  SizeDerivative sizes_;
   double tolerance_;
   Simulator* simulator_;
 };
@@ -239,7 +243,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
   ValidateDomains(parameters, scene, "parameters");
-  simulator->UseFields(parameters);
+  simulator->UseParameters(parameters);
   StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Eigen::VectorXd positions = state.positions, velocities = state.velocities;  // at the end of the last solve
   StateColumns tangent = StartTangent(directions, model);

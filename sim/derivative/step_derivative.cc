@@ -1,5 +1,6 @@
 #include "sim/derivative/step_derivative.h"
 
+#include <stdexcept>
 #include <utility>
 
 #include "sim/matrix/block_product.h"
@@ -10,11 +11,12 @@
 namespace clothid {
 
 StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-                               Simulator* simulator)
+                               Simulator* simulator, const SizeDerivative* sizes)
     : record_(record),
       start_(start),
       parameters_(parameters),
       model_(simulator->model()),
+      sizes_(sizes),
       hessian_(simulator->step_solver().hessian()),
       jacobian_(simulator->step_solver().jacobian()) {
   const ScopedTimer timer(&jacobian_.seconds().assembly);
@@ -209,6 +211,11 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
                                                                        start_.velocities.segment<3>(3 * node));
       }
       break;
+    case ParameterKind::kSizeX:
+    case ParameterKind::kSizeY:
+      if (sizes_ == nullptr) throw std::logic_error("the derivative by a size that was not asked for");
+      derivative = sizes_->MomentumDerivative(id.kind, record_, start_);
+      break;
     default:  // drag by direction, and wind
       derivative = DragDerivative(id);
       break;
@@ -219,6 +226,10 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
       break;
   }
   return model_.Gather(derivative);
+}
+
+const Eigen::VectorXd* StepDerivative::MassSlopes(ParameterId id) const {
+  return IsSize(id.kind) ? &sizes_->MassSlopes(id.kind) : model_.MassSlopes(id.kind);
 }
 
 Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {

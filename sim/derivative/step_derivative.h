@@ -16,6 +16,7 @@
 #include <memory>
 #include <vector>
 
+#include "sim/derivative/size_derivative.h"
 #include "sim/rollout/rollout.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/step_jacobian.h"
@@ -26,8 +27,9 @@ namespace clothid {
 class StepDerivative {
  public:
   // The solve that `record` ends. Everything must outlive the object, what `start` refers to as well, and the object
-  // borrows the simulator's matrices: one at a time.
-  StepDerivative(const StepRecord& record, const SolveStart& start, const Parameters& parameters, Simulator* simulator);
+  // borrows the simulator's matrices: one at a time. `sizes` (may be null): for derivatives by the size of the cloth.
+  StepDerivative(const StepRecord& record, const SolveStart& start, const Parameters& parameters, Simulator* simulator,
+                 const SizeDerivative* sizes = nullptr);
 
   // Factors A. False where it fails.
   bool Factor(StepJacobian::Method method);
@@ -59,6 +61,8 @@ class StepDerivative {
 
   // dg/dtheta [3 Nf]; zero for friction.
   Eigen::VectorXd MomentumDerivative(ParameterId id) const;
+  // dM/dtheta of every node [N] kg; null for a parameter that has no part in it.
+  const Eigen::VectorXd* MassSlopes(ParameterId id) const;
   // dr/dtheta [3 Nf]; zero unless `id` is a friction coefficient.
   Eigen::VectorXd ImpulseDerivative(ParameterId id) const;
 
@@ -73,6 +77,7 @@ class StepDerivative {
   const SolveStart start_;
   const Parameters& parameters_;
   const ClothModel& model_;
+  const SizeDerivative* sizes_;
   BlockMatrix& hessian_;
   StepJacobian& jacobian_;
   Eigen::VectorXd masses_;         // M [3 Nf]

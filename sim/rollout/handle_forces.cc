@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "sim/base/error.h"
 #include "sim/matrix/block_product.h"
 
 namespace clothid {
@@ -213,6 +214,9 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
         sums.segment<3>(3 * handle.group) += handle.drag_area * AirSpeed(step, handle, states);
       }
       break;
+    case ParameterKind::kSizeX:
+    case ParameterKind::kSizeY:
+      throw Error(ErrorKind::kUsage, "size.x and size.y: no parameters of a recording with forces at its handles");
     case ParameterKind::kDamping:
       if (damping_) damping_->AddForce(1.0, time_step_, StartMetrics(window, states), positions, &force);
       break;

@@ -54,8 +54,9 @@ class HandleForces {
   using States = std::array<Eigen::MatrixXd, 3>;
 
   // `groups` [G]: nodes of the scene, each a handle. `model` must outlive the object and have the fields of
-  // `parameters`, `Simulator::UseFields`. Throws `Error` (kBadData) for a group without nodes or a node that is none,
-  // and for scenes with drag by direction or with a curved rest shape, whose forces at handles nobody has derived.
+  // `parameters`, `Simulator::UseParameters`. Throws `Error` (kBadData) for a group without nodes or a node that is
+  // none, and for scenes with drag by direction or with a curved rest shape, whose forces at handles nobody has
+  // derived.
   HandleForces(const ClothModel& model, const Parameters& parameters, int num_steps,
                const std::vector<std::vector<int>>& groups);
 

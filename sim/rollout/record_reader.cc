@@ -14,7 +14,7 @@
 namespace clothid {
 
 RecordReader::RecordReader(const Rollout& rollout, Simulator* simulator) : rollout_(rollout), simulator_(simulator) {
-  simulator->UseFields(rollout.parameters);
+  simulator->UseParameters(rollout.parameters);
 }
 
 const StepRecord& RecordReader::record(int i) {

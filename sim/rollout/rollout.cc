@@ -123,7 +123,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
   if (options.followed != nullptr && options.checkpoint_interval > 0) {
     throw std::logic_error("a rollout that follows another one cannot be made again from checkpoints");
   }
-  simulator->UseFields(parameters);
+  simulator->UseParameters(parameters);
   StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Rollout rollout = EmptyRollout(parameters, scene, state, options);
   if (options.visitor) options.visitor(0, rollout.initial_positions);

@@ -3,17 +3,31 @@
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/rollout/sized_scene.h"
 #include "sim/step/step_solver.h"
 
 namespace clothid {
 
 struct Simulator::State {
   explicit State(Scene s) : scene(std::move(s)), model(scene), solver(model) {}
+  // Makes the model one of that size, in the same place.
+  void SetSize(const std::array<double, 2>& other) {
+    const bool is_own = other == Parameters().size;
+    auto sized = is_own ? nullptr : std::make_unique<Scene>(SizedScene(scene, other));
+    model = ClothModel(is_own ? scene : *sized, model);
+    sized_scene = std::move(sized);
+    size = other;
+    fields.reset();
+    workspace.time_step = 0.0;  // its masses are those of another size
+  }
+
   Scene scene;
+  std::unique_ptr<Scene> sized_scene;  // null: that of the model is the one above
   ClothModel model;
   StepSolver solver;
   StepWorkspace workspace;
   std::shared_ptr<const std::vector<FieldFactors>> fields;  // in the model
+  std::array<double, 2> size = Parameters().size;           // likewise
 };
 
 namespace {
@@ -30,7 +44,8 @@ Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
-void Simulator::UseFields(const Parameters& parameters) {
+void Simulator::UseParameters(const Parameters& parameters) {
+  if (parameters.size != state_->size) state_->SetSize(parameters.size);
   if (parameters.fields == state_->fields) return;
   state_->fields = parameters.fields;
   state_->model.SetFields(parameters.fields.get());

@@ -23,12 +23,13 @@ class Simulator {
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
 
-  // Puts the fields of `parameters` into the model, which is const to all others: what runs a rollout or a sweep does
-  // that first. Nothing where they are there already.
-  void UseFields(const Parameters& parameters);
+  // Puts the fields and the size of `parameters` into the model, which is const to all others: what runs a rollout or a
+  // sweep does that first. Nothing where they are there already. Throws `Error` for a size where the rest shape has no
+  // front.
+  void UseParameters(const Parameters& parameters);
 
-  const Scene& scene() const;
-  const ClothModel& model() const;
+  const Scene& scene() const;       // as it was given: of its own size
+  const ClothModel& model() const;  // whose scene has the size of the parameters
   StepSolver& step_solver();
   StepWorkspace& step_workspace();  // for one StepProblem at a time
 

@@ -13,35 +13,6 @@ namespace {
 // Below this share of its area the mean normal of a rest shape is what rounding leaves of normals that cancel.
 constexpr double kSmallestFront = 1e-6;
 
-// The columns' and the rows' direction [3 x 2] of the header.
-Eigen::Matrix<double, 3, 2> GridAxes(const Mesh& mesh, const std::string& source) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of twice the areas, as vectors
-  double size = 0.0;
-  for (int f = 0; f < mesh.num_faces(); ++f) {
-    const Eigen::Vector3d a = mesh.rest_positions.col(mesh.faces(0, f));
-    const Eigen::Vector3d e1 = mesh.rest_positions.col(mesh.faces(1, f)) - a;
-    const Eigen::Vector3d normal = e1.cross(mesh.rest_positions.col(mesh.faces(2, f)) - a);
-    sum += normal;
-    size += normal.norm();
-  }
-  if (!(sum.norm() > kSmallestFront * size)) {
-    throw Error(ErrorKind::kBadData, source + ": a field needs a cloth with a front at rest; its normals cancel");
-  }
-  const Eigen::Vector3d normal = sum.normalized();
-  // The first of those that are as near, but for rounding.
-  Eigen::Index nearest = 0;
-  for (Eigen::Index axis = 1; axis < 3; ++axis) {
-    if (std::abs(normal[axis]) < std::abs(normal[nearest]) - 1e-9) nearest = axis;
-  }
-  Eigen::Matrix<double, 3, 2> axes;
-  axes.col(0) = (Eigen::Vector3d::Unit(nearest) - normal[nearest] * normal).normalized();
-  axes.col(1) = normal.cross(axes.col(0));
-  Eigen::Index largest;
-  axes.col(1).cwiseAbs().maxCoeff(&largest);
-  if (axes(largest, 1) < 0.0) axes.col(1) = -axes.col(1);
-  return axes;
-}
-
 // The two of `count` control nodes on a line that are next to a place in [0, 1], and the weight of the second.
 struct Neighbours {
   int first, second;
@@ -62,8 +33,36 @@ bool CanBeField(ParameterKind kind) {
          kind == ParameterKind::kDensity;
 }
 
+Eigen::Matrix<double, 3, 2> FrontAxes(const Mesh& mesh, const std::string& source) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of twice the areas, as vectors
+  double size = 0.0;
+  for (int f = 0; f < mesh.num_faces(); ++f) {
+    const Eigen::Vector3d a = mesh.rest_positions.col(mesh.faces(0, f));
+    const Eigen::Vector3d e1 = mesh.rest_positions.col(mesh.faces(1, f)) - a;
+    const Eigen::Vector3d normal = e1.cross(mesh.rest_positions.col(mesh.faces(2, f)) - a);
+    sum += normal;
+    size += normal.norm();
+  }
+  if (!(sum.norm() > kSmallestFront * size)) {
+    throw Error(ErrorKind::kBadData, source + ": expected a cloth with a front at rest; its normals cancel");
+  }
+  const Eigen::Vector3d normal = sum.normalized();
+  // The first of those that are as near, but for rounding.
+  Eigen::Index nearest = 0;
+  for (Eigen::Index axis = 1; axis < 3; ++axis) {
+    if (std::abs(normal[axis]) < std::abs(normal[nearest]) - 1e-9) nearest = axis;
+  }
+  Eigen::Matrix<double, 3, 2> axes;
+  axes.col(0) = (Eigen::Vector3d::Unit(nearest) - normal[nearest] * normal).normalized();
+  axes.col(1) = normal.cross(axes.col(0));
+  Eigen::Index largest;
+  axes.col(1).cwiseAbs().maxCoeff(&largest);
+  if (axes(largest, 1) < 0.0) axes.col(1) = -axes.col(1);
+  return axes;
+}
+
 Eigen::Matrix2Xd FrontView(const Mesh& mesh, const std::string& source) {
-  const Eigen::Matrix2Xd nodes = GridAxes(mesh, source).transpose() * mesh.rest_positions;
+  const Eigen::Matrix2Xd nodes = FrontAxes(mesh, source).transpose() * mesh.rest_positions;
   return nodes.colwise() - nodes.rowwise().minCoeff();
 }
 

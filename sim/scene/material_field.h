@@ -38,6 +38,9 @@ struct FieldFactors {
 // Which constants can be fields: k_stretch, k_bend, density.
 bool CanBeField(ParameterKind kind);
 
+// The columns' and the rows' direction of that view [3 x 2], unit vectors. Throws as `FieldCoordinates` does.
+Eigen::Matrix<double, 3, 2> FrontAxes(const Mesh& mesh, const std::string& source);
+
 // The nodes at rest as that view shows them [2 x N] m, from a corner of the box around them. Throws as
 // `FieldCoordinates` does.
 Eigen::Matrix2Xd FrontView(const Mesh& mesh, const std::string& source);

@@ -39,12 +39,12 @@ constexpr MaterialName kMaterialNames[] = {
     {"drag_tangential", ParameterKind::kTangentialDrag, &Material::tangential_drag, ParameterDomain::kNotNegative},
     {"added_mass", ParameterKind::kAddedMass, &Material::added_mass, ParameterDomain::kNotNegative}};
 
-struct WindName {
+struct KindName {
   const char* name;
   ParameterKind kind;
 };
 
-constexpr WindName kWindNames[] = {{"wind.x", ParameterKind::kWindX},
+constexpr KindName kWindNames[] = {{"wind.x", ParameterKind::kWindX},
                                    {"wind.y", ParameterKind::kWindY},
                                    {"wind.z", ParameterKind::kWindZ},
                                    {"gust.x", ParameterKind::kGustX},
@@ -59,9 +59,11 @@ constexpr WindName kWindNames[] = {{"wind.x", ParameterKind::kWindX},
                                    {"wind.shear.y", ParameterKind::kWindShearY},
                                    {"wind.shear.z", ParameterKind::kWindShearZ}};
 
+constexpr KindName kSizeNames[] = {{"size.x", ParameterKind::kSizeX}, {"size.y", ParameterKind::kSizeY}};
+
 constexpr std::string_view kFrictionPrefix = "mu.";
 
-// Null for friction and wind.
+// Null for friction, wind and size.
 const MaterialName* FindKind(ParameterKind kind) {
   for (const MaterialName& material : kMaterialNames) {
     if (material.kind == kind) return &material;
@@ -76,7 +78,7 @@ int WindAxis(ParameterKind kind) {
 
 // "wind.x", or "wind.x.1" of a knot.
 std::optional<ParameterId> FindWind(std::string_view name) {
-  for (const WindName& wind : kWindNames) {
+  for (const KindName& wind : kWindNames) {
     const std::string_view known = wind.name;
     if (name == known) return ParameterId{wind.kind};
     if (WindAxis(wind.kind) < 0 || name.substr(0, known.size()) != known) continue;
@@ -89,6 +91,8 @@ std::optional<ParameterId> FindWind(std::string_view name) {
   }
   return std::nullopt;
 }
+
+std::size_t SizeAxis(ParameterKind kind) { return kind == ParameterKind::kSizeX ? 0 : 1; }
 
 // The value that `id`, of a wind, names.
 double& WindValue(ParameterId id, Wind* wind) {
@@ -130,6 +134,8 @@ bool IsWind(ParameterKind kind) {
   return std::find(std::begin(kWindKinds), std::end(kWindKinds), kind) != std::end(kWindKinds);
 }
 
+bool IsSize(ParameterKind kind) { return kind == ParameterKind::kSizeX || kind == ParameterKind::kSizeY; }
+
 bool Material::operator==(const Material& other) const {
   static_assert(sizeof(Material) == std::size(kMaterialNames) * sizeof(double), "every constant is compared");
   return std::all_of(std::begin(kMaterialNames), std::end(kMaterialNames), [&](const MaterialName& material) {
@@ -139,6 +145,7 @@ bool Material::operator==(const Material& other) const {
 
 ParameterDomain DomainOf(ParameterKind kind) {
   if (IsWind(kind)) return ParameterDomain::kAny;
+  if (IsSize(kind)) return ParameterDomain::kPositive;
   const MaterialName* material = FindKind(kind);
   return material != nullptr ? material->domain : ParameterDomain::kNotNegative;
 }
@@ -173,9 +180,10 @@ std::string ParameterNames(const std::vector<std::string>& obstacle_names,
   }
   names += "mu";
   for (const std::string& obstacle : obstacle_names) names.append(", ").append(kFrictionPrefix).append(obstacle);
-  for (const WindName& wind : kWindNames) {
+  for (const KindName& wind : kWindNames) {
     if (has(wind.kind)) names.append(", ").append(wind.name);
   }
+  for (const KindName& size : kSizeNames) names.append(", ").append(size.name);
   return names;
 }
 
@@ -184,6 +192,9 @@ ParameterId ParseParameter(const std::string& name, const std::vector<std::strin
     if (name == material.name) return {material.kind, kAllObstacles};
   }
   if (const auto wind = FindWind(name)) return *wind;
+  for (const KindName& size : kSizeNames) {
+    if (name == size.name) return {size.kind};
+  }
   if (name == "mu") return {ParameterKind::kFriction, kAllObstacles};
   if (name.compare(0, kFrictionPrefix.size(), kFrictionPrefix) == 0) {
     const auto found = std::find(obstacle_names.begin(), obstacle_names.end(), name.substr(kFrictionPrefix.size()));
@@ -199,7 +210,10 @@ std::string ParameterName(ParameterId id, const std::vector<std::string>& obstac
   for (const MaterialName& material : kMaterialNames) {
     if (id.kind == material.kind) return material.name;
   }
-  for (const WindName& wind : kWindNames) {
+  for (const KindName& size : kSizeNames) {
+    if (id.kind == size.kind) return size.name;
+  }
+  for (const KindName& wind : kWindNames) {
     if (id.kind != wind.kind) continue;
     return id.knot == kMeanWind ? wind.name : std::string(wind.name) + "." + std::to_string(id.knot + 1);
   }
@@ -230,6 +244,7 @@ double GetParameter(const Parameters& parameters, ParameterId id) {
     Wind wind = parameters.wind;
     return WindValue(id, &wind);
   }
+  if (IsSize(id.kind)) return parameters.size[SizeAxis(id.kind)];
   if (id.kind != ParameterKind::kFriction) return parameters.material.*MaterialConstant(id.kind);
   const std::vector<double>& mu = parameters.friction_coefficients;
   if (mu.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -240,6 +255,8 @@ void SetParameter(ParameterId id, double value, Parameters* parameters) {
   std::vector<double>& mu = parameters->friction_coefficients;
   if (IsWind(id.kind)) {
     WindValue(id, &parameters->wind) = value;
+  } else if (IsSize(id.kind)) {
+    parameters->size[SizeAxis(id.kind)] = value;
   } else if (id.kind != ParameterKind::kFriction) {
     parameters->material.*MaterialConstant(id.kind) = value;
   } else if (id.obstacle == kAllObstacles) {

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_SIM_SCENE_PARAMETERS_H_
 #define CLOTHID_SIM_SCENE_PARAMETERS_H_
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -41,6 +42,8 @@ struct Parameters {
   // How constants of the material vary over the cloth: as many and of the same as the scene has. Null: they do not.
   std::shared_ptr<const std::vector<FieldFactors>> fields;
   Wind wind = {};  // its profile has the times of the scene's
+  // What the rest shape of the scene is stretched by, along the two axes of its front (sim/rollout/sized_scene.h).
+  std::array<double, 2> size = {1.0, 1.0};
 };
 
 enum class ParameterKind {
@@ -74,6 +77,8 @@ enum class ParameterKind {
   kWindShearX,
   kWindShearY,
   kWindShearZ,
+  kSizeX,  // of the cloth at rest
+  kSizeY,
 };
 
 // The constants of a material, in the order in which lists name them.
@@ -91,6 +96,7 @@ inline constexpr ParameterKind kWindKinds[] = {
     ParameterKind::kGustWaveX,  ParameterKind::kGustWaveY, ParameterKind::kGustWaveZ,     ParameterKind::kWindShearX,
     ParameterKind::kWindShearY, ParameterKind::kWindShearZ};
 bool IsWind(ParameterKind kind);
+bool IsSize(ParameterKind kind);
 
 // Values that a parameter can have; finite ones.
 enum class ParameterDomain { kPositive, kNotNegative, kAny };
@@ -115,9 +121,9 @@ struct ParameterId {
 // "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson"; "bend_warp",
 // "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass"; "mu" (every obstacle), "mu.NAME" (one of
 // them); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y",
-// "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x", ... `obstacle_names` are the scene's, in
-// its order. Throws `Error` (kUsage) that lists the names it would accept. `ParseParameter` in sim/scene/scene.h also
-// asks whether a scene has the parameter.
+// "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x", ..; "size.x", "size.y".
+// `obstacle_names` are the scene's, in its order. Throws `Error` (kUsage) that lists the names it would accept.
+// `ParseParameter` in sim/scene/scene.h also asks whether a scene has the parameter.
 ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names);
 // The names that are accepted, "k_stretch, k_bend, .., mu.ball, wind.x, ..", less those of kinds for which `has` is
 // false, and of knots.
@@ -129,7 +135,7 @@ std::string ParameterName(ParameterId id, const std::vector<std::string>& obstac
 // `flag`, unless every item is NAME=NUMBER with a finite number and every name is there once. The names may be any.
 std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag);
 
-// The constant of a material that `kind` names; null for friction and wind.
+// The constant of a material that `kind` names; null for friction, wind and size.
 double Material::*MaterialConstant(ParameterKind kind);
 
 // The value of `id`. For the friction of all obstacles: that of the first; NaN where there is no obstacle. Throw

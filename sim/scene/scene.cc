@@ -13,6 +13,8 @@
 namespace clothid {
 namespace {
 
+// Of the size of a cloth at rest, in shares of what the scene says.
+constexpr double kLeastSize = 0.1, kMostSize = 10.0;
 // A duration of a whole number of steps, computed in floating point, must not gain a step by rounding.
 constexpr double kStepRounding = 1e-9;
 
@@ -282,6 +284,7 @@ void ValidateScene(const Scene& scene, const std::string& source) {
   ValidateHandles(scene, check);
   ValidateObstacles(scene, check);
   ValidateRanges(scene, check);
+  if (scene.nominal_parameters().size != Parameters().size) FrontAxes(scene.mesh, source);
   ValidateParameters(scene.nominal_parameters(), scene, source);
 }
 
@@ -308,6 +311,11 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
     const double mu = parameters.friction_coefficients[i];
     expect(IsInDomain(ParameterDomain::kNotNegative, mu), mu, "mu." + scene.obstacles[i].name,
            "; expected a finite number >= 0");
+  }
+  for (const ParameterKind kind : {ParameterKind::kSizeX, ParameterKind::kSizeY}) {
+    const double factor = GetParameter(parameters, {kind});
+    expect(factor >= kLeastSize && factor <= kMostSize, factor, ParameterName({kind}, {}),
+           "; expected a factor from 0.1 to 10");
   }
   ValidateFactors(parameters, scene, source);
   ValidateWind(parameters.wind, source);

@@ -65,7 +65,7 @@ constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two pa
   --x, --y AXIS       NAME=LOWER:UPPER:CELLS, evenly spaced with both ends, or NAME=LOWER:UPPER:CELLS:log. Names: mu,
                       mu.OBSTACLE, k_stretch, k_bend, density, drag, damping, and where the scene has warp and weft
                       k_warp, k_weft, k_shear, k_poisson, bend_warp, bend_weft, bend_twist; drag_normal,
-                      drag_tangential, added_mass, wind.x and the like (costs/README.md)
+                      drag_tangential, added_mass, size.x, size.y, wind.x and the like (costs/README.md)
   --zoom LIST         a window of as many cells for each of these shares of the axes
   --zoom_around LIST  their center, NAME=VALUE,NAME=VALUE; windows at the edge are moved inside
   --zoom_only         leaves out the whole of the axes

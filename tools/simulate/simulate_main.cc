@@ -64,8 +64,8 @@ constexpr char kHelp[] = R"(simulate: makes a recording with known parameters fr
                      give. The recording's scene names it
   --set LIST         true parameters in place of the scene's nominal ones: mu, mu.OBSTACLE, k_stretch, k_bend,
                      density, drag, damping; where the scene has warp and weft k_warp, k_weft, k_shear, k_poisson,
-                     bend_warp, bend_weft, bend_twist; drag_normal, drag_tangential, added_mass, wind.x and the like
-                     (costs/README.md). They are written nowhere in the recording.
+                     bend_warp, bend_weft, bend_twist; drag_normal, drag_tangential, added_mass, size.x, size.y,
+                     wind.x and the like (costs/README.md). They are written nowhere in the recording.
   --set_field LIST   likewise, constants that vary over the cloth, NAME=FILE.npy of k_stretch, k_bend and density: their
                      values on a control grid, as `identify --field` writes them (field_NAME.npy)
   --noise SIGMA      Gaussian noise on every coordinate, standard deviation in m (0)

@@ -347,7 +347,7 @@ TEST(HandleForcesTest, TakesConstantsThatVaryFromTheFields) {
     for (FieldFactors& field : *fields) field.log_factors.array() += std::log(factor);
     parameters.fields = fields;
     Simulator simulator(scene);
-    simulator.UseFields(parameters);
+    simulator.UseParameters(parameters);
     const HandleForces forces(simulator.model(), parameters, scene.num_steps(), {FirstRow(6)});
     Parameters scaled = scene.nominal_parameters();
     scaled.fields = nullptr;
@@ -396,7 +396,7 @@ TEST(HandleForcesTest, FieldDerivativesAreThoseOfDifferences) {
         Parameters parameters = run.rollout.parameters;
         parameters.fields = fields;
         Simulator simulator(scene);
-        simulator.UseFields(parameters);
+        simulator.UseParameters(parameters);
         return HandleForces(simulator.model(), parameters, scene.num_steps(), {{0, 1, 2}, {4, 5}}).At(step, states);
       };
       constexpr double kStep = 1e-4;
