@@ -76,16 +76,19 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       obstacles), where the scene has warp and weft of k_warp, k_weft, k_shear, k_poisson in place of
                       k_stretch and bend_warp, bend_weft, bend_twist in place of k_bend (mu,k_warp,k_weft), of the air
                       drag_normal, drag_tangential, added_mass, wind.x, .y, .z, gust.x, .y, .z, gust.frequency,
-                      gust.phase, gust.wave.x, .., wind.shear.x, .. and wind.x.1, .. of a wind profile, and of the
-                      parameters of a recording itself:
+                      gust.phase, gust.wave.x, .., wind.shear.x, .. and wind.x.1, .. of a wind profile, size.x, size.y
+                      (what the cloth at rest is larger by than the scene says), and of the parameters of a recording
+                      itself:
                       time_offset  s, added to the recording's times to meet the clock of the scene and its handles
                       shift, turn  m and rad about the centroid of the measured points, added to the prediction to
                                    meet the recording: what its frame of reference is off (align: both)
                       v0           m/s, added to the velocity of every free node at the start
-                      handle_shift m, added to the path of all handles: what the tool that moves them is off
+                      handle_shift m, added to the path of all handles: what the tool that moves them is off;
+                                   handle_shift1, handle_shift2, .. of each group of handles by itself
+                      handle_turn  rad, turns all handles about their middle at every time
                       force_bias   N, added to the predicted forces of the first group of handles, force_bias2 of the
                                    second: what a gauge is off at zero
-                      each of the last five is x, y and z, as shift.x. predicted.bin is in the recording's frame
+                      each of the last six is x, y and z, as shift.x. predicted.bin is in the recording's frame
   --each NAMES        to fit as well, but one per recording: drag becomes drag@1, drag@2, ... in the order of --target
   --field LIST        constants that vary over the cloth, of k_stretch, k_bend and density, each on a control grid:
                       NAME:ROWSxCOLUMNS, as k_stretch:8x8. They are fitted with the parameters of --fit, among which
@@ -100,13 +103,14 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       sigma; 0: chosen by the marginal likelihood (0). Without --wind_profile: of fitted wind.x.1, ..
   --start LIST        starting values, NAME=VALUE[,...] (the scene's nominal values; of a recording's own parameters 0)
   --lower, --upper    bounds, NAME=VALUE[,...] (the scene's; else mu 0..2, time_offset +-2 frames, shift +-1/4 of the
-                      cloth's size, turn +-0.2, v0 +-2, handle_shift +-1/10 of the size, force_bias +-the largest
-                      force, k_poisson +-sqrt(k_warp k_weft), drag and damping start/1e4..start*1e4, the others 100
+                      cloth's size, turn +-0.2, v0 +-2, handle_shift +-1/10 of the size, handle_turn +-0.2,
+                      force_bias +-the largest force, size.x and size.y a factor of 1.25, k_poisson +-sqrt(k_warp k_weft), drag and damping start/1e4..start*1e4, the others 100
                       times beyond what was measured of any cloth); drag is that of every recording, drag@2 goes
                       before it, shift stands for x, y and z
   --prior LIST        what is believed beforehand: NAME=MEDIAN:FACTOR[,...], as k_bend=1e-5:2, a normal distribution of
                       the logarithm; of mu, k_poisson and a recording's own parameters NAME=MEAN:STD, as mu=0.3:0.1.
-                      It is one more residual, once for all recordings. The verdict says what they add to it
+                      It is one more residual, once for all recordings. The verdict says what they add to it.
+                      Without: size 1:1.03, handle_shift 0:0.01, handle_turn 0:0.05, and nothing of all others
   --jacobian KIND     adjoint, sensitivity or numeric (adjoint)
   --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, sparse_lu, fixed_point or gmres, with a
                       threshold as in gmres:1e-6 (reduced, the scene's adjoint_tolerance)

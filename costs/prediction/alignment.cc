@@ -5,7 +5,9 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string_view>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/scene/mesh.h"
@@ -23,7 +25,10 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr char kTimeOffsetName[] = "time_offset";
 constexpr char kAlignName[] = "align";  // shift and turn
 constexpr char kForceBiasName[] = "force_bias";
-constexpr int kMostForceGroups = 1000;
+constexpr char kHandleShiftName[] = "handle_shift";
+constexpr int kMostGroups = 1000;
+constexpr double kHandleShiftSpread = 0.01;  // m
+constexpr double kHandleTurnSpread = 0.05;   // rad
 constexpr char kAxes[] = "xyz";
 
 struct GroupName {
@@ -31,21 +36,33 @@ struct GroupName {
   AlignmentKind kind;
 };
 
-constexpr std::array<GroupName, 4> kGroups = {{{"shift", AlignmentKind::kShift},
+constexpr std::array<GroupName, 5> kGroups = {{{"shift", AlignmentKind::kShift},
                                                {"turn", AlignmentKind::kTurn},
                                                {"v0", AlignmentKind::kStartVelocity},
-                                               {"handle_shift", AlignmentKind::kHandleShift}}};
+                                               {kHandleShiftName, AlignmentKind::kHandleShift},
+                                               {"handle_turn", AlignmentKind::kHandleTurn}}};
 
-// The group of "force_bias", "force_bias2", ..: from 0 on; nothing for any other name.
-std::optional<int> ForceBiasGroup(const std::string& name) {
-  const std::size_t length = sizeof(kForceBiasName) - 1;
-  if (name.compare(0, length, kForceBiasName) != 0) return std::nullopt;
-  if (name.size() == length) return 0;
+// K of "NAMEK", from `first` to kMostGroups without leading zeros; nothing for any other text.
+std::optional<int> NumberAfter(std::string_view name, std::string_view text, int first) {
+  if (text.substr(0, name.size()) != name) return std::nullopt;
+  const std::string_view digits = text.substr(name.size());
   int number = 0;
-  const auto [end, error] = std::from_chars(name.data() + length, name.data() + name.size(), number);
-  const bool is_number = error == std::errc() && end == name.data() + name.size() && name[length] != '0';
-  if (!is_number || number < 2 || number > kMostForceGroups) return std::nullopt;
-  return number - 1;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  const bool is_number = error == std::errc() && end == digits.data() + digits.size() && digits[0] != '0';
+  if (!is_number || number < first || number > kMostGroups) return std::nullopt;
+  return number;
+}
+
+// What "force_bias", "force_bias2", .. and "handle_shift1", .. are, but for the axis; nothing for any other name.
+std::optional<AlignmentId> NumberedGroup(const std::string& name) {
+  if (name == kForceBiasName) return AlignmentId{AlignmentKind::kForceBias, 0, 0};
+  if (const auto number = NumberAfter(kForceBiasName, name, 2)) {
+    return AlignmentId{AlignmentKind::kForceBias, 0, *number - 1};
+  }
+  if (const auto number = NumberAfter(kHandleShiftName, name, 1)) {
+    return AlignmentId{AlignmentKind::kHandleShift, 0, *number};
+  }
+  return std::nullopt;
 }
 
 // The measured forces of a group along an axis [F]; empty where there is no such group.
@@ -92,7 +109,13 @@ void Alignment::Set(AlignmentId id, double value) {
       start_velocity[id.axis] = value;
       break;
     case AlignmentKind::kHandleShift:
-      handle_shift[id.axis] = value;
+      if (static_cast<int>(handle_shifts.size()) <= id.group) {
+        handle_shifts.resize(id.group + 1, Eigen::Vector3d::Zero());
+      }
+      handle_shifts[id.group][id.axis] = value;
+      break;
+    case AlignmentKind::kHandleTurn:
+      handle_turn[id.axis] = value;
       break;
     case AlignmentKind::kForceBias:
       if (static_cast<int>(force_bias.size()) <= id.group) force_bias.resize(id.group + 1, Eigen::Vector3d::Zero());
@@ -118,8 +141,11 @@ std::optional<AlignmentId> ParseAlignmentId(const std::string& name) {
   }
   if (name.size() > 2 && name[name.size() - 2] == '.') {
     const std::size_t axis = std::string_view(kAxes).find(name.back());
-    const std::optional<int> group = ForceBiasGroup(name.substr(0, name.size() - 2));
-    if (group && axis < 3) return AlignmentId{AlignmentKind::kForceBias, static_cast<int>(axis), *group};
+    std::optional<AlignmentId> id = NumberedGroup(name.substr(0, name.size() - 2));
+    if (id && axis < 3) {
+      id->axis = static_cast<int>(axis);
+      return id;
+    }
   }
   return std::nullopt;
 }
@@ -135,7 +161,7 @@ std::vector<std::string> ExpandAlignmentNames(const std::vector<std::string>& na
       AppendAxes(group.name, &expanded);
       is_group = true;
     }
-    if (ForceBiasGroup(name)) {
+    if (NumberedGroup(name)) {
       AppendAxes(name, &expanded);
       is_group = true;
     }
@@ -151,7 +177,7 @@ std::string AlignmentGroup(const std::string& name) {
 std::string KnownAlignmentNames() {
   std::string names = std::string(kTimeOffsetName) + ", " + kAlignName;
   for (const GroupName& group : kGroups) names += ", " + std::string(group.name) + "[.x|.y|.z]";
-  return names + ", " + kForceBiasName + "[.x|.y|.z]";
+  return names + ", " + kHandleShiftName + "1[.x|.y|.z], .., " + kForceBiasName + "[.x|.y|.z]";
 }
 
 double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion) {
@@ -161,6 +187,7 @@ double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion) {
     case AlignmentKind::kShift:
       return kShareOfCloth * ClothSize(motion.scene.mesh);
     case AlignmentKind::kTurn:
+    case AlignmentKind::kHandleTurn:
       return kLargestTurn;
     case AlignmentKind::kStartVelocity:
       return kLargestStartSpeed;
@@ -177,6 +204,7 @@ double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
     case AlignmentKind::kTimeOffset:
       return motion.times[motion.times.size() - 1] - motion.times[0];
     case AlignmentKind::kTurn:
+    case AlignmentKind::kHandleTurn:
       return kPi;
     case AlignmentKind::kShift:
     case AlignmentKind::kStartVelocity:
@@ -187,10 +215,48 @@ double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
   return std::numeric_limits<double>::infinity();
 }
 
-void ExpectMeasured(AlignmentId id, const std::string& name, const RecordedMotion& motion) {
-  if (id.kind == AlignmentKind::kHandleShift && motion.scene.handles.nodes.empty()) {
-    throw Error(ErrorKind::kUsage, "parameter '" + name + "': " + motion.name + " has no handles");
+ParameterPrior DefaultAlignmentPrior(AlignmentId id) {
+  if (id.kind == AlignmentKind::kHandleShift) return {0.0, kHandleShiftSpread};
+  if (id.kind == AlignmentKind::kHandleTurn) return {0.0, kHandleTurnSpread};
+  return {};
+}
+
+std::vector<std::vector<int>> HandleGroups(const RecordedMotion& motion) {
+  if (!motion.forces.groups.empty()) return motion.forces.groups;
+  const std::vector<int>& nodes = motion.scene.handles.nodes;
+  const Mesh& mesh = motion.scene.mesh;
+  std::vector<int> first(static_cast<std::size_t>(mesh.num_nodes()), -1);  // the least handle of a handle's group
+  for (const int node : nodes) first[node] = node;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (int f = 0; f < mesh.num_faces(); ++f) {
+      for (int i = 0; i < 3; ++i) {
+        int &a = first[mesh.faces(i, f)], &b = first[mesh.faces((i + 1) % 3, f)];
+        if (a < 0 || b < 0 || a == b) continue;
+        a = b = std::min(a, b);
+        changed = true;
+      }
+    }
   }
+  std::map<int, std::vector<int>> groups;
+  for (const int node : nodes) groups[first[node]].push_back(node);
+  std::vector<std::vector<int>> list;
+  for (auto& [least, group] : groups) list.push_back(std::move(group));
+  return list;
+}
+
+void ExpectMeasured(AlignmentId id, const std::string& name, const RecordedMotion& motion) {
+  const auto num_handles = static_cast<int>(motion.scene.handles.nodes.size());
+  const auto expect = [&](bool condition, const std::string& problem) {
+    if (!condition) throw Error(ErrorKind::kUsage, "parameter '" + name + "': " + motion.name + problem);
+  };
+  if (id.kind == AlignmentKind::kHandleShift) {
+    expect(num_handles > 0, " has no handles");
+    const auto num_groups = static_cast<int>(HandleGroups(motion).size());
+    expect(id.group <= num_groups,
+           " has " + std::to_string(num_groups) + (num_groups == 1 ? " group" : " groups") + " of handles");
+  }
+  if (id.kind == AlignmentKind::kHandleTurn) expect(num_handles > 1, " has not two handles, which alone can turn");
   if (id.kind != AlignmentKind::kForceBias) return;
   const Eigen::VectorXd forces = ForcesAlong(id, motion.forces);
   if (!forces.array().isNaN().all()) return;

@@ -11,10 +11,13 @@
 // be added to the times of the recording to meet the scene: positive where its clock is behind.
 //
 // The path of the handles is often that of another instrument, such as a robot whose tool frame nobody measured:
-//   handle i is at  path_i(t) + handle_shift,   one vector for all handles and times, m
-// from the start on; the free nodes of the start stay where they were seen. Beside an unknown start, which moves
-// handles by what their sensor scatters (costs/start/unknown_start.h), it is added to that, and the two are told apart
-// by their priors alone.
+//   handle i is at  c_h(t) + R(handle_turn)(path_i(t) - c_h(t)) + handle_shift + handle_shift of its group
+// from the start on; the free nodes of the start stay where they were seen. c_h(t) is the mean of the path of all
+// handles at that time: a tool whose axes were measured with an error holds its fingers elsewhere about its own place,
+// wherever that goes. handle_turn [rad], along the axes of the scene, and the shifts [m] are the same at all times. Two
+// grippers, each with an error of its own, are two groups of handles (`HandleGroups`). Beside an unknown start, which
+// moves handles by what their sensor scatters (costs/start/unknown_start.h), all this is added to that, and the two are
+// told apart by their priors alone; likewise the shift of all handles and those of all groups.
 //
 // Forces at handles (datasets/observation/force_observation.h) belong to the handles: none of these corrects them. A
 // gauge that is off at zero does:
@@ -31,13 +34,16 @@
 
 namespace clothid {
 
-enum class AlignmentKind { kTimeOffset, kShift, kTurn, kStartVelocity, kHandleShift, kForceBias };
+enum class AlignmentKind { kTimeOffset, kShift, kTurn, kStartVelocity, kHandleShift, kHandleTurn, kForceBias };
+
+inline constexpr int kAllHandles = 0;
 
 // One scalar of `Alignment`.
 struct AlignmentId {
   AlignmentKind kind = AlignmentKind::kTimeOffset;
-  int axis = 0;   // 0, 1, 2: x, y, z; of the time offset 0
-  int group = 0;  // of handles, of a force bias
+  int axis = 0;  // 0, 1, 2: x, y, z; of the time offset 0
+  // Of handles: of a force bias from 0 on; of a shift of handles kAllHandles, or from 1 on.
+  int group = 0;
 
   bool operator==(const AlignmentId& other) const {
     return kind == other.kind && axis == other.axis && group == other.group;
@@ -49,7 +55,8 @@ struct Alignment {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();           // m
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();            // rad, rotation vector
   Eigen::Vector3d start_velocity = Eigen::Vector3d::Zero();  // v0, m/s
-  Eigen::Vector3d handle_shift = Eigen::Vector3d::Zero();    // m
+  std::vector<Eigen::Vector3d> handle_shifts;                // m, of all handles and of the first groups
+  Eigen::Vector3d handle_turn = Eigen::Vector3d::Zero();     // rad, rotation vector
   std::vector<Eigen::Vector3d> force_bias;                   // N, of the first groups; zero of the others
 
   // [3G] N.
@@ -58,12 +65,14 @@ struct Alignment {
   void Set(AlignmentId id, double value);
 };
 
-// "time_offset", "shift.x" .. "shift.z", "turn.x" .., "v0.x" .., "handle_shift.x" .., "force_bias.x" .. of the first
-// group of handles, "force_bias2.x" .. of the second, ..; nothing for any other name.
+// "time_offset", "shift.x" .. "shift.z", "turn.x" .., "v0.x" .., "handle_shift.x" .. of all handles, "handle_shift1.x"
+// .. of their first group, .., "handle_turn.x" .., "force_bias.x" .. of the first group, "force_bias2.x" .. of the
+// second,
+// ..; nothing for any other name.
 std::optional<AlignmentId> ParseAlignmentId(const std::string& name);
 
-// `names` with shift, turn, v0, handle_shift and force_bias replaced by the three of each, and align by those of shift
-// and turn; all others as they are.
+// `names` with shift, turn, v0, handle_shift, handle_turn and force_bias replaced by the three of each, and align by
+// those of shift and turn; all others as they are.
 std::vector<std::string> ExpandAlignmentNames(const std::vector<std::string>& names);
 
 // "shift" of "shift.x"; a name without axes as it is.
@@ -73,16 +82,26 @@ std::string AlignmentGroup(const std::string& name);
 std::string KnownAlignmentNames();
 
 // How far a parameter may be from zero unless bounds are given, in its own unit: two frame intervals (their median), a
-// quarter of the cloth's size, 0.2 rad, 2 m/s, a tenth of the cloth's size, the largest force that was measured along
-// that axis.
+// quarter of the cloth's size, 0.2 rad (turns of handles, too), 2 m/s, a tenth of the cloth's size, the largest force
+// that was measured along that axis.
 double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion);
+
+// What is believed of how far handles are off unless a prior is given: 0 +- 10 mm, and 0 +- 0.05 rad, which moves the
+// fingers of a tool 0.3 m wide by as much. (A depth camera that took the corners of a cloth as its handles placed two
+// handles 0.3 m apart 266 to 302 mm from each other.) None of other parameters.
+ParameterPrior DefaultAlignmentPrior(AlignmentId id);
+
+// The groups of the handles that may be off by themselves, in the order of their first nodes: those that the
+// recording's forces have, where it says which; else handles that edges of the mesh connect belong together.
+std::vector<std::vector<int>> HandleGroups(const RecordedMotion& motion);
 
 // The farthest that a bound may be from zero: of the time offset the duration of the recording, because the simulation
 // has to cover it; of a turn pi, beyond which the same rotations come again; else infinite.
 double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion);
 
 // Throws `Error` (kUsage), naming parameter and recording, where the recording has not what `id` is a correction of: a
-// force bias wants forces that were measured along its axis, a shift of handles wants handles.
+// force bias wants forces that were measured along its axis, a shift of handles wants handles, or that group of them, a
+// turn of handles wants two.
 void ExpectMeasured(AlignmentId id, const std::string& name, const RecordedMotion& motion);
 
 // c: RecordedMotion::centroid, where it is given, else the mean of the measured points of all frames.

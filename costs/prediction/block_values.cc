@@ -22,6 +22,13 @@ const ParameterBlock* BlockValues::Find(AlignmentKind kind) const {
   return nullptr;
 }
 
+const ParameterBlock* BlockValues::FindSize() const {
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (!alignment_ids_[i] && IsSize(ids_[i].kind)) return &blocks_[i];
+  }
+  return nullptr;
+}
+
 Parameters BlockValues::ParametersAt(const Eigen::VectorXd& coordinates) const {
   Parameters parameters = start_;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -62,8 +69,8 @@ SortedBlocks BlockValues::Sort(const std::vector<int>& active) const {
     } else if (id->kind == AlignmentKind::kStartVelocity) {
       sorted.velocity_axes.push_back(id->axis);
       sorted.velocity_places.push_back(place);
-    } else if (id->kind == AlignmentKind::kHandleShift) {
-      sorted.handle_axes.push_back(id->axis);
+    } else if (id->kind == AlignmentKind::kHandleShift || id->kind == AlignmentKind::kHandleTurn) {
+      sorted.handles.push_back(*id);
       sorted.handle_places.push_back(place);
     } else {
       sorted.corrections.push_back(*id);

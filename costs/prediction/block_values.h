@@ -19,7 +19,7 @@ struct SortedBlocks {
   std::vector<int> parameter_places;
   std::vector<int> velocity_axes;  // of the start velocity
   std::vector<int> velocity_places;
-  std::vector<int> handle_axes;  // of the shift of the handles
+  std::vector<AlignmentId> handles;  // shifts and turns of the handles
   std::vector<int> handle_places;
   std::vector<AlignmentId> corrections;  // all other parameters of the recording
   std::vector<int> correction_places;
@@ -41,6 +41,11 @@ class BlockValues {
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
   // The first block of a kind; null where there is none.
   const ParameterBlock* Find(AlignmentKind kind) const;
+  // Whether a block moves handles; and one of the size of the cloth, null where there is none.
+  bool move_handles() const {
+    return Find(AlignmentKind::kHandleShift) != nullptr || Find(AlignmentKind::kHandleTurn) != nullptr;
+  }
+  const ParameterBlock* FindSize() const;
 
   // `coordinates` [p], in the order of the blocks; what follows does not matter. What is no block is as at the start,
   // or zero.

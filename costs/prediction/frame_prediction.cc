@@ -35,6 +35,7 @@ Eigen::VectorXd FramePrediction::Derivative(AlignmentId id, const Eigen::VectorX
       return correction_.TurnDerivative(id.axis, points);
     case AlignmentKind::kStartVelocity:
     case AlignmentKind::kHandleShift:
+    case AlignmentKind::kHandleTurn:
     case AlignmentKind::kForceBias:
       break;
   }

@@ -25,6 +25,9 @@ constexpr char kRecordingMark = '@';
 constexpr double kMeasuredMargin = 100.0;
 constexpr double kFabricMargin = 10.0;
 constexpr double kStartMargin = 100.0;
+// Of the size of the cloth at rest, in shares of what the scene says.
+constexpr double kMostOversize = 1.25;
+constexpr ParameterPrior kSizePrior = {1.0, 1.03};
 
 // What `given` says of parameter `name`; null: nothing.
 template <typename Value>
@@ -167,6 +170,7 @@ void CheckWindHasDrag(const std::string& name, ParameterId id, const Scene& scen
 std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKind kind, const Scene& scene) {
   if (block.is_signed) return {-block.unit, block.unit};
   if (block.scale != ParameterScale::kLog) return {0.0, kMaxFriction};
+  if (IsSize(kind)) return {block.start / kMostOversize, block.start * kMostOversize};
   const bool is_edges = kind == ParameterKind::kBendingStiffness && scene.bending.law == BendingLaw::kEdges;
   const MeasuredConstant* any = Measured(AnyFabric(), kind);
   if (any == nullptr || is_edges) return {block.start / kBoundFactor, block.start * kBoundFactor};
@@ -191,7 +195,7 @@ ParameterBlock MakeAlignmentBlock(const std::string& name, AlignmentId id, const
   block.lower_bound = Choose(overrides.lower_bounds, name, -block.unit, 0.0);
   block.upper_bound = Choose(overrides.upper_bounds, name, block.unit, 0.0);
   CheckAlignmentBounds(block, LargestAlignmentBound(id, motion));
-  block.prior = ChoosePrior(overrides, name, {});
+  block.prior = ChoosePrior(overrides, name, DefaultAlignmentPrior(id));
   CheckPrior(block);
   return block;
 }
@@ -295,7 +299,8 @@ ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, c
   block.lower_bound = Choose(overrides.lower_bounds, name, range.lower_bound, lower);
   block.upper_bound = Choose(overrides.upper_bounds, name, range.upper_bound, upper);
   CheckBounds(block);
-  block.prior = ChoosePrior(overrides, name, range.prior);
+  const bool is_given = range.prior.is_given() || !IsSize(id.kind) || block.frozen;
+  block.prior = ChoosePrior(overrides, name, is_given ? range.prior : kSizePrior);
   CheckPrior(block);
   return block;
 }

@@ -7,7 +7,9 @@
 #include "costs/prediction/force_prediction.h"
 #include "costs/prediction/frame_prediction.h"
 #include "datasets/observation/residual_derivative.h"
+#include "sim/base/error.h"
 #include "sim/cloth/cloth_model.h"
+#include "sim/scene/material_field.h"
 
 namespace clothid {
 namespace {
@@ -53,12 +55,20 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       observation_(motion),
       interpolation_(InterpolationFor(motion, values_, observation_)),
       turn_center_(TurnCenter(motion)),
-      simulator_(SceneAtStart(
-          values_.Find(AlignmentKind::kHandleShift) == nullptr ? motion.scene : WithHandlePath(motion.scene),
-          values_.start())),
+      simulator_(SceneAtStart(values_.move_handles() ? WithHandlePath(motion.scene) : motion.scene, values_.start())),
       start_(std::move(start)),
       observer_(std::move(observer)) {
   if (start_ == nullptr && IsUnknown(motion.start_source)) start_ = std::make_shared<const UnknownStart>(motion);
+  if (const ParameterBlock* size = values_.FindSize()) {
+    FrontAxes(scene().mesh, "parameter '" + size->name + "': " + motion.name);
+    if (!observation_.forces().is_empty()) {
+      throw Error(ErrorKind::kUsage, "parameter '" + size->name + "': " + motion.name +
+                                         " has forces at its handles; expected a recording without them");
+    }
+  }
+  if (!values_.move_handles()) return;
+  const bool turns = values_.Find(AlignmentKind::kHandleTurn) != nullptr;
+  handle_correction_.emplace(scene(), HandleGroups(motion), start_ ? start_->handle_knots() : Eigen::VectorXd(), turns);
 }
 
 FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
@@ -187,7 +197,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   if (force_seeds) all(sorted.parameter_places, Eigen::all) += force_seeds->parameter_gradient();
-  SetStartRows(gradient, sorted, &all);
+  SetStartRows(gradient, coordinates, sorted, &all);
   SetCorrectionRows(prediction, sorted, predicted, velocities, derivative, seeds, &all);
   return values_.DerivativesAt(coordinates, active).asDiagonal() * all;
 }

@@ -14,6 +14,7 @@
 
 #include "costs/prediction/block_values.h"
 #include "costs/prediction/frame_interpolation.h"
+#include "costs/prediction/handle_correction.h"
 #include "costs/prediction/parameter_block.h"
 #include "costs/prediction/pass_step.h"
 #include "costs/prediction/rollout_cost_options.h"
@@ -60,8 +61,9 @@ class RecordingModel {
  public:
   // Every name of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
   // simulation are those that the starting values of the blocks and the scene's nominal values ask for. Throws `Error`
-  // for names and for what `Observation` and `Simulator` reject. `observer`: told of every step of all passes; may be
-  // empty. `start`: that of the same cloth in another view of this recording; null: what the recording says.
+  // for names, for a size of the cloth beside forces at its handles, and for what `Observation` and `Simulator` reject.
+  // `observer`: told of every step of all passes; may be empty. `start`: that of the same cloth in another view of this
+  // recording; null: what the recording says.
   RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer = {},
                  std::shared_ptr<const UnknownStart> start = nullptr);
 
@@ -166,15 +168,15 @@ class RecordingModel {
     }
   };
   RolloutStart StartAt(const Eigen::VectorXd& coordinates) const;
-  // K of the corrections that `StartAt` has of the handles.
-  Eigen::Index num_handle_knots() const;
-  // Moves the handles, whose path the start may correct, by `shift` m at all times.
-  void ShiftHandles(const Eigen::Vector3d& shift, RolloutStart* start) const;
-  // The columns of a forward sweep: of the parameters, then of the start velocity and of the shift of the handles, then
+  // Puts the shifts and the turn of `alignment` into the start, which may have offsets of its own.
+  void MoveHandles(const Alignment& alignment, RolloutStart* start) const;
+  // The columns of a forward sweep: of the parameters, then of the start velocity and of what moves the handles, then
   // of the unknown start: those of all its unknowns where they are active, or `along` [n x q], if any, of them.
-  SensitivityDirections DirectionsOf(const SortedBlocks& active, const Eigen::MatrixXd& along) const;
+  SensitivityDirections DirectionsOf(const Eigen::VectorXd& coordinates, const SortedBlocks& active,
+                                     const Eigen::MatrixXd& along) const;
   // The rows [.. x s] of a reverse sweep that belong to these columns.
-  void SetStartRows(const RolloutGradient& gradient, const SortedBlocks& active, Eigen::MatrixXd* all) const;
+  void SetStartRows(const RolloutGradient& gradient, const Eigen::VectorXd& coordinates, const SortedBlocks& active,
+                    Eigen::MatrixXd* all) const;
   // The prediction at a frame, from states whose further columns are derivatives along the directions of `active`, and
   // its derivatives in the order of `active`: [R x (1 + q)].
   Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active, int frame,
@@ -199,6 +201,7 @@ class RecordingModel {
   Eigen::Vector3d turn_center_;  // m
   Simulator simulator_;
   std::shared_ptr<const UnknownStart> start_;                // null: the start is known
+  std::optional<HandleCorrection> handle_correction_;        // absent where no block moves handles
   std::shared_ptr<const std::vector<FieldFactors>> fields_;  // null: those of the scene
   PassObserver observer_;
 };

@@ -44,9 +44,7 @@ RecordingModel::RolloutStart RecordingModel::StartAt(const Eigen::VectorXd& coor
     start.velocities = start_->VelocitiesAt(unknowns);
     start.handle_offsets = start_->HandleOffsetsAt(unknowns);
   }
-  if (values_.Find(AlignmentKind::kHandleShift) != nullptr) {
-    ShiftHandles(values_.AlignmentAt(coordinates).handle_shift, &start);
-  }
+  if (handle_correction_) MoveHandles(values_.AlignmentAt(coordinates), &start);
   if (values_.Find(AlignmentKind::kStartVelocity) == nullptr) return start;
   const Eigen::Vector3d velocity = values_.AlignmentAt(coordinates).start_velocity;
   if (!start.velocities) start.velocities = scene().initial_velocities;
@@ -54,28 +52,23 @@ RecordingModel::RolloutStart RecordingModel::StartAt(const Eigen::VectorXd& coor
   return start;
 }
 
-Eigen::Index RecordingModel::num_handle_knots() const {
-  if (start_ == nullptr || start_->num_handle_unknowns() == 0) return 1;
-  return start_->directions().handle_offsets.rows() / (3 * static_cast<Eigen::Index>(scene().handles.nodes.size()));
-}
-
-void RecordingModel::ShiftHandles(const Eigen::Vector3d& shift, RolloutStart* start) const {
+void RecordingModel::MoveHandles(const Alignment& alignment, RolloutStart* start) const {
   const std::vector<int>& nodes = scene().handles.nodes;
+  const HandlePath moved = handle_correction_->OffsetsAt(alignment, nullptr);
+  const Eigen::VectorXd at_start = moved.At(scene().start_time);
   if (!start->positions) start->positions = scene().initial_positions;
-  for (const int node : nodes) start->positions->segment<3>(3 * node) += shift;
-  const Eigen::VectorXd shifts = shift.replicate(static_cast<Eigen::Index>(nodes.size()), 1);
-  if (start->handle_offsets) {
-    const HandlePath& own = *start->handle_offsets;
-    start->handle_offsets = HandlePath(own.times(), own.positions().colwise() + shifts);
-  } else {
-    start->handle_offsets = HandlePath(Eigen::VectorXd::Constant(1, scene().start_time), shifts);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    start->positions->segment<3>(3 * nodes[i]) += at_start.segment<3>(3 * static_cast<Eigen::Index>(i));
   }
+  start->handle_offsets =
+      start->handle_offsets ? handle_correction_->OffsetsAt(alignment, &*start->handle_offsets) : moved;
 }
 
-SensitivityDirections RecordingModel::DirectionsOf(const SortedBlocks& active, const Eigen::MatrixXd& along) const {
+SensitivityDirections RecordingModel::DirectionsOf(const Eigen::VectorXd& coordinates, const SortedBlocks& active,
+                                                   const Eigen::MatrixXd& along) const {
   SensitivityDirections directions;
   const auto num_axes = static_cast<Eigen::Index>(active.velocity_axes.size());
-  const auto num_first = num_axes + static_cast<Eigen::Index>(active.handle_axes.size());
+  const auto num_first = num_axes + static_cast<Eigen::Index>(active.handles.size());
   const auto num_active = static_cast<int>(active.start_places.size());
   if (num_active > 0 && num_active != num_start_unknowns()) {
     throw std::logic_error("derivatives along some unknowns of the start; expected all or none");
@@ -89,21 +82,22 @@ SensitivityDirections RecordingModel::DirectionsOf(const SortedBlocks& active, c
   directions.parameters = active.parameters;
   const Eigen::Index num_columns = std::max(num_first, directions.initial_positions.cols());
   SetColumns(AlongAxes(observation_.num_nodes(), active.velocity_axes), 0, num_columns, &directions.initial_velocities);
-  SetColumns(
-      AlongAxes(num_handle_knots() * static_cast<Eigen::Index>(scene().handles.nodes.size()), active.handle_axes),
-      num_axes, num_columns, &directions.handle_offsets);
+  if (active.handles.empty()) return directions;
+  SetColumns(handle_correction_->Columns(values_.AlignmentAt(coordinates), active.handles), num_axes, num_columns,
+             &directions.handle_offsets);
   return directions;
 }
 
-void RecordingModel::SetStartRows(const RolloutGradient& gradient, const SortedBlocks& active,
-                                  Eigen::MatrixXd* all) const {
+void RecordingModel::SetStartRows(const RolloutGradient& gradient, const Eigen::VectorXd& coordinates,
+                                  const SortedBlocks& active, Eigen::MatrixXd* all) const {
   if (!active.velocity_places.empty()) {
     (*all)(active.velocity_places, Eigen::all) =
         AlongAxes(observation_.num_nodes(), active.velocity_axes).transpose() * gradient.initial_velocities;
   }
   if (!active.handle_places.empty()) {
     (*all)(active.handle_places, Eigen::all) =
-        AlongAxes(gradient.handle_offsets.rows() / 3, active.handle_axes).transpose() * gradient.handle_offsets;
+        handle_correction_->Columns(values_.AlignmentAt(coordinates), active.handles).transpose() *
+        gradient.handle_offsets;
   }
   if (!active.start_places.empty()) (*all)(active.start_places, Eigen::all) = start_->PullBack(gradient);
 }

@@ -88,7 +88,7 @@ void RecordingModel::SweepFrames(const Eigen::VectorXd& coordinates, const std::
     observation_.LinearizeFrame(frame, points, &residuals, &jacobian);
     visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
   });
-  const SensitivityDirections directions = DirectionsOf(sorted, along);
+  const SensitivityDirections directions = DirectionsOf(coordinates, sorted, along);
   const std::optional<ForcePrediction> forces = ForcesAt(coordinates);
   if (!forces) return sweep(directions, AddStates(&sampler));
   ForceSampler force_sampler(&*forces, sorted.parameters, [&](int reading, const Eigen::MatrixXd& swept) {

@@ -50,6 +50,8 @@ class UnknownStart {
   int size() const { return static_cast<int>(mean_.size()); }   // n
   int num_position_unknowns() const { return num_positions_; }  // q, which come first
   int num_handle_unknowns() const { return num_offsets_; }      // c, which come next
+  // Of the offsets of handles, s; empty where their path is exact.
+  const Eigen::VectorXd& handle_knots() const { return knot_times_; }
 
   // At unknowns s [n]: x_0 and v_0 [3N]. Zero is the base.
   Eigen::VectorXd PositionsAt(const Eigen::VectorXd& unknowns) const;

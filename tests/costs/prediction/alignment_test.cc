@@ -19,7 +19,10 @@ TEST(AlignmentTest, NamesStandForScalars) {
   EXPECT_EQ(*ParseAlignmentId("turn.y"), (AlignmentId{AlignmentKind::kTurn, 1}));
   EXPECT_EQ(*ParseAlignmentId("v0.z"), (AlignmentId{AlignmentKind::kStartVelocity, 2}));
   EXPECT_EQ(*ParseAlignmentId("handle_shift.x"), (AlignmentId{AlignmentKind::kHandleShift, 0}));
-  for (const char* name : {"", "shift", "shift.", "shift.w", "shift.xy", "v0", "align", "time_offset.x", "mu"}) {
+  EXPECT_EQ(*ParseAlignmentId("handle_shift2.y"), (AlignmentId{AlignmentKind::kHandleShift, 1, 2}));
+  EXPECT_EQ(*ParseAlignmentId("handle_turn.z"), (AlignmentId{AlignmentKind::kHandleTurn, 2}));
+  for (const char* name : {"", "shift", "shift.", "shift.w", "shift.xy", "v0", "align", "time_offset.x", "mu",
+                           "handle_shift0.x", "handle_shift01.x", "handle_shift2", "handle_turn2.x"}) {
     EXPECT_FALSE(ParseAlignmentId(name).has_value()) << name;
   }
   Alignment alignment;
@@ -33,6 +36,8 @@ TEST(AlignmentTest, GroupsStandForTheirAxes) {
             (Names{"mu", "shift.x", "shift.y", "shift.z", "time_offset"}));
   EXPECT_EQ(ExpandAlignmentNames({"align"}), (Names{"shift.x", "shift.y", "shift.z", "turn.x", "turn.y", "turn.z"}));
   EXPECT_EQ(ExpandAlignmentNames({"handle_shift"}), (Names{"handle_shift.x", "handle_shift.y", "handle_shift.z"}));
+  EXPECT_EQ(ExpandAlignmentNames({"handle_shift2"}), (Names{"handle_shift2.x", "handle_shift2.y", "handle_shift2.z"}));
+  EXPECT_EQ(ExpandAlignmentNames({"handle_turn"}), (Names{"handle_turn.x", "handle_turn.y", "handle_turn.z"}));
   EXPECT_EQ(ExpandAlignmentNames({"v0", "shift.z"}), (Names{"v0.x", "v0.y", "v0.z", "shift.z"}));
   EXPECT_EQ(OverrideNames("shift.x@2"), (Names{"shift.x@2", "shift@2", "shift.x", "shift"}));
   EXPECT_EQ(OverrideNames("mu.ball"), Names{"mu.ball"});
