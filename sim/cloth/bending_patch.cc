@@ -1,6 +1,7 @@
 #include "sim/cloth/bending_patch.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -195,17 +196,52 @@ Eigen::Vector3d SymmetricProduct(const Eigen::Vector2d& a, const Eigen::Vector2d
   return {a[0] * b[0], a[1] * b[1], 0.5 * (a[0] * b[1] + a[1] * b[0])};
 }
 
+// Along `warp` in the plane of a triangle, and a right angle further [3 x 2].
+Eigen::Matrix<double, 3, 2> TriangleAxes(const Mesh& mesh, int face, const Eigen::Vector3d& warp) {
+  const auto corner = [&](int k) -> Eigen::Vector3d { return mesh.rest_positions.col(mesh.faces(k, face)); };
+  const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(1)).normalized();
+  Eigen::Matrix<double, 3, 2> axes;
+  axes.col(0) = (warp - warp.dot(normal) * normal).normalized();
+  axes.col(1) = normal.cross(axes.col(0));
+  return axes;
+}
+
+// Two edges of a triangle in axes of it [2 x 2].
+Eigen::Matrix2d EdgesIn(const Eigen::Matrix<double, 3, 2>& axes, const Mesh& mesh, int face) {
+  const Eigen::Vector3d corner = mesh.rest_positions.col(mesh.faces(0, face));
+  Eigen::Matrix2d edges;
+  for (int k = 0; k < 2; ++k) {
+    edges.col(k) = axes.transpose() * (mesh.rest_positions.col(mesh.faces(k + 1, face)) - corner);
+  }
+  return edges;
+}
+
+// Takes a patch along from one mesh to another: with y = A x in the triangle, d2/dy2 = A^-T d2/dx2 A^-1.
+void TakeAlong(const Mesh& from, const Eigen::Vector3d& from_axis, const Mesh& to, const Eigen::Vector3d& to_axis,
+               int face, BendingPatch* patch) {
+  const Eigen::Matrix2d edges = EdgesIn(TriangleAxes(to, face, to_axis), to, face);
+  const Eigen::Matrix2d before = EdgesIn(TriangleAxes(from, face, from_axis), from, face);
+  const Eigen::Matrix2d inverse = before * edges.inverse();  // A^-1
+  Eigen::Matrix3d change;                                    // of (11, 22, 12)
+  for (int k = 0; k < 3; ++k) {
+    const int a = k == 1 ? 1 : 0, b = k == 0 ? 0 : 1;
+    change.row(k) << inverse(0, a) * inverse(0, b), inverse(1, a) * inverse(1, b),
+        inverse(0, a) * inverse(1, b) + inverse(1, a) * inverse(0, b);
+  }
+  patch->weights = (change * patch->weights).eval();
+  patch->area *= std::abs(edges.determinant() / before.determinant());
+}
+
 // The mean second derivatives over a triangle: a sum over its edges of length (normal out) (gradient)^T over the area.
 BendingPatch MakePatch(const Mesh& mesh, int face, double area, const Eigen::Vector3d& warp, const EdgeSlopes& slopes) {
   const Eigen::Vector3i nodes = mesh.faces.col(face);
   const auto edge = [&](int side) -> Eigen::Vector3d {
     return mesh.rest_positions.col(nodes[(side + 1) % 3]) - mesh.rest_positions.col(nodes[side]);
   };
-  const Eigen::Vector3d normal = edge(0).cross(edge(1)).normalized();
-  const Eigen::Vector3d first = (warp - warp.dot(normal) * normal).normalized(), second = normal.cross(first);
+  const Eigen::Matrix<double, 3, 2> axes = TriangleAxes(mesh, face, warp);
   PatchBuilder builder(nodes);
   for (int side = 0; side < 3; ++side) {
-    const Eigen::Vector2d along(first.dot(edge(side)), second.dot(edge(side)));
+    const Eigen::Vector2d along(axes.col(0).dot(edge(side)), axes.col(1).dot(edge(side)));
     const Eigen::Vector2d tangent = along.normalized(), out(tangent.y(), -tangent.x());
     const Eigen::Vector3d of_tangent = SymmetricProduct(out, tangent) / area;
     builder.Add(nodes[(side + 1) % 3], of_tangent);
@@ -253,12 +289,18 @@ FlexuralRigidity IsotropicRigidity(double rigidity, double poisson) {
 }
 
 BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest)
+    : BendingPatches(mesh, warp, rest, mesh) {}
+
+BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest, const Mesh& chosen_on)
     : num_nodes_(mesh.num_nodes()), rest_(rest) {
-  const Eigen::VectorXd areas = TriangleAreas(mesh);
-  const EdgeSlopes slopes(mesh, areas);
+  const Eigen::VectorXd areas = TriangleAreas(chosen_on);
+  const EdgeSlopes slopes(chosen_on, areas);
+  const bool is_other = chosen_on.rest_positions != mesh.rest_positions;
+  const Eigen::Matrix3Xd axes = is_other ? FirstEdges(chosen_on) : warp;
   patches_.reserve(static_cast<std::size_t>(mesh.num_faces()));
   for (int face = 0; face < mesh.num_faces(); ++face) {
-    patches_.push_back(MakePatch(mesh, face, areas[face], warp.col(face), slopes));
+    patches_.push_back(MakePatch(chosen_on, face, areas[face], axes.col(face), slopes));
+    if (is_other) TakeAlong(chosen_on, axes.col(face), mesh, warp.col(face), face, &patches_.back());
     if (rest == BendingRest::kMesh) KeepCurvature(mesh, &patches_.back());
   }
 }

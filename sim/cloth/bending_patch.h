@@ -78,6 +78,11 @@ class BendingPatches {
   // `mesh` as `ValidateMesh` wants it. `warp` [3 x F]: the direction of axis 1 in every triangle, projected onto its
   // plane, to which it must not be perpendicular; axis 2 follows counter-clockwise.
   BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest = BendingRest::kFlat);
+  // Likewise, of a mesh that is `chosen_on` at another size (sim/rollout/sized_scene.h): which nodes are in a patch,
+  // and how they share in a slope, is what it is there, and the second derivatives are taken along, as the affine map
+  // of every triangle tells. So Q is a smooth function of the size, though the choice of nodes is none, and its entries
+  // stay where they are. All that is said above holds.
+  BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest, const Mesh& chosen_on);
 
   const std::vector<BendingPatch>& patches() const { return patches_; }  // [F], in the order of the mesh
 

@@ -1,7 +1,6 @@
 #include "sim/cloth/cloth_model.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include "sim/cloth/bending_patch.h"
@@ -11,14 +10,15 @@ namespace clothid {
 namespace {
 
 // Of the law that the scene has.
-std::vector<BendingMatrix> BendingMatrices(const Scene& scene) {
+std::vector<BendingMatrix> BendingMatrices(const Scene& scene, const Mesh& chosen_on) {
   if (!scene.has_bending()) return {};
   if (scene.bending.law == BendingLaw::kEdges) {
     return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh), {}}};
   }
   const bool orthotropic = scene.bending.orthotropic;
-  const BendingPatches patches(
-      scene.mesh, orthotropic ? WarpDirections(scene.warp, scene.mesh) : FirstEdges(scene.mesh), RestOf(scene));
+  const BendingPatches patches(scene.mesh,
+                               orthotropic ? WarpDirections(scene.warp, scene.mesh) : FirstEdges(scene.mesh),
+                               RestOf(scene), chosen_on);
   const auto term = [&](ParameterKind kind, const FlexuralRigidity& rigidity) -> BendingMatrix {
     return {kind, patches.Matrix(rigidity), patches.Moments(rigidity)};
   };
@@ -58,6 +58,23 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
   return neighbours;
 }
 
+// `pattern`, or, where it lacks some of the neighbours, one that has both.
+std::shared_ptr<const BlockPattern> PatternFor(std::vector<std::vector<int>> neighbours,
+                                               const std::shared_ptr<const BlockPattern>& pattern) {
+  bool covers = true;
+  for (int i = 0; i < pattern->num_blocks(); ++i) {
+    const int* const rows = pattern->rows_begin(i);
+    for (const int j : neighbours[i]) covers = covers && std::binary_search(rows, rows + pattern->num_rows(i), j);
+  }
+  if (covers) return pattern;
+  for (int i = 0; i < pattern->num_blocks(); ++i) {
+    for (int k = 0; k < pattern->num_rows(i); ++k) {
+      if (const int j = pattern->rows_begin(i)[k]; j != i) neighbours[i].push_back(j);
+    }
+  }
+  return std::make_shared<BlockPattern>(neighbours);
+}
+
 bool HasField(const Scene& scene, ParameterKind kind) {
   return std::any_of(scene.fields.begin(), scene.fields.end(),
                      [kind](const GridField& field) { return field.kind == kind; });
@@ -76,12 +93,14 @@ void BendingTerm::AddHessian(double stiffness, HessianKind hessian_kind, const E
   if (curvature != nullptr) curvature->AddHessian(stiffness, hessian_kind, positions, hessian);
 }
 
-ClothModel::ClothModel(const Scene& scene) : ClothModel(scene, nullptr) {}
+ClothModel::ClothModel(const Scene& scene) : ClothModel(scene, scene.mesh, nullptr) {}
 
-ClothModel::ClothModel(const Scene& scene, const ClothModel& like) : ClothModel(scene, &like) {}
+ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on) : ClothModel(scene, chosen_on, nullptr) {}
 
-ClothModel::ClothModel(const Scene& scene, const ClothModel* like)
-    : scene_(&scene), node_areas_(NodeAreas(scene.mesh)) {
+ClothModel::ClothModel(const Scene& scene, const ClothModel& like) : ClothModel(scene, like.chosen_on(), &like) {}
+
+ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothModel* like)
+    : scene_(&scene), chosen_on_(&chosen_on), node_areas_(NodeAreas(scene.mesh)) {
   std::vector<BendingMatrix> bending = MakeBending();
   if (like == nullptr) {
     NumberFreeNodes(bending);
@@ -90,9 +109,8 @@ ClothModel::ClothModel(const Scene& scene, const ClothModel* like)
   } else {
     free_nodes_ = like->free_nodes_;
     free_index_ = like->free_index_;
-    pattern_ = like->pattern_;
     touch_gap_ = like->touch_gap_;
-    ExpectPattern(bending);
+    pattern_ = PatternFor(FreeNeighbours(scene.mesh, free_index_, num_free(), bending), like->pattern_);
   }
   if (scene.has_drag()) drag_.emplace(scene);
   for (BendingMatrix& term : bending) {
@@ -113,24 +131,15 @@ ClothModel::ClothModel(const Scene& scene, const ClothModel* like)
 }
 
 std::vector<BendingMatrix> ClothModel::MakeBending() {
-  if (!scene_->has_bending() || !HasField(*scene_, ParameterKind::kBendingStiffness)) return BendingMatrices(*scene_);
-  weighted_bending_ = std::make_unique<WeightedBending>(*scene_);
+  if (!scene_->has_bending() || !HasField(*scene_, ParameterKind::kBendingStiffness)) {
+    return BendingMatrices(*scene_, *chosen_on_);
+  }
+  weighted_bending_ = std::make_unique<WeightedBending>(*scene_, *chosen_on_);
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(scene_->mesh.num_faces());
   std::vector<BendingMatrix> bending;
   bending.push_back(
       {ParameterKind::kBendingStiffness, weighted_bending_->Matrix(ones), weighted_bending_->Moments(ones)});
   return bending;
-}
-
-void ClothModel::ExpectPattern(const std::vector<BendingMatrix>& bending) const {
-  const std::vector<std::vector<int>> neighbours = FreeNeighbours(scene_->mesh, free_index_, num_free(), bending);
-  for (int i = 0; i < num_free(); ++i) {
-    for (const int j : neighbours[i]) {
-      const int* rows = pattern_->rows_begin(i);
-      if (i == j || std::binary_search(rows, rows + pattern_->num_rows(i), j)) continue;
-      throw std::logic_error("a cloth of another size couples other nodes");
-    }
-  }
 }
 
 const BendingEnergy* ClothModel::bending() const {

@@ -47,14 +47,19 @@ class ClothModel {
  public:
   // `scene` must outlive the model and have passed `ValidateScene`.
   explicit ClothModel(const Scene& scene);
-  // Likewise, of a scene that differs from that of `like` in rest positions alone: in its order of the nodes, with its
-  // pattern and its touch_gap. Throws `std::logic_error` where bending couples nodes that it does not couple in `like`.
+  // Likewise, of a scene whose mesh is `chosen_on` at another size, on which the patches of bending are chosen
+  // (bending_patch.h); it must outlive the model.
+  ClothModel(const Scene& scene, const Mesh& chosen_on);
+  // Likewise, of a scene that differs from that of `like` in its size alone: in its order of the nodes, with its
+  // patches and its touch_gap, and with its pattern, unless that is too narrow: entries of bending that cancel on
+  // squares are there on rectangles.
   ClothModel(const Scene& scene, const ClothModel& like);
 
   // Null: the constants are the same everywhere, as at first; else those of the scene's fields, `ValidateParameters`.
   void SetFields(const std::vector<FieldFactors>* fields);
 
   const Scene& scene() const { return *scene_; }
+  const Mesh& chosen_on() const { return *chosen_on_; }  // for the model of another size
   int num_nodes() const { return scene_->mesh.num_nodes(); }
 
   // Handles are exact Dirichlet conditions: every equation lives on the free nodes alone. Vectors and matrices over
@@ -97,13 +102,13 @@ class ClothModel {
   double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
 
  private:
-  ClothModel(const Scene& scene, const ClothModel* like);
+  ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothModel* like);
   std::vector<BendingMatrix> MakeBending();
   void NumberFreeNodes(const std::vector<BendingMatrix>& bending);
-  void ExpectPattern(const std::vector<BendingMatrix>& bending) const;                        // that covers it
   std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> moments) const;  // null of none
 
   const Scene* scene_;
+  const Mesh* chosen_on_;
   std::vector<int> free_nodes_, free_index_;
   std::shared_ptr<const BlockPattern> pattern_;
   Eigen::VectorXd node_areas_, laplacian_diagonal_;

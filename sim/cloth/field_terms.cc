@@ -38,12 +38,12 @@ Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weigh
   return areas;
 }
 
-WeightedBending::WeightedBending(const Scene& scene) : num_nodes_(scene.mesh.num_nodes()) {
+WeightedBending::WeightedBending(const Scene& scene, const Mesh& chosen_on) : num_nodes_(scene.mesh.num_nodes()) {
   if (scene.bending.law == BendingLaw::kEdges) {
     elements_ = EdgeBendingElements(scene.mesh);
     return;
   }
-  const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh), RestOf(scene));
+  const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh), RestOf(scene), chosen_on);
   const FlexuralRigidity rigidity = IsotropicRigidity(1.0, scene.bending.poisson);
   elements_ = patches.Elements(rigidity);
   moments_ = patches.Moments(rigidity);

@@ -25,7 +25,8 @@ Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weigh
 // Bending whose k_b is a field: an edge has the mean weight of its two triangles.
 class WeightedBending {
  public:
-  explicit WeightedBending(const Scene& scene);
+  // `chosen_on`: of patches, as `BendingPatches` has it.
+  WeightedBending(const Scene& scene, const Mesh& chosen_on);
 
   // Q with its elements times the `weights` [F]: [N x N]. Its pattern is the same for all weights, those of zero too.
   Eigen::SparseMatrix<double> Matrix(const Eigen::VectorXd& weights) const;

@@ -16,7 +16,10 @@ Scene WithoutHandles(Scene scene) {
 }  // namespace
 
 HandleCoupling::HandleCoupling(const ClothModel& model)
-    : model_(model), scene_(WithoutHandles(model.scene())), whole_(scene_), hessian_(whole_.pattern()) {}
+    : model_(model),
+      scene_(WithoutHandles(model.scene())),
+      whole_(scene_, model.chosen_on()),
+      hessian_(whole_.pattern()) {}
 
 void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters) {
   record_ = &record;

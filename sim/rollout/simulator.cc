@@ -9,22 +9,33 @@
 namespace clothid {
 
 struct Simulator::State {
-  explicit State(Scene s) : scene(std::move(s)), model(scene), solver(model) {}
-  // Makes the model one of that size, in the same place.
+  explicit State(Scene s)
+      : scene(std::move(s)), model(scene), own_pattern(model.pattern()), solver(std::make_unique<StepSolver>(model)) {}
+
+  // Makes the model one of that size, in the same place. The solver stays, as does the pattern, unless that is too
+  // narrow for any size but the scene's own.
   void SetSize(const std::array<double, 2>& other) {
     const bool is_own = other == Parameters().size;
     auto sized = is_own ? nullptr : std::make_unique<Scene>(SizedScene(scene, other));
-    model = ClothModel(is_own ? scene : *sized, model);
+    const auto pattern = model.pattern();
+    if (is_own && pattern != own_pattern) {
+      model = ClothModel(scene);
+      own_pattern = model.pattern();
+    } else {
+      model = ClothModel(is_own ? scene : *sized, model);
+    }
+    if (model.pattern() != pattern) solver = std::make_unique<StepSolver>(model);
     sized_scene = std::move(sized);
     size = other;
     fields.reset();
-    workspace.time_step = 0.0;  // its masses are those of another size
+    workspace = StepWorkspace();  // its masses are those of another size
   }
 
   Scene scene;
   std::unique_ptr<Scene> sized_scene;  // null: that of the model is the one above
   ClothModel model;
-  StepSolver solver;
+  std::shared_ptr<const BlockPattern> own_pattern;  // of the scene's own size
+  std::unique_ptr<StepSolver> solver;               // of the model's pattern
   StepWorkspace workspace;
   std::shared_ptr<const std::vector<FieldFactors>> fields;  // in the model
   std::array<double, 2> size = Parameters().size;           // likewise
@@ -54,7 +65,7 @@ void Simulator::UseParameters(const Parameters& parameters) {
 
 const Scene& Simulator::scene() const { return state_->scene; }
 const ClothModel& Simulator::model() const { return state_->model; }
-StepSolver& Simulator::step_solver() { return state_->solver; }
+StepSolver& Simulator::step_solver() { return *state_->solver; }
 StepWorkspace& Simulator::step_workspace() { return state_->workspace; }
 
 }  // namespace clothid

@@ -19,6 +19,7 @@
 #include "tests/sim/curved_rest.h"
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/scene/triangle_meshes.h"
+#include "tests/sim/sheet_meshes.h"
 #include "tests/sim/shipped_scenes.h"
 
 namespace clothid {
@@ -154,6 +155,36 @@ TEST(SizedSceneTest, IsTheSceneOfAnotherMesh) {
     const Rollout again = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator);
     EXPECT_EQ(again.positions(scene.num_steps()), first.positions(scene.num_steps()));
     EXPECT_EQ(&simulator.model().scene(), &simulator.scene());
+  }
+}
+
+// Whatever cancels in bending of one size, on any mesh, is no fault in another.
+TEST(SizedSceneTest, HasAModelOnEveryMeshWithEveryLaw) {
+  for (const SheetKind kind : kSheetKinds) {
+    for (const Bending& bending : {Bending{BendingLaw::kEdges}, Bending{BendingLaw::kPatches, 0.3},
+                                   Bending{BendingLaw::kPatches, 0.0}, Bending{BendingLaw::kPatches, 0.2, true}}) {
+      Scene scene = ShippedScene("wind", 5);
+      GridOptions grid;
+      grid.nodes = {7, 7};  // of squares
+      scene.mesh = MakeSheet(kind, grid);
+      scene.initial_positions = scene.mesh.rest_positions.reshaped();
+      scene.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
+      scene.bending = bending;
+      scene.duration = 0.15;
+      if (bending.orthotropic) {
+        scene.material.bending_stiffness = 0.0;
+        scene.material.warp_bending = scene.material.weft_bending = scene.material.twist_bending = 1e-4;
+      }
+      const Parameters own = scene.nominal_parameters();
+      Parameters parameters = own;
+      parameters.size = {1.07, 0.95};
+      Simulator simulator(scene);
+      const Eigen::VectorXd first = Simulate(own, 3, &simulator).positions(3);
+      const std::string name = SheetName(kind) + (bending.orthotropic ? " orthotropic" : "");
+      EXPECT_NO_THROW(EXPECT_TRUE(Simulate(parameters, 3, &simulator).ok())) << name;
+      EXPECT_EQ(Simulate(own, 3, &simulator).positions(3), first) << name;
+      if (kind == SheetKind::kIrregular) ExpectAgreement(scene, name.c_str());
+    }
   }
 }
 
