@@ -56,7 +56,7 @@ TEST(MaterialField, RefusesARestShapeWithoutAFront) {
   Scene scene = ClothScene(SquareGrid(3, 0.2), 0.01);
   PutSleeve(4, 12, 0.05, 0.02, &scene);
   scene.fields.push_back({ParameterKind::kStretchStiffness, Eigen::MatrixXd::Constant(2, 2, 50.0)});
-  ExpectError([&] { Simulator simulator(scene); }, ErrorKind::kBadData, {"a field needs a cloth with a front"});
+  ExpectError([&] { Simulator simulator(scene); }, ErrorKind::kBadData, {"expected a cloth with a front"});
 }
 
 // A field that is the same everywhere is the constant.
