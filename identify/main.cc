@@ -13,13 +13,12 @@
 #include "identify/base/parallel_for.h"
 #include "identify/base/progress.h"
 #include "identify/base/version.h"
-#include "identify/checks/holdout.h"
 #include "identify/fit/fit.h"
 #include "identify/run.h"
+#include "identify/run_flags.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
-#include "sim/fabric/fabric.h"
 
 DEFINE_string(target, "", "recordings to fit, separated by commas");
 DEFINE_string(scene, "", "scene.json to use instead of the one in each recording");
@@ -169,60 +168,53 @@ const ListFlags kLists = {{"target", ','},  {"fit", ','},       {"field", ','}, 
                           {"start", ','},   {"lower", ','},     {"upper", ','},  {"prior", ','},
                           {"profile", ','}, {"landscape", ','}, {"holdout", ','}};
 
-FitOptions FitOptionsFromFlags() {
-  FitOptions options;
-  options.parameters = ParseNames(FLAGS_fit, "--fit");
-  options.each = ParseNames(FLAGS_each, "--each");
-  options.wind_smoothness = FLAGS_wind_smoothness;
-  options.overrides.start = ParseParameterValues(FLAGS_start, "--start");
-  options.overrides.lower_bounds = ParseParameterValues(FLAGS_lower, "--lower");
-  options.overrides.upper_bounds = ParseParameterValues(FLAGS_upper, "--upper");
-  options.overrides.priors = ParseParameterPriors(FLAGS_prior, "--prior");
-  options.jacobian = ParseJacobianMethod(FLAGS_jacobian);
-  options.adjoint = ParseAdjointOptions(FLAGS_adjoint);
-  options.precision = ParseFitPrecision(FLAGS_precision);
-  options.method = ParseFitMethod(FLAGS_method);
-  options.loss = ParseRobustLoss(FLAGS_loss);
-  options.max_iterations = FLAGS_max_iterations;
-  options.num_threads = FLAGS_threads;
-  options.num_starts = FLAGS_starts;
-  options.seed = FLAGS_seed;
-  return options;
+RunFlags FlagsOfCommandLine() {
+  RunFlags flags;
+  flags.target = FLAGS_target;
+  flags.scene = FLAGS_scene;
+  flags.fabric = FLAGS_fabric;
+  flags.fit = FLAGS_fit;
+  flags.each = FLAGS_each;
+  flags.field = FLAGS_field;
+  flags.field_weight = FLAGS_field_weight;
+  flags.wind_profile = FLAGS_wind_profile;
+  flags.wind_smoothness = FLAGS_wind_smoothness;
+  flags.start = FLAGS_start;
+  flags.lower = FLAGS_lower;
+  flags.upper = FLAGS_upper;
+  flags.prior = FLAGS_prior;
+  flags.jacobian = FLAGS_jacobian;
+  flags.adjoint = FLAGS_adjoint;
+  flags.precision = FLAGS_precision;
+  flags.method = FLAGS_method;
+  flags.loss = FLAGS_loss;
+  flags.sigma = FLAGS_sigma;
+  flags.initial = FLAGS_initial;
+  flags.check = FLAGS_check;
+  flags.check_gradients = FLAGS_check_gradients;
+  flags.max_iterations = FLAGS_max_iterations;
+  flags.threads = FLAGS_threads;
+  flags.output = FLAGS_output;
+  flags.starts = FLAGS_starts;
+  flags.seed = FLAGS_seed;
+  flags.profile = FLAGS_profile;
+  flags.landscape = FLAGS_landscape;
+  flags.discretization = FLAGS_discretization;
+  flags.time_step = FLAGS_time_step;
+  flags.check_step = FLAGS_check_step;
+  flags.holdout = FLAGS_holdout;
+  flags.holdout_frames = FLAGS_holdout_frames;
+  flags.horizon = FLAGS_horizon;
+  flags.resume = FLAGS_resume;
+  flags.report = FLAGS_report;
+  flags.step_tolerance = FLAGS_step_tolerance;
+  return flags;
 }
 
 RunOptions OptionsFromFlags(const std::string& command_line) {
   if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see identify --help");
   if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
-  RunOptions options;
-  options.target_paths = ParseNames(FLAGS_target, "--target");
-  options.holdout_paths = ParseNames(FLAGS_holdout, "--holdout");
-  if (!FLAGS_holdout_frames.empty()) {
-    options.holdout_frames = ParseFrameRange(FLAGS_holdout_frames, "--holdout_frames");
-  }
-  options.reading.scene_path = FLAGS_scene;
-  if (!FLAGS_fabric.empty()) {
-    options.reading.change_scene = [](const std::string& text) {
-      return WithFabric(text, FLAGS_fabric, "--fabric", "the scene");
-    };
-  }
-  options.reading.start = ParseStartSource(FLAGS_initial);
-  ParseSigma(FLAGS_sigma, &options.reading);
-  options.time_step = ParseTimeStep(FLAGS_time_step);
-  options.step_tolerance = FLAGS_step_tolerance;
-  options.fit = FitOptionsFromFlags();
-  options.fields = ParseFieldRequests(FLAGS_field);
-  options.field_weight = FLAGS_field_weight;
-  options.wind = ParseWindRequest(FLAGS_wind_profile);
-  options.check_recordings = FLAGS_check;
-  options.check_gradients = FLAGS_check_gradients;
-  options.profiles = ParseNames(FLAGS_profile, "--profile");
-  options.discretization = ParseDiscretization(FLAGS_discretization);
-  options.discretization.step = options.discretization.step || FLAGS_check_step;
-  options.growing_horizon = ParseHorizon(FLAGS_horizon);
-  options.landscape_paths = ParseNames(FLAGS_landscape, "--landscape");
-  options.output = FLAGS_output;
-  options.report_page = FLAGS_report;
-  options.resume = FLAGS_resume;
+  RunOptions options = ParseRunFlags(FlagsOfCommandLine());
   options.command_line = command_line;
   return options;
 }

@@ -113,7 +113,10 @@ class Run {
     RunResult result;
     if (summary_.has_estimate()) result.table = ResultTable(summary_, checks_);
     if (summary_.has_estimate() && options_.on_table) options_.on_table(result.table);
+    const bool keeps = summary_.has_estimate() && options_.keep_recordings;
+    if (summary_.has_estimate() && (keeps || folder_ != nullptr)) PredictForPage();
     if (summary_.has_estimate() && folder_ != nullptr) Write();
+    if (keeps) result.recordings = std::move(inputs_.fitted);
     result.verdict = Judge(summary_, checks_);
     result.exit_code = result.verdict.exit_code;
     result.summary = std::move(summary_);
@@ -244,12 +247,15 @@ class Run {
     return starts;
   }
 
+  void PredictForPage() {
+    if (options_.report_page) checks_.predicted_nodes = PredictNodes(inputs_.fitted, *problem_, summary_);
+  }
+
   void Write() {
     if (summary_.status == FitStatus::kInterrupted) folder_->KeepJournals();
     problem_->CheckJournals();
     ReportOptions report;
     report.page = options_.report_page;
-    if (report.page) checks_.predicted_nodes = PredictNodes(inputs_.fitted, *problem_, summary_);
     problem_.reset();  // what is to be written takes memory of its own
     WriteReport(summary_, checks_, inputs_.fitted, folder_.get(), report);
   }
