@@ -19,6 +19,7 @@
 #include "datasets/synthetic/capture.h"
 #include "datasets/synthetic/sensor.h"
 #include "datasets/synthetic/synthetic.h"
+#include "datasets/synthetic/true_parameters.h"
 #include "sim/base/json_document.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
@@ -99,26 +100,10 @@ Examples:
     --output /tmp/points.csv --handles_output /tmp/gripper.csv
 )";
 
-// The scene's nominal parameters with the assignments of --set, in alphabetical order: "mu.NAME" overrides "mu". A
-// wrong value is a wrong flag, not bad data. Gives `scene` the true material, so that it has the terms that the truth
-// has.
+// What --set and --set_field say. A wrong value is a wrong flag, not bad data.
 Parameters SetTruth(Scene* scene) {
   SetTrueFields(FLAGS_set_field, scene);
-  Parameters parameters = scene->nominal_parameters();
-  for (const auto& [name, value] : ParseParameterValues(FLAGS_set, "--set")) {
-    const ParameterId id = ParseParameter(name, *scene);
-    SetParameter(id, value, &parameters);
-    if (GetParameter(parameters, id) != value) {
-      throw Error(ErrorKind::kUsage, "--set: '" + name + "': the scene has no obstacle");
-    }
-  }
-  scene->material = parameters.material;
-  try {
-    ValidateParameters(parameters, *scene, FLAGS_set.empty() ? FLAGS_scene : "--set");
-  } catch (const Error& error) {
-    throw Error(FLAGS_set.empty() ? error.kind() : ErrorKind::kUsage, error.what());
-  }
-  return parameters;
+  return SetTrueParameters(ParseParameterValues(FLAGS_set, "--set"), "--set", FLAGS_scene, scene);
 }
 
 bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
