@@ -28,6 +28,7 @@
 #include "tools/landscape/landscape_plan.h"
 #include "tools/landscape/landscape_plot.h"
 #include "tools/landscape/landscape_run.h"
+#include "tools/landscape/landscape_setup.h"
 #include "tools/landscape/landscape_store.h"
 #include "tools/landscape/landscape_summary.h"
 #include "tools/landscape/scene_variant.h"
@@ -117,19 +118,6 @@ ReadMotionOptions ReadingFromFlags() {
   return options;
 }
 
-// The recording as it is read in every setting.
-std::vector<RecordedMotion> ReadSettings(const LandscapePlan& plan, const ReadMotionOptions& reading) {
-  std::vector<RecordedMotion> motions;
-  for (std::size_t i = 0; i < plan.settings.size(); ++i) {
-    const LandscapeSetting& setting = plan.settings[i];
-    const bool is_as_before = i > 0 && plan.settings[i - 1].name == setting.name;
-    motions.push_back(is_as_before ? motions.back()
-                                   : ReadMotionVariant(FLAGS_target, reading, ParseSweep(setting.name).front()));
-    motions.back().scene.contact_mode = setting.contact_mode;
-  }
-  return motions;
-}
-
 LandscapeRunOptions OptionsFromFlags() {
   if (FLAGS_threads < 1) throw Error(ErrorKind::kUsage, "--threads: expected a number >= 1");
   if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see landscape --help");
@@ -137,10 +125,8 @@ LandscapeRunOptions OptionsFromFlags() {
   const ReadMotionOptions reading = ReadingFromFlags();
   LandscapeRunOptions options;
   options.origin.shard = ParseShard(FLAGS_shard);
-  const Scene own = ReadMotionVariant(FLAGS_target, reading, {}).scene;
-  options.scan.plan = MakeLandscapePlan(PlanFlags(), own);
-  options.scan.motions = ReadSettings(options.scan.plan, reading);
-  CheckSweep(options.scan.plan, own, options.scan.motions);
+  const MotionReader read = [](const ReadMotionOptions& how) { return ReadMotion(FLAGS_target, how); };
+  options.scan = SetUpLandscape(PlanFlags(), read, reading);
   options.scan.num_threads = FLAGS_threads;
   options.scan.cancel = &CatchInterrupts();
   options.origin.version = Version();

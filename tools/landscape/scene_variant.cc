@@ -144,15 +144,15 @@ std::string ChangeScene(const std::string& scene_text, const std::vector<std::st
   return scene.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-RecordedMotion ReadMotionVariant(const std::string& path, ReadMotionOptions options, const SceneVariant& variant) {
-  RecordedMotion motion = ReadMotion(path, options);
+RecordedMotion ReadMotionVariant(const MotionReader& read, ReadMotionOptions options, const SceneVariant& variant) {
+  RecordedMotion motion = read(options);
   if (variant.empty()) return motion;
   ExpectHasEffect(variant);
   options.change_scene = [&](const std::string& text) {
     return ChangeScene(text, motion.scene.obstacle_names(), variant);
   };
   try {
-    return ReadMotion(path, options);
+    return read(options);
   } catch (const Error& error) {
     std::string problem = error.what();
     if (problem.rfind("--sweep", 0) == 0) throw;
@@ -161,6 +161,11 @@ RecordedMotion ReadMotionVariant(const std::string& path, ReadMotionOptions opti
     }
     Fail(VariantName(variant), problem);
   }
+}
+
+RecordedMotion ReadMotionVariant(const std::string& path, const ReadMotionOptions& options,
+                                 const SceneVariant& variant) {
+  return ReadMotionVariant([&](const ReadMotionOptions& how) { return ReadMotion(path, how); }, options, variant);
 }
 
 }  // namespace clothid

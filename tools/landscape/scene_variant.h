@@ -3,6 +3,7 @@
 #define CLOTHID_TOOLS_LANDSCAPE_SCENE_VARIANT_H_
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -41,10 +42,15 @@ std::string VariantName(const SceneVariant& variant);
 std::string ChangeScene(const std::string& scene_text, const std::vector<std::string>& obstacle_names,
                         const SceneVariant& variant);
 
-// `ReadMotion` with these options, and with these changes of the scene. Throws `Error`: what `ReadMotion` does for the
+// A recording as such options make it: `ReadMotion` of a file, or `InterpretMotion` of what is in memory.
+using MotionReader = std::function<RecordedMotion(const ReadMotionOptions&)>;
+
+// What `read` gives with these options, and with these changes of the scene. Throws `Error`: what `read` does for the
 // scene as it is, else kUsage, naming --sweep and the variant; also for changes without any effect: `duration`, which a
 // recording has of its own, and `parameters`, which are for fits.
-RecordedMotion ReadMotionVariant(const std::string& path, ReadMotionOptions options, const SceneVariant& variant);
+RecordedMotion ReadMotionVariant(const MotionReader& read, ReadMotionOptions options, const SceneVariant& variant);
+RecordedMotion ReadMotionVariant(const std::string& path, const ReadMotionOptions& options,
+                                 const SceneVariant& variant);  // of a file
 
 }  // namespace clothid
 
