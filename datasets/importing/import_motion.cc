@@ -19,9 +19,12 @@ using Json = nlohmann::ordered_json;
 
 [[noreturn]] void FailUsage(const std::string& message) { throw Error(ErrorKind::kUsage, message); }
 
+std::string SceneText(const ImportOptions& options) {
+  return options.scene_text.empty() ? ReadText(options.scene_path, kMaxJsonBytes) : options.scene_text;
+}
+
 // Of a scene that may leave out its duration, because a recording has its own.
-Mesh MeshOfScene(const std::string& path) {
-  std::string text = ReadText(path, kMaxJsonBytes);
+Mesh MeshOfScene(const std::string& path, std::string text) {
   const JsonValue document = ParseJson(text, path);
   const JsonNode root(document, path);
   if (!root.Find("mesh")) {
@@ -67,6 +70,7 @@ void SetPoints(const PointTracks& tracks, const PointMap& map, MotionTensors* te
 }
 
 PointMap MakeMap(const PointTracks& tracks, const Mesh& mesh, const ImportOptions& options) {
+  if (options.given_map) return *options.given_map;
   switch (options.map) {
     case PointMapKind::kNodes:
       return MapToNodes(tracks, mesh);
@@ -95,6 +99,7 @@ void SetHandles(const ImportOptions& options, double time_shift, const std::stri
   if (options.handle_nodes.empty()) {
     if (options.handle_file)
       FailUsage(options.handle_file->path + ": a path of handles; expected the nodes that it moves");
+    if (options.handle_path) FailUsage("a path of handles; expected the nodes that it moves");
     return;
   }
   std::vector<int> sorted = options.handle_nodes;
@@ -106,6 +111,14 @@ void SetHandles(const ImportOptions& options, double time_shift, const std::stri
   if (options.handle_file) {
     const HandlePath path = ReadHandlePath(*options.handle_file, options.handle_nodes, tensors->times, time_shift);
     KeepHandlePaths({options.handle_nodes, path}, tensors);
+    return;
+  }
+  if (options.handle_path) {
+    if (options.handle_path->num_handles() != static_cast<int>(options.handle_nodes.size())) {
+      FailUsage("the path of the handles: expected that of " + std::to_string(options.handle_nodes.size()) +
+                " nodes, got " + std::to_string(options.handle_path->num_handles()));
+    }
+    KeepHandlePaths({options.handle_nodes, *options.handle_path}, tensors);
     return;
   }
   tensors->handle_index = options.handle_nodes;
@@ -143,9 +156,14 @@ void SetSigma(double sigma, MotionTensors* tensors) {
 // Puts the scene of `scene_path` into the tensors; the path of its handles where these have none.
 void SetScene(const ImportOptions& options, const std::string& source, MotionTensors* tensors) {
   ReadMotionOptions read;
-  read.scene_path = options.scene_path;
   read.smooth_handles = false;
-  const RecordedMotion motion = InterpretMotion(*tensors, source, read);
+  if (options.scene_text.empty()) {
+    read.scene_path = options.scene_path;
+  } else {
+    tensors->scene_text = options.scene_text;
+  }
+  const RecordedMotion motion =
+      InterpretMotion(*tensors, options.scene_text.empty() ? source : options.scene_path, read);
   if (tensors->handle_index.empty()) {
     ExpectOneClock(motion.scene.handles, tensors->times, options.scene_path);
     KeepHandlePaths(motion.scene.handles, tensors);
@@ -202,7 +220,7 @@ MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& optio
   MotionTensors tensors;
   tensors.single_precision = false;
   tensors.times = edited.tracks.times;
-  tensors.mesh = options.mesh ? *options.mesh : MeshOfScene(options.scene_path);
+  tensors.mesh = options.mesh ? *options.mesh : MeshOfScene(options.scene_path, SceneText(options));
   ValidateMesh(tensors.mesh, tracks.name + ": mesh");
   SetPoints(edited.tracks, MakeMap(edited.tracks, tensors.mesh, options), &tensors);
   SetHandles(options, edited.time_shift, tracks.name, &tensors);

@@ -28,13 +28,16 @@ enum class PointMapKind {
 struct ImportOptions {
   TrackEdit edit;
   std::string scene_path;    // scene.json
+  std::string scene_text;    // in place of what stands in scene_path, which names it and the folder of its files
   std::optional<Mesh> mesh;  // at rest, m; without it the scene's
   PointMapKind map = PointMapKind::kNodes;
-  std::string map_path;       // kFile
-  double map_distance = 0.0;  // m, of kNearest and kMarkers, see `PlacementOptions`
-  SurfaceMarks surface;       // without `as_surface` what a recording says is kept, and imported points are material
+  std::string map_path;               // kFile
+  std::optional<PointMap> given_map;  // in place of `map`
+  double map_distance = 0.0;          // m, of kNearest and kMarkers, see `PlacementOptions`
+  SurfaceMarks surface;  // without `as_surface` what a recording says is kept, and imported points are material
   std::vector<int> handle_nodes;
   std::optional<HandleFile> handle_file;  // paths of the handles; without it those of their measured points
+  std::optional<HandlePath> handle_path;  // the same, from memory, on the clock of the recording; one of both
   std::optional<ForceFile> force_file;    // what the handles bear; without it what a recording has
   double sigma = 0.0;                     // m, of every point; 0: not known
   std::string provenance;
