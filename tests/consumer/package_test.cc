@@ -227,12 +227,12 @@ TEST_F(PackageTest, DebianPackage) {
   if (Run("command -v dpkg-deb && command -v dpkg-shlibdeps").exit_code != 0)
     GTEST_SKIP() << "a package is absent: dpkg or dpkg-dev";
   Success(CPACK " -G DEB --config '" CLOTHID_BINARY_DIR "/CPackConfig.cmake' -B package");
-  const std::string control = Success("dpkg-deb --info package/*.deb");
+  const std::string control = Success("dpkg-deb --info package/clothid_*.deb");
   for (const char* line : {"Package: clothid\n", "Version: " CLOTHID_VERSION, "libcholmod", "libopenblas0-pthread",
                            "Recommends: libceres-dev, libeigen3-dev\n", "binaries are under the GPL"}) {
     EXPECT_NE(control.find(line), std::string::npos) << line << "\n" << control;
   }
-  Success("mkdir root && dpkg-deb -x package/*.deb root");
+  Success("mkdir root && dpkg-deb -x package/clothid_*.deb root");
   EXPECT_EQ(Run("test -e root/usr/bin/identify").exit_code, 1);
   EXPECT_EQ(Run("test -s root/usr/share/doc/clothid/identify/tutorial.md").exit_code, 0);
   const std::string root = fs::canonical(folder() / "root").string();

@@ -1,4 +1,6 @@
 # Where libraries and programs go on installation, and how they find each other there: relative to themselves.
+# What is installed is of the package clothid, unless it says that it is of another.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME clothid)
 set(clothid_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/clothid)
 set(clothid_program_dir ${CMAKE_INSTALL_LIBEXECDIR}/clothid)
 file(RELATIVE_PATH clothid_libraries_from_programs /${clothid_program_dir} /${CMAKE_INSTALL_LIBDIR})
