@@ -13,6 +13,8 @@
 namespace clothid {
 namespace {
 
+const std::string kPython = CLOTHID_PYTHON;  // empty: the module is not built
+
 class PackageTest : public ConsumerTest {
  protected:
   static std::vector<std::string> Programs() {
@@ -22,6 +24,28 @@ class PackageTest : public ConsumerTest {
     }
     EXPECT_GE(names.size(), 4u);
     return names;
+  }
+
+  // The module of `prefix`, with the libraries of that prefix and no other, gives the estimate of its program.
+  void ExpectPythonFits(const std::string& prefix) const {
+    WriteScene(SphereScene());
+    const std::string command = prefix + "/bin/clothid ";
+    Success(command + "simulate --scene scene.json --set k_stretch=70 --output python.motion.bin");
+    Success(command + "identify --target python.motion.bin --fit k_stretch --output python");
+    WriteBytes(folder() / "fit.py", R"(
+import clothid, json
+result = clothid.identify(clothid.Motion.load("python.motion.bin"), fit="k_stretch")
+with open("python/result.json") as file:
+    assert result.values["k_stretch"] == json.load(file)["parameters"]["k_stretch"]["value"], result
+print(*sorted({line.split()[-1] for line in open("/proc/self/maps") if "clothid" in line and ".so" in line}), sep="\n")
+)");
+    const std::string python = "env -i PYTHONPATH='" + prefix + "/lib/python3/dist-packages' '" + kPython + "' -B ";
+    std::istringstream loaded(Success(python + "fit.py"));
+    int num_libraries = 0;
+    for (std::string path; std::getline(loaded, path); ++num_libraries) {
+      EXPECT_EQ(path.rfind(fs::canonical(prefix).string(), 0), 0u) << path;
+    }
+    EXPECT_EQ(num_libraries, 5);
   }
 
   // Configures a project of `lines` after the usual two, and nothing to build.
@@ -242,6 +266,19 @@ TEST_F(PackageTest, DebianPackage) {
   BuildExample("joint_fit", root + "/usr");
   ExpectLibrariesBelow("joint_fit/joint_fit", root, 4);
   ExpectJointFitRecovers("root/usr/bin/clothid simulate");
+  if (kPython.empty()) return;
+  const std::string of_python = Success("dpkg-deb --info package/python3-clothid_*.deb");
+  for (const char* line : {"Package: python3-clothid\n", "clothid (= " CLOTHID_VERSION ")", "python3-numpy"}) {
+    EXPECT_NE(of_python.find(line), std::string::npos) << line << "\n" << of_python;
+  }
+  EXPECT_EQ(Run("test -e root/usr/lib/python3").exit_code, 1);
+  Success("dpkg-deb -x package/python3-clothid_*.deb root");
+  ExpectPythonFits(root + "/usr");
+}
+
+TEST_F(PackageTest, PythonFindsItsLibrariesInAPrefix) {
+  if (kPython.empty()) GTEST_SKIP() << "the Python module is not built";
+  ExpectPythonFits(kPrefix);
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ setup(
     description="Fits friction and stiffness of cloth to recorded motion",
     license="Apache-2.0; binaries link GPL parts of SuiteSparse",
     packages=["clothid"],
+    package_dir={"clothid": "package"},
     package_data={"clothid": ["py.typed", "*.pyi"]},
     ext_modules=[Extension("clothid._clothid", [])],
     cmdclass={"build_ext": CMakeBuild},

@@ -41,7 +41,7 @@ def _axis(axis: Axis) -> str:
     if isinstance(axis, str):
         return axis
     numbers = f"{axis[0]}={float(axis[1])!r}:{float(axis[2])!r}:{axis[3]}"
-    return numbers + (f":{axis[4]}" if len(axis) > 4 else "")
+    return numbers + "".join(f":{word}" for word in axis[4:])
 
 
 def landscape(
