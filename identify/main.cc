@@ -13,6 +13,7 @@
 #include "identify/base/parallel_for.h"
 #include "identify/base/progress.h"
 #include "identify/base/version.h"
+#include "identify/export/result_export.h"
 #include "identify/fit/fit.h"
 #include "identify/run.h"
 #include "identify/run_flags.h"
@@ -58,6 +59,8 @@ DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fi
 DEFINE_string(horizon, "growing", "growing: fits of the first frames lead to the start; full: all frames at once");
 DEFINE_bool(resume, false, "continue a fit that was killed: replays the evaluations journaled in --output");
 DEFINE_bool(report, true, "write report.html");
+DEFINE_string(export, "", "simulators for which the constants are written to --output");
+DEFINE_string(result, "", "result.json of an earlier fit to --export");
 DEFINE_double(step_tolerance, 0.0, "relative residual of a time step; 0: the scene's");
 
 namespace clothid {
@@ -149,6 +152,10 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --step_tolerance X  relative residual of a time step (the scene's)
   --resume            continue a fit that was killed, ending in the same bytes: keeps a journal in DIR while it runs
   --output DIR        result.json, convergence.csv, predicted.bin, profile.csv, report.html (clothid_result)
+  --export LIST       mujoco, newton, arcsim, blender, ppf or all: writes the constants to DIR for these simulators, as
+                      export_mujoco.xml and the like, with formula, unit and source, and what does not map
+  --result FILE       no fit: exports the estimates of this result.json for the cloth of --target, or of the
+                      predicted.bin beside it
   --report=false      no report.html, a page that any browser shows, with a 3D replay
   -h, --help; --version
 
@@ -164,9 +171,9 @@ Example:
   identify --target datasets/drape.motion.bin --fit mu,k_stretch --output /tmp/drape
 )";
 
-const ListFlags kLists = {{"target", ','},  {"fit", ','},       {"field", ','},  {"each", ','},
-                          {"start", ','},   {"lower", ','},     {"upper", ','},  {"prior", ','},
-                          {"profile", ','}, {"landscape", ','}, {"holdout", ','}};
+const ListFlags kLists = {{"target", ','},  {"fit", ','},       {"field", ','},   {"each", ','},
+                          {"start", ','},   {"lower", ','},     {"upper", ','},   {"prior", ','},
+                          {"profile", ','}, {"landscape", ','}, {"holdout", ','}, {"export", ','}};
 
 RunFlags FlagsOfCommandLine() {
   RunFlags flags;
@@ -205,6 +212,7 @@ RunFlags FlagsOfCommandLine() {
   flags.holdout = FLAGS_holdout;
   flags.holdout_frames = FLAGS_holdout_frames;
   flags.horizon = FLAGS_horizon;
+  flags.exports = FLAGS_export;
   flags.resume = FLAGS_resume;
   flags.report = FLAGS_report;
   flags.step_tolerance = FLAGS_step_tolerance;
@@ -253,6 +261,10 @@ void ShowProgress(ProgressPrinter* printer, std::vector<std::string>* names, Run
 int IdentifyFromFlags(const std::vector<std::string>& arguments, const std::string& command_line) {
   if (!arguments.empty()) {
     throw Error(ErrorKind::kUsage, "'" + Printable(arguments.front()) + "': expected flags only; see identify --help");
+  }
+  if (!FLAGS_result.empty()) {
+    ExportResult(FLAGS_result, FLAGS_target, FLAGS_export, FLAGS_output);
+    return kExitSuccess;
   }
   RunOptions options = OptionsFromFlags(command_line);
   options.fit.cancel = &CatchInterrupts();

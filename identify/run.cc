@@ -256,6 +256,7 @@ class Run {
     problem_->CheckJournals();
     ReportOptions report;
     report.page = options_.report_page;
+    report.simulators = options_.simulators;
     problem_.reset();  // what is to be written takes memory of its own
     WriteReport(summary_, checks_, inputs_.fitted, folder_.get(), report);
   }

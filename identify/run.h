@@ -62,11 +62,12 @@ struct RunOptions {
   DiscretizationParts discretization;        // the fit again with other time steps, another mesh; widens intervals
   std::vector<std::string> landscape_paths;  // folders that `landscape` wrote of a recording of `target_paths`
   // What is written.
-  std::string output;            // the folder; empty: nothing is written
-  bool report_page = true;       // report.html as well
-  bool resume = false;           // goes on with what a killed run left in `output`, and keeps such a journal
-  std::string command_line;      // "flags" of result.json
-  bool keep_recordings = false;  // in the result, for reports that are made later
+  std::string output;                   // the folder; empty: nothing is written
+  bool report_page = true;              // report.html as well
+  std::vector<std::string> simulators;  // for which constants are exported (identify/export/export.h), with an output
+  bool resume = false;                  // goes on with what a killed run left in `output`, and keeps such a journal
+  std::string command_line;             // "flags" of result.json
+  bool keep_recordings = false;         // in the result, for reports that are made later
   // Told on the thread of the call; may be empty. What they throw leaves `Identify`.
   std::function<void(const std::string& recording, const Finding&)> on_finding;  // warnings, before the fit
   std::function<void(const std::vector<std::string>& names)> on_problem;         // of all parameters, before the fit

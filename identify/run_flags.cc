@@ -1,6 +1,7 @@
 #include "identify/run_flags.h"
 
 #include "identify/checks/holdout.h"
+#include "identify/export/export.h"
 #include "sim/fabric/fabric.h"
 
 namespace clothid {
@@ -63,6 +64,7 @@ RunOptions ParseRunFlags(const RunFlags& flags) {
   options.landscape_paths = ParseNames(flags.landscape, "--landscape");
   options.output = flags.output;
   options.report_page = flags.report;
+  options.simulators = ParseSimulators(flags.exports, "--export");
   options.resume = flags.resume;
   return options;
 }

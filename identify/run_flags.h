@@ -29,6 +29,7 @@ struct RunFlags {
   bool check_step = false;
   std::string holdout, holdout_frames;
   std::string horizon = "growing";
+  std::string exports;  // --export
   bool resume = false, report = true;
   double step_tolerance = 0.0;
 };

@@ -25,6 +25,7 @@ void RunOptions::Validate() const {
   Expect(landscape_paths.empty() || (report_page && !output.empty()),
          "--landscape: is shown in report.html; expected without --report=false");
   Expect(!resume || !output.empty(), "--resume: expected with --output");
+  Expect(simulators.empty() || !output.empty(), "--export: expected with --output");
   ValidateFields();
   ValidateWind();
 }

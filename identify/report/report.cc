@@ -14,6 +14,7 @@
 #include "datasets/importing/handle_tracks.h"
 #include "identify/base/knot_names.h"
 #include "identify/base/version.h"
+#include "identify/export/export.h"
 #include "identify/report/report_page.h"
 #include "identify/report/result_json.h"
 #include "sim/base/error.h"
@@ -149,6 +150,17 @@ std::string PredictionName(std::size_t recording) {
   return recording == 0 ? "predicted.bin" : "predicted_" + std::to_string(recording + 1) + ".bin";
 }
 
+// The constants of the cloth for other simulators.
+void WriteExports(const FitSummary& summary, const Scene& scene, const std::vector<std::string>& simulators,
+                  OutputFolder* folder) {
+  if (simulators.empty()) return;
+  std::map<std::string, double> values;
+  for (const FittedParameter& parameter : summary.parameters) values[parameter.name] = parameter.value;
+  for (const ExportedFile& file : ExportCloth(scene, ParametersOfEstimates(values, scene), simulators)) {
+    folder->Write(file.name, file.text);
+  }
+}
+
 // All or none of them.
 void WriteLargeFiles(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
                      OutputFolder* folder, const ReportOptions& options) {
@@ -221,7 +233,7 @@ bool IsReportFile(const std::string& name) {
   static constexpr std::array<std::string_view, 8> kNames = {
       "result.json", "convergence.csv",     "profile.csv",      "predicted.bin",
       kReportName,   "field_k_stretch.npy", "field_k_bend.npy", "field_density.npy"};
-  if (std::find(kNames.begin(), kNames.end(), name) != kNames.end()) return true;
+  if (std::find(kNames.begin(), kNames.end(), name) != kNames.end() || IsExportedFile(name)) return true;
   static constexpr std::string_view kBegin = "predicted_", kEnd = ".bin";
   if (name.size() <= kBegin.size() + kEnd.size() || name.compare(0, kBegin.size(), kBegin) != 0) return false;
   const std::size_t end = name.size() - kEnd.size();
@@ -239,6 +251,7 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
     }
   }
   if (!checks.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, checks));
+  WriteExports(summary, motions.front().scene, options.simulators, folder);
   try {
     WriteLargeFiles(summary, checks, motions, folder, options);
   } catch (const Error& error) {

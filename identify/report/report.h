@@ -25,11 +25,12 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
                               const std::vector<FittedParameter>& parameters, const Eigen::MatrixXd& forces = {});
 
 // Whether `WriteReport` writes files of this name: result.json, convergence.csv, profile.csv, predicted.bin,
-// predicted_2.bin and so on, report.html.
+// predicted_2.bin and so on, report.html, export_mujoco.xml and the like.
 bool IsReportFile(const std::string& name);
 
 struct ReportOptions {
-  bool page = true;  // report.html
+  bool page = true;                     // report.html
+  std::vector<std::string> simulators;  // for which constants are exported (identify/export/export.h)
 };
 
 // Writes and commits result.json, convergence.csv, profile.csv where profiles were asked for, predicted.bin of the

@@ -58,6 +58,7 @@ void BindSimulate(py::module_* module);
 void BindRollout(py::module_* module);
 void BindFit(py::module_* module);
 void BindLandscape(py::module_* module);
+void BindExport(py::module_* module);
 
 }  // namespace clothid
 

@@ -58,6 +58,7 @@ const std::map<std::string, FlagField>& FlagFields() {
                                                           {"horizon", &RunFlags::horizon},
                                                           {"resume", &RunFlags::resume},
                                                           {"report", &RunFlags::report},
+                                                          {"export", &RunFlags::exports},
                                                           {"step_tolerance", &RunFlags::step_tolerance}};
   return fields;
 }

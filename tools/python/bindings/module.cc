@@ -18,4 +18,5 @@ PYBIND11_MODULE(_clothid, module) {
   clothid::BindRollout(&module);
   clothid::BindFit(&module);
   clothid::BindLandscape(&module);
+  clothid::BindExport(&module);
 }

@@ -19,6 +19,7 @@ from clothid._clothid import (
     SimulationError,
     UsageError,
     __version__,
+    export,
     simulate,
 )
 from clothid._identify import Finding, Findings, RecordingWarning, check, identify
@@ -43,6 +44,7 @@ __all__ = [
     "Verdict",
     "__version__",
     "check",
+    "export",
     "identify",
     "landscape",
     "simulate",

@@ -120,6 +120,7 @@ def identify(
     threads: int = 1,
     output: Path = "",
     report: bool = True,
+    export: Names = (),
     resume: bool = False,
     on_iteration: Optional[Callable[[Dict[str, Any]], object]] = None,
     on_step: Optional[Callable[[Dict[str, Any]], object]] = None,
@@ -129,7 +130,7 @@ def identify(
     motions: a Motion or several. fit, each, profile: names of parameters ("mu", "k_stretch", ..); fit=() fits mu and
     k_stretch. start, lower, upper: {name: value}. prior: {name: (median, factor)} or, of mu and signed parameters,
     {name: (mean, standard deviation)}. sigma, time_step: a text of the program, or a number in m or s.
-    holdout_frames: (first, end). output: a folder for the files that the program writes; "": none are written.
+    holdout_frames: (first, end). export: simulators for which `output` gets files, see `Result.export`. output: a folder for the files that the program writes; "": none are written.
 
     on_iteration is called with {"iteration", "seconds", "cost", "parameters", "gradient_norm", "rollouts"} after every
     iteration, on_step with {"evaluation", "recording", "step", "num_steps", "seconds", "seconds_left"} after every
@@ -175,6 +176,7 @@ def identify(
         "threads": threads,
         "output": os.fspath(output),
         "report": report,
+        "export": _names(export),
         "resume": resume,
     }
     several = [motions] if isinstance(motions, Motion) else list(motions)

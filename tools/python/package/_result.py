@@ -6,7 +6,7 @@ import html
 import json
 import os
 from dataclasses import dataclass
-from typing import Any, Dict, List, Optional, Tuple, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,6 +144,16 @@ class Result:
         """Writes report.html."""
         with open(path, "w", encoding="utf-8", newline="") as file:
             file.write(self.html)
+
+    def export(
+        self, simulators: Union[str, Sequence[str]] = "all", folder: Union[str, "os.PathLike[str]"] = ""
+    ) -> Dict[str, str]:
+        """{file name: text} of the constants for mujoco, newton, arcsim, blender, ppf; written to `folder`, if given."""
+        texts = _clothid.export(self.predicted[0].scene, self.values, simulators)
+        for name, text in texts.items() if folder else ():
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(text)
+        return texts
 
     def save(self, folder: Union[str, "os.PathLike[str]"], report: bool = True) -> None:
         """Writes what the program writes: result.json, convergence.csv, predicted.bin and report.html."""

@@ -1,0 +1,75 @@
+#include "identify/export/export.h"
+
+#include <algorithm>
+
+#include "costs/prediction/alignment.h"
+#include "costs/prediction/parameter_block.h"
+#include "identify/export/simulator_exports.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+
+namespace clothid {
+namespace {
+
+const char* const kSimulators[] = {"mujoco", "newton", "arcsim", "blender", "ppf"};
+constexpr char kMeshName[] = "export_cloth.obj";
+
+std::string FileOf(const std::string& simulator) {
+  if (simulator == "mujoco") return "export_mujoco.xml";
+  return "export_" + simulator + (simulator == "arcsim" ? ".json" : ".py");
+}
+
+std::string TextOf(const std::string& simulator, const Scene& scene, const ExportConstants& constants) {
+  if (simulator == "mujoco") return MujocoXml(scene, constants);
+  if (simulator == "newton") return NewtonScript(constants);
+  if (simulator == "arcsim") return ArcsimJson(constants);
+  if (simulator == "blender") return BlenderScript(scene, constants);
+  return PpfScript(constants);
+}
+
+}  // namespace
+
+std::vector<std::string> ParseSimulators(const std::string& text, const std::string& flag) {
+  std::vector<std::string> simulators;
+  if (text.empty()) return simulators;
+  for (const std::string& item : Split(text, ',')) {
+    const std::string name(Trimmed(item));
+    if (name == "all") return {std::begin(kSimulators), std::end(kSimulators)};
+    if (std::find(std::begin(kSimulators), std::end(kSimulators), name) == std::end(kSimulators)) {
+      throw Error(ErrorKind::kUsage, flag + ": expected all or some of mujoco, newton, arcsim, blender, ppf; got '" +
+                                         Printable(name) + "'");
+    }
+    if (std::find(simulators.begin(), simulators.end(), name) == simulators.end()) simulators.push_back(name);
+  }
+  return simulators;
+}
+
+Parameters ParametersOfEstimates(const std::map<std::string, double>& values, const Scene& scene) {
+  Parameters parameters = scene.nominal_parameters();
+  for (const auto& [name, value] : values) {
+    const std::string base = BaseName(name);
+    const bool is_of_another = name != base && name != base + "@1";
+    if (!is_of_another && !ParseAlignmentId(base)) SetParameter(ParseParameter(base, scene), value, &parameters);
+  }
+  return parameters;
+}
+
+std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& parameters,
+                                      const std::vector<std::string>& simulators) {
+  const ExportConstants constants = MakeExportConstants(scene, parameters);
+  std::vector<ExportedFile> files;
+  bool needs_mesh = false;
+  for (const std::string& simulator : simulators) {
+    files.push_back({FileOf(simulator), TextOf(simulator, scene, constants)});
+    needs_mesh = needs_mesh || simulator != "mujoco";
+  }
+  if (needs_mesh) files.push_back({kMeshName, ClothObj(scene)});
+  return files;
+}
+
+bool IsExportedFile(const std::string& name) {
+  return name == kMeshName || std::any_of(std::begin(kSimulators), std::end(kSimulators),
+                                          [&](const char* simulator) { return name == FileOf(simulator); });
+}
+
+}  // namespace clothid

@@ -1,0 +1,41 @@
+// Fitted constants as files for other simulators, with formula, unit and source beside every number.
+//
+//   mujoco   export_mujoco.xml: a model (MJCF) of the cloth as a flex, ready to run
+//   newton   export_newton.py: a function that adds the cloth to a ModelBuilder of NVIDIA Newton
+//   arcsim   export_arcsim.json: a material of ARCSim
+//   blender  export_blender.py: settings of Blender's cloth modifier
+//   ppf      export_ppf.py: parameters of ppf-contact-solver
+// All but mujoco come with export_cloth.obj, the mesh at rest.
+#ifndef CLOTHID_IDENTIFY_EXPORT_EXPORT_H_
+#define CLOTHID_IDENTIFY_EXPORT_EXPORT_H_
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/scene/parameters.h"
+#include "sim/scene/scene.h"
+
+namespace clothid {
+
+struct ExportedFile {
+  std::string name, text;
+};
+
+// "mujoco,newton"; empty: none; "all": every one. Throws `Error` (kUsage), naming `flag`, for others.
+std::vector<std::string> ParseSimulators(const std::string& text, const std::string& flag);
+
+// The nominal parameters of `scene` with those of `values`, estimates by name, that are constants of the cloth, its
+// obstacles or the wind. Those of a recording itself, as time_offset, and of another than the first are left out.
+Parameters ParametersOfEstimates(const std::map<std::string, double>& values, const Scene& scene);
+
+// The files for these simulators. The same arguments, the same texts.
+std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& parameters,
+                                      const std::vector<std::string>& simulators);
+
+// Whether `ExportCloth` gives files of this name.
+bool IsExportedFile(const std::string& name);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_EXPORT_EXPORT_H_
