@@ -49,7 +49,9 @@ Parameters ParametersOfEstimates(const std::map<std::string, double>& values, co
   for (const auto& [name, value] : values) {
     const std::string base = BaseName(name);
     const bool is_of_another = name != base && name != base + "@1";
-    if (!is_of_another && !ParseAlignmentId(base)) SetParameter(ParseParameter(base, scene), value, &parameters);
+    const bool is_air = base.rfind("wind.", 0) == 0 || base.rfind("gust.", 0) == 0;
+    if (!is_of_another && !is_air && !ParseAlignmentId(base))
+      SetParameter(ParseParameter(base, scene), value, &parameters);
   }
   return parameters;
 }

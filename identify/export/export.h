@@ -25,8 +25,8 @@ struct ExportedFile {
 // "mujoco,newton"; empty: none; "all": every one. Throws `Error` (kUsage), naming `flag`, for others.
 std::vector<std::string> ParseSimulators(const std::string& text, const std::string& flag);
 
-// The nominal parameters of `scene` with those of `values`, estimates by name, that are constants of the cloth, its
-// obstacles or the wind. Those of a recording itself, as time_offset, and of another than the first are left out.
+// The nominal parameters of `scene` with those of `values`, estimates by name, that are constants of the cloth or its
+// obstacles. The wind, what is of a recording itself, as time_offset, and of another than the first are left out.
 Parameters ParametersOfEstimates(const std::map<std::string, double>& values, const Scene& scene);
 
 // The files for these simulators. The same arguments, the same texts.

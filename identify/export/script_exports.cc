@@ -139,7 +139,7 @@ std::string PpfScript(const ExportConstants& constants) {
   std::ostringstream out;
   out << Preamble(constants, "# ") << R"(#
 # For ppf-contact-solver, commit f23b3565 (docs/blender_addon/workflow/params/material.md; energy.cu, hinge):
-#   young-mod, m^2/s^2: Young's modulus times thickness over the density: k/density; poiss-rat 0; model arap is clothid's
+#   young-mod, m^2/s^2: Young's modulus times thickness over the density: k/density; poiss-rat 0; arap is clothid's law
 #   bend: E = 1.28e-5 bend density l^2/(A1 + A2) theta^2/2 per edge, so bend = 3 k_edge/(1.28e-5 density)
 #   contact-gap, m: the contact distance
 # Not mapped: contacts are a barrier; "friction" is Coulomb's, lagged. Damping of the cloth is of its own kind.
