@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -35,6 +36,15 @@ class WheelTest(unittest.TestCase):
                                    "PYTHONDONTWRITEBYTECODE": "1"})
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    def expect_page_fits_the_drape(self, place):
+        page = (SOURCE / "tools/python/README.md").read_text(encoding="utf-8")
+        (self.folder / "datasets").symlink_to(SOURCE / "datasets")
+        block = re.search(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL).group(1)
+        printed = subprocess.run([sys.executable, "-B", "-c", block], cwd=self.folder, check=True, capture_output=True,
+                                 text=True, env={"PYTHONPATH": str(place)}).stdout
+        self.assertRegex(printed, r"\nmu +0\.24 ")
+        self.assertTrue((self.folder / "report.html").exists())
+
     def test_wheel_fits_in_a_clean_folder(self):
         before = sorted(path.relative_to(SOURCE) for path in (SOURCE / "tools/python").rglob("*"))
         self.pip("wheel", "--no-index", "--no-build-isolation", "--no-deps", "--wheel-dir", "wheels",
@@ -59,6 +69,7 @@ class WheelTest(unittest.TestCase):
         self.assertEqual(len(libraries), 5, libraries)
         for library in libraries:
             self.assertTrue(library.startswith(str(place)), library)
+        self.expect_page_fits_the_drape(place)
         for name in zipfile.ZipFile(wheel).namelist():
             self.assertNotIn(str(BUILD).encode(), zipfile.ZipFile(wheel).read(name), name)
 
