@@ -190,7 +190,7 @@ void WriteFactorTable(const ForwardBenchmark& benchmark, std::ostream& out) {
   if (!benchmark.blas_kernel.empty()) out << ", OpenBLAS for " << benchmark.blas_kernel;
   out << "\n"
          "scene      nodes  method    Mflop  10^6 entries  at dgemm speed, ms  measured, ms  ratio  with a solve, ms  "
-         "ratio\n";
+         "ratio  floor, ms  step/floor\n";
   for (const ForwardCase& result : benchmark.cases) {
     const double least = result.factor_flops / benchmark.dgemm_rate;
     const double factor = result.phases.factorization / result.factorizations();
@@ -205,6 +205,10 @@ void WriteFactorTable(const ForwardBenchmark& benchmark, std::ostream& out) {
     Put(factor / least, 7, 2, out);
     Put(1e3 * with_solve, 18, 3, out);
     Put(with_solve / least, 7, 2, out);
+    // The least that a step could take: one factor and one solve, which reads every entry of L twice.
+    const double floor = (result.factor_flops + 4.0 * result.factor_entries) / benchmark.dgemm_rate;
+    Put(1e3 * floor, 11, 3, out);
+    Put(result.seconds / floor, 12, 2, out);
     out << "\n";
   }
 }

@@ -7,8 +7,9 @@
 //
 // A phase has the share of the processor time of a step that it has, in the median, of the wall time. What a
 // factorisation must cost at the least: its floating-point operations, without those on zeros that a supernodal factor
-// adds, at the speed of dgemm measured in the same run. The cost of an iteration is put together so that it does not
-// depend on how many of them factorise: assembly and factorisation per factorisation, everything else per iteration.
+// adds, at the speed of dgemm measured in the same run; the floor of a step is one of them and one solve at that speed.
+// The cost of an iteration is put together so that it does not depend on how many of them factorise: assembly and
+// factorisation per factorisation, everything else per iteration.
 #ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_FORWARD_H_
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_FORWARD_H_
 
