@@ -21,6 +21,7 @@ constexpr int kMaxHalvings = 14;              // of the step length in a line se
 constexpr double kSlowProgress = 0.9;         // a residual above this share of the one before last: a cycle
 constexpr double kReversal = 0.25;            // an iteration this far against the one before, as a cosine: likewise
 constexpr double kShortestFirstLength = 0.125;
+constexpr int kSweptIterations = 8;          // after these many a step is hard for other reasons than its contacts
 constexpr int kPatience = 30;                // iterations without progress before Newton's method gives up
 constexpr double kProgress = 0.8;            // a residual below this share of the lowest one is progress
 constexpr double kSmallestIncrement = 1e-2;  // of the share of friction in its continuation
@@ -246,7 +247,6 @@ bool StepSolver::LineSearch(const StepProblem& problem, const Eigen::VectorXd& d
 
 bool StepSolver::SearchInContact(const StepProblem& problem, const Eigen::VectorXd& direction, double forcing,
                                  double first_length, StepPoint* point) {
-  if (!problem.may_touch()) return false;
   Eigen::VectorXd corrected = direction;
   {
     const ScopedTimer timer(&jacobian_.seconds().contact);
@@ -260,13 +260,13 @@ bool StepSolver::FactorAtHandServes(double forcing) const {
          -std::log10(forcing) * iterations_per_digit_ <= refactor_iterations_;
 }
 
-bool StepSolver::Iterate(const Task& task, double forcing, double first_length, StepPoint* point) {
+bool StepSolver::Iterate(const Task& task, double forcing, double first_length, bool is_swept, StepPoint* point) {
   const StepProblem& problem = task.problem;
   std::vector<Contact> contacts;
   if (problem.may_touch()) problem.FindActiveContacts(*point, &contacts);
   Eigen::VectorXd direction;
   const auto search = [&] {
-    return SearchInContact(problem, direction, forcing, first_length, point) ||
+    return (is_swept && SearchInContact(problem, direction, forcing, first_length, point)) ||
            LineSearch(problem, direction, first_length, point);
   };
   if (FactorAtHandServes(forcing) && DirectionByFactorAtHand(task, contacts, *point, forcing, &direction) && search()) {
@@ -286,8 +286,8 @@ bool StepSolver::Newton(const Task& task, StepPoint* point) {
     ++task.counts->newton_iterations;
     // After a line search the trial is the point before it. Without candidates the responses are those of an earlier
     // step.
-    const bool changes =
-        task.problem.may_touch() && (iteration == 0 ? InContact(*point) : BranchesDiffer(*point, trial_));
+    const bool is_swept = task.problem.may_touch() && iteration < kSweptIterations;
+    const bool changes = is_swept && (iteration == 0 ? InContact(*point) : BranchesDiffer(*point, trial_));
     const double forcing = ForcingTerm(*point, changes, last, task.ToleranceAt(*point));
     const bool cycles = iteration >= 2 && point->relative_residual > kSlowProgress * before_last &&
                         change.dot(last_change) < -kReversal * change.norm() * last_change.norm();
@@ -296,7 +296,7 @@ bool StepSolver::Newton(const Task& task, StepPoint* point) {
     last = point->relative_residual;
     last_change.swap(change);
     change = -point->velocities;
-    if (!Iterate(task, forcing, first_length, point)) break;
+    if (!Iterate(task, forcing, first_length, is_swept, point)) break;
     change += point->velocities;
     if (point->relative_residual < best.relative_residual) best = *point;
     if (!progress.Continues(*point)) break;

@@ -72,8 +72,9 @@ class StepSolver {
   bool ContinueInFriction(const Task& task, StepPoint* point);
   bool SolveWithFriction(const Task& task, double share, const StepPoint& start, StepPoint* point);
   // One iteration of Newton's method: along the direction that the factor at hand gives, or, where there is none or it
-  // leads nowhere, along that of a new factor. `forcing`: tolerance of its linear system.
-  bool Iterate(const Task& task, double forcing, double first_length, StepPoint* point);
+  // leads nowhere, along that of a new factor. `forcing`: tolerance of its linear system. `is_swept`: with
+  // ContactSweeps.
+  bool Iterate(const Task& task, double forcing, double first_length, bool is_swept, StepPoint* point);
   bool DirectionByFactorAtHand(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
                                double forcing, Eigen::VectorXd* direction);
   bool DirectionByNewFactor(const Task& task, const std::vector<Contact>& contacts, const StepPoint& point,
