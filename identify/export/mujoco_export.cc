@@ -92,6 +92,7 @@ std::string Comment(const ExportConstants& constants, const FlexNumbers& numbers
       << "  Not mapped: of a pair MuJoCo takes the larger friction, and it is no Coulomb friction of contacts that "
          "are\n"
       << "    exactly hard: solref and solimp soften them. At most 50 contacts per geom and flex are kept.\n"
+      << "    Steps of 1 ms damp a swinging cloth: take shorter ones for a motion. It starts at rest.\n"
       << "    radius is the half thickness in contacts; clothid measures gaps from the obstacle.\n-->\n";
   return out.str();
 }

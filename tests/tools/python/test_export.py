@@ -11,9 +11,8 @@ import xml.etree.ElementTree
 
 import clothid
 import numpy as np
+from mujoco_folder import mujoco_folder
 from small_scene import BUILD, over_ball, run
-
-MUJOCO = "@mujoco/mujoco@3.14.0"
 
 
 def heavy(nodes, size, handles, k_stretch, bending, k_bend):
@@ -112,20 +111,9 @@ class TextTest(unittest.TestCase):
 
 
 class MujocoTest(unittest.TestCase):
-    """MuJoCo runs as WebAssembly, in a folder of the build that npm fills once."""
-
     @classmethod
     def setUpClass(cls):
-        cls.folder = BUILD / "tests/mujoco"
-        if shutil.which("node") is None or shutil.which("npm") is None:
-            raise unittest.SkipTest("the package nodejs or npm is absent")
-        if not (cls.folder / "node_modules/@mujoco/mujoco").exists():
-            cls.folder.mkdir(parents=True, exist_ok=True)
-            try:
-                subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", cls.folder, MUJOCO], check=True,
-                               capture_output=True, timeout=60)
-            except (subprocess.CalledProcessError, subprocess.TimeoutExpired):
-                raise unittest.SkipTest(f"npm cannot install {MUJOCO}") from None
+        cls.folder = mujoco_folder()
         shutil.copy(pathlib.Path(__file__).parent / "sag.mjs", cls.folder)
 
     def sag_ratio(self, scene, seconds):

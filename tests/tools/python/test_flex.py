@@ -1,0 +1,58 @@
+"""Motions that MuJoCo simulates: their stiffness and friction are found."""
+
+import importlib.util
+import json
+import unittest
+
+import clothid
+import numpy as np
+from mujoco_folder import mujoco_folder
+from small_scene import SOURCE
+
+FLEX = SOURCE / "datasets/flex.motion.bin"
+TRUTH = {"mu": 0.2, "k_stretch": 60.0}
+
+spec = importlib.util.spec_from_file_location("mujoco_flex", SOURCE / "tools/python/examples/mujoco_flex.py")
+mujoco_flex = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(mujoco_flex)
+
+
+class FlexTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scene = json.loads((SOURCE / "datasets/flex.scene.json").read_text(encoding="utf-8"))
+
+    def expect_found(self, motion, names, within):
+        found = clothid.identify(motion, fit=names).values
+        for name in names:
+            self.assertAlmostEqual(found[name] / TRUTH[name], 1.0, delta=within, msg=name)
+
+    def test_the_shipped_recording_shows_the_truth(self):
+        self.expect_found(clothid.Motion.load(FLEX), ["mu", "k_stretch"], 0.05)
+
+    def test_the_shipped_recording_is_made_again(self):
+        made = mujoco_flex.record(self.scene, TRUTH, mujoco_folder())
+        shipped = clothid.Motion.load(FLEX)
+        np.testing.assert_array_equal(made.times, shipped.times)
+        np.testing.assert_allclose(made.positions, shipped.positions, rtol=0, atol=1e-6)
+
+    def test_soft_contacts_show_nearly_the_same(self):
+        motion = mujoco_flex.record(self.scene, TRUTH, mujoco_folder(), 2e-4, 0.02)
+        self.expect_found(motion, ["mu", "k_stretch"], 0.05)
+
+    def test_a_swinging_cloth_shows_its_stiffness(self):
+        scene = {
+            "clothid_scene": 2,
+            "time_step": 0.0025,
+            "duration": 0.6,
+            "mesh": {"grid": {"nodes": [7, 9], "size": [0.18, 0.24]}},
+            "initial": {"positions": "rest"},
+            "handles": list(range(7)),
+            "materials": {"density": 0.15, "k_stretch": 180, "bending": "edges", "k_bend": 1e-4, "damping": 0.02},
+        }
+        motion = mujoco_flex.record(scene, TRUTH, mujoco_folder())
+        self.expect_found(motion, ["k_stretch"], 0.05)
+
+
+if __name__ == "__main__":
+    unittest.main()

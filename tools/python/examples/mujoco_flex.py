@@ -1,0 +1,70 @@
+"""A recording of a cloth that MuJoCo simulates: the truth of another program.
+
+    npm install --prefix FOLDER @mujoco/mujoco@3.14.0
+    python3 mujoco_flex.py FOLDER SCENE.json mu=0.2,k_stretch=60 OUTPUT.motion.bin
+
+The cloth starts at rest, and obstacles are planes: the export knows no velocity, and MuJoCo keeps the nodes a radius
+away from what they touch, so planes are moved back by it.
+"""
+
+import copy
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree
+from typing import Any, Dict
+
+import clothid
+import numpy as np
+from numpy.typing import NDArray
+
+RADIUS = 1e-3  # m, what the export gives to a cloth that has no thickness
+RATE = 100  # frames per second
+
+
+def model_of(scene: Dict[str, Any], parameters: Dict[str, float], time_step: float, time_constant: float) -> str:
+    """The exported model, with its time step and the time constant of its contacts (the first number of solref), s."""
+    moved = copy.deepcopy(scene)
+    for obstacle in moved.get("obstacles", []):
+        normal = np.array(obstacle["normal"])
+        obstacle["point"] = (np.array(obstacle["point"]) - RADIUS * normal / np.linalg.norm(normal)).tolist()
+    text = clothid.export(moved, parameters, "mujoco")["export_mujoco.xml"]
+    text = re.sub(r'timestep="[^"]*"', f'timestep="{time_step:g}"', text)
+    return text.replace('condim="3"/>', f'condim="3" solref="{time_constant:g} 1"/>')
+
+
+def positions_of(model: str, seconds: float, folder: pathlib.Path) -> NDArray[np.float64]:
+    """Positions of the nodes, (T, N, 3) m, in the order of the scene. folder: where npm has put MuJoCo."""
+    flex = xml.etree.ElementTree.fromstring(model).find("deformable/flex")
+    assert flex is not None
+    order = [int(name[1:]) for name in flex.attrib["body"].split()]  # n5 is node 5
+    program = shutil.copy(pathlib.Path(__file__).with_suffix(".mjs"), folder)
+    with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
+        file.write(model)
+        file.flush()
+        printed = subprocess.run(["node", program, file.name, str(seconds), str(RATE)], check=True, stdout=subprocess.PIPE)
+    frames = np.array(json.loads(printed.stdout)).reshape(-1, len(order), 3)
+    positions = np.empty_like(frames)
+    positions[:, order] = frames
+    return positions
+
+
+def record(scene: Dict[str, Any], parameters: Dict[str, float], folder: pathlib.Path, time_step: float = 5e-5,
+           time_constant: float = 0.005) -> clothid.Motion:
+    positions = positions_of(model_of(scene, parameters, time_step, time_constant), scene["duration"], folder)
+    unmeasured = {key: value for key, value in scene.items() if key != "duration"}
+    return clothid.Motion(positions, scene=unmeasured, frame_rate=RATE, provenance=f"MuJoCo 3.14.0, steps of {time_step:g} s")
+
+
+def main() -> None:
+    folder, scene, values, output = sys.argv[1:]
+    parameters = {name: float(value) for name, value in (item.split("=") for item in values.split(","))}
+    record(json.loads(pathlib.Path(scene).read_text(encoding="utf-8")), parameters, pathlib.Path(folder)).save(output)
+
+
+if __name__ == "__main__":
+    main()
