@@ -9,20 +9,30 @@ namespace {
 // 1 + c of a slipping node is held above this, which bounds kappa by d times its inverse as u_T -> 0.
 constexpr double kSmallestSlip = 1e-12;
 
-}  // namespace
-
-void ToLocal(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors) {
-  for (const LocalFrame& frame : frames) {
-    auto rows = vectors->middleRows<3>(3 * frame.block);
-    rows = (frame.axes.transpose() * rows).eval();
+// v <- map(item, v, others ..) for the block v of every item in every column, and the same block of other vectors. By
+// columns, so that blocks have a fixed size.
+template <typename Item, typename Map, typename... Others>
+void MapBlocks(const std::vector<Item>& items, Eigen::MatrixXd* vectors, const Map& map, const Others&... others) {
+  for (Eigen::Index c = 0; c < vectors->cols(); ++c) {
+    for (const Item& item : items) {
+      const Eigen::Index row = 3 * static_cast<Eigen::Index>(item.block);
+      Eigen::Map<Eigen::Vector3d> v(vectors->col(c).data() + row);
+      v = map(item, Eigen::Vector3d(v), Eigen::Vector3d(others.col(c).template segment<3>(row))...);
+    }
   }
 }
 
+}  // namespace
+
+void ToLocal(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors) {
+  MapBlocks(frames, vectors, [](const LocalFrame& frame, const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    return frame.axes.transpose() * v;
+  });
+}
+
 void ToWorld(const std::vector<LocalFrame>& frames, Eigen::MatrixXd* vectors) {
-  for (const LocalFrame& frame : frames) {
-    auto rows = vectors->middleRows<3>(3 * frame.block);
-    rows = (frame.axes * rows).eval();
-  }
+  MapBlocks(frames, vectors,
+            [](const LocalFrame& frame, const Eigen::Vector3d& v) -> Eigen::Vector3d { return frame.axes * v; });
 }
 
 void ContactElimination::SetContacts(const std::vector<Contact>& contacts, const std::vector<int>& free_index,
@@ -84,54 +94,44 @@ void ContactElimination::Reduce(const BlockMatrix& matrix, Eigen::VectorXd* valu
 }
 
 void ContactElimination::Project(Eigen::MatrixXd* vectors) const {
-  for (const Node& node : nodes_) {
-    auto rows = vectors->middleRows<3>(3 * node.block);
-    if (node.branch == ContactBranch::kStick) {
-      rows.setZero();
-    } else {
-      rows -= (node.frame.col(0) * (node.frame.col(0).transpose() * rows)).eval();
-    }
-  }
+  MapBlocks(nodes_, vectors, [](const Node& node, const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    if (node.branch == ContactBranch::kStick) return Eigen::Vector3d::Zero();
+    const auto n = node.frame.col(0);
+    return v - n.dot(v) * n;
+  });
 }
 
 void ContactElimination::AddFriction(Eigen::MatrixXd* vectors) const {
-  for (const Node& node : nodes_) {
-    if (node.branch != ContactBranch::kSlip) continue;
-    auto rows = vectors->middleRows<3>(3 * node.block);
-    rows += (node.friction_coefficient * node.frame.col(1) * (node.frame.col(0).transpose() * rows)).eval();
-  }
+  MapBlocks(nodes_, vectors, [](const Node& node, const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    if (node.branch != ContactBranch::kSlip) return v;
+    return v + node.friction_coefficient * node.frame.col(0).dot(v) * node.frame.col(1);
+  });
 }
 
 void ContactElimination::AddFrictionTransposed(Eigen::MatrixXd* vectors) const {
-  for (const Node& node : nodes_) {
-    if (node.branch != ContactBranch::kSlip) continue;
-    auto rows = vectors->middleRows<3>(3 * node.block);
-    rows += (node.friction_coefficient * node.frame.col(0) * (node.frame.col(1).transpose() * rows)).eval();
-  }
+  MapBlocks(nodes_, vectors, [](const Node& node, const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    if (node.branch != ContactBranch::kSlip) return v;
+    return v + node.friction_coefficient * node.frame.col(1).dot(v) * node.frame.col(0);
+  });
 }
 
 void ContactElimination::AddSlipStiffness(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result) const {
-  for (const Node& node : nodes_) {
-    if (node.slip_stiffness == 0.0) continue;
+  const auto add = [](const Node& node, const Eigen::Vector3d& sum, const Eigen::Vector3d& v) -> Eigen::Vector3d {
     const auto b = node.frame.col(2);
-    result->middleRows<3>(3 * node.block) +=
-        node.slip_stiffness * b * (b.transpose() * vectors.middleRows<3>(3 * node.block));
-  }
+    return sum + node.slip_stiffness * b.dot(v) * b;
+  };
+  MapBlocks(nodes_, result, add, vectors);
 }
 
 // Stick: d dv = right. Slip: d n . dv = n . right.
 Eigen::MatrixXd ContactElimination::KnownPart(const Eigen::MatrixXd& right) const {
   Eigen::MatrixXd known = Eigen::MatrixXd::Zero(right.rows(), right.cols());
-  for (const Node& node : nodes_) {
-    const auto rows = right.middleRows<3>(3 * node.block);
-    auto result = known.middleRows<3>(3 * node.block);
-    if (node.branch == ContactBranch::kStick) {
-      result = rows / node.weight;
-    } else {
-      const auto n = node.frame.col(0);
-      result = n * (n.transpose() * rows) / node.weight;
-    }
-  }
+  const auto set = [](const Node& node, const Eigen::Vector3d&, const Eigen::Vector3d& r) -> Eigen::Vector3d {
+    if (node.branch == ContactBranch::kStick) return r / node.weight;
+    const auto n = node.frame.col(0);
+    return n.dot(r) / node.weight * n;
+  };
+  MapBlocks(nodes_, &known, set, right);
   return known;
 }
 
@@ -143,18 +143,12 @@ Eigen::MatrixXd ContactElimination::ReducedRight(const Eigen::MatrixXd& right, c
   AddFriction(&reduced);
   Project(&reduced);
   Eigen::MatrixXd direct = right;
-  for (const Node& node : nodes_) {
-    auto rows = direct.middleRows<3>(3 * node.block);
-    if (node.branch == ContactBranch::kStick) {
-      rows.setZero();
-      continue;
-    }
+  const auto set = [](const Node& node, const Eigen::Vector3d& r, const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    if (node.branch == ContactBranch::kStick) return Eigen::Vector3d::Zero();
     const auto n = node.frame.col(0), t = node.frame.col(1), b = node.frame.col(2);
-    const auto known_rows = known.middleRows<3>(3 * node.block);
-    rows = (t * (t.transpose() * rows + node.friction_coefficient * node.weight * (n.transpose() * known_rows)) +
-            node.slip_compliance * b * (b.transpose() * rows))
-               .eval();
-  }
+    return (t.dot(r) + node.friction_coefficient * node.weight * n.dot(v)) * t + node.slip_compliance * b.dot(r) * b;
+  };
+  MapBlocks(nodes_, &direct, set, known);
   return reduced + direct;
 }
 
@@ -162,19 +156,15 @@ Eigen::MatrixXd ContactElimination::ReducedRight(const Eigen::MatrixXd& right, c
 Eigen::MatrixXd ContactElimination::RecoverAdjoint(const Eigen::MatrixXd& right, const Eigen::MatrixXd& q,
                                                    const Eigen::MatrixXd& matrix_y) const {
   Eigen::MatrixXd z = q;
-  for (const Node& node : nodes_) {
-    auto rows = z.middleRows<3>(3 * node.block);
-    const Eigen::Matrix<double, 3, Eigen::Dynamic> rest =
-        (right.middleRows<3>(3 * node.block) - matrix_y.middleRows<3>(3 * node.block)) / node.weight;
-    if (node.branch == ContactBranch::kStick) {
-      rows = rest;
-      continue;
-    }
+  const auto set = [](const Node& node, const Eigen::Vector3d& v, const Eigen::Vector3d& r,
+                      const Eigen::Vector3d& m) -> Eigen::Vector3d {
+    const Eigen::Vector3d rest = (r - m) / node.weight;
+    if (node.branch == ContactBranch::kStick) return rest;
     const auto n = node.frame.col(0), t = node.frame.col(1), b = node.frame.col(2);
-    rows = (t * (t.transpose() * rows) + node.slip_compliance * b * (b.transpose() * rows) +
-            n * (n.transpose() * rest + node.friction_coefficient * (t.transpose() * rows)))
-               .eval();
-  }
+    return t.dot(v) * t + node.slip_compliance * b.dot(v) * b +
+           (n.dot(rest) + node.friction_coefficient * t.dot(v)) * n;
+  };
+  MapBlocks(nodes_, &z, set, right, matrix_y);
   return z;
 }
 
@@ -194,17 +184,14 @@ void ContactElimination::FullJacobian(const BlockMatrix& matrix, Eigen::VectorXd
 }
 
 void ContactElimination::AddImpulseTransposed(Eigen::MatrixXd* vectors) const {
-  for (const Node& node : nodes_) {
-    auto rows = vectors->middleRows<3>(3 * node.block);
-    rows += (node.impulse.transpose() * rows).eval();
-  }
+  MapBlocks(nodes_, vectors, [](const Node& node, const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    return v + node.impulse.transpose() * v;
+  });
 }
 
 void ContactElimination::AddImpulse(Eigen::MatrixXd* vectors) const {
-  for (const Node& node : nodes_) {
-    auto rows = vectors->middleRows<3>(3 * node.block);
-    rows += (node.impulse * rows).eval();
-  }
+  MapBlocks(nodes_, vectors,
+            [](const Node& node, const Eigen::Vector3d& v) -> Eigen::Vector3d { return v + node.impulse * v; });
 }
 
 }  // namespace clothid
