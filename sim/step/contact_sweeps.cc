@@ -108,12 +108,16 @@ void ContactSweeps::Move(const BlockMatrix& hessian, int block, const Eigen::Vec
 
 bool ContactSweeps::Correct(const StepProblem& problem, const BlockMatrix& hessian, const StepPoint& point,
                             double tolerance, Eigen::VectorXd* direction) {
-  if (Start(problem, hessian, point, *direction) <= kShare * tolerance * point.residual.norm()) return false;
+  const double goal = kShare * tolerance * point.residual.norm();
+  if (Start(problem, hessian, point, *direction) <= goal) return false;
+  // What is left where every node has its share of the goal.
+  const double node_goal = goal / std::sqrt(static_cast<double>(candidates_.size()));
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (const int candidate : candidates_) {
       const int block = problem.free_block(candidate), row = 3 * block;
       const NodeEquation equation(problem, candidate, hessian.block(hessian.pattern().Diagonal(block)));
       const NodeEquation::State start = equation.At(velocities_.segment<3>(row), momentum_.col(0).segment<3>(row));
+      if (start.residual <= node_goal) continue;
       const NodeEquation::State end = equation.Solve(start);
       if (end.residual < start.residual) Move(hessian, block, end.velocity - start.velocity);
     }
