@@ -134,7 +134,8 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --max_iterations N  (50)
   --horizon KIND      growing: fits of the first eighth, quarter and half of the recordings lead to where the fit of all
                       of them starts, past minima that only whole motions have; full: all frames at once (growing)
-  --threads N         recordings, and fits of --starts, side by side; the result does not depend on it (1)
+  --threads N         recordings, and fits of --starts, side by side; what is left over shares the work of a rollout.
+                      The result does not depend on it (1)
   --starts N          fit from N starting points: the own one and a Latin hypercube around it (1)
   --seed S            of the starting points (0)
   --profile NAMES     profile likelihood of these parameters: intervals of costs that are not quadratic

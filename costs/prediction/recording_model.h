@@ -92,6 +92,9 @@ class RecordingModel {
   // How constants vary over the cloth in all rollouts from now on: the fields of the scene, with other factors.
   void SetFields(std::shared_ptr<const std::vector<FieldFactors>> fields) { fields_ = std::move(fields); }
 
+  // Of its simulator.
+  void SetNumThreads(int num_threads) { simulator_.SetNumThreads(num_threads); }
+
   int num_steps() const;
 
   // The scene's solver options, with the tolerances of `precision`.

@@ -51,9 +51,10 @@ struct RolloutCostOptions {
   bool starts_with_sensitivities = false;
   bool keep_factors = false;  // of the steps, within memory_limit: pays where only the gradient is asked for
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of a rollout's steps; beyond it they are made twice
-  const std::atomic<bool>* cancel = nullptr;        // ends the rollout under way as failed; must outlive the cost
-  std::shared_ptr<EvaluationJournal> journal;       // of this cost alone; null: nothing is replayed or kept
-  PassObserver on_step;  // what is replayed has none but of predictions made again; may be empty
+  int num_threads = 1;  // that share the work of a rollout or a sweep; results do not depend on them
+  const std::atomic<bool>* cancel = nullptr;   // ends the rollout under way as failed; must outlive the cost
+  std::shared_ptr<EvaluationJournal> journal;  // of this cost alone; null: nothing is replayed or kept
+  PassObserver on_step;                        // what is replayed has none but of predictions made again; may be empty
 
   bool is_cancelled() const { return cancel != nullptr && cancel->load(); }
 };

@@ -31,6 +31,7 @@ RolloutComputation::RolloutComputation(const RecordedMotion& motion, std::vector
       model_(motion, std::move(blocks), options.on_step),
       latest_rollout_(&model_, &options_),
       adjoint_rows_(&model_, &options_) {
+  model_.SetNumThreads(options.num_threads);
   for (int i = 0; i < model_.num_blocks(); ++i) {
     if (!model_.blocks()[i].frozen) free_blocks_.push_back(i);
   }

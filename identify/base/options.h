@@ -77,7 +77,9 @@ struct FitOptions {
   int max_iterations = 50;
   int num_starts = 1;      // of `FitFromStarts`
   std::uint64_t seed = 0;  // of its starting points
-  int num_threads = 1;     // recordings, or fits of several starts, side by side; results do not depend on it
+  // For recordings, or fits of several starts, side by side; where there are more threads than recordings, they share
+  // the work of a rollout. Results do not depend on it.
+  int num_threads = 1;
   // Relative changes at which the fit has converged. A step that satisfies them has been evaluated and is taken where
   // it is better, so the estimate is one (superlinear) step closer than the tolerance says.
   double function_tolerance = 1e-9;

@@ -188,6 +188,7 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
   for (const RecordedMotion& motion : motions) {
     RolloutCostOptions cost_options = CostOptions(options);
+    cost_options.num_threads = std::max(1, options.num_threads / static_cast<int>(motions.size()));
     if (has_journal) cost_options.journal = OpenJournal(options, fingerprint, num_recordings());
     AddCost(motion, options, std::move(cost_options));
   }

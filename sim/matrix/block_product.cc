@@ -2,23 +2,36 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 
+#include "sim/base/thread_team.h"
 #include "sim/base/vector_clones.h"
 #include "sim/matrix/lanes.h"
 
 namespace clothid {
 namespace {
 
-// All block rows of a product with Sides::kSize columns, which stand beside each other in the rows of `x` and `y`. The
+// Below so many values a second thread gains less than it costs.
+constexpr int kSharedValues = 1 << 17;
+// Tasks that a product is cut into, for threads that are late.
+constexpr int kTasks = 8;
+
+// Block rows first up to last.
+struct Range {
+  int first, last;
+};
+
+// Those rows of a product with Sides::kSize columns, which stand beside each other in the rows of `x` and `y`. The
 // matrix is symmetric, so a column is read as its row: the values of a block column are three scalar columns, each with
 // three entries for every block.
 template <typename Sides>
-CLOTHID_ALWAYS_INLINE void MultiplyBeside(const BlockPattern& pattern, const double* values, const double* x,
-                                          double* y) {
+CLOTHID_ALWAYS_INLINE void MultiplyBeside(const BlockPattern& pattern, Range range, const double* values,
+                                          const double* x, double* y) {
   constexpr int kSides = Sides::kSize;
-  for (int i = 0; i < pattern.num_blocks(); ++i, y += 3 * kSides) {
+  y += 3 * kSides * static_cast<std::ptrdiff_t>(range.first);
+  for (int i = range.first; i < range.last; ++i, y += 3 * kSides) {
     const int num_rows = pattern.num_rows(i);
     const int* const rows = pattern.rows_begin(i);
     const double* const columns = values + pattern.Position(i, 0).start;
@@ -39,17 +52,18 @@ CLOTHID_ALWAYS_INLINE void MultiplyBeside(const BlockPattern& pattern, const dou
   }
 }
 
-using Kernel = void (*)(const BlockPattern& pattern, const double* values, const double* x, double* y);
+using Kernel = void (*)(const BlockPattern& pattern, Range range, const double* values, const double* x, double* y);
 
 template <typename Sides>
-void MultiplyByCommon(const BlockPattern& pattern, const double* values, const double* x, double* y) {
-  MultiplyBeside<Sides>(pattern, values, x, y);
+void MultiplyByCommon(const BlockPattern& pattern, Range range, const double* values, const double* x, double* y) {
+  MultiplyBeside<Sides>(pattern, range, values, x, y);
 }
 
 #if CLOTHID_HAS_AVX2
 template <typename Sides>
-CLOTHID_AVX2 void MultiplyByAvx2(const BlockPattern& pattern, const double* values, const double* x, double* y) {
-  MultiplyBeside<Sides>(pattern, values, x, y);
+CLOTHID_AVX2 void MultiplyByAvx2(const BlockPattern& pattern, Range range, const double* values, const double* x,
+                                 double* y) {
+  MultiplyBeside<Sides>(pattern, range, values, x, y);
 }
 #endif
 
@@ -95,8 +109,20 @@ CLOTHID_VECTOR_CLONES void MultiplyOne(const double* values, const int* rows, in
   y[2] = sum2[0] + sum2[1] + sum2[2];
 }
 
+// Calls work(range) for ranges that together are all block rows.
+template <typename Work>
+void ForRanges(const BlockPattern& pattern, ThreadTeam* team, const Work& work) {
+  const int n = pattern.num_blocks();
+  if (team == nullptr || pattern.num_values() < kSharedValues) {
+    work(Range{0, n});
+    return;
+  }
+  const auto start = [n](int task) { return static_cast<int>(static_cast<std::int64_t>(n) * task / kTasks); };
+  team->Run(kTasks, [&](int task) { work(Range{start(task), start(task + 1)}); });
+}
+
 // With one column.
-void MultiplyVector(const BlockMatrix& matrix, const double* vector, double* product) {
+void MultiplyVector(const BlockMatrix& matrix, ThreadTeam* team, const double* vector, double* product) {
   const BlockPattern& pattern = matrix.pattern();
   const auto size = static_cast<std::size_t>(pattern.size());
   if (size == 0) return;
@@ -105,10 +131,12 @@ void MultiplyVector(const BlockMatrix& matrix, const double* vector, double* pro
   std::copy_n(vector, size, x.get());
   x[size] = 0.0;
   const int last = pattern.num_blocks() - 1;
-  for (int i = 0; i < last; ++i) {
-    MultiplyOne(values + pattern.Position(i, 0).start, pattern.rows_begin(i), pattern.num_rows(i), x.get(),
-                product + 3 * i);
-  }
+  ForRanges(pattern, team, [&](Range range) {
+    for (int i = range.first; i < std::min(range.last, last); ++i) {
+      MultiplyOne(values + pattern.Position(i, 0).start, pattern.rows_begin(i), pattern.num_rows(i), x.get(),
+                  product + 3 * i);
+    }
+  });
   const std::size_t num_values = 9 * static_cast<std::size_t>(pattern.num_rows(last));
   const std::unique_ptr<double[]> last_values(new double[num_values + 1]);
   std::copy_n(values + pattern.Position(last, 0).start, num_values, last_values.get());
@@ -119,12 +147,12 @@ void MultiplyVector(const BlockMatrix& matrix, const double* vector, double* pro
 }  // namespace
 
 void MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& columns,
-                       Eigen::MatrixXd* product) {
+                       Eigen::MatrixXd* product, ThreadTeam* team) {
   const BlockPattern& pattern = matrix.pattern();
   const double* const values = matrix.values.data();
   product->resize(columns.rows(), columns.cols());
   if (columns.cols() == 1) {
-    MultiplyVector(matrix, columns.data(), product->data());
+    MultiplyVector(matrix, team, columns.data(), product->data());
     return;
   }
   const Kernels kernels = BestKernels();
@@ -132,14 +160,16 @@ void MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::
     const Eigen::Index width = std::min<Eigen::Index>(8, columns.cols() - first), sides = width > 4 ? 8 : 4;
     Eigen::MatrixXd x = Eigen::MatrixXd::Zero(sides, columns.rows()), y(sides, columns.rows());
     x.topRows(width) = columns.middleCols(first, width).transpose();
-    (sides > 4 ? kernels.eight : kernels.four)(pattern, values, x.data(), y.data());
+    const Kernel kernel = sides > 4 ? kernels.eight : kernels.four;
+    ForRanges(pattern, team, [&](Range range) { kernel(pattern, range, values, x.data(), y.data()); });
     product->middleCols(first, width) = y.topRows(width).transpose();
   }
 }
 
-Eigen::MatrixXd MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& columns) {
+Eigen::MatrixXd MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& columns,
+                                  ThreadTeam* team) {
   Eigen::MatrixXd product;
-  MultiplySymmetric(matrix, columns, &product);
+  MultiplySymmetric(matrix, columns, &product, team);
   return product;
 }
 

@@ -4,14 +4,17 @@
 
 #include <Eigen/Core>
 
+#include "sim/base/thread_team.h"
 #include "sim/matrix/block_matrix.h"
 
 namespace clothid {
 
-// product <- matrix * columns, [n x s]; `matrix` must be symmetric. `product` must not be `columns`.
+// product <- matrix * columns, [n x s]; `matrix` must be symmetric. `product` must not be `columns`. `team` (may be
+// null) shares the work of a large matrix; the numbers do not depend on it.
 void MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& columns,
-                       Eigen::MatrixXd* product);
-Eigen::MatrixXd MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& columns);
+                       Eigen::MatrixXd* product, ThreadTeam* team = nullptr);
+Eigen::MatrixXd MultiplySymmetric(const BlockMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& columns,
+                                  ThreadTeam* team = nullptr);
 
 }  // namespace clothid
 

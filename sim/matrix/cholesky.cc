@@ -12,6 +12,9 @@
 namespace clothid {
 namespace {
 
+// Parts in which a factor is copied.
+constexpr int kCopies = 8;
+
 // The memory of factors. Some threads take it while others put it back.
 class FactorMemory {
  public:
@@ -62,23 +65,27 @@ struct CholeskyFactor::Numeric {
 CholeskyFactor::CholeskyFactor(std::unique_ptr<Numeric> numeric) : numeric_(std::move(numeric)) {}
 CholeskyFactor::~CholeskyFactor() = default;
 
-void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
-  SolveSupernodes(numeric_->state->supernodes, numeric_->values.data(), right, solution);
+void CholeskyFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution, ThreadTeam* team) const {
+  SolveSupernodes(numeric_->state->supernodes, numeric_->values.data(), right, solution, team);
 }
 
 std::size_t CholeskyFactor::bytes() const { return sizeof(double) * numeric_->values.size(); }
 
-void SinglePrecisionFactor::Set(std::shared_ptr<const CholeskyFactor> factor) {
+void SinglePrecisionFactor::Set(std::shared_ptr<const CholeskyFactor> factor, ThreadTeam* team) {
   if (factor != factor_ && factor != nullptr) {
-    values_.resize(factor->numeric_->values.size());
-    std::transform(factor->numeric_->values.begin(), factor->numeric_->values.end(), values_.begin(),
-                   [](double value) { return static_cast<float>(value); });
+    const std::vector<double>& values = factor->numeric_->values;
+    values_.resize(values.size());
+    RunTasks(team, kCopies, [&](int task) {
+      const std::size_t first = values.size() * task / kCopies, last = values.size() * (task + 1) / kCopies;
+      std::transform(values.begin() + first, values.begin() + last, values_.begin() + first,
+                     [](double value) { return static_cast<float>(value); });
+    });
   }
   factor_ = std::move(factor);
 }
 
-void SinglePrecisionFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const {
-  SolveSupernodes(factor_->numeric_->state->supernodes, values_.data(), right, solution);
+void SinglePrecisionFactor::Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution, ThreadTeam* team) const {
+  SolveSupernodes(factor_->numeric_->state->supernodes, values_.data(), right, solution, team);
 }
 
 CholeskySolver::CholeskySolver(std::shared_ptr<const BlockPattern> pattern)
@@ -88,12 +95,15 @@ CholeskySolver::~CholeskySolver() = default;
 
 double CholeskySolver::num_flops() const { return state_->supernodes.num_flops; }
 double CholeskySolver::num_entries() const { return state_->supernodes.num_entries; }
+bool CholeskySolver::has_branches() const { return !state_->supernodes.branches.empty(); }
 
-std::shared_ptr<const CholeskyFactor> CholeskySolver::Factor(const Eigen::VectorXd& values) {
+std::shared_ptr<const CholeskyFactor> CholeskySolver::Factor(const Eigen::VectorXd& values, ThreadTeam* team) {
   // A comparison with NaN or infinity might pass as positive definite.
   if (!values.allFinite()) return nullptr;
   auto numeric = std::make_unique<CholeskyFactor::Numeric>(state_);
-  if (!FactorSupernodes(state_->supernodes, *state_->pattern, values.data(), numeric->values.data())) return nullptr;
+  if (!FactorSupernodes(state_->supernodes, *state_->pattern, values.data(), numeric->values.data(), team)) {
+    return nullptr;
+  }
   return std::shared_ptr<const CholeskyFactor>(new CholeskyFactor(std::move(numeric)));
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "sim/base/thread_team.h"
 #include "sim/matrix/block_matrix.h"
 
 namespace clothid {
@@ -22,8 +23,9 @@ class CholeskyFactor {
   CholeskyFactor& operator=(const CholeskyFactor&) = delete;
 
   // `right` [n x s], solved together, which takes far less time than one after the other. How many there are does not
-  // change the numbers of one, except that one alone is rounded differently. `solution` may be `right`.
-  void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const;
+  // change the numbers of one, except that one alone is rounded differently. `solution` may be `right`. `team` (may be
+  // null) shares the work of a large factor.
+  void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution, ThreadTeam* team = nullptr) const;
 
   std::size_t bytes() const;  // of the numeric values
 
@@ -40,9 +42,9 @@ class CholeskyFactor {
 class SinglePrecisionFactor {
  public:
   // Copies `factor` unless it is the one that was copied last. Null: holds none from now on.
-  void Set(std::shared_ptr<const CholeskyFactor> factor);
+  void Set(std::shared_ptr<const CholeskyFactor> factor, ThreadTeam* team = nullptr);
   // As CholeskyFactor::Solve.
-  void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution) const;
+  void Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* solution, ThreadTeam* team = nullptr) const;
 
  private:
   std::shared_ptr<const CholeskyFactor> factor_;
@@ -61,13 +63,15 @@ class CholeskySolver {
   CholeskySolver& operator=(const CholeskySolver&) = delete;
 
   // `values` [pattern.num_values()], of which the lower triangle is read; null where the matrix is not positive
-  // definite.
-  std::shared_ptr<const CholeskyFactor> Factor(const Eigen::VectorXd& values);
+  // definite. Team as CholeskyFactor::Solve.
+  std::shared_ptr<const CholeskyFactor> Factor(const Eigen::VectorXd& values, ThreadTeam* team = nullptr);
 
   // Of one factorisation, without the zeros that supernodes add: operations (an addition and a multiplication are two)
   // and entries of L.
   double num_flops() const;
   double num_entries() const;
+  // Whether a team shares the work of its factors: whether they are large.
+  bool has_branches() const;
 
  private:
   friend class CholeskyFactor;

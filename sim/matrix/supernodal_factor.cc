@@ -1,9 +1,12 @@
 #include "sim/matrix/supernodal_factor.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <thread>
 #include <vector>
 
+#include "sim/base/thread_team.h"
 #include "sim/matrix/lanes.h"
 
 namespace clothid {
@@ -13,6 +16,7 @@ namespace {
 constexpr int kWidth = 6;
 constexpr int kBlock = 3;
 constexpr int kRows = 8;
+static_assert(kRows <= kSpareValues);
 
 // A supernode that is being made, or that is done: `num_rows` x `num_columns` scalars by columns.
 struct Panel {
@@ -195,34 +199,66 @@ Kernels KernelsOf([[maybe_unused]] InstructionSet instructions) {
   return {SubtractByCommon, FactorByCommon};
 }
 
-// A factorisation under way.
-class Factorization {
- public:
-  Factorization(const Supernodes& supernodes, const BlockPattern& pattern, const double* values, double* factor,
-                InstructionSet instructions)
-      : kernels_(KernelsOf(instructions)),
-        supernodes_(supernodes),
-        pattern_(pattern),
-        values_(values),
-        factor_(factor),
-        positions_(pattern.num_blocks()),
-        targets_(3 * supernodes.max_rows) {}
+// What a factorisation is about.
+struct Matrices {
+  const Supernodes& supernodes;
+  const BlockPattern& pattern;
+  const double* values;
+  double* factor;
+  Kernels kernels;
+};
 
-  bool Run() {
-    for (int s = 0; s < supernodes_.size(); ++s) {
+// Which supernodes are done, for threads that wait for them.
+class Finished {
+ public:
+  explicit Finished(int num_supernodes) : done_(num_supernodes) {}
+
+  void SetDone(int s) { done_[s].store(true, std::memory_order_release); }
+  void Fail() { failed_.store(true, std::memory_order_relaxed); }
+  bool failed() const { return failed_.load(std::memory_order_relaxed); }
+  // False where the factorisation has failed.
+  bool WaitFor(int s) const {
+    while (!done_[s].load(std::memory_order_acquire)) {
+      if (failed()) return false;
+      std::this_thread::yield();
+    }
+    return true;
+  }
+
+ private:
+  std::vector<std::atomic<bool>> done_;
+  std::atomic<bool> failed_{false};
+};
+
+// What a thread works on, with scratch of its own.
+class Worker {
+ public:
+  explicit Worker(const Matrices& matrices)
+      : matrices_(matrices),
+        supernodes_(matrices.supernodes),
+        positions_(matrices.pattern.num_blocks()),
+        targets_(3 * matrices.supernodes.max_rows) {}
+
+  // Supernodes first up to last. False: not positive definite, or failed elsewhere.
+  bool Factor(int first, int last, Finished* finished) {
+    for (int s = first; s < last; ++s) {
       const Panel panel = PanelOf(s);
       Assemble(s, panel);
       for (int u = supernodes_.update_starts[s]; u < supernodes_.update_starts[s + 1]; ++u) {
-        Subtract(supernodes_.updates[u], panel);
+        const Supernodes::Update& update = supernodes_.updates[u];
+        if (!finished->WaitFor(update.source)) return false;
+        Subtract(update, panel);
       }
-      if (!kernels_.factor(panel)) return false;
+      if (!matrices_.kernels.factor(panel)) return false;
+      finished->SetDone(s);
     }
     return true;
   }
 
  private:
   Panel PanelOf(int s) const {
-    return {factor_ + supernodes_.value_starts[s], 3 * supernodes_.num_rows(s), 3 * supernodes_.num_columns(s)};
+    return {matrices_.factor + supernodes_.value_starts[s], 3 * supernodes_.num_rows(s),
+            3 * supernodes_.num_columns(s)};
   }
 
   // The columns of A, and where its rows are.
@@ -232,10 +268,10 @@ class Factorization {
     std::fill_n(panel.values, static_cast<std::size_t>(panel.num_rows) * panel.num_columns, 0.0);
     double* to = panel.values;
     for (int column = supernodes_.columns[s]; column < supernodes_.columns[s + 1]; ++column) {
-      const int* const a_rows = pattern_.rows_begin(column);
-      const int num_rows = pattern_.num_rows(column);
+      const int* const a_rows = matrices_.pattern.rows_begin(column);
+      const int num_rows = matrices_.pattern.num_rows(column);
       const int first = static_cast<int>(std::lower_bound(a_rows, a_rows + num_rows, column) - a_rows);
-      const double* from = values_ + pattern_.Position(column, 0).start;
+      const double* from = matrices_.values + matrices_.pattern.Position(column, 0).start;
       for (int c = 0; c < 3; ++c, to += panel.num_rows, from += 3 * static_cast<std::ptrdiff_t>(num_rows)) {
         for (int k = first; k < num_rows; ++k) std::copy_n(from + 3 * k, 3, to + 3 * positions_[a_rows[k]]);
       }
@@ -252,28 +288,44 @@ class Factorization {
       target[1] = row + 1;
       target[2] = row + 2;
     }
-    kernels_.subtract(
+    matrices_.kernels.subtract(
         {source.values + 3 * static_cast<std::ptrdiff_t>(update.first), source.num_rows, source.num_columns,
          3 * (update.last - update.first), source.num_rows - 3 * update.first, targets_.data()},
         panel);
   }
 
-  const Kernels kernels_;
+  const Matrices& matrices_;
   const Supernodes& supernodes_;
-  const BlockPattern& pattern_;
-  const double* values_;
-  double* factor_;
   std::vector<int> positions_;  // of the rows of A in the supernode
   std::vector<int> targets_;    // of the rows of an update in the supernode, by scalars
 };
 
+// The branches, each a task, then the supernodes of the trunk. Threads take them in that order, so that whoever waits
+// waits for a task that another thread is at.
+bool FactorBranches(const Matrices& matrices, ThreadTeam* team) {
+  const Supernodes& supernodes = matrices.supernodes;
+  const int num_branches = static_cast<int>(supernodes.branches.size());
+  const int num_tasks = num_branches + static_cast<int>(supernodes.trunk.size());
+  Finished finished(supernodes.size());
+  RunTasks(team, num_tasks, [&](int task) {
+    if (finished.failed()) return;
+    const int s = task < num_branches ? 0 : supernodes.trunk[task - num_branches];
+    const auto [first, last] = task < num_branches ? supernodes.branches[task] : Supernodes::Range{s, s + 1};
+    if (!Worker(matrices).Factor(first, last, &finished)) finished.Fail();
+  });
+  return !finished.failed();
+}
+
 }  // namespace
 
-std::size_t NumFactorValues(const Supernodes& supernodes) { return supernodes.value_starts.back() + kRows; }
+std::size_t NumFactorValues(const Supernodes& supernodes) { return supernodes.value_starts.back(); }
 
 bool FactorSupernodes(const Supernodes& supernodes, const BlockPattern& pattern, const double* values, double* factor,
-                      InstructionSet instructions) {
-  return Factorization(supernodes, pattern, values, factor, instructions).Run();
+                      ThreadTeam* team, InstructionSet instructions) {
+  const Matrices matrices{supernodes, pattern, values, factor, KernelsOf(instructions)};
+  if (!supernodes.branches.empty() && team != nullptr) return FactorBranches(matrices, team);
+  Finished finished(supernodes.size());
+  return Worker(matrices).Factor(0, supernodes.size(), &finished);
 }
 
 }  // namespace clothid

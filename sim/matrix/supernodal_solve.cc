@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <type_traits>
+#include <vector>
 
+#include "sim/base/thread_team.h"
 #include "sim/matrix/lanes.h"
 
 #if defined(__x86_64__)
@@ -17,6 +19,9 @@ namespace {
 constexpr int kWidth = 6;
 constexpr int kBlock = 3;
 constexpr int kRows = 8;
+static_assert(kRows <= kSpareValues);
+
+using Range = Supernodes::Range;
 
 // A supernode, by scalars: `values` [num_rows x num_columns].
 template <typename Scalar>
@@ -173,52 +178,86 @@ struct Sweep {
     std::copy_n(work, kSides * panel.num_columns, own);
   }
 
-  CLOTHID_ALWAYS_INLINE static void Solve(const Supernodes& supernodes, const Scalar* factor, Scalar* x, Scalar* work) {
-    const auto panel = [&](int s) {
-      return Panel<Scalar>{factor + supernodes.value_starts[s], 3 * supernodes.num_rows(s),
-                           3 * supernodes.num_columns(s),
-                           supernodes.rows.data() + supernodes.row_starts[s] + supernodes.num_columns(s)};
-    };
-    const auto own = [&](int s) { return x + 3 * kSides * static_cast<std::ptrdiff_t>(supernodes.columns[s]); };
-    for (int s = 0; s < supernodes.size(); ++s) Forward(panel(s), x, own(s), work);
-    for (int s = supernodes.size() - 1; s >= 0; --s) Backward(panel(s), x, own(s), work);
+  // In the order of the supernodes, or against it. `rows`: of the supernodes, by places in `x`.
+  CLOTHID_ALWAYS_INLINE static void Forward(const Supernodes& supernodes, const std::vector<int>& rows, Range range,
+                                            const Scalar* factor, Scalar* x, Scalar* work) {
+    for (int s = range.first; s < range.last; ++s) {
+      Forward(PanelOf(supernodes, rows, s, factor), x, OwnOf(supernodes, s, x), work);
+    }
+  }
+  CLOTHID_ALWAYS_INLINE static void Backward(const Supernodes& supernodes, const std::vector<int>& rows, Range range,
+                                             const Scalar* factor, Scalar* x, Scalar* work) {
+    for (int s = range.last - 1; s >= range.first; --s) {
+      Backward(PanelOf(supernodes, rows, s, factor), x, OwnOf(supernodes, s, x), work);
+    }
+  }
+
+ private:
+  CLOTHID_ALWAYS_INLINE static Panel<Scalar> PanelOf(const Supernodes& supernodes, const std::vector<int>& rows, int s,
+                                                     const Scalar* factor) {
+    return {factor + supernodes.value_starts[s], 3 * supernodes.num_rows(s), 3 * supernodes.num_columns(s),
+            rows.data() + supernodes.row_starts[s] + supernodes.num_columns(s)};
+  }
+  CLOTHID_ALWAYS_INLINE static Scalar* OwnOf(const Supernodes& supernodes, int s, Scalar* x) {
+    return x + 3 * kSides * static_cast<std::ptrdiff_t>(supernodes.columns[s]);
   }
 };
 
-// Solves in place for `x` [n x sides] by rows, with `work` for a supernode.
+// Passes in place of `x` [. x sides] by rows through the supernodes of a range, with `work` for one of them.
 template <typename Scalar>
-using Kernel = void (*)(const Supernodes& supernodes, const Scalar* factor, Scalar* x, Scalar* work);
+using Pass = void (*)(const Supernodes& supernodes, const std::vector<int>& rows, Range range, const Scalar* factor,
+                      Scalar* x, Scalar* work);
 
 template <typename Strips, typename Scalar = typename Strips::Scalar>
-void SolveByCommon(const Supernodes& supernodes, const Scalar* factor, Scalar* x, Scalar* work) {
-  Sweep<Strips>::Solve(supernodes, factor, x, work);
+void ForwardByCommon(const Supernodes& supernodes, const std::vector<int>& rows, Range range, const Scalar* factor,
+                     Scalar* x, Scalar* work) {
+  Sweep<Strips>::Forward(supernodes, rows, range, factor, x, work);
+}
+template <typename Strips, typename Scalar = typename Strips::Scalar>
+void BackwardByCommon(const Supernodes& supernodes, const std::vector<int>& rows, Range range, const Scalar* factor,
+                      Scalar* x, Scalar* work) {
+  Sweep<Strips>::Backward(supernodes, rows, range, factor, x, work);
 }
 
 #if CLOTHID_HAS_AVX2
 template <typename Strips, typename Scalar = typename Strips::Scalar>
-CLOTHID_AVX2 void SolveByAvx2(const Supernodes& supernodes, const Scalar* factor, Scalar* x, Scalar* work) {
-  Sweep<Strips>::Solve(supernodes, factor, x, work);
+CLOTHID_AVX2 void ForwardByAvx2(const Supernodes& supernodes, const std::vector<int>& rows, Range range,
+                                const Scalar* factor, Scalar* x, Scalar* work) {
+  Sweep<Strips>::Forward(supernodes, rows, range, factor, x, work);
+}
+template <typename Strips, typename Scalar = typename Strips::Scalar>
+CLOTHID_AVX2 void BackwardByAvx2(const Supernodes& supernodes, const std::vector<int>& rows, Range range,
+                                 const Scalar* factor, Scalar* x, Scalar* work) {
+  Sweep<Strips>::Backward(supernodes, rows, range, factor, x, work);
 }
 #endif
 
-// What an instruction set has: for one, four and eight right-hand sides.
+// Both passes for so many right-hand sides.
 template <typename Scalar>
-struct Kernels {
-  Kernel<Scalar> one, four, eight;
+struct Kernel {
+  int sides;
+  Pass<Scalar> forward, backward;
 };
 
+// For 1, 4 or 8.
 template <typename Scalar>
-Kernels<Scalar> KernelsOf([[maybe_unused]] InstructionSet instructions) {
+Kernel<Scalar> KernelFor(int sides, [[maybe_unused]] InstructionSet instructions) {
 #if CLOTHID_HAS_AVX2
-  using Best = Avx2Lanes<Scalar>;
   if (instructions == InstructionSet::kAvx2) {
-    return {SolveByAvx2<OneSide<typename Best::Eight>>, SolveByAvx2<ManySides<typename Best::Four>>,
-            SolveByAvx2<ManySides<typename Best::Eight>>};
+    using One = OneSide<typename Avx2Lanes<Scalar>::Eight>;
+    using Four = ManySides<typename Avx2Lanes<Scalar>::Four>;
+    using Eight = ManySides<typename Avx2Lanes<Scalar>::Eight>;
+    if (sides == 1) return {1, ForwardByAvx2<One>, BackwardByAvx2<One>};
+    if (sides == 4) return {4, ForwardByAvx2<Four>, BackwardByAvx2<Four>};
+    return {8, ForwardByAvx2<Eight>, BackwardByAvx2<Eight>};
   }
 #endif
-  using Common = CommonLanes<Scalar>;
-  return {SolveByCommon<OneSide<typename Common::Eight>>, SolveByCommon<ManySides<typename Common::Four>>,
-          SolveByCommon<ManySides<typename Common::Eight>>};
+  using One = OneSide<typename CommonLanes<Scalar>::Eight>;
+  using Four = ManySides<typename CommonLanes<Scalar>::Four>;
+  using Eight = ManySides<typename CommonLanes<Scalar>::Eight>;
+  if (sides == 1) return {1, ForwardByCommon<One>, BackwardByCommon<One>};
+  if (sides == 4) return {4, ForwardByCommon<Four>, BackwardByCommon<Four>};
+  return {8, ForwardByCommon<Eight>, BackwardByCommon<Eight>};
 }
 
 // While it lives, this thread takes numbers below the smallest normal one for zeros. Single precision meets them where
@@ -241,12 +280,72 @@ class SubnormalsAsZeros {
 #endif
 };
 
-void Run(const Supernodes& supernodes, const double* factor, Kernel<double> kernel, double* x, double* work) {
-  kernel(supernodes, factor, x, work);
-}
-void Run(const Supernodes& supernodes, const float* factor, Kernel<float> kernel, float* x, float* work) {
-  const SubnormalsAsZeros guard;
-  kernel(supernodes, factor, x, work);
+template <typename Scalar>
+struct Solve {
+  const Supernodes& supernodes;
+  const Scalar* factor;
+  Kernel<Scalar> kernel;
+  ThreadTeam* team;
+
+  // For `x` [sides x places] by columns: those of the unknowns, and for every branch those of the trunk.
+  void Run(Scalar* x) const {
+    if (supernodes.branches.empty()) {
+      RunPass(kernel.forward, supernodes.rows, {0, supernodes.size()}, x);
+      RunPass(kernel.backward, supernodes.rows, {0, supernodes.size()}, x);
+      return;
+    }
+    RunBranches(kernel.forward, x);
+    AddFromBranches(x);
+    for (const int s : supernodes.trunk) RunPass(kernel.forward, supernodes.rows, {s, s + 1}, x);
+    for (std::size_t i = supernodes.trunk.size(); i-- > 0;) {
+      RunPass(kernel.backward, supernodes.rows, {supernodes.trunk[i], supernodes.trunk[i] + 1}, x);
+    }
+    CopyToBranches(x);
+    RunBranches(kernel.backward, x);
+  }
+
+ private:
+  void RunPass(Pass<Scalar> pass, const std::vector<int>& rows, Range range, Scalar* x) const {
+    std::vector<Scalar> work(static_cast<std::size_t>(kernel.sides) * (3 * supernodes.max_rows + kRows));
+    if constexpr (std::is_same_v<Scalar, float>) {
+      const SubnormalsAsZeros guard;
+      pass(supernodes, rows, range, factor, x, work.data());
+    } else {
+      pass(supernodes, rows, range, factor, x, work.data());
+    }
+  }
+
+  void RunBranches(Pass<Scalar> pass, Scalar* x) const {
+    RunTasks(team, static_cast<int>(supernodes.branches.size()), [&](int b) {
+      RunPass(pass, supernodes.branch_rows, {supernodes.branches[b].first, supernodes.branches[b].last}, x);
+    });
+  }
+
+  // Always in the order of the branches.
+  void AddFromBranches(Scalar* x) const {
+    const Scalar* from = x + Place(supernodes.columns.back());
+    for (std::size_t b = 0; b < supernodes.branches.size(); ++b) {
+      for (const int column : supernodes.trunk_columns) {
+        Scalar* const to = x + Place(column);
+        for (int i = 0; i < 3 * kernel.sides; ++i) to[i] += *from++;
+      }
+    }
+  }
+
+  void CopyToBranches(Scalar* x) const {
+    Scalar* to = x + Place(supernodes.columns.back());
+    for (std::size_t b = 0; b < supernodes.branches.size(); ++b) {
+      for (const int column : supernodes.trunk_columns) to = std::copy_n(x + Place(column), 3 * kernel.sides, to);
+    }
+  }
+
+  std::ptrdiff_t Place(int block) const { return 3 * static_cast<std::ptrdiff_t>(kernel.sides) * block; }
+};
+
+// For how many scalars Solve::Run needs places.
+Eigen::Index NumPlaces(const Supernodes& supernodes) {
+  return 3 * (static_cast<Eigen::Index>(supernodes.columns.back()) +
+              static_cast<Eigen::Index>(supernodes.branches.size() * supernodes.trunk_columns.size()));
 }
 
 // By which a column is divided while it is solved for. Single precision would lose small numbers.
@@ -257,20 +356,20 @@ double ScaleOf(const Eigen::Ref<const Eigen::VectorXd>& column) {
   return largest > 0.0 ? largest : 1.0;
 }
 
-// Of `columns` [n x s] those from `first` on, `width` of them, with a kernel for `sides`.
+// Of `columns` [n x s] those from `first` on, `width` of them.
 template <typename Scalar>
-void SolveBeside(const Supernodes& supernodes, const Scalar* factor, Kernel<Scalar> kernel, Eigen::Index sides,
-                 Eigen::Index first, Eigen::Index width, Eigen::MatrixXd* columns) {
+void SolveBeside(const Solve<Scalar>& solve, Eigen::Index first, Eigen::Index width, Eigen::MatrixXd* columns) {
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix x = Matrix::Zero(sides, columns->rows()), work(sides, 3 * supernodes.max_rows + kRows);
+  Matrix x = Matrix::Zero(solve.kernel.sides, NumPlaces(solve.supernodes));
+  const Eigen::Index size = columns->rows();
   Eigen::VectorXd scales(width);
   for (Eigen::Index c = 0; c < width; ++c) {
     scales[c] = ScaleOf<Scalar>(columns->col(first + c));
-    x.row(c) = (columns->col(first + c).transpose() / scales[c]).template cast<Scalar>();
+    x.row(c).head(size) = (columns->col(first + c).transpose() / scales[c]).template cast<Scalar>();
   }
-  Run(supernodes, factor, kernel, x.data(), work.data());
+  solve.Run(x.data());
   for (Eigen::Index c = 0; c < width; ++c) {
-    columns->col(first + c) = x.row(c).transpose().template cast<double>() * scales[c];
+    columns->col(first + c) = x.row(c).head(size).transpose().template cast<double>() * scales[c];
   }
 }
 
@@ -278,23 +377,25 @@ void SolveBeside(const Supernodes& supernodes, const Scalar* factor, Kernel<Scal
 
 template <typename Scalar>
 void SolveSupernodes(const Supernodes& supernodes, const Scalar* factor, const Eigen::MatrixXd& right,
-                     Eigen::MatrixXd* solution, InstructionSet instructions) {
-  const Kernels<Scalar> kernels = KernelsOf<Scalar>(instructions);
+                     Eigen::MatrixXd* solution, ThreadTeam* team, InstructionSet instructions) {
+  const auto solve = [&](int sides, Eigen::Index first, Eigen::Index width) {
+    SolveBeside<Scalar>({supernodes, factor, KernelFor<Scalar>(sides, instructions), team}, first, width, solution);
+  };
   const Eigen::Index num_sides = right.cols();
   *solution = right;
   if (num_sides == 1) {
-    SolveBeside<Scalar>(supernodes, factor, kernels.one, 1, 0, 1, solution);
+    solve(1, 0, 1);
     return;
   }
   for (Eigen::Index first = 0; first < num_sides; first += 8) {
-    const Eigen::Index width = std::min<Eigen::Index>(8, num_sides - first), sides = width > 4 ? 8 : 4;
-    SolveBeside<Scalar>(supernodes, factor, sides > 4 ? kernels.eight : kernels.four, sides, first, width, solution);
+    const Eigen::Index width = std::min<Eigen::Index>(8, num_sides - first);
+    solve(width > 4 ? 8 : 4, first, width);
   }
 }
 
-template void SolveSupernodes(const Supernodes&, const double*, const Eigen::MatrixXd&, Eigen::MatrixXd*,
+template void SolveSupernodes(const Supernodes&, const double*, const Eigen::MatrixXd&, Eigen::MatrixXd*, ThreadTeam*,
                               InstructionSet);
-template void SolveSupernodes(const Supernodes&, const float*, const Eigen::MatrixXd&, Eigen::MatrixXd*,
+template void SolveSupernodes(const Supernodes&, const float*, const Eigen::MatrixXd&, Eigen::MatrixXd*, ThreadTeam*,
                               InstructionSet);
 
 }  // namespace clothid

@@ -24,7 +24,11 @@ struct Simulator::State {
     } else {
       model = ClothModel(is_own ? scene : *sized, model);
     }
-    if (model.pattern() != pattern) solver = std::make_unique<StepSolver>(model);
+    if (model.pattern() != pattern) {
+      const int num_threads = solver->jacobian().num_threads();
+      solver = std::make_unique<StepSolver>(model);
+      solver->jacobian().SetNumThreads(num_threads);
+    }
     sized_scene = std::move(sized);
     size = other;
     fields.reset();
@@ -54,6 +58,8 @@ Simulator::Simulator(Scene scene) : state_(std::make_unique<State>(Validated(std
 Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+void Simulator::SetNumThreads(int num_threads) { state_->solver->jacobian().SetNumThreads(num_threads); }
 
 void Simulator::UseParameters(const Parameters& parameters) {
   if (parameters.size != state_->size) state_->SetSize(parameters.size);

@@ -23,6 +23,12 @@ StepJacobian::StepJacobian(const ClothModel& model) : model_(model), cholesky_(m
   if (model.has_contact()) elimination_ = std::make_unique<ContactElimination>();
 }
 
+void StepJacobian::SetNumThreads(int num_threads) {
+  num_threads_ = num_threads;
+  const bool shares = num_threads > 1 && cholesky_.has_branches();
+  team_ = shares ? std::make_unique<ThreadTeam>(num_threads) : nullptr;
+}
+
 void StepJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,
                             const std::vector<double>& friction_coefficients) {
   method_ = Method::kReduced;
@@ -58,7 +64,7 @@ bool StepJacobian::Factor(Method method) {
   }
   factor_.reset();  // first, so that its memory can be used again
   preconditioner_.Set(nullptr);
-  ReducedFactor factor{cholesky_.Factor(values), {}};
+  ReducedFactor factor{cholesky_.Factor(values, team_.get()), {}};
   if (factor.cholesky == nullptr) return false;
   if (in_contact_) factor.frames = elimination_->SlipFrames();
   factor_ = std::make_shared<const ReducedFactor>(std::move(factor));
@@ -75,10 +81,10 @@ bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const std::
 // A factor of another point is but a preconditioner.
 void StepJacobian::SolveWithFactor(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result) {
   if (factor_is_of_point_ || factor_->cholesky->bytes() < kSinglePrecisionBytes) {
-    factor_->cholesky->Solve(vectors, result);
+    factor_->cholesky->Solve(vectors, result, team_.get());
   } else {
-    preconditioner_.Set(factor_->cholesky);
-    preconditioner_.Solve(vectors, result);
+    preconditioner_.Set(factor_->cholesky, team_.get());
+    preconditioner_.Solve(vectors, result, team_.get());
   }
 }
 
@@ -100,10 +106,10 @@ Eigen::MatrixXd StepJacobian::ApplyFactor(const Eigen::MatrixXd& vectors) {
 
 // Z^T (I + mu t n^T) K Z + kappa b b^T, or its transpose; K itself without contacts.
 Eigen::MatrixXd StepJacobian::ApplyReduced(Direction direction, const Eigen::MatrixXd& q) const {
-  if (!in_contact_) return MultiplySymmetric(*hessian_, q);
+  if (!in_contact_) return MultiplySymmetric(*hessian_, q, team_.get());
   Eigen::MatrixXd v = q;
   if (direction == Direction::kTransposed) elimination_->AddFrictionTransposed(&v);
-  Eigen::MatrixXd result = MultiplySymmetric(*hessian_, v);
+  Eigen::MatrixXd result = MultiplySymmetric(*hessian_, v, team_.get());
   if (direction == Direction::kForward) elimination_->AddFriction(&result);
   elimination_->Project(&result);
   elimination_->AddSlipStiffness(q, &result);
@@ -147,7 +153,7 @@ bool StepJacobian::Solve(const Eigen::MatrixXd& right, double tolerance, Eigen::
   }
   if (!in_contact_) return SolveReduced(Direction::kForward, right, tolerance, dv);
   const Eigen::MatrixXd known = elimination_->KnownPart(right);
-  const Eigen::MatrixXd matrix_known = MultiplySymmetric(*hessian_, known);
+  const Eigen::MatrixXd matrix_known = MultiplySymmetric(*hessian_, known, team_.get());
   if (!SolveReduced(Direction::kForward, elimination_->ReducedRight(right, known, matrix_known), tolerance, dv)) {
     return false;
   }
@@ -175,7 +181,7 @@ bool StepJacobian::SolveTransposed(const Eigen::MatrixXd& right, double toleranc
   if (!SolveReduced(Direction::kTransposed, projected, tolerance, &q)) return false;
   *y = q;
   elimination_->AddFrictionTransposed(y);
-  *z = elimination_->RecoverAdjoint(right, q, MultiplySymmetric(*hessian_, *y));
+  *z = elimination_->RecoverAdjoint(right, q, MultiplySymmetric(*hessian_, *y, team_.get()));
   return true;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/base/phase_seconds.h"
+#include "sim/base/thread_team.h"
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact.h"
 #include "sim/contact/contact_elimination.h"
@@ -35,6 +36,11 @@ class StepJacobian {
   };
 
   explicit StepJacobian(const ClothModel& model);
+
+  // That share the work of large factors, their solves and products, 1 at first. The numbers do not depend on them.
+  void SetNumThreads(int num_threads);
+  int num_threads() const { return num_threads_; }
+  bool has_team() const { return team_ != nullptr; }  // whether there are others than the caller's
 
   // A at a point: `hessian` is K and must outlive the solves.
   void SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,
@@ -92,6 +98,8 @@ class StepJacobian {
   bool in_contact_ = false;                          // at the point
   Eigen::VectorXd values_;                           // of the factored matrix, where it is not K itself
   int iterations_ = 0;
+  int num_threads_ = 1;
+  std::unique_ptr<ThreadTeam> team_;  // null: the caller alone
   PhaseSeconds seconds_;
 };
 

@@ -33,6 +33,23 @@ TEST(BlockProductOfOneTest, NeedsNoNeighbours) {
   EXPECT_EQ(MultiplySymmetric(none, Eigen::VectorXd()).size(), 0);
 }
 
+class LargeBlockProductTest : public GridMatrixTest {
+ protected:
+  LargeBlockProductTest() : GridMatrixTest(70) {}
+};
+
+TEST_F(LargeBlockProductTest, ThreadsDoNotChangeAByte) {
+  const BlockMatrix matrix = Matrix(0.0);
+  for (const int num_columns : {1, 3, 9}) {
+    const Eigen::MatrixXd columns = Eigen::MatrixXd::Random(pattern_->size(), num_columns);
+    const Eigen::MatrixXd product = MultiplySymmetric(matrix, columns);
+    for (const int num_threads : {2, 3}) {
+      ThreadTeam team(num_threads);
+      EXPECT_EQ(MultiplySymmetric(matrix, columns, &team), product);
+    }
+  }
+}
+
 // What a row has no entry for does not get into it, not even as 0 times infinity.
 TEST_F(BlockProductTest, RowsSeeTheirEntriesAlone) {
   const BlockMatrix matrix = Matrix(0.0);

@@ -10,9 +10,11 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/adjoint.h"
+#include "sim/derivative/sensitivity.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_problem.h"
+#include "sim/step/step_solver.h"
 #include "tests/sim/shipped_scenes.h"
 
 namespace clothid {
@@ -218,6 +220,48 @@ TEST(CheckpointIntervalTest, AnyIntervalServes) {
   for (const int interval : {1, 2, 3, 6, 7, 8, 2147483647}) {
     EXPECT_NEAR(gradient(interval), expected, 1e-5 * std::abs(expected)) << "interval " << interval;
   }
+}
+
+// Some steps of a large sheet on the slope, with derivatives both ways.
+struct SharedWork {
+  explicit SharedWork(int num_threads) {
+    Simulator simulator(ShippedScene("slope", 72));
+    simulator.SetNumThreads(num_threads);
+    EXPECT_EQ(simulator.step_solver().jacobian().has_team(), num_threads > 1);
+    const Parameters parameters = simulator.scene().nominal_parameters();
+    const std::vector<ParameterId> ids = {{ParameterKind::kFriction, 0}, {ParameterKind::kStretchStiffness}};
+    const Rollout rollout = Simulate(parameters, 4, &simulator);
+    positions = rollout.positions(4);
+    SensitivityDirections directions;
+    directions.parameters = ids;
+    PushForward(
+        rollout, directions, [&](int, const Eigen::VectorXd&, const Eigen::MatrixXd& columns) { forward = columns; },
+        &simulator);
+    const auto add = [](int step, Eigen::MatrixXd* columns) { columns->array() += step; };
+    gradient = PullBack(rollout, ids, 3, add, &simulator).parameters;
+  }
+
+  Eigen::VectorXd positions;
+  Eigen::MatrixXd forward, gradient;
+};
+
+TEST(SharedWorkTest, ThreadsDoNotChangeAByte) {
+  const SharedWork alone(1);
+  EXPECT_GT(alone.forward.norm(), 0.0);
+  EXPECT_GT(alone.gradient.norm(), 0.0);
+  for (const int num_threads : {2, 3}) {
+    const SharedWork shared(num_threads);
+    EXPECT_EQ(shared.positions, alone.positions) << num_threads;
+    EXPECT_EQ(shared.forward, alone.forward) << num_threads;
+    EXPECT_EQ(shared.gradient, alone.gradient) << num_threads;
+  }
+}
+
+// Where threads would gain nothing none is started.
+TEST(SharedWorkTest, ASmallSceneHasNoTeam) {
+  Simulator simulator(ShippedScene("slope", 20));
+  simulator.SetNumThreads(2);
+  EXPECT_FALSE(simulator.step_solver().jacobian().has_team());
 }
 
 }  // namespace
