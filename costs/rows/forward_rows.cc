@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "costs/rows/compressed_jacobian.h"
-#include "costs/rows/evaluated_residuals.h"
 #include "sim/base/phase_seconds.h"
 
 namespace clothid {
@@ -19,7 +18,6 @@ class FrameCollector {
     const Eigen::Index num_active = static_cast<Eigen::Index>(active.size());
     result_->predicted.resize(observation.num_predicted(), observation.num_frames());
     result_->forces.resize(3 * observation.forces().num_groups(), observation.forces().num_readings());
-    result_->residuals.resize(observation.num_residuals());
     frame_scores_.setZero(num_active, observation.num_frames());
     if (keeps_jacobian) result_->jacobian.resize(observation.num_residuals(), num_active);
   }
@@ -29,11 +27,9 @@ class FrameCollector {
     const int first_row = observation_.first_row(frame);
     const int reading = frame - observation_.num_frames();
     (reading < 0 ? result_->predicted.col(frame) : result_->forces.col(reading)) = points;
-    result_->residuals.segment(first_row, residuals.size()) = residuals;
     Eigen::VectorXd weights;
-    result_->cost += LossWeights(loss_, observation_, first_row, residuals, &weights);
+    LossWeights(loss_, observation_, first_row, residuals, &weights);
     const Eigen::VectorXd weighted = residuals.cwiseProduct(weights);
-    weighted_squared_norm_ += weighted.squaredNorm();
     compressed_.Add(weights.asDiagonal() * jacobian, weighted);
     // Forces count with the frame that is nearest in time: what errors share there is in one score.
     const int score = reading < 0 ? frame : observation_.forces().nearest_frame(reading);
@@ -42,10 +38,7 @@ class FrameCollector {
   }
 
   void Finish(const std::vector<int>& active, int num_rows) {
-    result_->loss_row = LossRow(result_->cost, weighted_squared_norm_);
     result_->rows = CompressedRows(active, num_rows, &compressed_);
-    // As its rows have it, so that whoever adds them up finds the same number: sums over frames differ in rounding.
-    if (!loss_.is_robust()) result_->cost = 0.5 * result_->rows.residuals.squaredNorm();
     result_->rows.frame_scores = std::move(frame_scores_);
   }
 
@@ -54,20 +47,10 @@ class FrameCollector {
   const RobustLoss& loss_;
   CompressedJacobian compressed_;
   Eigen::MatrixXd frame_scores_;
-  double weighted_squared_norm_ = 0.0;
   ForwardRows* result_;
 };
 
 }  // namespace
-
-void ForwardRows::MoveTo(RolloutEvaluation* evaluation) {
-  evaluation->predicted = std::move(predicted);
-  evaluation->forces = std::move(forces);
-  evaluation->residuals = std::move(residuals);
-  evaluation->counts = counts;
-  evaluation->cost = cost;
-  evaluation->loss_row = loss_row;
-}
 
 ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const PassOptions& pass,
                          const RobustLoss& loss, int num_rows, bool keeps_jacobian, RecordingModel* model,

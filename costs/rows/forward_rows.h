@@ -1,4 +1,4 @@
-// Rows by sensitivities: prediction, cost and the whole Jacobian in one forward sweep, frame by frame.
+// Rows by sensitivities: the prediction and its whole Jacobian in one forward sweep, frame by frame.
 #ifndef CLOTHID_COSTS_ROWS_FORWARD_ROWS_H_
 #define CLOTHID_COSTS_ROWS_FORWARD_ROWS_H_
 
@@ -14,15 +14,9 @@ namespace clothid {
 struct ForwardRows {
   Eigen::MatrixXd predicted;  // [R x T] m
   Eigen::MatrixXd forces;     // [3G x F] N
-  Eigen::VectorXd residuals;  // [m]
   RolloutCounts counts;
-  double cost = 0.0;
-  double loss_row = 0.0;
   ResidualRows rows;         // with their frame scores
   Eigen::MatrixXd jacobian;  // J [m x q] without the weights of the loss; empty unless it is asked for
-
-  // All but rows and Jacobian.
-  void MoveTo(RolloutEvaluation* evaluation);
 };
 
 // For the blocks `active` [q], as `num_rows` >= q + 1 rows. Nothing of the size [m x q] is stored unless

@@ -28,15 +28,17 @@ void JournaledComputation::Complete(const EvaluationKey& key, const EvaluationCa
   }
 }
 
-// A prediction that the journal had no room for is made again.
+// A prediction or a first Jacobian that the journal had no room for is made again.
 void JournaledComputation::Replay(const EvaluationKey& key, EvaluationOutcome outcome, const EvaluationCache& recent,
                                   RolloutEvaluation* evaluation) {
-  const bool was_new = evaluation->is_new();
-  const bool took_first_jacobian = was_new && computation_->TakesFirstJacobian();
+  const bool took_first_jacobian = computation_->TakesFirstJacobian(key);
   Eigen::MatrixXd predicted = std::move(evaluation->predicted);
   *evaluation = std::move(outcome.evaluation);
   if (evaluation->is_new()) evaluation->predicted = std::move(predicted);
-  if (evaluation->is_new() && evaluation->ok()) evaluation->predicted = computation_->PredictAgain(key);
+  const bool lacks_jacobian = took_first_jacobian && outcome.first_jacobian.size() == 0;
+  if (evaluation->ok() && (evaluation->is_new() || lacks_jacobian)) {
+    evaluation->predicted = computation_->PredictAgain(key);
+  }
   if (!evaluation->is_new()) {
     evaluation->residuals = computation_->model().observation().Residuals(evaluation->predicted, evaluation->forces);
   }
@@ -46,14 +48,15 @@ void JournaledComputation::Replay(const EvaluationKey& key, EvaluationOutcome ou
 void JournaledComputation::ComputeAndAppend(const EvaluationKey& key, const EvaluationCache& recent,
                                             RolloutEvaluation* evaluation, CostStatistics* statistics) {
   const bool was_new = evaluation->is_new();
-  const bool takes_first_jacobian = was_new && computation_->TakesFirstJacobian();
+  const bool takes_first_jacobian = computation_->TakesFirstJacobian(key);
   EvaluationOutcome outcome;
   computation_->Complete(key, recent, evaluation, &outcome.statistics);
   *statistics += outcome.statistics;
   if (computation_->options().is_cancelled()) return;
   outcome.rollout_coordinates = computation_->rollout_coordinates();
   const Eigen::Index num_first = takes_first_jacobian ? computation_->last_jacobian().size() : 0;
-  const bool has_room = journal_->HasRoomFor(static_cast<std::uint64_t>(evaluation->predicted.size() + num_first));
+  const Eigen::Index num_predicted = was_new ? evaluation->predicted.size() : 0;
+  const bool has_room = journal_->HasRoomFor(static_cast<std::uint64_t>(num_predicted + num_first));
   if (has_room && num_first > 0) outcome.first_jacobian = computation_->last_jacobian();
   Append(key, was_new && evaluation->ok() && has_room, std::move(outcome), evaluation);
 }

@@ -43,9 +43,24 @@ int RolloutComputation::num_rows() const {
   return options_.jacobian == JacobianMethod::kAdjoint ? adjoint_rows_.num_rows() : model_.num_coordinates() + 1;
 }
 
-bool RolloutComputation::TakesFirstJacobian() const {
-  return options_.jacobian == JacobianMethod::kAdjoint && options_.starts_with_sensitivities &&
-         adjoint_rows_.last_jacobian().size() == 0 && !free_blocks_.empty();
+bool RolloutComputation::TakesFirstJacobian(const EvaluationKey& key) const {
+  return key.need == EvaluationNeed::kRows && options_.jacobian == JacobianMethod::kAdjoint &&
+         options_.starts_with_sensitivities && adjoint_rows_.last_jacobian().size() == 0 && !free_blocks_.empty();
+}
+
+bool RolloutComputation::StartsWithForwardSweep(const EvaluationKey& key) const {
+  switch (options_.jacobian) {
+    case JacobianMethod::kAdjoint:
+      // With the columns of an unknown start the sweep is not as exact as the rollout.
+      return TakesFirstJacobian(key) ||
+             (key.need == EvaluationNeed::kExactRows && model_.num_start_unknowns() == 0 && !free_blocks_.empty());
+    case JacobianMethod::kSensitivity:
+      // Nearly every trial point is accepted and asked for its Jacobian next.
+      return !TakesAdjointGradient(key);
+    case JacobianMethod::kNumeric:
+      break;
+  }
+  return false;
 }
 
 bool RolloutComputation::TakesAdjointGradient(const EvaluationKey& key) const {
@@ -73,12 +88,8 @@ void RolloutComputation::Complete(const EvaluationKey& key, const EvaluationCach
 
 void RolloutComputation::AddPrediction(const EvaluationKey& key, RolloutEvaluation* evaluation,
                                        CostStatistics* statistics) {
-  if (TakesFirstJacobian()) return AddForwardRows(free_blocks_, evaluation, statistics);
-  if (options_.jacobian != JacobianMethod::kSensitivity || TakesAdjointGradient(key)) {
-    return AddCost(key, evaluation, statistics);
-  }
-  // Nearly every trial point is accepted and asked for its Jacobian next, so it comes along with the rollout.
-  AddForwardRows(key.need == EvaluationNeed::kCost ? free_blocks_ : key.active, evaluation, statistics);
+  if (StartsWithForwardSweep(key)) return AddForwardRows(key, evaluation, statistics);
+  AddCost(key, evaluation, statistics);
 }
 
 Eigen::MatrixXd RolloutComputation::PredictAgain(const EvaluationKey& key) {
@@ -98,11 +109,11 @@ void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& re
     case EvaluationNeed::kCost:
       return;
     case EvaluationNeed::kRows:
-      return AddRows(key.active, recent, evaluation, statistics);
+      return AddRows(key, recent, evaluation, statistics);
     case EvaluationNeed::kGradient:
-      return AddGradient(key.active, recent, evaluation, statistics);
+      return AddGradient(key, recent, evaluation, statistics);
     case EvaluationNeed::kExactRows:
-      return AddExactRows(key.active, evaluation, statistics);
+      return AddExactRows(key, evaluation, statistics);
   }
 }
 
@@ -114,59 +125,65 @@ void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* ev
   SetCost(options_.loss, model_.observation(), evaluation);
 }
 
-void RolloutComputation::AddForwardRows(const std::vector<int>& active, RolloutEvaluation* evaluation,
+void RolloutComputation::AddForwardRows(const EvaluationKey& key, RolloutEvaluation* evaluation,
                                         CostStatistics* statistics) {
-  const bool is_first = TakesFirstJacobian();
-  ForwardRows forward = SweepForward(evaluation->coordinates, active, LastPass(evaluation->precision), options_.loss,
-                                     num_rows(), /*keeps_jacobian=*/is_first, &model_, statistics);
-  forward.MoveTo(evaluation);
+  const bool is_first = TakesFirstJacobian(key);
+  const bool takes_all = is_first || key.need == EvaluationNeed::kCost;
+  ForwardRows forward =
+      SweepForward(evaluation->coordinates, takes_all ? free_blocks_ : key.active, LastPass(evaluation->precision),
+                   options_.loss, num_rows(), /*keeps_jacobian=*/is_first, &model_, statistics);
+  if (evaluation->is_new()) {
+    evaluation->predicted = std::move(forward.predicted);
+    evaluation->forces = std::move(forward.forces);
+    evaluation->counts = forward.counts;
+    SetCost(options_.loss, model_.observation(), evaluation);
+  }
   evaluation->rows = std::move(forward.rows);
   evaluation->has_rows = true;
+  evaluation->exact_rows = evaluation->rows;
+  evaluation->has_exact_rows = true;
   if (is_first) adjoint_rows_.SetLastJacobian(std::move(forward.jacobian));
 }
 
-void RolloutComputation::AddRows(const std::vector<int>& active, const EvaluationCache& recent,
-                                 RolloutEvaluation* evaluation, CostStatistics* statistics) {
+void RolloutComputation::AddRows(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
+                                 CostStatistics* statistics) {
   switch (options_.jacobian) {
     case JacobianMethod::kAdjoint:
-      evaluation->rows = adjoint_rows_.At(*evaluation, active, recent, &latest_rollout_, statistics);
+      if (TakesFirstJacobian(key)) return AddForwardRows(key, evaluation, statistics);
+      evaluation->rows = adjoint_rows_.At(*evaluation, key.active, recent, &latest_rollout_, statistics);
       break;
     case JacobianMethod::kSensitivity:
-      return AddForwardRows(active, evaluation, statistics);
+      return AddForwardRows(key, evaluation, statistics);
     case JacobianMethod::kNumeric:
-      evaluation->rows = NumericRows(*evaluation, active, num_rows(), options_, model_, latest_rollout_, statistics);
+      evaluation->rows =
+          NumericRows(*evaluation, key.active, num_rows(), options_, model_, latest_rollout_, statistics);
       break;
   }
   evaluation->has_rows = true;
 }
 
-void RolloutComputation::AddGradient(const std::vector<int>& active, const EvaluationCache& recent,
+void RolloutComputation::AddGradient(const EvaluationKey& key, const EvaluationCache& recent,
                                      RolloutEvaluation* evaluation, CostStatistics* statistics) {
   Eigen::VectorXd gradient;
   if (options_.jacobian == JacobianMethod::kAdjoint || model_.num_start_unknowns() > 0) {
-    gradient = adjoint_rows_.GradientAt(*evaluation, active, &latest_rollout_, statistics);
+    gradient = adjoint_rows_.GradientAt(*evaluation, key.active, &latest_rollout_, statistics);
   } else {
-    if (evaluation->Lacks(EvaluationNeed::kRows, active)) AddRows(active, recent, evaluation, statistics);
-    gradient = GradientOf(evaluation->rows, active);
+    if (evaluation->Lacks(EvaluationNeed::kRows, key.active)) AddRows(key, recent, evaluation, statistics);
+    gradient = GradientOf(evaluation->rows, key.active);
   }
   evaluation->gradient = Eigen::VectorXd::Zero(model_.num_coordinates());
-  evaluation->gradient(active) = gradient;
+  evaluation->gradient(key.active) = gradient;
   evaluation->has_gradient = true;
 }
 
-void RolloutComputation::AddExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation,
+void RolloutComputation::AddExactRows(const EvaluationKey& key, RolloutEvaluation* evaluation,
                                       CostStatistics* statistics) {
-  if (options_.jacobian == JacobianMethod::kSensitivity) {
-    if (evaluation->Lacks(EvaluationNeed::kRows, active)) AddForwardRows(active, evaluation, statistics);
-    evaluation->exact_rows = evaluation->rows;
-  } else {
-    // The evaluation keeps the cost that it was given before, which differs in rounding.
-    const int num_exact_rows = static_cast<int>(active.size()) + 1;
-    evaluation->exact_rows =
-        SweepForward(evaluation->coordinates, active, LastPass(evaluation->precision), options_.loss, num_exact_rows,
-                     /*keeps_jacobian=*/false, &model_, statistics)
-            .rows;
-  }
+  if (options_.jacobian == JacobianMethod::kSensitivity) return AddForwardRows(key, evaluation, statistics);
+  const int num_exact_rows = static_cast<int>(key.active.size()) + 1;
+  evaluation->exact_rows =
+      SweepForward(evaluation->coordinates, key.active, LastPass(evaluation->precision), options_.loss, num_exact_rows,
+                   /*keeps_jacobian=*/false, &model_, statistics)
+          .rows;
   evaluation->has_exact_rows = true;
 }
 

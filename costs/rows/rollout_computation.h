@@ -34,12 +34,13 @@ class RolloutComputation {
   ResidualRows RowsAlong(const Eigen::VectorXd& coordinates, Precision precision, const Eigen::MatrixXd& follow,
                          CostStatistics* statistics);
 
-  // The prediction of a point that is new, made as `Complete` makes it, bit by bit; with it, the first Jacobian. Throws
-  // `std::runtime_error` where it fails. What is known of the latest rollout is void until `Resume`.
+  // The prediction of a point, made as `Complete` makes that of a new one, bit by bit; with it, the first Jacobian
+  // where `Complete` takes it. Throws `std::runtime_error` where it fails. What is known of the latest rollout is void
+  // until `Resume`.
   Eigen::MatrixXd PredictAgain(const EvaluationKey& key);
 
-  // Whether the next point that is new gets the first Jacobian, by a forward sweep.
-  bool TakesFirstJacobian() const;
+  // Whether `Complete` takes the first Jacobian, by a forward sweep.
+  bool TakesFirstJacobian(const EvaluationKey& key) const;
   // The next points are far from those before: the subspace of the adjoint starts afresh.
   void ForgetJacobian() { adjoint_rows_.SetLastJacobian(Eigen::MatrixXd()); }
   // As if nothing had been computed before.
@@ -69,13 +70,15 @@ class RolloutComputation {
   // Prediction and cost of a point that is new, with rows where they come along.
   void AddPrediction(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
   void AddCost(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
-  // Cost and rows, whose Jacobian is the first where the adjoint asks for one.
-  void AddForwardRows(const std::vector<int>& active, RolloutEvaluation* evaluation, CostStatistics* statistics);
-  void AddRows(const std::vector<int>& active, const EvaluationCache& recent, RolloutEvaluation* evaluation,
+  // Rows, which are exact, and to a point that is new its prediction and cost.
+  void AddForwardRows(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  void AddRows(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                CostStatistics* statistics);
-  void AddGradient(const std::vector<int>& active, const EvaluationCache& recent, RolloutEvaluation* evaluation,
+  void AddGradient(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                    CostStatistics* statistics);
-  void AddExactRows(const std::vector<int>& active, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  void AddExactRows(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  // Whether a forward sweep gives the prediction of a new point, and its rows along with it.
+  bool StartsWithForwardSweep(const EvaluationKey& key) const;
   // The unknowns of a start are too many for a column each: their gradient comes from the adjoint, whatever the method.
   bool TakesAdjointGradient(const EvaluationKey& key) const;
   // How many passes give the derivatives that are asked for, once there is a rollout.

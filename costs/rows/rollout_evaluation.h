@@ -16,7 +16,7 @@ enum class EvaluationNeed {
   kCost,       // prediction, residuals and cost
   kRows,       // and the rows of the method that the cost has
   kGradient,   // and the gradient
-  kExactRows,  // and rows by sensitivities, whatever the method
+  kExactRows,  // and rows by sensitivities, whatever the method; of a new point with adjoint rows they are its rows
 };
 
 // What is asked: the derivatives for the blocks `active` at least.
@@ -84,7 +84,7 @@ struct EvaluationOutcome {
   RolloutEvaluation evaluation;
   CostStatistics statistics;            // what it added
   Eigen::VectorXd rollout_coordinates;  // whose rollout was kept afterwards; empty: none
-  // J [m x q] where the evaluation took the first one, which those that follow need; not without its prediction.
+  // J [m x q] where the evaluation took the first one, which those that follow need, and a journal had room for it.
   Eigen::MatrixXd first_jacobian;
 };
 

@@ -206,9 +206,7 @@ TEST_P(RolloutCostTest, RowsAreOneFunctionOfTheParameters) {
         EXPECT_EQ(EvaluateAll(other, start).residuals, alone);
         EXPECT_EQ(Evaluate(other, start, none).residuals, alone);
         EXPECT_EQ(at_trial_point.rollouts, 1);
-        const bool comes_with_derivatives =
-            method == JacobianMethod::kSensitivity || (method == JacobianMethod::kAdjoint && starts_with_sensitivities);
-        EXPECT_EQ(at_trial_point.sweeps, comes_with_derivatives ? 1 : 0);
+        EXPECT_EQ(at_trial_point.sweeps, method == JacobianMethod::kSensitivity ? 1 : 0);
 
         double value = 0.0;
         Eigen::VectorXd gradient;
@@ -280,6 +278,45 @@ TEST_P(RolloutCostTest, AFirstForwardSweepOpensTheSubspace) {
   const Eigen::VectorXd far = start.array() + 0.1;
   ExpectNear(EvaluateAll(cost, far).gradient(), EvaluateAll(sensitivity, far).gradient(), 1e-8);
   EXPECT_EQ(cost.statistics().sweeps, 3);
+}
+
+// Near the solution, where the next point may be the last and its intervals need them.
+TEST_P(RolloutCostTest, ExactRowsComeAlongWithTheRollout) {
+  const Eigen::VectorXd start = StartOf(blocks_);
+  const RolloutCost other(motion_, blocks_, WithJacobian(JacobianMethod::kAdjoint));
+  const double alone = CostAt(other, start);
+  for (const bool starts_with_sensitivities : {false, true}) {
+    RolloutCostOptions options = WithJacobian(JacobianMethod::kAdjoint);
+    options.starts_with_sensitivities = starts_with_sensitivities;
+    const RolloutCost cost(motion_, blocks_, options);
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd residuals;
+    ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals)) << cost.last_failure();
+    const Rows rows = EvaluateAll(cost, start);
+    EXPECT_EQ(cost.statistics().rollouts, 1);
+    EXPECT_EQ(cost.statistics().sweeps, 1);
+    EXPECT_EQ(CostAt(cost, start), alone) << "the cost is one function of the parameters";
+    ExpectNear(rows.gradient(), jacobian.transpose() * residuals, 1e-12);
+    ExpectNear(rows.gradient(), EvaluateAll(other, start).gradient(), 1e-8);
+    const Eigen::MatrixXd hessian = jacobian.transpose() * jacobian;
+    EXPECT_LT((rows.jacobian.transpose() * rows.jacobian - hessian).norm(), 1e-12 * hessian.norm());
+  }
+}
+
+TEST_P(RolloutCostTest, RowsOfAKnownPointLeaveItsCostAlone) {
+  RolloutCostOptions options = WithJacobian(JacobianMethod::kAdjoint);
+  options.starts_with_sensitivities = true;
+  const RolloutCost cost(motion_, blocks_, options);
+  const Eigen::VectorXd start = StartOf(blocks_);
+  const double alone = CostAt(cost, start);
+  const Rows rows = EvaluateAll(cost, start);
+  EXPECT_EQ(rows.cost(), alone);
+  EXPECT_EQ(cost.statistics().rollouts, 2) << "the first Jacobian comes by a forward sweep also here";
+  EXPECT_EQ(cost.statistics().sweeps, 1);
+  Eigen::MatrixXd jacobian;
+  Eigen::VectorXd residuals;
+  ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals));
+  EXPECT_EQ(cost.statistics().sweeps, 1) << "these rows are exact";
 }
 
 TEST_P(RolloutCostTest, TheLastJacobianStaysInTheSubspace) {
