@@ -26,7 +26,7 @@ enum class FitMethod {
 enum class FitPrecision {
   kAdaptive,  // kLevenbergMarquardt: loosely until the next step is short, then fully; else as kFull
   kFull,
-  kLoose,  // loosely to the end: for the start of another fit; where Jacobians are differences as kFull
+  kLoose,  // the loose part alone: for the start of another fit (FitSummary::next); of differences and L-BFGS as kFull
 };
 
 // What of the discretisation an answer is to count with (identify/checks/discretization_check.h).

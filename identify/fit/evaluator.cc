@@ -15,6 +15,10 @@ CostStatistics Total(const FitProblem& problem) {
   return sum;
 }
 
+bool HasRows(FitEvaluator::Derivative derivative) {
+  return derivative == FitEvaluator::Derivative::kRows || derivative == FitEvaluator::Derivative::kExactRows;
+}
+
 }  // namespace
 
 FitEvaluator::FitEvaluator(const FitProblem* problem, int num_threads, EvaluationPurpose purpose)
@@ -46,8 +50,13 @@ FitEvaluator::RecordingResult FitEvaluator::EvaluateRows(int recording, const Ei
 FitEvaluator::RecordingResult FitEvaluator::EvaluateRecording(int recording, const Eigen::VectorXd& coordinates,
                                                               Derivative derivative, Precision precision) const {
   const Eigen::VectorXd own = problem_->CoordinatesOf(recording, coordinates);
-  if (derivative == Derivative::kRows) return EvaluateRows(recording, own, precision);
   RecordingResult result;
+  if (derivative == Derivative::kExactRows) {
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd residuals;
+    if (!problem_->cost(recording, precision).Linearize(own, &jacobian, &residuals)) return result;
+  }
+  if (HasRows(derivative)) return EvaluateRows(recording, own, precision);
   const bool with_gradient = derivative == Derivative::kGradient;
   result.ok = problem_->cost(recording, precision)
                   .EvaluateGradient(own, &result.cost, with_gradient ? &result.gradient : nullptr);
@@ -83,7 +92,7 @@ bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative deriv
   const QuadraticModel model = Sum(results, coordinates, derivative);
   *cost = model.cost;
   if (gradient != nullptr) *gradient = model.gradient;
-  if (derivative == Derivative::kRows) model_ = model;
+  if (HasRows(derivative)) model_ = model;
   Keep(coordinates, *cost, precision);
   if (derivative != Derivative::kNone && coordinates == best_.coordinates) best_gradient_norm_ = model.gradient.norm();
   return true;
@@ -101,7 +110,7 @@ QuadraticModel FitEvaluator::Sum(const std::vector<RecordingResult>& results, co
     const std::vector<int>& blocks = problem_->block_indices(r);
     sum.cost += result.cost;
     if (derivative == Derivative::kGradient) sum.gradient(problem_->coordinate_indices(r)) += result.gradient;
-    if (derivative != Derivative::kRows) continue;
+    if (!HasRows(derivative)) continue;
     sum.gradient(blocks) += result.gradient;
     sum.hessian(blocks, blocks) += result.hessian;
   }
@@ -116,7 +125,7 @@ void FitEvaluator::AddPriors(Derivative derivative, QuadraticModel* sum) const {
   if (derivative == Derivative::kNone) return;
   const Eigen::VectorXd gradient = PriorGradient(blocks, sum->coordinates);
   Eigen::MatrixXd hessian;
-  if (derivative == Derivative::kRows) hessian = PriorHessian(blocks);
+  if (HasRows(derivative)) hessian = PriorHessian(blocks);
   for (int i = 0; i < problem_->num_blocks(); ++i) {
     if (blocks[i].frozen) continue;
     sum->gradient[i] += gradient[i];

@@ -43,7 +43,8 @@ class FitEvaluator {
   // `problem` must outlive the evaluator. `purpose`: what is told of the evaluations.
   FitEvaluator(const FitProblem* problem, int num_threads, EvaluationPurpose purpose = EvaluationPurpose::kFit);
 
-  enum class Derivative { kNone, kRows, kGradient };
+  // kExactRows: rows by sensitivities, along with the rollout of a new point. `Linearize` has them, too, then.
+  enum class Derivative { kNone, kRows, kExactRows, kGradient };
   // The sum over the recordings, in their order, and the priors. kGradient also fills `gradient` [p + n], which may
   // else be null. False where a rollout failed: see last_failure().
   bool Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost, Eigen::VectorXd* gradient,
@@ -58,7 +59,7 @@ class FitEvaluator {
   // (identify/uncertainty/marginal.h).
   bool LinearizeAlong(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow, Linearization* linearization);
 
-  // Of the last kRows evaluation that worked.
+  // Of the last kRows or kExactRows evaluation that worked.
   const QuadraticModel& model() const { return model_; }
   const FitPoint& first() const { return first_; }  // the first point that worked
   const FitPoint& best() const { return best_; }    // the point of lowest cost

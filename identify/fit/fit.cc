@@ -60,19 +60,20 @@ void SetStatus(ceres::TerminationType type, const std::string& message, const Fi
 // Lets the evaluator fill the caches of the costs before Ceres asks them.
 class CacheFiller : public ceres::EvaluationCallback {
  public:
-  // Both must outlive it. `coordinates`: the memory that Ceres changes.
-  CacheFiller(Precision precision, const Eigen::VectorXd* coordinates, FitEvaluator* evaluator)
-      : precision_(precision), coordinates_(coordinates), evaluator_(evaluator) {}
+  // All must outlive it. `coordinates`: the memory that Ceres changes.
+  CacheFiller(const StageGoal& goal, const Eigen::VectorXd* coordinates, FitEvaluator* evaluator)
+      : goal_(goal), coordinates_(coordinates), evaluator_(evaluator) {}
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) override {
     double cost = 0.0;
+    auto derivative = evaluate_jacobians ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
+    if (goal_.has_exact_rows) derivative = FitEvaluator::Derivative::kExactRows;
     // A failure shows again when Ceres asks the costs themselves.
-    const auto derivative = evaluate_jacobians ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
-    evaluator_->Evaluate(*coordinates_, derivative, &cost, nullptr, precision_);
+    evaluator_->Evaluate(*coordinates_, derivative, &cost, nullptr, goal_.precision);
   }
 
  private:
-  Precision precision_;
+  const StageGoal& goal_;
   const Eigen::VectorXd* coordinates_;
   FitEvaluator* evaluator_;
 };
@@ -80,7 +81,7 @@ class CacheFiller : public ceres::EvaluationCallback {
 void RunLevenbergMarquardt(const FitOptions& options, const StageGoal& goal, FitProblem* problem,
                            Eigen::VectorXd* coordinates, FitEvaluator* evaluator, FitRecorder* recorder,
                            FitSummary* summary) {
-  CacheFiller filler(goal.precision, coordinates, evaluator);
+  CacheFiller filler(goal, coordinates, evaluator);
   const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(&filler, coordinates, goal.precision);
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
@@ -111,25 +112,49 @@ bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, E
   return true;
 }
 
+// The rows of a point near the solution: where they are cheap, those that the intervals of the last one need.
+FitEvaluator::Derivative NearDerivative(const FitProblem& problem) {
+  return problem.has_few_blocks() ? FitEvaluator::Derivative::kExactRows : FitEvaluator::Derivative::kRows;
+}
+
+StageGoal LooseGoal(int first_iteration) {
+  return {Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, first_iteration};
+}
+
+// Where its next step leads is the start of another fit.
+void RunLooseStage(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
+                   FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
+  RunLevenbergMarquardt(options, LooseGoal(recorder->next_iteration()), problem, coordinates, evaluator, recorder,
+                        summary);
+  if (IsAt(evaluator->model(), *coordinates)) summary->next = NextPoint(*problem, evaluator->model(), kShortStep);
+}
+
+// To the end with full precision, from a point near the solution or from any other.
+void RunFullStage(const FitOptions& options, bool is_near, int first_iteration, FitProblem* problem,
+                  Eigen::VectorXd* coordinates, FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
+  StageGoal full{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, first_iteration};
+  if (is_near) {
+    full.trust_region = kNearTrustRegion;
+    full.has_exact_rows = problem->has_few_blocks();
+  }
+  RunLevenbergMarquardt(options, full, problem, coordinates, evaluator, recorder, summary);
+}
+
 // The loose stage, and the full one from where its last step leads, so that no point is simulated with both. Points
 // that work loosely may fail with full precision; where these do, the full stage starts where the fit did.
 void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
                                 FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
-  const StageGoal loose{Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion,
-                        recorder->next_iteration()};
-  RunLevenbergMarquardt(options, loose, problem, coordinates, evaluator, recorder, summary);
+  RunLooseStage(options, problem, coordinates, evaluator, recorder, summary);
   if (options.is_cancelled()) return;
   const int last_iteration = recorder->last_iteration();
   evaluator->SupersedeBest();
-  const Eigen::VectorXd last = *coordinates;
-  const bool has_next = last_iteration < options.max_iterations && IsAt(evaluator->model(), last);
-  const bool is_near = (has_next && MoveTo(NextPoint(*problem, evaluator->model(), kShortStep),
-                                           FitEvaluator::Derivative::kNone, coordinates, evaluator)) ||
-                       MoveTo(last, FitEvaluator::Derivative::kRows, coordinates, evaluator);
+  const Eigen::VectorXd last = *coordinates, next = std::exchange(summary->next, Eigen::VectorXd());
+  const bool has_next = last_iteration < options.max_iterations && next.size() > 0;
+  const auto derivative = NearDerivative(*problem);
+  const bool is_near = (has_next && MoveTo(next, derivative, coordinates, evaluator)) ||
+                       MoveTo(last, derivative, coordinates, evaluator);
   if (!is_near) *coordinates = problem->StartCoordinates();
-  StageGoal full{Precision::kFull, 1.0, options.function_tolerance, kNearTrustRegion, last_iteration + 1};
-  if (!is_near) full.trust_region = kInitialTrustRegion;
-  RunLevenbergMarquardt(options, full, problem, coordinates, evaluator, recorder, summary);
+  RunFullStage(options, is_near, last_iteration + 1, problem, coordinates, evaluator, recorder, summary);
 }
 
 // L and dL/du of the evaluator's point. Owned by the Ceres problem.
@@ -204,8 +229,8 @@ std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitP
                                                  Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
                                                  FitRecorder* recorder, FitSummary* summary) {
   const bool is_adaptive = IsAdaptive(options, *problem);
-  const StageGoal rough{is_adaptive ? Precision::kLoose : Precision::kFull, kShortStep, kLooseStepTolerance,
-                        kInitialTrustRegion, recorder->next_iteration()};
+  StageGoal rough = LooseGoal(recorder->next_iteration());
+  if (!is_adaptive) rough.precision = Precision::kFull;
   if (!IsAllFrozen(*problem)) {
     if (options.method == FitMethod::kLevenbergMarquardt) {
       RunLevenbergMarquardt(options, rough, problem, coordinates, evaluator, recorder, summary);
@@ -239,34 +264,49 @@ std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitP
   return std::move(last.linearization);
 }
 
-void RunOptimiser(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
-                  FitRecorder* recorder, FitSummary* summary) {
+// `is_near`: a point near the solution is known already.
+void RunOptimiser(const FitOptions& options, bool is_near, FitProblem* problem, Eigen::VectorXd* coordinates,
+                  FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
   if (IsAllFrozen(*problem)) {
     summary->status = FitStatus::kConverged;
     summary->message = "every parameter is frozen";
-  } else if (IsAdaptive(options, *problem)) {
-    RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
-  } else if (options.method == FitMethod::kLevenbergMarquardt) {
-    StageGoal goal{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, recorder->next_iteration()};
-    if (StartsLoosely(options, *problem)) goal.precision = Precision::kLoose;
-    RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
-  } else {
+  } else if (options.method == FitMethod::kLbfgs) {
     RunLbfgs(options, problem, evaluator, recorder, summary);
+  } else if (is_near || !StartsLoosely(options, *problem)) {
+    RunFullStage(options, is_near, recorder->next_iteration(), problem, coordinates, evaluator, recorder, summary);
+  } else if (options.precision == FitPrecision::kLoose) {
+    RunLooseStage(options, problem, coordinates, evaluator, recorder, summary);
+  } else {
+    RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
   }
 }
 
+struct Lead {
+  LedStart start;
+  bool is_near = false;  // nothing but the full stage is left
+};
+
+// Whether the last of the first frames moved no parameter far: then all frames are not expected to, either.
+bool IsSettled(const FitOptions& options, const FitProblem& problem, const LedStart& start) {
+  return IsAdaptive(options, problem) && problem.num_start_unknowns() == 0 && start.last_step.size() > 0 &&
+         IsShort(problem, start.coordinates, start.last_step, kShortStep);
+}
+
 // From the start, whose cost is known, to where `horizon` leads, unless the cost is higher there.
-LedStart FollowLead(const FitOptions& options, const FitProblem& problem, double start_cost, Precision precision,
-                    GrowingHorizon* horizon, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
-                    FitRecorder* recorder) {
+Lead FollowLead(const FitOptions& options, const FitProblem& problem, double start_cost, Precision precision,
+                GrowingHorizon* horizon, Eigen::VectorXd* coordinates, FitEvaluator* evaluator, FitRecorder* recorder) {
   recorder->AddStart(precision);
-  LedStart lead = horizon->Lead(problem, *coordinates, &Fit);
+  Lead lead{horizon->Lead(problem, *coordinates, &Fit)};
   Eigen::VectorXd led = *coordinates;
-  led.head(problem.num_blocks()) = lead.coordinates;
+  led.head(problem.num_blocks()) = lead.start.coordinates;
   if (options.is_cancelled() || led == *coordinates) return lead;
+  const bool is_settled = IsSettled(options, problem, lead.start);
+  const auto derivative = is_settled ? NearDerivative(problem) : FitEvaluator::Derivative::kRows;
   double cost = 0.0;
-  const bool works = evaluator->Evaluate(led, FitEvaluator::Derivative::kNone, &cost, nullptr, precision);
-  if (works && cost < start_cost) *coordinates = led;
+  const bool works = evaluator->Evaluate(led, derivative, &cost, nullptr, is_settled ? Precision::kFull : precision);
+  if (!works || !(cost < start_cost)) return lead;
+  *coordinates = led;
+  lead.is_near = is_settled && NextStepIsNegligible(problem, evaluator->model(), kShortStep, kLooseStepTolerance);
   return lead;
 }
 
@@ -284,23 +324,26 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* h
   FitEvaluator evaluator(problem, options.num_threads);
   FitRecorder recorder(options, *problem, evaluator);
   std::optional<Linearization> linearization;  // at the estimate, where it is known already
-  LedStart lead;
+  Lead lead;
   problem->Restart();
 
   // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
-  // cached.
+  // cached, with the rows that it asks for, unless it is led away from there.
   double cost = 0.0;
+  const bool is_led = horizon != nullptr && CanBeLed(options, *problem);
+  const bool asks_for_rows = options.method == FitMethod::kLevenbergMarquardt && !IsAllFrozen(*problem) && !is_led;
+  const auto derivative = asks_for_rows ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
   const Precision first_precision = StartsLoosely(options, *problem) ? Precision::kLoose : Precision::kFull;
-  if (!evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr, first_precision)) {
+  if (!evaluator.Evaluate(coordinates, derivative, &cost, nullptr, first_precision)) {
     summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
   } else {
-    if (horizon != nullptr && CanBeLed(options, *problem)) {
+    if (is_led) {
       lead = FollowLead(options, *problem, cost, first_precision, horizon, &coordinates, &evaluator, &recorder);
     }
     if (problem->num_start_unknowns() > 0) {
       linearization = RunWithUnknownStart(options, problem, &coordinates, &evaluator, &recorder, &summary);
     } else {
-      RunOptimiser(options, problem, &coordinates, &evaluator, &recorder, &summary);
+      RunOptimiser(options, lead.is_near, problem, &coordinates, &evaluator, &recorder, &summary);
     }
   }
   if (options.is_cancelled()) {
@@ -314,10 +357,10 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* h
   recorder.AddLast();
   summary.iterations = recorder.iterations();
   summary.statistics = evaluator.statistics();
-  summary.statistics += lead.statistics;
-  summary.lead = lead.statistics;
+  summary.statistics += lead.start.statistics;
+  summary.lead = lead.start.statistics;
   summary.total_seconds = recorder.seconds();
-  summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds() - lead.evaluation_seconds);
+  summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds() - lead.start.evaluation_seconds);
   summary.linearization = std::move(linearization);
   if (options.estimate_uncertainty && summary.has_estimate()) {
     AddUncertainty(options, *problem, &summary);

@@ -25,8 +25,8 @@ class GrowingHorizon;
 // check of its interval meets a point of lower cost, the fit goes on from there (identify/fit/continued_fit.h).
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
 
-// The same, but that Ceres' trust region starts where `horizon` (may be null) leads it, unless the cost is higher there.
-// What that takes counts with the rest. L-BFGS, for many parameters, is not led.
+// The same, but that Ceres' trust region starts where `horizon` (may be null) leads it, unless the cost is higher
+// there. What that takes counts with the rest. L-BFGS, for many parameters, is not led.
 FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* horizon);
 
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or

@@ -27,6 +27,8 @@ struct StageGoal {
   double trust_region = kInitialTrustRegion;
   int first_iteration = 0;  // the number of its first
   bool has_rows = true;     // whose rows tell of the next step
+  // Every point gets exact rows along with its rollout: of a stage whose points are likely to be the last.
+  bool has_exact_rows = false;
 };
 
 // Records the best point after every iteration, reports it, and passes on the wish to stop.

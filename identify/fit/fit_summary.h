@@ -52,7 +52,8 @@ struct FitSummary {
   FitStatus status = FitStatus::kFailed;
   std::string message = "the fit was not run";  // one line: why it ended
   std::vector<FittedParameter> parameters;
-  Eigen::VectorXd coordinates;             // [p + n] of the estimate, see FitProblem
+  Eigen::VectorXd coordinates;  // [p + n] of the estimate, see FitProblem
+  Eigen::VectorXd next;         // of FitPrecision::kLoose, where it worked: where another fit may start, [p + n]
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals

@@ -35,9 +35,10 @@ std::optional<Eigen::VectorXd> GaussNewtonStep(const FitProblem& problem, const 
   return step;
 }
 
-bool IsShort(const FitProblem& problem, const QuadraticModel& model, const Eigen::VectorXd& step, double length) {
+bool IsShort(const FitProblem& problem, const Eigen::VectorXd& coordinates, const Eigen::VectorXd& step,
+             double length) {
   for (Eigen::Index i = 0; i < step.size(); ++i) {
-    if (std::abs(step[i]) > length * problem.blocks()[i].Resolution(model.coordinates[i])) return false;
+    if (std::abs(step[i]) > length * problem.blocks()[i].Resolution(coordinates[i])) return false;
   }
   return true;
 }
@@ -46,13 +47,14 @@ bool NextStepIsNegligible(const FitProblem& problem, const QuadraticModel& model
                           double function_tolerance) {
   const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
   if (!step) return false;
-  return -0.5 * model.gradient.dot(*step) <= function_tolerance * model.cost || IsShort(problem, model, *step, length);
+  return -0.5 * model.gradient.dot(*step) <= function_tolerance * model.cost ||
+         IsShort(problem, model.coordinates, *step, length);
 }
 
 Eigen::VectorXd NextPoint(const FitProblem& problem, const QuadraticModel& model, double length) {
   Eigen::VectorXd next = model.coordinates;
   const std::optional<Eigen::VectorXd> step = GaussNewtonStep(problem, model);
-  if (!step || !IsShort(problem, model, *step, length)) return next;
+  if (!step || !IsShort(problem, model.coordinates, *step, length)) return next;
   next.head(problem.num_blocks()) += *step;
   for (int i = 0; i < problem.num_blocks(); ++i) {
     const ParameterBlock& block = problem.blocks()[i];

@@ -14,8 +14,9 @@ namespace clothid {
 // Zero where nothing may move; nothing where the model is singular.
 std::optional<Eigen::VectorXd> GaussNewtonStep(const FitProblem& problem, const QuadraticModel& model);
 
-// Whether a step changes every parameter by no more than `length` resolutions (ParameterBlock::Resolution).
-bool IsShort(const FitProblem& problem, const QuadraticModel& model, const Eigen::VectorXd& step, double length);
+// Whether a step from `coordinates` changes every parameter by no more than `length` resolutions
+// (ParameterBlock::Resolution).
+bool IsShort(const FitProblem& problem, const Eigen::VectorXd& coordinates, const Eigen::VectorXd& step, double length);
 
 // Whether the step is no longer than `length` resolutions, or lowers the cost by no more than this share. Ceres looks
 // at its tolerances after the rollout of a step; this looks before.

@@ -54,6 +54,9 @@ FitOptions GrowingHorizon::StageOptions(const FitProblem& problem, const Eigen::
   stage.estimate_uncertainty = false;
   stage.on_iteration = nullptr;
   if (options_.precision == FitPrecision::kAdaptive) stage.precision = FitPrecision::kLoose;
+  if (options_.jacobian == JacobianMethod::kAdjoint && problem.has_few_blocks()) {
+    stage.jacobian = JacobianMethod::kSensitivity;
+  }
   stage.function_tolerance = std::max(options_.function_tolerance, kFunctionTolerance);
   stage.parameter_tolerance = std::max(options_.parameter_tolerance, kParameterTolerance);
   stage.max_iterations = std::min(options_.max_iterations, kMaxIterations);
@@ -83,8 +86,11 @@ LedStart GrowingHorizon::Lead(const FitProblem& problem, const Eigen::VectorXd& 
     const FitSummary summary = fit(options, &stage);
     lead.statistics += summary.statistics;
     lead.evaluation_seconds += summary.total_seconds - summary.solver_seconds;
+    lead.last_step.resize(0);
     if (!summary.has_estimate() || summary.status == FitStatus::kFailed) break;
-    lead.coordinates = summary.coordinates.head(problem.num_blocks());
+    const Eigen::VectorXd& end = summary.next.size() > 0 ? summary.next : summary.coordinates;
+    lead.last_step = end.head(problem.num_blocks()) - lead.coordinates;
+    lead.coordinates = end.head(problem.num_blocks());
   }
   return lead;
 }

@@ -9,6 +9,9 @@
 // A short motion may tell little of a parameter, of friction nothing before a contact. So that no stage carries one
 // off, each believes what the stage before it has found: to an eighth of the parameter's range, as a standard
 // deviation (costs/prediction/parameter_block.h, `ParameterPrior`). Priors that are given stand in place of it.
+//
+// Stages end where the next step is short, and lead to where it would (FitPrecision::kLoose). Their derivatives come by
+// forward sweeps where parameters are few: rollout and Jacobian are one pass then.
 #ifndef CLOTHID_IDENTIFY_FIT_GROWING_HORIZON_H_
 #define CLOTHID_IDENTIFY_FIT_GROWING_HORIZON_H_
 
@@ -30,6 +33,7 @@ inline constexpr int kFewestFrames = 3;
 // Where the optimiser starts, and what finding that took.
 struct LedStart {
   Eigen::VectorXd coordinates;  // [p] of the blocks
+  Eigen::VectorXd last_step;    // [p] by which the last stage moved them; empty where it did not work
   CostStatistics statistics;
   double evaluation_seconds = 0.0;  // of evaluations alone
 };

@@ -15,9 +15,9 @@
 namespace clothid {
 namespace {
 
-// A forward sweep carries one column per parameter, and its Jacobian is kept: with more of them the adjoint starts
+// Columns of a forward sweep, one per parameter, with which it is still cheap. With more of them the adjoint starts
 // alone.
-constexpr int kMaxFirstSensitivities = 12;
+constexpr int kFewBlocks = 12;
 
 std::vector<std::string> FittedNames(const std::vector<RecordedMotion>& motions, const FitOptions& options) {
   if (!options.parameters.empty()) return options.parameters;
@@ -203,7 +203,7 @@ void FitProblem::AddCost(const RecordedMotion& motion, const FitOptions& options
     blocks.push_back(blocks_[i]);
   }
   cost_options.starts_with_sensitivities =
-      options.method == FitMethod::kLevenbergMarquardt && static_cast<int>(indices.size()) <= kMaxFirstSensitivities;
+      options.method == FitMethod::kLevenbergMarquardt && static_cast<int>(indices.size()) <= kFewBlocks;
   if (tracker_ != nullptr) {
     cost_options.on_step = [tracker = tracker_, recording = num_recordings()](const PassStep& step) {
       tracker->AddStep(recording, step);
@@ -217,6 +217,11 @@ void FitProblem::AddCost(const RecordedMotion& motion, const FitOptions& options
   for (int i = 0; i < num_unknowns; ++i) indices.push_back(num_coordinates() + i);
   num_start_unknowns_ += num_unknowns;
   coordinate_indices_.push_back(std::move(indices));
+}
+
+bool FitProblem::has_few_blocks() const {
+  return std::all_of(block_indices_.begin(), block_indices_.end(),
+                     [](const std::vector<int>& blocks) { return static_cast<int>(blocks.size()) <= kFewBlocks; });
 }
 
 void FitProblem::SetStart(const Eigen::VectorXd& coordinates) {

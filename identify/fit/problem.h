@@ -44,6 +44,8 @@ class FitProblem {
   const std::vector<int>& coordinate_indices(int recording) const { return coordinate_indices_[recording]; }
   int num_coordinates() const { return num_blocks() + num_start_unknowns_; }
   int num_start_unknowns() const { return num_start_unknowns_; }
+  // Whether no recording has so many blocks that a forward sweep takes much longer than a reverse one.
+  bool has_few_blocks() const;
 
   // Where the next fit starts, and what it holds there. The coordinates, [p] or [p + n], must lie within the bounds.
   void SetStart(const Eigen::VectorXd& coordinates);

@@ -127,6 +127,7 @@ TEST_F(CapturesTest, PointsThatSlideAreNearTheSurface) {
 }
 
 // The grid ends inside the cloth: a cloth of another size is nearer, also to the repetition that was not fitted.
+// Simulated loosely the cost is so rough that rounding decides where a fit stalls.
 TEST_F(CapturesTest, TheSizeOfTheClothIsInDoubt) {
   for (const char* name : {"a", "b"}) {
     ExpectSuccess("motion convert '" + captures + "/hung_" + name + ".motion.bin' " + name +
@@ -137,7 +138,7 @@ TEST_F(CapturesTest, TheSizeOfTheClothIsInDoubt) {
   const ToolResult fit =
       Run("identify --target a.bin --holdout b.bin --scene scene.json --fit k_stretch,k_bend,drag,size.x,size.y "
           "--prior k_stretch=300:3,k_bend=3e-5:5 --initial first --jacobian sensitivity --sigma 0.02 --horizon full "
-          "--max_iterations 3 --output result");
+          "--precision full --max_iterations 6 --output result");
   EXPECT_EQ(fit.exit_code, 3) << fit.err;  // not converged: that would take a minute
   const nlohmann::json result = nlohmann::json::parse(ReadBytes(folder() / "result" / "result.json"));
   EXPECT_LT(result["rmse_m"].get<double>(), 0.017);             // 21 mm at the best without sizes

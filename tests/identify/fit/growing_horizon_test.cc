@@ -81,6 +81,27 @@ TEST(GrowingHorizonTest, TakesNoMoreStepsThanFitsOfAllFrames) {
   EXPECT_EQ(full.lead.rollouts, 0);
 }
 
+// The first frames leave nothing to the loose stage here: two points with full precision, each in one pass, of which
+// the intervals of the last are a part.
+TEST(GrowingHorizonTest, LeadsToTheFullStage) {
+  for (const JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
+    FitOptions options = OptionsFor("k_stretch", 1.5);
+    options.jacobian = method;
+    options.estimate_uncertainty = true;
+    const std::vector<RecordedMotion> motions = {Bounce()};
+    FitProblem problem(motions, options);
+    GrowingHorizon horizon(motions, options);
+    const FitSummary led = Fit(options, &problem, &horizon);
+    ASSERT_EQ(led.status, FitStatus::kConverged) << led.message;
+    ASSERT_TRUE(led.uncertainty);
+    ASSERT_EQ(led.iterations.size(), 3u);
+    EXPECT_EQ(led.iterations[0].precision, Precision::kLoose);
+    EXPECT_EQ(led.iterations[1].precision, Precision::kFull);
+    EXPECT_EQ(led.statistics.rollouts - led.lead.rollouts, 3);
+    EXPECT_EQ(led.statistics.sweeps - led.lead.sweeps, method == JacobianMethod::kAdjoint ? 2 : 3);
+  }
+}
+
 TEST(GrowingHorizonTest, LeadsEveryOneOfSeveralStarts) {
   const std::vector<RecordedMotion> motions = {Bounce()};
   FitOptions options = OptionsFor("k_stretch", 8.0);

@@ -12,6 +12,7 @@
 
 #include "identify/base/fingerprint.h"
 #include "identify/fit/fit.h"
+#include "identify/fit/growing_horizon.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
@@ -190,6 +191,32 @@ TEST_P(PrefixTest, AnyPrefixOfTheJournalsLeadsToTheSameEnd) {
     }
   }
   RecordProperty("records", static_cast<int>(ends[0].size() + ends[1].size()) - 2);
+}
+
+// From the truth, led away and back: the first Jacobian is of a point whose cost was known before.
+TEST_F(JournaledFitTest, AnyPrefixOfALedFitLeadsToTheSameEnd) {
+  motions_.erase(motions_.begin());
+  options_.overrides.start = {{"mu", 0.35}, {"k_stretch", 150.0}};
+  const auto run = [&] {
+    FitProblem problem(motions_, options_);
+    GrowingHorizon horizon(motions_, options_);
+    return Fit(options_, &problem, &horizon);
+  };
+  const FitSummary uninterrupted = run();
+  ASSERT_EQ(uninterrupted.status, FitStatus::kConverged) << uninterrupted.message;
+  ASSERT_GT(uninterrupted.lead.rollouts, 0);
+  for (const std::uint64_t room : {kJournalRoom, std::uint64_t{0}}) {
+    options_.journal_room = room;
+    Write(0, "");
+    ExpectSame(run(), uninterrupted);
+    const std::string journal = Read(0);
+    const std::vector<std::size_t> ends = RecordEnds(journal);
+    for (const std::size_t end : ends) {
+      Write(0, journal.substr(0, end));
+      ExpectSame(run(), uninterrupted);
+      EXPECT_EQ(RecordEnds(Read(0)), ends) << room << " " << end;
+    }
+  }
 }
 
 TEST_F(JournaledFitTest, AnInterruptedFitGoesOn) {
