@@ -6,6 +6,8 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <system_error>
+#include <thread>
 
 #include "sim/base/error.h"
 
@@ -15,17 +17,47 @@ namespace {
 // A signal handler can reach nothing but a global.
 std::atomic<bool> interrupted{false};
 
+// For threads that were there before they could be told to block signals.
 extern "C" void HandleSignal(int signal) {
   interrupted.store(true);
   std::signal(signal, SIG_DFL);
 }
 
+void WaitForSignals(const sigset_t& signals) {
+  int signal = 0;
+  sigwait(&signals, &signal);
+  interrupted.store(true);
+  sigwait(&signals, &signal);
+  std::signal(signal, SIG_DFL);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  std::raise(signal);
+}
+
+// One thread waits for the signals, and all that come after block them: whatever handlers a library has for a while,
+// none is called. METIS has one for SIGTERM while it orders nodes, and jumps with it out of whichever thread it is in.
+bool StartCatching() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (std::signal(signal, HandleSignal) == SIG_IGN) {
+      std::signal(signal, SIG_IGN);
+    } else {
+      sigaddset(&signals, signal);
+    }
+  }
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  try {
+    std::thread(WaitForSignals, signals).detach();
+  } catch (const std::system_error&) {  // no more threads: the handler remains
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  }
+  return true;
+}
+
 }  // namespace
 
 const std::atomic<bool>& CatchInterrupts() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    if (std::signal(signal, HandleSignal) == SIG_IGN) std::signal(signal, SIG_IGN);
-  }
+  [[maybe_unused]] static const bool is_catching = StartCatching();
   return interrupted;
 }
 

@@ -9,8 +9,9 @@
 namespace clothid {
 
 // From now on the first SIGINT, SIGTERM or SIGHUP sets the flag, which lasts as long as the process; the next one ends
-// the process as usual. Signals that the process was started to ignore (nohup) stay ignored. For programs, before they
-// begin a file: none is left half-written behind them.
+// the process as usual. Signals that the process was started to ignore (nohup) stay ignored. A thread waits for them:
+// this one and those that are made from now on block them. For programs, before they begin a file or a thread: no file
+// is left half-written behind them.
 const std::atomic<bool>& CatchInterrupts();
 // Whether that flag is set.
 bool IsInterrupted();

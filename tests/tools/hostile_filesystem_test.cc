@@ -168,9 +168,7 @@ class LongWriterTest : public WriterTest {
     const std::vector<std::string> words = With(GetParam().words, GetParam().long_work);
     const ToolProcess process(words.front(), folder(), {words.begin() + 1, words.end()});
     const bool has_folder = GetParam().name != kSimulate.name;
-    // METIS catches SIGTERM, too, but not SIGINT.
-    while (process.IsRunning() &&
-           !(process.Catches(SIGINT) && process.Catches(SIGTERM) && (!has_folder || IsLocked()))) {
+    while (process.IsRunning() && !(process.Catches(SIGTERM) && (!has_folder || IsLocked()))) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return process;

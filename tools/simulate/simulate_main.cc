@@ -270,11 +270,10 @@ int Run(const std::vector<std::string>& arguments) {
   const Parameters truth = SetTruth(&scene);
   CheckSyntheticOptions(OptionsFromFlags(), scene, scene_text);
   CheckMemory(scene.mesh.num_nodes(), scene.num_steps(), scene.integrator);
-  // First, because METIS, which orders the nodes, has a handler of its own for SIGTERM meanwhile.
-  Simulator simulator(scene);
-  simulator.SetNumThreads(FLAGS_threads);
   const std::atomic<bool>& interrupted = CatchInterrupts();
   CheckFileCanBeWritten(FLAGS_output);
+  Simulator simulator(scene);
+  simulator.SetNumThreads(FLAGS_threads);
   const Rollout rollout = [&] {
     StepProgress progress;
     return Simulate(truth, scene.num_steps(), &simulator, &interrupted, progress.options(scene.num_steps()));

@@ -2,6 +2,7 @@
 #include "tools/landscape/landscape_plot.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -187,6 +188,12 @@ TEST(RunProgram, ExitCodeAndMessages) {
   EXPECT_EQ(result.err, "it's \"one\" argument\n");
   EXPECT_EQ(RunProgram({"sh", "-c", "kill -9 $$"}).exit_code, 128 + 9);
   EXPECT_EQ(RunProgram({"no-such-program-anywhere"}).exit_code, 127);
+  sigset_t signals, before;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, &before);
+  EXPECT_EQ(RunProgram({"sh", "-c", "kill -TERM $$; exit 3"}).exit_code, 128 + SIGTERM) << "blocked here, not there";
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 }  // namespace
