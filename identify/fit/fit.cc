@@ -122,10 +122,9 @@ StageGoal LooseGoal(int first_iteration) {
 }
 
 // Where its next step leads is the start of another fit.
-void RunLooseStage(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
+void RunLooseStage(const FitOptions& options, const StageGoal& goal, FitProblem* problem, Eigen::VectorXd* coordinates,
                    FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
-  RunLevenbergMarquardt(options, LooseGoal(recorder->next_iteration()), problem, coordinates, evaluator, recorder,
-                        summary);
+  RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
   if (IsAt(evaluator->model(), *coordinates)) summary->next = NextPoint(*problem, evaluator->model(), kShortStep);
 }
 
@@ -144,7 +143,7 @@ void RunFullStage(const FitOptions& options, bool is_near, int first_iteration, 
 // that work loosely may fail with full precision; where these do, the full stage starts where the fit did.
 void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
                                 FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
-  RunLooseStage(options, problem, coordinates, evaluator, recorder, summary);
+  RunLooseStage(options, LooseGoal(recorder->next_iteration()), problem, coordinates, evaluator, recorder, summary);
   if (options.is_cancelled()) return;
   const int last_iteration = recorder->last_iteration();
   evaluator->SupersedeBest();
@@ -275,7 +274,9 @@ void RunOptimiser(const FitOptions& options, bool is_near, FitProblem* problem, 
   } else if (is_near || !StartsLoosely(options, *problem)) {
     RunFullStage(options, is_near, recorder->next_iteration(), problem, coordinates, evaluator, recorder, summary);
   } else if (options.precision == FitPrecision::kLoose) {
-    RunLooseStage(options, problem, coordinates, evaluator, recorder, summary);
+    StageGoal goal = LooseGoal(recorder->next_iteration());
+    goal.function_tolerance = options.function_tolerance;  // no other stage makes up for a minimum that is missed
+    RunLooseStage(options, goal, problem, coordinates, evaluator, recorder, summary);
   } else {
     RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
   }

@@ -17,7 +17,9 @@ class GrowingHorizon;
 //
 // kLevenbergMarquardt: Ceres' trust region with the bounds of the blocks. With FitPrecision::kAdaptive it runs twice:
 // with loose rollouts (`Precision`) until the Gauss-Newton step changes no parameter by more than 5 %, and from where
-// that step leads with full ones, to the end. Forward differences need full precision throughout. kLbfgs:
+// that step leads with full ones, to the end. Where a growing horizon has led it so near, it runs with full ones alone.
+// With few parameters, points near the solution get exact rows along with their rollout: the sweep that the intervals
+// of the last one need. Forward differences need full precision throughout. kLbfgs:
 // `ceres::GradientProblem` has no bounds, so it works on u with  q = lower + (upper - lower) sigmoid(4 u/(upper -
 // lower) + c),  dq/du = 1 in the middle, c such that u = 0 is the start; q the internal coordinate.
 //
