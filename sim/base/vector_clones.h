@@ -7,7 +7,9 @@
 #ifndef CLOTHID_SIM_BASE_VECTOR_CLONES_H_
 #define CLOTHID_SIM_BASE_VECTOR_CLONES_H_
 
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
+// Programs choose between clones before the thread sanitizer is ready.
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_THREAD__)
 #define CLOTHID_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
 #else
 #define CLOTHID_VECTOR_CLONES
