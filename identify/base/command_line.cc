@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "identify/base/program_start.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
@@ -115,6 +116,7 @@ std::vector<std::string> BindFlags(const std::string& program, const ListFlags& 
 }
 
 int RunCommandLine(const ProgramText& program, int argc, char** argv, const Command& command) {
+  KeepSignalsFromLibraries();
   CatchFileSizeLimit();
   return FinishOutput(program.name, ReportErrors(program.name, [&] {
                         return Answer(program, BindFlags(program.name, program.lists, argc, argv), command);

@@ -17,7 +17,7 @@ namespace {
 // A signal handler can reach nothing but a global.
 std::atomic<bool> interrupted{false};
 
-// For threads that were there before they could be told to block signals.
+// For threads that were there before and do not block signals.
 extern "C" void HandleSignal(int signal) {
   interrupted.store(true);
   std::signal(signal, SIG_DFL);
