@@ -10,7 +10,7 @@
 
 #include "sim/rollout/simulator.h"
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define CLOTHID_COUNTS_ALLOCATIONS
 namespace {
 int num_allocations = 0;
