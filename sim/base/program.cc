@@ -17,17 +17,18 @@ namespace {
 // A signal handler can reach nothing but a global.
 std::atomic<bool> interrupted{false};
 
-// For threads that were there before and do not block signals.
+// For threads that were there before and do not block signals. The second signal ends the process once this returns.
 extern "C" void HandleSignal(int signal) {
-  interrupted.store(true);
+  if (!interrupted.exchange(true)) return;
   std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 void WaitForSignals(const sigset_t& signals) {
   int signal = 0;
-  sigwait(&signals, &signal);
-  interrupted.store(true);
-  sigwait(&signals, &signal);
+  do {
+    sigwait(&signals, &signal);
+  } while (!interrupted.exchange(true));
   std::signal(signal, SIG_DFL);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::raise(signal);
