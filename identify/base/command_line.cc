@@ -3,6 +3,7 @@
 #include <gflags/gflags.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <optional>
@@ -118,9 +119,13 @@ std::vector<std::string> BindFlags(const std::string& program, const ListFlags& 
 int RunCommandLine(const ProgramText& program, int argc, char** argv, const Command& command) {
   KeepSignalsFromLibraries();
   CatchFileSizeLimit();
-  return FinishOutput(program.name, ReportErrors(program.name, [&] {
-                        return Answer(program, BindFlags(program.name, program.lists, argc, argv), command);
-                      }));
+  const int exit_code =
+      FinishOutput(program.name, ReportErrors(program.name, [&] {
+                     return Answer(program, BindFlags(program.name, program.lists, argc, argv), command);
+                   }));
+  // Without the ends of libraries: that of OpenBLAS waits for a thread that may wait for memory, for ever.
+  if (exit_code == kExitInternal) std::_Exit(exit_code);
+  return exit_code;
 }
 
 }  // namespace clothid
