@@ -8,14 +8,11 @@
 
 namespace clothid {
 
-double LossRow(double cost, double weighted_squared_norm) {
-  return std::sqrt(std::max(0.0, 2.0 * cost - weighted_squared_norm));
-}
-
 void SetCost(const RobustLoss& loss, const Observation& observation, RolloutEvaluation* evaluation) {
   PredictionCost cost = CostOfPrediction(loss, observation, evaluation->predicted, evaluation->forces);
   evaluation->cost = cost.value;
-  evaluation->loss_row = LossRow(cost.value, cost.WeightedResiduals().squaredNorm());
+  // Rounding would make it imaginary.
+  evaluation->loss_row = std::sqrt(std::max(0.0, 2.0 * cost.value - cost.WeightedResiduals().squaredNorm()));
   evaluation->residuals = std::move(cost.residuals);
 }
 

@@ -10,10 +10,7 @@
 
 namespace clothid {
 
-// sqrt(2 L - |w e|^2): the row that gives the rows w e the value of the loss. 0 where rounding would make it imaginary.
-double LossRow(double cost, double weighted_squared_norm);
-
-// Residuals, cost and loss row of `evaluation` from its prediction.
+// Residuals, cost and loss row of `evaluation` from its prediction, whatever gave that.
 void SetCost(const RobustLoss& loss, const Observation& observation, RolloutEvaluation* evaluation);
 
 // w e [m] of an evaluation that has its residuals, and `weights` w [m].

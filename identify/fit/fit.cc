@@ -293,7 +293,8 @@ bool IsSettled(const FitOptions& options, const FitProblem& problem, const LedSt
          IsShort(problem, start.coordinates, start.last_step, kShortStep);
 }
 
-// From the start, whose cost is known, to where `horizon` leads, unless the cost is higher there.
+// From the start, whose cost is known, to where `horizon` leads, unless the cost is higher there. That of the start may
+// be loose: where this decides, the points are about as good.
 Lead FollowLead(const FitOptions& options, const FitProblem& problem, double start_cost, Precision precision,
                 GrowingHorizon* horizon, Eigen::VectorXd* coordinates, FitEvaluator* evaluator, FitRecorder* recorder) {
   recorder->AddStart(precision);

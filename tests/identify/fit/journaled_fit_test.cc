@@ -193,7 +193,7 @@ TEST_P(PrefixTest, AnyPrefixOfTheJournalsLeadsToTheSameEnd) {
   RecordProperty("records", static_cast<int>(ends[0].size() + ends[1].size()) - 2);
 }
 
-// From the truth, led away and back: the first Jacobian is of a point whose cost was known before.
+// From the truth, whence it is led nowhere: the first Jacobian is of a point whose cost was known before.
 TEST_F(JournaledFitTest, AnyPrefixOfALedFitLeadsToTheSameEnd) {
   motions_.erase(motions_.begin());
   options_.overrides.start = {{"mu", 0.35}, {"k_stretch", 150.0}};
@@ -205,6 +205,9 @@ TEST_F(JournaledFitTest, AnyPrefixOfALedFitLeadsToTheSameEnd) {
   const FitSummary uninterrupted = run();
   ASSERT_EQ(uninterrupted.status, FitStatus::kConverged) << uninterrupted.message;
   ASSERT_GT(uninterrupted.lead.rollouts, 0);
+  ASSERT_GE(uninterrupted.iterations.size(), 2u);
+  ASSERT_EQ(uninterrupted.iterations[1].values, uninterrupted.iterations[0].values);
+  ASSERT_EQ(uninterrupted.iterations[1].rollouts, 2) << "its cost, then its rows";
   for (const std::uint64_t room : {kJournalRoom, std::uint64_t{0}}) {
     options_.journal_room = room;
     Write(0, "");
