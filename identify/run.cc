@@ -25,10 +25,6 @@
 namespace clothid {
 namespace {
 
-void Expect(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorKind::kUsage, message);
-}
-
 std::vector<RecordedMotion> ReadAll(const std::vector<std::string>& paths, const RunOptions& options) {
   std::vector<RecordedMotion> motions;
   for (const std::string& path : paths) motions.push_back(ReadMotion(path, options.reading));
@@ -89,8 +85,8 @@ class Run {
         fit_options_(FitOptionsOf(options, folder_.get())),
         problem_(std::make_unique<FitProblem>(inputs_.fitted, fit_options_)) {
     for (const ParameterBlock& block : problem_->blocks()) {
-      Expect(options.fields.empty() || !block.prior.is_given(),
-             "--field: a fit of fields does not count with priors; expected none of '" + block.name + "'");
+      ExpectUsage(options.fields.empty() || !block.prior.is_given(),
+                  "--field: a fit of fields does not count with priors; expected none of '" + block.name + "'");
     }
     for (const std::string& name : options.profiles) FindFreeBlock(*problem_, name, "--profile");
     for (const RecordedMotion& motion : inputs_.fitted) {
@@ -175,10 +171,9 @@ class Run {
       if (options_.on_fitted) options_.on_fitted(summary_);
       return;
     }
-    summary_ = fit_options_.num_starts == 1
-                   ? Fit(fit_options_, problem_.get(), horizon)
-                   : FitFromStarts(fit_options_, inputs_.fitted, options_.growing_horizon, problem_.get(),
-                                   &checks_.starts.emplace());
+    summary_ = fit_options_.num_starts == 1 ? Fit(fit_options_, problem_.get(), horizon)
+                                            : FitFromStarts(fit_options_, inputs_.fitted, options_.growing_horizon,
+                                                            problem_.get(), &checks_.starts.emplace());
     if (options_.time_step.is_automatic) FitWithChosenStep();
     if (options_.on_fitted) options_.on_fitted(summary_);
   }

@@ -20,7 +20,6 @@ constexpr double kShareOfCloth = 0.25;
 constexpr double kHandleShareOfCloth = 0.1;
 constexpr double kLargestTurn = 0.2;        // rad
 constexpr double kLargestStartSpeed = 2.0;  // m/s
-constexpr double kPi = 3.14159265358979323846;
 
 constexpr char kTimeOffsetName[] = "time_offset";
 constexpr char kAlignName[] = "align";  // shift and turn
@@ -205,7 +204,7 @@ double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
       return motion.times[motion.times.size() - 1] - motion.times[0];
     case AlignmentKind::kTurn:
     case AlignmentKind::kHandleTurn:
-      return kPi;
+      return M_PI;
     case AlignmentKind::kShift:
     case AlignmentKind::kStartVelocity:
     case AlignmentKind::kHandleShift:

@@ -147,9 +147,8 @@ const MeasuredConstant* Measured(const Fabric& fabric, ParameterKind kind) {
 
 // The value of a wind at q = 1.
 double WindUnit(ParameterKind kind, double nominal) {
-  constexpr double kPi = 3.14159265358979323846;
   constexpr double kOther = 10.0;  // m/s, rad/s, rad/m, 1/m
-  const double least = kind == ParameterKind::kGustPhase ? kPi : kOther;
+  const double least = kind == ParameterKind::kGustPhase ? M_PI : kOther;
   return std::max(least, 2.0 * std::abs(nominal));
 }
 

@@ -1,8 +1,9 @@
 #include "costs/rows/compressed_jacobian.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <stdexcept>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -35,8 +36,7 @@ const Eigen::MatrixXd& CompressedJacobian::Factor() {
 }
 
 void CompressedJacobian::Reduce() {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows_.topRows(num_rows_));
-  factor_ = qr.matrixQR().topRows(num_columns_).triangularView<Eigen::Upper>();
+  factor_ = UpperFactor(rows_.topRows(num_rows_));
   rows_.topRows(num_columns_) = factor_;
   num_rows_ = num_columns_;
 }

@@ -1,14 +1,14 @@
 #include "costs/start/smooth_modes.h"
 
-#include <Spectra/MatOp/SparseSymShiftSolve.h>
 #include <Spectra/SymEigsShiftSolver.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <stdexcept>
 
 #include "sim/cloth/triangle_element.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -38,15 +38,38 @@ Eigen::SparseMatrix<double> ScaledLaplacian(const ClothModel& model, const std::
   return scaled;
 }
 
+// (A - shift I)^-1 of a symmetric A with a shift below its spectrum, as Spectra asks for it.
+class ShiftedInverse {
+ public:
+  using Scalar = double;
+
+  explicit ShiftedInverse(const Eigen::SparseMatrix<double>& matrix) : matrix_(matrix) {}
+
+  Eigen::Index rows() const { return matrix_.rows(); }
+  Eigen::Index cols() const { return matrix_.cols(); }
+  void set_shift(double shift) {
+    factor_.setShift(-shift);
+    factor_.compute(matrix_);
+    if (factor_.info() != Eigen::Success) throw std::runtime_error("the Laplacian of the cloth is not definite");
+  }
+  void perform_op(const double* x, double* y) const {
+    Eigen::Map<Eigen::VectorXd>(y, rows()) = factor_.solve(Eigen::Map<const Eigen::VectorXd>(x, rows()));
+  }
+
+ private:
+  const Eigen::SparseMatrix<double>& matrix_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+};
+
 // The lowest eigenvectors, in ascending order.
 Eigen::MatrixXd LowestVectors(const Eigen::SparseMatrix<double>& matrix, double area, Eigen::Index count) {
   if (matrix.rows() <= std::max(kSmallProblem, 3 * count)) {
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(matrix)).eigenvectors().leftCols(count);
+    return SymmetricSpectrum(Eigen::MatrixXd(matrix)).vectors.leftCols(count);
   }
-  Spectra::SparseSymShiftSolve<double> shifted(matrix);
+  ShiftedInverse shifted(matrix);
   // The lowest positive eigenvalues of a sheet are about pi^2/area.
-  Spectra::SymEigsShiftSolver<Spectra::SparseSymShiftSolve<double>> solver(
-      shifted, count, std::min(matrix.rows(), 2 * count + 20), kRelativeShift / area);
+  Spectra::SymEigsShiftSolver<ShiftedInverse> solver(shifted, count, std::min(matrix.rows(), 2 * count + 20),
+                                                     kRelativeShift / area);
   solver.init();
   solver.compute(Spectra::SortRule::LargestMagn);
   if (solver.info() != Spectra::CompInfo::Successful) throw std::runtime_error("the modes of the cloth were not found");

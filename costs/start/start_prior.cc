@@ -1,12 +1,12 @@
 #include "costs/start/start_prior.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <cmath>
 #include <stdexcept>
 
 #include "sim/cloth/triangle_element.h"
 #include "sim/matrix/block_product.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -89,7 +89,7 @@ void ShapePrior::AddVelocities(const Eigen::VectorXd& base_positions, const Eige
 
 Eigen::MatrixXd HandleCoupling::SmoothestOffsets(Eigen::Index count) const {
   if (count >= stiffness.rows()) return Eigen::MatrixXd::Identity(stiffness.rows(), stiffness.rows());
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness).eigenvectors().leftCols(count);
+  return SymmetricSpectrum(stiffness).vectors.leftCols(count);
 }
 
 HandleCoupling ShapePrior::CoupleHandles(const RecordedMotion& motion) const {

@@ -1,11 +1,11 @@
 #include "costs/start/unknown_start.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <stdexcept>
 
 #include "costs/start/smooth_modes.h"
 #include "costs/start/start_prior.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -104,10 +104,10 @@ void UnknownStart::AddHandles(const RecordedMotion& motion, const ShapePrior& sh
 }
 
 void UnknownStart::SetPrior(const QuadraticPrior& prior) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(prior.precision);
-  const Eigen::VectorXd& values = spectrum.eigenvalues();
+  const Spectrum spectrum = SymmetricSpectrum(prior.precision);
+  const Eigen::VectorXd& values = spectrum.values;
   const Eigen::Index rank = (values.array() > kRounding * values[values.size() - 1]).count();
-  const Eigen::MatrixXd vectors = spectrum.eigenvectors().rightCols(rank);
+  const Eigen::MatrixXd vectors = spectrum.vectors.rightCols(rank);
   root_ = values.tail(rank).cwiseSqrt().asDiagonal() * vectors.transpose();
   mean_ = vectors * values.tail(rank).cwiseInverse().asDiagonal() * (vectors.transpose() * prior.information);
 }

@@ -12,22 +12,22 @@
 namespace clothid {
 namespace {
 
-constexpr double kUnitTolerance = 0.7;  // of the logarithm: a folded cloth is smaller than a flat one
-constexpr double kLarge = 1.5;          // extent of a cloud over that of the cloth at rest
-constexpr double kOff = 0.15;           // of the cloth's size: from here clouds are not where the cloth starts
-constexpr double kElsewhere = 2.0;      // of the cloth's size: the scene is about another place
-constexpr double kOffHandle = 0.2;      // of the cloth's size: cloth is seen no nearer to a handle
-constexpr int kMaxFrames = 50;          // that are looked at for handles
+constexpr double kCloudUnitTolerance = 0.7;  // of the logarithm: a folded cloth is smaller than a flat one
+constexpr double kLarge = 1.5;               // extent of a cloud over that of the cloth at rest
+constexpr double kCloudOff = 0.15;           // of the cloth's size: from here clouds are not where the cloth starts
+constexpr double kCloudElsewhere = 2.0;      // of the cloth's size: the scene is about another place
+constexpr double kCloudOffHandle = 0.2;      // of the cloth's size: cloth is seen no nearer to a handle
+constexpr int kMaxFrames = 50;               // that are looked at for handles
 constexpr int kMaxHandles = 50;
 
-struct Unit {
+struct CloudUnit {
   double ratio;
   const char* text;
 };
-constexpr Unit kUnits[] = {{1000.0, "the clouds seem to be in mm: motion convert_clouds --scale 0.001"},
-                           {100.0, "the clouds seem to be in cm: motion convert_clouds --scale 0.01"},
-                           {39.37, "the clouds seem to be in inches: motion convert_clouds --scale 0.0254"},
-                           {0.001, "the mesh seems to be in mm and the clouds in m: give the mesh in m"}};
+constexpr CloudUnit kCloudUnits[] = {{1000.0, "the clouds seem to be in mm: motion convert_clouds --scale 0.001"},
+                                     {100.0, "the clouds seem to be in cm: motion convert_clouds --scale 0.01"},
+                                     {39.37, "the clouds seem to be in inches: motion convert_clouds --scale 0.0254"},
+                                     {0.001, "the mesh seems to be in mm and the clouds in m: give the mesh in m"}};
 
 // Median distance from the median of the points, m.
 double Extent(const Eigen::Matrix3Xd& points) {
@@ -41,8 +41,8 @@ Finding CheckSize(const CheckedMotion& checked, const Eigen::Matrix3Xd& cloud) {
   finding.what = "size of clouds";
   const double ratio = Extent(cloud) / Extent(checked.motion.scene.mesh.rest_positions);
   finding.value = Rounded(ratio) + " of the mesh at rest in the first frame (median distance from the middle)";
-  for (const Unit& unit : kUnits) {
-    if (std::abs(std::log(ratio / unit.ratio)) > kUnitTolerance) continue;
+  for (const CloudUnit& unit : kCloudUnits) {
+    if (std::abs(std::log(ratio / unit.ratio)) > kCloudUnitTolerance) continue;
     finding.severity = Severity::kProblem;
     finding.hint = unit.text;
     return finding;
@@ -63,8 +63,8 @@ Finding CheckPlace(const CheckedMotion& checked, const Eigen::Matrix3Xd& cloud) 
   finding.what = "place of clouds";
   finding.value = Millimetres(distance) + " from where the cloth starts (median)";
   const double off = distance - 3.0 * checked.motion.cloud_sigma;
-  if (off <= kOff * checked.cloth_size) return finding;
-  finding.severity = off > kElsewhere * checked.cloth_size ? Severity::kProblem : Severity::kWarning;
+  if (off <= kCloudOff * checked.cloth_size) return finding;
+  finding.severity = off > kCloudElsewhere * checked.cloth_size ? Severity::kProblem : Severity::kWarning;
   finding.hint =
       "the frame of reference of the clouds (motion convert --transform), or where the scene has the cloth in the "
       "first "
@@ -92,7 +92,7 @@ std::vector<Finding> CheckNearHandles(const CheckedMotion& checked) {
     }
   }
   const double distance = Median(std::move(distances));
-  if (!(distance > kOffHandle * checked.cloth_size + 3.0 * motion.cloud_sigma)) return {};
+  if (!(distance > kCloudOffHandle * checked.cloth_size + 3.0 * motion.cloud_sigma)) return {};
   Finding finding;
   finding.what = "clouds near handles";
   finding.severity = Severity::kWarning;

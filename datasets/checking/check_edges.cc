@@ -11,7 +11,6 @@
 namespace clothid {
 namespace {
 
-constexpr Eigen::Index kMaxOrderPoints = 20000;
 constexpr double kSameLength = 0.05;  // of the edges, by share
 constexpr double kWrongLength = 0.2;
 constexpr double kUnitTolerance = 0.2;

@@ -11,10 +11,10 @@
 namespace clothid {
 namespace {
 
-constexpr double kOffHandle = 0.25;  // of the spacing: from here a point is not where its handle is
-constexpr double kJump = 0.25;       // of the spacing: less is no jump of a handle
-constexpr double kTorn = 1.3;        // distance of two handles over that at rest
-constexpr double kPairNoise = 2.0;   // times the noise floor: the farthest of many pairs over many frames
+constexpr double kOffHandle = 0.25;   // of the spacing: from here a point is not where its handle is
+constexpr double kHandleJump = 0.25;  // of the spacing: less is no jump of a handle
+constexpr double kTorn = 1.3;         // distance of two handles over that at rest
+constexpr double kPairNoise = 2.0;    // times the noise floor: the farthest of many pairs over many frames
 constexpr std::size_t kMaxHandlePairs = 200;
 constexpr double kLongestShift = 1.0;  // s, between the clocks of handles and points
 constexpr int kNumShifts = 200;        // tried on each side
@@ -204,7 +204,7 @@ Finding HandleJumps(const CheckedMotion& checked) {
   for (std::size_t i = 0; i < motion.scene.handles.nodes.size(); ++i) {
     const std::vector<int> jumps =
         ClothJumps(path.times(), path.positions().middleRows<3>(3 * static_cast<Eigen::Index>(i)),
-                   kJump * checked.spacing + checked.noise_floor);
+                   kHandleJump * checked.spacing + checked.noise_floor);
     if (jumps.empty()) continue;
     nodes.push_back(motion.scene.handles.nodes[i]);
     frames.insert(jumps.begin(), jumps.end());

@@ -17,12 +17,11 @@ constexpr double kQuiet = 1e-3;       // noise over the size of the cloth that c
 constexpr double kSigmaFactor = 3.0;  // between the noise that the file states and the one estimated
 constexpr double kWrongSigma = 30.0;  // likewise: another unit
 constexpr double kCoarse = 0.3;       // noise over spacing from which neighbours cannot be told apart
-constexpr Eigen::Index kMaxOrderPoints = 20000;
 constexpr double kLongEdge = 1.6;     // a pair over its own median length and that of its frame: torn apart
 constexpr double kTornShare = 0.04;   // of the pairs: from here a frame counts as out of order
 constexpr double kStrayShare = 0.15;  // of the points: so many may be far off in a frame without its order being wrong
 constexpr double kOwnShare = 0.5;     // of a point's deviation: less is what the points around it do
-constexpr double kJump = 0.1;         // of the spacing: less is no jump of the cloth
+constexpr double kLeastClothJump = 0.1;  // of the spacing: less is no jump of the cloth
 
 // The pairs of a frame, of which some are long, and points that are left out together with their pairs.
 class TornPairs {
@@ -107,7 +106,7 @@ Finding JumpsOfCloth(const CheckedMotion& checked, const Eigen::MatrixXd& positi
   const Scene& scene = checked.motion.scene;
   const double fall =
       scene.handles.path.num_handles() > 0 ? 0.0 : scene.gravity.norm() * std::pow(checked.median_interval, 2);
-  finding.frames = ClothJumps(checked.motion.times, positions, kJump * checked.spacing + noise + fall);
+  finding.frames = ClothJumps(checked.motion.times, positions, kLeastClothJump * checked.spacing + noise + fall);
   finding.value = finding.frames.empty() ? "none" : "into " + Named("frame", finding.frames);
   if (!finding.frames.empty()) {
     finding.severity = Severity::kWarning;

@@ -10,19 +10,19 @@
 
 #include "datasets/checking/finding_words.h"
 #include "datasets/checking/grid_orders.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
 
-constexpr double kOff = 0.25;  // of the spacing: from here the cloth does not start where it was measured
+constexpr double kStartOff = 0.25;  // of the spacing: from here the cloth does not start where it was measured
 constexpr double kSlightlyOff = 0.1;
-constexpr double kElsewhere = 2.0;    // of the cloth's size: the scene is about another place
-constexpr double kExplained = 3.0;    // how much nearer the points have to come
-constexpr double kMeanNoise = 4.0;    // standard deviations of a mean
-constexpr double kWrongSpeed = 0.05;  // of the spacing per frame
-constexpr double kManyPoints = 0.25;  // share of the points
-constexpr Eigen::Index kMaxOrderPoints = 20000;
-constexpr int kFirstFrames = 10;  // that tell where a point of the first one should be
+constexpr double kStartElsewhere = 2.0;    // of the cloth's size: the scene is about another place
+constexpr double kExplained = 3.0;         // how much nearer the points have to come
+constexpr double kMeanNoise = 4.0;         // standard deviations of a mean
+constexpr double kWrongSpeed = 0.05;       // of the spacing per frame
+constexpr double kManyStartPoints = 0.25;  // share of the points
+constexpr int kFirstFrames = 10;           // that tell where a point of the first one should be
 
 // Where the scene puts the points at its start [3 x P] m.
 Eigen::Matrix3Xd AtStart(const RecordedMotion& motion, const Eigen::VectorXd& nodes) {
@@ -90,7 +90,7 @@ double RigidMisfit(const Eigen::Matrix3Xd& expected, const Eigen::Matrix3Xd& mea
     to.col(count++) = expected.col(p);
   }
   if (count < 4) return std::numeric_limits<double>::infinity();
-  const Eigen::Isometry3d motion(Eigen::umeyama(from.leftCols(count).eval(), to.leftCols(count).eval(), false));
+  const Eigen::Isometry3d motion = RigidMotion(from.leftCols(count), to.leftCols(count));
   return MedianLength(motion * from.leftCols(count) - to.leftCols(count));
 }
 
@@ -110,9 +110,9 @@ Finding StartAgainstFrame(const CheckedMotion& checked) {
   const double mean_noise = kMeanNoise * checked.noise.rms() / std::sqrt(static_cast<double>(motion.num_points()));
   const double off = std::max(distance - checked.noise_floor, MedianOf(difference).norm() - mean_noise);
   if (!(off > kSlightlyOff * checked.spacing)) return finding;
-  finding.severity = off > kElsewhere * checked.cloth_size ? Severity::kProblem
-                     : off > kOff * checked.spacing        ? Severity::kWarning
-                                                           : Severity::kNote;
+  finding.severity = off > kStartElsewhere * checked.cloth_size ? Severity::kProblem
+                     : off > kStartOff * checked.spacing        ? Severity::kWarning
+                                                                : Severity::kNote;
   std::vector<std::vector<int>> orders;
   if (motion.num_points() <= kMaxOrderPoints) orders = GridOrders(checked.rest_points);
   finding.hint = Explanation(expected, measured, orders);
@@ -174,7 +174,7 @@ std::vector<Finding> CheckStartVelocity(const CheckedMotion& checked) {
   const double noise = kMeanNoise * std::sqrt(2.0) * checked.noise.rms() / interval;
   const double allowed = scene.gravity.norm() * interval + 1.5 * pulled + kWrongSpeed * checked.spacing / interval;
   const double of_cloth = MedianOf(difference).norm() - noise / std::sqrt(1.0 * motion.num_points());
-  const double of_points = UpperLength(difference, kManyPoints) - noise;
+  const double of_points = UpperLength(difference, kManyStartPoints) - noise;
   const double off = std::max(of_cloth, of_points);
   if (!(off > allowed)) return {};
   Finding finding;

@@ -15,8 +15,8 @@ constexpr double kNoiseFloor = 3.0;               // in standard deviations
 constexpr Eigen::Index kMaxCloudPoints = 1000;    // that are looked at in a frame
 constexpr double kStiff =
     0.5;  // bending length over the cloth's size: a strip of twice that length points 41 degrees down
-constexpr double kPointJump = 0.3;  // of the spacing: less is no jump of a point
-constexpr double kNoiseJump = 8.0;  // standard deviations: likewise
+constexpr double kLeastPointJump = 0.3;  // of the spacing: less is no jump of a point
+constexpr double kNoiseJump = 8.0;       // standard deviations: likewise
 
 Eigen::Vector3d RestPosition(const ObservedPoint& point, const Mesh& mesh) {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -130,6 +130,6 @@ Eigen::Matrix3Xd CheckedMotion::Places(int frame) const {
   return places;
 }
 
-double CheckedMotion::point_jump_floor() const { return std::max(kPointJump * spacing, kNoiseJump * noise.rms()); }
+double CheckedMotion::point_jump_floor() const { return std::max(kLeastPointJump * spacing, kNoiseJump * noise.rms()); }
 
 }  // namespace clothid

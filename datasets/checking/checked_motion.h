@@ -10,6 +10,9 @@
 
 namespace clothid {
 
+// Up to so many points their order is looked at.
+inline constexpr Eigen::Index kMaxOrderPoints = 20000;
+
 // Keeps a reference to the recording.
 struct CheckedMotion {
   explicit CheckedMotion(const RecordedMotion& recorded);

@@ -1,8 +1,9 @@
 #include "datasets/checking/track_statistics.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -69,17 +70,6 @@ int FrameOfJump(const Eigen::VectorXd& deviations, Eigen::Index frame) {
 
 }  // namespace
 
-double Median(const Eigen::VectorXd& values) { return Median(std::vector<double>(values.begin(), values.end())); }
-
-double Median(std::vector<double> values) {
-  values.erase(std::remove_if(values.begin(), values.end(), [](double value) { return std::isnan(value); }),
-               values.end());
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 NoiseEstimate EstimateNoise(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions) {
   NoiseEstimate noise;
   const Eigen::Index num_points = positions.rows() / 3, num_frames = times.size();
@@ -106,7 +96,7 @@ NoiseEstimate EstimateNoise(const Eigen::VectorXd& times, const Eigen::MatrixXd&
   for (const Eigen::Vector3d& residual : residuals) {
     if (residual.norm() <= limit) covariance += residual * residual.transpose();
   }
-  noise.directions = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
+  noise.directions = SymmetricSpectrum(covariance).vectors;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> along;
     for (const Eigen::Vector3d& residual : residuals) along.push_back(std::abs(noise.directions.col(k).dot(residual)));

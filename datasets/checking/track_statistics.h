@@ -7,11 +7,9 @@
 #include <utility>
 #include <vector>
 
-namespace clothid {
+#include "sim/base/median.h"
 
-// The upper median of what is not NaN; NaN of nothing.
-double Median(std::vector<double> values);
-double Median(const Eigen::VectorXd& values);
+namespace clothid {
 
 // An interval between frames is a gap where it exceeds the median by this factor: one frame that was dropped makes an
 // interval of twice the usual length.

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void Fail(const fs::path& path, const std::string& reason) {
+[[noreturn]] void FailOnGroup(const fs::path& path, const std::string& reason) {
   throw Error(ErrorKind::kIo, path.string() + ": cannot be written: " + reason);
 }
 
@@ -42,7 +42,7 @@ FileGroup::FileGroup(const std::string& path) {
   }
   if (error) {
     Clear();
-    Fail(path, error.message());
+    FailOnGroup(path, error.message());
   }
 }
 
@@ -52,13 +52,13 @@ FileGroup::~FileGroup() { Clear(); }
 void FileGroup::Lock(const std::string& path) {
   do {
     if (lock_ >= 0) ::close(std::exchange(lock_, -1));
-    if (::mkdir(hidden_.c_str(), 0777) != 0 && errno != EEXIST) Fail(path, std::strerror(errno));
+    if (::mkdir(hidden_.c_str(), 0777) != 0 && errno != EEXIST) FailOnGroup(path, std::strerror(errno));
     lock_ = ::open(hidden_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
     if (lock_ < 0 && errno == ENOENT) continue;  // its last owner has just removed it
-    if (lock_ < 0) Fail(path, std::strerror(errno));
+    if (lock_ < 0) FailOnGroup(path, std::strerror(errno));
     if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(std::exchange(lock_, -1));
-      Fail(path, "another process is writing it");
+      FailOnGroup(path, "another process is writing it");
     }
   } while (lock_ < 0 || !IsSameFile(lock_, hidden_));
 }
@@ -74,7 +74,7 @@ void FileGroup::CheckPlaces() const {
   std::error_code ignored;
   for (const std::vector<std::string>* names : {&removed_, &written_}) {
     for (const std::string& name : *names) {
-      if (fs::is_directory(folder_ / name, ignored)) Fail(folder_ / name, std::strerror(EISDIR));
+      if (fs::is_directory(folder_ / name, ignored)) FailOnGroup(folder_ / name, std::strerror(EISDIR));
     }
   }
 }
@@ -84,11 +84,11 @@ void FileGroup::Commit() {
   std::error_code error;
   for (const std::string& name : removed_) {
     fs::remove(folder_ / name, error);
-    if (error) Fail(folder_ / name, error.message());
+    if (error) FailOnGroup(folder_ / name, error.message());
   }
   for (const std::string& name : written_) {
     fs::rename(hidden_ / name, folder_ / name, error);
-    if (error) Fail(folder_ / name, error.message());
+    if (error) FailOnGroup(folder_ / name, error.message());
   }
   FlushToDisk(folder_.empty() ? "." : folder_.string());  // best effort: not every file system can
 }

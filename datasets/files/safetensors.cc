@@ -35,10 +35,6 @@ const TypeName& Describe(TensorType type) {
   return *std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeName& t) { return t.type == type; });
 }
 
-[[noreturn]] void Fail(const std::string& path, const std::string& message) {
-  throw Error(ErrorKind::kBadData, path + ": " + message);
-}
-
 std::uint64_t FileSize(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
@@ -61,7 +57,7 @@ std::string ReadBytes(std::ifstream* file, const std::string& path, std::uint64_
 // Where the first bytes tell that the file is another's.
 void RefuseOtherKinds(const std::string& start, const std::string& path) {
   const std::string kind = FileKind(start);
-  if (!kind.empty()) Fail(path, "is " + kind + "; expected a recording, motion.bin");
+  if (!kind.empty()) FailOnData(path, "is " + kind + "; expected a recording, motion.bin");
 }
 
 std::uint64_t HeaderLength(const std::string& start, const std::string& path, std::uint64_t file_size) {
@@ -70,8 +66,8 @@ std::uint64_t HeaderLength(const std::string& start, const std::string& path, st
   const std::uint64_t limit = std::min(file_size - kLengthSize, kMaxHeaderBytes);
   if (length > limit || (start.size() > kLengthSize && start[kLengthSize] != '{')) RefuseOtherKinds(start, path);
   if (length > limit) {
-    Fail(path, "its header claims " + std::to_string(length) + " bytes; expected at most " + std::to_string(limit) +
-                   " in this file");
+    FailOnData(path, "its header claims " + std::to_string(length) + " bytes; expected at most " +
+                         std::to_string(limit) + " in this file");
   }
   return length;
 }
@@ -140,13 +136,13 @@ void ExpectFullCover(const Safetensors& file, std::size_t data_size, const std::
   std::size_t end = 0;
   for (const auto& [name, tensor] : order) {
     if (tensor.begin != end) {
-      Fail(path, "tensor '" + Printable(name) + "': expected its data to begin at byte " + std::to_string(end) +
-                     ", where the one before it ends, found " + std::to_string(tensor.begin));
+      FailOnData(path, "tensor '" + Printable(name) + "': expected its data to begin at byte " + std::to_string(end) +
+                           ", where the one before it ends, found " + std::to_string(tensor.begin));
     }
     end = tensor.end;
   }
   if (end != data_size) {
-    Fail(path, "expected " + std::to_string(end) + " bytes of tensors, found " + std::to_string(data_size));
+    FailOnData(path, "expected " + std::to_string(end) + " bytes of tensors, found " + std::to_string(data_size));
   }
 }
 
@@ -161,9 +157,9 @@ Safetensors ReadSafetensors(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read: " + std::strerror(errno));
   if (file_size > kMaxContainerBytes) {
-    Fail(path, "is larger than " + std::to_string(kMaxContainerBytes) + " bytes");
+    FailOnData(path, "is larger than " + std::to_string(kMaxContainerBytes) + " bytes");
   }
-  if (file_size < kLengthSize) Fail(path, "is shorter than the 8 bytes of a header length");
+  if (file_size < kLengthSize) FailOnData(path, "is shorter than the 8 bytes of a header length");
   Safetensors result;
   const std::string start = ReadBytes(&file, path, std::min<std::uint64_t>(file_size, kKindBytes));
   const std::uint64_t header_size = HeaderLength(start, path, file_size);

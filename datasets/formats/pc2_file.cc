@@ -20,12 +20,8 @@ constexpr std::int32_t kVersion = 1;
 // Where the fields of the header stand.
 enum Offset : std::size_t { kVersionAt = 12, kPointsAt = 16, kStartAt = 20, kRateAt = 24, kSamplesAt = 28 };
 
-[[noreturn]] void Fail(const std::string& path, const std::string& message) {
-  throw Error(ErrorKind::kBadData, path + ": " + message);
-}
-
 std::uint64_t Count(const std::string& path, std::int32_t count, const std::string& what) {
-  if (count < 1) Fail(path, "expected at least one " + what + ", found " + std::to_string(count));
+  if (count < 1) FailOnData(path, "expected at least one " + what + ", found " + std::to_string(count));
   return static_cast<std::uint64_t>(count);
 }
 
@@ -33,23 +29,23 @@ std::uint64_t Count(const std::string& path, std::int32_t count, const std::stri
 
 PointTracks ReadPc2(const std::string& path) {
   const std::string bytes = ReadFile(path, kMaxPc2Bytes);
-  if (bytes.compare(0, kMagic.size(), kMagic) != 0) Fail(path, "is not a PC2 file: expected POINTCACHE2");
-  if (bytes.size() < kHeaderSize) Fail(path, "ends within its header");
+  if (bytes.compare(0, kMagic.size(), kMagic) != 0) FailOnData(path, "is not a PC2 file: expected POINTCACHE2");
+  if (bytes.size() < kHeaderSize) FailOnData(path, "ends within its header");
   const auto integer = [&](Offset at) { return LoadNumber<std::int32_t>(bytes.data() + at, ByteOrder::kLittle); };
   const auto real = [&](Offset at) { return LoadNumber<float>(bytes.data() + at, ByteOrder::kLittle); };
   if (integer(kVersionAt) != kVersion) {
-    Fail(path, "expected PC2 version 1, found " + std::to_string(integer(kVersionAt)));
+    FailOnData(path, "expected PC2 version 1, found " + std::to_string(integer(kVersionAt)));
   }
   const std::uint64_t num_points = Count(path, integer(kPointsAt), "point");
   const std::uint64_t num_samples = Count(path, integer(kSamplesAt), "sample");
   if (!std::isfinite(real(kStartAt)) || !std::isfinite(real(kRateAt))) {
-    Fail(path, "expected a finite first frame and sample rate");
+    FailOnData(path, "expected a finite first frame and sample rate");
   }
   CheckTrackSize(path, num_points, num_samples);
   const std::uint64_t expected = num_points * num_samples * 3 * sizeof(float);
   if (bytes.size() - kHeaderSize != expected) {
-    Fail(path, "expected " + std::to_string(expected) + " bytes of positions, found " +
-                   std::to_string(bytes.size() - kHeaderSize));
+    FailOnData(path, "expected " + std::to_string(expected) + " bytes of positions, found " +
+                         std::to_string(bytes.size() - kHeaderSize));
   }
   PointTracks tracks;
   tracks.name = path;

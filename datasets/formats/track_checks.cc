@@ -12,10 +12,6 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void Fail(const std::string& source, const std::string& message) {
-  throw Error(ErrorKind::kBadData, source + ": " + message);
-}
-
 [[noreturn]] void FailToWrite(const PointTracks& tracks, const std::string& message) {
   throw Error(ErrorKind::kUsage, tracks.name + ": " + message);
 }
@@ -29,15 +25,15 @@ std::string FrameAndPoint(const PointTracks& tracks, Eigen::Index frame, Eigen::
 void CheckTimes(const PointTracks& tracks) {
   if (tracks.times.size() == 0) return;
   if (tracks.times.size() != tracks.num_frames()) {
-    Fail(tracks.name, "has " + std::to_string(tracks.times.size()) + " times for " +
-                          std::to_string(tracks.num_frames()) + " frames");
+    FailOnData(tracks.name, "has " + std::to_string(tracks.times.size()) + " times for " +
+                                std::to_string(tracks.num_frames()) + " frames");
   }
   for (Eigen::Index i = 0; i < tracks.times.size(); ++i) {
     const std::string frame = "the time of frame " + std::to_string(i);
-    if (!std::isfinite(tracks.times[i])) Fail(tracks.name, frame + " is not finite");
+    if (!std::isfinite(tracks.times[i])) FailOnData(tracks.name, frame + " is not finite");
     if (i > 0 && !(tracks.times[i] > tracks.times[i - 1])) {
-      Fail(tracks.name, frame + ", " + ShortestText(tracks.times[i]) + " s, is not after the one before it, " +
-                            ShortestText(tracks.times[i - 1]) + " s");
+      FailOnData(tracks.name, frame + ", " + ShortestText(tracks.times[i]) + " s, is not after the one before it, " +
+                                  ShortestText(tracks.times[i - 1]) + " s");
     }
   }
 }
@@ -47,7 +43,7 @@ void CheckNumbers(const PointTracks& tracks) {
   if (numbers.empty()) return;
   const bool increase = std::adjacent_find(numbers.begin(), numbers.end(), std::greater_equal<>()) == numbers.end();
   if (numbers.size() != static_cast<std::size_t>(tracks.num_frames()) || numbers.front() != 0 || !increase) {
-    Fail(tracks.name, "expected increasing numbers of its frames from 0 on");
+    FailOnData(tracks.name, "expected increasing numbers of its frames from 0 on");
   }
 }
 
@@ -56,7 +52,8 @@ void CheckPositions(const PointTracks& tracks) {
     if (!tracks.positions.col(frame).array().isInf().any()) continue;
     Eigen::Index row = 0;
     while (!std::isinf(tracks.positions(row, frame))) ++row;
-    Fail(tracks.name, FrameAndPoint(tracks, frame, row / 3) + ": expected finite numbers, or NaN where it is not seen");
+    FailOnData(tracks.name,
+               FrameAndPoint(tracks, frame, row / 3) + ": expected finite numbers, or NaN where it is not seen");
   }
 }
 
@@ -64,8 +61,8 @@ void CheckFaces(const PointTracks& tracks) {
   for (Eigen::Index face = 0; face < tracks.faces.cols(); ++face) {
     for (const int point : {tracks.faces(0, face), tracks.faces(1, face), tracks.faces(2, face)}) {
       if (point >= 0 && point < tracks.num_points()) continue;
-      Fail(tracks.name, "triangle " + std::to_string(face) + " refers to point " + std::to_string(point) +
-                            "; expected 0 to " + std::to_string(tracks.num_points() - 1));
+      FailOnData(tracks.name, "triangle " + std::to_string(face) + " refers to point " + std::to_string(point) +
+                                  "; expected 0 to " + std::to_string(tracks.num_points() - 1));
     }
   }
 }
@@ -74,24 +71,24 @@ void CheckFaces(const PointTracks& tracks) {
 
 void CheckTrackSize(const std::string& source, std::uint64_t num_points, std::uint64_t num_frames) {
   const auto check = [&](std::uint64_t count, std::uint64_t most, const std::string& what) {
-    if (count == 0) Fail(source, "holds no " + what);
-    if (count > most) Fail(source, "has more than " + std::to_string(most) + " " + what + "s");
+    if (count == 0) FailOnData(source, "holds no " + what);
+    if (count > most) FailOnData(source, "has more than " + std::to_string(most) + " " + what + "s");
   };
   check(num_points, kMaxNodes, "point");
   check(num_frames, kMaxFrames, "frame");
   if (num_points * num_frames > kMaxTrackBytes / (3 * sizeof(double))) {
-    Fail(source, std::to_string(num_points) + " points in " + std::to_string(num_frames) +
-                     " frames are more than the limit of " + std::to_string(kMaxTrackBytes) + " bytes");
+    FailOnData(source, std::to_string(num_points) + " points in " + std::to_string(num_frames) +
+                           " frames are more than the limit of " + std::to_string(kMaxTrackBytes) + " bytes");
   }
 }
 
 void CheckTracks(const PointTracks& tracks) {
-  if (tracks.positions.rows() % 3 != 0) Fail(tracks.name, "expected three coordinates for every point");
+  if (tracks.positions.rows() % 3 != 0) FailOnData(tracks.name, "expected three coordinates for every point");
   CheckTrackSize(tracks.name, static_cast<std::uint64_t>(tracks.positions.rows() / 3),
                  static_cast<std::uint64_t>(tracks.positions.cols()));
   if (!tracks.labels.empty() && tracks.labels.size() != static_cast<std::size_t>(tracks.num_points())) {
-    Fail(tracks.name, "has " + std::to_string(tracks.labels.size()) + " labels for " +
-                          std::to_string(tracks.num_points()) + " points");
+    FailOnData(tracks.name, "has " + std::to_string(tracks.labels.size()) + " labels for " +
+                                std::to_string(tracks.num_points()) + " points");
   }
   CheckTimes(tracks);
   CheckNumbers(tracks);

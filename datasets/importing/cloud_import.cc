@@ -25,6 +25,7 @@
 #include "sim/base/json_document.h"
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
+#include "sim/matrix/dense.h"
 #include "sim/scene/scene_json.h"
 
 namespace clothid {
@@ -42,10 +43,6 @@ constexpr double kOutlierMedians = 3.0;
 
 // Beyond this many cubes along an axis their numbers are not exact.
 constexpr double kMaxVoxels = 1e15;
-
-void Require(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorKind::kUsage, message);
-}
 
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
   std::error_code error;
@@ -68,13 +65,13 @@ std::vector<std::string> FilesOfPattern(const std::string& pattern) {
 }
 
 void CheckOptions(const CloudImportOptions& options) {
-  Require(!options.scene_path.empty(), "a scene is missing, which gives the mesh");
-  Require((options.times.size() > 0) != (options.frame_rate != 0.0), "expected either a frame rate or times");
-  Require(options.frame_rate >= 0.0 && std::isfinite(options.frame_rate), "frame_rate: expected a rate > 0 in Hz");
-  Require(options.scale > 0.0 && std::isfinite(options.scale), "scale: expected a number > 0");
-  Require(options.voxel >= 0.0 && std::isfinite(options.voxel), "voxel: expected a length >= 0 in m");
-  Require(options.max_points >= 0, "max_points: expected a number >= 0");
-  Require(options.sigma >= 0.0 && std::isfinite(options.sigma), "sigma: expected a standard deviation >= 0 in m");
+  ExpectUsage(!options.scene_path.empty(), "a scene is missing, which gives the mesh");
+  ExpectUsage((options.times.size() > 0) != (options.frame_rate != 0.0), "expected either a frame rate or times");
+  ExpectUsage(options.frame_rate >= 0.0 && std::isfinite(options.frame_rate), "frame_rate: expected a rate > 0 in Hz");
+  ExpectUsage(options.scale > 0.0 && std::isfinite(options.scale), "scale: expected a number > 0");
+  ExpectUsage(options.voxel >= 0.0 && std::isfinite(options.voxel), "voxel: expected a length >= 0 in m");
+  ExpectUsage(options.max_points >= 0, "max_points: expected a number >= 0");
+  ExpectUsage(options.sigma >= 0.0 && std::isfinite(options.sigma), "sigma: expected a standard deviation >= 0 in m");
 }
 
 Eigen::VectorXd Times(const CloudImportOptions& options, const std::vector<std::string>& files) {
@@ -127,7 +124,7 @@ Eigen::Isometry3d NextPose(const ClothTopology& topology, const Eigen::Matrix3Xd
     gradient += change * row.distance;
   }
   hessian.diagonal().array() += kPoseDamping * hessian.trace();
-  const Vector6d step = -hessian.ldlt().solve(gradient);
+  const Vector6d step = -SymmetricFactor(hessian).SolveOne(gradient);
   const Eigen::Vector3d turn = step.tail<3>() / size;
   const double angle = turn.norm();
   Eigen::Isometry3d motion = Eigen::Isometry3d(Eigen::Translation3d(center + step.head<3>()));
@@ -224,8 +221,8 @@ MotionTensors ImportClouds(const CloudImportOptions& options) {
   bool start_is_first_frame = false;
   motion.scene_text = SelfContainedText(scene, text, &start_is_first_frame);
   if (options.fit_pose) {
-    Require(!start_is_first_frame && scene.handles.path.num_handles() == 0,
-            "fit_pose: the start and the handle paths that the scene reads from files have a place of their own");
+    ExpectUsage(!start_is_first_frame && scene.handles.path.num_handles() == 0,
+                "fit_pose: the start and the handle paths that the scene reads from files have a place of their own");
     motion.mesh.rest_positions = FitPose(scene.mesh, motion.clouds.front());
   }
   if (start_is_first_frame) TrackStart(scene, &motion);

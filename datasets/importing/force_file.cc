@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-[[noreturn]] void Fail(const std::string& path, const std::string& message) {
-  throw Error(ErrorKind::kBadData, path + ": " + message);
-}
-
 bool IsNpy(const std::string& path) { return path.size() > 4 && path.compare(path.size() - 4, 4, ".npy") == 0; }
 
 std::string Trimmed(std::string_view cell) {
@@ -44,8 +40,8 @@ std::vector<int> ComponentRows(const std::vector<std::string>& header, int num_g
     const bool is_plain = name.size() == 1 && num_groups == 1;
     const std::optional<long long> group = is_plain ? 0 : ParseInteger(name.empty() ? name : name.substr(1));
     if (axis == std::string_view::npos || !group || *group < 0 || *group >= num_groups) {
-      Fail(path + ":1", "column '" + Printable(name) + "': expected " +
-                            (num_groups == 1 ? "x, y or z" : "x0, y0, .. of one of the groups of handles"));
+      FailOnData(path + ":1", "column '" + Printable(name) + "': expected " +
+                                  (num_groups == 1 ? "x, y or z" : "x0, y0, .. of one of the groups of handles"));
     }
     rows.push_back(3 * static_cast<int>(*group) + static_cast<int>(axis));
   }
@@ -54,9 +50,9 @@ std::vector<int> ComponentRows(const std::vector<std::string>& header, int num_g
 
 void AppendCsvRow(const std::vector<std::string>& cells, const std::vector<int>& rows, const std::string& place,
                   std::vector<double>* times, Eigen::MatrixXd* values) {
-  if (cells.size() != rows.size() + 1) Fail(place, "expected " + std::to_string(rows.size() + 1) + " cells");
+  if (cells.size() != rows.size() + 1) FailOnData(place, "expected " + std::to_string(rows.size() + 1) + " cells");
   const std::optional<double> time = ParseNumber(cells[0]);
-  if (!time) Fail(place, "expected a time (s), got '" + Printable(cells[0]) + "'");
+  if (!time) FailOnData(place, "expected a time (s), got '" + Printable(cells[0]) + "'");
   times->push_back(*time);
   if (static_cast<Eigen::Index>(times->size()) > values->cols()) {
     values->conservativeResize(Eigen::NoChange, 2 * values->cols() + 64);
@@ -67,7 +63,7 @@ void AppendCsvRow(const std::vector<std::string>& cells, const std::vector<int>&
     const std::string& cell = cells[i + 1];
     if (cell.empty() || cell == "nan" || cell == "NaN") continue;
     const std::optional<double> value = ParseNumber(cell);
-    if (!value) Fail(place, "expected a force (N) or nothing, got '" + Printable(cell) + "'");
+    if (!value) FailOnData(place, "expected a force (N) or nothing, got '" + Printable(cell) + "'");
     column[rows[i]] = *value;
   }
 }
@@ -81,13 +77,13 @@ void ReadCsv(const std::string& path, ForceReadings* forces) {
   for (int number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++number) {
     const std::vector<std::string> cells = Cells(*line);
     if (number == 1) {
-      if (cells.front() != "time" || cells.size() < 2) Fail(path + ":1", "expected a header 'time,x,y,z'");
+      if (cells.front() != "time" || cells.size() < 2) FailOnData(path + ":1", "expected a header 'time,x,y,z'");
       rows = ComponentRows(cells, forces->num_groups(), path);
     } else if (!Trimmed(*line).empty()) {
       AppendCsvRow(cells, rows, path + ":" + std::to_string(number), &times, &forces->values);
     }
   }
-  if (times.empty()) Fail(path, "expected a header and at least one row of numbers");
+  if (times.empty()) FailOnData(path, "expected a header and at least one row of numbers");
   forces->times = Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
   forces->values.conservativeResize(Eigen::NoChange, forces->times.size());
 }
@@ -95,12 +91,13 @@ void ReadCsv(const std::string& path, ForceReadings* forces) {
 Eigen::VectorXd ReadNpyTimes(const ForceFile& file, Eigen::Index num_readings, const Eigen::VectorXd& frames) {
   if (file.times_path.empty()) {
     if (num_readings == frames.size()) return frames;
-    Fail(file.path, std::to_string(num_readings) + " readings for " + std::to_string(frames.size()) +
-                        " frames; expected a file with their times");
+    FailOnData(file.path, std::to_string(num_readings) + " readings for " + std::to_string(frames.size()) +
+                              " frames; expected a file with their times");
   }
   const NpyArray array = ReadNpy(file.times_path);
   if (array.shape != std::vector<long long>{num_readings}) {
-    Fail(file.times_path, "expected an array of shape (" + std::to_string(num_readings) + "), a time per reading");
+    FailOnData(file.times_path,
+               "expected an array of shape (" + std::to_string(num_readings) + "), a time per reading");
   }
   return Eigen::Map<const Eigen::VectorXd>(array.values.data(), num_readings);
 }
@@ -114,8 +111,8 @@ void ReadArray(const ForceFile& file, const Eigen::VectorXd& frames, ForceReadin
   const bool fits = is_scalar || (shape.size() == 2 && shape[1] == 3 && num_groups == 1) ||
                     (shape.size() == 3 && shape[1] == num_groups && shape[2] == 3);
   if (!fits || shape[0] < 1) {
-    Fail(file.path, "expected an array of shape (F, " + std::to_string(num_groups) + ", 3)" +
-                        (num_groups == 1 ? ", (F, 3) or (F)" : ""));
+    FailOnData(file.path, "expected an array of shape (F, " + std::to_string(num_groups) + ", 3)" +
+                              (num_groups == 1 ? ", (F, 3) or (F)" : ""));
   }
   if (is_scalar != file.axis.has_value()) {
     throw Error(ErrorKind::kUsage, file.path + (is_scalar ? ": has one component; expected its axis"
@@ -182,9 +179,9 @@ ForceReadings ReadForces(const ForceFile& file, const Eigen::VectorXd& times, do
   forces.times = has_frame_times ? times : Eigen::VectorXd((forces.times.array() - file.time_offset) + time_shift);
   KeepReadingsWithin(times, &forces);
   if (forces.is_empty()) {
-    Fail(file.path, "is known from " + std::to_string(first) + " s to " + std::to_string(last) +
-                        " s on the clock of the recording, which lasts from " + std::to_string(times[0]) + " s to " +
-                        std::to_string(times[times.size() - 1]) + " s; expected another time offset");
+    FailOnData(file.path, "is known from " + std::to_string(first) + " s to " + std::to_string(last) +
+                              " s on the clock of the recording, which lasts from " + std::to_string(times[0]) +
+                              " s to " + std::to_string(times[times.size() - 1]) + " s; expected another time offset");
   }
   return forces;
 }
@@ -193,7 +190,7 @@ void TurnForces(const Eigen::Matrix3d& rotation, const std::string& source, Forc
   if (rotation.isIdentity(0.0)) return;
   for (auto force : forces->values.reshaped(3, forces->values.size() / 3).colwise()) {
     if (force.array().isNaN().all()) continue;
-    if (force.hasNaN()) Fail(source, "forces of which a component is not known cannot be turned");
+    if (force.hasNaN()) FailOnData(source, "forces of which a component is not known cannot be turned");
     force = (rotation * force).eval();
   }
 }

@@ -1,7 +1,6 @@
 #include "datasets/importing/point_map.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -17,10 +17,6 @@ namespace {
 constexpr int kMaxAlignments = 50;
 constexpr double kAligned = 1e-9;    // a move of this share of the points' extent ends the alignment
 constexpr double kCollinear = 1e-3;  // second extent of points that leave a rotation open, to the first
-
-[[noreturn]] void Fail(const std::string& source, const std::string& message) {
-  throw Error(ErrorKind::kBadData, source + ": " + message);
-}
 
 std::string NameOf(const PointTracks& tracks, int point) {
   const std::string number = "point " + std::to_string(point);
@@ -138,12 +134,6 @@ int FrameToPlace(const PointTracks& tracks) {
   return best;
 }
 
-bool IsCollinear(const Eigen::Matrix3Xd& points) {
-  const Eigen::Matrix3Xd centered = points.colwise() - points.rowwise().mean();
-  const Eigen::Vector3d extents = (centered * centered.transpose()).jacobiSvd().singularValues().cwiseSqrt();
-  return !(extents[1] > kCollinear * extents[0]);
-}
-
 // Every point's place, after the points [3 x P] are moved onto the rest shape.
 template <typename NearestPlace>
 std::vector<Place> PlaceAll(Eigen::Matrix3Xd points, const NearestPlace& nearest) {
@@ -156,8 +146,8 @@ std::vector<Place> PlaceAll(Eigen::Matrix3Xd points, const NearestPlace& nearest
       places[p] = nearest(points.col(p));
       targets.col(p) = places[p].position;
     }
-    if (points.cols() < 3 || IsCollinear(points) || IsCollinear(targets)) break;
-    const Eigen::Matrix3Xd moved = Eigen::Isometry3d(Eigen::umeyama(points, targets, false)) * points;
+    if (points.cols() < 3 || IsCollinear(points, kCollinear) || IsCollinear(targets, kCollinear)) break;
+    const Eigen::Matrix3Xd moved = RigidMotion(points, targets) * points;
     const bool aligned = (moved - points).colwise().norm().maxCoeff() <= kAligned * extent;
     points = moved;
     if (aligned) break;
@@ -170,8 +160,8 @@ std::vector<Place> PlaceFrame(const PointTracks& tracks, int frame, const Mesh& 
   const Eigen::Matrix3Xd points = tracks.positions.col(frame).reshaped(3, tracks.num_points());
   for (int p = 0; p < tracks.num_points(); ++p) {
     if (!points.col(p).allFinite()) {
-      Fail(tracks.name, NameOf(tracks, p) + " is not seen in frame " + std::to_string(frame) +
-                            ", where most are; expected a map from points to places on the mesh");
+      FailOnData(tracks.name, NameOf(tracks, p) + " is not seen in frame " + std::to_string(frame) +
+                                  ", where most are; expected a map from points to places on the mesh");
     }
   }
   const NearestTriangle triangles(mesh);
@@ -182,9 +172,9 @@ std::vector<Place> PlaceFrame(const PointTracks& tracks, int frame, const Mesh& 
   for (int p = 0; p < tracks.num_points(); ++p) {
     const double distance = std::sqrt(places[p].squared_distance);
     if (!(distance <= limit)) {
-      Fail(tracks.name, NameOf(tracks, p) + " is " + std::to_string(distance) + " m off the mesh at rest in frame " +
-                            std::to_string(frame) + "; expected at most " + std::to_string(limit) +
-                            " m, and a rest shape that lies near the points");
+      FailOnData(tracks.name, NameOf(tracks, p) + " is " + std::to_string(distance) +
+                                  " m off the mesh at rest in frame " + std::to_string(frame) + "; expected at most " +
+                                  std::to_string(limit) + " m, and a rest shape that lies near the points");
     }
   }
   return places;
@@ -200,9 +190,9 @@ std::vector<int> AllPoints(const PointTracks& tracks) {
 
 PointMap MapToNodes(const PointTracks& tracks, const Mesh& mesh) {
   if (tracks.num_points() != mesh.num_nodes()) {
-    Fail(tracks.name, "has " + std::to_string(tracks.num_points()) + " points; expected the " +
-                          std::to_string(mesh.num_nodes()) +
-                          " nodes of the mesh, or a map from points to places on it");
+    FailOnData(tracks.name, "has " + std::to_string(tracks.num_points()) + " points; expected the " +
+                                std::to_string(mesh.num_nodes()) +
+                                " nodes of the mesh, or a map from points to places on it");
   }
   PointMap map;
   map.points = AllPoints(tracks);
@@ -225,8 +215,8 @@ PointMap MapToNearest(const PointTracks& tracks, const Mesh& mesh, const Placeme
     }
     const auto [other, is_first] = taken.emplace(place.index, p);
     if (!is_first) {
-      Fail(tracks.name, NameOf(tracks, other->second) + " and " + NameOf(tracks, p) + " are both nearest to node " +
-                            std::to_string(place.index));
+      FailOnData(tracks.name, NameOf(tracks, other->second) + " and " + NameOf(tracks, p) +
+                                  " are both nearest to node " + std::to_string(place.index));
     }
     map.node_index.push_back(place.index);
   }

@@ -1,7 +1,6 @@
 #include "datasets/importing/transform_file.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -50,9 +50,8 @@ Eigen::Isometry3d ToIsometry(const JsonNode& node, const Eigen::Matrix4d& matrix
   const double error = (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kRotationTolerance)) node.Fail("expected a rotation, found one that scales or shears");
   if (!(rotation.determinant() > 0.0)) node.Fail("expected a rotation, found one that mirrors");
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
-  transform.linear() = svd.matrixU() * svd.matrixV().transpose();
+  transform.linear() = NearestRotation(rotation);
   transform.translation() = matrix.topRightCorner<3, 1>();
   return transform;
 }

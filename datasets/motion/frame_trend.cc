@@ -1,6 +1,5 @@
 #include "datasets/motion/frame_trend.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,17 +7,20 @@
 #include <optional>
 #include <vector>
 
+#include "sim/base/median.h"
+#include "sim/matrix/dense.h"
+
 namespace clothid {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 constexpr int kWindows[] = {3, 5, 8};
-constexpr double kLossScale = 3.0;     // of the weights, in standard deviations
-constexpr double kInlier = 5.0;        // a point further off is none of the trend
-constexpr double kInlierShare = 0.75;  // of the points of a trend at least
-constexpr double kMostExcess = 2.5;    // the mean variance left over, in sigma^2: sigma may be off
-constexpr double kChance = 2.0;        // standard deviations of a sum of squares
+constexpr double kTrendLossScale = 3.0;  // of the weights, in standard deviations
+constexpr double kInlier = 5.0;          // a point further off is none of the trend
+constexpr double kInlierShare = 0.75;    // of the points of a trend at least
+constexpr double kMostExcess = 2.5;      // the mean variance left over, in sigma^2: sigma may be off
+constexpr double kChance = 2.0;          // standard deviations of a sum of squares
 constexpr int kReweightings = 5;
 constexpr double kVelocityChance = 4.0;  // standard deviations
 
@@ -65,7 +67,7 @@ Eigen::MatrixXd LeastMedianFit(const Eigen::MatrixXd& basis, const Eigen::Matrix
     }
     const Eigen::MatrixXd own = basis(frames, Eigen::all);
     const Eigen::MatrixXd coefficients =
-        (own.transpose() * own).ldlt().solve(own.transpose() * seen(frames, Eigen::all));
+        SymmetricFactor(own.transpose() * own).Solve(own.transpose() * seen(frames, Eigen::all));
     Eigen::VectorXd distances = Distances(basis, seen, 1.0, coefficients);
     const Eigen::Index middle = (count + size) / 2;
     std::nth_element(distances.begin(), distances.begin() + middle, distances.end());
@@ -90,10 +92,10 @@ std::optional<PointTrend> FitPoint(const Eigen::MatrixXd& all_basis, const Eigen
   Eigen::VectorXd distances;
   for (int i = 0; i < kReweightings; ++i) {
     distances = Distances(basis, seen, sigma, trend.coefficients);
-    const Eigen::VectorXd weights = (1.0 + (distances / kLossScale).array().square()).inverse();
-    const Eigen::LDLT<Eigen::MatrixXd> factor(basis.transpose() * weights.asDiagonal() * basis);
-    trend.covariance = factor.solve(Eigen::MatrixXd::Identity(basis.cols(), basis.cols()));
-    trend.coefficients = factor.solve(basis.transpose() * weights.asDiagonal() * seen);
+    const Eigen::VectorXd weights = (1.0 + (distances / kTrendLossScale).array().square()).inverse();
+    const SymmetricFactor factor(basis.transpose() * weights.asDiagonal() * basis);
+    trend.covariance = factor.Inverse();
+    trend.coefficients = factor.Solve(basis.transpose() * weights.asDiagonal() * seen);
   }
   distances = Distances(basis, seen, sigma, trend.coefficients);
   const auto is_inlier = distances.array() < kInlier;
@@ -106,13 +108,6 @@ std::optional<PointTrend> FitPoint(const Eigen::MatrixXd& all_basis, const Eigen
   }
   if (!trend.coefficients.allFinite() || !trend.covariance.allFinite()) return std::nullopt;
   return trend;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return kUnknown;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // All points with one trend.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "datasets/motion/noise_estimate.h"
+#include "sim/base/median.h"
 #include "sim/scene/mesh.h"
 
 namespace clothid {
@@ -18,12 +19,6 @@ constexpr double kExactSigma = 1e-6;
 constexpr double kFarOff = 6.0;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // A coordinate over the frames; what is far off becomes NaN. The mean of the rest, NaN where nothing is left.
 double RobustMean(double sigma, Eigen::RowVectorXd* values) {

@@ -26,10 +26,6 @@ constexpr std::string_view kTensorNames[] = {
     "sigma",         "cloud_offsets", "cloud_positions", "cloud_sigma",  "handle_times",
     "handle_forces", "force_times",   "force_sigma",     "force_nodes",  "force_offsets"};
 
-[[noreturn]] void Fail(const std::string& path, const std::string& message) {
-  throw Error(ErrorKind::kBadData, path + ": " + message);
-}
-
 class TensorReader {
  public:
   TensorReader(const Safetensors& file, const std::string& path) : file_(file), path_(path) {}
@@ -39,11 +35,11 @@ class TensorReader {
   const TensorInfo& Require(const std::string& name, const std::vector<TensorType>& types,
                             const std::vector<long long>& shape, long long least_size = 1) const {
     const auto found = file_.tensors.find(name);
-    if (found == file_.tensors.end()) Fail(path_, "tensor '" + name + "' is missing");
+    if (found == file_.tensors.end()) FailOnData(path_, "tensor '" + name + "' is missing");
     const TensorInfo& tensor = found->second;
     if (std::find(types.begin(), types.end(), tensor.type) == types.end()) {
-      Fail(path_, "tensor '" + name + "': expected dtype " + TensorTypeName(types.front()) + ", found " +
-                      TensorTypeName(tensor.type));
+      FailOnData(path_, "tensor '" + name + "': expected dtype " + TensorTypeName(types.front()) + ", found " +
+                            TensorTypeName(tensor.type));
     }
     bool fits = tensor.shape.size() == shape.size();
     for (std::size_t k = 0; fits && k < shape.size(); ++k) {
@@ -52,7 +48,8 @@ class TensorReader {
           size >= least_size && size <= std::numeric_limits<int>::max() / 3 && (shape[k] == kAny || size == shape[k]);
     }
     if (!fits)
-      Fail(path_, "tensor '" + name + "': expected shape " + ToString(shape) + ", found " + ToString(tensor.shape));
+      FailOnData(path_,
+                 "tensor '" + name + "': expected shape " + ToString(shape) + ", found " + ToString(tensor.shape));
     return tensor;
   }
 
@@ -97,7 +94,7 @@ class TensorReader {
 void RejectUnknownTensors(const Safetensors& file, const std::string& path) {
   for (const auto& [name, tensor] : file.tensors) {
     const bool is_known = std::find(std::begin(kTensorNames), std::end(kTensorNames), name) != std::end(kTensorNames);
-    if (!is_known) Fail(path, "unknown tensor '" + Printable(name) + "'");
+    if (!is_known) FailOnData(path, "unknown tensor '" + Printable(name) + "'");
   }
 }
 
@@ -109,8 +106,8 @@ std::vector<Eigen::Matrix3Xd> ReadClouds(const TensorReader& reader, const Tenso
   bool ascends = offsets.front() == 0 && offsets.back() == all.cols();
   for (std::size_t i = 1; i < offsets.size(); ++i) ascends &= offsets[i] >= offsets[i - 1];
   if (!ascends) {
-    Fail(path, "tensor 'cloud_offsets': expected numbers that ascend from 0 to the " + std::to_string(all.cols()) +
-                   " points of 'cloud_positions'");
+    FailOnData(path, "tensor 'cloud_offsets': expected numbers that ascend from 0 to the " +
+                         std::to_string(all.cols()) + " points of 'cloud_positions'");
   }
   std::vector<Eigen::Matrix3Xd> clouds;
   for (std::size_t i = 1; i < offsets.size(); ++i) {
@@ -126,7 +123,7 @@ void ReadClouds(const TensorReader& reader, const std::string& path, MotionTenso
   tensors->clouds = ReadClouds(reader, positions, tensors->times.size(), path);
   if (!reader.Has("cloud_sigma")) return;
   tensors->cloud_sigma = reader.Doubles(reader.Require("cloud_sigma", {TensorType::kF64}, {1}), 1)(0);
-  if (!(tensors->cloud_sigma > 0.0)) Fail(path, "tensor 'cloud_sigma': is not a number > 0");
+  if (!(tensors->cloud_sigma > 0.0)) FailOnData(path, "tensor 'cloud_sigma': is not a number > 0");
 }
 
 // Offsets that do not ascend from 0 to the number of nodes are errors, before anything is cut by them.
@@ -134,16 +131,16 @@ std::vector<std::vector<int>> ReadForceGroups(const TensorReader& reader, long l
                                               const std::string& path) {
   if (!reader.Has("force_nodes") && !reader.Has("force_offsets")) {
     if (num_groups == 1) return {};
-    Fail(path, "tensor 'force_nodes' is missing; expected the handles of the " + std::to_string(num_groups) +
-                   " groups of 'handle_forces'");
+    FailOnData(path, "tensor 'force_nodes' is missing; expected the handles of the " + std::to_string(num_groups) +
+                         " groups of 'handle_forces'");
   }
   const std::vector<int> nodes = reader.Indices("force_nodes", kAny);
   const std::vector<int> offsets = reader.Indices("force_offsets", num_groups + 1);
   bool ascends = offsets.front() == 0 && offsets.back() == static_cast<int>(nodes.size());
   for (std::size_t i = 1; i < offsets.size(); ++i) ascends &= offsets[i] > offsets[i - 1];
   if (!ascends) {
-    Fail(path, "tensor 'force_offsets': expected numbers that ascend from 0 to the " + std::to_string(nodes.size()) +
-                   " entries of 'force_nodes', each group with a node");
+    FailOnData(path, "tensor 'force_offsets': expected numbers that ascend from 0 to the " +
+                         std::to_string(nodes.size()) + " entries of 'force_nodes', each group with a node");
   }
   std::vector<std::vector<int>> groups;
   for (std::size_t i = 1; i < offsets.size(); ++i) {
@@ -157,7 +154,7 @@ ForceReadings ReadForces(const TensorReader& reader, const std::string& path) {
   if (!reader.Has("handle_forces")) {
     for (const char* name : {"force_times", "force_sigma", "force_nodes", "force_offsets"}) {
       if (reader.Has(name))
-        Fail(path, "tensor 'handle_forces' is missing; expected beside '" + std::string(name) + "'");
+        FailOnData(path, "tensor 'handle_forces' is missing; expected beside '" + std::string(name) + "'");
     }
     return forces;
   }

@@ -17,10 +17,6 @@ constexpr std::size_t kDigestLength = 64;
 
 constexpr std::string_view kMetadataKeys[] = {"format", "version", "scene", "provenance", "sha256", "header_sha256"};
 
-[[noreturn]] void Fail(const std::string& path, const std::string& message) {
-  throw Error(ErrorKind::kBadData, path + ": " + message);
-}
-
 std::string HeaderDigest(std::string header, std::size_t digest_position) {
   header.replace(digest_position, kDigestLength, kDigestLength, ' ');
   return Sha256Hex({header});
@@ -46,7 +42,7 @@ void ExpectMetadata(const Safetensors& file, const std::string& path, const std:
                     const std::string& expected) {
   const std::string& found = RequireMetadata(file, path, key);
   if (found != expected) {
-    Fail(path, "key '__metadata__." + key + "': expected '" + expected + "', found '" + Printable(found) + "'");
+    FailOnData(path, "key '__metadata__." + key + "': expected '" + expected + "', found '" + Printable(found) + "'");
   }
 }
 
@@ -54,7 +50,7 @@ void ExpectMetadata(const Safetensors& file, const std::string& path, const std:
 
 const std::string& RequireMetadata(const Safetensors& file, const std::string& path, const std::string& key) {
   const auto found = file.metadata.find(key);
-  if (found == file.metadata.end()) Fail(path, "key '__metadata__." + key + "': is missing; expected a string");
+  if (found == file.metadata.end()) FailOnData(path, "key '__metadata__." + key + "': is missing; expected a string");
   return found->second;
 }
 
@@ -63,7 +59,7 @@ void VerifyMotionHeader(const Safetensors& file, const std::string& path) {
   ExpectMetadata(file, path, "version", kVersion);
   for (const auto& [key, value] : file.metadata) {
     if (std::find(std::begin(kMetadataKeys), std::end(kMetadataKeys), key) == std::end(kMetadataKeys)) {
-      Fail(path, "unknown key '__metadata__." + Printable(key) + "'");
+      FailOnData(path, "unknown key '__metadata__." + Printable(key) + "'");
     }
   }
   const auto header_digest = file.metadata.find("header_sha256");
@@ -71,11 +67,11 @@ void VerifyMotionHeader(const Safetensors& file, const std::string& path) {
     const std::size_t position = FindHeaderDigest(file.header, header_digest->second);
     if (header_digest->second.size() != kDigestLength || position == std::string::npos ||
         HeaderDigest(file.header, position) != header_digest->second) {
-      Fail(path, "key '__metadata__.header_sha256': does not match the header; the file is damaged");
+      FailOnData(path, "key '__metadata__.header_sha256': does not match the header; the file is damaged");
     }
   }
   if (RequireMetadata(file, path, "sha256") != Sha256Hex({file.data})) {
-    Fail(path, "key '__metadata__.sha256': does not match the tensors; the file is damaged");
+    FailOnData(path, "key '__metadata__.sha256': does not match the tensors; the file is damaged");
   }
 }
 

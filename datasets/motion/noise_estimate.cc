@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "sim/base/median.h"
+
 namespace clothid {
 namespace {
 
@@ -14,23 +16,16 @@ constexpr double kNormalMedian = 1.4826022185056018;
 
 constexpr double kOutlier = 5.0;  // standard deviations
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-// Reorders `values`.
-double Median(std::vector<double>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
+constexpr double kNoEstimate = std::numeric_limits<double>::quiet_NaN();
 
 // 1.4826 median |d| of those below kOutlier times what all of them give: a jump spoils the differences of its
 // neighbours, too, so few jumps spoil many differences.
-double Spread(std::vector<double>* differences) {
+double Spread(const std::vector<double>& differences) {
   const double first = kNormalMedian * Median(differences);
   std::vector<double> near;
-  std::copy_if(differences->begin(), differences->end(), std::back_inserter(near),
+  std::copy_if(differences.begin(), differences.end(), std::back_inserter(near),
                [first](double difference) { return difference <= kOutlier * first; });
-  return near.empty() ? first : kNormalMedian * Median(&near);
+  return near.empty() ? first : kNormalMedian * Median(near);
 }
 
 // d at the seen frame `i` from `reach` neighbours on either side; both vectors without gaps.
@@ -65,26 +60,26 @@ std::vector<double> Differences(const Eigen::VectorXd& times, const Eigen::Vecto
 }
 
 struct Estimate {
-  Eigen::VectorXd variances;  // [P]; NaN: too few differences
-  double pooled = kUnknown;   // of all points
+  Eigen::VectorXd variances;    // [P]; NaN: too few differences
+  double pooled = kNoEstimate;  // of all points
 };
 
 Estimate EstimateWith(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions, std::size_t reach) {
   const Eigen::Index num_points = positions.rows() / 3;
   Estimate estimate;
-  estimate.variances = Eigen::VectorXd::Constant(num_points, kUnknown);
+  estimate.variances = Eigen::VectorXd::Constant(num_points, kNoEstimate);
   std::vector<double> all[3];
   for (Eigen::Index p = 0; p < num_points; ++p) {
     double sum = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
       std::vector<double> differences = Differences(times, positions.row(3 * p + axis).transpose(), reach);
       all[axis].insert(all[axis].end(), differences.begin(), differences.end());
-      sum += differences.size() < kFewestDifferences ? kUnknown : std::pow(Spread(&differences), 2);
+      sum += differences.size() < kFewestDifferences ? kNoEstimate : std::pow(Spread(differences), 2);
     }
     estimate.variances[p] = sum / 3.0;
   }
   double sum = 0.0;
-  for (std::vector<double>& axis : all) sum += axis.empty() ? kUnknown : std::pow(Spread(&axis), 2);
+  for (std::vector<double>& axis : all) sum += axis.empty() ? kNoEstimate : std::pow(Spread(axis), 2);
   estimate.pooled = sum / 3.0;
   return estimate;
 }

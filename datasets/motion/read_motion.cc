@@ -1,7 +1,6 @@
 // From the tensors of a motion file to a recording: what the points are, where the cloth starts, which way its handles
 // go.
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
+#include "sim/matrix/dense.h"
 #include "sim/scene/scene_json.h"
 
 namespace clothid {
@@ -49,12 +49,6 @@ Eigen::Vector3d RestPosition(const ObservedPoint& point, const Mesh& mesh) {
   return position;
 }
 
-bool IsCollinear(const Eigen::Matrix3Xd& points) {
-  const Eigen::Matrix3Xd centered = points.colwise() - points.rowwise().mean();
-  const Eigen::Vector3d extents = (centered * centered.transpose()).jacobiSvd().singularValues().cwiseSqrt();
-  return !(extents[1] > kCollinear * extents[0]);
-}
-
 // The rest shape, moved as a rigid body to where it is closest to the points seen in `frame` [3 x P]; empty where these
 // leave its place open.
 Eigen::Matrix3Xd FitRestShape(const MotionTensors& tensors, const std::vector<ObservedPoint>& points,
@@ -68,9 +62,8 @@ Eigen::Matrix3Xd FitRestShape(const MotionTensors& tensors, const std::vector<Ob
     measured.col(num_seen++) = position;
   }
   const Eigen::Matrix3Xd seen_rest = rest.leftCols(num_seen), seen = measured.leftCols(num_seen);
-  if (num_seen < 3 || IsCollinear(seen_rest) || IsCollinear(seen)) return {};
-  const Eigen::Isometry3d motion(Eigen::umeyama(seen_rest, seen, false));
-  return motion * tensors.mesh.rest_positions;
+  if (num_seen < 3 || IsCollinear(seen_rest, kCollinear) || IsCollinear(seen, kCollinear)) return {};
+  return RigidMotion(seen_rest, seen) * tensors.mesh.rest_positions;
 }
 
 // The first frame where its points are the nodes; its gaps come from the fitted rest shape. Where the points are

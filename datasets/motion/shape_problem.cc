@@ -8,7 +8,7 @@
 namespace clothid {
 namespace {
 
-constexpr double kLossScale = 3.0;  // of the Cauchy loss, in standard deviations
+constexpr double kCauchyScale = 3.0;  // of the Cauchy loss, in standard deviations
 
 // The scene's cloth with bending and without air: energies, the order of its free nodes.
 Scene ShapeScene(const Scene& scene) {
@@ -74,8 +74,8 @@ double ShapeProblem::Objective(const ShapeWeights& weights, const Eigen::VectorX
     const Eigen::Vector3d misfit = Misfit(p, positions);
     if (!misfit.allFinite()) continue;
     const double weight = targets_.weights[static_cast<Eigen::Index>(p)];
-    const double ratio = weight * misfit.squaredNorm() / (kLossScale * kLossScale);
-    sum += 0.5 * (targets_.is_robust ? kLossScale * kLossScale * std::log1p(ratio) : weight * misfit.squaredNorm());
+    const double ratio = weight * misfit.squaredNorm() / (kCauchyScale * kCauchyScale);
+    sum += 0.5 * (targets_.is_robust ? kCauchyScale * kCauchyScale * std::log1p(ratio) : weight * misfit.squaredNorm());
     const ObservedPoint& point = (*targets_.points)[p];
     for (int k = 0; k < point.num_nodes; ++k) {
       force.segment<3>(3 * point.nodes[k]) -= point.weights[k] * LossWeight(weight, misfit) * misfit;
@@ -120,7 +120,7 @@ Eigen::Vector3d ShapeProblem::Misfit(std::size_t p, const Eigen::VectorXd& posit
 
 double ShapeProblem::LossWeight(double weight, const Eigen::Vector3d& misfit) const {
   if (!targets_.is_robust) return weight;
-  return weight / (1.0 + weight * misfit.squaredNorm() / (kLossScale * kLossScale));
+  return weight / (1.0 + weight * misfit.squaredNorm() / (kCauchyScale * kCauchyScale));
 }
 
 void ShapeProblem::AddTargets(const Eigen::VectorXd& positions, BlockMatrix* hessian) const {

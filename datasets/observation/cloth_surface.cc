@@ -19,19 +19,20 @@ using Eigen::Vector3d;
 // Nearer than this share of the largest coordinate there is no direction from an edge or vertex to a point.
 constexpr double kSingular = 1e-12;
 
-struct Feature {
+}  // namespace
+
+// A face, an edge or a vertex.
+struct ClothFeature {
   int num_nodes = 0;
   std::array<int, 3> nodes = {0, 0, 0};
   std::vector<int> faces;  // that share it, ascending
   bool is_border = false;
 };
 
-}  // namespace
-
 // Features are numbered: faces, then edges, then vertices.
 struct ClothTopology::Data {
   Eigen::Matrix3Xi faces;
-  std::vector<Feature> features;
+  std::vector<ClothFeature> features;
   std::vector<std::array<int, 3>> side_features;  // by face
   std::vector<int> border_edges;                  // features
   int first_vertex = 0;                           // the feature of node 0
@@ -92,7 +93,7 @@ ClothSurface::ClothSurface(const ClothTopology& topology, const Eigen::VectorXd&
 
 SurfaceDistance ClothSurface::Measure(const Vector3d& q, double allowance) const {
   const int nearest = tree_->ClosestFeature(q);
-  const Feature& feature = topology_->features[nearest];
+  const ClothFeature& feature = topology_->features[nearest];
   if (feature.num_nodes == 3) return MeasureFace(q, nearest);
   return feature.is_border ? MeasureBorder(q, nearest, allowance) : MeasureWithin(q, nearest);
 }
@@ -125,7 +126,7 @@ SurfaceDistance ClothSurface::Project(const Vector3d& q, int feature) const {
 
 // The angle-weighted normal of a vertex, or the sum of the normals at an edge.
 Vector3d ClothSurface::Pseudonormal(int feature) const {
-  const Feature& own = topology_->features[feature];
+  const ClothFeature& own = topology_->features[feature];
   Vector3d sum = Vector3d::Zero();
   for (const int face : own.faces) {
     const SearchTriangle& triangle = tree_->triangles()[face];
@@ -187,7 +188,7 @@ SurfaceDistance ClothSurface::MeasureBorder(const Vector3d& q, int feature, doub
 }
 
 Vector3d ClothSurface::Outwards(int edge) const {
-  const Feature& own = topology_->features[edge];
+  const ClothFeature& own = topology_->features[edge];
   const SearchTriangle& triangle = tree_->triangles()[own.faces.front()];
   const Vector3d start = Position(own.nodes[0]);
   const Vector3d outwards = (Position(own.nodes[1]) - start).cross(triangle.normal).normalized();

@@ -18,9 +18,9 @@ constexpr std::size_t kMaxGaps = 1000;
 // A rotation is given with the digits that its writer had.
 constexpr double kUnitTolerance = 1e-3;
 
-enum class Stream : std::uint32_t { kTimes, kNoise, kDrops, kOutliers, kFlips, kGripper };
+enum class SensorStream : std::uint32_t { kTimes, kNoise, kDrops, kOutliers, kFlips, kGripper };
 
-std::mt19937_64 MakeGenerator(std::uint64_t seed, Stream stream) {
+std::mt19937_64 MakeSensorGenerator(std::uint64_t seed, SensorStream stream) {
   constexpr std::uint32_t kSensor = 0x5e50;  // apart from the streams of datasets/synthetic/synthetic.cc
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), kSensor,
                          static_cast<std::uint32_t>(stream)};
@@ -91,7 +91,7 @@ void ParseForces(const JsonNode& node, Sensor* sensor) {
 
 // Times on the scene's clock.
 std::vector<double> FrameTimes(const Sensor& sensor, const SeenMotion& motion, std::uint64_t seed) {
-  std::mt19937_64 generator = MakeGenerator(seed, Stream::kTimes);
+  std::mt19937_64 generator = MakeSensorGenerator(seed, SensorStream::kTimes);
   std::uniform_real_distribution<double> interval(sensor.interval[0], sensor.interval[1]);
   std::vector<double> times;
   for (double time = motion.start; time <= motion.end; time += interval(generator)) {
@@ -113,7 +113,7 @@ void FlipFrames(const Sensor& sensor, const std::array<int, 2>& grid, std::uint6
   }
   std::vector<int> later(static_cast<std::size_t>(tracks->num_frames()) - 1), flipped;
   std::iota(later.begin(), later.end(), 1);
-  std::mt19937_64 generator = MakeGenerator(seed, Stream::kFlips);
+  std::mt19937_64 generator = MakeSensorGenerator(seed, SensorStream::kFlips);
   std::sample(later.begin(), later.end(), std::back_inserter(flipped), sensor.num_flipped_frames, generator);
   for (const int frame : flipped) {
     const Eigen::VectorXd points = tracks->positions.col(frame);
@@ -125,9 +125,9 @@ void FlipFrames(const Sensor& sensor, const std::array<int, 2>& grid, std::uint6
 }
 
 void Disturb(const Sensor& sensor, std::uint64_t seed, PointTracks* tracks) {
-  std::mt19937_64 noise_generator = MakeGenerator(seed, Stream::kNoise);
-  std::mt19937_64 outlier_generator = MakeGenerator(seed, Stream::kOutliers);
-  std::mt19937_64 drop_generator = MakeGenerator(seed, Stream::kDrops);
+  std::mt19937_64 noise_generator = MakeSensorGenerator(seed, SensorStream::kNoise);
+  std::mt19937_64 outlier_generator = MakeSensorGenerator(seed, SensorStream::kOutliers);
+  std::mt19937_64 drop_generator = MakeSensorGenerator(seed, SensorStream::kDrops);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> chance;
   const auto random_vector = [&normal](std::mt19937_64* generator) {
@@ -198,7 +198,7 @@ PointTracks SeePoints(const Sensor& sensor, const SeenMotion& motion, std::uint6
 PointTracks SeeHandles(const Sensor& sensor, const HandlePath& path, double start, double end, std::uint64_t seed) {
   constexpr int kMarginSamples = 2;
   const int num_samples = static_cast<int>(std::ceil((end - start) * sensor.gripper_rate)) + 1 + 2 * kMarginSamples;
-  std::mt19937_64 generator = MakeGenerator(seed, Stream::kGripper);
+  std::mt19937_64 generator = MakeSensorGenerator(seed, SensorStream::kGripper);
   std::normal_distribution<double> noise(0.0, 1.0);
   PointTracks tracks;
   tracks.name = "gripper";

@@ -28,10 +28,6 @@ std::mt19937_64 MakeGenerator(std::uint64_t seed, Stream stream) {
   return std::mt19937_64(sequence);
 }
 
-void Require(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorKind::kUsage, message);
-}
-
 std::string ToString(double value) {
   std::ostringstream text;
   text << value;
@@ -53,17 +49,17 @@ bool HasCloud(const SyntheticOptions& options) { return options.num_cloud_points
 bool SeesNoNodes(const SyntheticOptions& options) { return options.num_markers == 0 && HasCloud(options); }
 
 void CheckRanges(const SyntheticOptions& options, const Scene& scene) {
-  Require(std::isfinite(options.noise_sigma) && options.noise_sigma >= 0.0,
-          "noise " + ToString(options.noise_sigma) + ": expected a standard deviation >= 0 in m");
-  Require(options.drop_fraction >= 0.0 && options.drop_fraction < 1.0,
-          "drop " + ToString(options.drop_fraction) + ": expected a fraction in [0, 1)");
+  ExpectUsage(std::isfinite(options.noise_sigma) && options.noise_sigma >= 0.0,
+              "noise " + ToString(options.noise_sigma) + ": expected a standard deviation >= 0 in m");
+  ExpectUsage(options.drop_fraction >= 0.0 && options.drop_fraction < 1.0,
+              "drop " + ToString(options.drop_fraction) + ": expected a fraction in [0, 1)");
   const int num_free = scene.mesh.num_nodes() - static_cast<int>(scene.handles.nodes.size());
-  Require(options.num_markers >= 0 && options.num_markers <= num_free,
-          "markers " + std::to_string(options.num_markers) + ": expected 0 to " + std::to_string(num_free) +
-              ", the number of free nodes");
-  Require(options.num_cloud_points >= 0 && options.num_cloud_points <= kMaxCloudPointsPerFrame,
-          "cloud " + std::to_string(options.num_cloud_points) + ": expected 0 to " +
-              std::to_string(kMaxCloudPointsPerFrame) + " points per frame");
+  ExpectUsage(options.num_markers >= 0 && options.num_markers <= num_free,
+              "markers " + std::to_string(options.num_markers) + ": expected 0 to " + std::to_string(num_free) +
+                  ", the number of free nodes");
+  ExpectUsage(options.num_cloud_points >= 0 && options.num_cloud_points <= kMaxCloudPointsPerFrame,
+              "cloud " + std::to_string(options.num_cloud_points) + ": expected 0 to " +
+                  std::to_string(kMaxCloudPointsPerFrame) + " points per frame");
 }
 
 // Points are counted as they are in memory, in double precision.
@@ -74,10 +70,10 @@ void CheckSize(const SyntheticOptions& options, const Scene& scene, Eigen::Index
   const double points = nodes + options.num_cloud_points + scene.handles.path.num_handles();
   const double bytes = points * 3.0 * sizeof(double) * static_cast<double>(num_frames);
   constexpr double kMegabyte = 1 << 20;
-  Require(bytes <= static_cast<double>(kMaxTrackBytes),
-          "frame_rate " + ToString(options.frame_rate) + ": " + std::to_string(num_frames) + " frames of " +
-              ToString(points) + " points take " + std::to_string(std::llround(bytes / kMegabyte)) +
-              " MB; expected at most " + std::to_string(kMaxTrackBytes >> 20) + " MB");
+  ExpectUsage(bytes <= static_cast<double>(kMaxTrackBytes),
+              "frame_rate " + ToString(options.frame_rate) + ": " + std::to_string(num_frames) + " frames of " +
+                  ToString(points) + " points take " + std::to_string(std::llround(bytes / kMegabyte)) +
+                  " MB; expected at most " + std::to_string(kMaxTrackBytes >> 20) + " MB");
 }
 
 // [P], ascending; empty: every node.
@@ -173,10 +169,10 @@ void DropPoints(const SyntheticOptions& options, MotionTensors* motion) {
 std::string RecordingText(const Scene& scene, const std::string& scene_text, const SyntheticOptions& options) {
   bool start_is_first_frame = false;
   const std::string text = SelfContainedText(scene, scene_text, &start_is_first_frame);
-  Require(!start_is_first_frame || (options.noise_sigma == 0.0 && options.num_markers == 0 && !HasCloud(options) &&
-                                    options.drop_fraction == 0.0 && !options.single_precision),
-          "scene: key 'initial.positions': a start read from a file needs an exact first frame, so neither noise, "
-          "markers, clouds, drops nor single precision");
+  ExpectUsage(!start_is_first_frame || (options.noise_sigma == 0.0 && options.num_markers == 0 && !HasCloud(options) &&
+                                        options.drop_fraction == 0.0 && !options.single_precision),
+              "scene: key 'initial.positions': a start read from a file needs an exact first frame, so neither noise, "
+              "markers, clouds, drops nor single precision");
   return text;
 }
 
@@ -203,13 +199,13 @@ std::string Provenance(const SyntheticOptions& options) {
 }  // namespace
 
 Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps) {
-  Require(std::isfinite(frame_rate) && frame_rate >= 0.0,
-          "frame_rate " + ToString(frame_rate) + ": expected a rate >= 0 in Hz");
+  ExpectUsage(std::isfinite(frame_rate) && frame_rate >= 0.0,
+              "frame_rate " + ToString(frame_rate) + ": expected a rate >= 0 in Hz");
   const double stride = frame_rate > 0.0 ? 1.0 / (frame_rate * time_step) : 1.0;
-  Require(stride <= num_steps, "frame_rate " + ToString(frame_rate) + ": expected at least two frames in " +
-                                   ToString(num_steps * time_step) + " s");
-  Require(num_steps / stride < kMaxFrames,
-          "frame_rate " + ToString(frame_rate) + ": expected at most " + std::to_string(kMaxFrames) + " frames");
+  ExpectUsage(stride <= num_steps, "frame_rate " + ToString(frame_rate) + ": expected at least two frames in " +
+                                       ToString(num_steps * time_step) + " s");
+  ExpectUsage(num_steps / stride < kMaxFrames,
+              "frame_rate " + ToString(frame_rate) + ": expected at most " + std::to_string(kMaxFrames) + " frames");
   const auto num_frames = static_cast<Eigen::Index>(std::floor(num_steps / stride + kSameStep)) + 1;
   Eigen::VectorXd steps(num_frames);
   for (Eigen::Index frame = 0; frame < num_frames; ++frame) {

@@ -12,21 +12,21 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void Fail(const std::string& message) { throw Error(ErrorKind::kUsage, message); }
+[[noreturn]] void FailOnOption(const std::string& message) { throw Error(ErrorKind::kUsage, message); }
 
 }  // namespace
 
 void FitOptions::Validate() const {
-  if (max_iterations < 1) Fail("--max_iterations: expected a number >= 1");
-  if (num_starts < 1) Fail("--starts: expected a number >= 1");
+  if (max_iterations < 1) FailOnOption("--max_iterations: expected a number >= 1");
+  if (num_starts < 1) FailOnOption("--starts: expected a number >= 1");
   if (num_threads < 1 || num_threads > kMaxThreads) {
-    Fail("--threads: expected a number from 1 to " + std::to_string(kMaxThreads));
+    FailOnOption("--threads: expected a number from 1 to " + std::to_string(kMaxThreads));
   }
   if (!(wind_smoothness >= 0.0 && std::isfinite(wind_smoothness))) {
-    Fail("--wind_smoothness: expected a number > 0, in m/s per square root of a second");
+    FailOnOption("--wind_smoothness: expected a number > 0, in m/s per square root of a second");
   }
-  if (!(function_tolerance > 0.0)) Fail("function_tolerance: expected a number > 0");
-  if (!(parameter_tolerance > 0.0)) Fail("parameter_tolerance: expected a number > 0");
+  if (!(function_tolerance > 0.0)) FailOnOption("function_tolerance: expected a number > 0");
+  if (!(parameter_tolerance > 0.0)) FailOnOption("parameter_tolerance: expected a number > 0");
 }
 
 std::vector<std::string> ParseNames(const std::string& text, const std::string& flag) {
@@ -34,8 +34,8 @@ std::vector<std::string> ParseNames(const std::string& text, const std::string& 
   if (text.empty()) return names;
   for (const std::string& item : Split(text, ',')) {
     const std::string name(Trimmed(item));
-    if (name.empty()) Fail(flag + ": expected names separated by single commas, got '" + Printable(text) + "'");
-    if (std::count(names.begin(), names.end(), name) > 0) Fail(flag + ": '" + name + "' is given twice");
+    if (name.empty()) FailOnOption(flag + ": expected names separated by single commas, got '" + Printable(text) + "'");
+    if (std::count(names.begin(), names.end(), name) > 0) FailOnOption(flag + ": '" + name + "' is given twice");
     names.push_back(name);
   }
   return names;
@@ -44,14 +44,14 @@ std::vector<std::string> ParseNames(const std::string& text, const std::string& 
 FitMethod ParseFitMethod(const std::string& text) {
   if (text == "lm") return FitMethod::kLevenbergMarquardt;
   if (text == "lbfgs") return FitMethod::kLbfgs;
-  Fail("--method: expected lm or lbfgs, got '" + Printable(text) + "'");
+  FailOnOption("--method: expected lm or lbfgs, got '" + Printable(text) + "'");
 }
 
 JacobianMethod ParseJacobianMethod(const std::string& text) {
   for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
     if (text == JacobianMethodName(method)) return method;
   }
-  Fail("--jacobian: expected adjoint, sensitivity or numeric, got '" + Printable(text) + "'");
+  FailOnOption("--jacobian: expected adjoint, sensitivity or numeric, got '" + Printable(text) + "'");
 }
 
 AdjointOptions ParseAdjointOptions(const std::string& text) {
@@ -66,7 +66,7 @@ AdjointOptions ParseAdjointOptions(const std::string& text) {
   if (parts.size() == 2) options.threshold = ParseNumber(parts[1]);
   if (method == methods.end() || parts.size() > 2 ||
       (parts.size() == 2 && !(options.threshold && *options.threshold > 0.0 && *options.threshold < 1.0))) {
-    Fail(
+    FailOnOption(
         "--adjoint: expected reduced, lu, sparse_lu, fixed_point or gmres, with or without a threshold in (0, 1) as in "
         "gmres:1e-6, got '" +
         Printable(text) + "'");
@@ -78,7 +78,7 @@ AdjointOptions ParseAdjointOptions(const std::string& text) {
 FitPrecision ParseFitPrecision(const std::string& text) {
   if (text == "adaptive") return FitPrecision::kAdaptive;
   if (text == "full") return FitPrecision::kFull;
-  Fail("--precision: expected adaptive or full, got '" + Printable(text) + "'");
+  FailOnOption("--precision: expected adaptive or full, got '" + Printable(text) + "'");
 }
 
 void ParseSigma(const std::string& text, ReadMotionOptions* options) {
@@ -91,7 +91,7 @@ void ParseSigma(const std::string& text, ReadMotionOptions* options) {
     options->sigma_source = SigmaSource::kGiven;
     options->sigma = *sigma;
   } else {
-    Fail("--sigma: expected recorded, auto or a number > 0 in m, got '" + Printable(text) + "'");
+    FailOnOption("--sigma: expected recorded, auto or a number > 0 in m, got '" + Printable(text) + "'");
   }
 }
 
@@ -101,7 +101,7 @@ StartSource ParseStartSource(const std::string& text) {
   if (text == "estimated") return StartSource::kEstimated;
   if (text == "rest") return StartSource::kRest;
   if (text == "moving") return StartSource::kMoving;
-  Fail("--initial: expected estimated, rest, moving, smoothed or first, got '" + Printable(text) + "'");
+  FailOnOption("--initial: expected estimated, rest, moving, smoothed or first, got '" + Printable(text) + "'");
 }
 
 DiscretizationParts ParseDiscretization(const std::string& text) {
@@ -109,7 +109,7 @@ DiscretizationParts ParseDiscretization(const std::string& text) {
   if (text == "all") return {true, true};
   if (text == "step") return {true, false};
   if (text == "mesh") return {false, true};
-  Fail("--discretization: expected step, mesh or all, got '" + Printable(text) + "'");
+  FailOnOption("--discretization: expected step, mesh or all, got '" + Printable(text) + "'");
 }
 
 TimeStepOption ParseTimeStep(const std::string& text) {
@@ -117,13 +117,13 @@ TimeStepOption ParseTimeStep(const std::string& text) {
   if (text == "auto") return {0.0, true};
   const std::optional<double> seconds = ParseNumber(text);
   if (seconds && *seconds > 0.0 && std::isfinite(*seconds)) return {*seconds, false};
-  Fail("--time_step: expected auto or a number > 0 in s, got '" + Printable(text) + "'");
+  FailOnOption("--time_step: expected auto or a number > 0 in s, got '" + Printable(text) + "'");
 }
 
 bool ParseHorizon(const std::string& text) {
   if (text == "growing") return true;
   if (text == "full") return false;
-  Fail("--horizon: expected growing or full, got '" + Printable(text) + "'");
+  FailOnOption("--horizon: expected growing or full, got '" + Printable(text) + "'");
 }
 
 std::string JacobianMethodName(JacobianMethod method) {

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void Fail(const fs::path& path, const std::string& problem) {
+[[noreturn]] void FailOnFolder(const fs::path& path, const std::string& problem) {
   throw Error(ErrorKind::kIo, "--output: " + path.string() + ": " + problem);
 }
 
@@ -61,7 +61,7 @@ OutputFolder::OutputFolder(const std::string& path) {
     fs::remove_all(hidden_, error);
     if (!error) fs::create_directory(hidden_, error);
     if (!error) fs::remove(hidden_, error);
-    if (error) Fail(path_, "cannot be written to: " + error.message());
+    if (error) FailOnFolder(path_, "cannot be written to: " + error.message());
   } catch (...) {
     RemoveAll();
     throw;
@@ -74,21 +74,21 @@ void OutputFolder::MakeFolders() {
   for (const fs::path& folder : MissingFolders(path_)) {
     std::error_code error;
     const bool is_made = fs::create_directory(folder, error);  // not where another process was faster
-    if (error) Fail(folder, "cannot make the folder: " + error.message());
+    if (error) FailOnFolder(folder, "cannot make the folder: " + error.message());
     if (is_made) made_.push_back(folder);
   }
   std::error_code ignored;
-  if (!fs::is_directory(path_, ignored)) Fail(path_, "is not a folder");
+  if (!fs::is_directory(path_, ignored)) FailOnFolder(path_, "is not a folder");
 }
 
 void OutputFolder::Lock() {
   lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0) Fail(path_, std::string("cannot be opened: ") + std::strerror(errno));
+  if (lock_ < 0) FailOnFolder(path_, std::string("cannot be opened: ") + std::strerror(errno));
   // The lock ends with its process, however that ends, and leaves no file. Not every file system has locks.
   if (::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   ::close(std::exchange(lock_, -1));
   made_.clear();  // the process that has the lock writes there
-  Fail(path_, "another process is writing its results there");
+  FailOnFolder(path_, "another process is writing its results there");
 }
 
 // Its lock went with it.
@@ -102,7 +102,7 @@ std::string OutputFolder::TemporaryPath(const std::string& name) {
   std::error_code error;
   if (!fs::exists(path_, error)) MakeAgain();
   if (fs::create_directory(hidden_, error)) old_journals_ = Journals();
-  if (error) Fail(hidden_, "cannot make the folder: " + error.message());
+  if (error) FailOnFolder(hidden_, "cannot make the folder: " + error.message());
   if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
   return (hidden_ / name).string();
 }
@@ -121,9 +121,9 @@ void OutputFolder::CheckPlaces() const {
   std::error_code ignored;
   for (const std::string& name : names_) {
     if (!FlushToDisk((hidden_ / name).string())) {
-      Fail(path_ / name, std::string("cannot be written: ") + std::strerror(errno));
+      FailOnFolder(path_ / name, std::string("cannot be written: ") + std::strerror(errno));
     }
-    if (fs::is_directory(path_ / name, ignored)) Fail(path_ / name, "cannot be written: is a folder");
+    if (fs::is_directory(path_ / name, ignored)) FailOnFolder(path_ / name, "cannot be written: is a folder");
   }
 }
 
@@ -149,7 +149,7 @@ void OutputFolder::Commit() {
   for (const std::string& name : names_) {
     std::error_code error;
     fs::rename(hidden_ / name, path_ / name, error);
-    if (error) Fail(path_ / name, "cannot be written: " + error.message());
+    if (error) FailOnFolder(path_ / name, "cannot be written: " + error.message());
   }
   FlushToDisk(path_.string());  // best effort: not every file system can
   std::error_code ignored;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "identify/base/knot_names.h"
+#include "sim/base/phase_seconds.h"
 
 namespace clothid {
 namespace {
@@ -20,10 +21,6 @@ constexpr std::size_t kMostNames = 12;
 constexpr int kFewestSteps = 10, kFewestIterations = 3;
 // s. An evaluation that takes less does not show its steps; between two such lines.
 constexpr double kTerminalPatience = 1.0, kTerminalInterval = 0.2, kPlainInterval = 10.0;
-
-double SteadySeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // "14 s", "33 min" or "2 h 10 min": no estimate is known better.
 std::string Duration(double seconds) {

@@ -11,7 +11,7 @@
 namespace clothid {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 class StepChooser {
  public:
@@ -81,7 +81,7 @@ class StepChooser {
     const RepeatedFit& coarse = FitAt(level + 1);
     const bool tells_order = coarse.status == FitStatus::kConverged && coarse.has_estimate();
     return ErrorOfStep(FitAt(level).coordinates[i], FitAt(level - 1).coordinates[i],
-                       tells_order ? coarse.coordinates[i] : kUnknown);
+                       tells_order ? coarse.coordinates[i] : kNotKnown);
   }
 
   // At the step h 2^level, from the estimate at h; without an estimate where the run was cancelled.
@@ -99,7 +99,7 @@ class StepChooser {
   void Take(int level) {
     choice_.found = true;
     choice_.level = level;
-    choice_.needed = kUnknown;
+    choice_.needed = kNotKnown;
     choice_.check.half_step = FitAt(level - 1);
     choice_.check.double_step = FitAt(level + 1);
     choice_.start = summary_->coordinates;

@@ -15,15 +15,14 @@
 #include "identify/field/field_newton.h"
 #include "identify/field/field_posterior.h"
 #include "sim/base/error.h"
+#include "sim/base/phase_seconds.h"
 
 namespace clothid {
 namespace {
 
-constexpr int kPosteriorModes = 16;    // a side, of the curvature that gives standard deviations
-constexpr double kLargestLog = 9.2;    // a factor of 1e4 from the start
-constexpr double kSmallChange = 1e-4;  // of the cost, relative
-
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+constexpr int kPosteriorModes = 16;       // a side, of the curvature that gives standard deviations
+constexpr double kLargestLbfgsLog = 9.2;  // a factor of 1e4 from the start
+constexpr double kSmallChange = 1e-4;     // of the cost, relative
 
 // Cost and gradient for L-BFGS, which must not step over bounds: a point beyond them fails.
 class FieldFunction : public ceres::FirstOrderFunction {
@@ -38,7 +37,7 @@ class FieldFunction : public ceres::FirstOrderFunction {
         return false;
     }
     const Eigen::VectorXd theta = unknowns.tail(model_->num_field_unknowns());
-    if (!(theta.cwiseAbs().maxCoeff() <= kLargestLog)) return false;
+    if (!(theta.cwiseAbs().maxCoeff() <= kLargestLbfgsLog)) return false;
     const bool is_there = point_->unknowns.size() > 0 && point_->unknowns == unknowns;
     if (!is_there && !model_->MoveTo(unknowns, Precision::kFull, point_)) return false;
     *cost = point_->data_cost + 0.5 * weight_ * (model_->prior_root() * theta).squaredNorm();
@@ -107,7 +106,7 @@ bool RunLbfgs(const FieldFitOptions& options, FieldModel* model, FieldPoint* poi
 
 FieldFit FitFields(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                    const std::vector<FieldRequest>& requests, const FieldFitOptions& options) {
-  const double start = Now();
+  const double start = SteadySeconds();
   const bool is_lbfgs = options.fit.method == FitMethod::kLbfgs;
   if (is_lbfgs && !(options.weight > 0.0)) {
     throw Error(ErrorKind::kUsage, "--field_weight: expected with --method lbfgs, which does not choose it");
@@ -149,7 +148,7 @@ FieldFit FitFields(const std::vector<RecordedMotion>& motions, const std::vector
   result.num_measurements = model.num_measurements();
   result.num_rollouts = model.counts().rollouts;
   result.num_sweeps = model.counts().sweeps;
-  result.seconds = Now() - start;
+  result.seconds = SteadySeconds() - start;
   return fit;
 }
 

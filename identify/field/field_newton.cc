@@ -11,6 +11,7 @@
 
 #include "identify/field/field_posterior.h"
 #include "identify/field/field_preconditioner.h"
+#include "sim/base/phase_seconds.h"
 
 namespace clothid {
 namespace {
@@ -35,8 +36,6 @@ constexpr double kSteadyWeight = 0.5;  // the logarithm of lambda changes by les
 // A curvature serves on while logarithms have moved by less, root mean square.
 constexpr double kSameCurvature = 0.05;
 
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 struct Step {
   Eigen::VectorXd change;               // d [p + n]
   double slope = 0.0, curvature = 0.0;  // g^T d and d^T H d
@@ -55,7 +54,7 @@ class GaussNewton {
 
   bool Run(FieldPoint* point, FieldResult* result) {
     const FitOptions& fit = options_.fit;
-    start_ = Now();
+    start_ = SteadySeconds();
     int iteration = 0;
     for (; iteration <= fit.max_iterations; ++iteration) {
       Linearize(point);
@@ -88,7 +87,7 @@ class GaussNewton {
 
   void Tell(int iteration, const FieldPoint& point) const {
     if (!options_.on_iteration) return;
-    options_.on_iteration({iteration, Now() - start_, Cost(point), point.data_cost, weight_,
+    options_.on_iteration({iteration, SteadySeconds() - start_, Cost(point), point.data_cost, weight_,
                            model_->BlockCoordinates(point.unknowns), model_->counts().rollouts, num_products_});
   }
 

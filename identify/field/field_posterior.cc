@@ -1,11 +1,10 @@
 #include "identify/field/field_posterior.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "identify/field/field_prior.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -42,13 +41,13 @@ FieldCurvature::FieldCurvature(int modes_per_side, FieldModel* model, FieldPoint
   const Eigen::MatrixXd of_fields = basis_.bottomRows(model->num_field_unknowns());
   prior_ = of_fields.transpose() * (model->prior_matrix() * of_fields);
   // Relative to the prior, without the directions of which it says nothing: the unknowns beside, and means.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> prior(prior_);
+  const Spectrum prior = SymmetricSpectrum(prior_);
   const Eigen::Index num_free = num_scalars + static_cast<Eigen::Index>(parts.size());
   const Eigen::Index num_told = num_columns - num_free;
-  const Eigen::MatrixXd told = prior.eigenvectors().rightCols(num_told) *
-                               prior.eigenvalues().tail(num_told).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd told =
+      prior.vectors.rightCols(num_told) * prior.values.tail(num_told).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::MatrixXd relative = told.transpose() * gram_ * told;
-  eigenvalues_ = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(relative, Eigen::EigenvaluesOnly).eigenvalues();
+  eigenvalues_ = SymmetricEigenvalues(relative);
 }
 
 double FieldCurvature::NumDetermined(double weight) const {
@@ -110,7 +109,7 @@ Eigen::MatrixXd FieldCurvature::Covariance(double weight, const std::vector<int>
     curvature.col(i).setZero();
     curvature(i, i) = 1.0;
   }
-  Eigen::MatrixXd covariance = curvature.ldlt().solve(Eigen::MatrixXd::Identity(basis_.cols(), basis_.cols()));
+  Eigen::MatrixXd covariance = SymmetricFactor(curvature).Inverse();
   for (const int i : held) covariance(i, i) = 0.0;
   return covariance;
 }
@@ -122,8 +121,7 @@ void FieldCurvature::AddDeviations(double data_cost, double weight, std::vector<
   const double strong = 1e6 * std::max(weight * prior_.diagonal().maxCoeff(), 1e-300);
   Eigen::MatrixXd belief = weight * prior_ + strong * means_.transpose() * means_;
   belief.topLeftCorner(model_->num_scalars(), model_->num_scalars()).diagonal().array() += strong;
-  const Eigen::MatrixXd prior_covariance =
-      scale * belief.ldlt().solve(Eigen::MatrixXd::Identity(basis_.cols(), basis_.cols()));
+  const Eigen::MatrixXd prior_covariance = scale * SymmetricFactor(belief).Inverse();
   Eigen::Index row = model_->num_scalars();
   for (std::size_t k = 0; k < fields->size(); ++k) {
     FittedField& field = (*fields)[k];
@@ -149,9 +147,7 @@ Linearization FieldCurvature::Marginal(double weight, FieldPoint* point) const {
   const Eigen::MatrixXd of_basis = model_->BlockWeights(&free_blocks) * basis_;
   const Eigen::MatrixXd with_all = Covariance(weight) * of_basis.transpose();
   // How all unknowns follow the blocks.
-  const Eigen::MatrixXd follow =
-      basis_ *
-      (with_all * (of_basis * with_all).ldlt().solve(Eigen::MatrixXd::Identity(of_basis.rows(), of_basis.rows())));
+  const Eigen::MatrixXd follow = basis_ * (with_all * SymmetricFactor(of_basis * with_all).Inverse());
   std::vector<Eigen::MatrixXd> scores;
   Eigen::MatrixXd curvature = model_->Gram(follow, point, &scores);
   const Eigen::MatrixXd rough = model_->prior_root() * follow.bottomRows(model_->num_field_unknowns());
@@ -159,9 +155,7 @@ Linearization FieldCurvature::Marginal(double weight, FieldPoint* point) const {
   const Eigen::Index num_blocks = static_cast<Eigen::Index>(model_->blocks().size());
   Linearization all;
   all.jacobian = Eigen::MatrixXd::Zero(curvature.rows(), num_blocks);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> root(curvature);
-  const Eigen::MatrixXd rows =
-      root.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * root.eigenvectors().transpose();
+  const Eigen::MatrixXd rows = TransposedRoot(curvature);
   for (std::size_t i = 0; i < free_blocks.size(); ++i) {
     all.jacobian.col(free_blocks[i]) = rows.col(static_cast<Eigen::Index>(i));
   }

@@ -1,6 +1,6 @@
 #include "identify/field/field_preconditioner.h"
 
-#include <Eigen/Cholesky>
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -20,7 +20,7 @@ FieldPreconditioner::FieldPreconditioner(const FieldCurvature& curvature, double
   prior_.compute(shifted);
   const Eigen::MatrixXd of_fields = basis_.bottomRightCorner(n, c);
   const Eigen::MatrixXd believed = of_fields.transpose() * (shifted * of_fields);
-  coarse_.bottomRightCorner(c, c) -= believed.ldlt().solve(Eigen::MatrixXd::Identity(c, c));
+  coarse_.bottomRightCorner(c, c) -= SymmetricFactor(believed).Inverse();
 }
 
 Eigen::VectorXd FieldPreconditioner::Solve(const Eigen::VectorXd& v) const {

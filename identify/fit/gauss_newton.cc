@@ -1,9 +1,10 @@
 #include "identify/fit/gauss_newton.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -28,8 +29,7 @@ std::optional<Eigen::VectorXd> GaussNewtonStep(const FitProblem& problem, const 
   if (movable.empty()) return step;
   const Eigen::VectorXd gradient = model.gradient(movable);
   const Eigen::MatrixXd hessian = model.hessian(movable, movable);
-  const Eigen::LDLT<Eigen::MatrixXd> factor(hessian);
-  const Eigen::VectorXd solution = factor.solve(-gradient);
+  const Eigen::VectorXd solution = SymmetricFactor(hessian).SolveOne(-gradient);
   if (!solution.allFinite() || (hessian * solution + gradient).norm() > 1e-6 * gradient.norm()) return std::nullopt;
   step(movable) = solution;
   return step;

@@ -1,10 +1,10 @@
 #include "identify/fit/interval_check.h"
 
-#include <Eigen/LU>
 #include <cmath>
 
 #include "identify/fit/evaluator.h"
 #include "identify/uncertainty/priors.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -74,7 +74,7 @@ Eigen::VectorXd Precisions(const Uncertainty& uncertainty) {
       covariance(i, k) = correlation(i, k) * std_of(i) * std_of(k);
     }
   }
-  Eigen::VectorXd precisions = covariance.inverse().diagonal();
+  Eigen::VectorXd precisions = SymmetricFactor(covariance).Inverse().diagonal();
   for (Eigen::Index i = 0; i < num; ++i) {
     if (std::isnan(std_of(i))) precisions[i] = 0.0;
   }

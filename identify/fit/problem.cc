@@ -10,6 +10,7 @@
 #include "identify/base/fingerprint.h"
 #include "identify/fit/prior_costs.h"
 #include "sim/base/error.h"
+#include "sim/base/phase_seconds.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
@@ -130,9 +131,7 @@ std::shared_ptr<EvaluationJournal> OpenJournal(const FitOptions& options, const 
 }
 
 std::shared_ptr<EvaluationTracker> MakeTracker(const ProgressObserver& observer) {
-  return std::make_shared<EvaluationTracker>(observer, [] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  });
+  return std::make_shared<EvaluationTracker>(observer, SteadySeconds);
 }
 
 // What the costs of all recordings share.

@@ -4,12 +4,12 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "identify/uncertainty/priors.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -37,16 +37,6 @@ double SquaredScale(const Linearization& linearization, std::size_t num_paramete
   const double degrees = linearization.num_measurements - static_cast<double>(num_parameters);
   const double fitted = degrees > 0.0 ? 2.0 * cost / degrees : 1.0;
   return linearization.sigma_is_known ? std::max(1.0, fitted) : fitted;
-}
-
-// C^T of the header, by a pivoted Cholesky factorisation that takes rounding for what it is.
-Eigen::MatrixXd RootOf(const Eigen::MatrixXd& matrix) {
-  const Eigen::LDLT<Eigen::MatrixXd> factor(matrix);
-  const Eigen::VectorXd diagonal = factor.vectorD().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::MatrixXd upper = factor.matrixU();
-  Eigen::MatrixXd permutation = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
-  permutation = factor.transpositionsP() * permutation;
-  return diagonal.asDiagonal() * (upper * permutation);
 }
 
 // By all unknowns together, the mean of one; and by moving the parameters, the starts eliminated.
@@ -97,7 +87,7 @@ class LaggedRows : public ceres::CostFunction {
     hessian_.topLeftCorner(count, count) += PriorHessian(problem.blocks())(blocks, blocks);
     const Eigen::VectorXd gradient = linearization.gradient(free_);
     const double squared = std::max(linearization.squared_residual, std::numeric_limits<double>::min());
-    root_ = RootOf(hessian_ - gradient * (gradient.transpose() / squared));
+    root_ = TransposedRoot(hessian_ - gradient * (gradient.transpose() / squared));
     set_num_residuals(static_cast<int>(free_.size()) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(free_.size()));
   }
@@ -144,14 +134,14 @@ class LaggedRows : public ceres::CostFunction {
       movable.push_back(i);
       num_parameters += is_parameter ? 1 : 0;
     }
-    const Eigen::LDLT<Eigen::MatrixXd> factor(hessian_(movable, movable));
-    const Eigen::VectorXd part = gradient(free_)(movable), step = factor.solve(part);
+    const SymmetricFactor factor(hessian_(movable, movable));
+    const Eigen::VectorXd part = gradient(free_)(movable), step = factor.SolveOne(part);
     PredictedDecrease decrease;
     decrease.per_unknown = 0.5 * part.dot(step) / static_cast<double>(part.size());
     const Eigen::MatrixXd units = Eigen::MatrixXd::Identity(part.size(), num_parameters);
-    const Eigen::MatrixXd covariance = factor.solve(units).topRows(num_parameters);
+    const Eigen::MatrixXd covariance = factor.Solve(units).topRows(num_parameters);
     const Eigen::VectorXd own = step.head(num_parameters);
-    decrease.of_parameters = 0.5 * own.dot(covariance.ldlt().solve(own));
+    decrease.of_parameters = 0.5 * own.dot(SymmetricFactor(covariance).SolveOne(own));
     return decrease;
   }
 

@@ -9,7 +9,8 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void Fail(const std::string& folder, const std::string& problem, ErrorKind kind = ErrorKind::kUsage) {
+[[noreturn]] void FailOnLandscape(const std::string& folder, const std::string& problem,
+                                  ErrorKind kind = ErrorKind::kUsage) {
   throw Error(kind, "--landscape: " + folder + ": " + problem);
 }
 
@@ -18,7 +19,7 @@ int FindRecording(const std::string& folder, const LandscapeOrigin& origin,
   for (std::size_t r = 0; r < motions.size(); ++r) {
     if (motions[r].sha256 == origin.input_sha256) return static_cast<int>(r);
   }
-  Fail(folder, "was scanned on another recording than those of --target");
+  FailOnLandscape(folder, "was scanned on another recording than those of --target");
 }
 
 // The setting that is the scene of `motion` as it is.
@@ -27,8 +28,8 @@ int FindSetting(const std::string& folder, const LandscapePlan& plan, const Reco
     const LandscapeSetting& setting = plan.settings[s];
     if (setting.name.empty() && setting.contact_mode == motion.scene.contact_mode) return static_cast<int>(s);
   }
-  Fail(folder, "has no setting with the scene as it is and contact mode " + ContactModeName(motion.scene.contact_mode) +
-                   ", which the fit has");
+  FailOnLandscape(folder, "has no setting with the scene as it is and contact mode " +
+                              ContactModeName(motion.scene.contact_mode) + ", which the fit has");
 }
 
 // One setting of several.
@@ -53,21 +54,21 @@ LandscapeParameter FindParameter(const std::vector<ParameterBlock>& blocks, cons
       return {static_cast<int>(i), blocks[i]};
     }
   }
-  Fail(landscape.folder, "its axis '" + Printable(name) + "' is no parameter of this fit");
+  FailOnLandscape(landscape.folder, "its axis '" + Printable(name) + "' is no parameter of this fit");
 }
 
 }  // namespace
 
 FitLandscape ReadFitLandscape(const std::string& folder, const std::vector<RecordedMotion>& motions) {
   if (!HasLandscape(folder)) {
-    Fail(folder, "holds no landscape; expected the --output of a finished `landscape`", ErrorKind::kIo);
+    FailOnLandscape(folder, "holds no landscape; expected the --output of a finished `landscape`", ErrorKind::kIo);
   }
   LandscapePart part = ReadWholeLandscape(folder);
   FitLandscape found;
   found.folder = folder;
   found.recording = FindRecording(folder, part.origin, motions);
   if (!part.origin.truth.empty()) {
-    Fail(folder, "was scanned with --set, against a simulated motion; expected one against the recording");
+    FailOnLandscape(folder, "was scanned with --set, against a simulated motion; expected one against the recording");
   }
   const RecordedMotion& motion = motions[found.recording];
   const int setting = FindSetting(folder, part.landscape.plan, motion);

@@ -24,10 +24,6 @@ std::string PathOf(const std::string& folder, const char* name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
-[[noreturn]] void Fail(const std::string& source, const std::string& problem) {
-  throw Error(ErrorKind::kBadData, source + ": " + problem);
-}
-
 LandscapeAxis ReadAxis(const JsonNode& node) {
   LandscapeAxis axis;
   axis.parameter = node.Require("parameter", "a name").String();
@@ -112,13 +108,13 @@ LandscapeOrigin ReadOrigin(const JsonNode& root) {
 // One cell per line after the header, those of the shard in their order. Cells are made once there are lines for them.
 void ReadCells(const std::string& folder, const std::string& sha256, LandscapePart* part) {
   const std::string path = PathOf(folder, kLandscapeCsv), text = ReadFile(path, kMaxCsvBytes);
-  if (Sha256Hex({text}) != sha256) Fail(path, std::string("is not the file that ") + kPlanJson + " is of");
+  if (Sha256Hex({text}) != sha256) FailOnData(path, std::string("is not the file that ") + kPlanJson + " is of");
   const LandscapePlan& plan = part->landscape.plan;
   std::string_view rest = text;
-  if (TakeLine(&rest) != RowHeader(plan)) Fail(path + ":1", "expected the header '" + RowHeader(plan) + "'");
+  if (TakeLine(&rest) != RowHeader(plan)) FailOnData(path + ":1", "expected the header '" + RowHeader(plan) + "'");
   const std::vector<int> cells = part->origin.shard.Cells(plan);
   if (std::count(rest.begin(), rest.end(), '\n') < static_cast<std::ptrdiff_t>(cells.size())) {
-    Fail(path, "expected a row for each of " + std::to_string(cells.size()) + " cells");
+    FailOnData(path, "expected a row for each of " + std::to_string(cells.size()) + " cells");
   }
   part->landscape.cells.resize(static_cast<std::size_t>(plan.num_cells()));
   int line = 1;
@@ -126,7 +122,7 @@ void ReadCells(const std::string& folder, const std::string& sha256, LandscapePa
     const std::string source = path + ":" + std::to_string(++line);
     part->landscape.cells[cell] = ParseRow(plan, cell, *TakeLine(&rest), source);
   }
-  if (!rest.empty()) Fail(path + ":" + std::to_string(line + 1), "expected no further row");
+  if (!rest.empty()) FailOnData(path + ":" + std::to_string(line + 1), "expected no further row");
 }
 
 void ReadTiming(const std::string& folder, LandscapePart* part) {
@@ -139,7 +135,7 @@ void ReadTiming(const std::string& folder, LandscapePart* part) {
     const std::string_view row = TakeLine(&rest).value_or("");
     const std::optional<double> seconds =
         row.substr(0, start.size()) == start ? ParseNumber(row.substr(start.size())) : std::nullopt;
-    if (!seconds) Fail(source, "expected the seconds of cell " + std::to_string(cell));
+    if (!seconds) FailOnData(source, "expected the seconds of cell " + std::to_string(cell));
     part->landscape.cells[cell].seconds = *seconds;
   }
 }
@@ -154,7 +150,7 @@ bool HasLandscape(const std::string& folder) {
 LandscapePart ReadLandscapePart(const std::string& folder) {
   std::error_code ignored;
   if (std::filesystem::exists(PathOf(folder, kCellStore), ignored)) {
-    Fail(folder, "the scan was stopped before its end; run it again with --resume");
+    FailOnData(folder, "the scan was stopped before its end; run it again with --resume");
   }
   const std::string path = PathOf(folder, kPlanJson);
   const JsonValue json = ParseJson(ReadFile(path, kMaxJsonBytes), path);
@@ -173,8 +169,8 @@ LandscapePart ReadWholeLandscape(const std::string& folder) {
   LandscapePart part = ReadLandscapePart(folder);
   const LandscapeShard& shard = part.origin.shard;
   if (!shard.is_whole()) {
-    Fail(folder, "is shard " + std::to_string(shard.index) + " of " + std::to_string(shard.count) +
-                     "; expected a whole scan, see landscape merge");
+    FailOnData(folder, "is shard " + std::to_string(shard.index) + " of " + std::to_string(shard.count) +
+                           "; expected a whole scan, see landscape merge");
   }
   return part;
 }

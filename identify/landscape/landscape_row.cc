@@ -10,10 +10,6 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void Fail(const std::string& source, const std::string& problem) {
-  throw Error(ErrorKind::kBadData, source + ": " + problem);
-}
-
 std::string TextOrNothing(double value) { return std::isnan(value) ? std::string() : ShortestText(value); }
 
 // In double quotes, each of its own doubled.
@@ -40,7 +36,7 @@ class RowReader {
   RowReader(std::string_view row, const std::string& source) : rest_(row), source_(source) {}
 
   void Expect(bool condition, const char* column, const char* expected) const {
-    if (!condition) Fail(source_, std::string("column '") + column + "': expected " + expected);
+    if (!condition) FailOnData(source_, std::string("column '") + column + "': expected " + expected);
   }
   int Count(const char* column) {
     const std::optional<long long> value = ParseInteger(Take(column));

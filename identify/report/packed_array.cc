@@ -9,7 +9,7 @@
 namespace clothid {
 namespace {
 
-constexpr double kHighest = 65534.0;
+constexpr double kLargestWord = 65534.0;
 
 std::string Base64(const std::vector<unsigned char>& bytes) {
   static constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -43,7 +43,7 @@ std::string PackBytes(std::string_view bytes) {
 
 PositionGrid GridOver(const Eigen::AlignedBox3d& box) {
   const double extent = box.sizes().maxCoeff();
-  return {box.min(), extent > 0.0 ? extent / kHighest : 1.0};
+  return {box.min(), extent > 0.0 ? extent / kLargestWord : 1.0};
 }
 
 GridPositions Quantize(const PositionGrid& grid, const Eigen::MatrixXd& positions, const std::vector<int>& frames) {
@@ -52,7 +52,7 @@ GridPositions Quantize(const PositionGrid& grid, const Eigen::MatrixXd& position
   for (std::size_t f = 0; f < frames.size(); ++f) {
     for (Eigen::Index p = 0; p < num_points; ++p) {
       const Eigen::Array3d q = ((positions.block<3, 1>(3 * p, frames[f]) - grid.origin) / grid.step).array().round();
-      const bool is_inside = (q >= 0.0).all() && (q <= kHighest).all();  // false for NaN
+      const bool is_inside = (q >= 0.0).all() && (q <= kLargestWord).all();  // false for NaN
       for (int axis = 0; axis < 3; ++axis) {
         quantized(3 * p + axis, static_cast<Eigen::Index>(f)) =
             is_inside ? static_cast<std::uint16_t>(q[axis]) : kUnseenCoordinate;

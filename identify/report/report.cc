@@ -74,19 +74,19 @@ std::string ShortNumber(double value, int digits) {
   return text.str();
 }
 
-std::string Millimetres(double metres) { return ShortNumber(1e3 * metres, 4) + " mm"; }
+std::string ShortMillimetres(double metres) { return ShortNumber(1e3 * metres, 4) + " mm"; }
 
 std::string CloudRow(const CloudError& error, const CloudError& start) {
   const auto percent = [](const CloudError& of) { return ShortNumber(100.0 * of.num_far / of.num_points, 3) + " %"; };
   std::string rows;
   if (error.num_tracked > 0.0) {
-    rows = "surface         " + Millimetres(error.rmse()) + " (nodes " + Millimetres(error.node_rmse());
-    if (error.num_border > 0.0) rows += ", border " + Millimetres(error.border_rmse());
+    rows = "surface         " + ShortMillimetres(error.rmse()) + " (nodes " + ShortMillimetres(error.node_rmse());
+    if (error.num_border > 0.0) rows += ", border " + ShortMillimetres(error.border_rmse());
     rows += ")";
   } else {
-    rows = "cloud           " + Millimetres(error.rmse());
+    rows = "cloud           " + ShortMillimetres(error.rmse());
   }
-  return rows + " from points to the surface (root mean square), at the start " + Millimetres(start.rmse()) +
+  return rows + " from points to the surface (root mean square), at the start " + ShortMillimetres(start.rmse()) +
          "; farther than " + ShortNumber(kFarFromSurface, 2) + " sigma " + percent(error) + ", at the start " +
          percent(start) + "\n";
 }
@@ -101,8 +101,8 @@ std::string ErrorRows(const FitSummary& summary) {
   const PredictionError &error = summary.error, &start = summary.start_error;
   std::ostringstream rows;
   if (std::isfinite(error.rmse())) {
-    rows << "rmse            " << Millimetres(error.rmse()) << " (" << error.rmse() << " m), at the start "
-         << Millimetres(start.rmse()) << "\n";
+    rows << "rmse            " << ShortMillimetres(error.rmse()) << " (" << error.rmse() << " m), at the start "
+         << ShortMillimetres(start.rmse()) << "\n";
   }
   if (error.force.num_components > 0.0) rows << ForceRow(error.force, start.force);
   if (error.cloud.num_points > 0.0) rows << CloudRow(error.cloud, start.cloud);

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kCells = 64;  // along the longer side
-constexpr int kDigits = 4;
+constexpr int kFieldDigits = 4;
 constexpr double kOnEdge = 1e-9;  // of a triangle's size: a cell's centre on an edge is inside
 
 // The cloth as it is seen from the front.
@@ -74,8 +74,8 @@ Json OutlineJson(const Mesh& mesh, const Raster& raster) {
   for (const auto& [edge, count] : counts) {
     if (count != 1) continue;
     for (const int node : {edge.first, edge.second}) {
-      x.push_back(RoundedJson(raster.nodes(0, node), kDigits));
-      y.push_back(RoundedJson(raster.nodes(1, node), kDigits));
+      x.push_back(RoundedJson(raster.nodes(0, node), kFieldDigits));
+      y.push_back(RoundedJson(raster.nodes(1, node), kFieldDigits));
     }
     x.push_back(nullptr);
     y.push_back(nullptr);
@@ -110,7 +110,7 @@ Json FieldMapJson(const FittedField& field, const Raster& raster) {
                {"x", CentresJson(raster, raster.columns)},
                {"y", CentresJson(raster, raster.rows)},
                {"value", CellsJson(raster, [&](const Eigen::Vector2d& place) {
-                  return RoundedJson(std::exp(BetweenControlNodes(logs, place)), kDigits);
+                  return RoundedJson(std::exp(BetweenControlNodes(logs, place)), kFieldDigits);
                 })}};
   if (field.log_std.size() == 0) return json;
   json["std"] = CellsJson(

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kDigits = 9;
+constexpr int kLandscapeDigits = 9;
 // Of a cell in the page: a cost with its comma; failed cells take less, but for the reasons.
 constexpr std::size_t kBytesPerCell = 16;
 // The most windows that a page shows, the whole and the largest zooms.
@@ -28,7 +28,7 @@ constexpr double kChiSquareOfTwo95 = 5.991464547107979;
 
 Json AxisValues(const LandscapeAxis& axis, int every) {
   Json values = Json::array();
-  for (int i = 0; i < axis.num_cells; i += every) values.push_back(RoundedJson(axis.Value(i), kDigits));
+  for (int i = 0; i < axis.num_cells; i += every) values.push_back(RoundedJson(axis.Value(i), kLandscapeDigits));
   return values;
 }
 
@@ -75,7 +75,7 @@ Json WindowJson(const Landscape& landscape, int index, int every) {
     for (int ix = 0; ix < window.x.num_cells; ix += every) {
       const LandscapeCell& cell = cells[iy * window.x.num_cells + ix];
       if (!std::isfinite(cell.cost)) failures.Add(static_cast<int>(costs.size()), cell.failure);
-      costs.push_back(RoundedJson(cell.cost, kDigits));
+      costs.push_back(RoundedJson(cell.cost, kLandscapeDigits));
     }
   }
   return {{"zoom", window.zoom},
@@ -165,7 +165,7 @@ Json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, con
           {"y", axis(landscape.y, plan.windows.front().y)},
           {"windows", windows},
           {"rmse_of_root_cost", RoundedJson(landscape.rmse_of_root_cost, 12)},
-          {"estimate_rmse_m", RoundedJson(ComparableRmse(landscape, summary, motions), kDigits)},
+          {"estimate_rmse_m", RoundedJson(ComparableRmse(landscape, summary, motions), kLandscapeDigits)},
           {"region", RegionJson(landscape, summary, checks)},
           {"notes", Notes(landscape, motions, every)}};
 }

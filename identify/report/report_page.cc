@@ -35,14 +35,14 @@ constexpr std::size_t kMaxCurveBytes = 400000;
 constexpr std::size_t kMaxLandscapeBytes = 400000;
 // Of the forces of one recording.
 constexpr std::size_t kMaxForceBytes = 200000;
-constexpr int kDigits = 6;
+constexpr int kPageDigits = 6;
 constexpr int kNumBins = 61;
 // The width of a histogram to both sides of zero, in root mean squares of a coordinate.
 constexpr double kHistogramRange = 4.0;
 
 Json RoundedList(const Eigen::VectorXd& values) {
   Json json = Json::array();
-  for (const double value : values) json.push_back(RoundedJson(value, kDigits));
+  for (const double value : values) json.push_back(RoundedJson(value, kPageDigits));
   return json;
 }
 
@@ -51,8 +51,8 @@ Json ConvergenceJson(const FitSummary& summary) {
   std::vector<Json> values(summary.parameters.size(), Json::array());
   for (const FitIteration& row : summary.iterations) {
     iterations.push_back(row.iteration);
-    seconds.push_back(RoundedJson(row.seconds, kDigits));
-    cost.push_back(RoundedJson(row.cost, kDigits));
+    seconds.push_back(RoundedJson(row.seconds, kPageDigits));
+    cost.push_back(RoundedJson(row.cost, kPageDigits));
     loose.push_back(row.precision == Precision::kLoose);
     for (std::size_t i = 0; i < values.size(); ++i) {
       values[i].push_back(RoundedJson(row.values[static_cast<Eigen::Index>(i)], 10));
@@ -63,13 +63,13 @@ Json ConvergenceJson(const FitSummary& summary) {
   return {{"iteration", iterations}, {"seconds", seconds}, {"cost", cost}, {"loose", loose}, {"values", named}};
 }
 
-Json ProfilesJson(const FitChecks& checks) {
+Json PageProfilesJson(const FitChecks& checks) {
   Json profiles = Json::array();
   for (const Profile& profile : checks.profiles) {
     Json values = Json::array(), rises = Json::array();
     for (const ProfilePoint& point : profile.points) {
       values.push_back(RoundedJson(point.value, 10));
-      rises.push_back(RoundedJson(point.cost_rise, kDigits));
+      rises.push_back(RoundedJson(point.cost_rise, kPageDigits));
     }
     profiles.push_back({{"parameter", profile.parameter},
                         {"value", values},
@@ -97,13 +97,13 @@ Eigen::VectorXd Thinned(const Eigen::VectorXd& errors, int every) {
 }
 
 // The errors of every frame, at the estimate and at the start.
-Json FramesJson(const RecordedMotion& motion, const Eigen::VectorXd& errors, const Eigen::VectorXd& start_errors,
-                std::size_t max_bytes) {
+Json ErrorsOverTime(const RecordedMotion& motion, const Eigen::VectorXd& errors, const Eigen::VectorXd& start_errors,
+                    std::size_t max_bytes) {
   constexpr std::size_t kBytesPerFrame = 3 * 13;
   const std::size_t num_frames = static_cast<std::size_t>(motion.num_frames());
   const int every = static_cast<int>(std::max<std::size_t>(1, num_frames * kBytesPerFrame / max_bytes + 1));
   Json times = Json::array();
-  for (int i = 0; i < motion.num_frames(); i += every) times.push_back(RoundedJson(motion.times[i], kDigits));
+  for (int i = 0; i < motion.num_frames(); i += every) times.push_back(RoundedJson(motion.times[i], kPageDigits));
   return {{"every", every},
           {"times", times},
           {"rmse", RoundedList(Thinned(errors, every))},
@@ -119,8 +119,8 @@ Json HistogramJson(const Observation& observation, const RecordedMotion& motion,
   bool is_empty = true;
   for (const ResidualHistogram& axis : ResidualHistograms(observation, motion, predicted, range, kNumBins)) {
     axes.push_back({{"counts", axis.counts},
-                    {"mean", RoundedJson(axis.mean, kDigits)},
-                    {"deviation", RoundedJson(axis.deviation, kDigits)}});
+                    {"mean", RoundedJson(axis.mean, kPageDigits)},
+                    {"deviation", RoundedJson(axis.deviation, kPageDigits)}});
     num_beyond += axis.num_beyond;
     is_empty = is_empty && std::isnan(axis.mean);
   }
@@ -190,10 +190,10 @@ Json RecordingJson(const RecordedMotion& motion, const Observation& observation,
                {"points", shown.motion.num_points()},
                {"nodes", motion.scene.mesh.num_nodes()},
                {"sigma_is_known", observation.sigma_is_known()},
-               {"rmse_m", RoundedJson(error.rmse(), kDigits)},
-               {"start_rmse_m", RoundedJson(start_rmse, kDigits)},
-               {"fit_percent", RoundedJson(error.fit_percent(), kDigits)},
-               {"per_frame", FramesJson(motion, FrameErrors(errors), start_errors, room.curve_bytes)},
+               {"rmse_m", RoundedJson(error.rmse(), kPageDigits)},
+               {"start_rmse_m", RoundedJson(start_rmse, kPageDigits)},
+               {"fit_percent", RoundedJson(error.fit_percent(), kPageDigits)},
+               {"per_frame", ErrorsOverTime(motion, FrameErrors(errors), start_errors, room.curve_bytes)},
                {"histogram", HistogramJson(points, shown.motion, shown.predicted, error.rmse())},
                {"replay", ReplayJson(replay, room.replay_bytes)}};
   if (index < summary.forces.size() && summary.forces[index].cols() > 0) {
@@ -224,7 +224,7 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
                {"remarks", RemarksJson(summary, checks)},
                {"limits", FitLimits(summary, motions, observations)},
                {"convergence", ConvergenceJson(summary)},
-               {"profiles", ProfilesJson(checks)},
+               {"profiles", PageProfilesJson(checks)},
                {"recordings", Json::array()}};
   for (const FitLandscape& landscape : checks.landscapes) {
     json["landscapes"].push_back(

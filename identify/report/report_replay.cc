@@ -22,11 +22,11 @@ using Json = nlohmann::ordered_json;
 constexpr double kMaxRawBytes = 1.0e8;
 // More than that is not to be expected of its compression.
 constexpr double kBestCompression = 8.0;
-constexpr int kDigits = 7;
+constexpr int kReplayDigits = 7;
 
 Json VectorJson(const Eigen::VectorXd& vector) {
   Json json = Json::array();
-  for (const double value : vector) json.push_back(RoundedJson(value, kDigits));
+  for (const double value : vector) json.push_back(RoundedJson(value, kReplayDigits));
   return json;
 }
 
@@ -84,13 +84,14 @@ Eigen::AlignedBox3d Box(const ReplaySource& source) {
 }
 
 std::string PackErrors(const Eigen::MatrixXd& errors, double largest, const std::vector<int>& frames) {
-  constexpr double kDecades = 6.0, kHighest = 254.0;
+  constexpr double kDecades = 6.0, kLargestByte = 254.0;
   std::string bytes;
   bytes.reserve(frames.size() * static_cast<std::size_t>(errors.rows()));
   for (const int frame : frames) {
     for (const double error : errors.col(frame)) {
-      const double q = kHighest * (1.0 + std::log10(error / largest) / kDecades);  // -inf for 0
-      bytes += std::isnan(error) ? '\xff' : static_cast<char>(static_cast<unsigned char>(std::clamp(q, 0.0, kHighest)));
+      const double q = kLargestByte * (1.0 + std::log10(error / largest) / kDecades);  // -inf for 0
+      bytes +=
+          std::isnan(error) ? '\xff' : static_cast<char>(static_cast<unsigned char>(std::clamp(q, 0.0, kLargestByte)));
     }
   }
   return PackBytes(bytes);
@@ -114,7 +115,7 @@ Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double lar
   const RecordedMotion& motion = *source.motion;
   const std::vector<int> frames = EveryFrame(motion.num_frames(), every);
   Json json = {{"every", every}, {"times", Json::array()}};
-  for (const int frame : frames) json["times"].push_back(RoundedJson(motion.times[frame], kDigits));
+  for (const int frame : frames) json["times"].push_back(RoundedJson(motion.times[frame], kReplayDigits));
   json["recorded"] = PackPositions(Quantize(grid, motion.positions, frames));
   json["predicted"] = PackPositions(Quantize(grid, *source.predicted, frames));
   if (source.nodes != nullptr) json["nodes"] = PackPositions(Quantize(grid, *source.nodes, frames));

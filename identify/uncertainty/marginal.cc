@@ -1,8 +1,9 @@
 #include "identify/uncertainty/marginal.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <utility>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 
@@ -17,8 +18,7 @@ Marginal Marginalize(Linearization linearization, Eigen::Index num_parameters) {
   const Eigen::MatrixXd& jacobian = linearization.jacobian;
   Eigen::MatrixXd reordered = Eigen::MatrixXd::Zero(std::max(jacobian.rows(), n + p), n + p);
   reordered.topRows(jacobian.rows()) << jacobian.rightCols(n), jacobian.leftCols(p);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(std::move(reordered));
-  const Eigen::MatrixXd factor = qr.matrixQR().topRows(n + p).triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd factor = UpperFactor(reordered);
   marginal.follow = -factor.topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(factor.topRightCorner(n, p));
   linearization.jacobian = factor.bottomRightCorner(p, p);
   linearization.gradient =
@@ -36,9 +36,7 @@ Eigen::MatrixXd UnknownsCovariance(const Linearization& linearization, const std
                      num_free = static_cast<Eigen::Index>(free.size());
   Eigen::MatrixXd jacobian(linearization.jacobian.rows(), num_free + n);
   jacobian << linearization.jacobian(Eigen::all, free), linearization.jacobian.rightCols(n);
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(jacobian);
-  const Eigen::MatrixXd inverse = decomposition.pseudoInverse();  // [(f + n) x r]
-  return inverse.bottomRows(n) * inverse.bottomRows(n).transpose();
+  return GramPseudoInverse(jacobian).bottomRightCorner(n, n);
 }
 
 }  // namespace clothid

@@ -1,9 +1,10 @@
 #include "identify/uncertainty/priors.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -108,13 +109,13 @@ double VisibleWithoutLinks(const std::vector<ParameterBlock>& blocks, const Scal
   for (Eigen::Index b = 0; b < links.cols(); ++b) links.col(b) *= blocks[jacobian.indices()[b]].CoordinateRange();
   const Eigen::MatrixXd told = links * inverse * links.transpose();
   const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(told.rows(), told.cols()) - told;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(left);
-  const Eigen::VectorXd pull = eigen.eigenvectors().transpose() * (links * inverse.col(i));
+  const Spectrum eigen = SymmetricSpectrum(left);
+  const Eigen::VectorXd pull = eigen.vectors.transpose() * (links * inverse.col(i));
   double variance = inverse(i, i);
   for (Eigen::Index k = 0; k < pull.size(); ++k) {
     const double square = pull[k] * pull[k];
-    if (eigen.eigenvalues()[k] > kNothingLeft) {
-      variance += square / eigen.eigenvalues()[k];
+    if (eigen.values[k] > kNothingLeft) {
+      variance += square / eigen.values[k];
     } else if (square > kNothingLeft * inverse(i, i)) {
       return 0.0;  // else what nothing tells any more is another knot
     }

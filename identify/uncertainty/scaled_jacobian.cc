@@ -1,9 +1,10 @@
 #include "identify/uncertainty/scaled_jacobian.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -22,9 +23,9 @@ ScaledJacobian::ScaledJacobian(const std::vector<ParameterBlock>& blocks, const 
   // Padding to at least p rows gives every right singular vector.
   Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(std::max(scaled.rows(), scaled.cols()), scaled.cols());
   padded.topRows(scaled.rows()) = scaled;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(padded, Eigen::ComputeThinV);
-  singular_values_ = svd.singularValues();
-  vectors_ = (svd.matrixV().array().abs() < kVectorRounding).select(0.0, svd.matrixV());
+  const RightSingular svd = RightSingularVectors(padded);
+  singular_values_ = svd.values;
+  vectors_ = (svd.vectors.array().abs() < kVectorRounding).select(0.0, svd.vectors);
 }
 
 double ScaledJacobian::Inverse(Eigen::Index i, Eigen::Index j) const {

@@ -1,12 +1,12 @@
 #include "identify/uncertainty/uncertainty.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "identify/uncertainty/correlated_scores.h"
 #include "identify/uncertainty/priors.h"
 #include "identify/uncertainty/scaled_jacobian.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -150,7 +150,7 @@ void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorX
     }
     covariance(a, a) += std::pow(kLeftResolutions * blocks[index].Resolution(coordinates[index]), 2);
   }
-  uncertainty->predicted_decrease = 0.5 * step.dot(covariance.ldlt().solve(step));
+  uncertainty->predicted_decrease = 0.5 * step.dot(SymmetricFactor(covariance).SolveOne(step));
   if (!(uncertainty->predicted_decrease > kStalledDecrease)) return;
   const Eigen::ArrayXd parts = 0.5 * step.array().square() / covariance.diagonal().array();
   const double least = std::min(kStalledDecrease, parts.maxCoeff());

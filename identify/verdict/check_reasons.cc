@@ -10,7 +10,7 @@ namespace {
 // A profile that falls below the estimate by more than the first was not the minimum; in s^2, by more than the second
 // the fit should have ended elsewhere.
 constexpr double kProfileRounding = 1e-3;
-constexpr double kLowerCost = 0.1;
+constexpr double kClearlyLower = 0.1;
 
 // Energy that comes from nowhere, as a share of the largest energy: from here on the motion is another.
 constexpr double kLargeEnergyGain = 0.1;
@@ -86,7 +86,7 @@ void AddProfiles(const FitSummary& summary, const FitChecks& checks, std::vector
         std::min_element(profile.points.begin(), profile.points.end(),
                          [](const ProfilePoint& a, const ProfilePoint& b) { return a.cost_rise < b.cost_rise; });
     if (lowest == profile.points.end() || !(lowest->cost_rise < -kProfileRounding)) continue;
-    const bool is_clear = -0.5 * lowest->cost_rise > kLowerCost;
+    const bool is_clear = -0.5 * lowest->cost_rise > kClearlyLower;
     reasons->push_back({is_clear ? Usability::kDoNotUse : Usability::kWithCare,
                         is_clear ? kExitDoNotUse : kExitSuccess,
                         {},

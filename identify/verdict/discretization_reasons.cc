@@ -50,8 +50,8 @@ void AddParts(const FitSummary& summary, int index, std::vector<Reason>* reasons
 }
 
 // What the fit `fit` says besides its estimates; `where` as in "at half the time step".
-void AddEnd(const std::optional<RepeatedFit>& fit, const std::string& where, const std::string& error,
-            std::vector<Reason>* reasons) {
+void AddRepeatedEnd(const std::optional<RepeatedFit>& fit, const std::string& where, const std::string& error,
+                    std::vector<Reason>* reasons) {
   if (!fit || fit->status == FitStatus::kConverged) return;
   const std::string brief = "the fit " + where + " ended as " + FitStatusName(fit->status);
   const std::string meaning = fit->has_estimate() ? "the error of the " + error + " may be another"
@@ -63,8 +63,8 @@ void AddEnd(const std::optional<RepeatedFit>& fit, const std::string& where, con
 
 void AddDiscretizationReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
   if (!checks.discretization) return;
-  AddEnd(checks.discretization->half_step, "at half the time step", "time step", reasons);
-  AddEnd(checks.discretization->fine_mesh, "on the finer mesh", "mesh", reasons);
+  AddRepeatedEnd(checks.discretization->half_step, "at half the time step", "time step", reasons);
+  AddRepeatedEnd(checks.discretization->fine_mesh, "on the finer mesh", "mesh", reasons);
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     if (HasInterval(summary, checks, i)) AddParts(summary, i, reasons);
   }

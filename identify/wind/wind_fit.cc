@@ -1,6 +1,5 @@
 #include "identify/wind/wind_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "identify/fit/fit.h"
 #include "identify/uncertainty/marginal.h"
 #include "identify/uncertainty/priors.h"
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -33,13 +33,14 @@ struct LinearModel {
 
   double Next(double smoothness) const {
     const double weight = 1.0 / (smoothness * smoothness);
-    const Eigen::LDLT<Eigen::MatrixXd> factor(curvature + prior + weight * links.transpose() * links);
-    const Eigen::VectorXd step = -factor.solve(gradient + prior_gradient + weight * (links.transpose() * differences));
+    const SymmetricFactor factor(curvature + prior + weight * links.transpose() * links);
+    const Eigen::VectorXd step =
+        -factor.SolveOne(gradient + prior_gradient + weight * (links.transpose() * differences));
     const double squared = squared_residual + 2.0 * gradient.dot(step) + step.dot(curvature * step);
     const double fitted = std::max(squared, 0.0) / degrees;
     const double scale = sigma_is_known ? std::max(1.0, fitted) : fitted;
     const double determined = static_cast<double>(links.rows()) -
-                              weight * links.cwiseProduct(factor.solve(links.transpose()).transpose()).sum();
+                              weight * links.cwiseProduct(factor.Solve(links.transpose()).transpose()).sum();
     const double square = (differences + links * step).squaredNorm() / (std::max(determined, 1e-6) * scale);
     return std::clamp(std::sqrt(square), kLeastWindSmoothness, kMostWindSmoothness);
   }

@@ -36,6 +36,16 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
+// Throws that what `source` holds, a file or a part of one, cannot be used.
+[[noreturn]] inline void FailOnData(const std::string& source, const std::string& message) {
+  throw Error(ErrorKind::kBadData, source + ": " + message);
+}
+
+// Throws that a flag, an argument or an option is wrong, unless `condition` holds.
+inline void ExpectUsage(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorKind::kUsage, message);
+}
+
 // Exit codes of the programs. Where several apply: 70, 130, 1, 2, 3, 6, 4, 5 in that order.
 enum ExitCode : int {
   kExitSuccess = 0,

@@ -16,21 +16,17 @@ constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr std::size_t kVersionEnd = 8;  // of the magic string and the version
 constexpr std::size_t kAlignment = 64;  // of the numbers, as NumPy writes them
 
-[[noreturn]] void Fail(const std::string& path, const std::string& message) {
-  throw Error(ErrorKind::kBadData, path + ": " + message);
-}
-
 // Where the dictionary stands in a file: its first byte and its length.
 std::pair<std::size_t, std::size_t> FindDictionary(const std::string& path, std::string_view bytes) {
-  if (bytes.substr(0, kMagic.size()) != kMagic || bytes.size() < kVersionEnd) Fail(path, "is not a .npy file");
+  if (bytes.substr(0, kMagic.size()) != kMagic || bytes.size() < kVersionEnd) FailOnData(path, "is not a .npy file");
   const char version = bytes[kMagic.size()];
-  if (version < 1 || version > 3) Fail(path, "expected .npy format version 1, 2 or 3");
+  if (version < 1 || version > 3) FailOnData(path, "expected .npy format version 1, 2 or 3");
   const std::size_t begin = kVersionEnd + (version == 1 ? sizeof(std::uint16_t) : sizeof(std::uint32_t));
-  if (bytes.size() < begin) Fail(path, "ends within its header");
+  if (bytes.size() < begin) FailOnData(path, "ends within its header");
   const char* length_bytes = bytes.data() + kVersionEnd;
   const std::size_t length = version == 1 ? LoadNumber<std::uint16_t>(length_bytes, ByteOrder::kLittle)
                                           : LoadNumber<std::uint32_t>(length_bytes, ByteOrder::kLittle);
-  if (length > bytes.size() - begin) Fail(path, "ends within its header");
+  if (length > bytes.size() - begin) FailOnData(path, "ends within its header");
   return {begin, length};
 }
 
@@ -43,10 +39,10 @@ class DictionaryReader {
     std::optional<std::string> descr;
     std::optional<bool> fortran_order;
     std::optional<std::vector<long long>> shape;
-    if (!Take('{')) Fail(path_, "expected a header {..}, found '" + Printable(rest_) + "'");
+    if (!Take('{')) FailOnData(path_, "expected a header {..}, found '" + Printable(rest_) + "'");
     while (!Take('}')) {
       const std::string key = String("a key");
-      if (!Take(':')) Fail(path_, "expected ':' after '" + Printable(key) + "' in its header");
+      if (!Take(':')) FailOnData(path_, "expected ':' after '" + Printable(key) + "' in its header");
       if (key == "descr") {
         descr = String("the type of its elements like '<f8'");
       } else if (key == "fortran_order") {
@@ -54,11 +50,11 @@ class DictionaryReader {
       } else if (key == "shape") {
         shape = Shape();
       } else {
-        Fail(path_, "unexpected key '" + Printable(key) + "' in its header");
+        FailOnData(path_, "unexpected key '" + Printable(key) + "' in its header");
       }
-      if (!Take(',') && Next() != '}') Fail(path_, "expected ',' or '}' after '" + key + "' in its header");
+      if (!Take(',') && Next() != '}') FailOnData(path_, "expected ',' or '}' after '" + key + "' in its header");
     }
-    if (!rest_.empty() && Next() != '\0') Fail(path_, "expected blanks after the '}' of its header");
+    if (!rest_.empty() && Next() != '\0') FailOnData(path_, "expected blanks after the '}' of its header");
     Require(descr.has_value(), "descr");
     Require(fortran_order.has_value(), "fortran_order");
     Require(shape.has_value(), "shape");
@@ -67,7 +63,7 @@ class DictionaryReader {
 
  private:
   void Require(bool is_there, const std::string& key) const {
-    if (!is_there) Fail(path_, "its header lacks '" + key + "': expected 'descr', 'fortran_order' and 'shape'");
+    if (!is_there) FailOnData(path_, "its header lacks '" + key + "': expected 'descr', 'fortran_order' and 'shape'");
   }
 
   // The next character that is no blank; 0 at the end.
@@ -85,7 +81,7 @@ class DictionaryReader {
     const char quote = Next();
     const std::size_t end = quote == '\'' || quote == '"' ? rest_.find(quote, 1) : std::string_view::npos;
     if (end == std::string_view::npos) {
-      Fail(path_, "expected " + expected + " in its header, found '" + Printable(rest_) + "'");
+      FailOnData(path_, "expected " + expected + " in its header, found '" + Printable(rest_) + "'");
     }
     const std::string text(rest_.substr(1, end - 1));
     rest_.remove_prefix(end + 1);
@@ -100,11 +96,11 @@ class DictionaryReader {
       rest_.remove_prefix(word.size());
       return value;
     }
-    Fail(path_, "expected 'fortran_order' to be True or False");
+    FailOnData(path_, "expected 'fortran_order' to be True or False");
   }
 
   std::vector<long long> Shape() {
-    if (!Take('(')) Fail(path_, "expected a shape like (64, 3)");
+    if (!Take('(')) FailOnData(path_, "expected a shape like (64, 3)");
     std::vector<long long> shape;
     while (!Take(')')) {
       Next();
@@ -112,11 +108,12 @@ class DictionaryReader {
       std::string_view digits = rest_.substr(0, end);
       if (!digits.empty() && digits.back() == 'L') digits.remove_suffix(1);  // a long integer of Python 2
       const std::optional<long long> size = ParseInteger(digits);
-      if (!size || *size < 0) Fail(path_, "expected a shape of integers >= 0");
-      if (shape.size() == kMaxNpyDimensions) Fail(path_, "has more than " + std::to_string(shape.size()) + " axes");
+      if (!size || *size < 0) FailOnData(path_, "expected a shape of integers >= 0");
+      if (shape.size() == kMaxNpyDimensions)
+        FailOnData(path_, "has more than " + std::to_string(shape.size()) + " axes");
       shape.push_back(*size);
       rest_.remove_prefix(end);
-      if (!Take(',') && Next() != ')') Fail(path_, "expected a shape like (64, 3)");
+      if (!Take(',') && Next() != ')') FailOnData(path_, "expected a shape like (64, 3)");
     }
     return shape;
   }

@@ -22,6 +22,11 @@ inline PhaseSeconds operator-(const PhaseSeconds& a, const PhaseSeconds& b) {
           a.factorization - b.factorization, a.solution - b.solution};
 }
 
+// Of a clock that never goes back, since some moment.
+inline double SteadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 // Adds the time until its end to `seconds`.
 class ScopedTimer {
  public:

@@ -1,9 +1,10 @@
 #include "sim/cloth/rest_curvature.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <utility>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -63,8 +64,7 @@ double AddMomentForce(const RestMoment& moment, double factor, const Eigen::Vect
 bool IsFlat(const Mesh& mesh) {
   const Eigen::Vector3d mean = mesh.rest_positions.rowwise().mean();
   const Eigen::Matrix3Xd from_mean = mesh.rest_positions.colwise() - mean;
-  const Eigen::Vector3d normal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(from_mean * from_mean.transpose()).eigenvectors().col(0);
+  const Eigen::Vector3d normal = SymmetricSpectrum(Eigen::Matrix3d(from_mean * from_mean.transpose())).vectors.col(0);
   return (normal.transpose() * from_mean).cwiseAbs().maxCoeff() <= kFlat * ClothSize(mesh);
 }
 

@@ -1,6 +1,5 @@
 #include "sim/geometry/quadratic_fit.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -9,13 +8,21 @@ namespace {
 
 constexpr double kUndetermined = 0.02;  // of `quality`, of one derivative: less is none
 
+// Columns that span those of `a`, by Gram and Schmidt.
+Eigen::MatrixX3d Orthonormalized(Eigen::MatrixX3d a) {
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < i; ++k) a.col(i) -= a.col(k).dot(a.col(i)) * a.col(k);
+    a.col(i).normalize();
+  }
+  return a;
+}
+
 }  // namespace
 
 QuadraticFit::QuadraticFit(const Eigen::Matrix2Xd& points) {
   const Eigen::Vector2d mean = points.rowwise().mean();
   const Eigen::Matrix2Xd p = points.colwise() - mean;
-  to_unit_ = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(p * p.transpose() / static_cast<double>(p.cols()))
-                 .operatorInverseSqrt();
+  to_unit_ = InverseSquareRoot(p * p.transpose() / static_cast<double>(p.cols()));
   const Eigen::Matrix2Xd q = to_unit_ * p;
   root_weights_ = ((to_unit_ * points).colwise().squaredNorm().array() + 1.0).inverse();
   const Eigen::ArrayXd q1 = q.row(0), q2 = q.row(1);
@@ -25,21 +32,21 @@ QuadraticFit::QuadraticFit(const Eigen::Matrix2Xd& points) {
       root_weights_ * q1 * q2 / std::sqrt(2.0);
   scale_ = quadratic.squaredNorm();
   quadratic /= std::sqrt(scale_);
-  const Eigen::MatrixX3d basis =
-      Eigen::HouseholderQR<Eigen::MatrixX3d>(affine).householderQ() * Eigen::MatrixX3d::Identity(q.cols(), 3);
+  // Twice: once leaves the rounding of what cancels.
+  const Eigen::MatrixX3d basis = Orthonormalized(Orthonormalized(affine));
   beyond_affine_ = quadratic - basis * (basis.transpose() * quadratic);
-  gram_.compute(beyond_affine_.transpose() * beyond_affine_);
+  gram_ = SymmetricSpectrum(Eigen::Matrix3d(beyond_affine_.transpose() * beyond_affine_));
 }
 
-double QuadraticFit::quality() const { return std::sqrt(std::max(0.0, gram_.eigenvalues()[0])); }
+double QuadraticFit::quality() const { return std::sqrt(std::max(0.0, gram_.values[0])); }
 
 Eigen::Matrix3Xd QuadraticFit::Weights() const {
   Eigen::Vector3d inverse = Eigen::Vector3d::Zero();
   for (int i = 0; i < 3; ++i) {
-    const double value = gram_.eigenvalues()[i];
+    const double value = gram_.values[i];
     if (value > kUndetermined * kUndetermined) inverse[i] = 1.0 / (value * std::sqrt(scale_));
   }
-  Eigen::Matrix3Xd in_unit = gram_.eigenvectors() * inverse.asDiagonal() * gram_.eigenvectors().transpose() *
+  Eigen::Matrix3Xd in_unit = gram_.vectors * inverse.asDiagonal() * gram_.vectors.transpose() *
                              beyond_affine_.transpose() * root_weights_.matrix().asDiagonal();
   in_unit.row(2) /= std::sqrt(2.0);
   return FromUnit() * in_unit;

@@ -3,7 +3,8 @@
 #define CLOTHID_SIM_GEOMETRY_QUADRATIC_FIT_H_
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 
@@ -28,7 +29,7 @@ class QuadraticFit {
   Eigen::ArrayXd root_weights_;     // [n]
   double scale_ = 0.0;              // by which the squares of the quadratic terms were divided
   Eigen::MatrixX3d beyond_affine_;  // [n x 3] the quadratic terms without what an affine function has of them
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> gram_;
+  Spectrum3 gram_;
 };
 
 }  // namespace clothid

@@ -15,6 +15,8 @@ namespace {
 // Parts in which a factor is copied.
 constexpr int kCopies = 8;
 
+}  // namespace
+
 // The memory of factors. Some threads take it while others put it back.
 class FactorMemory {
  public:
@@ -42,8 +44,6 @@ class FactorMemory {
   std::vector<std::vector<double>> unused_;
   std::size_t num_taken_ = 0;  // for the first time
 };
-
-}  // namespace
 
 struct CholeskySolver::State {
   explicit State(std::shared_ptr<const BlockPattern> p) : pattern(std::move(p)), supernodes(*pattern) {}

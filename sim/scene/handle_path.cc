@@ -13,17 +13,19 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void Fail(const std::string& message) { throw Error(ErrorKind::kBadData, "handle path: " + message); }
+[[noreturn]] void FailOnPath(const std::string& message) {
+  throw Error(ErrorKind::kBadData, "handle path: " + message);
+}
 
 void ValidateKnots(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions) {
   if (times.size() == 0 || positions.cols() != times.size() || positions.rows() % 3 != 0) {
-    Fail("expected one position of every handle at each of " + std::to_string(times.size()) + " times");
+    FailOnPath("expected one position of every handle at each of " + std::to_string(times.size()) + " times");
   }
   for (Eigen::Index i = 0; i < times.size(); ++i) {
     if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1]))) {
-      Fail("time " + std::to_string(i) + " is not a finite number above the time before it");
+      FailOnPath("time " + std::to_string(i) + " is not a finite number above the time before it");
     }
-    if (!positions.col(i).allFinite()) Fail("the position at time " + std::to_string(i) + " is not finite");
+    if (!positions.col(i).allFinite()) FailOnPath("the position at time " + std::to_string(i) + " is not finite");
   }
 }
 
@@ -76,7 +78,7 @@ HandlePath::HandlePath(const Eigen::VectorXd& times, const Eigen::MatrixXd& posi
     : times_(times), positions_(positions) {
   ValidateKnots(times_, positions_);
   slopes_ = ParabolaSlopes(times_, positions_);
-  if (!slopes_.allFinite()) Fail("expected velocities that are finite numbers");
+  if (!slopes_.allFinite()) FailOnPath("expected velocities that are finite numbers");
 }
 
 Eigen::VectorXd HandlePath::At(double time) const { return Interpolate(times_, positions_, slopes_, time); }

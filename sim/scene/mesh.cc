@@ -23,10 +23,6 @@ struct HalfEdge {
   bool SameEdge(const HalfEdge& other) const { return low == other.low && high == other.high; }
 };
 
-[[noreturn]] void Fail(const std::string& source, const std::string& message) {
-  throw Error(ErrorKind::kBadData, source + ": " + message);
-}
-
 std::string Triangle(int face) { return "triangle " + std::to_string(face); }
 
 Eigen::Vector3d Corner(const Mesh& mesh, int face, int corner) {
@@ -51,16 +47,16 @@ void ValidateFaces(const Mesh& mesh, const std::string& source) {
     const Eigen::Vector3i face = mesh.faces.col(f);
     for (int k = 0; k < 3; ++k) {
       if (face[k] < 0 || face[k] >= mesh.num_nodes()) {
-        Fail(source, Triangle(f) + " refers to node " + std::to_string(face[k]) + "; expected 0 to " +
-                         std::to_string(mesh.num_nodes() - 1));
+        FailOnData(source, Triangle(f) + " refers to node " + std::to_string(face[k]) + "; expected 0 to " +
+                               std::to_string(mesh.num_nodes() - 1));
       }
     }
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
-      Fail(source, Triangle(f) + " has the same node at two corners");
+      FailOnData(source, Triangle(f) + " has the same node at two corners");
     }
     const double area = AreaVector(mesh, f).norm();
-    if (!(2.0 * area > kDegenerate * LongestSideSquared(mesh, f))) Fail(source, Triangle(f) + " has no area");
-    if (!std::isfinite(area)) Fail(source, Triangle(f) + " is too large for its area to be a number");
+    if (!(2.0 * area > kDegenerate * LongestSideSquared(mesh, f))) FailOnData(source, Triangle(f) + " has no area");
+    if (!std::isfinite(area)) FailOnData(source, Triangle(f) + " is too large for its area to be a number");
   }
 }
 
@@ -87,12 +83,12 @@ void ValidateEdges(const Mesh& mesh, const std::string& source) {
     if (!edges[i].SameEdge(edges[i - 1])) continue;
     const std::string edge = "edge " + std::to_string(edges[i].low) + "-" + std::to_string(edges[i].high);
     if (i >= 2 && edges[i].SameEdge(edges[i - 2])) {
-      Fail(source, edge + " belongs to more than two triangles (" + std::to_string(edges[i - 2].face) + ", " +
-                       std::to_string(edges[i - 1].face) + ", " + std::to_string(edges[i].face) + ")");
+      FailOnData(source, edge + " belongs to more than two triangles (" + std::to_string(edges[i - 2].face) + ", " +
+                             std::to_string(edges[i - 1].face) + ", " + std::to_string(edges[i].face) + ")");
     }
     if (edges[i].forward == edges[i - 1].forward) {
-      Fail(source, Triangle(edges[i].face) + " is inverted relative to " + Triangle(edges[i - 1].face) +
-                       " (both run along " + edge + " in the same direction)");
+      FailOnData(source, Triangle(edges[i].face) + " is inverted relative to " + Triangle(edges[i - 1].face) +
+                             " (both run along " + edge + " in the same direction)");
     }
   }
 }
@@ -104,7 +100,7 @@ void ValidateNodes(const Mesh& mesh, const std::string& source) {
   }
   const auto unused = std::find(used.begin(), used.end(), false);
   if (unused != used.end()) {
-    Fail(source, "node " + std::to_string(unused - used.begin()) + " belongs to no triangle");
+    FailOnData(source, "node " + std::to_string(unused - used.begin()) + " belongs to no triangle");
   }
 }
 
@@ -135,12 +131,12 @@ Mesh MakeGrid(const GridOptions& options) {
 }
 
 void ValidateMesh(const Mesh& mesh, const std::string& source) {
-  if (mesh.num_nodes() == 0 || mesh.num_faces() == 0) Fail(source, "the mesh has no triangle");
-  if (mesh.num_nodes() > kMaxNodes) Fail(source, "more than " + std::to_string(kMaxNodes) + " nodes");
-  if (mesh.num_faces() > kMaxFaces) Fail(source, "more than " + std::to_string(kMaxFaces) + " triangles");
+  if (mesh.num_nodes() == 0 || mesh.num_faces() == 0) FailOnData(source, "the mesh has no triangle");
+  if (mesh.num_nodes() > kMaxNodes) FailOnData(source, "more than " + std::to_string(kMaxNodes) + " nodes");
+  if (mesh.num_faces() > kMaxFaces) FailOnData(source, "more than " + std::to_string(kMaxFaces) + " triangles");
   for (int i = 0; i < mesh.num_nodes(); ++i) {
     if (!mesh.rest_positions.col(i).allFinite()) {
-      Fail(source, "the rest position of node " + std::to_string(i) + " is not finite");
+      FailOnData(source, "the rest position of node " + std::to_string(i) + " is not finite");
     }
   }
   ValidateFaces(mesh, source);

@@ -12,21 +12,21 @@ namespace {
 // Nearer to a centre or an axis than this share of the radius there is no direction to speak of.
 constexpr double kSingular = 1e-12;
 
-[[noreturn]] void Fail(const char* message) { throw Error(ErrorKind::kBadData, message); }
+[[noreturn]] void FailOnObstacle(const char* message) { throw Error(ErrorKind::kBadData, message); }
 
 double CheckedRadius(double radius) {
-  if (!(radius > 0.0) || !std::isfinite(radius)) Fail("an obstacle's radius must be positive and finite");
+  if (!(radius > 0.0) || !std::isfinite(radius)) FailOnObstacle("an obstacle's radius must be positive and finite");
   return radius;
 }
 
 Eigen::Vector3d CheckedPoint(const Eigen::Vector3d& point) {
-  if (!point.allFinite()) Fail("an obstacle's position must be finite");
+  if (!point.allFinite()) FailOnObstacle("an obstacle's position must be finite");
   return point;
 }
 
 Eigen::Vector3d CheckedDirection(const Eigen::Vector3d& direction, const char* message) {
   const double length = direction.stableNorm();
-  if (!(length > 0.0) || !std::isfinite(length)) Fail(message);
+  if (!(length > 0.0) || !std::isfinite(length)) FailOnObstacle(message);
   return direction / length;
 }
 

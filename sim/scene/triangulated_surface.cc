@@ -1,6 +1,5 @@
 #include "sim/scene/triangulated_surface.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -11,28 +10,18 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/scene/mesh.h"
 #include "sim/geometry/triangle_tree.h"
+#include "sim/matrix/dense.h"
+#include "sim/scene/mesh.h"
 
 namespace clothid {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The angle, in rad, below which normals count as equal: the rounding of coordinates given to seven digits.
-constexpr double kFlat = 1e-7;
-
-// Nearer to an edge or vertex than this share of the largest coordinate there is no direction to speak of.
-constexpr double kSingular = 1e-12;
-
-[[noreturn]] void Fail(const std::string& message) {
-  throw Error(ErrorKind::kBadData, "triangulated surface: " + message);
-}
-
 // What can be closest to a point: a face, an edge or a vertex. The normal is constant on a plane, turns about a crease
 // and points away from a corner; an edge within a plane is a plane, a vertex within a straight edge a crease.
-struct Feature {
+struct SurfaceFeature {
   enum class Kind { kPlane, kCrease, kCorner };
 
   Kind kind = Kind::kPlane;
@@ -41,13 +30,25 @@ struct Feature {
   Vector3d along = Vector3d::Zero();   // of a crease, a unit vector
 };
 
+namespace {
+
+// The angle, in rad, below which normals count as equal: the rounding of coordinates given to seven digits.
+constexpr double kFlat = 1e-7;
+
+// Nearer to an edge or vertex than this share of the largest coordinate there is no direction to speak of.
+constexpr double kSingularDistance = 1e-12;
+
+[[noreturn]] void FailOnSurface(const std::string& message) {
+  throw Error(ErrorKind::kBadData, "triangulated surface: " + message);
+}
+
 // phi, n and dn/dx of points whose closest point is on `feature`. `least_distance` (m) is that of a direction.
-SurfacePoint Evaluate(const Feature& feature, const Vector3d& x, double least_distance) {
+SurfacePoint Evaluate(const SurfaceFeature& feature, const Vector3d& x, double least_distance) {
   SurfacePoint result;
   Vector3d offset = x - feature.point;
   result.normal = feature.normal;
   result.gap = feature.normal.dot(offset);
-  if (feature.kind == Feature::Kind::kPlane) return result;
+  if (feature.kind == SurfaceFeature::Kind::kPlane) return result;
   offset -= feature.along.dot(offset) * feature.along;
   const double sign = result.gap < 0.0 ? -1.0 : 1.0;
   const double distance = offset.stableNorm();
@@ -72,7 +73,7 @@ class FeatureBuilder {
   }
 
   std::vector<SearchTriangle> TakeTriangles() { return std::move(triangles_); }
-  std::vector<Feature> TakeFeatures() { return std::move(features_); }
+  std::vector<SurfaceFeature> TakeFeatures() { return std::move(features_); }
 
  private:
   Vector3d Position(int vertex) const { return mesh_.rest_positions.col(vertex); }
@@ -81,7 +82,7 @@ class FeatureBuilder {
     SearchTriangle& triangle = triangles_[face];
     triangle.Place(Position(mesh_.faces(0, face)), Position(mesh_.faces(1, face)), Position(mesh_.faces(2, face)));
     triangle.feature = face;
-    features_.push_back({Feature::Kind::kPlane, triangle.corners[0], triangle.normal, Vector3d::Zero()});
+    features_.push_back({SurfaceFeature::Kind::kPlane, triangle.corners[0], triangle.normal, Vector3d::Zero()});
   }
 
   // Walks every edge from the triangle that runs along it from its lower to its higher vertex.
@@ -94,8 +95,8 @@ class FeatureBuilder {
       const std::string name = "edge " + std::to_string(ends.first) + "-" + std::to_string(ends.second);
       const auto twin = sides.find({ends.second, ends.first});
       if (twin == sides.end()) {
-        Fail(name + " belongs to one triangle only (" + std::to_string(side.first) +
-             "); expected a closed surface: holes filled, a sheet with a thickness");
+        FailOnSurface(name + " belongs to one triangle only (" + std::to_string(side.first) +
+                      "); expected a closed surface: holes filled, a sheet with a thickness");
       }
       if (ends.first > ends.second) continue;
       AddEdge(side, twin->second, name);
@@ -105,13 +106,13 @@ class FeatureBuilder {
   void AddEdge(const std::pair<int, int>& side, const std::pair<int, int>& twin, const std::string& name) {
     SearchTriangle& one = triangles_[side.first];
     SearchTriangle& other = triangles_[twin.first];
-    Feature edge;
+    SurfaceFeature edge;
     edge.point = one.corners[side.second];
     edge.normal = one.normal + other.normal;
-    if (edge.normal.norm() < kFlat) Fail("the two triangles at " + name + " lie flat on each other");
+    if (edge.normal.norm() < kFlat) FailOnSurface("the two triangles at " + name + " lie flat on each other");
     edge.normal.normalize();
     if ((one.normal - other.normal).norm() >= kFlat) {
-      edge.kind = Feature::Kind::kCrease;
+      edge.kind = SurfaceFeature::Kind::kCrease;
       edge.along = one.sides[side.second].normalized();
     }
     one.side_features[side.second] = static_cast<int>(features_.size());
@@ -142,21 +143,22 @@ class FeatureBuilder {
 
   // The normals around a vertex span one direction in a plane, two at a straight crease, else three.
   void AddVertex(int vertex, const Vector3d& normal_sum, const Matrix3d& span) {
-    Feature feature;
+    SurfaceFeature feature;
     feature.point = Position(vertex);
-    if (normal_sum.norm() < kFlat) Fail("the triangles around vertex " + std::to_string(vertex) + " have no outside");
+    if (normal_sum.norm() < kFlat)
+      FailOnSurface("the triangles around vertex " + std::to_string(vertex) + " have no outside");
     feature.normal = normal_sum.normalized();
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(span);  // eigenvalues ascend
+    const Spectrum3 eigen = SymmetricSpectrum(span);  // eigenvalues ascend
     const double flat = kFlat * kFlat * span.trace();
-    const auto is_flat = [&](int i) { return eigen.eigenvalues()[i] < flat; };
-    if (!is_flat(1)) feature.kind = is_flat(0) ? Feature::Kind::kCrease : Feature::Kind::kCorner;
-    if (feature.kind == Feature::Kind::kCrease) feature.along = eigen.eigenvectors().col(0);
+    const auto is_flat = [&](int i) { return eigen.values[i] < flat; };
+    if (!is_flat(1)) feature.kind = is_flat(0) ? SurfaceFeature::Kind::kCrease : SurfaceFeature::Kind::kCorner;
+    if (feature.kind == SurfaceFeature::Kind::kCrease) feature.along = eigen.vectors.col(0);
     features_.push_back(feature);
   }
 
   const Mesh& mesh_;
   std::vector<SearchTriangle> triangles_;
-  std::vector<Feature> features_;
+  std::vector<SurfaceFeature> features_;
 };
 
 double Volume(const Mesh& mesh) {
@@ -170,7 +172,8 @@ double Volume(const Mesh& mesh) {
 
 void Validate(const Mesh& mesh) {
   if (mesh.num_faces() > kMaxSurfaceFaces) {
-    Fail(std::to_string(mesh.num_faces()) + " triangles; expected at most " + std::to_string(kMaxSurfaceFaces));
+    FailOnSurface(std::to_string(mesh.num_faces()) + " triangles; expected at most " +
+                  std::to_string(kMaxSurfaceFaces));
   }
   ValidateMesh(mesh, "triangulated surface");
 }
@@ -180,7 +183,7 @@ void Validate(const Mesh& mesh) {
 struct TriangulatedSurface::Data {
   Mesh mesh;
   TriangleTree tree;
-  std::vector<Feature> features;
+  std::vector<SurfaceFeature> features;
   double least_distance = 0.0;  // m, see Evaluate
 };
 
@@ -191,11 +194,11 @@ TriangulatedSurface::TriangulatedSurface(Eigen::Matrix3Xd vertices, Eigen::Matri
   FeatureBuilder builder(data->mesh);
   builder.Build();
   if (!(Volume(data->mesh) > 0.0)) {
-    Fail("encloses no positive volume; expected triangles that run counter-clockwise seen from outside");
+    FailOnSurface("encloses no positive volume; expected triangles that run counter-clockwise seen from outside");
   }
   data->features = builder.TakeFeatures();
   data->tree = TriangleTree(builder.TakeTriangles());
-  data->least_distance = kSingular * data->mesh.rest_positions.cwiseAbs().maxCoeff();
+  data->least_distance = kSingularDistance * data->mesh.rest_positions.cwiseAbs().maxCoeff();
   data_ = std::move(data);
 }
 

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kShare = 0.3;  // of the residual that a linear solve leaves: not worth a sweep
 constexpr int kSweeps = 3;
-constexpr int kMaxIterations = 10;  // of Newton's method at one node
-constexpr int kMaxHalvings = 4;     // of the length of each of them
-constexpr double kReduction = 0.1;  // of the residual of a node, at which it is done with
+constexpr int kMaxNodeIterations = 10;  // of Newton's method at one node
+constexpr int kMaxNodeHalvings = 4;     // of the length of each of them
+constexpr double kReduction = 0.1;      // of the residual of a node, at which it is done with
 
 // F, see contact_law.h.
 Eigen::Vector3d ContactForce(double weight, const ContactCandidate& candidate, const Eigen::Vector3d& velocity,
@@ -48,7 +48,7 @@ class NodeEquation {
   // The solution, or the nearest to it that Newton's method with halved lengths has come.
   State Solve(State state) const {
     const double goal = kReduction * state.residual;
-    for (int iteration = 0; iteration < kMaxIterations && state.residual > goal; ++iteration) {
+    for (int iteration = 0; iteration < kMaxNodeIterations && state.residual > goal; ++iteration) {
       if (!Improve(&state)) break;
     }
     return state;
@@ -59,7 +59,7 @@ class NodeEquation {
     const Eigen::Matrix3d slope = ImpulseForceJacobian(state->response, candidate_.normal, friction_coefficient_);
     const Eigen::Matrix3d jacobian = stiffness_ + slope * (stiffness_ - weight_ * Eigen::Matrix3d::Identity());
     Eigen::Vector3d change = jacobian.partialPivLu().solve(state->response.impulse - state->momentum);
-    for (int halving = 0; halving <= kMaxHalvings; ++halving, change *= 0.5) {
+    for (int halving = 0; halving <= kMaxNodeHalvings; ++halving, change *= 0.5) {
       const State next = At(state->velocity + change, state->momentum + stiffness_ * change);
       if (next.residual < state->residual) {
         *state = next;

@@ -10,7 +10,7 @@ namespace {
 
 // With the factor of the point itself, only the friction coupling is left to iterations, a small perturbation; where it
 // takes more than this, LU is the better solver.
-constexpr int kMaxIterations = 60;
+constexpr int kMaxKrylovIterations = 60;
 // With the factor of another point: where it takes more, a new factor is cheaper.
 constexpr int kMaxLaggedIterations = 24;
 // Preconditioners from this size on are in single precision: 24 x 24 nodes have 0.7 to 2 MB. Smaller ones are not
@@ -136,7 +136,7 @@ bool StepJacobian::SolveReduced(Direction direction, const Eigen::MatrixXd& righ
   if (!has_coupling() && right.cols() == 1) return SolveByConjugateGradients(right, tolerance, q);
   const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return ApplyReduced(direction, v); },
                                    [&](const Eigen::MatrixXd& v) { return ApplyFactor(v); }, right, tolerance,
-                                   factor_is_of_point_ ? kMaxIterations : kMaxLaggedIterations, q);
+                                   factor_is_of_point_ ? kMaxKrylovIterations : kMaxLaggedIterations, q);
   iterations_ = result.iterations;
   // What the inertia test of a factor of this point would have found.
   const bool negative_curvature = direction == Direction::kForward && !factor_is_of_point_ && right.cols() == 1 &&

@@ -5,15 +5,13 @@
 #include <sstream>
 #include <utility>
 
+#include "sim/base/phase_seconds.h"
+
 namespace clothid {
 namespace {
 
 // s. Between two lines, on a terminal often enough to look alive; and, where the end is quiet, before the first one.
 constexpr double kTerminalInterval = 0.1, kPlainInterval = 10.0, kTerminalPatience = 1.0;
-
-double SteadySeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 

@@ -1,10 +1,11 @@
 #include "tools/landscape/landscape_roughness.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
@@ -36,14 +37,13 @@ Eigen::MatrixXd OffQuadratic(const Eigen::MatrixXd& costs, int num_good) {
       values[row++] = costs(i, j);
     }
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(basis);
-  if (qr.rank() < kNumCoefficients) return {};
-  const Eigen::VectorXd residuals = values - basis * qr.solve(values);
+  const std::optional<Eigen::VectorXd> residuals = LeastSquaresResiduals(basis, values);
+  if (!residuals) return {};
   Eigen::MatrixXd off = Eigen::MatrixXd::Constant(costs.rows(), costs.cols(), kNaN);
   row = 0;
   for (Eigen::Index j = 0; j < costs.cols(); ++j) {
     for (Eigen::Index i = 0; i < costs.rows(); ++i) {
-      if (std::isfinite(costs(i, j))) off(i, j) = residuals[row++];
+      if (std::isfinite(costs(i, j))) off(i, j) = (*residuals)[row++];
     }
   }
   return off;
