@@ -10,7 +10,7 @@
 //   1/2 sum over u of z_u^T Q z_u/area,   z_u = (u . x)^2/2,   Q that of the law by edges,
 // over the triangles that are away from the border, each with half of its edges. That is 3 on a right-angled grid; 0.82
 // is measured, for a cloth in equilibrium gives way between its edges: with it strips of 20 to 80 elements, clamped by
-// four rows, sag within 3 % as by patches, with 1 they sag 14 to 22 % too far (identify/README.md).
+// four rows, sag within 3 % as by patches, with 1 they sag 14 to 22 % too far.
 #ifndef CLOTHID_IDENTIFY_EXPORT_EXPORT_CONSTANTS_H_
 #define CLOTHID_IDENTIFY_EXPORT_EXPORT_CONSTANTS_H_
 
