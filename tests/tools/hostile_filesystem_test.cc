@@ -62,9 +62,9 @@ const Writer kLandscapeScan = {
 const Writer kLandscapeMerge = {
     "landscape_merge", {"landscape", "merge", "part0", "part1", "--output", "out"}, kLandscape, {}, ""};
 const Writer kBenchmark = {"benchmark",
-                           {"benchmark", "thresholds", "--scene", "wind", "--settings", "soft", "--nodes", "6",
-                            "--steps", "2", "--methods", "gmres", "--output", "out"},
-                           {"thresholds.csv"},
+                           {"benchmark", "backprop", "--scene", "wind", "--settings", "soft", "--nodes", "6", "--steps",
+                            "2", "--methods", "gmres:1e-4", "--repeats", "1", "--output", "out"},
+                           {"backprop.csv"},
                            {"--nodes", "12,24", "--steps", "20", "--scene", "wind,slope"},
                            ""};
 

@@ -14,7 +14,7 @@
 #include "sim/base/text_file.h"
 #include "sim/scene/parameters.h"
 
-DEFINE_string(scene, "", "scene.json; backprop, thresholds, forward: of wind, slope, sphere");
+DEFINE_string(scene, "", "scene.json; backprop, forward, accuracy: of wind, slope, sphere");
 DEFINE_string(set, "", "the true values of the fitted parameters, NAME=VALUE[,...]");
 DEFINE_double(noise, 0.01, "standard deviation of noise, relative to the cloth's size");
 DEFINE_int32(starts, 4, "starts per parameter, even");
@@ -22,7 +22,7 @@ DEFINE_string(methods, "", "methods to compare; empty: all");
 DEFINE_string(precision, "adaptive", "of the fits: adaptive or full");
 DEFINE_uint64(seed, 1, "seed of the noise");
 DEFINE_string(nodes, "", "nodes along the first axis of the grids; empty: see --help");
-DEFINE_string(steps, "", "discretization: divisors of the time step; else a number of steps; empty: see --help");
+DEFINE_string(steps, "", "a number of steps; stability: steps per second; empty: see --help");
 DEFINE_int32(repeats, 3, "repetitions, of which the table gives medians");
 DEFINE_int32(seeds, 40, "noisy recordings per setting");
 DEFINE_string(initial, "scene", "coverage: the start of the fits: scene, first, smoothed, rest or moving");
@@ -39,16 +39,11 @@ DEFINE_string(sensor, "", "coverage: sensor.json of a camera and a gripper; empt
 DEFINE_string(settings, "", "settings of the sensor or of the cloth; empty: all");
 DEFINE_string(bending, "", "forward: laws of bending and their k_bend; empty: the scenes' own");
 DEFINE_string(quantities, "", "accuracy: of forward, gradient, fit; empty: all");
-DEFINE_int32(cells, 0, "continuity: steps of friction; figure3: cells per axis; 0: see --help");
-DEFINE_string(offsets, "", "figure3: offsets of the sphere, m; empty: see --help");
-DEFINE_string(touch, "", "figure3: gaps that count as contact in velocity mode; empty: see --help");
-DEFINE_string(zoom, "", "figure3: shares of both axes, falling; empty: see --help");
-DEFINE_string(contact, "gap", "continuity: gap or velocity; stability: of both");
-DEFINE_string(integrator, "", "of euler, sdirk2; empty: both; figure3: one of them");
+DEFINE_string(contact, "", "stability: of gap, velocity; empty: both");
+DEFINE_string(integrator, "", "of euler, sdirk2; empty: both");
 DEFINE_string(k_stretch, "", "stability: stretch stiffness, N/m; empty: see --help");
 DEFINE_bool(gradients, true, "stability: check gradients, too");
 DEFINE_string(mu, "", "stability: friction coefficients; empty: see --help");
-DEFINE_int32(lines, 8, "continuity: lines of start states");
 DEFINE_string(output, "", "folder for a CSV with one row per fit; empty: none");
 DEFINE_int32(threads, 1, "fits side by side");
 
@@ -88,10 +83,9 @@ void SetIntegrators(std::vector<std::string>* integrators) {
 
 bool IsGiven(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
 
-// `nodes` where the flag is not given.
-BackpropCaseOptions CasesFromFlags(const std::vector<int>& nodes) {
+BackpropCaseOptions CasesFromFlags() {
   BackpropCaseOptions options;
-  options.nodes = FLAGS_nodes.empty() ? nodes : ParseIntegers(FLAGS_nodes, "--nodes");
+  if (!FLAGS_nodes.empty()) options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
   if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
   if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
   if (!FLAGS_steps.empty()) {
@@ -122,17 +116,6 @@ JacobianBenchmarkOptions JacobianOptionsFromFlags() {
   if (!FLAGS_methods.empty()) options.methods = ParseNames(FLAGS_methods, "--methods");
   options.precision = ParseFitPrecision(FLAGS_precision);
   options.seed = FLAGS_seed;
-  options.num_threads = FLAGS_threads;
-  return options;
-}
-
-DiscretizationOptions DiscretizationOptionsFromFlags() {
-  DiscretizationOptions options;
-  options.scene_path = FLAGS_scene;
-  options.truth = ParseParameterValues(FLAGS_set, "--set");
-  options.nodes = ParseIntegers(FLAGS_nodes, "--nodes");
-  SetIntegrators(&options.integrators);
-  if (!FLAGS_steps.empty()) options.step_divisors = ParseIntegers(FLAGS_steps, "--steps");
   options.num_threads = FLAGS_threads;
   return options;
 }
@@ -174,16 +157,9 @@ ForwardBenchmarkOptions ForwardOptionsFromFlags() {
 
 BackpropOptions BackpropOptionsFromFlags() {
   BackpropOptions options;
-  options.cases = CasesFromFlags({12, 24, 48});
+  options.cases = CasesFromFlags();
   options.methods = ParseNames(FLAGS_methods, "--methods");
   options.num_repeats = FLAGS_repeats;
-  return options;
-}
-
-ThresholdOptions ThresholdOptionsFromFlags() {
-  ThresholdOptions options;
-  options.cases = CasesFromFlags({24});
-  options.methods = ParseNames(FLAGS_methods, "--methods");
   return options;
 }
 
@@ -195,32 +171,6 @@ AccuracyOptions AccuracyOptionsFromFlags() {
   SetIntegrators(&options.integrators);
   if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
   options.repeats = FLAGS_repeats;
-  return options;
-}
-
-ContinuityOptions ContinuityOptionsFromFlags() {
-  ContinuityOptions options;
-  if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
-  if (IsGiven("cells")) options.num_cells = FLAGS_cells;
-  options.contact = FLAGS_contact;
-  options.num_lines = FLAGS_lines;
-  options.seed = FLAGS_seed;
-  options.num_threads = FLAGS_threads;
-  return options;
-}
-
-Figure3Options Figure3OptionsFromFlags() {
-  Figure3Options options;
-  if (!FLAGS_integrator.empty()) options.integrator = FLAGS_integrator;
-  if (!FLAGS_offsets.empty()) options.offsets = ParseNumbers(FLAGS_offsets, "--offsets");
-  if (!FLAGS_touch.empty()) options.touches = ParseNumbers(FLAGS_touch, "--touch");
-  if (!FLAGS_zoom.empty()) options.zooms = ParseNumbers(FLAGS_zoom, "--zoom");
-  if (IsGiven("cells")) options.cells = FLAGS_cells;
-  if (IsGiven("starts")) options.starts_per_axis = FLAGS_starts;
-  options.noise = FLAGS_noise;
-  options.seed = FLAGS_seed;
-  options.num_threads = FLAGS_threads;
-  if (!FLAGS_output.empty()) options.folder = FLAGS_output + "/landscape";
   return options;
 }
 
@@ -251,7 +201,7 @@ StabilityOptions StabilityOptionsFromFlags() {
   if (!FLAGS_settings.empty()) options.settings = ParseNames(FLAGS_settings, "--settings");
   if (!FLAGS_scene.empty()) options.scenes = ParseNames(FLAGS_scene, "--scene");
   SetIntegrators(&options.integrators);
-  if (IsGiven("contact")) options.contacts = ParseNames(FLAGS_contact, "--contact");
+  if (!FLAGS_contact.empty()) options.contacts = ParseNames(FLAGS_contact, "--contact");
   if (!FLAGS_k_stretch.empty()) options.stretch_stiffness = ParseNumbers(FLAGS_k_stretch, "--k_stretch");
   if (!FLAGS_mu.empty()) options.friction_coefficients = ParseNumbers(FLAGS_mu, "--mu");
   if (!FLAGS_steps.empty()) options.step_rates = ParseIntegers(FLAGS_steps, "--steps");

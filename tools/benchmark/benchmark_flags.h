@@ -3,14 +3,10 @@
 #define CLOTHID_TOOLS_BENCHMARK_BENCHMARK_FLAGS_H_
 
 #include "tools/benchmark/accuracy/benchmark_accuracy.h"
-#include "tools/benchmark/continuity/benchmark_continuity.h"
 #include "tools/benchmark/derivatives/benchmark_backprop.h"
 #include "tools/benchmark/derivatives/benchmark_jacobian.h"
-#include "tools/benchmark/derivatives/benchmark_thresholds.h"
 #include "tools/benchmark/fits/benchmark_coverage.h"
-#include "tools/benchmark/fits/benchmark_discretization.h"
 #include "tools/benchmark/fits/benchmark_fields.h"
-#include "tools/benchmark/fits/benchmark_figure3.h"
 #include "tools/benchmark/steps/benchmark_forward.h"
 #include "tools/benchmark/steps/benchmark_stability.h"
 
@@ -19,15 +15,11 @@ namespace clothid {
 // Each throws `Error` (kUsage), naming the flag, for text that is no number or list; what is out of range is left to
 // the options' Validate().
 JacobianBenchmarkOptions JacobianOptionsFromFlags();
-DiscretizationOptions DiscretizationOptionsFromFlags();
 CoverageOptions CoverageOptionsFromFlags();
 ForwardBenchmarkOptions ForwardOptionsFromFlags();
 BackpropOptions BackpropOptionsFromFlags();
-ThresholdOptions ThresholdOptionsFromFlags();
 AccuracyOptions AccuracyOptionsFromFlags();
-ContinuityOptions ContinuityOptionsFromFlags();
 FieldsOptions FieldsOptionsFromFlags();
-Figure3Options Figure3OptionsFromFlags();
 StabilityOptions StabilityOptionsFromFlags();
 
 }  // namespace clothid

@@ -6,26 +6,18 @@ const char kBenchmarkHelp[] = R"(benchmark: accuracy, cost and time of the metho
 
   benchmark jacobian       --scene FILE --set LIST [--noise] [--starts] [--methods] [--precision] [--seed] [--threads]
                            [--output]
-  benchmark discretization --scene FILE --set LIST [--integrator] [--nodes] [--steps] [--threads] [--output]
   benchmark coverage       --scene FILE --set LIST [--sensor] [--initial] [--cut] [--seeds] [--settings] [--noise]
                            [--sigma] [--frame_rate] [--markers] [--start_factor] [--seed] [--threads] [--output]
   benchmark fields         --scene FILE [--set] [--nodes] [--settings] [--sigma] [--methods] [--seed] [--output]
   benchmark forward        [--scene LIST] [--integrator] [--bending] [--nodes] [--steps] [--repeats] [--output]
   benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
-  benchmark thresholds     [--scene] [--settings] [--nodes] [--steps] [--methods] [--output]
   benchmark accuracy       [--scene] [--settings] [--quantities] [--integrator] [--nodes] [--repeats] [--output]
-  benchmark continuity     [--nodes] [--cells] [--contact] [--lines] [--seed] [--threads] [--output]
-  benchmark figure3        [--integrator] [--offsets] [--touch] [--zoom] [--cells] [--starts] [--noise] [--seed] [--threads] [--output]
   benchmark stability      [--settings] [--scene LIST] [--integrator] [--contact] [--k_stretch] [--steps] [--mu] [--nodes]
                            [--nogradients] [--seed] [--threads] [--output]
 
 jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts (friction 0.02 to
 0.58, others 0.1 to 10 times the truth) with each method, and prints how many fits reached the minimum, rollouts, sweeps,
 failed steps, processor seconds (medians), and these relative to `sensitivity` (median over the starts).
-
-discretization: simulates the truth by SDIRK2 at 1/64 of the scene's time step, on the scene's grid and on one of twice the
-density, fits models with either integrator, of several grids and time steps, to what is seen of it at the scene's own
-nodes and steps, and prints how far each is off.
 
 coverage: fits recordings that differ by their noise and prints how many 95 % intervals contain the truth, and the
 reported standard deviation beside that of the estimates: with every point in every frame (full), with half the points
@@ -52,26 +44,11 @@ sphere, with k = 20 N/m and steps of 5 ms (soft) and with 1000 N/m and 10 ms (re
 parts, iterations, steps in which LU stepped in, the largest error of the gradient against LU, and how many times faster
 than the direct solvers; 8 right-hand sides relative to one; relative to the rollout.
 
-thresholds: errors of the gradient, parameter by parameter, for thresholds of the iterative solvers from 1e-1 to 1e-9.
-tools/plots/plot_thresholds draws its CSV.
-
 accuracy: error against run time. Trajectories over time step and step tolerance, with either integrator, against SDIRK2 at
 h/64 on the same mesh and on one of twice the density, and over the mesh; gradients over the
 linear solver of the reverse sweep and its threshold, and over the step tolerance; fits, iteration by iteration, with
 each Jacobian. On the scenes of `backprop`, from soft to stiff (k = 1e5 N/m). Prints the curves and what is cheapest for
 an error of at most 0.1, 0.01, ..; tools/plots/plot_accuracy draws curve.csv.
-
-continuity: what makes the motion of a cloth jump. A cloth slides, or stays, on a sphere and on triangulated ones, for
-200 steps each with friction from 0 to 0.35: the velocities of a corner, an edge's centre and the centre at steps 50 and
-200, their largest jump between successive values of friction and at half the step, and the jumps of more than 1 % that
-are left when looked at closer. And one step along random lines of start states, through all branches of the contact
-law, in both contact modes: how the largest jump goes with the distance of the points. tools/plots/plot_continuity draws it.
-
-figure3: how the rate of contact events and the contact mode shape the landscape of a fit. A cloth hung by one edge falls
-on a sphere at several offsets; the cost over friction and stiffness, as a whole and in zooms around the truth: how
-rough it is, contact events, and how many fits from a grid of starts find the truth, in gap mode and in velocity mode.
-With --output it goes on where a run that was killed has stopped. tools/plots/plot_figure3 draws it, and landscape plot its
-folder `landscape`.
 
 stability: where the simulation fails, gains energy or has a wrong gradient: a cloth dropped on a sphere, on a slope, in
 a gusty wind for 0.3 s over integrator, stiffness, time step, friction and contact mode (the wind, without an obstacle,
@@ -81,7 +58,7 @@ failure. Gradients of the adjoint sweep beside central differences where both si
 the differences settle. tools/plots/plot_stability draws its CSV.
 
   --scene FILE      scene.json; parameters that are not set have its nominal values
-                    forward: of wind, slope, sphere (wind,slope); backprop, thresholds, accuracy: likewise
+                    forward: of wind, slope, sphere (wind,slope); backprop, accuracy: likewise
                     (all); stability: of drape, slope, wind (all)
   --set LIST        the parameters to fit (jacobian: two) and their true values, NAME=VALUE[,...]
   --noise SHARE     standard deviation of noise relative to the cloth's size; jacobian: 0 for none (0.01)
@@ -96,44 +73,34 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --truth_levels N  coverage: so often the mesh of the truth is refined, every time to twice the density (0)
   --discretization PARTS  coverage: the intervals count with the errors of step, mesh or all, see identify --help
   --start_factor X  coverage: the fits start from the true values times this (1.05)
-  --starts N        N x N starts, N even (4); figure3: any N (5)
+  --starts N        N x N starts, N even (4)
   --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric, lbfgs; the linear solver of the first and the last
                     can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
                     backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced,
                     kept (reduced, with the factors that the rollout kept)
-                    thresholds: of fixed_point, gmres, reduced
   --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)
-  --seed S          of the noise; coverage: the first; continuity: of the lines; stability: of the scalars whose
+  --seed S          of the noise; coverage: the first; stability: of the scalars whose
                     gradients are checked (1)
-  --nodes LIST      nodes of the fitted grids along the first axis, the second in proportion (the scene's, the truth's)
-                    forward, backprop: along both axes (12,24,48); thresholds: likewise (24); continuity: one odd
-                    number (9); accuracy: one of 5, 9, 13, .. (17); stability: one number (12)
-  --steps LIST      time steps of the fitted models: the scene's over each of these (1,2,4)
-                    forward: the number of steps (100); backprop, thresholds: likewise (20 on 12 x 12 nodes, down to 4)
+  --nodes LIST      forward, backprop: nodes along both axes (12,24,48); fields: one number, along the first axis (24);
+                    accuracy: one of 5, 9, 13, .. (17); stability: one number (12)
+  --steps LIST      forward: the number of steps (100); backprop: likewise (20 on 12 x 12 nodes, down to 4);
                     stability: steps per second (1000,200,60,30)
   --repeats N       repetitions, of which the table gives medians (3)
   --seeds N         recordings per setting (40)
   --sensor FILE     sensor.json (datasets/README.md)
   --settings LIST   of full, half, third, with --sensor of clean, faults, huber, outliers, markers (all);
-                    backprop, thresholds: of soft, realistic, stiff (soft,realistic); accuracy: likewise (all); stability: of grid, extremes, and names of extremes (grid,extremes)
+                    backprop: of soft, realistic, stiff (soft,realistic); accuracy: likewise (all); stability: of grid, extremes, and names of extremes (grid,extremes)
   --quantities LIST of forward, gradient, fit (all)
-  --cells N         continuity: steps of friction; also run with twice as many (512); figure3: cells per axis (33)
-  --offsets LIST    of the sphere along the edge that holds the cloth, m (0,0.05,0.1,0.15,0.2,0.25,0.3,0.35)
-  --touch LIST      gaps that count as contact in velocity mode, relative to the cloth's size (1e-5,1e-3)
-  --zoom LIST       shares of both axes, falling (0.03,0.01,0.003)
-  --contact MODE    of the cloth that slides: gap or velocity (gap); stability: LIST of these (both)
+  --contact LIST    of gap, velocity (both)
   --bending LIST    forward: laws of bending with their k_bend in N m that take turns, of edges:K_BEND and
                     patches:K_BEND (the scenes' own)
-  --integrator LIST of euler, sdirk2 (both); figure3: one of them (euler)
+  --integrator LIST of euler, sdirk2 (both)
   --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)
   --mu LIST         friction coefficients (0,0.1,0.35,0.8,2)
   --nogradients     leaves out the check of gradients, most of the time
-  --lines N         lines of start states (8)
-  --threads N       fits, rollouts, cells or lines side by side; only the seconds depend on it (1)
+  --threads N       fits or cells side by side; only the seconds depend on it (1)
   --output DIR      writes COMMAND.csv, one row per fit, sweep, or scene and size; accuracy: curve.csv, one per point;
-                    continuity: one per surface and value of friction, and continuity_lines.csv; figure3: one per
-                    window, figure3_fits.csv and the files of the landscape; stability: one per cell, and
-                    stability_extremes.csv
+                    stability: one per cell, and stability_extremes.csv
   --help, --version
 
 Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be opened or written; 2 bad content;
@@ -141,14 +108,12 @@ Exit codes: 0 done, whatever the table says; 1 usage, or a file that cannot be o
 
 Examples:
   benchmark jacobian --scene datasets/drape.scene.json --set mu=0.3,k_stretch=100 --output /tmp/jacobian
-  benchmark discretization --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --nodes 8,16,31
   benchmark coverage --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --threads 2
   benchmark coverage --scene datasets/drape.scene.json --set mu=0.24,k_stretch=70 --settings full \
       --initial rest --frame_rate 30 --sigma 0.002 --start_factor 1.5 --seeds 6
   benchmark forward --nodes 24,48,96,192 --steps 10
   benchmark backprop --scene wind,slope --nodes 48 --output /tmp/backprop
   benchmark accuracy --scene sphere --settings realistic --output /tmp/accuracy
-  benchmark continuity --threads 2 --output /tmp/continuity
   benchmark stability --scene drape --contact gap --k_stretch 1e4,1e5 --mu 0.35 --output /tmp/stability
 )";
 

@@ -16,7 +16,6 @@
 #include "tools/benchmark/benchmark_help.h"
 #include "tools/benchmark/benchmark_progress.h"
 #include "tools/benchmark/fits/coverage_table.h"
-#include "tools/benchmark/fits/figure3_table.h"
 
 DECLARE_string(output);
 DECLARE_int32(threads);
@@ -60,12 +59,6 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<JacobianBenchmarkOptions, JacobianBenchmark>(
            JacobianOptionsFromFlags(), RunJacobianBenchmark, JacobianTable, {{"jacobian.csv", JacobianCsv}});
      }},
-    {"discretization", "scene set integrator nodes steps threads output",
-     [] {
-       return RunBenchmark<DiscretizationOptions, DiscretizationBenchmark>(
-           DiscretizationOptionsFromFlags(), RunDiscretizationBenchmark, DiscretizationTable,
-           {{"discretization.csv", DiscretizationCsv}});
-     }},
     {"coverage",
      "scene set sensor initial cut handle_sigma seeds settings noise sigma frame_rate markers truth_steps truth_levels "
      "discretization start_factor seed "
@@ -89,27 +82,10 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<BackpropOptions, BackpropBenchmark>(BackpropOptionsFromFlags(), RunBackpropBenchmark,
                                                                BackpropTable, {{"backprop.csv", BackpropCsv}});
      }},
-    {"thresholds", "scene settings nodes steps methods output",
-     [] {
-       return RunBenchmark<ThresholdOptions, ThresholdBenchmark>(ThresholdOptionsFromFlags(), RunThresholdBenchmark,
-                                                                 ThresholdTable, {{"thresholds.csv", ThresholdCsv}});
-     }},
     {"accuracy", "scene settings quantities integrator nodes repeats output",
      [] {
        return RunBenchmark<AccuracyOptions, AccuracyBenchmark>(AccuracyOptionsFromFlags(), RunAccuracyBenchmark,
                                                                AccuracyTable, {{"curve.csv", AccuracyCsv}});
-     }},
-    {"continuity", "nodes cells contact lines seed threads output",
-     [] {
-       return RunBenchmark<ContinuityOptions, ContinuityBenchmark>(
-           ContinuityOptionsFromFlags(), RunContinuityBenchmark, ContinuityTable,
-           {{"continuity.csv", ContinuityCsv}, {"continuity_lines.csv", ContinuityLinesCsv}});
-     }},
-    {"figure3", "integrator offsets touch zoom cells starts noise seed threads output",
-     [] {
-       return RunBenchmark<Figure3Options, Figure3>(
-           Figure3OptionsFromFlags(), RunFigure3, Figure3Table,
-           {{"figure3.csv", Figure3Csv}, {"figure3_fits.csv", Figure3FitsCsv}});
      }},
     {"stability", "settings scene integrator contact k_stretch steps mu nodes gradients seed threads output",
      [] {
@@ -140,7 +116,7 @@ int Run(const std::vector<std::string>& arguments) {
   try {
     return command.run();
   } catch (const Interrupted&) {
-    std::cerr << "benchmark: interrupted, nothing is written but the cells of figure3, which goes on from them\n";
+    std::cerr << "benchmark: interrupted, nothing is written\n";
     return kExitInterrupted;
   }
 }

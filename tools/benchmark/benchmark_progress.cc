@@ -19,13 +19,6 @@ std::string Describe(const JacobianFit& fit) {
   return text.str();
 }
 
-std::string Describe(const DiscretizationFit& fit) {
-  std::ostringstream text;
-  text << fit.nodes[0] << " x " << fit.nodes[1] << " nodes, steps of " << 1e3 * fit.time_step
-       << " ms: " << FitStatusName(fit.status) << ", " << fit.rollouts << " rollouts";
-  return text.str();
-}
-
 std::string Describe(const FieldsFit& fit) {
   return fit.method + ", " + std::to_string(fit.side * fit.side) +
          " unknowns: " + (fit.has_converged ? "converged" : "not converged") + ", " + std::to_string(fit.rollouts) +
@@ -88,30 +81,11 @@ void ReportCases(BackpropCaseOptions* options) {
 }  // namespace
 
 void ReportProgress(JacobianBenchmarkOptions* options) { options->on_fit = ProgressReporter("fit"); }
-void ReportProgress(DiscretizationOptions* options) { options->on_fit = ProgressReporter("fit"); }
 void ReportProgress(FieldsOptions* options) { options->on_fit = ProgressReporter("fit"); }
 void ReportProgress(CoverageOptions* options) { options->on_fit = ProgressReporter("fit"); }
 void ReportProgress(StabilityOptions* options) { options->on_row = ProgressReporter("row"); }
 void ReportProgress(ForwardBenchmarkOptions* options) { options->on_rollout = ProgressReporter("rollout"); }
 void ReportProgress(BackpropOptions* options) { ReportCases(&options->cases); }
-void ReportProgress(ThresholdOptions* options) { ReportCases(&options->cases); }
-void ReportProgress(ContinuityOptions* options) { options->on_scan = NameReporter("scan"); }
 void ReportProgress(AccuracyOptions* options) { options->on_measured = NameReporter("part"); }
-
-// Reports every thousandth cell and every fiftieth fit: "cell 3000 of 104544; 1834 s left".
-void ReportProgress(Figure3Options* options) {
-  auto start = std::chrono::steady_clock::now();
-  options->on_progress = [start](const std::string& what, int num_done, int num_items) mutable {
-    const auto now = std::chrono::steady_clock::now();
-    if (num_done == 1) start = now;
-    if (IsInterrupted()) throw Interrupted();
-    if (num_done % (what == "fit" ? 50 : 1000) != 0 && num_done != num_items) return;
-    const std::chrono::duration<double> seconds = now - start;
-    std::ostringstream line;
-    line << what << " " << num_done << " of " << num_items << "; " << std::fixed << std::setprecision(0)
-         << seconds.count() / num_done * (num_items - num_done) << " s left\n";
-    Report(line.str());
-  };
-}
 
 }  // namespace clothid

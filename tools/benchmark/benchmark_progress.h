@@ -3,14 +3,10 @@
 #define CLOTHID_TOOLS_BENCHMARK_BENCHMARK_PROGRESS_H_
 
 #include "tools/benchmark/accuracy/benchmark_accuracy.h"
-#include "tools/benchmark/continuity/benchmark_continuity.h"
 #include "tools/benchmark/derivatives/benchmark_backprop.h"
 #include "tools/benchmark/derivatives/benchmark_jacobian.h"
-#include "tools/benchmark/derivatives/benchmark_thresholds.h"
 #include "tools/benchmark/fits/benchmark_coverage.h"
-#include "tools/benchmark/fits/benchmark_discretization.h"
 #include "tools/benchmark/fits/benchmark_fields.h"
-#include "tools/benchmark/fits/benchmark_figure3.h"
 #include "tools/benchmark/steps/benchmark_forward.h"
 #include "tools/benchmark/steps/benchmark_stability.h"
 
@@ -22,15 +18,11 @@ struct Interrupted {};
 // Have the benchmark print a line per item, how many are done and how long the rest takes where items are of a size.
 // The callbacks throw `Interrupted`.
 void ReportProgress(JacobianBenchmarkOptions* options);
-void ReportProgress(DiscretizationOptions* options);
 void ReportProgress(CoverageOptions* options);
 void ReportProgress(ForwardBenchmarkOptions* options);
 void ReportProgress(BackpropOptions* options);
-void ReportProgress(ThresholdOptions* options);
 void ReportProgress(AccuracyOptions* options);
-void ReportProgress(ContinuityOptions* options);
 void ReportProgress(FieldsOptions* options);
-void ReportProgress(Figure3Options* options);
 void ReportProgress(StabilityOptions* options);
 
 }  // namespace clothid

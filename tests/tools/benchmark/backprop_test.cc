@@ -1,4 +1,4 @@
-// `benchmark backprop` and `benchmark thresholds`: what they measure on small meshes, and what they refuse.
+// `benchmark backprop`: what it measures on small meshes, and what it refuses.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,7 +6,6 @@
 
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/derivatives/benchmark_backprop.h"
-#include "tools/benchmark/derivatives/benchmark_thresholds.h"
 
 namespace clothid {
 namespace {
@@ -93,22 +92,6 @@ TEST_F(BackpropTest, TheTableGivesMediansAndRatiosWithinARepetition) {
   EXPECT_NEAR(rollout, 0.125, 0.006);
 }
 
-TEST_F(BackpropTest, ErrorsFallWithTheThreshold) {
-  ThresholdOptions options;
-  options.cases = SmallCases("sphere", "soft");
-  const ThresholdBenchmark benchmark = RunThresholdBenchmark(options);
-  ASSERT_EQ(benchmark.results.size(), kThresholdMethods.size() * kThresholds.size());
-  for (std::size_t i = 0; i < benchmark.results.size(); ++i) {
-    const ThresholdResult& result = benchmark.results[i];
-    EXPECT_EQ(result.threshold, kThresholds[i % kThresholds.size()]);
-    EXPECT_EQ(result.method, kThresholdMethods[i / kThresholds.size()].name);
-    EXPECT_EQ(result.failed_share, 0.0);
-    for (const double error : {result.errors.k_stretch, result.errors.density, result.errors.mu, result.errors.x_0}) {
-      EXPECT_LE(error, 1e3 * result.threshold) << result.method << " " << result.threshold;
-    }
-  }
-}
-
 TEST_F(BackpropTest, AParameterWithoutInfluenceHasNoError) {
   // Sliding without strain, neither stiffness nor density matter; without an obstacle there is no friction.
   BackpropCase slope({"slope", "soft", 8, 5}), wind({"wind", "soft", 8, 5});
@@ -124,33 +107,25 @@ TEST_F(BackpropTest, AParameterWithoutInfluenceHasNoError) {
 
 TEST_F(BackpropTest, PrintTablesAndWriteCsv) {
   const std::string cases = "--scene sphere --settings soft --nodes 6 --steps 3 ";
-  ToolResult result = Run("benchmark backprop --methods sparse_lu,reduced --repeats 2 " + cases + "--output out");
+  const ToolResult result = Run("benchmark backprop --methods sparse_lu,reduced --repeats 2 " + cases + "--output out");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 4) << result.out;
   EXPECT_NE(result.err.find("case 1 of 1: sphere, soft, 6 x 6 nodes"), std::string::npos) << result.err;
   const std::string backprop = ReadBytes(folder() / "out" / "backprop.csv");
   EXPECT_EQ(backprop.rfind("scene,setting,nodes,steps,method,repeat,", 0), 0u) << backprop;
   EXPECT_EQ(std::count(backprop.begin(), backprop.end(), '\n'), 5) << backprop;
-
-  result = Run("benchmark thresholds --methods gmres " + cases + "--output out");
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 11) << result.out;
-  const std::string thresholds = ReadBytes(folder() / "out" / "thresholds.csv");
-  EXPECT_EQ(thresholds.rfind("scene,setting,nodes,steps,method,threshold,error_k_stretch,", 0), 0u) << thresholds;
-  EXPECT_EQ(std::count(thresholds.begin(), thresholds.end(), '\n'), 10) << thresholds;
 }
 
 TEST_F(BackpropTest, RefusesWhatItCannotRun) {
-  for (const std::string command : {"benchmark backprop ", "benchmark thresholds "}) {
-    ExpectRefused(command + "--scene drape", 1, "--scene: 'drape'");
-    ExpectRefused(command + "--settings hard", 1, "--settings: 'hard'");
-    ExpectRefused(command + "--nodes 1", 1, "--nodes");
-    ExpectRefused(command + "--nodes many", 1, "--nodes");
-    ExpectRefused(command + "--steps 0", 1, "--steps");
-    ExpectRefused(command + "--steps 1,2", 1, "--steps");
-    ExpectRefused(command + "--methods numeric", 1, "--methods: 'numeric'");
-  }
-  ExpectRefused("benchmark backprop --repeats 0", 1, "--repeats");
+  const std::string command = "benchmark backprop ";
+  ExpectRefused(command + "--scene drape", 1, "--scene: 'drape'");
+  ExpectRefused(command + "--settings hard", 1, "--settings: 'hard'");
+  ExpectRefused(command + "--nodes 1", 1, "--nodes");
+  ExpectRefused(command + "--nodes many", 1, "--nodes");
+  ExpectRefused(command + "--steps 0", 1, "--steps");
+  ExpectRefused(command + "--steps 1,2", 1, "--steps");
+  ExpectRefused(command + "--methods numeric", 1, "--methods: 'numeric'");
+  ExpectRefused(command + "--repeats 0", 1, "--repeats");
 }
 
 }  // namespace

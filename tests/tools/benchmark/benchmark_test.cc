@@ -110,15 +110,13 @@ TEST_F(BenchmarkTest, PrintsATableAndWritesEveryFit) {
 TEST_F(BenchmarkTest, RefusesFlagsOfOtherCommands) {
   ExpectRefused("benchmark forward --seeds 30", 1, "--seeds: is a flag of coverage, not of forward");
   ExpectRefused("benchmark forward --seeds 40", 1, "--seeds: is a flag of coverage");  // also where it is the default
-  ExpectRefused("benchmark figure3 --precision full --threads 2", 1,
-                "--precision: is a flag of jacobian, not of figure3");
-  ExpectRefused("benchmark backprop --threads 2", 1,
-                "--threads: is a flag of jacobian, discretization, coverage, continuity, figure3 and stability");
+  ExpectRefused("benchmark coverage --precision full --threads 2", 1,
+                "--precision: is a flag of jacobian, not of coverage");
+  ExpectRefused("benchmark backprop --threads 2", 1, "--threads: is a flag of jacobian, coverage and stability");
   ExpectRefused("benchmark accuracy --nogradients", 1, "--gradients: is a flag of stability, not of accuracy");
-  for (const char* command : {"jacobian", "discretization", "coverage", "forward", "backprop", "thresholds", "accuracy",
-                              "continuity", "stability"}) {
-    ExpectRefused(std::string("benchmark ") + command + " --touch 1e-3", 1,
-                  std::string("--touch: is a flag of figure3, not of ") + command);
+  for (const char* command : {"jacobian", "coverage", "fields", "backprop", "accuracy", "stability"}) {
+    ExpectRefused(std::string("benchmark ") + command + " --bending edges:1", 1,
+                  std::string("--bending: is a flag of forward, not of ") + command);
   }
 }
 

@@ -6,35 +6,37 @@
 #include "tools/benchmark/accuracy/accuracy_forward.h"
 #include "tools/benchmark/base/timing.h"
 #include "tools/benchmark/derivatives/backprop_case.h"
-#include "tools/benchmark/derivatives/benchmark_thresholds.h"
 
 namespace clothid {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-const std::vector<ThresholdMethod>& GradientMethods() {
-  static const std::vector<ThresholdMethod> methods = {
-      {"sparse_lu", AdjointMethod::kSparseLu}, {"fixed_point", AdjointMethod::kFixedPoint},
-      {"gmres", AdjointMethod::kSystemGmres},  {"reduced", AdjointMethod::kReduced, /*use_kept_factors=*/false},
-      {"kept", AdjointMethod::kReduced},
-  };
-  return methods;
-}
+struct GradientMethod {
+  const char* name;
+  AdjointMethod method;
+  bool use_kept_factors = true;  // see AdjointOptions
+};
 
-AccuracyPoint MeasureSweep(const AccuracyCase& accuracy_case, const ThresholdMethod& method, double threshold,
+constexpr GradientMethod kGradientMethods[] = {
+    {"sparse_lu", AdjointMethod::kSparseLu}, {"fixed_point", AdjointMethod::kFixedPoint},
+    {"gmres", AdjointMethod::kSystemGmres},  {"reduced", AdjointMethod::kReduced, /*use_kept_factors=*/false},
+    {"kept", AdjointMethod::kReduced},
+};
+
+AccuracyPoint MeasureSweep(const AccuracyCase& accuracy_case, const GradientMethod& method, double threshold,
                            const RolloutGradient& reference, int repeats, BackpropCase* backprop) {
-  ThresholdResult result;
-  std::vector<double> seconds;
-  for (int repeat = 0; repeat < repeats; ++repeat) {
-    result = MeasureThreshold(method, threshold, reference, backprop);
-    seconds.push_back(result.seconds);
-  }
   AccuracyPoint point = accuracy_case.MakePoint("gradient", "direct", method.name, backprop->name().nodes);
   point.threshold = threshold;
-  point.error = result.errors.Worst();
+  std::vector<double> seconds;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    const double start = ThreadSeconds();
+    const RolloutGradient gradient = backprop->Differentiate({method.method, threshold, method.use_kept_factors});
+    seconds.push_back(ThreadSeconds() - start);
+    point.error = backprop->Compare(gradient, reference).Worst();
+    point.steps_failed = gradient.work.failed_solves;
+  }
   point.seconds = Median(std::move(seconds));
-  point.steps_failed = result.failed_solves;
   return point;
 }
 
@@ -63,9 +65,9 @@ std::vector<AccuracyPoint> MeasureGradients(const AccuracyCase& accuracy_case, i
   backprop.SetStepTolerance(kTightTolerance);
   const RolloutGradient reference = backprop.Differentiate({AdjointMethod::kLu});
   std::vector<AccuracyPoint> points;
-  for (const ThresholdMethod& method : GradientMethods()) {
+  for (const GradientMethod& method : kGradientMethods) {
     const bool is_direct = method.method == AdjointMethod::kSparseLu;
-    for (const double threshold : is_direct ? std::vector<double>{kNaN} : kThresholds) {
+    for (const double threshold : is_direct ? std::vector<double>{kNaN} : kGradientThresholds) {
       points.push_back(MeasureSweep(accuracy_case, method, threshold, reference, repeats, &backprop));
     }
   }

@@ -17,6 +17,8 @@
 namespace clothid {
 
 inline constexpr int kGradientSteps = 20;
+// Of the iterative methods, as in section 5.4 of the DiffCloth paper.
+inline const std::vector<double> kGradientThresholds = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9};
 
 // All curves with `nodes` x `nodes` nodes. Seconds are processor time, medians over `repeats`. Throws `Error`
 // (kBadData) where a step of a rollout does not converge.

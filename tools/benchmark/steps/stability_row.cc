@@ -6,7 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/rollout/simulator.h"
-#include "tools/landscape/landscape_plan.h"
+#include "identify/landscape/landscape.h"
 
 namespace clothid {
 namespace {
