@@ -37,7 +37,6 @@ DEFINE_string(prior, "", "what is believed of parameters beforehand, NAME=MEDIAN
 DEFINE_string(jacobian, "adjoint", "adjoint, sensitivity or numeric");
 DEFINE_string(adjoint, "reduced", "how reverse sweeps solve their linear systems, METHOD[:THRESHOLD]");
 DEFINE_string(precision, "adaptive", "adaptive or full");
-DEFINE_string(method, "lm", "lm or lbfgs");
 DEFINE_string(loss, "none", "none, huber:A or cauchy:A");
 DEFINE_string(sigma, "recorded", "standard deviation of a coordinate: recorded, auto or a number in m");
 DEFINE_string(initial, "estimated",
@@ -117,7 +116,6 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, sparse_lu, fixed_point or gmres, with a
                       threshold as in gmres:1e-6 (reduced, the scene's adjoint_tolerance)
   --precision KIND    adaptive: points far from the solution are simulated loosely; full: none (adaptive)
-  --method METHOD     lm: Levenberg-Marquardt; lbfgs: for many parameters (lm)
   --loss LOSS         none, huber:A or cauchy:A per observed point, A in standard deviations (none). Where sigma is not
                       known, one is taken as 1e-3 of the cloth's size: see --sigma
   --sigma SIGMA       standard deviation of a measured coordinate: recorded: that of the recording, if it has one;
@@ -194,7 +192,6 @@ RunFlags FlagsOfCommandLine() {
   flags.jacobian = FLAGS_jacobian;
   flags.adjoint = FLAGS_adjoint;
   flags.precision = FLAGS_precision;
-  flags.method = FLAGS_method;
   flags.loss = FLAGS_loss;
   flags.sigma = FLAGS_sigma;
   flags.initial = FLAGS_initial;

@@ -19,7 +19,6 @@ FitOptions ParseFitFlags(const RunFlags& flags) {
   options.jacobian = ParseJacobianMethod(flags.jacobian);
   options.adjoint = ParseAdjointOptions(flags.adjoint);
   options.precision = ParseFitPrecision(flags.precision);
-  options.method = ParseFitMethod(flags.method);
   options.loss = ParseRobustLoss(flags.loss);
   options.max_iterations = flags.max_iterations;
   options.num_threads = flags.threads;

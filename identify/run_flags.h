@@ -18,7 +18,7 @@ struct RunFlags {
   std::string wind_profile;
   double wind_smoothness = 0.0;
   std::string start, lower, upper, prior;
-  std::string jacobian = "adjoint", adjoint = "reduced", precision = "adaptive", method = "lm", loss = "none";
+  std::string jacobian = "adjoint", adjoint = "reduced", precision = "adaptive", loss = "none";
   std::string sigma = "recorded", initial = "estimated";
   bool check = true, check_gradients = false;
   int max_iterations = 50, threads = 1;

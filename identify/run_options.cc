@@ -47,8 +47,6 @@ void RunOptions::ValidateFields() const {
   ExpectUsage(profiles.empty(), "--profile: expected without --field, which a profile would hold");
   ExpectUsage(!discretization.any(), "--discretization: expected without --field, which is not fitted again");
   ExpectUsage(!time_step.is_automatic, "--time_step: expected without --field, which is not fitted again");
-  ExpectUsage(fit.method != FitMethod::kLbfgs || field_weight > 0.0,
-              "--field_weight: expected with --method lbfgs, which does not choose it");
 }
 
 }  // namespace clothid

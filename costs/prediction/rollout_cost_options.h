@@ -49,7 +49,6 @@ struct RolloutCostOptions {
   // adjoint: the first rows are those of a forward sweep, whose Jacobian starts the subspace (see
   // costs/rows/residual_basis.h).
   bool starts_with_sensitivities = false;
-  bool keep_factors = false;  // of the steps, within memory_limit: pays where only the gradient is asked for
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of a rollout's steps; beyond it they are made twice
   int num_threads = 1;  // that share the work of a rollout or a sweep; results do not depend on them
   const std::atomic<bool>* cancel = nullptr;   // ends the rollout under way as failed; must outlive the cost

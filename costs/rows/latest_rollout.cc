@@ -11,7 +11,7 @@ Rollout LatestRollout::Run(const Eigen::VectorXd& coordinates, Precision precisi
                            CostStatistics* statistics) const {
   const ScopedTimer timer(&statistics->rollout_seconds);
   ++statistics->rollouts;
-  const RolloutStorage storage{options_->memory_limit, options_->keep_factors};
+  const RolloutStorage storage{options_->memory_limit, /*keep_factors=*/false};
   Rollout result =
       model_->Simulate(coordinates, {precision, options_->cancel, passes_left}, storage, predicted, velocities, forces);
   statistics->counts += result.counts;

@@ -84,11 +84,10 @@ std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std
   }
   text << "adjoint " << static_cast<int>(options.adjoint.method) << " " << options.adjoint.threshold.value_or(0.0)
        << "\n";
-  text << "fit " << static_cast<int>(options.method) << " " << JacobianMethodName(options.jacobian) << " "
-       << static_cast<int>(options.precision) << " " << static_cast<int>(options.loss.kind) << " " << options.loss.scale
-       << " " << options.max_iterations << " " << options.function_tolerance << " " << options.parameter_tolerance
-       << " " << options.num_starts << " " << options.seed << " " << options.estimate_uncertainty << " "
-       << options.check_interval << "\n";
+  text << "fit " << JacobianMethodName(options.jacobian) << " " << static_cast<int>(options.precision) << " "
+       << static_cast<int>(options.loss.kind) << " " << options.loss.scale << " " << options.max_iterations << " "
+       << options.function_tolerance << " " << options.parameter_tolerance << " " << options.num_starts << " "
+       << options.seed << " " << options.estimate_uncertainty << " " << options.check_interval << "\n";
   return Sha256Hex({text.str()});
 }
 

@@ -41,12 +41,6 @@ std::vector<std::string> ParseNames(const std::string& text, const std::string& 
   return names;
 }
 
-FitMethod ParseFitMethod(const std::string& text) {
-  if (text == "lm") return FitMethod::kLevenbergMarquardt;
-  if (text == "lbfgs") return FitMethod::kLbfgs;
-  FailOnOption("--method: expected lm or lbfgs, got '" + Printable(text) + "'");
-}
-
 JacobianMethod ParseJacobianMethod(const std::string& text) {
   for (JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity, JacobianMethod::kNumeric}) {
     if (text == JacobianMethodName(method)) return method;

@@ -17,16 +17,11 @@
 
 namespace clothid {
 
-enum class FitMethod {
-  kLevenbergMarquardt,  // Ceres' trust region on the rows of `RolloutCost`
-  kLbfgs,               // `ceres::GradientProblem` on the scalar gradient: for many parameters
-};
-
 // How precisely points are evaluated. What comes out of a fit is of full precision, but with kLoose.
 enum class FitPrecision {
-  kAdaptive,  // kLevenbergMarquardt: loosely until the next step is short, then fully; else as kFull
+  kAdaptive,  // loosely until the next step is short, then fully; by numeric differences as kFull
   kFull,
-  kLoose,  // the loose part alone: for the start of another fit (FitSummary::next); of differences and L-BFGS as kFull
+  kLoose,  // the loose part alone: for the start of another fit (FitSummary::next); by numeric differences as kFull
 };
 
 // What of the discretisation an answer is to count with (identify/checks/discretization_check.h).
@@ -69,7 +64,6 @@ struct FitOptions {
   // difference is believed to be normal with the standard deviation wind_smoothness sqrt(h), where residuals are as
   // large as their sigma, and in proportion to them elsewhere (identify/uncertainty/priors.h). 0: nothing is believed.
   double wind_smoothness = 0.0;
-  FitMethod method = FitMethod::kLevenbergMarquardt;
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   AdjointOptions adjoint;  // how reverse sweeps solve their linear systems
   FitPrecision precision = FitPrecision::kAdaptive;
@@ -110,8 +104,7 @@ struct FitOptions {
 // "a,b,c", with or without blanks around the items. Throws `Error` (kUsage), naming `flag`, for an empty item or one
 // given twice.
 std::vector<std::string> ParseNames(const std::string& text, const std::string& flag);
-// "lm" or "lbfgs"; "adjoint", "sensitivity" or "numeric"; "adaptive" or "full". Throw `Error` (kUsage).
-FitMethod ParseFitMethod(const std::string& text);
+// "adjoint", "sensitivity" or "numeric"; "adaptive" or "full". Throw `Error` (kUsage).
 JacobianMethod ParseJacobianMethod(const std::string& text);
 FitPrecision ParseFitPrecision(const std::string& text);
 std::string JacobianMethodName(JacobianMethod method);

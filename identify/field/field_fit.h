@@ -1,7 +1,5 @@
-// Fits fields (sim/scene/material_field.h) together with parameters: up to some thousand unknowns (field_model.h).
-//
-// `FitMethod::kLevenbergMarquardt` is Gauss-Newton with conjugate gradients (field_newton.h), `kLbfgs` takes L-BFGS of
-// Ceres in its place, where the weight of the prior is given.
+// Fits fields (sim/scene/material_field.h) together with parameters: up to some thousand unknowns (field_model.h), by
+// Gauss-Newton with conjugate gradients (field_newton.h).
 #ifndef CLOTHID_IDENTIFY_FIELD_FIELD_FIT_H_
 #define CLOTHID_IDENTIFY_FIELD_FIELD_FIT_H_
 
@@ -28,7 +26,7 @@ struct FieldFit {
 };
 
 // From the starting values of `blocks`, and the fields as the scenes of `motions` have them, which must be the same
-// everywhere. Throws `Error` where `FieldModel` does, and (kUsage) for L-BFGS without a weight.
+// everywhere. Throws `Error` where `FieldModel` does.
 FieldFit FitFields(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                    const std::vector<FieldRequest>& requests, const FieldFitOptions& options);
 

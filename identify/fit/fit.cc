@@ -1,8 +1,6 @@
 #include "identify/fit/fit.h"
 
 #include <ceres/evaluation_callback.h>
-#include <ceres/gradient_problem.h>
-#include <ceres/gradient_problem_solver.h>
 #include <ceres/solver.h>
 
 #include <algorithm>
@@ -16,7 +14,6 @@
 #include "identify/fit/fit_recorder.h"
 #include "identify/fit/gauss_newton.h"
 #include "identify/fit/growing_horizon.h"
-#include "identify/fit/sigmoid_map.h"
 #include "identify/fit/start_estimate.h"
 #include "identify/fit/start_stage.h"
 
@@ -156,54 +153,14 @@ void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, 
   RunFullStage(options, is_near, last_iteration + 1, problem, coordinates, evaluator, recorder, summary);
 }
 
-// L and dL/du of the evaluator's point. Owned by the Ceres problem.
-class BoundedGradient : public ceres::FirstOrderFunction {
- public:
-  BoundedGradient(const SigmoidMap* map, FitEvaluator* evaluator) : map_(map), evaluator_(evaluator) {}
-
-  bool Evaluate(const double* u, double* cost, double* gradient) const override {
-    Eigen::VectorXd coordinate_gradient;
-    const auto derivative = gradient == nullptr ? FitEvaluator::Derivative::kNone : FitEvaluator::Derivative::kGradient;
-    if (!evaluator_->Evaluate(map_->ToCoordinates(u), derivative, cost, &coordinate_gradient)) return false;
-    if (gradient != nullptr) map_->PullBack(u, coordinate_gradient, gradient);
-    return true;
-  }
-  int NumParameters() const override { return map_->num_free(); }
-
- private:
-  const SigmoidMap* map_;
-  FitEvaluator* evaluator_;
-};
-
-void RunLbfgs(const FitOptions& options, FitProblem* problem, FitEvaluator* evaluator, FitRecorder* recorder,
-              FitSummary* summary) {
-  const SigmoidMap map(problem->blocks());
-  const ceres::GradientProblem gradient_problem(new BoundedGradient(&map, evaluator));
-  ceres::GradientProblemSolver::Options solver;
-  solver.line_search_direction_type = ceres::LBFGS;
-  // Without it L-BFGS takes the identity for its first inverse Hessian, although costs are as large as their number of
-  // residuals: steps across the whole range, onto plateaus of friction so high that nothing slides.
-  solver.use_approximate_eigenvalue_bfgs_scaling = true;
-  solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = options.function_tolerance;
-  solver.parameter_tolerance = options.parameter_tolerance;
-  solver.logging_type = ceres::SILENT;
-  solver.callbacks.push_back(recorder);
-  std::vector<double> u(static_cast<std::size_t>(map.num_free()), 0.0);
-  ceres::GradientProblemSolver::Summary result;
-  ceres::Solve(solver, gradient_problem, u.data(), &result);
-  SetStatus(result.termination_type, result.message, *recorder, summary);
-}
-
 bool IsAllFrozen(const FitProblem& problem) {
   return std::all_of(problem.blocks().begin(), problem.blocks().end(),
                      [](const ParameterBlock& block) { return block.frozen; });
 }
 
-// L-BFGS would lose its picture of the curvature between two stages.
 bool StartsLoosely(const FitOptions& options, const FitProblem& problem) {
-  return options.precision != FitPrecision::kFull && options.method == FitMethod::kLevenbergMarquardt &&
-         options.jacobian != JacobianMethod::kNumeric && !IsAllFrozen(problem);
+  return options.precision != FitPrecision::kFull && options.jacobian != JacobianMethod::kNumeric &&
+         !IsAllFrozen(problem);
 }
 
 bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
@@ -231,12 +188,7 @@ std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitP
   StageGoal rough = LooseGoal(recorder->next_iteration());
   if (!is_adaptive) rough.precision = Precision::kFull;
   if (!IsAllFrozen(*problem)) {
-    if (options.method == FitMethod::kLevenbergMarquardt) {
-      RunLevenbergMarquardt(options, rough, problem, coordinates, evaluator, recorder, summary);
-    } else {
-      RunLbfgs(options, problem, evaluator, recorder, summary);
-      coordinates->head(problem->num_blocks()) = evaluator->best().coordinates.head(problem->num_blocks());
-    }
+    RunLevenbergMarquardt(options, rough, problem, coordinates, evaluator, recorder, summary);
   }
   Linearization known;
   if (is_adaptive && !options.is_cancelled()) {
@@ -269,8 +221,6 @@ void RunOptimiser(const FitOptions& options, bool is_near, FitProblem* problem, 
   if (IsAllFrozen(*problem)) {
     summary->status = FitStatus::kConverged;
     summary->message = "every parameter is frozen";
-  } else if (options.method == FitMethod::kLbfgs) {
-    RunLbfgs(options, problem, evaluator, recorder, summary);
   } else if (is_near || !StartsLoosely(options, *problem)) {
     RunFullStage(options, is_near, recorder->next_iteration(), problem, coordinates, evaluator, recorder, summary);
   } else if (options.precision == FitPrecision::kLoose) {
@@ -313,7 +263,7 @@ Lead FollowLead(const FitOptions& options, const FitProblem& problem, double sta
 }
 
 bool CanBeLed(const FitOptions& options, const FitProblem& problem) {
-  return options.method == FitMethod::kLevenbergMarquardt && options.max_iterations > 0 && !IsAllFrozen(problem);
+  return options.max_iterations > 0 && !IsAllFrozen(problem);
 }
 
 }  // namespace
@@ -333,7 +283,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* h
   // cached, with the rows that it asks for, unless it is led away from there.
   double cost = 0.0;
   const bool is_led = horizon != nullptr && CanBeLed(options, *problem);
-  const bool asks_for_rows = options.method == FitMethod::kLevenbergMarquardt && !IsAllFrozen(*problem) && !is_led;
+  const bool asks_for_rows = !IsAllFrozen(*problem) && !is_led;
   const auto derivative = asks_for_rows ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
   const Precision first_precision = StartsLoosely(options, *problem) ? Precision::kLoose : Precision::kFull;
   if (!evaluator.Evaluate(coordinates, derivative, &cost, nullptr, first_precision)) {

@@ -15,20 +15,18 @@ class GrowingHorizon;
 // estimate is the point of lowest cost of all that were evaluated. On the same problem it gives the same result on any
 // number of threads.
 //
-// kLevenbergMarquardt: Ceres' trust region with the bounds of the blocks. With FitPrecision::kAdaptive it runs twice:
+// Levenberg-Marquardt: Ceres' trust region with the bounds of the blocks. With FitPrecision::kAdaptive it runs twice:
 // with loose rollouts (`Precision`) until the Gauss-Newton step changes no parameter by more than 5 %, and from where
 // that step leads with full ones, to the end. Where a growing horizon has led it so near, it runs with full ones alone.
 // With few parameters, points near the solution get exact rows along with their rollout: the sweep that the intervals
-// of the last one need. Forward differences need full precision throughout. kLbfgs:
-// `ceres::GradientProblem` has no bounds, so it works on u with  q = lower + (upper - lower) sigmoid(4 u/(upper -
-// lower) + c),  dq/du = 1 in the middle, c such that u = 0 is the start; q the internal coordinate.
+// of the last one need. Forward differences need full precision throughout.
 //
 // Where FitOptions::estimate_uncertainty asks for it, the uncertainty of the estimate comes with it, and where the
 // check of its interval meets a point of lower cost, the fit goes on from there (identify/fit/continued_fit.h).
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
 
 // The same, but that Ceres' trust region starts where `horizon` (may be null) leads it, unless the cost is higher
-// there. What that takes counts with the rest. L-BFGS, for many parameters, is not led.
+// there. What that takes counts with the rest.
 FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* horizon);
 
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or

@@ -11,8 +11,7 @@ ceres::CallbackReturnType FitRecorder::operator()(const ceres::IterationSummary&
   num_failures_ = evaluator_.num_failures();
   Add(goal_.first_iteration + summary.iteration);
   if (options_.is_cancelled()) return ceres::SOLVER_ABORT;
-  const bool has_model =
-      goal_.has_rows && options_.method == FitMethod::kLevenbergMarquardt && summary.step_is_successful;
+  const bool has_model = goal_.has_rows && summary.step_is_successful;
   return has_model && NextStepIsNegligible(problem_, evaluator_.model(), goal_.step, goal_.function_tolerance)
              ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
              : ceres::SOLVER_CONTINUE;

@@ -141,8 +141,6 @@ RolloutCostOptions CostOptions(const FitOptions& options) {
   cost_options.adjoint = options.adjoint;
   cost_options.loss = options.loss;
   cost_options.cancel = options.cancel;
-  cost_options.keep_factors = options.method == FitMethod::kLbfgs && options.jacobian == JacobianMethod::kAdjoint &&
-                              options.adjoint.method == AdjointMethod::kReduced;
   return cost_options;
 }
 
@@ -189,11 +187,11 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
     RolloutCostOptions cost_options = CostOptions(options);
     cost_options.num_threads = std::max(1, options.num_threads / static_cast<int>(motions.size()));
     if (has_journal) cost_options.journal = OpenJournal(options, fingerprint, num_recordings());
-    AddCost(motion, options, std::move(cost_options));
+    AddCost(motion, std::move(cost_options));
   }
 }
 
-void FitProblem::AddCost(const RecordedMotion& motion, const FitOptions& options, RolloutCostOptions cost_options) {
+void FitProblem::AddCost(const RecordedMotion& motion, RolloutCostOptions cost_options) {
   std::vector<int> indices;
   std::vector<ParameterBlock> blocks;
   for (int i = 0; i < num_blocks(); ++i) {
@@ -201,8 +199,7 @@ void FitProblem::AddCost(const RecordedMotion& motion, const FitOptions& options
     indices.push_back(i);
     blocks.push_back(blocks_[i]);
   }
-  cost_options.starts_with_sensitivities =
-      options.method == FitMethod::kLevenbergMarquardt && static_cast<int>(indices.size()) <= kFewBlocks;
+  cost_options.starts_with_sensitivities = static_cast<int>(indices.size()) <= kFewBlocks;
   if (tracker_ != nullptr) {
     cost_options.on_step = [tracker = tracker_, recording = num_recordings()](const PassStep& step) {
       tracker->AddStep(recording, step);

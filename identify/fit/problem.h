@@ -75,7 +75,7 @@ class FitProblem {
 
  private:
   // Of the next recording, with the blocks that concern it.
-  void AddCost(const RecordedMotion& motion, const FitOptions& options, RolloutCostOptions cost_options);
+  void AddCost(const RecordedMotion& motion, RolloutCostOptions cost_options);
 
   std::vector<ParameterBlock> blocks_;
   std::shared_ptr<EvaluationTracker> tracker_;  // told by the costs, too

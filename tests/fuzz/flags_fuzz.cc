@@ -87,7 +87,6 @@ const std::array kFlags = {
     Flag{[](const std::string& text) { ParseShard(text); }, "--shard"},
     Flag{[](const std::string& text) { ParseRobustLoss(text); }, "loss"},
     Flag{[](const std::string& text) { ParseAdjointOptions(text); }, "--adjoint"},
-    Flag{[](const std::string& text) { ParseFitMethod(text); }, "--method"},
     Flag{[](const std::string& text) { ParseJacobianMethod(text); }, "--jacobian"},
     Flag{[](const std::string& text) { ParseFitPrecision(text); }, "--precision"},
     Flag{ReadRecordingParameter, "parameter"},

@@ -29,7 +29,7 @@ TEST_F(IdentifyTest, RefusesWrongFlags) {
   ExpectFlagsRefused("--fit", "identify: --fit: expected a value behind it");
   ExpectFlagsRefused("--fit mu --fit mu", "--fit: 'mu' is given twice");
   ExpectFlagsRefused("--jacobian exact", "exact");
-  ExpectFlagsRefused("--method newton", "newton");
+  ExpectFlagsRefused("--jacobian newton", "newton");
   ExpectFlagsRefused("--loss cubic", "cubic");
   ExpectFlagsRefused("--max_iterations 0", "--max_iterations");
   ExpectFlagsRefused("--threads 0", "--threads");

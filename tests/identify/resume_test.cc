@@ -116,8 +116,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, KillTest,
                          testing::Values(std::vector<std::string>{"--jacobian", "adjoint"},
                                          std::vector<std::string>{"--jacobian", "sensitivity", "--starts", "2",
                                                                   "--profile", "mu", "--discretization", "step"},
-                                         std::vector<std::string>{"--jacobian", "numeric"},
-                                         std::vector<std::string>{"--method", "lbfgs"}));
+                                         std::vector<std::string>{"--jacobian", "numeric"}));
 
 TEST_P(KillTest, EndsInTheSameBytes) {
   const auto start = std::chrono::steady_clock::now();
@@ -148,7 +147,7 @@ TEST_P(KillTest, EndsInTheSameBytes) {
 }
 
 TEST_F(ResumeTest, AnInterruptedFitGoesOn) {
-  const std::vector<std::string> flags = {"--method", "lbfgs"};
+  const std::vector<std::string> flags = {"--jacobian", "numeric", "--horizon", "full"};
   ASSERT_EQ(Start(flags).Wait(), 0);
   const std::map<std::string, std::string> expected = ReadResult(result());
   fs::remove_all(result());
@@ -166,14 +165,16 @@ TEST_F(ResumeTest, AnInterruptedFitGoesOn) {
 }
 
 TEST_F(ResumeTest, RefusesTheJournalOfAnotherFit) {
-  const ToolProcess killed = Resume({"--method", "lbfgs"});
+  const ToolProcess killed = Resume({"--jacobian", "numeric", "--horizon", "full"});
   WaitForEvaluations(killed);
   killed.Signal(SIGKILL);
   EXPECT_FALSE(killed.Wait().has_value());
   const std::string journal = ReadBytes(result() / ".journal_1.bin");
   ExpectRefused("identify --target a.bin,b.bin --resume --output result", 1, "result/.journal_1.bin");
-  ExpectRefused("identify --target b.bin,a.bin --method lbfgs --resume --output result", 1, ".journal_1.bin");
-  ExpectRefused("identify --target a.bin,b.bin --method lbfgs --resume --output result --fit weight", 1, "weight");
+  ExpectRefused("identify --target b.bin,a.bin --jacobian numeric --horizon full --resume --output result", 1,
+                ".journal_1.bin");
+  ExpectRefused("identify --target a.bin,b.bin --jacobian numeric --horizon full --resume --output result --fit weight",
+                1, "weight");
   EXPECT_EQ(ReadBytes(result() / ".journal_1.bin"), journal);
 }
 

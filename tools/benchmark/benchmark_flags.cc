@@ -184,14 +184,6 @@ FieldsOptions FieldsOptionsFromFlags() {
   if (!FLAGS_nodes.empty()) options.nodes = ParseInteger(FLAGS_nodes, "--nodes");
   if (!FLAGS_settings.empty()) options.sides = ParseIntegers(FLAGS_settings, "--settings");
   if (IsGiven("sigma")) options.noise = FLAGS_sigma;
-  if (!FLAGS_methods.empty()) {
-    const std::vector<std::string> methods = ParseNames(FLAGS_methods, "--methods");
-    options.with_lbfgs = std::find(methods.begin(), methods.end(), "lbfgs") != methods.end();
-    for (const std::string& method : methods) {
-      if (method == "gauss_newton" || method == "lbfgs") continue;
-      throw Error(ErrorKind::kUsage, "--methods: '" + Printable(method) + "': expected gauss_newton or lbfgs");
-    }
-  }
   options.seed = FLAGS_seed;
   return options;
 }

@@ -8,7 +8,7 @@ const char kBenchmarkHelp[] = R"(benchmark: accuracy, cost and time of the metho
                            [--output]
   benchmark coverage       --scene FILE --set LIST [--sensor] [--initial] [--cut] [--seeds] [--settings] [--noise]
                            [--sigma] [--frame_rate] [--markers] [--start_factor] [--seed] [--threads] [--output]
-  benchmark fields         --scene FILE [--set] [--nodes] [--settings] [--sigma] [--methods] [--seed] [--output]
+  benchmark fields         --scene FILE [--set] [--nodes] [--settings] [--sigma] [--seed] [--output]
   benchmark forward        [--scene LIST] [--integrator] [--bending] [--nodes] [--steps] [--repeats] [--output]
   benchmark backprop       [--scene] [--settings] [--nodes] [--steps] [--methods] [--repeats] [--output]
   benchmark accuracy       [--scene] [--settings] [--quantities] [--integrator] [--nodes] [--repeats] [--output]
@@ -30,8 +30,7 @@ also gives: fits without an interval (refused), the mean error over the reported
 that it would be if the start were known, and rollouts per fit.
 
 fields: fits a k_stretch that varies over the cloth by a factor of 2 or so about --set k_stretch (70 N/m), with noise of
---sigma (1 mm), on control grids of --settings nodes a side (4, 8, 16, 32): by Gauss-Newton with conjugate gradients, and
-by L-BFGS with the weight of the prior that it has chosen. Prints the error of log k over all control nodes, the share of
+--sigma (1 mm), on control grids of --settings nodes a side (4, 8, 16, 32). Prints the error of log k over all control nodes, the share of
 those that the verdict calls determined and their error, iterations, rollouts, sweeps, processor seconds, those of an
 iteration without the standard deviations at the end, and what a Jacobian by differences takes.
 
@@ -74,8 +73,7 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --discretization PARTS  coverage: the intervals count with the errors of step, mesh or all, see identify --help
   --start_factor X  coverage: the fits start from the true values times this (1.05)
   --starts N        N x N starts, N even (4)
-  --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric, lbfgs; the linear solver of the first and the last
-                    can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
+  --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric; the linear solver of the first can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
                     backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced,
                     kept (reduced, with the factors that the rollout kept)
   --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)

@@ -67,7 +67,7 @@ constexpr Subcommand kSubcommands[] = {
        return RunBenchmark<CoverageOptions, CoverageBenchmark>(CoverageOptionsFromFlags(), RunCoverageBenchmark,
                                                                CoverageTable, {{"coverage.csv", CoverageCsv}});
      }},
-    {"fields", "scene set nodes settings sigma methods seed output",
+    {"fields", "scene set nodes settings sigma seed output",
      [] {
        return RunBenchmark<FieldsOptions, FieldsBenchmark>(FieldsOptionsFromFlags(), RunFieldsBenchmark, FieldsTable,
                                                            {{"fields.csv", FieldsCsv}});

@@ -20,9 +20,8 @@ std::string Describe(const JacobianFit& fit) {
 }
 
 std::string Describe(const FieldsFit& fit) {
-  return fit.method + ", " + std::to_string(fit.side * fit.side) +
-         " unknowns: " + (fit.has_converged ? "converged" : "not converged") + ", " + std::to_string(fit.rollouts) +
-         " rollouts";
+  return std::to_string(fit.side * fit.side) + " unknowns: " + (fit.has_converged ? "converged" : "not converged") +
+         ", " + std::to_string(fit.rollouts) + " rollouts";
 }
 
 std::string Describe(const CoverageFit& fit) {

@@ -18,9 +18,6 @@ TEST(OptionsTest, ParsesNames) {
 }
 
 TEST(OptionsTest, ParsesMethods) {
-  EXPECT_EQ(ParseFitMethod("lm"), FitMethod::kLevenbergMarquardt);
-  EXPECT_EQ(ParseFitMethod("lbfgs"), FitMethod::kLbfgs);
-  ExpectError([] { ParseFitMethod("newton"); }, ErrorKind::kUsage, {"--method", "newton"});
   for (const char* name : {"adjoint", "sensitivity", "numeric"}) {
     EXPECT_EQ(JacobianMethodName(ParseJacobianMethod(name)), name);
   }

@@ -247,8 +247,8 @@ class FitProgressTest : public testing::Test {
 };
 
 TEST_F(FitProgressTest, ChangesNoBitOfTheResult) {
-  for (const FitMethod method : {FitMethod::kLevenbergMarquardt, FitMethod::kLbfgs}) {
-    options_.method = method;
+  for (const JacobianMethod jacobian : {JacobianMethod::kAdjoint, JacobianMethod::kNumeric}) {
+    options_.jacobian = jacobian;
     FitOptions observed = options_;
     int num_steps = 0;
     observed.num_threads = 2;

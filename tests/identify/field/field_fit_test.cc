@@ -313,20 +313,6 @@ TEST(FieldFit, SameBytesOnEveryNumberOfThreads) {
   }
 }
 
-TEST(FieldFit, LbfgsEndsWhereGaussNewtonDoes) {
-  const std::vector<RecordedMotion> motions = StartMotions(kRequest);
-  FieldFitOptions options;
-  options.weight = 0.3;
-  options.estimate_deviations = false;
-  const FieldFit newton = FitFields(motions, {}, {kRequest}, options);
-  options.fit.method = FitMethod::kLbfgs;
-  options.fit.max_iterations = 200;
-  const FieldFit lbfgs = FitFields(motions, {}, {kRequest}, options);
-  ASSERT_TRUE(newton.result.ok && lbfgs.result.ok) << newton.result.message << lbfgs.result.message;
-  EXPECT_NEAR(lbfgs.result.cost, newton.result.cost, 0.01 * newton.result.cost);
-  EXPECT_LT(newton.result.num_rollouts, lbfgs.result.num_rollouts);
-}
-
 // Of a level, the interval counts with what is not known of the field: it is wider than of the level alone.
 TEST(FieldFit, IntervalsCountWithTheField) {
   std::vector<RecordedMotion> motions = {FieldMotion()};

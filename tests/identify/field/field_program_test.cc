@@ -67,7 +67,6 @@ TEST_F(FieldProgramTest, RefusesWhatDoesNotGoTogether) {
   expect("--field k_stretch:2x2 --profile mu", "--profile: expected without --field");
   expect("--field k_stretch:2x2 --discretization step", "--discretization: expected without --field");
   expect("--field k_stretch:2x2 --time_step auto", "--time_step: expected without --field");
-  expect("--field k_stretch:2x2 --method lbfgs", "--field_weight: expected with --method lbfgs");
   expect("--field k_stretch:2x2 --each k_stretch", "--each: 'k_stretch' is a field");
   ExpectRefused("simulate --scene scene.json --set_field mu=truth.npy --output x.bin", 1,
                 "--set_field: expected NAME=FILE");

@@ -134,25 +134,6 @@ TEST(CloudFitTest, EveryMethodFindsTheSameWithBothKindsOfPoints) {
   }
 }
 
-// Without contact, at whose kinks L-BFGS can stall.
-TEST(CloudFitTest, LbfgsFindsTheSameAsLevenbergMarquardt) {
-  MotionOptions truth;
-  truth.true_values = {{"k_stretch", 90.0}, {"drag", 0.15}};
-  RecordedMotion motion = MakeMotion(SwingScene(), truth);
-  AddClouds(60, 1e-3, /*keep_points=*/false, &motion);
-  motion.cloud_sigma = 1e-3;
-  FitOptions options;
-  options.parameters = {"k_stretch", "drag"};
-  const FitSummary marquardt = RunFit(motion, options);
-  options.method = FitMethod::kLbfgs;
-  options.max_iterations = 200;
-  const FitSummary lbfgs = RunFit(motion, options);
-  EXPECT_EQ(lbfgs.status, FitStatus::kConverged) << lbfgs.message;
-  EXPECT_LT((lbfgs.values() - marquardt.values()).cwiseQuotient(marquardt.values()).norm(), 1e-3)
-      << lbfgs.values().transpose() << " with cost " << lbfgs.cost << " against " << marquardt.values().transpose()
-      << " with cost " << marquardt.cost;
-}
-
 TEST(CloudFitTest, AJournalReplaysToTheSameBits) {
   const TemporaryFolder folder;
   FitOptions options;

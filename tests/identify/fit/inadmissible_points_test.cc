@@ -50,33 +50,27 @@ double Reach(double drag) {
 }
 
 // Recorded without the abyss, which swallows the cloth where the drag is above `largest_drag`.
-FitSummary FitDragBefore(double largest_drag, FitMethod method) {
+FitSummary FitDragBefore(double largest_drag) {
   RecordedMotion motion = MakeMotion(WindyScene(), {{{"drag", kTrueDrag}}, 0.0, 0.0, 0.0});
   motion.scene.obstacles.push_back({"abyss", std::make_shared<Abyss>(Reach(largest_drag)), 0.3, 0.0});
   FitOptions options;
   options.parameters = {"drag"};
   options.overrides.start["drag"] = 0.02;
-  options.method = method;
   options.max_iterations = 100;
   FitProblem problem({motion}, options);
   return Fit(options, &problem);
 }
 
-class InadmissiblePointsTest : public testing::TestWithParam<FitMethod> {};
-
-INSTANTIATE_TEST_SUITE_P(Methods, InadmissiblePointsTest,
-                         testing::Values(FitMethod::kLevenbergMarquardt, FitMethod::kLbfgs));
-
-TEST_P(InadmissiblePointsTest, BeyondTheMinimumAreGoneAround) {
-  const FitSummary summary = FitDragBefore(2.0 * kTrueDrag, GetParam());
+TEST(InadmissiblePointsTest, BeyondTheMinimumAreGoneAround) {
+  const FitSummary summary = FitDragBefore(2.0 * kTrueDrag);
   EXPECT_GT(summary.statistics.counts.failed_steps, 0);
   EXPECT_EQ(summary.status, FitStatus::kConverged) << summary.message;
   EXPECT_NEAR(summary.parameters[0].value, kTrueDrag, 1e-5 * kTrueDrag);
 }
 
 // Steps cut short by failures meet every tolerance of the optimiser.
-TEST_P(InadmissiblePointsTest, BeforeTheMinimumAreNoConvergence) {
-  const FitSummary summary = FitDragBefore(0.8 * kTrueDrag, GetParam());
+TEST(InadmissiblePointsTest, BeforeTheMinimumAreNoConvergence) {
+  const FitSummary summary = FitDragBefore(0.8 * kTrueDrag);
   EXPECT_EQ(summary.status, FitStatus::kNotConverged);
   EXPECT_NE(summary.message.find("synthetic: step "), std::string::npos) << summary.message;
   ASSERT_TRUE(summary.has_estimate());

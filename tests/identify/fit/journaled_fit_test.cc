@@ -143,17 +143,15 @@ TEST_F(JournaledFitTest, ReplaysIntervalsThatWereWidened) {
   }
 }
 
-class PrefixTest : public JournaledFitTest,
-                   public testing::WithParamInterface<std::tuple<FitMethod, JacobianMethod, int>> {};
+class PrefixTest : public JournaledFitTest, public testing::WithParamInterface<std::tuple<JacobianMethod, int>> {};
 
 INSTANTIATE_TEST_SUITE_P(Methods, PrefixTest,
-                         testing::Combine(testing::Values(FitMethod::kLevenbergMarquardt, FitMethod::kLbfgs),
-                                          testing::Values(JacobianMethod::kAdjoint, JacobianMethod::kSensitivity,
+                         testing::Combine(testing::Values(JacobianMethod::kAdjoint, JacobianMethod::kSensitivity,
                                                           JacobianMethod::kNumeric),
                                           testing::Values(1, 2)));
 
 TEST_P(PrefixTest, AnyPrefixOfTheJournalsLeadsToTheSameEnd) {
-  std::tie(options_.method, options_.jacobian, options_.num_threads) = GetParam();
+  std::tie(options_.jacobian, options_.num_threads) = GetParam();
   const FitSummary uninterrupted = RunWithoutJournal();
   ASSERT_EQ(uninterrupted.status, FitStatus::kConverged) << uninterrupted.message;
   ExpectSame(RunFit(), uninterrupted);
@@ -223,19 +221,15 @@ TEST_F(JournaledFitTest, AnyPrefixOfALedFitLeadsToTheSameEnd) {
 }
 
 TEST_F(JournaledFitTest, AnInterruptedFitGoesOn) {
-  for (FitMethod method : {FitMethod::kLevenbergMarquardt, FitMethod::kLbfgs}) {
-    options_.method = method;
-    options_.journal_tag = method == FitMethod::kLbfgs ? "lbfgs" : "lm";
-    const FitSummary uninterrupted = RunWithoutJournal();
-    std::atomic<bool> cancel{false};
-    FitOptions interrupted = options_;
-    interrupted.cancel = &cancel;
-    interrupted.on_iteration = [&](const FitIteration& iteration) { cancel = iteration.iteration == 2; };
-    EXPECT_EQ(RunFit(motions_, interrupted).status, FitStatus::kInterrupted);
-    const std::size_t size = Read(1).size();
-    ExpectSame(RunFit(), uninterrupted);
-    EXPECT_LT(size, Read(1).size());
-  }
+  const FitSummary uninterrupted = RunWithoutJournal();
+  std::atomic<bool> cancel{false};
+  FitOptions interrupted = options_;
+  interrupted.cancel = &cancel;
+  interrupted.on_iteration = [&](const FitIteration& iteration) { cancel = iteration.iteration == 2; };
+  EXPECT_EQ(RunFit(motions_, interrupted).status, FitStatus::kInterrupted);
+  const std::size_t size = Read(1).size();
+  ExpectSame(RunFit(), uninterrupted);
+  EXPECT_LT(size, Read(1).size());
 }
 
 // While a prediction that found no room is made again.
@@ -259,19 +253,15 @@ TEST_F(JournaledFitTest, AFitThatIsInterruptedInItsReplayGoesOn) {
 // Their derivatives need more of a rollout than its journal keeps.
 TEST_F(JournaledFitTest, AFitOfTheRecordingsOwnParametersGoesOn) {
   options_.each = {"time_offset", "turn.y", "v0.x"};
-  for (FitMethod method : {FitMethod::kLevenbergMarquardt, FitMethod::kLbfgs}) {
-    options_.method = method;
-    options_.journal_tag = method == FitMethod::kLbfgs ? "lbfgs" : "lm";
-    const FitSummary uninterrupted = RunWithoutJournal();
-    ASSERT_EQ(uninterrupted.status, FitStatus::kConverged) << uninterrupted.message;
+  const FitSummary uninterrupted = RunWithoutJournal();
+  ASSERT_EQ(uninterrupted.status, FitStatus::kConverged) << uninterrupted.message;
+  ExpectSame(RunFit(), uninterrupted);
+  const std::string journals[] = {Read(0), Read(1)};
+  const std::vector<std::size_t> ends[] = {RecordEnds(journals[0]), RecordEnds(journals[1])};
+  for (const std::size_t part : {1, 2}) {
+    for (int r : {0, 1}) Write(r, journals[r].substr(0, ends[r][part * (ends[r].size() - 1) / 3]));
     ExpectSame(RunFit(), uninterrupted);
-    const std::string journals[] = {Read(0), Read(1)};
-    const std::vector<std::size_t> ends[] = {RecordEnds(journals[0]), RecordEnds(journals[1])};
-    for (const std::size_t part : {1, 2}) {
-      for (int r : {0, 1}) Write(r, journals[r].substr(0, ends[r][part * (ends[r].size() - 1) / 3]));
-      ExpectSame(RunFit(), uninterrupted);
-      for (int r : {0, 1}) EXPECT_EQ(RecordEnds(Read(r)), ends[r]);
-    }
+    for (int r : {0, 1}) EXPECT_EQ(RecordEnds(Read(r)), ends[r]);
   }
 }
 
@@ -331,7 +321,6 @@ TEST_F(JournaledFitTest, FingerprintsTellFitsApart) {
   expect_new([](Motions* motions, FitOptions*) { motions->back().scene.parameters["mu"].frozen = true; });
   expect_new([](Motions*, FitOptions* options) { options->jacobian = JacobianMethod::kNumeric; });
   expect_new([](Motions*, FitOptions* options) { options->precision = FitPrecision::kFull; });
-  expect_new([](Motions*, FitOptions* options) { options->method = FitMethod::kLbfgs; });
   expect_new([](Motions*, FitOptions* options) { options->loss = ParseRobustLoss("huber:2"); });
   expect_new([](Motions*, FitOptions* options) { options->loss = ParseRobustLoss("huber:3"); });
   expect_new([](Motions*, FitOptions* options) { options->max_iterations = 3; });

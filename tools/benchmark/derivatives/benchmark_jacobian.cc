@@ -66,9 +66,9 @@ MethodName SplitMethodName(const std::string& method) {
 void CheckMethod(const std::string& method) {
   const std::vector<std::string>& known = kJacobianBenchmarkMethods;
   const MethodName name = SplitMethodName(method);
-  const bool has_sweep = name.jacobian == "adjoint" || name.jacobian == "lbfgs";
+  const bool has_sweep = name.jacobian == "adjoint";
   Require(std::find(known.begin(), known.end(), has_sweep ? name.jacobian : method) != known.end(),
-          "--methods: '" + Printable(method) + "': expected adjoint, sensitivity, numeric or lbfgs");
+          "--methods: '" + Printable(method) + "': expected adjoint, sensitivity or numeric");
   try {
     if (method.find(':') != std::string::npos) ParseAdjointOptions(name.adjoint);
   } catch (const Error& error) {
@@ -86,11 +86,7 @@ FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, FitPrecision 
   }
   const MethodName name = SplitMethodName(fit.method);
   if (!name.adjoint.empty()) options.adjoint = ParseAdjointOptions(name.adjoint);
-  if (name.jacobian == "lbfgs") {
-    options.method = FitMethod::kLbfgs;
-  } else {
-    options.jacobian = ParseJacobianMethod(name.jacobian);
-  }
+  options.jacobian = ParseJacobianMethod(name.jacobian);
   return options;
 }
 

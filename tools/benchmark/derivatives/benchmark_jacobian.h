@@ -19,10 +19,9 @@
 
 namespace clothid {
 
-// Levenberg-Marquardt with each Jacobian of `RolloutCost`, and L-BFGS on the single adjoint gradient. The two with
-// reverse sweeps may say how these solve their linear systems, as in adjoint:fixed_point:1e-4 (see
-// `ParseAdjointOptions`).
-inline const std::vector<std::string> kJacobianBenchmarkMethods = {"adjoint", "sensitivity", "numeric", "lbfgs"};
+// Levenberg-Marquardt with each Jacobian of `RolloutCost`. That by reverse sweeps may say how these solve their linear
+// systems, as in adjoint:fixed_point:1e-4 (see `ParseAdjointOptions`).
+inline const std::vector<std::string> kJacobianBenchmarkMethods = {"adjoint", "sensitivity", "numeric"};
 
 // Starts of friction coefficients are spaced linearly over this range; all others by factors of the truth.
 inline constexpr double kFirstFriction = 0.02, kLastFriction = 0.58;

@@ -109,16 +109,12 @@ double TimeDifferences(int num_differences, FieldModel* model) {
   return (Now() - start) / num_differences * (model->size() + 1);
 }
 
-FieldsFit FitField(const FieldsOptions& options, int side, FitMethod method, double weight, RecordedMotion motion,
-                   const TrueField& truth) {
+FieldsFit FitField(const FieldsOptions& options, int side, RecordedMotion motion, const TrueField& truth) {
   const FieldRequest request{"k_stretch", ParameterKind::kStretchStiffness, side, side};
   const double start = motion.scene.nominal_parameters().material.stretch_stiffness;
   std::vector<RecordedMotion> motions = {std::move(motion)};
   SetField({request.kind, Eigen::MatrixXd::Constant(side, side, start)}, &motions);
   FieldFitOptions fit_options;
-  fit_options.fit.method = method;
-  fit_options.fit.max_iterations = method == FitMethod::kLbfgs ? 100 : 50;
-  fit_options.weight = weight;
   const double before = Now();
   double last = before;
   fit_options.on_iteration = [&last](const FieldIteration&) { last = Now(); };
@@ -127,7 +123,6 @@ FieldsFit FitField(const FieldsOptions& options, int side, FitMethod method, dou
   const FieldResult& result = fitted.result;
   if (!result.ok) throw Error(ErrorKind::kBadData, options.scene_path + ": " + result.message);
   FieldsFit fit;
-  fit.method = method == FitMethod::kLbfgs ? "lbfgs" : "gauss_newton";
   fit.side = side;
   fit.has_converged = result.has_converged;
   fit.weight = result.weight;
@@ -163,33 +158,30 @@ FieldsBenchmark RunFieldsBenchmark(const FieldsOptions& options) {
   const TrueField truth(options.seed);
   const RecordedMotion motion = RecordField(options, ReadGridScene(options.scene_path), truth);
   FieldsBenchmark benchmark;
-  const int num_fits = static_cast<int>(options.sides.size()) * (options.with_lbfgs ? 2 : 1);
+  const int num_fits = static_cast<int>(options.sides.size());
   const auto add = [&](FieldsFit fit) {
     benchmark.fits.push_back(std::move(fit));
     if (options.on_fit) options.on_fit(benchmark.fits.back(), static_cast<int>(benchmark.fits.size()), num_fits);
   };
   for (const int side : options.sides) {
-    add(FitField(options, side, FitMethod::kLevenbergMarquardt, 0.0, motion, truth));
-    if (!options.with_lbfgs) continue;
-    add(FitField(options, side, FitMethod::kLbfgs, benchmark.fits.back().weight, motion, truth));
+    add(FitField(options, side, motion, truth));
   }
   return benchmark;
 }
 
 std::string FieldsTable(const FieldsBenchmark& benchmark) {
   std::ostringstream table;
-  table << std::left << std::setw(14) << "method" << std::right << std::setw(9) << "unknowns" << std::setw(11)
-        << "error, %" << std::setw(15) << "determined, %" << std::setw(11) << "error, %" << std::setw(12)
-        << "iterations" << std::setw(10) << "rollouts" << std::setw(8) << "sweeps" << std::setw(10) << "seconds"
-        << std::setw(14) << "s/iteration" << std::setw(17) << "s/J differences"
+  table << std::setw(9) << "unknowns" << std::setw(11) << "error, %" << std::setw(15) << "determined, %"
+        << std::setw(11) << "error, %" << std::setw(12) << "iterations" << std::setw(10) << "rollouts" << std::setw(8)
+        << "sweeps" << std::setw(10) << "seconds" << std::setw(14) << "s/iteration" << std::setw(17)
+        << "s/J differences"
         << "  \n";
   for (const FieldsFit& fit : benchmark.fits) {
-    table << std::left << std::setw(14) << fit.method << std::right << std::setw(9) << fit.side * fit.side << std::fixed
-          << std::setprecision(2) << std::setw(11) << 100.0 * fit.error << std::setw(15) << 100.0 * fit.determined_share
-          << std::setw(11) << 100.0 * fit.determined_error << std::setw(12) << fit.iterations << std::setw(10)
-          << fit.rollouts << std::setw(8) << fit.sweeps << std::setw(10) << fit.seconds << std::setw(14)
-          << fit.seconds_per_iteration() << std::setw(17) << fit.difference_seconds
-          << (fit.has_converged ? "\n" : "  not converged\n");
+    table << std::setw(9) << fit.side * fit.side << std::fixed << std::setprecision(2) << std::setw(11)
+          << 100.0 * fit.error << std::setw(15) << 100.0 * fit.determined_share << std::setw(11)
+          << 100.0 * fit.determined_error << std::setw(12) << fit.iterations << std::setw(10) << fit.rollouts
+          << std::setw(8) << fit.sweeps << std::setw(10) << fit.seconds << std::setw(14) << fit.seconds_per_iteration()
+          << std::setw(17) << fit.difference_seconds << (fit.has_converged ? "\n" : "  not converged\n");
   }
   return table.str();
 }
@@ -197,14 +189,14 @@ std::string FieldsTable(const FieldsBenchmark& benchmark) {
 std::string FieldsCsv(const FieldsBenchmark& benchmark) {
   std::ostringstream csv;
   csv << std::setprecision(9)
-      << "method,unknowns,converged,weight,rmse_m,error,determined_share,determined_error,iterations,rollouts,sweeps,"
+      << "unknowns,converged,weight,rmse_m,error,determined_share,determined_error,iterations,rollouts,sweeps,"
          "seconds,iteration_seconds,"
          "difference_seconds\n";
   for (const FieldsFit& fit : benchmark.fits) {
-    csv << fit.method << "," << fit.side * fit.side << "," << fit.has_converged << "," << fit.weight << "," << fit.rmse
-        << "," << fit.error << "," << fit.determined_share << "," << fit.determined_error << "," << fit.iterations
-        << "," << fit.rollouts << "," << fit.sweeps << "," << fit.seconds << "," << fit.iteration_seconds << ","
-        << fit.difference_seconds << "\n";
+    csv << fit.side * fit.side << "," << fit.has_converged << "," << fit.weight << "," << fit.rmse << "," << fit.error
+        << "," << fit.determined_share << "," << fit.determined_error << "," << fit.iterations << "," << fit.rollouts
+        << "," << fit.sweeps << "," << fit.seconds << "," << fit.iteration_seconds << "," << fit.difference_seconds
+        << "\n";
   }
   return csv.str();
 }

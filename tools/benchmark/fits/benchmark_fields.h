@@ -1,10 +1,9 @@
 // benchmark fields: fits of a stiffness that varies over the cloth (identify/field/field_fit.h), with more and more
-// unknowns, by Gauss-Newton with conjugate gradients, by L-BFGS and beside numeric differences.
+// unknowns, beside numeric differences.
 //
 // The truth is a field of k_stretch of the given level, exp(0.4 z) times it, z a sum of nine cosines with seeded
-// amplitudes and a mean square of 1 over the cloth; the fit starts from the scene's nominal value everywhere. L-BFGS
-// gets the weight of the prior that Gauss-Newton has chosen. Of differences a whole gradient would take a rollout per
-// unknown: some are made and timed.
+// amplitudes and a mean square of 1 over the cloth; the fit starts from the scene's nominal value everywhere. Of
+// differences a whole gradient would take a rollout per unknown: some are made and timed.
 #ifndef CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_FIELDS_H_
 #define CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_FIELDS_H_
 
@@ -16,8 +15,7 @@
 namespace clothid {
 
 struct FieldsFit {
-  std::string method;  // "gauss_newton", "lbfgs"
-  int side = 0;        // of the control grid: side^2 unknowns
+  int side = 0;  // of the control grid: side^2 unknowns
   bool has_converged = false;
   double weight = 0.0;  // lambda
   double rmse = 0.0;    // m, of the prediction
@@ -34,10 +32,9 @@ struct FieldsOptions {
   std::string scene_path;
   int nodes = 24;  // along the first axis of the grid
   std::vector<int> sides = {4, 8, 16, 32};
-  double level = 70.0;     // N/m, of the truth
-  double noise = 0.001;    // m
-  std::uint64_t seed = 1;  // of truth and noise
-  bool with_lbfgs = true;
+  double level = 70.0;      // N/m, of the truth
+  double noise = 0.001;     // m
+  std::uint64_t seed = 1;   // of truth and noise
   int num_differences = 4;  // that are timed
   // After every fit. May be empty.
   std::function<void(const FieldsFit& fit, int num_done, int num_fits)> on_fit;

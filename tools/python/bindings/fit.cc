@@ -39,7 +39,6 @@ const std::map<std::string, FlagField>& FlagFields() {
                                                           {"jacobian", &RunFlags::jacobian},
                                                           {"adjoint", &RunFlags::adjoint},
                                                           {"precision", &RunFlags::precision},
-                                                          {"method", &RunFlags::method},
                                                           {"loss", &RunFlags::loss},
                                                           {"sigma", &RunFlags::sigma},
                                                           {"initial", &RunFlags::initial},
