@@ -113,7 +113,7 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
                       It is one more residual, once for all recordings. The verdict says what they add to it.
                       Without: size 1:1.03, handle_shift 0:0.01, handle_turn 0:0.05, and nothing of all others
   --jacobian KIND     adjoint, sensitivity or numeric (adjoint)
-  --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, sparse_lu, fixed_point or gmres, with a
+  --adjoint HOW       linear systems of --jacobian adjoint: reduced, lu, fixed_point or gmres, with a
                       threshold as in gmres:1e-6 (reduced, the scene's adjoint_tolerance)
   --precision KIND    adaptive: points far from the solution are simulated loosely; full: none (adaptive)
   --loss LOSS         none, huber:A or cauchy:A per observed point, A in standard deviations (none). Where sigma is not

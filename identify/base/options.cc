@@ -51,7 +51,6 @@ JacobianMethod ParseJacobianMethod(const std::string& text) {
 AdjointOptions ParseAdjointOptions(const std::string& text) {
   static const std::map<std::string, AdjointMethod> methods = {{"reduced", AdjointMethod::kReduced},
                                                                {"lu", AdjointMethod::kLu},
-                                                               {"sparse_lu", AdjointMethod::kSparseLu},
                                                                {"fixed_point", AdjointMethod::kFixedPoint},
                                                                {"gmres", AdjointMethod::kSystemGmres}};
   const std::vector<std::string> parts = Split(text, ':');
@@ -61,7 +60,7 @@ AdjointOptions ParseAdjointOptions(const std::string& text) {
   if (method == methods.end() || parts.size() > 2 ||
       (parts.size() == 2 && !(options.threshold && *options.threshold > 0.0 && *options.threshold < 1.0))) {
     FailOnOption(
-        "--adjoint: expected reduced, lu, sparse_lu, fixed_point or gmres, with or without a threshold in (0, 1) as in "
+        "--adjoint: expected reduced, lu, fixed_point or gmres, with or without a threshold in (0, 1) as in "
         "gmres:1e-6, got '" +
         Printable(text) + "'");
   }

@@ -118,7 +118,7 @@ DiscretizationParts ParseDiscretization(const std::string& text);
 TimeStepOption ParseTimeStep(const std::string& text);
 // Whether "growing", of "growing" and "full". Throws `Error` (kUsage).
 bool ParseHorizon(const std::string& text);
-// METHOD[:THRESHOLD] of reduced, lu, sparse_lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
+// METHOD[:THRESHOLD] of reduced, lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
 AdjointOptions ParseAdjointOptions(const std::string& text);
 
 }  // namespace clothid

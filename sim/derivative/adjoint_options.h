@@ -8,11 +8,10 @@
 
 namespace clothid {
 
-// How A^T z = w is solved at every step. Section 5.4 of the DiffCloth paper compares kSparseLu and kFixedPoint.
+// How A^T z = w is solved at every step. Section 5.4 of the DiffCloth paper compares LU and kFixedPoint.
 enum class AdjointMethod {
   kReduced,      // contacts eliminated, Cholesky of the symmetric rest, friction coupling by GMRES
   kLu,           // sparse LU of the whole step Jacobian (UMFPACK): the reference
-  kSparseLu,     // the same by Eigen's SparseLU
   kFixedPoint,   // P z <- (dP + dR)^T z + w with the prefactored P of sim/cloth/system_matrix.h
   kSystemGmres,  // GMRES preconditioned by P, without restart
 };
@@ -25,8 +24,7 @@ struct AdjointOptions {
   bool use_kept_factors = true;  // kReduced: those of RolloutOptions::factor_memory, as preconditioners
 };
 
-// What a sweep took. A method that misses its threshold hands over to LU: kReduced to UMFPACK, the iterations on P to
-// Eigen's.
+// What a sweep took. A method that misses its threshold hands over to LU.
 struct AdjointWork {
   int solves = 0;         // linear systems: one per step, more where substeps were taken
   int iterations = 0;     // of the slowest column, summed over the solves; a direct method has none

@@ -1,9 +1,8 @@
 #include "sim/derivative/adjoint_solver.h"
 
-#include <Eigen/SparseLU>
+#include <optional>
 #include <stdexcept>
 
-#include "sim/contact/contact_elimination.h"
 #include "sim/derivative/adjoint_iteration.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_solver.h"
@@ -16,15 +15,6 @@ constexpr int kMaxIterations = 400;
 
 }  // namespace
 
-// Left at its defaults (COLAMD), but for the analysis of the pattern, which serves the whole sweep.
-struct AdjointSolver::SparseLu {
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
-  Eigen::SparseMatrix<double> matrix;  // A
-  ContactElimination elimination;
-  Eigen::VectorXd values;
-  bool analysed = false;
-};
-
 AdjointSolver::AdjointSolver(const AdjointOptions& options, const Parameters& parameters, Simulator* simulator)
     : method_(options.method),
       use_kept_factors_(options.use_kept_factors),
@@ -32,20 +22,15 @@ AdjointSolver::AdjointSolver(const AdjointOptions& options, const Parameters& pa
       parameters_(parameters),
       simulator_(simulator) {}
 
-AdjointSolver::~AdjointSolver() = default;
-
 void AdjointSolver::Solve(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
                           Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
   ++work->solves;
   if (SolveByMethod(record, right, step, z, y, work)) return;
   ++work->failed_solves;
   const ScopedTimer timer(&work->fallback_seconds);
-  const bool is_iteration = method_ == AdjointMethod::kFixedPoint || method_ == AdjointMethod::kSystemGmres;
-  if (is_iteration ? SolveBySparseLu(*step, right, z, y)
-                   : SolveByStepJacobian(StepJacobian::Method::kLu, right, step, z, y, work)) {
-    return;
+  if (!SolveByStepJacobian(StepJacobian::Method::kLu, right, step, z, y, work)) {
+    throw std::runtime_error("singular step Jacobian");
   }
-  throw std::runtime_error("singular step Jacobian");
 }
 
 bool AdjointSolver::SolveByMethod(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
@@ -56,8 +41,6 @@ bool AdjointSolver::SolveByMethod(const StepRecord& record, const Eigen::MatrixX
              SolveByStepJacobian(StepJacobian::Method::kReduced, right, step, z, y, work);
     case AdjointMethod::kLu:
       return SolveByStepJacobian(StepJacobian::Method::kLu, right, step, z, y, work);
-    case AdjointMethod::kSparseLu:
-      return SolveBySparseLu(*step, right, z, y);
     case AdjointMethod::kFixedPoint:
     case AdjointMethod::kSystemGmres:
       return SolveByIteration(record, *step, right, z, y, work);
@@ -80,35 +63,6 @@ bool AdjointSolver::SolveByKeptFactor(const StepRecord& record, const Eigen::Mat
   const bool solved = step->jacobian().SolveTransposed(right, threshold_, z, y);
   work->iterations += step->jacobian().iterations();
   return solved;
-}
-
-bool AdjointSolver::SolveBySparseLu(const StepDerivative& step, const Eigen::MatrixXd& right, Eigen::MatrixXd* z,
-                                    Eigen::MatrixXd* y) {
-  if (sparse_lu_ == nullptr) sparse_lu_ = std::make_unique<SparseLu>();
-  SparseLu& lu = *sparse_lu_;
-  const ClothModel& model = simulator_->model();
-  const BlockPattern& pattern = *model.pattern();
-  PhaseSeconds& seconds = simulator_->step_solver().jacobian().seconds();
-  {
-    const ScopedTimer timer(&seconds.contact);
-    lu.elimination.SetContacts(step.contacts(), model.free_index(), parameters_.friction_coefficients);
-    lu.elimination.FullJacobian(simulator_->step_solver().hessian(), &lu.values);
-  }
-  {
-    const ScopedTimer timer(&seconds.factorization);
-    lu.matrix =
-        Eigen::Map<const Eigen::SparseMatrix<double>>(pattern.size(), pattern.size(), pattern.num_values(),
-                                                      pattern.outer().data(), pattern.inner().data(), lu.values.data());
-    if (!lu.analysed) lu.lu.analyzePattern(lu.matrix);
-    lu.analysed = true;
-    lu.lu.factorize(lu.matrix);
-    if (lu.lu.info() != Eigen::Success) return false;
-  }
-  const ScopedTimer timer(&seconds.solution);
-  *z = lu.lu.transpose().solve(right);
-  *y = *z;
-  lu.elimination.AddImpulseTransposed(y);
-  return z->allFinite();
 }
 
 bool AdjointSolver::SolveByIteration(const StepRecord& record, const StepDerivative& step, const Eigen::MatrixXd& right,

@@ -17,7 +17,6 @@ class AdjointSolver {
  public:
   // `parameters` and `simulator` must outlive the object.
   AdjointSolver(const AdjointOptions& options, const Parameters& parameters, Simulator* simulator);
-  ~AdjointSolver();
   AdjointSolver(const AdjointSolver&) = delete;
   AdjointSolver& operator=(const AdjointSolver&) = delete;
 
@@ -27,15 +26,12 @@ class AdjointSolver {
              Eigen::MatrixXd* y, AdjointWork* work);
 
  private:
-  struct SparseLu;
   bool SolveByMethod(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step, Eigen::MatrixXd* z,
                      Eigen::MatrixXd* y, AdjointWork* work);
   bool SolveByStepJacobian(StepJacobian::Method method, const Eigen::MatrixXd& right, StepDerivative* step,
                            Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work);
   bool SolveByKeptFactor(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
                          Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work);
-  bool SolveBySparseLu(const StepDerivative& step, const Eigen::MatrixXd& right, Eigen::MatrixXd* z,
-                       Eigen::MatrixXd* y);
   bool SolveByIteration(const StepRecord& record, const StepDerivative& step, const Eigen::MatrixXd& right,
                         Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work);
   const SystemMatrixFactor& SystemMatrixOf(double time_step);
@@ -46,7 +42,6 @@ class AdjointSolver {
   const Parameters& parameters_;
   Simulator* simulator_;
   std::unique_ptr<SystemMatrixFactor> system_matrix_;  // of the last step size; made when first asked for
-  std::unique_ptr<SparseLu> sparse_lu_;                // made when first asked for
 };
 
 }  // namespace clothid

@@ -74,7 +74,7 @@ the differences settle. tools/plots/plot_stability draws its CSV.
   --start_factor X  coverage: the fits start from the true values times this (1.05)
   --starts N        N x N starts, N even (4)
   --methods LIST    (all) jacobian: of adjoint, sensitivity, numeric; the linear solver of the first can be added as in adjoint:fixed_point:1e-4, see identify --adjoint
-                    backprop: of sparse_lu, umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced,
+                    backprop: of umfpack, fixed_point:1e-4, fixed_point:1e-6, gmres:1e-4, gmres:1e-6, reduced,
                     kept (reduced, with the factors that the rollout kept)
   --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)
   --seed S          of the noise; coverage: the first; stability: of the scalars whose

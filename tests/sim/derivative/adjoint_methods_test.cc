@@ -30,12 +30,10 @@ class AdjointMethodsTest : public ::testing::TestWithParam<std::tuple<std::strin
   RolloutGradient reference_;
 };
 
-TEST_P(AdjointMethodsTest, DirectSolversAgree) {
-  const RolloutGradient gradient = backprop_.Differentiate({AdjointMethod::kSparseLu});
-  EXPECT_LE(backprop_.Compare(gradient, reference_).Worst(), 1e-10);
-  EXPECT_EQ(gradient.work.iterations, 0);
-  EXPECT_EQ(gradient.work.failed_solves, 0);
-  EXPECT_EQ(gradient.work.solves, 15);
+TEST_P(AdjointMethodsTest, LuTakesNoIterations) {
+  EXPECT_EQ(reference_.work.iterations, 0);
+  EXPECT_EQ(reference_.work.failed_solves, 0);
+  EXPECT_EQ(reference_.work.solves, 15);
 }
 
 // The error of a gradient is the threshold times a factor of the scene: what a residual amounts to in z, summed over
@@ -58,8 +56,8 @@ TEST_P(AdjointMethodsTest, ColumnsOfABlockAreSolvedAsIfAlone) {
 }
 
 TEST_P(AdjointMethodsTest, PhasesArePartsOfTheTotal) {
-  for (const AdjointMethod method : {AdjointMethod::kReduced, AdjointMethod::kLu, AdjointMethod::kSparseLu,
-                                     AdjointMethod::kFixedPoint, AdjointMethod::kSystemGmres}) {
+  for (const AdjointMethod method :
+       {AdjointMethod::kReduced, AdjointMethod::kLu, AdjointMethod::kFixedPoint, AdjointMethod::kSystemGmres}) {
     const AdjointWork work = backprop_.Differentiate({method, 1e-6, /*use_kept_factors=*/false}).work;
     EXPECT_GT(work.phases.assembly, 0.0);
     EXPECT_GT(work.phases.factorization, 0.0);

@@ -19,8 +19,8 @@ struct GradientMethod {
 };
 
 constexpr GradientMethod kGradientMethods[] = {
-    {"sparse_lu", AdjointMethod::kSparseLu}, {"fixed_point", AdjointMethod::kFixedPoint},
-    {"gmres", AdjointMethod::kSystemGmres},  {"reduced", AdjointMethod::kReduced, /*use_kept_factors=*/false},
+    {"umfpack", AdjointMethod::kLu},        {"fixed_point", AdjointMethod::kFixedPoint},
+    {"gmres", AdjointMethod::kSystemGmres}, {"reduced", AdjointMethod::kReduced, /*use_kept_factors=*/false},
     {"kept", AdjointMethod::kReduced},
 };
 
@@ -66,7 +66,7 @@ std::vector<AccuracyPoint> MeasureGradients(const AccuracyCase& accuracy_case, i
   const RolloutGradient reference = backprop.Differentiate({AdjointMethod::kLu});
   std::vector<AccuracyPoint> points;
   for (const GradientMethod& method : kGradientMethods) {
-    const bool is_direct = method.method == AdjointMethod::kSparseLu;
+    const bool is_direct = method.method == AdjointMethod::kLu;
     for (const double threshold : is_direct ? std::vector<double>{kNaN} : kGradientThresholds) {
       points.push_back(MeasureSweep(accuracy_case, method, threshold, reference, repeats, &backprop));
     }

@@ -2,8 +2,7 @@
 //
 // The case of tools/benchmark/derivatives/backprop_case.h, with kGradientSteps steps; errors are of its worst parameter
 // (GradientErrors). Two kinds of curves, each against a reference of its own:
-//   sparse_lu, fixed_point, gmres, reduced, kept   the linear solvers of the reverse sweep, the iterative ones at
-//   falling
+//   umfpack, fixed_point, gmres, reduced, kept   the linear solvers of the reverse sweep, the iterative ones at falling
 //                   thresholds, against UMFPACK on the same rollout, at kTightTolerance; seconds of the sweep
 //   step_tolerance  gradients, by `kept`, of rollouts at falling step tolerances, against that of one at
 //                   kTightTolerance; seconds of rollout and sweep

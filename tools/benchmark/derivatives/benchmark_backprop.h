@@ -23,8 +23,7 @@ struct BackpropMethod {
 // All that `--methods` knows, in the order of the table.
 const std::vector<BackpropMethod>& BackpropMethods();
 
-// What others are compared with: the direct solver of the paper, and the faster one.
-inline constexpr char kPaperDirect[] = "sparse_lu";
+// What others are compared with: the direct solver.
 inline constexpr char kReferenceDirect[] = "umfpack";
 
 inline constexpr int kBlockColumns = 8;
