@@ -52,7 +52,6 @@ DEFINE_string(profile, "", "parameters whose profile likelihood is wanted");
 DEFINE_string(landscape, "", "folders that `landscape` wrote, to show in report.html");
 DEFINE_string(discretization, "", "what intervals are to count with besides noise: step, mesh or all");
 DEFINE_string(time_step, "", "of the simulation, in s, or auto; empty: the scene's");
-DEFINE_bool(check_step, false, "the same as --discretization step");
 DEFINE_string(holdout, "", "recordings that are not fitted, to judge the estimates on");
 DEFINE_string(holdout_frames, "", "frames A:B of every recording that are not fitted, to judge the estimates on");
 DEFINE_string(horizon, "growing", "growing: fits of the first frames lead to the start; full: all frames at once");
@@ -142,7 +141,6 @@ constexpr char kHelp[] = R"(identify: fits friction and stiffness of cloth to re
   --discretization PARTS  step: fit again at half and twice the time step; mesh: fit again on a mesh of twice the
                       density; all: both. Intervals are widened by the errors that this shows, and the verdict says
                       what is the largest: noise, time step or mesh
-  --check_step        the same as --discretization step
   --time_step H       of the simulation, in s (the scene's); auto: from the scene's to the coarsest whose error is at
                       most the standard deviation that noise leaves of each estimate, with its error in the intervals
   --holdout FILES     recordings that are not fitted: their error at the estimates and at the nominal parameters; of
@@ -206,7 +204,6 @@ RunFlags FlagsOfCommandLine() {
   flags.landscape = FLAGS_landscape;
   flags.discretization = FLAGS_discretization;
   flags.time_step = FLAGS_time_step;
-  flags.check_step = FLAGS_check_step;
   flags.holdout = FLAGS_holdout;
   flags.holdout_frames = FLAGS_holdout_frames;
   flags.horizon = FLAGS_horizon;

@@ -58,7 +58,6 @@ RunOptions ParseRunFlags(const RunFlags& flags) {
   options.check_gradients = flags.check_gradients;
   options.profiles = ParseNames(flags.profile, "--profile");
   options.discretization = ParseDiscretization(flags.discretization);
-  options.discretization.step = options.discretization.step || flags.check_step;
   options.growing_horizon = ParseHorizon(flags.horizon);
   options.landscape_paths = ParseNames(flags.landscape, "--landscape");
   options.output = flags.output;

@@ -26,7 +26,6 @@ struct RunFlags {
   int starts = 1;
   std::uint64_t seed = 0;
   std::string profile, landscape, discretization, time_step;
-  bool check_step = false;
   std::string holdout, holdout_frames;
   std::string horizon = "growing";
   std::string exports;  // --export

@@ -248,7 +248,7 @@ Finding CheckTimeStep(const CheckedMotion& checked) {
         "shows what they say";
   } else if (steps > kManySteps) {
     finding.severity = Severity::kNote;
-    finding.hint = "a time step that is larger makes fits faster; identify --check_step says what it costs";
+    finding.hint = "a time step that is larger makes fits faster; identify --discretization step says what it costs";
   }
   return finding;
 }

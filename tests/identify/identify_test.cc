@@ -25,7 +25,7 @@ TEST_F(IdentifyTest, RefusesWrongFlags) {
   ExpectFlagsRefused("--seed -1", "identify: --seed: expected a whole number >= 0, got '-1'");
   ExpectFlagsRefused("--step_tolerance nan", "identify: --step_tolerance: expected a finite number, got 'nan'");
   ExpectFlagsRefused("--discretization=time", "identify: --discretization: expected step, mesh or all, got 'time'");
-  ExpectFlagsRefused("--check_step=maybe", "identify: --check_step: expected true or false, got 'maybe'");
+  ExpectFlagsRefused("--report=maybe", "identify: --report: expected true or false, got 'maybe'");
   ExpectFlagsRefused("--fit", "identify: --fit: expected a value behind it");
   ExpectFlagsRefused("--fit mu --fit mu", "--fit: 'mu' is given twice");
   ExpectFlagsRefused("--jacobian exact", "exact");
