@@ -12,6 +12,7 @@
 
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
+#include "sim/scene/triangulated_surface.h"
 #include "tests/sim/scene/triangle_meshes.h"
 
 namespace clothid {

@@ -12,7 +12,6 @@
 #include "tests/tools/small_drape.h"
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/fits/benchmark_coverage.h"
-#include "tools/benchmark/fits/coverage_table.h"
 
 namespace clothid {
 namespace {

@@ -21,7 +21,7 @@ TEST_F(ForwardTest, CountsStepsWorkAndMemory) {
   options.num_steps = 4;
   options.repeats = 2;
   int num_rollouts = 0;
-  options.on_rollout = [&](const ForwardCase&, int num_done, int num_all) {
+  options.on_progress = [&](const std::string&, int num_done, int num_all) {
     EXPECT_EQ(num_done, ++num_rollouts);
     EXPECT_EQ(num_all, 24);
   };
@@ -45,20 +45,6 @@ TEST_F(ForwardTest, CountsStepsWorkAndMemory) {
   // Every node of `slope` is in contact, and a step of two stages keeps both.
   EXPECT_GE(benchmark.cases[6].bytes, 48.0 + sizeof(ContactRecord));
   EXPECT_GE(benchmark.cases[7].bytes, 2.0 * (48.0 + sizeof(ContactRecord)));
-}
-
-TEST_F(ForwardTest, LawsOfBendingTakeTurns) {
-  ForwardBenchmarkOptions options;
-  options.scenes = {"sphere"};
-  options.nodes = {6};
-  options.integrators = {"euler"};
-  options.num_steps = 2;
-  options.bending = {"edges:1e-3", "patches:1e-3", "patches:0"};
-  const ForwardBenchmark benchmark = RunForwardBenchmark(options);
-  ASSERT_EQ(benchmark.cases.size(), 3u);
-  EXPECT_GT(benchmark.cases[1].factor_entries, benchmark.cases[0].factor_entries);
-  EXPECT_LT(benchmark.cases[2].factor_entries, benchmark.cases[0].factor_entries);
-  EXPECT_NE(ForwardTable(benchmark).find("patches:1e-3"), std::string::npos);
 }
 
 TEST_F(ForwardTest, AnIterationDoesNotDependOnHowOftenItFactorises) {
@@ -110,15 +96,13 @@ TEST_F(ForwardTest, PrintsTablesAndWritesEveryCase) {
   EXPECT_NE(result.out.find("Gflop/s"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("exponent"), std::string::npos) << result.out;
   const std::string csv = ReadBytes(folder() / "out" / "forward.csv");
-  EXPECT_EQ(csv.rfind("scene,nodes,integrator,bending,steps,", 0), 0u) << csv;
-  EXPECT_NE(csv.find("\nslope,4,euler,,2,"), std::string::npos) << csv;
+  EXPECT_EQ(csv.rfind("scene,nodes,integrator,steps,", 0), 0u) << csv;
+  EXPECT_NE(csv.find("\nslope,4,euler,2,"), std::string::npos) << csv;
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5) << csv;
 }
 
 TEST_F(ForwardTest, RefusesWhatItCannotRun) {
   ExpectRefused("benchmark forward --scene desert", 1, "'desert'");
-  ExpectRefused("benchmark forward --bending bands:1e-3", 1, "--bending: 'bands:1e-3'");
-  ExpectRefused("benchmark forward --bending edges", 1, "--bending: 'edges'");
   ExpectRefused("benchmark forward --integrator rk4", 1, "--integrator: 'rk4'");
   ExpectRefused("benchmark forward --nodes 1", 1, "--nodes");
   ExpectRefused("benchmark forward --nodes 10000", 1, "--nodes");

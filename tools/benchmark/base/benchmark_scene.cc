@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "sim/base/error.h"
+#include "tools/benchmark/base/common.h"
 
 namespace clothid {
 namespace {
@@ -66,7 +66,8 @@ void AddObstacle(const std::string& name, std::shared_ptr<const Obstacle> shape,
 }
 
 Scene MakeBenchmarkScene(const std::string& name, int nodes, double stretch_stiffness, double time_step) {
-  if (nodes < 2) throw Error(ErrorKind::kUsage, "--nodes: expected at least 2 nodes along an axis");
+  RequireUsage(nodes >= 2, "--nodes: expected at least 2 nodes along an axis");
+  RequireKnown({name}, kBenchmarkScenes, "--scene");
   Scene scene;
   scene.integrator = Integrator::kEuler;  // unless a benchmark asks for both
   scene.time_step = time_step;
@@ -76,10 +77,8 @@ Scene MakeBenchmarkScene(const std::string& name, int nodes, double stretch_stif
     MakeWind(nodes, &scene);
   } else if (name == "slope") {
     MakeSlope(nodes, &scene);
-  } else if (name == "sphere") {
-    MakeSphere(nodes, &scene);
   } else {
-    throw Error(ErrorKind::kUsage, "--scene: '" + name + "': expected wind, slope or sphere");
+    MakeSphere(nodes, &scene);
   }
   return scene;
 }

@@ -2,31 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <limits>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/base/text_file.h"
 
 namespace clothid {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastInfluence = 1e-8;  // |theta dC/dtheta| relative to C; rounding is far below
 constexpr int kMostSteps = 20, kLeastSteps = 4, kNodesTimesSteps = 240;
-
-void Require(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorKind::kUsage, message);
-}
 
 constexpr std::size_t kFactorMemory = std::size_t{4} << 30;  // bytes
 
 // `step_tolerance`: absent for the scene's.
-Rollout Run(const BackpropCaseName& name, int num_steps, Simulator* simulator,
-            std::optional<double> step_tolerance = std::nullopt) {
+Rollout SimulateCase(const BackpropCaseName& name, int num_steps, Simulator* simulator,
+                     std::optional<double> step_tolerance = std::nullopt) {
   RolloutOptions options;
   options.step_tolerance = step_tolerance;
   options.factor_memory = kFactorMemory;
@@ -40,7 +31,7 @@ Scene WarmScene(const BackpropCaseName& name) {
   Scene scene = MakeBenchmarkScene(name.scene, name.nodes, setting.stretch_stiffness, setting.time_step);
   Simulator simulator(scene);
   const int num_steps = static_cast<int>(std::lround(kWarmUpSeconds / setting.time_step));
-  const StepRecord last = Run(name, num_steps, &simulator).records.back();
+  const StepRecord last = SimulateCase(name, num_steps, &simulator).records.back();
   scene.initial_positions = last.positions;
   scene.initial_velocities = last.velocities;
   scene.start_time = last.time;
@@ -65,10 +56,6 @@ std::string BackpropCaseName::ToString() const {
   return scene + ", " + setting + ", " + std::to_string(nodes) + " x " + std::to_string(nodes) + " nodes";
 }
 
-bool BackpropCaseName::operator==(const BackpropCaseName& other) const {
-  return scene == other.scene && setting == other.setting && nodes == other.nodes && num_steps == other.num_steps;
-}
-
 double GradientErrors::Worst() const {
   double worst = x_0;
   for (const double error : {k_stretch, density, mu}) {
@@ -82,7 +69,7 @@ BackpropCase::BackpropCase(BackpropCaseName name)
       simulator_(WarmScene(name_)),
       ids_({{ParameterKind::kStretchStiffness}, {ParameterKind::kDensity}}) {
   if (!simulator_.scene().obstacles.empty()) ids_.push_back({ParameterKind::kFriction});
-  SetRollout(Run(name_, name_.num_steps, &simulator_));
+  SetRollout(SimulateCase(name_, name_.num_steps, &simulator_));
 }
 
 void BackpropCase::SetRollout(Rollout rollout) {
@@ -93,10 +80,10 @@ void BackpropCase::SetRollout(Rollout rollout) {
   }
 }
 
-void BackpropCase::SimulateAgain() { Run(name_, name_.num_steps, &simulator_, rollout_.step_tolerance); }
+void BackpropCase::SimulateAgain() { SimulateCase(name_, name_.num_steps, &simulator_, rollout_.step_tolerance); }
 
 void BackpropCase::SetStepTolerance(double tolerance) {
-  SetRollout(Run(name_, name_.num_steps, &simulator_, tolerance));
+  SetRollout(SimulateCase(name_, name_.num_steps, &simulator_, tolerance));
 }
 
 RolloutGradient BackpropCase::Differentiate(const AdjointOptions& options, int num_columns) {
@@ -112,7 +99,7 @@ RolloutGradient BackpropCase::Differentiate(const AdjointOptions& options, int n
 double BackpropCase::ParameterError(int index, const RolloutGradient& gradient,
                                     const RolloutGradient& reference) const {
   const double expected = reference.parameters(index, 0);
-  if (std::abs(GetParameter(rollout_.parameters, ids_[index]) * expected) <= kLeastInfluence * cost_) return kNaN;
+  if (std::abs(GetParameter(rollout_.parameters, ids_[index]) * expected) <= kLeastInfluence * cost_) return kNoNumber;
   return std::abs(gradient.parameters(index, 0) - expected) / std::abs(expected);
 }
 
@@ -120,7 +107,7 @@ GradientErrors BackpropCase::Compare(const RolloutGradient& gradient, const Roll
   GradientErrors errors;
   errors.k_stretch = ParameterError(0, gradient, reference);
   errors.density = ParameterError(1, gradient, reference);
-  errors.mu = ids_.size() > 2 ? ParameterError(2, gradient, reference) : kNaN;
+  errors.mu = ids_.size() > 2 ? ParameterError(2, gradient, reference) : kNoNumber;
   errors.x_0 = (gradient.initial_positions.col(0) - reference.initial_positions.col(0)).norm() /
                reference.initial_positions.col(0).norm();
   return errors;
@@ -129,9 +116,9 @@ GradientErrors BackpropCase::Compare(const RolloutGradient& gradient, const Roll
 void BackpropCaseOptions::Validate() const {
   RequireKnown(scenes, kBenchmarkScenes, "--scene");
   RequireKnown(settings, BackpropSettingNames(), "--settings");
-  Require(!nodes.empty(), "--nodes: expected at least one number");
-  for (const int n : nodes) Require(n >= 2, "--nodes: expected numbers >= 2");
-  Require(num_steps >= 0, "--steps: expected a number >= 1");
+  RequireUsage(!nodes.empty(), "--nodes: expected at least one number");
+  for (const int n : nodes) RequireUsage(n >= 2, "--nodes: expected numbers >= 2");
+  RequireUsage(num_steps >= 0, "--steps: expected a number >= 1");
 }
 
 void ForEachCase(const BackpropCaseOptions& options, const std::function<void(BackpropCase*)>& visit) {
@@ -144,28 +131,10 @@ void ForEachCase(const BackpropCaseOptions& options, const std::function<void(Ba
             options.num_steps > 0 ? options.num_steps : std::clamp(kNodesTimesSteps / nodes, kLeastSteps, kMostSteps);
         BackpropCase backprop({scene, setting, nodes, num_steps});
         visit(&backprop);
-        if (options.on_case) options.on_case(backprop.name(), ++num_done, num_cases);
+        if (options.on_progress) options.on_progress(backprop.name().ToString(), ++num_done, num_cases);
       }
     }
   }
-}
-
-void RequireKnown(const std::vector<std::string>& items, const std::vector<std::string>& known,
-                  const std::string& flag) {
-  Require(!items.empty(), flag + ": expected at least one name");
-  std::string list;
-  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
-  for (const std::string& item : items) {
-    Require(std::find(known.begin(), known.end(), item) != known.end(),
-            flag + ": '" + Printable(item) + "': expected any of " + list);
-  }
-}
-
-std::string FixedNumber(double value, int digits) {
-  if (std::isnan(value)) return "-";
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
 }
 
 }  // namespace clothid

@@ -5,7 +5,6 @@
 #ifndef CLOTHID_TOOLS_BENCHMARK_DERIVATIVES_BACKPROP_CASE_H_
 #define CLOTHID_TOOLS_BENCHMARK_DERIVATIVES_BACKPROP_CASE_H_
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "tools/benchmark/base/benchmark_scene.h"
+#include "tools/benchmark/base/common.h"
 
 namespace clothid {
 
@@ -37,8 +37,7 @@ struct BackpropCaseName {
   int nodes = 0;      // along both axes
   int num_steps = 0;  // differentiated
 
-  std::string ToString() const;
-  bool operator==(const BackpropCaseName& other) const;
+  std::string ToString() const;  // "wind, soft, 12 x 12 nodes"
 };
 
 // Relative errors; NaN for what the scene does not have and for what C does not depend on:
@@ -84,9 +83,8 @@ struct BackpropCaseOptions {
   std::vector<std::string> scenes = kBenchmarkScenes;
   std::vector<std::string> settings = {"soft", "realistic"};  // of kBackpropSettings
   std::vector<int> nodes = {12, 24, 48};
-  int num_steps = 0;  // 0: the fewer the finer the mesh, 20 down to 4
-  // After every case. May be empty.
-  std::function<void(const BackpropCaseName& name, int num_done, int num_cases)> on_case;
+  int num_steps = 0;              // 0: the fewer the finer the mesh, 20 down to 4
+  BenchmarkProgress on_progress;  // after every case
 
   // Throws `Error` (kUsage) naming the first flag out of range.
   void Validate() const;
@@ -94,13 +92,6 @@ struct BackpropCaseOptions {
 
 // Every case in turn, by scene, setting, nodes.
 void ForEachCase(const BackpropCaseOptions& options, const std::function<void(BackpropCase*)>& visit);
-
-// Throws `Error` (kUsage), led by `flag`, unless there is at least one of `items` and each is one of `known`.
-void RequireKnown(const std::vector<std::string>& items, const std::vector<std::string>& known,
-                  const std::string& flag);
-
-// "-" where there is none.
-std::string FixedNumber(double value, int digits);
 
 }  // namespace clothid
 

@@ -1,26 +1,14 @@
 #include "tools/benchmark/derivatives/benchmark_backprop.h"
 
 #include <algorithm>
-#include <iomanip>
-#include <limits>
-#include <sstream>
 #include <utility>
 
-#include "sim/base/error.h"
 #include "tools/benchmark/base/timing.h"
 
 namespace clothid {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::vector<std::string> MethodNames() {
-  std::vector<std::string> names;
-  for (const BackpropMethod& method : BackpropMethods()) names.push_back(method.name);
-  return names;
-}
-
-std::vector<BackpropMethod> SelectMethods(const std::vector<std::string>& names) {
+std::vector<BackpropMethod> SelectBackpropMethods(const std::vector<std::string>& names) {
   std::vector<BackpropMethod> selected;
   for (const BackpropMethod& method : BackpropMethods()) {
     if (names.empty() || std::find(names.begin(), names.end(), method.name) != names.end()) selected.push_back(method);
@@ -31,17 +19,12 @@ std::vector<BackpropMethod> SelectMethods(const std::vector<std::string>& names)
 // The sweep counts its phases in wall time; other work on the machine stretches all of them alike.
 BackpropSample MakeSample(const AdjointWork& work, double thread_seconds) {
   const double share = thread_seconds / work.total_seconds;
-  BackpropSample sample;
-  sample.total = thread_seconds;
-  sample.linear_solve = share * (work.phases.factorization + work.phases.solution);
-  sample.assembly = share * work.phases.assembly;
-  sample.contact = share * work.phases.contact;
-  sample.fallback = share * work.fallback_seconds;
-  return sample;
+  return {thread_seconds, share * (work.phases.factorization + work.phases.solution), share * work.phases.assembly,
+          share * work.phases.contact, share * work.fallback_seconds};
 }
 
-void Measure(const BackpropMethod& method, const RolloutGradient& reference, BackpropCase* backprop,
-             BackpropResult* result) {
+void MeasureBackprop(const BackpropMethod& method, const RolloutGradient& reference, BackpropCase* backprop,
+                     BackpropResult* result) {
   double start = ThreadSeconds();
   const RolloutGradient gradient = backprop->Differentiate(method.options);
   result->samples.push_back(MakeSample(gradient.work, ThreadSeconds() - start));
@@ -55,74 +38,69 @@ void Measure(const BackpropMethod& method, const RolloutGradient& reference, Bac
 }
 
 // All methods on one rollout.
-std::vector<BackpropResult> RunCase(const BackpropOptions& options, BackpropCase* backprop) {
-  const std::vector<BackpropMethod> methods = SelectMethods(options.methods);
+std::vector<BackpropResult> RunBackpropCase(const BackpropOptions& options, BackpropCase* backprop) {
+  const std::vector<BackpropMethod> methods = SelectBackpropMethods(options.methods);
   const RolloutGradient reference = backprop->Differentiate({AdjointMethod::kLu});
-  std::vector<BackpropResult> results;
-  for (const BackpropMethod& method : methods) {
-    BackpropResult& result = results.emplace_back();
-    result.name = backprop->name();
-    result.method = method.name;
-  }
+  std::vector<BackpropResult> results(methods.size());
   for (int repeat = 0; repeat < options.num_repeats; ++repeat) {
     const double start = ThreadSeconds();
     backprop->SimulateAgain();
     const double rollout_seconds = ThreadSeconds() - start;
     for (std::size_t i = 0; i < methods.size(); ++i) {
+      results[i].name = backprop->name();
+      results[i].method = methods[i].name;
       results[i].rollout_seconds.push_back(rollout_seconds);
-      Measure(methods[i], reference, backprop, &results[i]);
+      MeasureBackprop(methods[i], reference, backprop, &results[i]);
     }
   }
   return results;
 }
 
 template <typename Value>
-double MedianOf(const BackpropResult& result, Value value) {
+std::vector<double> Collect(const BackpropResult& result, Value value) {
   std::vector<double> values;
   for (const BackpropSample& sample : result.samples) values.push_back(value(sample));
-  return Median(std::move(values));
-}
-
-// Median over the repetitions of numerator/denominator.
-double MedianRatio(const std::vector<double>& numerators, const std::vector<double>& denominators) {
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < numerators.size(); ++i) ratios.push_back(numerators[i] / denominators[i]);
-  return Median(std::move(ratios));
+  return values;
 }
 
 std::vector<double> Totals(const BackpropResult& result) {
-  std::vector<double> totals;
-  for (const BackpropSample& sample : result.samples) totals.push_back(sample.total);
-  return totals;
+  return Collect(result, [](const BackpropSample& s) { return s.total; });
 }
 
-// NaN where `reference` did not take part.
-double SpeedUp(const BackpropBenchmark& benchmark, const BackpropResult& result, const std::string& reference) {
+// Median over the repetitions of numerator/denominator, "-" where there are none.
+std::string MedianRatio(const std::vector<double>& numerators, const std::vector<double>& denominators) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < numerators.size(); ++i) ratios.push_back(numerators[i] / denominators[i]);
+  return ratios.empty() ? "-" : FixedNumber(Median(std::move(ratios)), 2);
+}
+
+// "-" where the reference did not take part.
+std::string SpeedUp(const BackpropBenchmark& benchmark, const BackpropResult& result) {
   for (const BackpropResult& other : benchmark.results) {
-    if (other.name == result.name && other.method == reference) return MedianRatio(Totals(other), Totals(result));
+    if (other.name.ToString() == result.name.ToString() && other.method == kReferenceDirect) {
+      return MedianRatio(Totals(other), Totals(result));
+    }
   }
-  return kNaN;
+  return "-";
 }
 
-void WriteTableRow(const BackpropBenchmark& benchmark, const BackpropResult& result, std::ostream& out) {
+std::string BackpropTableRow(const BackpropBenchmark& benchmark, const BackpropResult& result) {
   const auto milliseconds = [&result](auto value) {
-    return FixedNumber(1e3 / result.name.num_steps * MedianOf(result, value), 2);
+    return 1e3 / result.name.num_steps * Median(Collect(result, value));
   };
   const double fallback =
-      MedianOf(result, [](const BackpropSample& s) { return 100.0 * s.fallback / (s.total - s.fallback); });
-  const double block = result.block_seconds.empty() ? kNaN : MedianRatio(result.block_seconds, Totals(result));
-  out << std::left << std::setw(7) << result.name.scene << std::setw(10) << result.name.setting << std::right
-      << std::setw(5) << result.name.nodes << "  " << std::left << std::setw(16) << result.method << std::right
-      << std::setw(9) << milliseconds([](const BackpropSample& s) { return s.total; }) << std::setw(9)
-      << milliseconds([](const BackpropSample& s) { return s.linear_solve; }) << std::setw(7)
-      << milliseconds([](const BackpropSample& s) { return s.assembly; }) << std::setw(7)
-      << milliseconds([](const BackpropSample& s) { return s.contact; }) << std::setw(7)
-      << milliseconds([](const BackpropSample& s) { return s.other(); }) << std::setw(8)
-      << FixedNumber(result.iterations, 1) << std::setw(8) << FixedNumber(100.0 * result.failed_share, 1)
-      << std::setw(10) << FixedNumber(fallback, 1) << std::setw(9) << std::scientific << std::setprecision(1)
-      << result.gradient_error << std::setw(9) << FixedNumber(SpeedUp(benchmark, result, kReferenceDirect), 2)
-      << std::setw(7) << FixedNumber(block, 2) << std::setw(10)
-      << FixedNumber(MedianRatio(Totals(result), result.rollout_seconds), 2) << "\n";
+      Median(Collect(result, [](const BackpropSample& s) { return 100.0 * s.fallback / (s.total - s.fallback); }));
+  return Format("%-7s%-10s%5d  %-16s", result.name.scene.c_str(), result.name.setting.c_str(), result.name.nodes,
+                result.method.c_str()) +
+         Format("%9.2f%9.2f%7.2f%7.2f%7.2f", milliseconds([](const BackpropSample& s) { return s.total; }),
+                milliseconds([](const BackpropSample& s) { return s.linear_solve; }),
+                milliseconds([](const BackpropSample& s) { return s.assembly; }),
+                milliseconds([](const BackpropSample& s) { return s.contact; }),
+                milliseconds([](const BackpropSample& s) { return s.other(); })) +
+         Format("%8.1f%8.1f%10.1f%9.1e%9s%7s%10s\n", result.iterations, 100.0 * result.failed_share, fallback,
+                result.gradient_error, SpeedUp(benchmark, result).c_str(),
+                MedianRatio(result.block_seconds, Totals(result)).c_str(),
+                MedianRatio(Totals(result), result.rollout_seconds).c_str());
 }
 
 }  // namespace
@@ -142,47 +120,47 @@ const std::vector<BackpropMethod>& BackpropMethods() {
 
 void BackpropOptions::Validate() const {
   cases.Validate();
-  if (!methods.empty()) RequireKnown(methods, MethodNames(), "--methods");
-  if (num_repeats < 1) throw Error(ErrorKind::kUsage, "--repeats: expected a number >= 1");
+  std::vector<std::string> known;
+  for (const BackpropMethod& method : BackpropMethods()) known.push_back(method.name);
+  if (!methods.empty()) RequireKnown(methods, known, "--methods");
+  RequireUsage(num_repeats >= 1, "--repeats: expected a number >= 1");
 }
 
 BackpropBenchmark RunBackpropBenchmark(const BackpropOptions& options) {
   options.Validate();
   BackpropBenchmark benchmark;
   ForEachCase(options.cases, [&](BackpropCase* backprop) {
-    const std::vector<BackpropResult> results = RunCase(options, backprop);
-    benchmark.results.insert(benchmark.results.end(), results.begin(), results.end());
+    for (BackpropResult& result : RunBackpropCase(options, backprop)) benchmark.results.push_back(std::move(result));
   });
   return benchmark;
 }
 
 std::string BackpropTable(const BackpropBenchmark& benchmark) {
-  std::ostringstream out;
-  out << "                                      ms per step                                       failed  fallback "
-         "   worst   faster  8 rhs\n"
-         "scene  setting   nodes  method              total   linear     dP     dR  other   iter.       %   % extra "
-         "   error  umfpack   to 1 / rollout\n";
-  for (const BackpropResult& result : benchmark.results) WriteTableRow(benchmark, result, out);
-  return out.str();
+  std::string table =
+      "                                      ms per step                                       failed  fallback "
+      "   worst   faster  8 rhs\n"
+      "scene  setting   nodes  method              total   linear     dP     dR  other   iter.       %   % extra "
+      "   error  umfpack   to 1 / rollout\n";
+  for (const BackpropResult& result : benchmark.results) table += BackpropTableRow(benchmark, result);
+  return table;
 }
 
 std::string BackpropCsv(const BackpropBenchmark& benchmark) {
-  std::ostringstream out;
-  out << std::setprecision(std::numeric_limits<double>::max_digits10)
-      << "scene,setting,nodes,steps,method,repeat,iterations_per_step,failed_share,gradient_error,"
-         "total_s,linear_solve_s,dP_s,dR_s,other_s,fallback_s,block_s,rollout_s\n";
+  std::string csv =
+      "scene,setting,nodes,steps,method,repeat,iterations_per_step,failed_share,gradient_error,"
+      "total_s,linear_solve_s,dP_s,dR_s,other_s,fallback_s,block_s,rollout_s\n";
   for (const BackpropResult& result : benchmark.results) {
+    const BackpropCaseName& name = result.name;
     for (std::size_t i = 0; i < result.samples.size(); ++i) {
       const BackpropSample& sample = result.samples[i];
-      out << result.name.scene << "," << result.name.setting << "," << result.name.nodes << "," << result.name.num_steps
-          << "," << result.method << "," << i + 1 << "," << result.iterations << "," << result.failed_share << ","
-          << result.gradient_error << "," << sample.total << "," << sample.linear_solve << "," << sample.assembly << ","
-          << sample.contact << "," << sample.other() << "," << sample.fallback << ",";
-      if (!result.block_seconds.empty()) out << result.block_seconds[i];
-      out << "," << result.rollout_seconds[i] << "\n";
+      csv += CsvLine(name.scene, name.setting, name.nodes, name.num_steps, result.method, i + 1, result.iterations,
+                     result.failed_share, result.gradient_error, sample.total, sample.linear_solve, sample.assembly,
+                     sample.contact, sample.other(), sample.fallback,
+                     i < result.block_seconds.size() ? GeneralNumber(result.block_seconds[i], 17) : "",
+                     result.rollout_seconds[i]);
     }
   }
-  return out.str();
+  return csv;
 }
 
 }  // namespace clothid

@@ -70,9 +70,7 @@ BackpropBenchmark RunBackpropBenchmark(const BackpropOptions& options);
 // One line per result: times per step, medians; speed-ups and the ratios to the block and to the rollout are medians
 // of the ratios within a repetition.
 std::string BackpropTable(const BackpropBenchmark& benchmark);
-
-// One row per result and repetition.
-std::string BackpropCsv(const BackpropBenchmark& benchmark);
+std::string BackpropCsv(const BackpropBenchmark& benchmark);  // one row per result and repetition
 
 }  // namespace clothid
 

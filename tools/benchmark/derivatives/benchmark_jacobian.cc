@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iomanip>
-#include <limits>
-#include <optional>
-#include <sstream>
+#include <iterator>
 #include <utility>
 
 #include "datasets/synthetic/true_recording.h"
@@ -21,86 +18,77 @@
 namespace clothid {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-void Require(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorKind::kUsage, message);
-}
+using Fits = std::vector<JacobianFit>;
 
 // Start number i of n along one axis of the grid.
-double StartValue(const TrueParameter& parameter, int i, int n) {
+double GridStart(const TrueParameter& parameter, int i, int n) {
   const double share = static_cast<double>(i) / (n - 1);
   if (parameter.is_friction) return kFirstFriction + share * (kLastFriction - kFirstFriction);
   return parameter.value * kFirstFactor * std::pow(kLastFactor / kFirstFactor, share);
 }
 
 // The fits to one recording, not yet run.
-std::vector<JacobianFit> PlanFits(const JacobianBenchmarkOptions& options, const std::vector<TrueParameter>& truth,
-                                  double noise) {
-  std::vector<JacobianFit> fits;
+Fits PlanJacobianFits(const JacobianBenchmarkOptions& options, const std::vector<TrueParameter>& truth, double noise) {
+  Fits fits;
   const int n = options.starts_per_axis;
   for (int start = 0; start < n * n; ++start) {
     for (const std::string& method : options.methods) {
-      JacobianFit fit;
+      JacobianFit& fit = fits.emplace_back();
       fit.noise = noise;
       fit.method = method;
-      fit.start = {StartValue(truth[0], start / n, n), StartValue(truth[1], start % n, n)};
-      fits.push_back(fit);
+      fit.start = {GridStart(truth[0], start / n, n), GridStart(truth[1], start % n, n)};
     }
   }
   return fits;
 }
 
-// "adjoint:gmres:1e-4" -> "adjoint", "gmres:1e-4".
-struct MethodName {
-  std::string jacobian, adjoint;
-};
-
-MethodName SplitMethodName(const std::string& method) {
-  const std::size_t colon = method.find(':');
-  if (colon == std::string::npos) return {method, ""};
-  return {method.substr(0, colon), method.substr(colon + 1)};
-}
-
-void CheckMethod(const std::string& method) {
-  const std::vector<std::string>& known = kJacobianBenchmarkMethods;
-  const MethodName name = SplitMethodName(method);
-  const bool has_sweep = name.jacobian == "adjoint";
-  Require(std::find(known.begin(), known.end(), has_sweep ? name.jacobian : method) != known.end(),
-          "--methods: '" + Printable(method) + "': expected adjoint, sensitivity or numeric");
+// "adjoint:gmres:1e-4": the Jacobian, and the linear solver of its sweeps. Throws `Error` (kUsage).
+void SetMethod(const std::string& method, FitOptions* options) {
+  const std::string jacobian = method.substr(0, method.find(':'));
+  const bool has_solver = jacobian != method;
+  const std::string where = "--methods: '" + Printable(method) + "': ";
+  RequireUsage(std::count(kJacobianBenchmarkMethods.begin(), kJacobianBenchmarkMethods.end(), jacobian) > 0 &&
+                   (!has_solver || jacobian == "adjoint"),
+               where + "expected adjoint, sensitivity or numeric");
+  options->jacobian = ParseJacobianMethod(jacobian);
   try {
-    if (method.find(':') != std::string::npos) ParseAdjointOptions(name.adjoint);
+    if (has_solver) options->adjoint = ParseAdjointOptions(method.substr(jacobian.size() + 1));
   } catch (const Error& error) {
-    throw Error(ErrorKind::kUsage, "--methods: '" + Printable(method) + "': " + error.what());
+    throw Error(ErrorKind::kUsage, where + error.what());
   }
 }
 
-FitOptions MakeFitOptions(const std::vector<TrueParameter>& truth, FitPrecision precision, const JacobianFit& fit) {
+// The fit that start and method of `fit` describe; fills in the rest, but for `reached`.
+void RunJacobianFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
+                    JacobianFit* fit) {
+  const double start = ThreadSeconds();
   FitOptions options;
   options.precision = precision;
   options.estimate_uncertainty = false;  // its sweep is the same for every method
+  SetMethod(fit->method, &options);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     options.parameters.push_back(truth[i].name);
-    options.overrides.start[truth[i].name] = fit.start[i];
+    options.overrides.start[truth[i].name] = fit->start[i];
   }
-  const MethodName name = SplitMethodName(fit.method);
-  if (!name.adjoint.empty()) options.adjoint = ParseAdjointOptions(name.adjoint);
-  options.jacobian = ParseJacobianMethod(name.jacobian);
-  return options;
+  FitProblem problem({motion}, options);
+  const FitSummary summary = Fit(options, &problem);
+  fit->seconds = ThreadSeconds() - start;
+  const bool has_estimate = summary.has_estimate();
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    fit->value[i] = has_estimate ? summary.parameters[i].value : kNoNumber;
+  }
+  fit->cost = has_estimate ? summary.cost : std::numeric_limits<double>::infinity();
+  fit->num_iterations = summary.num_iterations();
+  fit->rollouts = summary.statistics.rollouts;
+  fit->sweeps = summary.statistics.sweeps;
+  fit->failed_steps = summary.statistics.counts.failed_steps;
+  fit->status = summary.status;
+  fit->message = summary.message;
 }
 
-// Runs fits[i] against recordings[i / fits_per_recording]. Each fit has memory of its own.
-void RunFits(const JacobianBenchmarkOptions& options, const std::vector<RecordedMotion>& recordings,
-             const std::vector<TrueParameter>& truth, std::vector<JacobianFit>* fits) {
-  const int num_fits = static_cast<int>(fits->size());
-  const int fits_per_recording = num_fits / static_cast<int>(recordings.size());
-  ParallelFor(
-      num_fits, options.num_threads,
-      [&](int i) { RunJacobianFit(recordings[i / fits_per_recording], truth, options.precision, &(*fits)[i]); },
-      [&](int i, int num_done) {
-        if (options.on_fit) options.on_fit((*fits)[i], num_done, num_fits);
-      });
+std::string DescribeJacobianFit(const JacobianFit& fit) {
+  return Format("%s, noise %g, start %g %g: %s, %d rollouts", fit.method.c_str(), fit.noise, fit.start[0], fit.start[1],
+                FitStatusName(fit.status).c_str(), fit.rollouts);
 }
 
 bool IsNear(const std::array<double, 2>& value, const std::array<double, 2>& expected, double tolerance) {
@@ -110,93 +98,60 @@ bool IsNear(const std::array<double, 2>& value, const std::array<double, 2>& exp
   return true;
 }
 
+// Sets `reached` of [begin, end), all the fits to one recording.
+void JudgeFits(const std::vector<TrueParameter>& truth, Fits::iterator begin, Fits::iterator end) {
+  const JacobianFit best =
+      *std::min_element(begin, end, [](const JacobianFit& a, const JacobianFit& b) { return a.cost < b.cost; });
+  for (auto fit = begin; fit != end; ++fit) {
+    fit->reached = fit->noise == 0.0 ? IsNear(fit->value, {truth[0].value, truth[1].value}, kTruthTolerance)
+                                     : fit->cost - best.cost <= kCostTolerance * best.cost &&
+                                           IsNear(fit->value, best.value, kParameterTolerance);
+  }
+}
+
 // The fits of one noise and method, in the order of the starts.
-std::vector<JacobianFit> Select(const JacobianBenchmark& benchmark, double noise, const std::string& method) {
-  std::vector<JacobianFit> selected;
+Fits SelectFits(const JacobianBenchmark& benchmark, double noise, const std::string& method) {
+  Fits selected;
   std::copy_if(benchmark.fits.begin(), benchmark.fits.end(), std::back_inserter(selected),
                [&](const JacobianFit& fit) { return fit.noise == noise && fit.method == method; });
   return selected;
 }
 
 template <typename Value>
-double MedianOf(const std::vector<JacobianFit>& fits, Value JacobianFit::*member) {
+double MedianOfFits(const Fits& fits, Value JacobianFit::*member) {
   std::vector<double> values;
   for (const JacobianFit& fit : fits) values.push_back(static_cast<double>(fit.*member));
   return Median(std::move(values));
 }
 
-std::optional<double> MedianTimeRatio(const std::vector<JacobianFit>& fits, const std::vector<JacobianFit>& reference) {
-  if (reference.empty()) return std::nullopt;
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < fits.size(); ++i) ratios.push_back(fits[i].seconds / reference[i].seconds);
-  return Median(std::move(ratios));
-}
-
-void WriteTableRow(const JacobianBenchmark& benchmark, double noise, const std::string& method, int width,
-                   std::ostream& out) {
-  const std::vector<JacobianFit> fits = Select(benchmark, noise, method);
+std::string JacobianTableRow(const JacobianBenchmark& benchmark, double noise, const std::string& method, int width) {
+  const Fits fits = SelectFits(benchmark, noise, method), reference = SelectFits(benchmark, noise, "sensitivity");
   int num_reached = 0, max_rollouts = 0, failed_steps = 0;
-  for (const JacobianFit& fit : fits) {
-    num_reached += fit.reached;
-    max_rollouts = std::max(max_rollouts, fit.rollouts);
-    failed_steps += fit.failed_steps;
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    num_reached += fits[i].reached;
+    max_rollouts = std::max(max_rollouts, fits[i].rollouts);
+    failed_steps += fits[i].failed_steps;
+    if (!reference.empty()) ratios.push_back(fits[i].seconds / reference[i].seconds);
   }
-  const std::optional<double> ratio = MedianTimeRatio(fits, Select(benchmark, noise, "sensitivity"));
-  std::ostringstream reached, relative;
-  reached << num_reached << " of " << fits.size();
-  relative << std::fixed << std::setprecision(2);
-  if (ratio) relative << *ratio;
-  out << std::left << std::setw(width) << method << std::right << std::setw(7) << noise << std::setw(11)
-      << reached.str() << std::fixed << std::setprecision(1) << std::setw(10) << MedianOf(fits, &JacobianFit::rollouts)
-      << std::setw(6) << max_rollouts << std::setw(8) << MedianOf(fits, &JacobianFit::sweeps) << std::setw(14)
-      << failed_steps << std::setprecision(2) << std::setw(10) << MedianOf(fits, &JacobianFit::seconds) << std::setw(16)
-      << (ratio ? relative.str() : "-") << std::defaultfloat << std::setprecision(6) << "\n";
+  const double ratio = ratios.empty() ? kNoNumber : Median(std::move(ratios));
+  const std::string reached = std::to_string(num_reached) + " of " + std::to_string(fits.size());
+  return Format("%-*s%7g%11s%10.1f%6d%8.1f%14d%10.2f%16s\n", width, method.c_str(), noise, reached.c_str(),
+                MedianOfFits(fits, &JacobianFit::rollouts), max_rollouts, MedianOfFits(fits, &JacobianFit::sweeps),
+                failed_steps, MedianOfFits(fits, &JacobianFit::seconds), FixedNumber(ratio, 2).c_str());
 }
 
 }  // namespace
 
 void JacobianBenchmarkOptions::Validate() const {
-  Require(!scene_path.empty(), "--scene is missing; see benchmark --help");
-  Require(truth.size() == 2, "--set: expected two parameters, as in mu=0.3,k_stretch=100");
-  Require(std::isfinite(noise) && noise >= 0.0, "--noise: expected a number >= 0, relative to the cloth's size");
-  Require(starts_per_axis >= 2 && starts_per_axis % 2 == 0, "--starts: expected an even number >= 2");
-  Require(num_threads >= 1, "--threads: expected a number >= 1");
-  Require(!methods.empty(), "--methods: expected at least one method");
-  for (const std::string& method : methods) CheckMethod(method);
-}
-
-void RunJacobianFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
-                    JacobianFit* fit, const std::function<void(const FitIteration&)>& on_iteration) {
-  const double start = ThreadSeconds();
-  FitOptions options = MakeFitOptions(truth, precision, *fit);
-  options.on_iteration = on_iteration;
-  FitProblem problem({motion}, options);
-  const FitSummary summary = Fit(options, &problem);
-  fit->seconds = ThreadSeconds() - start;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    fit->value[i] = summary.has_estimate() ? summary.parameters[i].value : kNaN;
-  }
-  fit->cost = summary.has_estimate() ? summary.cost : kInfinity;
-  fit->num_iterations = summary.num_iterations();
-  fit->rollouts = summary.statistics.rollouts;
-  fit->sweeps = summary.statistics.sweeps;
-  fit->failed_steps = summary.statistics.counts.failed_steps;
-  fit->status = summary.status;
-  fit->message = summary.message;
-}
-
-void JudgeFits(const std::vector<TrueParameter>& truth, std::vector<JacobianFit>::iterator begin,
-               std::vector<JacobianFit>::iterator end) {
-  const JacobianFit best =
-      *std::min_element(begin, end, [](const JacobianFit& a, const JacobianFit& b) { return a.cost < b.cost; });
-  for (auto fit = begin; fit != end; ++fit) {
-    if (fit->noise == 0.0) {
-      fit->reached = IsNear(fit->value, {truth[0].value, truth[1].value}, kTruthTolerance);
-    } else {
-      fit->reached =
-          fit->cost - best.cost <= kCostTolerance * best.cost && IsNear(fit->value, best.value, kParameterTolerance);
-    }
-  }
+  RequireUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  RequireUsage(truth.size() == 2, "--set: expected two parameters, as in mu=0.3,k_stretch=100");
+  RequireUsage(std::isfinite(noise) && noise >= 0.0, "--noise: expected a number >= 0, relative to the cloth's size");
+  RequireUsage(starts_per_axis >= 2 && starts_per_axis % 2 == 0, "--starts: expected an even number >= 2");
+  RequireUsage(num_threads >= 1, "--threads: expected a number >= 1");
+  RequireUsage(!methods.empty(), "--methods: expected at least one method");
+  FitOptions options;
+  for (const std::string& method : methods) SetMethod(method, &options);
 }
 
 JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options) {
@@ -207,58 +162,54 @@ JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options) 
   const std::vector<TrueParameter> truth = MakeTrueParameters(options.truth, scene);
   const Rollout rollout = SimulateTruth(truth, options.scene_path, scene);
 
-  std::vector<double> noises = {0.0};
-  if (options.noise > 0.0) noises.push_back(options.noise);
   JacobianBenchmark benchmark;
   benchmark.names = {truth[0].name, truth[1].name};
   benchmark.methods = options.methods;
+  benchmark.noises = {0.0};
+  if (options.noise > 0.0) benchmark.noises.push_back(options.noise);
   std::vector<RecordedMotion> recordings;
-  for (const double noise : noises) {
+  for (const double noise : benchmark.noises) {
     SyntheticOptions synthetic;
     synthetic.noise_sigma = noise * ClothSize(scene.mesh);
     synthetic.seed = options.seed;
     recordings.push_back(MakeRecording(rollout, scene, scene_text, synthetic));
-    const std::vector<JacobianFit> fits = PlanFits(options, truth, noise);
-    benchmark.fits.insert(benchmark.fits.end(), fits.begin(), fits.end());
+    const Fits planned = PlanJacobianFits(options, truth, noise);
+    benchmark.fits.insert(benchmark.fits.end(), planned.begin(), planned.end());
   }
-  RunFits(options, recordings, truth, &benchmark.fits);
-  const auto fits_per_recording = static_cast<std::ptrdiff_t>(benchmark.fits.size() / recordings.size());
-  for (auto begin = benchmark.fits.begin(); begin != benchmark.fits.end(); begin += fits_per_recording) {
-    JudgeFits(truth, begin, begin + fits_per_recording);
-  }
+  Fits& fits = benchmark.fits;
+  const int num_fits = static_cast<int>(fits.size()), num_each = num_fits / static_cast<int>(recordings.size());
+  ParallelFor(
+      num_fits, options.num_threads,
+      [&](int i) { RunJacobianFit(recordings[i / num_each], truth, options.precision, &fits[i]); },
+      [&](int i, int num_done) {
+        if (options.on_progress) options.on_progress(DescribeJacobianFit(fits[i]), num_done, num_fits);
+      });
+  for (auto begin = fits.begin(); begin != fits.end(); begin += num_each) JudgeFits(truth, begin, begin + num_each);
   return benchmark;
 }
 
 std::string JacobianTable(const JacobianBenchmark& benchmark) {
-  std::ostringstream out;
   std::size_t longest = 11;
   for (const std::string& method : benchmark.methods) longest = std::max(longest, method.size());
   const int width = static_cast<int>(longest) + 2;
-  out << std::left << std::setw(width) << "method" << std::right
-      << "  noise    reached  rollouts   max  sweeps  failed steps   seconds  to sensitivity\n";
-  std::vector<double> noises;
-  for (const JacobianFit& fit : benchmark.fits) {
-    if (noises.empty() || noises.back() != fit.noise) noises.push_back(fit.noise);
+  std::string table = Format("%-*s  noise    reached  rollouts   max  sweeps  failed steps   seconds  to sensitivity\n",
+                             width, "method");
+  for (const double noise : benchmark.noises) {
+    for (const std::string& method : benchmark.methods) table += JacobianTableRow(benchmark, noise, method, width);
   }
-  for (const double noise : noises) {
-    for (const std::string& method : benchmark.methods) WriteTableRow(benchmark, noise, method, width, out);
-  }
-  return out.str();
+  return table;
 }
 
 std::string JacobianCsv(const JacobianBenchmark& benchmark) {
-  std::ostringstream out;
-  out << std::setprecision(std::numeric_limits<double>::max_digits10);
   const auto& [first, second] = benchmark.names;
-  out << "start_" << first << ",start_" << second << ",method,noise," << first << "," << second
-      << ",cost,reached,iterations,rollouts,sweeps,failed_steps,status,seconds\n";
+  std::string csv = CsvLine("start_" + first, "start_" + second, "method,noise", first, second,
+                            "cost,reached,iterations,rollouts,sweeps,failed_steps,status,seconds");
   for (const JacobianFit& fit : benchmark.fits) {
-    out << fit.start[0] << "," << fit.start[1] << "," << fit.method << "," << fit.noise << "," << fit.value[0] << ","
-        << fit.value[1] << "," << fit.cost << "," << fit.reached << "," << fit.num_iterations << "," << fit.rollouts
-        << "," << fit.sweeps << "," << fit.failed_steps << "," << FitStatusName(fit.status) << "," << fit.seconds
-        << "\n";
+    csv +=
+        CsvLine(fit.start[0], fit.start[1], fit.method, fit.noise, fit.value[0], fit.value[1], fit.cost, fit.reached,
+                fit.num_iterations, fit.rollouts, fit.sweeps, fit.failed_steps, FitStatusName(fit.status), fit.seconds);
   }
-  return out.str();
+  return csv;
 }
 
 }  // namespace clothid

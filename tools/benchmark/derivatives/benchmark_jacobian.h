@@ -8,14 +8,12 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "datasets/motion/recorded_motion.h"
-#include "datasets/synthetic/true_recording.h"
 #include "identify/fit/fit.h"
+#include "tools/benchmark/base/common.h"
 
 namespace clothid {
 
@@ -27,13 +25,10 @@ inline const std::vector<std::string> kJacobianBenchmarkMethods = {"adjoint", "s
 inline constexpr double kFirstFriction = 0.02, kLastFriction = 0.58;
 inline constexpr double kFirstFactor = 0.1, kLastFactor = 10.0;
 
-// A fit has reached its minimum if ...
-inline constexpr double kTruthTolerance =
-    1e-4;  // ... without noise: each parameter is this near to the truth, relative,
-inline constexpr double kCostTolerance =
-    1e-6;  // ... with noise: its cost is this near to the lowest of all fits to the
-inline constexpr double kParameterTolerance =
-    1e-3;  // same recording, and each parameter this near to that fit's, relative.
+// Without noise a fit has reached its minimum where each parameter is within kTruthTolerance of the truth; with noise
+// where its cost is within kCostTolerance of the lowest of all fits to the same recording, and each parameter within
+// kParameterTolerance of that fit's. All relative.
+inline constexpr double kTruthTolerance = 1e-4, kCostTolerance = 1e-6, kParameterTolerance = 1e-3;
 
 // One fit. Its place in the benchmark and its result, which depend on the options alone, and its time.
 struct JacobianFit {
@@ -56,10 +51,9 @@ struct JacobianBenchmarkOptions {
   int starts_per_axis = 4;              // n >= 2; even, so that no start is on the truth
   std::vector<std::string> methods = kJacobianBenchmarkMethods;
   FitPrecision precision = FitPrecision::kAdaptive;
-  std::uint64_t seed = 1;  // of the noise
-  int num_threads = 1;     // fits side by side; results do not depend on it
-  // After every fit, in the order in which they end; never two at a time. May be empty.
-  std::function<void(const JacobianFit& fit, int num_done, int num_fits)> on_fit;
+  std::uint64_t seed = 1;         // of the noise
+  int num_threads = 1;            // fits side by side; results do not depend on it
+  BenchmarkProgress on_progress;  // after every fit
 
   // Throws `Error` (kUsage) naming the first flag out of range.
   void Validate() const;
@@ -67,29 +61,18 @@ struct JacobianBenchmarkOptions {
 
 struct JacobianBenchmark {
   std::array<std::string, 2> names;  // of the fitted parameters, friction first
+  std::vector<double> noises;        // 0, and that of the options
   std::vector<std::string> methods;
   std::vector<JacobianFit> fits;  // by noise, then start, then method: methods take turns, so that times compare
 };
-
-// Runs the fit that start and method of `fit` describe; fills in the rest, but for `reached`. `on_iteration`: see
-// FitOptions.
-void RunJacobianFit(const RecordedMotion& motion, const std::vector<TrueParameter>& truth, FitPrecision precision,
-                    JacobianFit* fit, const std::function<void(const FitIteration&)>& on_iteration = {});
-
-// Sets `reached` of [begin, end), all the fits to one recording.
-void JudgeFits(const std::vector<TrueParameter>& truth, std::vector<JacobianFit>::iterator begin,
-               std::vector<JacobianFit>::iterator end);
 
 // Throws `Error` for options and scenes that cannot be used and where the rollout with the true parameters fails.
 JacobianBenchmark RunJacobianBenchmark(const JacobianBenchmarkOptions& options);
 
 // One line per noise and method: fits that reached the minimum, median and maximum of rollouts, median of sweeps,
-// failed steps, median of seconds, and the median over the starts of seconds relative to `sensitivity`, where that took
-// part.
+// failed steps, median of seconds, and the median over the starts of seconds relative to `sensitivity`.
 std::string JacobianTable(const JacobianBenchmark& benchmark);
-
-// One row per fit.
-std::string JacobianCsv(const JacobianBenchmark& benchmark);
+std::string JacobianCsv(const JacobianBenchmark& benchmark);  // one row per fit
 
 }  // namespace clothid
 

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/base/parallel_for.h"
 #include "identify/checks/discretization_check.h"
 #include "identify/fit/problem.h"
 #include "identify/uncertainty/uncertainty.h"
-#include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/scene_json.h"
@@ -22,11 +21,6 @@ namespace clothid {
 namespace {
 
 constexpr char kTimeOffset[] = "time_offset";
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-void Require(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorKind::kUsage, message);
-}
 
 const std::vector<std::string>& KnownSettings(const CoverageOptions& options) {
   return options.sensor_path.empty() ? kCoverageSettings : kSensorSettings;
@@ -46,7 +40,7 @@ SyntheticOptions SensorOptions(const CoverageOptions& options, const CoverageFit
 }
 
 // The fits to come, by setting, then seed.
-std::vector<CoverageFit> PlanFits(const CoverageOptions& options) {
+std::vector<CoverageFit> PlanCoverageFits(const CoverageOptions& options) {
   std::vector<CoverageFit> fits;
   for (const std::string& setting : options.settings.empty() ? KnownSettings(options) : options.settings) {
     for (int i = 0; i < options.num_seeds; ++i) {
@@ -88,8 +82,8 @@ class Recorder {
   std::optional<SensorCase> sensor_case_;
 };
 
-void RunFit(const std::vector<TrueParameter>& truth, const CoverageOptions& coverage, const RecordedMotion& recording,
-            CoverageFit* fit) {
+void RunCoverageFit(const std::vector<TrueParameter>& truth, const CoverageOptions& coverage,
+                    const RecordedMotion& recording, CoverageFit* fit) {
   FitOptions options;
   options.jacobian = JacobianMethod::kSensitivity;
   options.check_interval = false;
@@ -109,7 +103,7 @@ void RunFit(const std::vector<TrueParameter>& truth, const CoverageOptions& cove
   std::vector<ParameterUncertainty> uncertainty(truth.size());
   if (summary.uncertainty) uncertainty = summary.uncertainty->parameters;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    fit->value.push_back(summary.has_estimate() ? summary.parameters[i].value : kNaN);
+    fit->value.push_back(summary.has_estimate() ? summary.parameters[i].value : kNoNumber);
     fit->std.push_back(uncertainty[i].std);
     fit->lower95.push_back(uncertainty[i].lower95);
     fit->upper95.push_back(uncertainty[i].upper95);
@@ -117,58 +111,50 @@ void RunFit(const std::vector<TrueParameter>& truth, const CoverageOptions& cove
     fit->noise_upper95.push_back(noise[i].upper95);
     fit->known_start_std.push_back(uncertainty[i].known_start_std);
   }
-  fit->rmse = summary.has_estimate() ? summary.error.rmse() : kNaN;
+  fit->rmse = summary.has_estimate() ? summary.error.rmse() : kNoNumber;
   fit->rollouts = summary.statistics.rollouts;
   fit->status = summary.status;
-}
-
-void RequireSettings(const CoverageOptions& options) {
-  const std::vector<std::string>& known = KnownSettings(options);
-  for (const std::string& setting : options.settings) {
-    Require(std::find(known.begin(), known.end(), setting) != known.end(),
-            "--settings: '" + Printable(setting) + "': expected " +
-                (options.sensor_path.empty() ? "full, half or third" : "clean, faults, huber, outliers or markers"));
-  }
 }
 
 // What is asked of recordings that are made without a sensor.
 void RequireRecordings(const CoverageOptions& options) {
   const StartSource start = options.import.start;
-  Require(!options.sigma || (std::isfinite(*options.sigma) && *options.sigma > 0.0),
-          "--sigma: expected a number > 0 in m");
-  Require(!options.frame_rate || (std::isfinite(*options.frame_rate) && *options.frame_rate > 0.0),
-          "--frame_rate: expected a number > 0 in Hz");
-  Require(options.num_markers >= 0, "--markers: expected a number >= 0; 0: all nodes");
-  Require(options.num_markers == 0 || start != StartSource::kFirstFrame,
-          "--markers: a first frame of markers shows no start; expected --initial scene, smoothed, rest or moving");
-  Require(std::isfinite(options.import.cut) && options.import.cut >= 0.0, "--cut: expected a number >= 0 in s");
-  Require(options.import.cut == 0.0 || start != StartSource::kScene,
-          "--cut: the scene's start is not that of a recording that begins later; expected another --initial");
-  Require(std::isfinite(options.import.handle_sigma) && options.import.handle_sigma >= 0.0,
-          "--handle_sigma: expected a number >= 0 in m");
-  Require(options.resolution.steps >= 1, "--truth_steps: expected a number >= 1");
-  Require(options.resolution.levels >= 0, "--truth_levels: expected a number >= 0");
+  RequireUsage(!options.sigma || (std::isfinite(*options.sigma) && *options.sigma > 0.0),
+               "--sigma: expected a number > 0 in m");
+  RequireUsage(!options.frame_rate || (std::isfinite(*options.frame_rate) && *options.frame_rate > 0.0),
+               "--frame_rate: expected a number > 0 in Hz");
+  RequireUsage(options.num_markers >= 0, "--markers: expected a number >= 0; 0: all nodes");
+  RequireUsage(
+      options.num_markers == 0 || start != StartSource::kFirstFrame,
+      "--markers: a first frame of markers shows no start; expected --initial scene, smoothed, rest or moving");
+  RequireUsage(std::isfinite(options.import.cut) && options.import.cut >= 0.0, "--cut: expected a number >= 0 in s");
+  RequireUsage(options.import.cut == 0.0 || start != StartSource::kScene,
+               "--cut: the scene's start is not that of a recording that begins later; expected another --initial");
+  RequireUsage(std::isfinite(options.import.handle_sigma) && options.import.handle_sigma >= 0.0,
+               "--handle_sigma: expected a number >= 0 in m");
+  RequireUsage(options.resolution.steps >= 1, "--truth_steps: expected a number >= 1");
+  RequireUsage(options.resolution.levels >= 0, "--truth_levels: expected a number >= 0");
   if (options.sensor_path.empty()) return;
-  const std::string has_own = ": expected without --sensor, whose recordings have their own";
-  Require(!options.sigma, "--sigma" + has_own);
-  Require(!options.frame_rate, "--frame_rate" + has_own);
-  Require(options.num_markers == 0, "--markers" + has_own);
-  Require(options.resolution.steps == 1, "--truth_steps" + has_own);
-  Require(options.resolution.levels == 0, "--truth_levels" + has_own);
-  Require(options.import.handle_sigma == 0.0, "--handle_sigma" + has_own);
-  Require(start == StartSource::kScene, "--initial: expected scene with --sensor");
+  for (const auto& [is_given, flag] :
+       {std::pair(options.sigma.has_value(), "--sigma"), std::pair(options.frame_rate.has_value(), "--frame_rate"),
+        std::pair(options.num_markers > 0, "--markers"), std::pair(options.resolution.steps > 1, "--truth_steps"),
+        std::pair(options.resolution.levels > 0, "--truth_levels"),
+        std::pair(options.import.handle_sigma > 0.0, "--handle_sigma"),
+        std::pair(start != StartSource::kScene, "--initial")}) {
+    RequireUsage(!is_given, flag + std::string(": expected without --sensor, whose recordings have their own"));
+  }
 }
 
 }  // namespace
 
 void CoverageOptions::Validate() const {
-  Require(!scene_path.empty(), "--scene is missing; see benchmark --help");
-  Require(!truth.empty(), "--set: expected at least one parameter, as in mu=0.3,k_stretch=100");
-  Require(std::isfinite(noise) && noise > 0.0, "--noise: expected a number > 0, relative to the cloth's size");
-  Require(num_seeds >= 2, "--seeds: expected a number >= 2");
-  Require(num_threads >= 1, "--threads: expected a number >= 1");
-  Require(std::isfinite(start_factor) && start_factor > 0.0, "--start_factor: expected a number > 0");
-  RequireSettings(*this);
+  RequireUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  RequireUsage(!truth.empty(), "--set: expected at least one parameter, as in mu=0.3,k_stretch=100");
+  RequireUsage(std::isfinite(noise) && noise > 0.0, "--noise: expected a number > 0, relative to the cloth's size");
+  RequireUsage(num_seeds >= 2, "--seeds: expected a number >= 2");
+  RequireUsage(num_threads >= 1, "--threads: expected a number >= 1");
+  RequireUsage(std::isfinite(start_factor) && start_factor > 0.0, "--start_factor: expected a number > 0");
+  if (!settings.empty()) RequireKnown(settings, KnownSettings(*this), "--settings");
   RequireRecordings(*this);
 }
 
@@ -181,7 +167,7 @@ CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
   benchmark.start = options.import.start;
   benchmark.discretization = options.discretization;
   benchmark.truth = MakeTrueParameters(options.truth, scene);
-  benchmark.fits = PlanFits(options);
+  benchmark.fits = PlanCoverageFits(options);
   if (options.sensor_path.empty()) {
     for (const CoverageFit& fit : benchmark.fits) {
       if (fit.seed == options.seed) CheckImport(options.import, SensorOptions(options, fit, scene), scene, scene_text);
@@ -194,10 +180,14 @@ CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
       num_fits, options.num_threads,
       [&](int i) {
         CoverageFit* fit = &benchmark.fits[i];
-        RunFit(benchmark.truth, options, recorder.Record(*fit), fit);
+        RunCoverageFit(benchmark.truth, options, recorder.Record(*fit), fit);
       },
       [&](int i, int num_done) {
-        if (options.on_fit) options.on_fit(benchmark.fits[i], num_done, num_fits);
+        if (!options.on_progress) return;
+        const CoverageFit& fit = benchmark.fits[i];
+        options.on_progress(Format("%s, seed %d: %s, %d rollouts", fit.setting.c_str(), static_cast<int>(fit.seed),
+                                   FitStatusName(fit.status).c_str(), fit.rollouts),
+                            num_done, num_fits);
       });
   return benchmark;
 }

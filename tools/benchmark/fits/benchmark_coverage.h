@@ -7,12 +7,10 @@
 // Or the fit is not told the scene's start and takes it from the recording, or estimates it
 // (tools/benchmark/fits/imported_recording.h). Or the truth has finer steps and a finer mesh than the model, and the
 // intervals count with what that does to the estimates (identify/checks/discretization_check.h).
-// tools/benchmark/fits/coverage_table.h sums fits up.
 #ifndef CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 #define CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,8 +18,8 @@
 
 #include "datasets/synthetic/true_recording.h"
 #include "identify/fit/fit.h"
+#include "tools/benchmark/base/common.h"
 #include "tools/benchmark/fits/imported_recording.h"
-#include "tools/benchmark/fits/sampled_truth.h"
 
 namespace clothid {
 
@@ -62,8 +60,7 @@ struct CoverageOptions {
   int num_seeds = 40;                  // recordings per setting
   std::uint64_t seed = 1;              // the first
   int num_threads = 1;                 // fits side by side; results do not depend on it
-  // After every fit, in the order in which they end; never two at a time. May be empty.
-  std::function<void(const CoverageFit& fit, int num_done, int num_fits)> on_fit;
+  BenchmarkProgress on_progress;       // after every fit
 
   // Throws `Error` (kUsage) naming the first flag out of range.
   void Validate() const;
@@ -78,6 +75,39 @@ struct CoverageBenchmark {
 
 // Throws `Error` for options and scenes that cannot be used and where the rollout with the true parameters fails.
 CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options);
+
+// Of one setting and parameter.
+struct CoverageSummary {
+  std::string setting, name;
+  int num_fits = 0;
+  int num_covered = 0;           // intervals that contain the truth; a fit without one is not among them
+  int num_covered_by_noise = 0;  // likewise by the intervals of the noise alone, where others were looked at
+  int num_refused = 0;           // fits without an interval
+  double mean_width = 0.0;       // of the 95 % intervals
+  double mean_std = 0.0;         // reported
+  double empirical_std = 0.0;    // of the estimates about their mean
+  double bias = 0.0;             // mean estimate - truth
+  // Means over the fits with an interval, as width and reported std are; NaN where there are none.
+  double mean_error_ratio = 0.0;  // of (estimate - truth)/std, each fit with the std that it reports
+  double mean_start_ratio = 0.0;  // of std/known_start_std: what not knowing the start costs
+  double mean_rollouts = 0.0;     // per fit, of all
+
+  double coverage() const { return static_cast<double>(num_covered) / num_fits; }
+  double std_ratio() const { return mean_std / empirical_std; }
+};
+
+// By setting, then parameter. A value that a fit does not have is NaN, and so is what depends on it.
+std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmark);
+
+// One line per setting and parameter; widths relative to the first setting, biases in empirical standard deviations.
+// Where intervals count with the discretisation it goes on with how many of the noise alone contain the truth; where
+// the scene's start was not used, with refused intervals, biases in reported standard deviations, these
+// over those of a known start, and rollouts per fit.
+std::string CoverageTable(const CoverageBenchmark& benchmark);
+
+// One row per fit. Where the scene's start was not used with two more columns per parameter: its std if the start were
+// known, and (estimate - truth)/std.
+std::string CoverageCsv(const CoverageBenchmark& benchmark);
 
 }  // namespace clothid
 

@@ -1,11 +1,7 @@
 #include "tools/benchmark/fits/benchmark_fields.h"
 
 #include <cmath>
-#include <ctime>
-#include <iomanip>
-#include <limits>
 #include <random>
-#include <sstream>
 #include <utility>
 
 #include "datasets/synthetic/fine_truth.h"
@@ -15,15 +11,13 @@
 #include "identify/field/field_model.h"
 #include "sim/base/error.h"
 #include "sim/rollout/simulator.h"
+#include "tools/benchmark/base/timing.h"
 
 namespace clothid {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kTrueSide = 65;
-
-// Processor time, s: other programs do not count.
-double Now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // z of the header over the square, at `side` x `side` control nodes.
 class TrueField {
@@ -34,28 +28,19 @@ class TrueField {
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) amplitudes_(i, j) = i + j == 0 ? 0.0 : normal(generator) / (i * i + j * j);
     }
-    scale_ = 1.0 / std::sqrt(At(kTrueSide).array().square().mean());
+    amplitudes_ /= std::sqrt(At(kTrueSide).array().square().mean());
   }
   Eigen::MatrixXd At(int side) const {
-    Eigen::MatrixXd values(side, side);
-    for (int r = 0; r < side; ++r) {
-      for (int c = 0; c < side; ++c) {
-        double sum = 0.0;
-        for (int i = 0; i < 3; ++i) {
-          for (int j = 0; j < 3; ++j) {
-            sum += amplitudes_(i, j) * std::cos(kPi * i * r / (side - 1.0)) * std::cos(kPi * j * c / (side - 1.0));
-          }
-        }
-        values(r, c) = scale_ * sum;
-      }
-    }
-    return values;
+    const auto cosine = [side](Eigen::Index r, Eigen::Index i) {
+      return std::cos(kPi * static_cast<double>(i * r) / (side - 1.0));
+    };
+    const Eigen::MatrixXd cosines = Eigen::MatrixXd::NullaryExpr(side, 3, cosine);
+    return cosines * amplitudes_ * cosines.transpose();
   }
   Eigen::MatrixXd ValuesAt(int side, double level) const { return level * (0.4 * At(side)).array().exp(); }
 
  private:
   Eigen::Matrix3d amplitudes_;
-  double scale_ = 1.0;
 };
 
 // The recording of the truth, whose scene has its nominal value everywhere.
@@ -75,9 +60,7 @@ RecordedMotion RecordField(const FieldsOptions& options, const GridScene& grid_s
   return motion;
 }
 
-double RootMeanSquare(double sum, double count) {
-  return count > 0.0 ? std::sqrt(sum / count) : std::numeric_limits<double>::quiet_NaN();
-}
+double RootMeanSquare(double sum, double count) { return count > 0.0 ? std::sqrt(sum / count) : kNoNumber; }
 
 void SetErrors(const Eigen::MatrixXd& truth, const FittedField& field, FieldsFit* fit) {
   double all = 0.0, determined = 0.0, count = 0.0;
@@ -100,13 +83,13 @@ double TimeDifferences(int num_differences, FieldModel* model) {
   FieldPoint point;
   Eigen::VectorXd unknowns = model->Start();
   model->MoveTo(unknowns, Precision::kFull, &point);
-  const double start = Now();
+  const double start = ThreadSeconds();
   for (int i = 0; i < num_differences; ++i) {
     unknowns = model->Start();
     unknowns[model->num_scalars() + i] += 1e-4;
     model->MoveTo(unknowns, Precision::kFull, &point);
   }
-  return (Now() - start) / num_differences * (model->size() + 1);
+  return (ThreadSeconds() - start) / num_differences * (model->size() + 1);
 }
 
 FieldsFit FitField(const FieldsOptions& options, int side, RecordedMotion motion, const TrueField& truth) {
@@ -115,11 +98,11 @@ FieldsFit FitField(const FieldsOptions& options, int side, RecordedMotion motion
   std::vector<RecordedMotion> motions = {std::move(motion)};
   SetField({request.kind, Eigen::MatrixXd::Constant(side, side, start)}, &motions);
   FieldFitOptions fit_options;
-  const double before = Now();
+  const double before = ThreadSeconds();
   double last = before;
-  fit_options.on_iteration = [&last](const FieldIteration&) { last = Now(); };
+  fit_options.on_iteration = [&last](const FieldIteration&) { last = ThreadSeconds(); };
   const FieldFit fitted = FitFields(motions, {}, {request}, fit_options);
-  const double seconds = Now() - before;
+  const double seconds = ThreadSeconds() - before;
   const FieldResult& result = fitted.result;
   if (!result.ok) throw Error(ErrorKind::kBadData, options.scene_path + ": " + result.message);
   FieldsFit fit;
@@ -138,19 +121,16 @@ FieldsFit FitField(const FieldsOptions& options, int side, RecordedMotion motion
   return fit;
 }
 
-void Require(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorKind::kUsage, message);
-}
-
 }  // namespace
 
 void FieldsOptions::Validate() const {
-  Require(!scene_path.empty(), "--scene is missing; see benchmark --help");
-  Require(nodes >= 4, "--nodes: expected a number >= 4");
-  Require(!sides.empty(), "--settings: expected at least one side of a control grid");
-  for (const int side : sides) Require(side >= 2 && side <= 64, "--settings: expected sides of 2 to 64 control nodes");
-  Require(noise > 0.0 && std::isfinite(noise), "--sigma: expected a number > 0");
-  Require(level > 0.0 && std::isfinite(level), "--set: expected k_stretch=NUMBER, > 0");
+  RequireUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  RequireUsage(nodes >= 4, "--nodes: expected a number >= 4");
+  RequireUsage(!sides.empty(), "--settings: expected at least one side of a control grid");
+  for (const int side : sides)
+    RequireUsage(side >= 2 && side <= 64, "--settings: expected sides of 2 to 64 control nodes");
+  RequireUsage(noise > 0.0 && std::isfinite(noise), "--sigma: expected a number > 0");
+  RequireUsage(level > 0.0 && std::isfinite(level), "--set: expected k_stretch=NUMBER, > 0");
 }
 
 FieldsBenchmark RunFieldsBenchmark(const FieldsOptions& options) {
@@ -159,46 +139,39 @@ FieldsBenchmark RunFieldsBenchmark(const FieldsOptions& options) {
   const RecordedMotion motion = RecordField(options, ReadGridScene(options.scene_path), truth);
   FieldsBenchmark benchmark;
   const int num_fits = static_cast<int>(options.sides.size());
-  const auto add = [&](FieldsFit fit) {
-    benchmark.fits.push_back(std::move(fit));
-    if (options.on_fit) options.on_fit(benchmark.fits.back(), static_cast<int>(benchmark.fits.size()), num_fits);
-  };
   for (const int side : options.sides) {
-    add(FitField(options, side, motion, truth));
+    const FieldsFit& fit = benchmark.fits.emplace_back(FitField(options, side, motion, truth));
+    if (!options.on_progress) continue;
+    const char* end = fit.has_converged ? "converged" : "not converged";
+    options.on_progress(Format("%d unknowns: %s, %d rollouts", side * side, end, fit.rollouts),
+                        static_cast<int>(benchmark.fits.size()), num_fits);
   }
   return benchmark;
 }
 
 std::string FieldsTable(const FieldsBenchmark& benchmark) {
-  std::ostringstream table;
-  table << std::setw(9) << "unknowns" << std::setw(11) << "error, %" << std::setw(15) << "determined, %"
-        << std::setw(11) << "error, %" << std::setw(12) << "iterations" << std::setw(10) << "rollouts" << std::setw(8)
-        << "sweeps" << std::setw(10) << "seconds" << std::setw(14) << "s/iteration" << std::setw(17)
-        << "s/J differences"
-        << "  \n";
+  std::string table =
+      " unknowns   error, %  determined, %   error, %  iterations  rollouts  sweeps   seconds   s/iteration  "
+      "s/J differences\n";
   for (const FieldsFit& fit : benchmark.fits) {
-    table << std::setw(9) << fit.side * fit.side << std::fixed << std::setprecision(2) << std::setw(11)
-          << 100.0 * fit.error << std::setw(15) << 100.0 * fit.determined_share << std::setw(11)
-          << 100.0 * fit.determined_error << std::setw(12) << fit.iterations << std::setw(10) << fit.rollouts
-          << std::setw(8) << fit.sweeps << std::setw(10) << fit.seconds << std::setw(14) << fit.seconds_per_iteration()
-          << std::setw(17) << fit.difference_seconds << (fit.has_converged ? "\n" : "  not converged\n");
+    table += Format("%9d%11.2f%15.2f%11s%12d%10d%8d%10.2f%14.2f%17.2f%s\n", fit.side * fit.side, 100.0 * fit.error,
+                    100.0 * fit.determined_share, FixedNumber(100.0 * fit.determined_error, 2).c_str(), fit.iterations,
+                    fit.rollouts, fit.sweeps, fit.seconds, fit.seconds_per_iteration(), fit.difference_seconds,
+                    fit.has_converged ? "" : "  not converged");
   }
-  return table.str();
+  return table;
 }
 
 std::string FieldsCsv(const FieldsBenchmark& benchmark) {
-  std::ostringstream csv;
-  csv << std::setprecision(9)
-      << "unknowns,converged,weight,rmse_m,error,determined_share,determined_error,iterations,rollouts,sweeps,"
-         "seconds,iteration_seconds,"
-         "difference_seconds\n";
+  std::string csv =
+      "unknowns,converged,weight,rmse_m,error,determined_share,determined_error,iterations,rollouts,sweeps,"
+      "seconds,iteration_seconds,difference_seconds\n";
   for (const FieldsFit& fit : benchmark.fits) {
-    csv << fit.side * fit.side << "," << fit.has_converged << "," << fit.weight << "," << fit.rmse << "," << fit.error
-        << "," << fit.determined_share << "," << fit.determined_error << "," << fit.iterations << "," << fit.rollouts
-        << "," << fit.sweeps << "," << fit.seconds << "," << fit.iteration_seconds << "," << fit.difference_seconds
-        << "\n";
+    csv += CsvLine(fit.side * fit.side, fit.has_converged, fit.weight, fit.rmse, fit.error, fit.determined_share,
+                   fit.determined_error, fit.iterations, fit.rollouts, fit.sweeps, fit.seconds, fit.iteration_seconds,
+                   fit.difference_seconds);
   }
-  return csv.str();
+  return csv;
 }
 
 }  // namespace clothid

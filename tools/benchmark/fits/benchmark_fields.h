@@ -8,9 +8,10 @@
 #define CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_FIELDS_H_
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
+
+#include "tools/benchmark/base/common.h"
 
 namespace clothid {
 
@@ -32,12 +33,11 @@ struct FieldsOptions {
   std::string scene_path;
   int nodes = 24;  // along the first axis of the grid
   std::vector<int> sides = {4, 8, 16, 32};
-  double level = 70.0;      // N/m, of the truth
-  double noise = 0.001;     // m
-  std::uint64_t seed = 1;   // of truth and noise
-  int num_differences = 4;  // that are timed
-  // After every fit. May be empty.
-  std::function<void(const FieldsFit& fit, int num_done, int num_fits)> on_fit;
+  double level = 70.0;            // N/m, of the truth
+  double noise = 0.001;           // m
+  std::uint64_t seed = 1;         // of truth and noise
+  int num_differences = 4;        // that are timed
+  BenchmarkProgress on_progress;  // after every fit
 
   // Throws `Error` (kUsage) naming the first flag out of range.
   void Validate() const;

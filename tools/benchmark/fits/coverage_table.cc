@@ -1,21 +1,17 @@
-#include "tools/benchmark/fits/coverage_table.h"
-
+// The text of `benchmark coverage`.
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <limits>
-#include <sstream>
+
+#include "tools/benchmark/fits/benchmark_coverage.h"
 
 namespace clothid {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 bool HasInterval(const CoverageFit& fit, std::size_t i) { return !std::isnan(fit.std[i]); }
 
 // NaN where no start was estimated.
 double KnownStartStd(const CoverageFit& fit, std::size_t i) {
-  return i < fit.known_start_std.size() ? fit.known_start_std[i] : kNaN;
+  return i < fit.known_start_std.size() ? fit.known_start_std[i] : kNoNumber;
 }
 
 bool IsCoveredByNoise(const CoverageFit& fit, std::size_t i, double truth) {
@@ -37,7 +33,7 @@ CoverageSummary Summarize(const std::vector<CoverageFit>& fits, const TrueParame
       std::count_if(fits.begin(), fits.end(), [&](const CoverageFit& fit) { return HasInterval(fit, i); }));
   summary.num_refused = summary.num_fits - static_cast<int>(num_intervals);
   if (num_intervals == 0) {
-    summary.mean_width = summary.mean_std = summary.mean_error_ratio = summary.mean_start_ratio = kNaN;
+    summary.mean_width = summary.mean_std = summary.mean_error_ratio = summary.mean_start_ratio = kNoNumber;
   }
   for (const CoverageFit& fit : fits) {
     mean += fit.value[i] / summary.num_fits;
@@ -56,39 +52,23 @@ CoverageSummary Summarize(const std::vector<CoverageFit>& fits, const TrueParame
   return summary;
 }
 
-// With so many digits behind the point; "-" for NaN.
-std::string Fixed(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return std::isnan(value) ? "-" : text.str();
-}
-
-// With four digits; "-" for NaN.
-std::string Number(double value) {
-  std::ostringstream text;
-  text << std::setprecision(4) << value;
-  return std::isnan(value) ? "-" : text.str();
+std::string OfFits(int count, const CoverageSummary& summary) {
+  return std::to_string(count) + " of " + std::to_string(summary.num_fits);
 }
 
 // `first`: that of the same parameter in the first setting.
-void PrintLine(const CoverageSummary& summary, const CoverageSummary& first, std::ostream& out) {
-  const std::string covered = std::to_string(summary.num_covered) + " of " + std::to_string(summary.num_fits);
-  out << std::left << std::setw(9) << summary.setting << std::setw(12) << summary.name << std::right << std::setw(10)
-      << covered << std::setw(7) << Fixed(summary.mean_width / first.mean_width, 2) << std::setw(15)
-      << Number(summary.mean_std) << std::setw(15) << Number(summary.empirical_std) << std::setw(7)
-      << Fixed(summary.std_ratio(), 2) << std::setw(11) << Fixed(summary.bias / summary.empirical_std, 2);
-}
-
-// The column of intervals that count with the discretisation.
-void PrintNoise(const CoverageSummary& summary, std::ostream& out) {
-  const std::string covered = std::to_string(summary.num_covered_by_noise) + " of " + std::to_string(summary.num_fits);
-  out << std::setw(16) << covered;
+std::string CoverageLine(const CoverageSummary& summary, const CoverageSummary& first) {
+  return Format("%-9s%-12s%10s%7s%15s%15s%7s%11s", summary.setting.c_str(), summary.name.c_str(),
+                OfFits(summary.num_covered, summary).c_str(),
+                FixedNumber(summary.mean_width / first.mean_width, 2).c_str(), GeneralNumber(summary.mean_std).c_str(),
+                GeneralNumber(summary.empirical_std).c_str(), FixedNumber(summary.std_ratio(), 2).c_str(),
+                FixedNumber(summary.bias / summary.empirical_std, 2).c_str());
 }
 
 // The columns of a start that is not the scene's.
-void PrintStart(const CoverageSummary& summary, std::ostream& out) {
-  out << std::setw(9) << summary.num_refused << std::setw(20) << Fixed(summary.mean_error_ratio, 2) << std::setw(24)
-      << Fixed(summary.mean_start_ratio, 2) << std::setw(10) << Fixed(summary.mean_rollouts, 1);
+std::string StartColumns(const CoverageSummary& summary) {
+  return Format("%9d%20s%24s%10s", summary.num_refused, FixedNumber(summary.mean_error_ratio, 2).c_str(),
+                FixedNumber(summary.mean_start_ratio, 2).c_str(), FixedNumber(summary.mean_rollouts, 1).c_str());
 }
 
 }  // namespace
@@ -108,41 +88,46 @@ std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmar
 
 std::string CoverageTable(const CoverageBenchmark& benchmark) {
   const bool has_start_columns = benchmark.start != StartSource::kScene;
-  std::ostringstream out;
-  out << "setting  parameter      covered  width   reported std  empirical std  ratio  bias, std";
-  if (benchmark.discretization.any()) out << "  by noise alone";
-  if (has_start_columns) out << "  refused  bias, reported std  width over known start  rollouts";
-  out << "\n";
+  std::string table = "setting  parameter      covered  width   reported std  empirical std  ratio  bias, std";
+  if (benchmark.discretization.any()) table += "  by noise alone";
+  if (has_start_columns) table += "  refused  bias, reported std  width over known start  rollouts";
+  table += "\n";
   const std::vector<CoverageSummary> summaries = SummarizeCoverage(benchmark);
   for (std::size_t i = 0; i < summaries.size(); ++i) {
-    PrintLine(summaries[i], summaries[i % benchmark.truth.size()], out);
-    if (benchmark.discretization.any()) PrintNoise(summaries[i], out);
-    if (has_start_columns) PrintStart(summaries[i], out);
-    out << "\n";
+    table += CoverageLine(summaries[i], summaries[i % benchmark.truth.size()]);
+    if (benchmark.discretization.any()) {
+      table += Format("%16s", OfFits(summaries[i].num_covered_by_noise, summaries[i]).c_str());
+    }
+    if (has_start_columns) table += StartColumns(summaries[i]);
+    table += "\n";
   }
-  return out.str();
+  return table;
 }
 
 std::string CoverageCsv(const CoverageBenchmark& benchmark) {
   const bool has_start_columns = benchmark.start != StartSource::kScene;
-  std::ostringstream out;
-  out << std::setprecision(std::numeric_limits<double>::max_digits10) << "setting,seed";
+  std::string csv = "setting,seed";
   for (const TrueParameter& parameter : benchmark.truth) {
     const std::string& name = parameter.name;
-    out << "," << name << ",std_" << name << ",lower95_" << name << ",upper95_" << name;
-    if (has_start_columns) out << ",known_start_std_" << name << ",error_over_std_" << name;
+    csv += "," + name + ",std_" + name + ",lower95_" + name + ",upper95_" + name;
+    if (has_start_columns) csv += ",known_start_std_" + name + ",error_over_std_" + name;
   }
-  out << ",rmse_m,rollouts,status\n";
+  csv += ",rmse_m,rollouts,status\n";
   for (const CoverageFit& fit : benchmark.fits) {
-    out << fit.setting << "," << fit.seed;
+    std::string values;
     for (std::size_t i = 0; i < fit.value.size(); ++i) {
-      out << "," << fit.value[i] << "," << fit.std[i] << "," << fit.lower95[i] << "," << fit.upper95[i];
-      if (!has_start_columns) continue;
-      out << "," << KnownStartStd(fit, i) << "," << ErrorOverStd(fit, benchmark.truth[i], i);
+      std::string value = CsvLine(fit.value[i], fit.std[i], fit.lower95[i], fit.upper95[i]);
+      if (has_start_columns) {
+        value.back() = ',';
+        value += CsvLine(KnownStartStd(fit, i), ErrorOverStd(fit, benchmark.truth[i], i));
+      }
+      value.back() = ',';
+      values += value;
     }
-    out << "," << fit.rmse << "," << fit.rollouts << "," << FitStatusName(fit.status) << "\n";
+    csv += CsvLine(fit.setting, fit.seed, values.substr(0, values.size() - 1), fit.rmse, fit.rollouts,
+                   FitStatusName(fit.status));
   }
-  return out.str();
+  return csv;
 }
 
 }  // namespace clothid

@@ -1,12 +1,15 @@
 // What a user has who imports the recording of a rollout: nothing in its scene says where the cloth was at first, and
-// it may have been in motion by then. For `benchmark coverage --initial`.
+// it may have been in motion by then. For `benchmark coverage --initial`. And a truth that is finer than the model, for
+// its --truth_steps and --truth_levels.
 #ifndef CLOTHID_TOOLS_BENCHMARK_FITS_IMPORTED_RECORDING_H_
 #define CLOTHID_TOOLS_BENCHMARK_FITS_IMPORTED_RECORDING_H_
 
 #include <string>
+#include <vector>
 
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/synthetic/synthetic.h"
+#include "datasets/synthetic/true_recording.h"
 #include "sim/rollout/rollout.h"
 #include "sim/scene/scene.h"
 
@@ -32,6 +35,17 @@ void CheckImport(const ImportOfRollout& import, const SyntheticOptions& options,
 // arguments, same recording; may be called side by side.
 RecordedMotion ImportRollout(const ImportOfRollout& import, const Rollout& rollout, const Scene& scene,
                              const std::string& scene_text, const SyntheticOptions& options);
+
+struct TruthResolution {
+  int steps = 1;   // of the truth per step of the scene
+  int levels = 0;  // so often its mesh is refined (sim/scene/refinement.h)
+};
+
+// What `SimulateTruth` gives at that resolution, of it the positions of the scene's own nodes after each of its steps:
+// a rollout to be recorded, not to be differentiated. Throws `Error` as that does, and where the mesh cannot be
+// refined.
+Rollout SampleTruth(const std::vector<TrueParameter>& truth, const std::string& source, const Scene& scene,
+                    const TruthResolution& resolution);
 
 }  // namespace clothid
 

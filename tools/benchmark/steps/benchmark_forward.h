@@ -2,8 +2,7 @@
 //
 // The scenes of tools/benchmark/base/benchmark_scene.h at a relative residual of 1e-8: wind with k = 100 N/m and h =
 // 1/90 s, slope with k = 50 N/m and h = 1/100 s, sphere with k = 100 N/m and h = 1/100 s. All scenes and sizes take
-// turns, `repeats` times; times are medians over the repeats, in processor time of one thread. With several laws of
-// bending they take turns, too.
+// turns, `repeats` times; times are medians over the repeats, in processor time of one thread.
 //
 // A phase has the share of the processor time of a step that it has, in the median, of the wall time. What a
 // factorisation must cost at the least: its floating-point operations, without those on zeros that a supernodal factor
@@ -13,14 +12,13 @@
 #ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_FORWARD_H_
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_FORWARD_H_
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/base/phase_seconds.h"
 #include "sim/rollout/rollout.h"
-#include "tools/benchmark/base/integrators.h"
+#include "tools/benchmark/base/common.h"
 
 namespace clothid {
 
@@ -29,7 +27,6 @@ struct ForwardCase {
   std::string scene;
   int nodes = 0;  // along each axis
   std::string integrator;
-  std::string bending;        // as in the options
   RolloutCounts counts;       // of one rollout
   double seconds = 0.0;       // a step, processor time; NaN, as the phases, where a step failed
   PhaseSeconds phases;        // a step, processor time
@@ -49,12 +46,9 @@ struct ForwardBenchmarkOptions {
   std::vector<std::string> scenes = {"wind", "slope"};
   std::vector<int> nodes = {12, 24, 48};  // along each axis
   std::vector<std::string> integrators = kIntegratorNames;
-  // "edges:1e-3", "patches:3.5e-3": the law of bending and its k_bend in N m; "": the scene's own.
-  std::vector<std::string> bending = {""};
   int num_steps = 100;
   int repeats = 3;
-  // After every rollout, with the case that it belongs to. May be empty.
-  std::function<void(const ForwardCase& last, int num_done, int num_rollouts)> on_rollout;
+  BenchmarkProgress on_progress;  // after every rollout
 
   // Throws `Error` (kUsage) naming the first flag out of range.
   void Validate() const;
@@ -63,7 +57,7 @@ struct ForwardBenchmarkOptions {
 struct ForwardBenchmark {
   double dgemm_rate = 0.0;         // 1/s
   std::string blas_kernel;         // see BlasKernel
-  std::vector<ForwardCase> cases;  // by scene, nodes, bending, integrator
+  std::vector<ForwardCase> cases;  // by scene, nodes, integrator
 };
 
 // The time of a step, s, of the DiffCloth code on such a machine at its own, looser thresholds, one thread; for the
@@ -73,13 +67,10 @@ std::optional<double> ReferenceStepSeconds(const std::string& scene, int nodes);
 // Throws `Error` for options that cannot be used.
 ForwardBenchmark RunForwardBenchmark(const ForwardBenchmarkOptions& options);
 
-// Three tables: the step and its phases, its time beside that of backward Euler where both were run, and beside that
-// with the first law of bending where there are several; the factor beside
-// dgemm; the growth with the number of nodes.
+// The step and its phases, its time beside that of backward Euler where both were run; the factor beside dgemm; the
+// growth with the number of nodes.
 std::string ForwardTable(const ForwardBenchmark& benchmark);
-
-// One row per scene, size, law of bending and integrator.
-std::string ForwardCsv(const ForwardBenchmark& benchmark);
+std::string ForwardCsv(const ForwardBenchmark& benchmark);  // one row per case
 
 }  // namespace clothid
 

@@ -1,24 +1,39 @@
-// benchmark stability: where the simulation fails, gains energy or has a wrong gradient: a grid over integrator,
-// stiffness, time step, friction, contact mode and scene, and extreme scenes one at a time
-// (tools/benchmark/steps/stability_extremes.h).
+// benchmark stability: where the simulation fails or gains energy: a grid over integrator, stiffness, time step,
+// friction, contact mode and scene, and extreme scenes one at a time (tools/benchmark/steps/stability_scene.h).
 //
-// A cell of the grid is one rollout of 0.3 s of a scene of tools/benchmark/steps/stability_scene.h. It is audited
-// (tools/benchmark/steps/rollout_audit.h) and balanced (tools/benchmark/steps/energy_balance.h), and its gradient is
-// checked (tools/benchmark/steps/stability_gradient.h). A scene without obstacle has one cell per integrator,
-// stiffness and time step.
+// Every rollout is found out again from its records (tools/benchmark/steps/rollout_audit.h), and what it gained of
+// energy (sim/rollout/energy_loss.h). A scene without obstacle has one cell per integrator, stiffness and time step.
 #ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_STABILITY_H_
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_STABILITY_H_
 
-#include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "tools/benchmark/base/integrators.h"
-#include "tools/benchmark/steps/stability_row.h"
+#include "sim/rollout/energy_loss.h"
+#include "sim/rollout/rollout.h"
+#include "tools/benchmark/base/common.h"
+#include "tools/benchmark/steps/rollout_audit.h"
 #include "tools/benchmark/steps/stability_scene.h"
 
 namespace clothid {
+
+// One scene, run and looked at.
+struct StabilityRow {
+  std::string name;  // of the scene or the extreme
+  std::string contact;
+  std::string integrator;
+  double stretch_stiffness = 0.0;     // N/m
+  double time_step = 0.0;             // s
+  double friction_coefficient = 0.0;  // NaN: no obstacle
+  int num_steps = 0;                  // that the rollout was to have
+  std::string error;                  // why the scene was refused or where its rollout failed; empty: it has ended
+  RolloutCounts counts;
+  RolloutAudit audit;  // whose violations are silent failures
+  EnergyGain gain;
+
+  bool ok() const { return error.empty(); }
+  bool gains_energy() const { return gain.share() > kMostEnergyGain; }
+};
 
 struct StabilityOptions {
   std::vector<std::string> settings = {"grid", "extremes"};  // of these two and names of extremes
@@ -28,12 +43,9 @@ struct StabilityOptions {
   std::vector<double> stretch_stiffness = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7};  // N/m
   std::vector<int> step_rates = {1000, 200, 60, 30};                                 // steps per second
   std::vector<double> friction_coefficients = {0.0, 0.1, 0.35, 0.8, 2.0};
-  int nodes = 12;  // along each axis
-  bool check_gradients = true;
-  std::uint64_t seed = 1;  // of the functionals whose gradients are checked
-  int num_threads = 1;     // rows side by side; results do not depend on it
-  // After every row. May be empty.
-  std::function<void(const StabilityRow& last, int num_done, int num_rows)> on_row;
+  int nodes = 12;                 // along each axis
+  int num_threads = 1;            // rows side by side; results do not depend on it
+  BenchmarkProgress on_progress;  // after every row
 
   // Throws `Error` (kUsage) naming the first flag out of range.
   void Validate() const;
@@ -47,13 +59,15 @@ struct StabilityBenchmark {
 // Throws `Error` for options that cannot be used.
 StabilityBenchmark RunStabilityBenchmark(const StabilityOptions& options);
 
+// "drape, gap, sdirk2, k 1000, h 5 ms, mu 0.35".
+std::string DescribeRow(const StabilityRow& row);
+
 // The grid by scene, contact mode and stiffness, soft (k <= 1e4) and stiff; the extremes; every row that failed, with
-// its message, gained energy, or whose gradient could not be checked, with the reason.
+// its message, or gained more than 1 % of its largest energy.
 std::string StabilityTable(const StabilityBenchmark& benchmark);
 
-// One row per cell, which tools/plots/plot_stability draws; one per extreme.
+// One row per cell, which tools/plots/plot_stability draws, and one per extreme.
 std::string StabilityCsv(const StabilityBenchmark& benchmark);
-std::string StabilityExtremesCsv(const StabilityBenchmark& benchmark);
 
 }  // namespace clothid
 

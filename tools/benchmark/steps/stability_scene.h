@@ -1,4 +1,5 @@
-// The scenes of the stability grid: a square of cloth, 1 x 1 m, 0.2 kg/m^2, k_b = 1e-3 N m, for 0.3 s.
+// The scenes of `benchmark stability`. Those of the grid: a square of cloth, 1 x 1 m, 0.2 kg/m^2, k_b = 1e-3 N m, for
+// 0.3 s.
 //
 //   drape  thrown at 1 m/s on a sphere of radius 0.3 m, off its middle: nodes join, stick, slip and take off
 //   slope  thrown at 0.5 m/s on a plane inclined by 25 degrees, one edge first: slips up to mu = 0.47, else sticks
@@ -9,6 +10,7 @@
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_STABILITY_SCENE_H_
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,10 +30,10 @@ struct StabilityCell {
   Integrator integrator = Integrator::kEuler;
 };
 
-// Whether friction and contact mode make a difference. Throws `Error` (kUsage), naming --scene, for an unknown name.
+// Whether friction and contact mode make a difference.
 bool StabilitySceneHasObstacle(const std::string& name);
 
-// Of a cell, with nodes x nodes nodes, at least 2 x 2. Throws as above.
+// Of a cell, with nodes x nodes nodes, at least 2 x 2.
 Scene MakeStabilityScene(const StabilityCell& cell, int nodes);
 
 // The cloth of the grid, at rest where it starts, its middle at `center`; no handles, obstacles, air or velocity.
@@ -41,6 +43,16 @@ Scene MakeStabilityCloth(int nodes, const Eigen::Vector3d& center, const Eigen::
 
 // Lets the cloth start where `scene->mesh` is at rest, every node with the same velocity [m/s].
 void StartAtRestShape(const Eigen::Vector3d& velocity, Scene* scene);
+
+struct StabilityExtreme {
+  std::string name;
+  std::function<Scene(int nodes)> scene;  // with `nodes` nodes along an axis, at least 4, where it is a grid
+};
+
+// Scenes at the limits of what a simulator of cloth may be given, each the drape with k = 1000 N/m, h = 5 ms, mu = 0.35
+// in gap mode but for what its name says, in the order of the table
+// (stability_extremes.cc).
+const std::vector<StabilityExtreme>& StabilityExtremes();
 
 }  // namespace clothid
 
