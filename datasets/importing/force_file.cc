@@ -102,7 +102,6 @@ Eigen::VectorXd ReadNpyTimes(const ForceFile& file, Eigen::Index num_readings, c
   return Eigen::Map<const Eigen::VectorXd>(array.values.data(), num_readings);
 }
 
-// `frames`: on the clock of the file.
 void ReadArray(const ForceFile& file, const Eigen::VectorXd& frames, ForceReadings* forces) {
   const NpyArray array = ReadNpy(file.path);
   const long long num_groups = forces->num_groups();
@@ -164,7 +163,7 @@ ForceReadings ReadForces(const ForceFile& file, const Eigen::VectorXd& times, do
   ForceReadings forces;
   forces.groups = file.groups;
   if (IsNpy(file.path)) {
-    ReadArray(file, (times.array() - time_shift) + file.time_offset, &forces);
+    ReadArray(file, times, &forces);
   } else {
     if (!file.times_path.empty()) throw Error(ErrorKind::kUsage, file.path + ": has times of its own");
     if (file.axis) throw Error(ErrorKind::kUsage, file.path + ": names its components; expected no axis");
@@ -172,11 +171,10 @@ ForceReadings ReadForces(const ForceFile& file, const Eigen::VectorXd& times, do
   }
   forces.values *= file.scale;
   forces.sigma = Eigen::VectorXd::Constant(forces.num_groups(), file.sigma);
-  const double first = forces.times[0] - file.time_offset + time_shift;
-  const double last = forces.times[forces.times.size() - 1] - file.time_offset + time_shift;
-  // Frames' own times come back to the last bit.
+  // Those of the frames are on the clock of the recording, and stay the same to the last bit.
   const bool has_frame_times = IsNpy(file.path) && file.times_path.empty();
-  forces.times = has_frame_times ? times : Eigen::VectorXd((forces.times.array() - file.time_offset) + time_shift);
+  forces.times = (forces.times.array() - file.time_offset) + (has_frame_times ? 0.0 : time_shift);
+  const double first = forces.times[0], last = forces.times[forces.times.size() - 1];
   KeepReadingsWithin(times, &forces);
   if (forces.is_empty()) {
     FailOnData(file.path, "is known from " + std::to_string(first) + " s to " + std::to_string(last) +

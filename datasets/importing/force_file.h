@@ -22,7 +22,7 @@ struct ForceFile {
   std::optional<int> axis;               // 0, 1, 2: of an array of shape [F]
   double scale = 1.0;        // to N, and to the force on the cloth: negative where it is that on the gripper
   double sigma = 0.0;        // N, of a component
-  double time_offset = 0.0;  // s: its clock minus that of the recording
+  double time_offset = 0.0;  // s: its clock minus that of the recording; taken off the times of the frames, too
 };
 
 // On the clock of the recording, which has frames at `times` [T] s and was shifted by `time_shift` s. Readings before

@@ -60,6 +60,14 @@ TEST_F(ForceFileTest, ReadsArrays) {
   EXPECT_EQ(forces.times, frames_);
   EXPECT_EQ(forces.values(1, 2), 3.0);
   EXPECT_EQ(forces.values.array().isNaN().count(), 8);
+  file_.time_offset = 0.1;
+  forces = ReadForces(file_, frames_, 0.5);
+  ASSERT_EQ(forces.times.size(), 3);  // the first is from before the recording
+  EXPECT_NEAR(forces.times[1], 1.1, 1e-12);
+  EXPECT_EQ(forces.values(1, 1), 3.0);
+  file_.time_offset = 2.0;
+  ExpectError([&] { ReadForces(file_, frames_, 0.0); }, kBadData, {"f.npy", "another time offset"});
+  file_.time_offset = 0.0;
 
   Write("g.npy", NpyBytes(NpyArray{{2, 3}, {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}}));
   ExpectError([&] { ReadForces(file_, frames_, 0.0); }, kUsage, {"g.npy", "expected no axis"});
