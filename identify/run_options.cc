@@ -6,7 +6,6 @@
 #include "identify/run.h"
 
 namespace clothid {
-namespace {}  // namespace
 
 void RunOptions::Validate() const {
   fit.Validate();
@@ -19,6 +18,11 @@ void RunOptions::Validate() const {
   ExpectUsage(landscape_paths.empty() || (report_page && !output.empty()),
               "--landscape: is shown in report.html; expected without --report=false");
   ExpectUsage(!resume || !output.empty(), "--resume: expected with --output");
+  ExpectUsage(fit.seed == 0 || fit.num_starts > 1, "--seed: expected with --starts, whose points it chooses");
+  // Fields and the check of gradients take reverse sweeps whatever the Jacobian does.
+  const bool has_sweeps = fit.jacobian == JacobianMethod::kAdjoint || check_gradients || !fields.empty();
+  ExpectUsage(has_sweeps || (fit.adjoint.method == AdjointMethod::kReduced && !fit.adjoint.threshold),
+              "--adjoint: expected with --jacobian adjoint");
   ExpectUsage(simulators.empty() || !output.empty(), "--export: expected with --output");
   ValidateFields();
   ValidateWind();

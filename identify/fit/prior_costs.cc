@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "identify/base/knot_names.h"
+#include "sim/base/error.h"
 
 namespace clothid {
 namespace {
@@ -46,6 +47,7 @@ void LinkKnots(const std::vector<RecordedMotion>& motions, double smoothness, st
   for (std::size_t i = 0; i < blocks->size(); ++i) {
     places[{BaseName((*blocks)[i].name), (*blocks)[i].recording}] = static_cast<int>(i);
   }
+  bool has_links = false;
   for (ParameterBlock& block : *blocks) {
     const std::optional<ParameterId> knot = FindKnot(block.name);
     if (!knot || knot->knot == 0) continue;
@@ -56,6 +58,12 @@ void LinkKnots(const std::vector<RecordedMotion>& motions, double smoothness, st
     const Eigen::VectorXd& times = KnotTimes(block, knot->knot, motions);
     block.linked_to = place->second;
     block.link_spread = smoothness * std::sqrt(times[knot->knot] - times[before.knot]);
+    has_links = true;
+  }
+  if (!has_links) {
+    throw Error(ErrorKind::kUsage,
+                "--wind_smoothness: expected with --wind_profile, or with successive knots in --fit or --each, as "
+                "wind.x.1,wind.x.2");
   }
 }
 

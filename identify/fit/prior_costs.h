@@ -16,6 +16,7 @@ namespace clothid {
 
 // Links every knot to the one before it, where both are among `blocks`, of the same component and recording: their
 // difference has the standard deviation smoothness sqrt(time between them), m/s. Smoothness: m/s in a second, > 0.
+// Throws `Error` (kUsage) where no two are.
 void LinkKnots(const std::vector<RecordedMotion>& motions, double smoothness, std::vector<ParameterBlock>* blocks);
 
 // One row: of the coordinate of a block; of it and of that which it is linked to. Null where nothing is believed.

@@ -38,6 +38,14 @@ TEST_F(IdentifyTest, RefusesWrongFlags) {
   ExpectFlagsRefused("--fit mu.ghost", "mu.ghost");
 }
 
+TEST_F(IdentifyTest, RefusesFlagsThatDoNothing) {
+  ExpectFlagsRefused("--seed 3", "--seed: expected with --starts");
+  for (const std::string jacobian : {"sensitivity", "numeric"}) {
+    ExpectFlagsRefused("--adjoint lu --jacobian " + jacobian, "--adjoint: expected with --jacobian adjoint");
+    ExpectFlagsRefused("--adjoint reduced:1e-4 --jacobian " + jacobian, "--adjoint: expected with --jacobian adjoint");
+  }
+}
+
 TEST_F(IdentifyTest, HelpHasAShortForm) {
   for (const char* program : {"identify", "simulate"}) {
     const ToolResult help = Run(std::string(program) + " -h");

@@ -75,6 +75,7 @@ TEST_F(WindProgramTest, RefusesWhatDoesNotGoTogether) {
   expect("--wind_profile 1", "--wind_profile: expected KNOTS or KNOTS:AXES, as in 8 or 8:xy");
   expect("--wind_profile 5 --fit wind.x", "take the place of 'wind.x'");
   expect("--wind_profile 5 --wind_smoothness -1", "--wind_smoothness");
+  expect("--wind_smoothness 5", "--wind_smoothness: expected with --wind_profile, or with successive knots");
   expect("--wind_profile 5 --starts 3", "--starts: expected with --wind_smoothness");
   expect("--wind_profile 5 --resume", "--resume: expected with --wind_smoothness");
   expect("--wind_profile 5 --time_step auto", "--time_step: expected with --wind_smoothness");
