@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
-#include <map>
 #include <optional>
+#include <sstream>
+#include <utility>
 
+#include "identify/base/join_words.h"
 #include "identify/base/program_start.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
@@ -16,16 +18,32 @@
 namespace clothid {
 namespace {
 
+using Words = std::vector<std::string>;
+
 constexpr char kSwitch[] = "bool";  // the type of a flag that needs no value
 
-[[noreturn]] void Fail(const std::string& flag, const std::string& problem) {
-  throw Error(ErrorKind::kUsage, "--" + Printable(flag) + ": " + problem);
+[[noreturn]] void FailUsage(const std::string& message) { throw Error(ErrorKind::kUsage, message); }
+[[noreturn]] void FailFlag(const std::string& flag, const std::string& problem) {
+  FailUsage("--" + Printable(flag) + ": " + problem);
 }
 
-std::optional<std::string> TypeOf(const std::string& flag) {
+// Of the flags of gflags itself there are two.
+std::optional<gflags::CommandLineFlagInfo> FindFlag(const std::string& name) {
   gflags::CommandLineFlagInfo info;
-  if (!gflags::GetCommandLineFlagInfo(flag.c_str(), &info)) return std::nullopt;
-  return info.type;
+  if (!gflags::GetCommandLineFlagInfo(name.c_str(), &info)) return std::nullopt;
+  const std::string file = info.filename.substr(info.filename.rfind('/') + 1);
+  if (file.rfind("gflags", 0) == 0 && name != "help" && name != "version") return std::nullopt;
+  return info;
+}
+
+bool IsSwitch(const std::string& name) {
+  const auto flag = FindFlag(name);
+  return flag && flag->type == kSwitch;
+}
+
+bool IsOn(const std::string& name) {
+  const auto flag = gflags::GetCommandLineFlagInfoOrDie(name.c_str());
+  return !flag.is_default && !(flag.type == kSwitch && flag.current_value == "false");
 }
 
 std::string Expected(const std::string& type) {
@@ -35,7 +53,7 @@ std::string Expected(const std::string& type) {
 }
 
 struct GivenFlag {
-  std::string name, type;
+  std::string name;
   std::optional<std::string> value;  // absent: the next word
 };
 
@@ -48,81 +66,155 @@ GivenFlag ParseFlag(const std::string& program, const std::string& word) {
   std::replace(flag.name.begin(), flag.name.end(), '-', '_');
   if (flag.name == "h") flag.name = "help";
   if (equals < word.size()) flag.value = word.substr(equals + 1);
-  if (const auto type = TypeOf(flag.name)) {
-    flag.type = *type;
-    if (flag.type == kSwitch && !flag.value) flag.value = "true";
+  if (FindFlag(flag.name)) {
+    if (IsSwitch(flag.name) && !flag.value) flag.value = "true";
     return flag;
   }
   const bool is_negated = flag.name.compare(0, 2, "no") == 0 && !flag.value;
-  if (is_negated && TypeOf(flag.name.substr(2)) == std::optional<std::string>(kSwitch)) {
-    return {flag.name.substr(2), kSwitch, "false"};
-  }
-  Fail(flag.name, "unknown flag; see " + program + " --help");
+  if (is_negated && IsSwitch(flag.name.substr(2))) return {flag.name.substr(2), "false"};
+  FailFlag(flag.name, "unknown flag; see " + program + " --help");
 }
 
-void Set(const GivenFlag& flag) {
-  const bool is_finite = flag.type != "double" || ParseNumber(*flag.value);
-  if (is_finite && !gflags::SetCommandLineOption(flag.name.c_str(), flag.value->c_str()).empty()) return;
-  Fail(flag.name, "expected " + Expected(flag.type) + ", got '" + Printable(*flag.value) + "'");
+void SetFlag(const std::string& name, const std::string& value) {
+  const std::string type = FindFlag(name)->type;
+  const bool is_finite = type != "double" || ParseNumber(value);
+  if (is_finite && !gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) return;
+  FailFlag(name, "expected " + Expected(type) + ", got '" + Printable(value) + "'");
 }
 
-// gflags' own switches for help; each of them gets the program's short help.
-bool IsSet(const char* flag) {
-  std::string value;
-  return gflags::GetCommandLineOption(flag, &value) && value == "true";
-}
-
-int Answer(const ProgramText& program, const std::vector<std::string>& arguments, const Command& command) {
-  if (IsSet("help") || IsSet("helpfull") || IsSet("helpshort")) {
-    std::cout << program.help;
-    return kExitSuccess;
-  }
-  if (IsSet("version")) {
-    std::cout << program.version << "\n";
-    return kExitSuccess;
-  }
-  return command(arguments);
-}
-
-}  // namespace
-
-std::vector<std::string> BindFlags(const std::string& program, const ListFlags& lists, int argc,
-                                   const char* const* argv) {
-  std::vector<std::string> arguments;
+// Sets the flags and returns the other words.
+Words BindFlags(const Program& program, int argc, const char* const* argv) {
+  Words words;
   std::map<std::string, std::string> given;  // lists so far
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--") {
-      arguments.insert(arguments.end(), argv + i + 1, argv + argc);
+      words.insert(words.end(), argv + i + 1, argv + argc);
       break;
     }
     if (word.size() < 2 || word.front() != '-') {
-      arguments.push_back(word);
+      words.push_back(word);
       continue;
     }
-    GivenFlag flag = ParseFlag(program, word);
+    GivenFlag flag = ParseFlag(program.name, word);
     if (!flag.value) {
-      if (i + 1 == argc) Fail(flag.name, "expected a value behind it; see " + program + " --help");
+      if (i + 1 == argc) FailFlag(flag.name, "expected a value behind it; see " + program.name + " --help");
       flag.value = argv[++i];
     }
-    const auto list = lists.find(flag.name);
-    if (list != lists.end()) {
+    if (flag.name == "help" && flag.value == "all") words.push_back(std::exchange(*flag.value, "true"));
+    const auto list = program.lists.find(flag.name);
+    if (list != program.lists.end()) {
       const auto [items, is_first] = given.emplace(flag.name, *flag.value);
       if (!is_first) items->second += list->second + *flag.value;
       flag.value = items->second;
     }
-    Set(flag);
+    SetFlag(flag.name, *flag.value);
   }
-  return arguments;
+  return words;
 }
 
-int RunCommandLine(const ProgramText& program, int argc, char** argv, const Command& command) {
+// Null where there is none of that name.
+const Command* FindCommand(const Program& program, const std::string& name) {
+  for (const Command& command : program.commands) {
+    if (command.name == name) return &command;
+  }
+  return nullptr;
+}
+
+// The command that the first of `words` asks for, which is taken off them.
+const Command& TakeCommand(const Program& program, Words* words) {
+  if (program.commands.size() == 1) return program.commands.front();
+  if (const Command* const command = FindCommand(program, words->empty() ? "" : words->front())) {
+    if (!command->name.empty()) words->erase(words->begin());
+    return *command;
+  }
+  std::string known;
+  for (const Command& each : program.commands) {
+    if (!each.name.empty()) known += (known.empty() ? "" : ", ") + each.name;
+  }
+  FailUsage((words->empty() ? "a command is missing" : "'" + Printable(words->front()) + "': unknown command") +
+            "; there is: " + known + "; see " + program.name + " --help");
+}
+
+void CheckArguments(const Program& program, const Command& command, const Words& words) {
+  Words expected = command.arguments;
+  const bool takes_more = !expected.empty() && expected.back() == "...";
+  if (takes_more) expected.pop_back();
+  const bool has_empty = std::find(words.begin(), words.end(), "") != words.end();
+  if (!has_empty && (words.size() == expected.size() || (takes_more && words.size() > expected.size()))) return;
+  const std::string see = "; see " + program.name + (command.name.empty() ? "" : " " + command.name) + " --help";
+  if (expected.empty()) FailUsage("'" + Printable(words.front()) + "': unexpected argument" + see);
+  FailUsage(command.name + ": expected " + JoinWords(expected) + see);
+}
+
+// A flag of another command would be ignored.
+void RejectOtherFlags(const Program& program, const Command& command) {
+  std::map<std::string, Words> takers;  // by flag
+  for (const Command& each : program.commands) {
+    std::istringstream flags(each.flags);
+    for (std::string flag; flags >> flag;) takers[flag].push_back(each.name.empty() ? program.name : each.name);
+  }
+  const std::string name = command.name.empty() ? program.name : command.name;
+  for (const auto& [flag, names] : takers) {
+    const bool is_given = !gflags::GetCommandLineFlagInfoOrDie(flag.c_str()).is_default;
+    if (!is_given || std::count(names.begin(), names.end(), name) > 0) continue;
+    FailFlag(flag, "is a flag of " + JoinWords(names) + ", not of " + name);
+  }
+}
+
+void CheckRule(const FlagRule& rule) {
+  std::string values;
+  bool is_met = rule.values.empty() && IsOn(rule.other) == (rule.relation == FlagRule::kWith);
+  for (const std::string& value : rule.values) {
+    is_met |= gflags::GetCommandLineFlagInfoOrDie(rule.other.c_str()).current_value == value;
+    values += (values.empty() ? " " : " or ") + value;
+  }
+  if (is_met) return;
+  std::istringstream flags(rule.flags);
+  for (std::string flag; flags >> flag;) {
+    if (!IsOn(flag)) continue;
+    FailFlag(flag,
+             (rule.relation == FlagRule::kWith ? "expected with --" : "expected without --") + rule.other + values);
+  }
+}
+
+int PrintHelp(const Program& program, const Words& topics) {
+  const std::string topic = topics.empty() ? "" : topics.front();
+  const Command* const command = FindCommand(program, topic);
+  if (topic == "all") {
+    std::cout << program.help;
+    for (const Command& each : program.commands) std::cout << (each.help.empty() ? "" : "\n") << each.help;
+    std::cout << program.more;
+  } else if (topic.empty() || command != nullptr) {
+    std::cout << (command == nullptr || command->help.empty() ? program.help : command->help);
+  } else {
+    FailUsage("--help: expected nothing, all or a command behind it, got '" + Printable(topic) + "'");
+  }
+  return kExitSuccess;
+}
+
+int Answer(const Program& program, int argc, const char* const* argv) {
+  Words words = BindFlags(program, argc, argv);
+  if (IsOn("help")) return PrintHelp(program, words);
+  if (IsOn("version")) {
+    std::cout << program.name << " (clothid) " << CLOTHID_VERSION << (program.git.empty() ? "" : " git ") << program.git
+              << "\n";
+    return kExitSuccess;
+  }
+  const Command& command = TakeCommand(program, &words);
+  RejectOtherFlags(program, command);
+  for (const FlagRule& rule : program.rules) CheckRule(rule);
+  CheckArguments(program, command, words);
+  return command.run(words);
+}
+
+}  // namespace
+
+int RunCommandLine(const Program& program, int argc, char** argv) {
   KeepSignalsFromLibraries();
   CatchFileSizeLimit();
   const int exit_code =
-      FinishOutput(program.name, ReportErrors(program.name, [&] {
-                     return Answer(program, BindFlags(program.name, program.lists, argc, argv), command);
-                   }));
+      FinishOutput(program.name, ReportErrors(program.name, [&] { return Answer(program, argc, argv); }));
   // Without the ends of libraries: that of OpenBLAS waits for a thread that may wait for memory, for ever.
   if (exit_code == kExitInternal) std::_Exit(exit_code);
   return exit_code;

@@ -46,15 +46,6 @@ TEST_F(IdentifyTest, RefusesFlagsThatDoNothing) {
   }
 }
 
-TEST_F(IdentifyTest, HelpHasAShortForm) {
-  for (const char* program : {"identify", "simulate"}) {
-    const ToolResult help = Run(std::string(program) + " -h");
-    EXPECT_EQ(help.exit_code, 0) << program;
-    EXPECT_EQ(help.out, Run(std::string(program) + " --help").out);
-    EXPECT_EQ(help.out.rfind(std::string(program) + ": ", 0), 0u) << help.out;
-  }
-}
-
 TEST_F(IdentifyTest, ListsMayBeGivenInPartsAndWithBlanks) {
   const std::string fit = "identify --target good.bin --report=false --output ";
   const ToolResult whole = Run(fit + "whole --fit mu,k_stretch --start mu=0.2,k_stretch=110");

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "identify/base/command_line.h"
 #include "identify/base/output_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
-#include "tools/base/command_line.h"
 #include "tools/benchmark/benchmark_flags.h"
 #include "tools/benchmark/benchmark_help.h"
 
@@ -84,24 +84,7 @@ constexpr Subcommand kSubcommands[] = {
      RunMode<StabilityOptionsFromFlags, RunStabilityBenchmark, StabilityTable, StabilityCsv>},
 };
 
-// Throws `Error` (kUsage), naming all commands, unless `arguments` are the name of one of them.
-const Subcommand& FindSubcommand(const std::vector<std::string>& arguments) {
-  std::string known;
-  for (const Subcommand& command : kSubcommands) known += (known.empty() ? "" : ", ") + std::string(command.name);
-  known = "; there is: " + known + "; see benchmark --help";
-  if (arguments.empty()) throw Error(ErrorKind::kUsage, "a command is missing" + known);
-  if (arguments.size() > 1) throw Error(ErrorKind::kUsage, "'" + arguments[1] + "': unexpected argument");
-  for (const Subcommand& command : kSubcommands) {
-    if (arguments[0] == command.name) return command;
-  }
-  throw Error(ErrorKind::kUsage, "'" + arguments[0] + "': unknown command" + known);
-}
-
-int Run(const std::vector<std::string>& arguments) {
-  const Subcommand& command = FindSubcommand(arguments);
-  std::vector<CommandFlags> flags;
-  for (const Subcommand& each : kSubcommands) flags.push_back({each.name, each.flags});
-  RejectOtherFlags(command.name, flags);
+int Run(const Subcommand& command) {
   try {
     return command.run(command.name);
   } catch (const Interrupted&) {
@@ -118,7 +101,13 @@ int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_FATAL;
   google::InitGoogleLogging(argv[0]);
-  std::string help = clothid::kBenchmarkHelp;
-  for (const clothid::Subcommand& each : clothid::kSubcommands) help += "\n" + std::string(each.help);
-  return clothid::RunCommand("benchmark", (help + "\n" + clothid::kBenchmarkMore).c_str(), argc, argv, clothid::Run);
+  clothid::Program program = {"benchmark", clothid::kBenchmarkHelp, clothid::kBenchmarkMore};
+  for (const clothid::Subcommand& each : clothid::kSubcommands) {
+    program.commands.push_back({each.name,
+                                {},
+                                each.flags,
+                                [&each](const std::vector<std::string>&) { return clothid::Run(each); },
+                                each.help});
+  }
+  return clothid::RunCommandLine(program, argc, argv);
 }

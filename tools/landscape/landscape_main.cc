@@ -12,6 +12,7 @@
 
 #include "datasets/motion/motion_file.h"
 #include "datasets/motion/recorded_motion.h"
+#include "identify/base/command_line.h"
 #include "identify/base/options.h"
 #include "identify/base/output_folder.h"
 #include "identify/base/parallel_for.h"
@@ -21,9 +22,9 @@
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/parameters.h"
-#include "tools/base/command_line.h"
 #include "tools/base/count_progress.h"
 #include "tools/landscape/landscape_files.h"
+#include "tools/landscape/landscape_help.h"
 #include "tools/landscape/landscape_merge.h"
 #include "tools/landscape/landscape_plan.h"
 #include "tools/landscape/landscape_plot.h"
@@ -54,48 +55,6 @@ DEFINE_string(output, "landscape_result", "folder for the results");
 
 namespace clothid {
 namespace {
-
-constexpr char kHelp[] = R"(landscape: scans the cost of a recording over two parameters.
-
-  landscape --target FILE --x AXIS --y AXIS [flags]
-  landscape merge DIR... --output DIR      the shards of a scan as one, in the bytes of a scan that was not divided
-  landscape plot DIR                       landscape.html, a page for any browser; landscape.png, needs matplotlib
-
-  --target FILE       motion.bin recording
-  --scene FILE        scene.json to use instead of the one in the recording
-  --x, --y AXIS       NAME=LOWER:UPPER:CELLS, evenly spaced with both ends, or NAME=LOWER:UPPER:CELLS:log. Names: mu,
-                      mu.OBSTACLE, k_stretch, k_bend, density, drag, damping, and where the scene has warp and weft
-                      k_warp, k_weft, k_shear, k_poisson, bend_warp, bend_weft, bend_twist; drag_normal,
-                      drag_tangential, added_mass, size.x, size.y, wind.x and the like (costs/README.md)
-  --zoom LIST         a window of as many cells for each of these shares of the axes
-  --zoom_around LIST  their center, NAME=VALUE,NAME=VALUE; windows at the edge are moved inside
-  --zoom_only         leaves out the whole of the axes
-  --sweep LIST        KEY=NUMBER[,NUMBER...][;KEY=...]: every combination is a setting. Keys are paths into the scene:
-                      NAME.key of an obstacle, else from the top; x, y, z or an index pick from an array
-  --contact MODE      gap, velocity, or both for every setting in either (the scene's own)
-  --set LIST          true parameters, those on the axes and others, which are held at them: in every setting and mode
-                      their own rollout is compared with instead of what was measured
-  --sigma SIGMA       standard deviation of a measured coordinate, as of identify: recorded: that of the recording, if
-                      it has one; auto: where it has none, estimated from the scatter of its points in time; a number
-                      in m: that of every point (recorded)
-  --initial START     where the cloth starts if the scene does not say, as of identify: rest, moving, estimated: where
-                      the estimate of the start begins; smoothed; first (estimated). With the same --sigma and
-                      --initial, costs are those of an identify that starts there
-  --gradients         the adjoint gradient at every cell, on a log axis by the logarithm
-  --shard I/N         only the cells I, I + N, I + 2 N, .., 0 <= I < N
-  --resume            continue a scan that was stopped, ending in the same bytes; starts one that was not
-  --threads N         cells side by side; the result does not depend on it (1)
-  --output DIR        landscape.csv, a row per cell; timing.csv; plan.json; summary.json: minimum, roughness and
-                      contact events of every window (landscape_result)
-  -h, --help; --version
-
-Every cell is on disk once it is done: Ctrl-C or kill lose no more than the cells under way. Exit codes: 0 done, even
-with failed cells, which have no cost; 1 usage, or a file that cannot be opened or written; 2 bad data; 70 internal
-error; 130 interrupted.
-
-Example:
-  landscape --target datasets/drape.motion.bin --x mu=0:0.6:13 --y k_stretch=20:700:9:log --output /tmp/cost
-)";
 
 LandscapeFlags PlanFlags() {
   LandscapeFlags flags;
@@ -161,7 +120,7 @@ void PrintSummary(const LandscapePart& part) {
   if (shard.is_whole()) std::cout << SummaryTable(Summarize(part.landscape));
 }
 
-int Scan() {
+int Scan(const std::vector<std::string>&) {
   LandscapeRunOptions options = OptionsFromFlags();
   LandscapeRunResult result;
   {
@@ -206,7 +165,6 @@ int Merge(const std::vector<std::string>& folders) {
 
 int Plot(const std::vector<std::string>& folders) {
   const std::atomic<bool>& interrupted = CatchInterrupts();
-  if (folders.size() != 1) throw Error(ErrorKind::kUsage, "plot: expected one folder; see landscape --help");
   const LandscapePart part = ReadWholeLandscape(folders.front());
   const LandscapePictures pictures = PlotLandscape(part, Summarize(part.landscape), folders.front());
   std::cout << pictures.html << "\n";
@@ -218,39 +176,18 @@ int Plot(const std::vector<std::string>& folders) {
   return interrupted ? kExitInterrupted : kExitSuccess;
 }
 
-struct Subcommand {
-  const char* name;
-  const char* flags;  // that it takes, separated by blanks
-  int (*run)(const std::vector<std::string>& arguments);
-};
-
-constexpr Subcommand kSubcommands[] = {{"merge", "output", Merge}, {"plot", "", Plot}};
-// What a command line without a name of one of them takes.
-constexpr char kScanFlags[] =
-    "target scene x y zoom_around zoom zoom_only sweep set contact sigma initial gradients shard resume threads output";
-
-int RunSubcommand(const Subcommand& command, const std::vector<std::string>& arguments) {
-  std::vector<CommandFlags> flags = {{"a scan", kScanFlags}};
-  for (const Subcommand& each : kSubcommands) flags.push_back({each.name, each.flags});
-  RejectOtherFlags(command.name, flags);
-  return command.run({arguments.begin() + 1, arguments.end()});
-}
-
-int Run(const std::vector<std::string>& arguments) {
-  if (arguments.empty()) return Scan();
-  std::string known;
-  for (const Subcommand& command : kSubcommands) {
-    if (arguments.front() == command.name) return RunSubcommand(command, arguments);
-    known += (known.empty() ? "" : ", ") + std::string(command.name);
-  }
-  throw Error(ErrorKind::kUsage,
-              "'" + Printable(arguments.front()) + "': unknown command; there is: " + known + "; see landscape --help");
-}
-
 }  // namespace
 }  // namespace clothid
 
 int main(int argc, char** argv) {
-  return clothid::RunCommand("landscape", clothid::kHelp, argc, argv, clothid::Run,
-                             {{"zoom_around", ','}, {"zoom", ','}, {"set", ','}, {"sweep", ';'}});
+  clothid::Program program = {"landscape", clothid::kHelp, clothid::kMoreHelp};
+  program.commands = {{"",
+                       {},
+                       "target scene x y zoom_around zoom zoom_only sweep set contact sigma initial gradients shard "
+                       "resume threads output",
+                       clothid::Scan},
+                      {"merge", {"..."}, "output", clothid::Merge},
+                      {"plot", {"one folder"}, "", clothid::Plot}};
+  program.lists = {{"zoom_around", ','}, {"zoom", ','}, {"set", ','}, {"sweep", ';'}};
+  return clothid::RunCommandLine(program, argc, argv);
 }

@@ -34,13 +34,7 @@ std::optional<int> AxisFromFlag() {
 }  // namespace
 
 std::optional<ForceFile> ForceFileFromFlags() {
-  if (!IsSet("forces")) {
-    for (const char* flag :
-         {"force_times", "force_sigma", "force_nodes", "force_axis", "force_scale", "force_time_offset"}) {
-      if (IsSet(flag)) FailFlag(flag, "expected with --forces");
-    }
-    return std::nullopt;
-  }
+  if (!IsSet("forces")) return std::nullopt;
   if (!(FLAGS_force_sigma > 0.0)) FailFlag("force_sigma", "expected with --forces, a number > 0 (N)");
   ForceFile file;
   file.path = FLAGS_forces;

@@ -14,7 +14,8 @@ DEFINE_bool(json, false, "check: findings as JSON");
 
 namespace clothid {
 
-int MotionCheck(const std::string& path) {
+int MotionCheck(const std::vector<std::string>& arguments) {
+  const std::string& path = arguments.front();
   ReadMotionOptions options;
   options.smooth_handles = false;
   const RecordedMotion motion = ReadMotion(path, options);

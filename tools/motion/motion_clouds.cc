@@ -55,10 +55,7 @@ std::vector<std::string> InputFiles(const std::string& clouds) {
 
 }  // namespace
 
-int ConvertClouds(const std::vector<std::string>& arguments) {
-  if (arguments.size() != 2) {
-    throw Error(ErrorKind::kUsage, "convert_clouds: expected a folder or pattern of .npy files, and a file to write");
-  }
+int MotionConvertClouds(const std::vector<std::string>& arguments) {
   ExpectMotionName(arguments[1]);
   RefuseOverwrite(arguments[1], InputFiles(arguments[0]));
   CheckFileCanBeWritten(arguments[1]);

@@ -1,22 +1,27 @@
-// The commands of the program `motion`. Each returns an exit code or throws `Error`.
+// The commands of the program `motion`. Each takes the words behind its name, as many as motion_main.cc says, and
+// returns an exit code or throws `Error`.
 #ifndef CLOTHID_TOOLS_MOTION_MOTION_COMMANDS_H_
 #define CLOTHID_TOOLS_MOTION_MOTION_COMMANDS_H_
 
 #include <string>
+#include <vector>
 
 #include "datasets/motion/recorded_motion.h"
 
 namespace clothid {
 
 // What the container holds: tensors, times, points, scene, provenance.
-int MotionInfo(const std::string& path);
+int MotionInfo(const std::vector<std::string>& arguments);
 
 // Findings about the recording, as a table or as JSON (datasets/checking/motion_check.h). Throws `Error` (kBadData),
 // after they are printed, where one of them is a problem.
-int MotionCheck(const std::string& path);
+int MotionCheck(const std::vector<std::string>& arguments);
 
 // From any format to any other, as the flags say.
-int MotionConvert(const std::string& input, const std::string& output);
+int MotionConvert(const std::vector<std::string>& arguments);
+
+// A motion.bin from a folder of point clouds.
+int MotionConvertClouds(const std::vector<std::string>& arguments);
 
 // A time in s with six digits, more where it takes them to tell 0.1 ms: clocks count from 1970.
 std::string TimeText(double seconds);

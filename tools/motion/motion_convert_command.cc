@@ -133,8 +133,6 @@ Mesh ParseGrid(const std::string& text, bool transpose) {
 }
 
 std::optional<Mesh> MeshFromFlags() {
-  if (IsSet("grid") && IsSet("faces")) FailFlag("grid", "expected without --faces");
-  if (IsSet("transpose") && !IsSet("grid")) FailFlag("transpose", "expected with --grid");
   if (IsSet("grid")) return ParseGrid(FLAGS_grid, FLAGS_transpose);
   if (!IsSet("faces")) return std::nullopt;
   Mesh mesh = ReadObj(FLAGS_faces);
@@ -146,10 +144,7 @@ TrackEdit EditFromFlags() {
   TrackEdit edit;
   edit.scale = FLAGS_scale;
   if (IsSet("transform")) edit.transform = ReadTransform(FLAGS_transform);
-  if (FLAGS_invert_transform) {
-    if (!IsSet("transform")) FailFlag("invert_transform", "expected with --transform");
-    edit.transform = edit.transform.inverse();
-  }
+  if (FLAGS_invert_transform) edit.transform = edit.transform.inverse();
   if (IsSet("times")) edit.times = ReadTimes(FLAGS_times);
   edit.frame_rate = FLAGS_frame_rate;
   edit.time_scale = FLAGS_time_scale;
@@ -172,21 +167,12 @@ void SetMap(ImportOptions* options) {
   }
   options->map_distance = FLAGS_map_distance;
   if (!(FLAGS_map_distance >= 0.0)) FailFlag("map_distance", "expected a distance >= 0 (m)");
-  for (const char* flag : {"borders", "corners"}) {
-    if (IsSet(flag) && !FLAGS_as_surface) FailFlag(flag, "expected with --as_surface");
-  }
   options->surface = {FLAGS_as_surface, FLAGS_borders, FLAGS_corners};
 }
 
 void SetHandleFile(ImportOptions* options) {
   options->handle_nodes = ParseList("handle_nodes", FLAGS_handle_nodes, kMaxNodes, "nodes");
-  if (!IsSet("handles")) {
-    for (const char* flag : {"handle_offsets", "handle_transform", "handle_time_offset"}) {
-      if (IsSet(flag)) FailFlag(flag, "expected with --handles");
-    }
-    return;
-  }
-  if (!IsSet("handle_nodes")) FailFlag("handles", "expected with --handle_nodes, the nodes that follow these paths");
+  if (!IsSet("handles")) return;
   HandleFile file;
   file.path = FLAGS_handles;
   file.offsets_path = FLAGS_handle_offsets;
@@ -282,7 +268,8 @@ int ToTrackFile(const std::string& input, const std::string& output, const Impor
 
 }  // namespace
 
-int MotionConvert(const std::string& input, const std::string& output) {
+int MotionConvert(const std::vector<std::string>& arguments) {
+  const std::string &input = arguments[0], &output = arguments[1];
   if (!IsMotionName(output)) OutputFormatOf(output);
   CheckOutputs(input, output);
   ImportOptions options;

@@ -179,7 +179,8 @@ void PrintCoverage(const RecordedMotion& motion) {
   std::cout << "\n";
 }
 
-int MotionInfo(const std::string& path) {
+int MotionInfo(const std::vector<std::string>& arguments) {
+  const std::string& path = arguments.front();
   const MotionTensors tensors = ReadMotionTensors(path);
   const RecordedMotion motion = ReadMotion(path);
   std::cout << Escaped(path) << "\n";

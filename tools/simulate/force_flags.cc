@@ -18,8 +18,6 @@ DEFINE_string(force_nodes, "", "the handles that each sensor of forces holds");
 namespace clothid {
 namespace {
 
-bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
-
 Eigen::Vector3d ParseBias() {
   Eigen::Vector3d bias;
   const std::vector<std::string> parts = Split(FLAGS_force_bias, ',');
@@ -36,12 +34,7 @@ Eigen::Vector3d ParseBias() {
 }  // namespace
 
 std::optional<ForceSensor> ForceSensorFromFlags() {
-  if (!FLAGS_forces) {
-    for (const char* flag : {"force_sigma", "force_rate", "force_bias", "force_nodes"}) {
-      if (IsSet(flag)) throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected with --forces");
-    }
-    return std::nullopt;
-  }
+  if (!FLAGS_forces) return std::nullopt;
   ForceSensor sensor;
   sensor.groups = ParseForceGroups(FLAGS_force_nodes, "--force_nodes");
   sensor.rate = FLAGS_force_rate;

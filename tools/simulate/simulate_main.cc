@@ -20,7 +20,9 @@
 #include "datasets/synthetic/sensor.h"
 #include "datasets/synthetic/synthetic.h"
 #include "datasets/synthetic/true_parameters.h"
+#include "identify/base/command_line.h"
 #include "identify/base/parallel_for.h"
+#include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
@@ -31,9 +33,9 @@
 #include "sim/scene/handle_csv.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene_json.h"
-#include "tools/base/command_line.h"
 #include "tools/base/count_progress.h"
 #include "tools/simulate/force_flags.h"
+#include "tools/simulate/simulate_help.h"
 #include "tools/simulate/true_fields.h"
 
 DEFINE_string(scene, "", "scene.json to simulate");
@@ -56,59 +58,11 @@ DEFINE_int32(threads, 1, "that share the work of a step");
 namespace clothid {
 namespace {
 
-constexpr char kHelp[] = R"(simulate: makes a recording with known parameters from a scene.
-
-  simulate --scene FILE --output FILE [flags]
-
-  --scene FILE       scene.json (every key: datasets/README.md)
-  --output FILE      motion.bin to write, a name that ends in .bin
-  --fabric NAME      light, medium, heavy, knit or denim: measured constants in place of those that the scene does not
-                     give. The recording's scene names it
-  --set LIST         true parameters in place of the scene's nominal ones: mu, mu.OBSTACLE, k_stretch, k_bend,
-                     density, drag, damping; where the scene has warp and weft k_warp, k_weft, k_shear, k_poisson,
-                     bend_warp, bend_weft, bend_twist; drag_normal, drag_tangential, added_mass, size.x, size.y,
-                     wind.x and the like (costs/README.md). They are written nowhere in the recording.
-  --set_field LIST   likewise, constants that vary over the cloth, NAME=FILE.npy of k_stretch, k_bend and density: their
-                     values on a control grid, as `identify --field` writes them (field_NAME.npy)
-  --noise SIGMA      Gaussian noise on every coordinate, standard deviation in m (0)
-  --frame_rate HZ    frames per second; 0: one per time step (0)
-  --drop FRACTION    chance of a point to be missing in a frame, [0, 1) (0)
-  --markers N        N free nodes are seen, chosen by the seed; 0: every node (0)
-  --cloud N          an unordered cloud of N points per frame anywhere on the surface is seen in place of the nodes;
-                     with --markers, both (0)
-  --forces           the forces at the handles, too: those on the cloth, as a sensor at the gripper tells them
-  --force_sigma S    Gaussian noise on every component of them, standard deviation in N (0)
-  --force_rate HZ    readings per second; 0: one per frame (0)
-  --force_bias X,Y,Z what every sensor is off by, N (0,0,0)
-  --force_nodes LIST the handles that each sensor holds, as in 0,1:4,5 (all of them one sensor)
-  --seed S           seed of markers, noise, drops, clouds and forces (1)
-  --float32          positions in single precision: half the size, truth recoverable to about 1e-7 m
-  --sensor FILE      writes what a laboratory's camera would have seen instead of a recording: the cloth simulated on a
-                     grid of twice the density at a quarter of the time step, with the frames, noise, faults, clock and
-                     frame of reference of sensor.json (datasets/README.md). The name of --output gives the format, as
-                     for `motion convert`. Without --noise, --frame_rate, --drop, --markers, --cloud, --float32, --forces
-  --handles_output F with --sensor: the path of the handles as the gripper tells it, CSV
-  --forces_output F  with --sensor: the forces on the handles as their sensor tells them, CSV
-  --threads N        that share the work of a step, a gain from some thousand nodes on; the motion does not depend on
-                     it (1)
-  --help, --version
-
-Exit codes: 0 written; 1 usage, or a file that cannot be opened or written; 2 bad content; 3 a time step did not
-converge, 70 internal error, 130 interrupted: nothing is written.
-
-Examples:
-  simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 --noise 0.001 --output /tmp/drape.motion.bin
-  simulate --scene datasets/capture/scene.json --sensor datasets/capture/sensor.json --set mu=0.3,k_stretch=30 \
-    --output /tmp/points.csv --handles_output /tmp/gripper.csv
-)";
-
 // What --set and --set_field say. A wrong value is a wrong flag, not bad data.
 Parameters SetTruth(Scene* scene) {
   SetTrueFields(FLAGS_set_field, scene);
   return SetTrueParameters(ParseParameterValues(FLAGS_set, "--set"), "--set", FLAGS_scene, scene);
 }
-
-bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
 
 SyntheticOptions OptionsFromFlags() {
   SyntheticOptions options;
@@ -209,12 +163,6 @@ void CheckOutputs() {
 
 // The files of a laboratory.
 int RunSensor() {
-  for (const char* flag : {"noise", "frame_rate", "drop", "markers", "cloud", "float32", "set_field", "fabric",
-                           "forces", "force_sigma", "force_rate", "force_bias", "force_nodes"}) {
-    if (IsSet(flag)) {
-      throw Error(ErrorKind::kUsage, std::string("--") + flag + ": expected without --sensor, which tells it");
-    }
-  }
   const GridScene grid_scene = ReadGridScene(FLAGS_scene);
   const bool has_path = grid_scene.scene.handles.path.num_handles() > 0;
   if (has_path == FLAGS_handles_output.empty()) {
@@ -248,8 +196,7 @@ int RunSensor() {
   return kExitSuccess;
 }
 
-int Run(const std::vector<std::string>& arguments) {
-  if (!arguments.empty()) throw Error(ErrorKind::kUsage, "unexpected argument '" + arguments.front() + "'");
+int Run(const std::vector<std::string>&) {
   if (FLAGS_scene.empty()) throw Error(ErrorKind::kUsage, "--scene is missing; see simulate --help");
   if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output is missing; see simulate --help");
   if (FLAGS_threads < 1 || FLAGS_threads > kMaxThreads) {
@@ -262,8 +209,6 @@ int Run(const std::vector<std::string>& arguments) {
   }
   CheckOutputs();
   if (!FLAGS_sensor.empty()) return RunSensor();
-  if (!FLAGS_handles_output.empty()) throw Error(ErrorKind::kUsage, "--handles_output: expected with --sensor");
-  if (!FLAGS_forces_output.empty()) throw Error(ErrorKind::kUsage, "--forces_output: expected with --sensor");
   std::string scene_text = ReadText(FLAGS_scene, kMaxJsonBytes);
   if (!FLAGS_fabric.empty()) scene_text = WithFabric(scene_text, FLAGS_fabric, "--fabric", FLAGS_scene);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
@@ -297,5 +242,14 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace clothid
 
 int main(int argc, char** argv) {
-  return clothid::RunCommand("simulate", clothid::kHelp, argc, argv, clothid::Run, {{"set", ','}, {"set_field", ','}});
+  using Rule = clothid::FlagRule;
+  clothid::Program program = {"simulate", clothid::kHelp, clothid::kMoreHelp, {{"", {}, "", clothid::Run}}};
+  program.rules = {
+      {"noise frame_rate drop markers cloud float32 set_field fabric forces force_sigma force_rate force_bias "
+       "force_nodes threads",
+       Rule::kWithout, "sensor"},
+      {"force_sigma force_rate force_bias force_nodes", Rule::kWith, "forces"},
+      {"handles_output forces_output", Rule::kWith, "sensor"}};
+  program.lists = {{"set", ','}, {"set_field", ','}};
+  return clothid::RunCommandLine(program, argc, argv);
 }

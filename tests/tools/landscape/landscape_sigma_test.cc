@@ -97,7 +97,7 @@ TEST_F(LandscapeSigmaTest, AnotherSigmaIsAnotherScan) {
     ExpectRefused("landscape --target known.bin --x mu=0:1:2 --y k_stretch=60:90:2 --output x --sigma " + wrong, 1,
                   "--sigma: expected recorded, auto or a number > 0 in m, got '" + wrong + "'");
   }
-  ExpectRefused("landscape plot cost --sigma 0.003", 1, "--sigma: is a flag of a scan, not of plot");
+  ExpectRefused("landscape plot cost --sigma 0.003", 1, "--sigma: is a flag of landscape, not of plot");
 }
 
 // The report of a fit shows the rmse of a scan by the scan's own sigma, and says where that is not the fit's.

@@ -139,9 +139,11 @@ TEST_F(LandscapeTest, PlotsNothingElse) {
   ExpectRefused("landscape plot part", 2, "part");
   ExpectRefused("landscape plot nowhere", 1, "nowhere");
   ExpectRefused("landscape plot", 1, "plot: expected one folder");
-  ExpectRefused("landscape plot whole --gradients", 1, "--gradients: is a flag of a scan, not of plot");
-  ExpectRefused("landscape plot whole --output elsewhere", 1, "--output: is a flag of a scan and merge, not of plot");
-  ExpectRefused("landscape merge whole --output merged --threads 2", 1, "--threads: is a flag of a scan, not of merge");
+  ExpectRefused("landscape plot whole --gradients", 1, "--gradients: is a flag of landscape, not of plot");
+  ExpectRefused("landscape plot whole --output elsewhere", 1,
+                "--output: is a flag of landscape and merge, not of plot");
+  ExpectRefused("landscape merge whole --output merged --threads 2", 1,
+                "--threads: is a flag of landscape, not of merge");
   ExpectRefused("landscape plot part part", 1, "plot: expected one folder");
 }
 

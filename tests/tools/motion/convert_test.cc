@@ -127,6 +127,9 @@ TEST_F(ConvertTest, RefusesWrongFlags) {
   ExpectRefused(command + " --handle_nodes 0,x", 1, "--handle_nodes");
   ExpectRefused(command + " --handle_time_offset 1", 1, "--handle_time_offset");
   ExpectRefused(command + " --map absent.csv", 1, "absent.csv");
+  for (const char* map : {"", " --map nodes", " --map map.csv"}) {
+    ExpectRefused(command + " --map_distance 0.1" + map, 1, "--map_distance: expected with --map nearest or markers");
+  }
   ExpectRefused("motion convert grid.csv cloth.bin --scene scene.json --transpose", 1, "--transpose");
   ExpectRefused("motion convert grid.csv points.csv --sigma 1", 1, "--sigma");
   ExpectRefused("motion info grid.csv --sigma 1", 1, "--sigma: is a flag of convert");

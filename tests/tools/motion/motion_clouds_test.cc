@@ -73,6 +73,8 @@ TEST_F(MotionCloudsTest, RefusesWhatItCannotConvert) {
   WriteBytes(folder() / "bad.bin", "no array");
   ExpectRefused("motion convert_clouds clouds", 1, "convert_clouds");
   ExpectRefused("motion convert_clouds clouds c.bin --frame_rate 25", 1, "scene");
+  ExpectRefused("motion convert_clouds clouds c.bin --scene scene.json --frame_rate 25 --seed 2", 1,
+                "--seed: expected with --max_points");
   ExpectRefused("motion convert_clouds clouds c.bin --scene scene.json", 1, "frame rate");
   ExpectRefused("motion convert_clouds clouds c.npy --scene scene.json --frame_rate 25", 1,
                 "c.npy: expected a name that");

@@ -77,15 +77,6 @@ TEST_F(SimulateTest, WarnsOfEnergyFromNowhere) {
   EXPECT_EQ(Run(command + "300").err.find("warning"), std::string::npos);
 }
 
-TEST_F(SimulateTest, AnswersHelpAndVersion) {
-  const ToolResult help = Run("simulate --help");
-  EXPECT_EQ(help.exit_code, 0);
-  EXPECT_NE(help.out.find("Examples:"), std::string::npos);
-  const ToolResult version = Run("simulate --version");
-  EXPECT_EQ(version.exit_code, 0);
-  EXPECT_EQ(version.out.rfind("simulate (clothid) ", 0), 0u) << version.out;
-}
-
 TEST_F(SimulateTest, RefusesWrongFlags) {
   const std::string scene = WriteScene(SphereScene());
   const std::string command = "simulate --scene " + scene + " --output out.bin ";
@@ -103,6 +94,11 @@ TEST_F(SimulateTest, RefusesWrongFlags) {
   ExpectRefused(command + "--frame_rate=1", 1, "frame_rate");
   ExpectRefused(command + "--seed=-1", 1, "seed");
   ExpectRefused(command + "--threads=0", 1, "threads");
+  ExpectRefused(command + "--force_rate 5", 1, "--force_rate: expected with --forces");
+  ExpectRefused(command + "--noforces --force_rate 5", 1, "--force_rate: expected with --forces");
+  ExpectRefused(command + "--forces_output f.csv", 1, "--forces_output: expected with --sensor");
+  ExpectRefused(command + "--sensor s.json --noise 0", 1, "--noise: expected without --sensor");
+  ExpectRefused(command + "--sensor s.json --threads 2", 1, "--threads: expected without --sensor");
 }
 
 TEST_F(SimulateTest, RefusesToReplaceItsInputs) {

@@ -1,0 +1,120 @@
+// What `motion --help` prints, and each of its commands; `motion --help all` prints all of them.
+#ifndef CLOTHID_TOOLS_MOTION_MOTION_HELP_H_
+#define CLOTHID_TOOLS_MOTION_MOTION_HELP_H_
+
+namespace clothid {
+
+inline constexpr char kHelp[] = R"(motion: looks at recordings, checks and converts them.
+
+  motion info FILE                           tensors, times, points, scene,
+                                             provenance
+  motion check FILE [--json]                 what is wrong or doubtful before
+                                             any fit, with a hint each
+  motion convert IN OUT [flags]              from a file of another program, or
+                                             a motion.bin, to another
+  motion convert_clouds FOLDER OUT [flags]   from point clouds, a .npy per frame
+
+Everyday flags of convert:
+  --scene FILE         scene.json; OUT, a name ending in .bin, needs it
+  --grid NXxNY:WxH     the mesh, if the scene has none: nodes and size in m, as
+                       8x8:0.3x0.3
+  --faces OBJ          the mesh likewise, m
+  --map HOW            what point i is: nodes: node i; nearest: the nearest
+                       node; markers: the nearest place; or a FILE (nodes)
+  --scale S            multiplies positions: 0.001 from mm (1)
+  --transform FILE     rigid, applied after --scale
+  --frame_rate HZ      of the frames; --times FILE: their times
+  --start_at T         puts the first frame at T s
+  --sigma S            standard deviation of a coordinate, m
+  --handle_nodes LIST  nodes that are held; --handles FILE: their paths
+  --forces FILE        forces at the handles; --force_sigma S: their noise, N
+
+`motion COMMAND --help` lists all flags of a command, `motion --help all` those
+of all and the exit codes; --version.
+
+Example: points of a camera, 8 x 8 down the columns, held at two corners
+  motion convert mesh.csv cloth.bin --scene scene.json --grid 8x8:0.3x0.3 \
+    --transpose --start_at 0 --handle_nodes 0,56 --sigma 0.004
+  motion check cloth.bin
+)";
+
+inline constexpr char kCheckHelp[] =
+    R"(motion check FILE [--json]: what is wrong or doubtful in a recording before any fit.
+
+Gaps, missing, jumping and reordered points, noise, unit, start, handles, contact, gravity, clock, frame of reference,
+clouds; a verdict and a hint each. --json: as JSON. Exit code 2 where the recording cannot be fitted as it is.
+)";
+
+inline constexpr char kConvertHelp[] =
+    R"(motion convert IN OUT [flags]: from a file of another program or a motion.bin to another.
+
+Points and clock:
+  --scale S            multiplies positions: 0.001 from mm (1)
+  --transform FILE     rigid, applied after --scale: JSON {"matrix": 4 x 4} or {"rotation": [qx, qy, qz, qw],
+                       "translation": [x, y, z]} in m, or a ROS CSV of poses, of which the last row counts
+  --invert_transform   the inverse of it
+  --times FILE         times of the frames in s: one per line, or .npy
+  --frame_rate HZ      the same for frames at equal intervals
+  --time_scale S       multiplies times: 0.001 from ms (1)
+  --start_at T         puts the first frame kept at T s
+  --frames A:B         frames A to B - 1 alone
+  --skip_frames LIST   without these, as `motion check` names them
+
+Cloth; a motion.bin from another program needs --scene and a mesh, in the scene or by one of these:
+  --scene FILE         scene.json (every key: datasets/README.md)
+  --faces OBJ          the mesh at rest, m
+  --grid NXxNY:WxH     a flat mesh of NX x NY nodes and W x H m, the nodes in the order of the points: along x first
+  --transpose          along y first
+  --map HOW            nodes: point i is node i; nearest: the nearest node, or markers: the nearest place on a triangle,
+                       of a rest shape that lies near the points; FILE: CSV id,node or id,face,b0,b1,b2 (nodes)
+  --map_distance D     of nearest and markers, m: how far a point may be off its place (half an edge)
+  --as_surface         the points lie on the cloth, but are other points of it in every frame
+  --borders            with it: those of the mesh's border lie on the border of the cloth
+  --corners            with it: those of its corners are the corners of the cloth
+  --sigma S            standard deviation of a coordinate, m (not known)
+
+Handles:
+  --handle_nodes LIST  nodes with a prescribed path: that of their measured points, gaps filled, or of a file
+  --handles FILE       CSV time,x0,y0,z0,x1,.. (s, m) or ROS poses of a tool, resampled to the frames
+  --handle_offsets FILE   JSON {"NODE": [x, y, z], ..}: where the tool holds each node, m, in its own axes
+  --handle_transform FILE   of the handles' frame of reference, as --transform
+  --handle_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
+
+Forces:
+  --forces FILE        forces on the cloth at its handles, N: CSV time,x,y,z (or time,x0,y0,z0,x1,.. of several groups;
+                       columns that are not there were not measured) or .npy of shape (F, 3), (F, G, 3) or (F)
+  --force_sigma S      standard deviation of a component, N; needed
+  --force_nodes LIST   the handles that each sensor holds, as in 0,1:4,5 (all of them one sensor)
+  --force_axis A       x, y or z: the component of a .npy of shape (F)
+  --force_times FILE   times of a .npy in s, another .npy (those of the frames, where there are as many)
+  --force_scale S      multiplies forces: -1 where the force on the gripper was measured (1)
+  --force_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
+
+Example: a cloth seen by a camera, its 8 x 8 points down the columns, held at two corners
+  motion convert mesh.csv cloth.bin --scene scene.json --grid 8x8:0.3x0.3 --transpose --transform camera_pose.csv \
+      --start_at 0 --handle_nodes 0,56 --sigma 0.004
+)";
+
+inline constexpr char kConvertCloudsHelp[] =
+    R"(motion convert_clouds FOLDER OUT [flags]: a motion.bin from point clouds.
+
+Every .npy of shape (M, 3) in FOLDER, or of a pattern, is a frame, in the order of the names; the scene gives mesh,
+start, handles and obstacles.
+  --scene FILE         scene.json; needed
+  --frame_rate HZ, --times FILE   one of them is needed, as of convert
+  --scale S            multiplies positions: 0.001 from mm (1)
+  --sigma S            standard deviation of a coordinate, m (not known)
+  --voxel SIZE         keeps the mean of the points in every cube of this side, m (all points)
+  --max_points N       keeps N points per frame, chosen by --seed S (all; 1)
+  --fit_pose           moves the mesh as a rigid body onto the first cloud, from where the scene has it
+  --float64            clouds in double precision
+)";
+
+inline constexpr char kMoreHelp[] = R"(
+Exit codes: 0 valid or written; 1 usage, file cannot be opened or written; 2 bad content, or a recording that cannot be
+fitted as it is; 70 internal error.
+)";
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TOOLS_MOTION_MOTION_HELP_H_

@@ -1,0 +1,73 @@
+// What `simulate --help` prints, and `simulate --help all` after it.
+#ifndef CLOTHID_TOOLS_SIMULATE_SIMULATE_HELP_H_
+#define CLOTHID_TOOLS_SIMULATE_SIMULATE_HELP_H_
+
+namespace clothid {
+
+inline constexpr char kHelp[] = R"(simulate: makes a recording with known parameters from a scene.
+
+  simulate --scene FILE --output FILE [flags]
+
+  --scene FILE       scene.json (every key: datasets/README.md)
+  --output FILE      motion.bin to write, a name that ends in .bin
+  --fabric NAME      light, medium, heavy, knit or denim: measured constants in
+                     place of those that the scene does not give. The
+                     recording's scene names it
+  --set LIST         true parameters in place of the scene's, as
+                     mu=0.3,k_stretch=300; written nowhere in the recording
+  --noise SIGMA      Gaussian noise on every coordinate, standard deviation
+                     in m (0)
+  --frame_rate HZ    frames per second; 0: one per time step (0)
+  --drop FRACTION    chance of a point to be missing in a frame, [0, 1) (0)
+  --markers N        N free nodes are seen, chosen by the seed; 0: all of
+                     them (0)
+  --cloud N          an unordered cloud of N points per frame anywhere on the
+                     surface is seen in place of the nodes; with --markers,
+                     both (0)
+  --forces           the forces at the handles, too: those on the cloth, as a
+                     sensor at the gripper tells them
+  --force_sigma S    Gaussian noise on every component of them, standard
+                     deviation, N (0)
+  --seed S           of markers, noise, drops, clouds and forces (1)
+  --threads N        that share the work of a step, a gain from some thousand
+                     nodes on; the motion does not depend on it (1)
+  --help all         every flag, the names of parameters, exit codes
+  --version
+
+Example:
+  simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 \
+    --noise 0.001 --output /tmp/drape.motion.bin
+)";
+
+inline constexpr char kMoreHelp[] = R"(
+The truth:
+  --set LIST         names: mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping; where the scene has warp and
+                     weft k_warp, k_weft, k_shear, k_poisson, bend_warp, bend_weft, bend_twist; drag_normal,
+                     drag_tangential, added_mass, size.x, size.y, wind.x and the like (costs/README.md)
+  --set_field LIST   likewise, constants that vary over the cloth, NAME=FILE.npy of k_stretch, k_bend and density: their
+                     values on a control grid, as `identify --field` writes them (field_NAME.npy)
+
+The recording:
+  --float32          positions in single precision: half the size, truth recoverable to about 1e-7 m
+  --force_rate HZ    readings per second; 0: one per frame (0)
+  --force_bias X,Y,Z what every sensor is off by, N (0,0,0)
+  --force_nodes LIST the handles that each sensor holds, as in 0,1:4,5 (all of them one sensor)
+
+A laboratory:
+  --sensor FILE      writes what its camera would have seen instead of a recording: the cloth simulated on a grid of
+                     twice the density at a quarter of the time step, with the frames, noise, faults, clock and frame of
+                     reference of sensor.json (datasets/README.md). The name of --output gives the format, as for
+                     `motion convert`. Without the flags above but --scene, --output, --set and --seed
+  --handles_output F the path of the handles as the gripper tells it, CSV
+  --forces_output F  the forces on the handles as their sensor tells them, CSV
+
+  simulate --scene datasets/capture/scene.json --sensor datasets/capture/sensor.json --set mu=0.3,k_stretch=30 \
+    --output /tmp/points.csv --handles_output /tmp/gripper.csv
+
+Exit codes: 0 written; 1 usage, or a file that cannot be opened or written; 2 bad content; 3 a time step did not
+converge, 70 internal error, 130 interrupted: nothing is written.
+)";
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TOOLS_SIMULATE_SIMULATE_HELP_H_
