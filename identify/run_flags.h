@@ -10,7 +10,7 @@
 
 namespace clothid {
 
-// As `identify --help` explains them, with the values that they have where nobody gives them.
+// As `identify --help all` explains them, with the values that they have where nobody gives them.
 struct RunFlags {
   std::string target, scene, fabric;
   std::string fit, each, field;
@@ -32,6 +32,50 @@ struct RunFlags {
   bool resume = false, report = true;
   double step_tolerance = 0.0;
 };
+
+// Calls visit(name, field) for every one of `flags`, of the types above.
+template <typename Visit>
+void VisitRunFlags(RunFlags* flags, const Visit& visit) {
+  visit("target", &flags->target);
+  visit("scene", &flags->scene);
+  visit("fabric", &flags->fabric);
+  visit("fit", &flags->fit);
+  visit("each", &flags->each);
+  visit("field", &flags->field);
+  visit("field_weight", &flags->field_weight);
+  visit("wind_profile", &flags->wind_profile);
+  visit("wind_smoothness", &flags->wind_smoothness);
+  visit("start", &flags->start);
+  visit("lower", &flags->lower);
+  visit("upper", &flags->upper);
+  visit("prior", &flags->prior);
+  visit("jacobian", &flags->jacobian);
+  visit("adjoint", &flags->adjoint);
+  visit("precision", &flags->precision);
+  visit("method", &flags->method);
+  visit("loss", &flags->loss);
+  visit("sigma", &flags->sigma);
+  visit("initial", &flags->initial);
+  visit("check", &flags->check);
+  visit("check_gradients", &flags->check_gradients);
+  visit("max_iterations", &flags->max_iterations);
+  visit("threads", &flags->threads);
+  visit("output", &flags->output);
+  visit("starts", &flags->starts);
+  visit("seed", &flags->seed);
+  visit("profile", &flags->profile);
+  visit("landscape", &flags->landscape);
+  visit("discretization", &flags->discretization);
+  visit("time_step", &flags->time_step);
+  visit("check_step", &flags->check_step);
+  visit("holdout", &flags->holdout);
+  visit("holdout_frames", &flags->holdout_frames);
+  visit("horizon", &flags->horizon);
+  visit("export", &flags->exports);
+  visit("resume", &flags->resume);
+  visit("report", &flags->report);
+  visit("step_tolerance", &flags->step_tolerance);
+}
 
 // Without `RunOptions::command_line` and callbacks. Throws `Error` (kUsage), naming the flag, for a text that it does
 // not take; what goes with what is left to `RunOptions::Validate`.

@@ -35,8 +35,12 @@ std::set<std::string> Find(const std::string& pattern, const std::string& text) 
 // The flags that the sources of a program define.
 std::set<std::string> DefinedFlags(const std::string& program) {
   const std::filesystem::path root = CLOTHID_SOURCE_DIR;
-  if (program == "identify") return Find("(DEFINE_\\w+\\()(\\w+)", ReadBytes(root / "identify/main.cc"));
   std::set<std::string> flags;
+  if (program == "identify") {
+    flags = Find("(visit\\(\")(\\w+)", ReadBytes(root / "identify/run_flags.h"));
+    flags.insert("result");
+    return flags;
+  }
   for (const auto& entry : std::filesystem::directory_iterator(root / "tools" / program)) {
     if (entry.path().extension() == ".cc") flags.merge(Find("(DEFINE_\\w+\\()(\\w+)", ReadBytes(entry.path())));
   }

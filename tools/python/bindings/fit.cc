@@ -1,8 +1,8 @@
 // A fit: clothid.identify in its raw form, which the package gives its arguments and its result.
 #include <pybind11/stl.h>
 
+#include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "identify/base/output_folder.h"
@@ -19,67 +19,21 @@
 namespace clothid {
 namespace {
 
-using FlagField = std::variant<std::string RunFlags::*, double RunFlags::*, int RunFlags::*, bool RunFlags::*,
-                               std::uint64_t RunFlags::*>;
-
 // Flags of `identify` by name; recordings are no texts here.
-const std::map<std::string, FlagField>& FlagFields() {
-  static const std::map<std::string, FlagField> fields = {{"scene", &RunFlags::scene},
-                                                          {"fabric", &RunFlags::fabric},
-                                                          {"fit", &RunFlags::fit},
-                                                          {"each", &RunFlags::each},
-                                                          {"field", &RunFlags::field},
-                                                          {"field_weight", &RunFlags::field_weight},
-                                                          {"wind_profile", &RunFlags::wind_profile},
-                                                          {"wind_smoothness", &RunFlags::wind_smoothness},
-                                                          {"start", &RunFlags::start},
-                                                          {"lower", &RunFlags::lower},
-                                                          {"upper", &RunFlags::upper},
-                                                          {"prior", &RunFlags::prior},
-                                                          {"jacobian", &RunFlags::jacobian},
-                                                          {"adjoint", &RunFlags::adjoint},
-                                                          {"precision", &RunFlags::precision},
-                                                          {"loss", &RunFlags::loss},
-                                                          {"sigma", &RunFlags::sigma},
-                                                          {"initial", &RunFlags::initial},
-                                                          {"check", &RunFlags::check},
-                                                          {"check_gradients", &RunFlags::check_gradients},
-                                                          {"max_iterations", &RunFlags::max_iterations},
-                                                          {"threads", &RunFlags::threads},
-                                                          {"output", &RunFlags::output},
-                                                          {"starts", &RunFlags::starts},
-                                                          {"seed", &RunFlags::seed},
-                                                          {"profile", &RunFlags::profile},
-                                                          {"landscape", &RunFlags::landscape},
-                                                          {"discretization", &RunFlags::discretization},
-                                                          {"time_step", &RunFlags::time_step},
-                                                          {"holdout_frames", &RunFlags::holdout_frames},
-                                                          {"horizon", &RunFlags::horizon},
-                                                          {"resume", &RunFlags::resume},
-                                                          {"report", &RunFlags::report},
-                                                          {"export", &RunFlags::exports},
-                                                          {"step_tolerance", &RunFlags::step_tolerance}};
-  return fields;
-}
-
 RunFlags ToFlags(const py::dict& values) {
   RunFlags flags;
-  for (const auto& [key, value] : values) {
-    const std::string name = key.cast<std::string>();
-    const auto found = FlagFields().find(name);
-    if (found == FlagFields().end()) FailArgument(name, "identify has no such option");
-    const py::handle given = value;
+  std::size_t num_taken = 0;
+  VisitRunFlags(&flags, [&](const char* name, auto* field) {
+    if (!values.contains(name)) return;
+    const py::object given = values[name];
     try {
-      std::visit(
-          [&](auto field) {
-            auto& target = flags.*field;
-            target = given.cast<std::remove_reference_t<decltype(target)>>();
-          },
-          found->second);
+      *field = given.cast<std::remove_pointer_t<decltype(field)>>();
     } catch (const py::cast_error&) {
       FailArgument(name, "got " + py::repr(given).cast<std::string>() + ", which is of the wrong type or out of range");
     }
-  }
+    ++num_taken;
+  });
+  if (num_taken < values.size()) throw std::logic_error("flags that identify does not have");
   return flags;
 }
 
