@@ -1,6 +1,7 @@
 #include "sim/base/thread_team.h"
 
 #include <chrono>
+#include <utility>
 
 namespace clothid {
 namespace {
@@ -43,13 +44,19 @@ void ThreadTeam::Run(int num_tasks, const std::function<void(int task)>& work) {
   wakes_.notify_all();
   Work();
   while (num_done_.load(std::memory_order_acquire) != num_tasks_) std::this_thread::yield();
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 void ThreadTeam::Work() {
   std::uint64_t tickets = tickets_.load(std::memory_order_acquire);
   while (NumLeft(tickets) > 0) {
     if (!tickets_.compare_exchange_weak(tickets, tickets - 1, std::memory_order_acq_rel)) continue;
-    (*work_)(static_cast<int>(num_tasks_ - NumLeft(tickets)));
+    try {
+      (*work_)(static_cast<int>(num_tasks_ - NumLeft(tickets)));
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+    }
     num_done_.fetch_add(1, std::memory_order_release);
     tickets = tickets_.load(std::memory_order_acquire);
   }

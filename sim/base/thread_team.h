@@ -5,6 +5,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -24,7 +25,8 @@ class ThreadTeam {
   int num_threads() const { return 1 + static_cast<int>(others_.size()); }
 
   // Calls work(i) for every i in [0, num_tasks), whoever is free the next one, and returns when all are done. So a task
-  // may wait for what tasks before it do. `work` must not throw. For one caller at a time.
+  // may wait for what tasks before it do. Then rethrows what the first of those that failed has thrown: a task that
+  // others wait for must tell them before it throws. For one caller at a time.
   void Run(int num_tasks, const std::function<void(int task)>& work);
 
  private:
@@ -45,6 +47,7 @@ class ThreadTeam {
   std::mutex mutex_;
   std::condition_variable wakes_;
   std::vector<std::thread> others_;
+  std::exception_ptr failure_;  // of the round
 };
 
 // The same without a team, in order.

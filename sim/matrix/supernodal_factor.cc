@@ -311,7 +311,12 @@ bool FactorBranches(const Matrices& matrices, ThreadTeam* team) {
     if (finished.failed()) return;
     const int s = task < num_branches ? 0 : supernodes.trunk[task - num_branches];
     const auto [first, last] = task < num_branches ? supernodes.branches[task] : Supernodes::Range{s, s + 1};
-    if (!Worker(matrices).Factor(first, last, &finished)) finished.Fail();
+    try {
+      if (!Worker(matrices).Factor(first, last, &finished)) finished.Fail();
+    } catch (...) {  // no memory: those that wait for it go home
+      finished.Fail();
+      throw;
+    }
   });
   return !finished.failed();
 }

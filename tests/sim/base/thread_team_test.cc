@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <new>
 #include <thread>
 #include <vector>
 
@@ -54,6 +55,24 @@ TEST(ThreadTeamTest, WakesUpAfterASleep) {
     std::atomic<int> sum{0};
     team.Run(10, [&](int task) { sum += task; });
     EXPECT_EQ(sum, 45);
+  }
+}
+
+// On whichever thread the task was: the other one waits for it.
+TEST(ThreadTeamTest, WhatATaskThrowsReachesTheCaller) {
+  ThreadTeam team(2);
+  for (const int culprit : {0, 1}) {
+    std::atomic<int> num_started{0}, num_done{0};
+    const auto work = [&](int task) {
+      ++num_started;
+      while (num_started < 2) std::this_thread::yield();
+      if (task == culprit) throw std::bad_alloc();
+      ++num_done;
+    };
+    EXPECT_THROW(team.Run(10, work), std::bad_alloc);
+    EXPECT_EQ(num_done, 9);
+    team.Run(10, [&](int) { ++num_done; });
+    EXPECT_EQ(num_done, 19);
   }
 }
 

@@ -3,7 +3,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <atomic>
+#include <cstdlib>
 #include <memory>
+#include <new>
 #include <random>
 #include <vector>
 
@@ -12,6 +15,24 @@
 #include "sim/matrix/supernodal_factor.h"
 #include "sim/matrix/supernodal_solve.h"
 #include "sim/matrix/supernodes.h"
+
+namespace {
+
+std::atomic<int> allocations_left{-1};  // with `new`, until all fail; negative: none does
+
+}  // namespace
+
+// Not inline: GCC would take their malloc and free for another pair than new and delete.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  int left = allocations_left;
+  while (left > 0 && !allocations_left.compare_exchange_weak(left, left - 1)) {
+  }
+  void* const memory = left == 0 ? nullptr : std::malloc(std::max<std::size_t>(size, 1));
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace clothid {
 namespace {
@@ -267,6 +288,33 @@ TEST_F(BranchesTest, ThreadsDoNotChangeAByte) {
       EXPECT_EQ(alone, shared) << num_threads << " " << num_sides;
     }
   }
+}
+
+// Whichever task it is that finds none: it is told, and no thread waits for what does not come.
+TEST_F(BranchesTest, MemoryThatRunsOutIsTold) {
+  ThreadTeam team(3);
+  bool is_positive = false;
+  const std::vector<double> expected = FactorOf(matrix_.values, nullptr, &is_positive);
+  std::vector<double> factor(expected.size());
+  const Eigen::MatrixXd right = Eigen::MatrixXd::Random(matrix_.pattern->size(), 1);
+  Eigen::MatrixXd solution = right;
+  const auto solve = [&] {
+    FactorSupernodes(supernodes_, *matrix_.pattern, matrix_.values.data(), factor.data(), &team);
+    SolveSupernodes(supernodes_, factor.data(), right, &solution, &team);
+  };
+  int num_told = 0;
+  for (bool is_solved = false; !is_solved;) {
+    allocations_left = num_told;
+    try {
+      solve();
+      is_solved = true;
+    } catch (const std::bad_alloc&) {
+      ++num_told;
+    }
+    allocations_left = -1;
+  }
+  EXPECT_EQ(factor, expected);
+  EXPECT_GT(num_told, static_cast<int>(supernodes_.branches.size()));
 }
 
 // Wherever the negative pivot is, in a branch or in the trunk: no thread waits for what does not come.
