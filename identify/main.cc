@@ -111,5 +111,5 @@ int main(int argc, char** argv) {
     program.lists[list] = ',';
   }
   program.git = clothid::GitHash();
-  return clothid::RunCommandLine(program, argc, argv);
+  clothid::RunCommandLine(program, argc, argv);
 }

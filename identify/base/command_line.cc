@@ -3,7 +3,6 @@
 #include <gflags/gflags.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <iostream>
 #include <optional>
 #include <sstream>
@@ -210,14 +209,10 @@ int Answer(const Program& program, int argc, const char* const* argv) {
 
 }  // namespace
 
-int RunCommandLine(const Program& program, int argc, char** argv) {
+void RunCommandLine(const Program& program, int argc, char** argv) {
   KeepSignalsFromLibraries();
   CatchFileSizeLimit();
-  const int exit_code =
-      FinishOutput(program.name, ReportErrors(program.name, [&] { return Answer(program, argc, argv); }));
-  // Without the ends of libraries: that of OpenBLAS waits for a thread that may wait for memory, for ever.
-  if (exit_code == kExitInternal) std::_Exit(exit_code);
-  return exit_code;
+  EndProcess(FinishOutput(program.name, ReportErrors(program.name, [&] { return Answer(program, argc, argv); })));
 }
 
 }  // namespace clothid

@@ -44,12 +44,12 @@ struct Program {
   std::string git = {};                    // hash of the sources, for --version
 };
 
-// Binds the flags, answers --help and --version, else runs the command, and returns its exit code. What the command
-// throws ends as `ReportErrors` says (sim/base/program.h). So do a flag that there is not, that has no
+// Binds the flags, answers --help and --version, else runs the command, and ends the process with its exit code. What
+// the command throws ends as `ReportErrors` says (sim/base/program.h). So do a flag that there is not, that has no
 // value or one that it cannot have, a number that is not finite included, that the command does not take or that breaks
 // a rule; a command that there is not; arguments that are too few, too many or empty; and stdout that cannot be
 // written.
-int RunCommandLine(const Program& program, int argc, char** argv);
+[[noreturn]] void RunCommandLine(const Program& program, int argc, char** argv);
 
 }  // namespace clothid
 

@@ -2,6 +2,8 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <iostream>
@@ -87,6 +89,15 @@ int FinishOutput(const std::string& name, int exit_code) {
   std::cerr << name << ": standard output: cannot be written" << (errno != 0 ? ": " : "")
             << (errno != 0 ? std::strerror(errno) : "") << "\n";
   return exit_code == kExitInterrupted ? exit_code : kExitUsageOrIo;
+}
+
+void EndProcess(int exit_code) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  std::exit(exit_code);
+#else
+  std::fflush(nullptr);
+  std::_Exit(exit_code);
+#endif
 }
 
 }  // namespace clothid

@@ -29,6 +29,10 @@ int ReportErrors(const std::string& name, const std::function<int()>& work);
 // led by `name`, and kExitUsageOrIo where the program was not interrupted.
 int FinishOutput(const std::string& name, int exit_code);
 
+// Behind it: ends the process without the ends of libraries. That of OpenBLAS waits for threads that may wait for
+// memory, for ever. Sanitizers, which tell at the end what they have found, are let do so.
+[[noreturn]] void EndProcess(int exit_code);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_BASE_PROGRAM_H_

@@ -32,6 +32,22 @@ TEST(ReportErrorsTest, TellsInternalErrorsFromOthers) {
             "tool: a.bin: expected b\ntool: --c: expected d\ntool: internal error: e\ntool: memory ran out\n");
 }
 
+// OpenBLAS makes a thread as the program starts, which then waits for memory, and waits for that thread at the end.
+TEST_F(InternalErrorTest, NoMemoryLeftForAThreadOfALibrary) {
+  const auto limited = [](const std::string& command) {
+    return "env OPENBLAS_NUM_THREADS=2 timeout --signal=KILL 60 bash -c 'ulimit -v 120000; exec " + command + "'";
+  };
+  for (const std::string program : {"simulate", "identify"}) {
+    const ToolResult help = Run(limited(program + " --help"));
+    EXPECT_EQ(help.exit_code, 0) << program << help.err;
+    EXPECT_EQ(help.out, Run(program + " --help").out);
+    ExpectRefused(limited(program + " extra"), kExitUsageOrIo, "unexpected argument");
+  }
+  const ToolResult made = Run(limited("simulate --scene " + WriteScene(BareScene()) + " --output good.bin"));
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.out.find("good.bin: 6 frames"), std::string::npos) << made.out;
+}
+
 TEST_F(InternalErrorTest, NoMemoryLeftForAFit) {
   ExpectSuccess("simulate --scene " + WriteScene(BareScene()) + " --output good.bin");
   ExpectRefused("bash -c 'ulimit -v 2000000; exec identify --target good.bin --starts 1000000000 --output result'",

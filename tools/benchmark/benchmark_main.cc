@@ -109,5 +109,5 @@ int main(int argc, char** argv) {
                                 [&each](const std::vector<std::string>&) { return clothid::Run(each); },
                                 each.help});
   }
-  return clothid::RunCommandLine(program, argc, argv);
+  clothid::RunCommandLine(program, argc, argv);
 }

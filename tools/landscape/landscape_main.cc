@@ -189,5 +189,5 @@ int main(int argc, char** argv) {
                       {"merge", {"..."}, "output", clothid::Merge},
                       {"plot", {"one folder"}, "", clothid::Plot}};
   program.lists = {{"zoom_around", ','}, {"zoom", ','}, {"set", ','}, {"sweep", ';'}};
-  return clothid::RunCommandLine(program, argc, argv);
+  clothid::RunCommandLine(program, argc, argv);
 }

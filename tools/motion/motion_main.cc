@@ -31,5 +31,5 @@ int main(int argc, char** argv) {
       {"handle_offsets handle_transform handle_time_offset", FlagRule::kWith, "handles"},
       {"force_times force_sigma force_nodes force_axis force_scale force_time_offset", FlagRule::kWith, "forces"},
       {"seed", FlagRule::kWith, "max_points"}};
-  return clothid::RunCommandLine(program, argc, argv);
+  clothid::RunCommandLine(program, argc, argv);
 }

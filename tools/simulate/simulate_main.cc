@@ -251,5 +251,5 @@ int main(int argc, char** argv) {
       {"force_sigma force_rate force_bias force_nodes", Rule::kWith, "forces"},
       {"handles_output forces_output", Rule::kWith, "sensor"}};
   program.lists = {{"set", ','}, {"set_field", ','}};
-  return clothid::RunCommandLine(program, argc, argv);
+  clothid::RunCommandLine(program, argc, argv);
 }
