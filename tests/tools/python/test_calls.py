@@ -1,8 +1,10 @@
 """What Python sees of calls that take long: interrupts, other threads, callbacks, memory; and exact derivatives."""
 
 import os
+import pathlib
 import pickle
 import signal
+import tempfile
 import threading
 import time
 import unittest
@@ -130,8 +132,19 @@ class ResultTest(unittest.TestCase):
         self.assertAlmostEqual(again["mu"].value, 0.2, places=6)
         self.assertEqual(again.covariance.shape, (1, 1))
         self.assertEqual(again.verdict.usable, "yes")
-        with self.assertRaises(clothid.UsageError):
-            again.save("folder")
+        with tempfile.TemporaryDirectory() as place:
+            folder = pathlib.Path(place)
+            result.save(folder / "own")
+            again.save(folder / "pickled")
+            pickle.loads(pickle.dumps(again)).save(folder / "twice")
+            expected = {path.name: path.read_bytes() for path in (folder / "own").iterdir()}
+            self.assertLessEqual({"result.json", "convergence.csv", "predicted.bin", "report.html"}, set(expected))
+            for name in ("pickled", "twice"):
+                self.assertEqual({path.name: path.read_bytes() for path in (folder / name).iterdir()}, expected)
+            again.save(folder / "twice", report=False)
+            self.assertFalse((folder / "twice/report.html").exists())
+            again.report(folder / "page.html")
+            self.assertEqual((folder / "page.html").read_bytes(), expected["report.html"])
 
 
 if __name__ == "__main__":

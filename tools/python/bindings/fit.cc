@@ -1,6 +1,7 @@
 // A fit: clothid.identify in its raw form, which the package gives its arguments and its result.
 #include <pybind11/stl.h>
 
+#include <map>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -165,6 +166,14 @@ void SaveFit(const PyFit& self, const py::object& folder, bool page) {
   WriteReport(self.summary, self.checks, self.recordings, &output, options);
 }
 
+// What `SaveFit` has written once.
+void SaveFiles(const py::object& folder, const std::map<std::string, std::string>& files) {
+  OutputFolder output(ToPath(folder));
+  output.RemoveOthers(IsReportFile);
+  for (const auto& [name, bytes] : files) output.Write(name, bytes);
+  output.Commit();
+}
+
 }  // namespace
 
 void BindFit(py::module_* module) {
@@ -179,6 +188,7 @@ void BindFit(py::module_* module) {
       .def_property_readonly("fields", &Fields)
       .def("page", &Page)
       .def("save", &SaveFit, py::arg("folder"), py::arg("page"));
+  module->def("save_files", &SaveFiles, py::arg("folder"), py::arg("files"));
   module->def(
       "run_fit",
       [](const std::vector<PyMotion>& motions, const std::vector<PyMotion>& holdouts, const py::dict& flags,

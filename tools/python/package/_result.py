@@ -5,6 +5,8 @@ from __future__ import annotations
 import html
 import json
 import os
+import pathlib
+import tempfile
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
@@ -41,6 +43,10 @@ class Verdict:
         return "\n".join(self.lines)
 
 
+_PAGE = "report.html"
+_FILES = {"page": _PAGE, "convergence_csv": "convergence.csv"}  # what is the text of a file
+
+
 def _number(value: Optional[float]) -> float:
     return float("nan") if value is None else value
 
@@ -49,7 +55,7 @@ class Result:
     """Estimates, intervals and verdict of a fit; `print(result)` is the table of the program.
 
     Everything is read from `data`, the content of result.json (identify/README.md), whose numbers are exact. It can be
-    pickled; then it keeps what it says, and all files but those of `save`.
+    pickled, and carries its files along.
     """
 
     data: Dict[str, Any]
@@ -57,12 +63,14 @@ class Result:
     def __init__(self, fit: "_clothid.Fit") -> None:
         self._fit: Optional[_clothid.Fit] = fit
         self._kept: Dict[str, Any] = {}
+        self._files: Dict[str, bytes] = {}  # those of `save`; of a result that was pickled
         self.table = fit.table
         self.data = json.loads(fit.json)
 
     def _take(self, name: str) -> Any:
-        if name not in self._kept:
-            assert self._fit is not None
+        if name not in self._kept and self._fit is None:
+            self._kept[name] = self._files[_FILES[name]].decode("utf-8")
+        elif name not in self._kept:
             value = getattr(self._fit, name)
             self._kept[name] = value() if callable(value) else value
         return self._kept[name]
@@ -157,9 +165,10 @@ class Result:
 
     def save(self, folder: Union[str, "os.PathLike[str]"], report: bool = True) -> None:
         """Writes what the program writes: result.json, convergence.csv, predicted.bin and report.html."""
-        if self._fit is None:
-            raise _clothid.UsageError("save: expected a result that was not pickled")
-        self._fit.save(folder, report)
+        if self._fit is not None:
+            self._fit.save(folder, report)
+        else:
+            _clothid.save_files(folder, {name: file for name, file in self._files.items() if report or name != _PAGE})
 
     def __str__(self) -> str:
         return self.table
@@ -174,6 +183,10 @@ class Result:
         return f"<pre>{html.escape(self.table)}</pre>{frame}"
 
     def __getstate__(self) -> Dict[str, Any]:
-        for name in ("message", "predicted", "fields", "convergence_csv", "page"):
+        for name in ("message", "predicted", "fields"):
             self._take(name)
-        return {"table": self.table, "data": self.data, "_kept": self._kept, "_fit": None}
+        kept = {name: value for name, value in self._kept.items() if name not in _FILES}
+        with tempfile.TemporaryDirectory() as folder:
+            self.save(folder)
+            files = {path.name: path.read_bytes() for path in sorted(pathlib.Path(folder).iterdir())}
+        return {"table": self.table, "data": self.data, "_kept": kept, "_files": files, "_fit": None}
