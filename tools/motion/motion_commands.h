@@ -17,7 +17,8 @@ int MotionInfo(const std::vector<std::string>& arguments);
 // after they are printed, where one of them is a problem.
 int MotionCheck(const std::vector<std::string>& arguments);
 
-// From any format to any other, as the flags say.
+// From any format to any other, as these flags say, which are separated by blanks.
+std::string ConvertFlags();
 int MotionConvert(const std::vector<std::string>& arguments);
 
 // A motion.bin from a folder of point clouds.

@@ -52,29 +52,13 @@ namespace clothid {
 namespace {
 
 // Flags that only a motion.bin can keep, and the others.
-constexpr const char* kSceneFlags[] = {"scene",
-                                       "map",
-                                       "map_distance",
-                                       "as_surface",
-                                       "borders",
-                                       "corners",
-                                       "sigma",
-                                       "handle_nodes",
-                                       "handles",
-                                       "handle_offsets",
-                                       "handle_transform",
-                                       "handle_time_offset",
-                                       "forces",
-                                       "force_times",
-                                       "force_sigma",
-                                       "force_nodes",
-                                       "force_axis",
-                                       "force_scale",
-                                       "force_time_offset"};
-constexpr const char* kPointFlags[] = {"faces", "grid",       "transpose",  "transform", "invert_transform", "scale",
-                                       "times", "frame_rate", "time_scale", "start_at",  "skip_frames",      "frames"};
+constexpr char kSceneFlags[] =
+    "scene map map_distance as_surface borders corners sigma handle_nodes handles handle_offsets handle_transform "
+    "handle_time_offset forces force_times force_sigma force_nodes force_axis force_scale force_time_offset";
+constexpr char kPointFlags[] =
+    "faces grid transpose transform invert_transform scale times frame_rate time_scale start_at skip_frames frames";
 
-bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
+bool IsSet(const std::string& flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag.c_str()).is_default; }
 
 [[noreturn]] void FailFlag(const std::string& flag, const std::string& message) {
   throw Error(ErrorKind::kUsage, "--" + flag + ": " + message);
@@ -198,19 +182,20 @@ void CheckOutputs(const std::string& input, const std::string& output) {
 // The flags that were given, and the names of files in place of their paths.
 std::string Provenance(const std::string& input) {
   std::string text = "converted from " + std::filesystem::path(input).filename().string();
-  const auto add = [&](const char* flag) {
+  const auto add = [&](const std::string& flag) {
     if (!IsSet(flag)) return;
-    const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(flag);
+    const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(flag.c_str());
     const std::optional<double> number = ParseNumber(info.current_value);
     const bool is_file = info.current_value.find('/') != std::string::npos;
-    text += std::string(" --") + flag;
+    text += " --" + flag;
     if (info.type == "bool") return;
     text += " " + (is_file                           ? std::filesystem::path(info.current_value).filename().string()
                    : info.type == "double" && number ? ShortestText(*number)
                                                      : info.current_value);
   };
-  for (const char* flag : kPointFlags) add(flag);
-  for (const char* flag : kSceneFlags) add(flag);
+  for (const char* flags : {kPointFlags, kSceneFlags}) {
+    for (const std::string& flag : Split(flags, ' ')) add(flag);
+  }
   return text;
 }
 
@@ -247,7 +232,7 @@ int ToMotionFile(const std::string& input, const std::string& output, ImportOpti
 }
 
 int ToTrackFile(const std::string& input, const std::string& output, const ImportOptions& options) {
-  for (const char* flag : kSceneFlags) {
+  for (const std::string& flag : Split(kSceneFlags, ' ')) {
     if (IsSet(flag)) FailFlag(flag, "expected with a motion.bin to write, a name that ends in .bin");
   }
   PointTracks tracks = IsMotionName(input) ? ToTracks(ReadMotionTensors(input), input) : ReadTracks(input);
@@ -267,6 +252,8 @@ int ToTrackFile(const std::string& input, const std::string& output, const Impor
 }
 
 }  // namespace
+
+std::string ConvertFlags() { return std::string(kPointFlags) + " " + kSceneFlags; }
 
 int MotionConvert(const std::vector<std::string>& arguments) {
   const std::string &input = arguments[0], &output = arguments[1];

@@ -6,21 +6,18 @@
 int main(int argc, char** argv) {
   using clothid::FlagRule;
   clothid::Program program = {"motion", clothid::kHelp, clothid::kMoreHelp};
-  program.commands = {
-      {"info", {"one file"}, "", clothid::MotionInfo},
-      {"check", {"one file"}, "json", clothid::MotionCheck, clothid::kCheckHelp},
-      {"convert",
-       {"a file to read", "one to write"},
-       "scene map map_distance as_surface borders corners sigma handle_nodes handles handle_offsets handle_transform "
-       "handle_time_offset faces grid transpose transform invert_transform scale times frame_rate time_scale start_at "
-       "skip_frames frames forces force_times force_sigma force_nodes force_axis force_scale force_time_offset",
-       clothid::MotionConvert,
-       clothid::kConvertHelp},
-      {"convert_clouds",
-       {"a folder or pattern of .npy files", "a file to write"},
-       "scene frame_rate times scale sigma voxel max_points seed fit_pose float64",
-       clothid::MotionConvertClouds,
-       clothid::kConvertCloudsHelp}};
+  program.commands = {{"info", {"one file"}, "", clothid::MotionInfo},
+                      {"check", {"one file"}, "json", clothid::MotionCheck, clothid::kCheckHelp},
+                      {"convert",
+                       {"a file to read", "one to write"},
+                       clothid::ConvertFlags(),
+                       clothid::MotionConvert,
+                       clothid::kConvertHelp},
+                      {"convert_clouds",
+                       {"a folder or pattern of .npy files", "a file to write"},
+                       "scene frame_rate times scale sigma voxel max_points seed fit_pose float64",
+                       clothid::MotionConvertClouds,
+                       clothid::kConvertCloudsHelp}};
   program.rules = {
       {"grid", FlagRule::kWithout, "faces"},
       {"transpose", FlagRule::kWith, "grid"},
