@@ -52,7 +52,6 @@ void VisitRunFlags(RunFlags* flags, const Visit& visit) {
   visit("jacobian", &flags->jacobian);
   visit("adjoint", &flags->adjoint);
   visit("precision", &flags->precision);
-  visit("method", &flags->method);
   visit("loss", &flags->loss);
   visit("sigma", &flags->sigma);
   visit("initial", &flags->initial);
@@ -67,7 +66,6 @@ void VisitRunFlags(RunFlags* flags, const Visit& visit) {
   visit("landscape", &flags->landscape);
   visit("discretization", &flags->discretization);
   visit("time_step", &flags->time_step);
-  visit("check_step", &flags->check_step);
   visit("holdout", &flags->holdout);
   visit("holdout_frames", &flags->holdout_frames);
   visit("horizon", &flags->horizon);
