@@ -19,7 +19,7 @@ namespace clothid {
 
 // Files embedded by CMake.
 std::string_view ReportPage();             // report_page.html
-std::string_view ReplayScript();           // the scripts that draw a replay
+std::string_view ReplayScript();           // the scripts that draw and play a replay
 std::string_view ReportScript();           // those of all else
 std::string_view ReportLandscapeScript();  // report_landscape.js
 std::string_view ReportFieldScript();      // report_field.js
@@ -128,23 +128,6 @@ Json HistogramJson(const Observation& observation, const RecordedMotion& motion,
   return {{"range", range}, {"axes", axes}, {"beyond", num_beyond}, {"leaves_out_start", StartsAtFirstFrame(motion)}};
 }
 
-// The forces at handles, a list per component that was measured; thinned by leaving readings out.
-Json ForcesJson(const ForceReadings& forces, const Eigen::MatrixXd& predicted, std::size_t max_bytes) {
-  constexpr std::size_t kBytesPerNumber = 13;
-  Json components = Json::array();
-  const auto num_numbers = static_cast<std::size_t>((2 * forces.values.rows() + 1) * forces.num_readings());
-  const auto every = static_cast<Eigen::Index>(num_numbers * kBytesPerNumber / max_bytes + 1);
-  const auto shown = Eigen::seq(0, forces.num_readings() - 1, every);
-  for (Eigen::Index row = 0; row < forces.values.rows(); ++row) {
-    if (forces.values.row(row).array().isNaN().all()) continue;
-    components.push_back({{"group", row / 3 + 1},
-                          {"axis", std::string(1, "xyz"[row % 3])},
-                          {"measured", RoundedList(forces.values.row(row).transpose()(shown))},
-                          {"predicted", RoundedList(predicted.row(row).transpose()(shown))}});
-  }
-  return {{"times", RoundedList(forces.times(shown))}, {"groups", forces.num_groups()}, {"components", components}};
-}
-
 // What the page may spend on each recording.
 struct Room {
   std::size_t replay_bytes = 0, curve_bytes = 0;
@@ -197,7 +180,7 @@ Json RecordingJson(const RecordedMotion& motion, const Observation& observation,
                {"histogram", HistogramJson(points, shown.motion, shown.predicted, error.rmse())},
                {"replay", ReplayJson(replay, room.replay_bytes)}};
   if (index < summary.forces.size() && summary.forces[index].cols() > 0) {
-    json["forces"] = ForcesJson(motion.forces, summary.forces[index], kMaxForceBytes);
+    json["forces"] = ForcesJson(motion.forces, &summary.forces[index], kMaxForceBytes);
   }
   return json;
 }

@@ -30,6 +30,12 @@ Json VectorJson(const Eigen::VectorXd& vector) {
   return json;
 }
 
+// As many digits of a time as tell a `digits`-digit part of the recording: clocks count from 1970.
+int TimeDigits(const Eigen::VectorXd& times, int digits) {
+  const double length = times[times.size() - 1] - times[0], largest = times.cwiseAbs().maxCoeff();
+  return length > 0.0 && largest > length ? digits + static_cast<int>(std::ceil(std::log10(largest / length))) : digits;
+}
+
 template <typename Scalar>
 std::string PackMatrix(const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& matrix) {
   return PackBytes({reinterpret_cast<const char*>(matrix.data()), sizeof(Scalar) * matrix.size()});
@@ -70,17 +76,17 @@ void AddPoints(const Eigen::MatrixXd& positions, Eigen::AlignedBox3d* box) {
   }
 }
 
-// Of the predicted cloth and of recorded points that are not astray: a single one far off would coarsen the grid for
-// all others.
+// Of all that moves but recorded points that are astray.
 Eigen::AlignedBox3d Box(const ReplaySource& source) {
-  Eigen::AlignedBox3d predicted, recorded;
-  AddPoints(*source.predicted, &predicted);
-  if (source.nodes != nullptr) AddPoints(*source.nodes, &predicted);
+  Eigen::AlignedBox3d middle = source.middle, recorded;
+  for (const Eigen::MatrixXd* own : {source.predicted, source.nodes, source.handles, source.start}) {
+    if (own != nullptr) AddPoints(*own, &middle);
+  }
   AddPoints(source.motion->positions, &recorded);
-  if (predicted.isEmpty() || recorded.isEmpty()) return predicted.merged(recorded);
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(predicted.diagonal().norm());
-  const Eigen::AlignedBox3d near(predicted.min() - margin, predicted.max() + margin);
-  return predicted.merged(recorded.intersection(near));
+  if (middle.isEmpty() || recorded.isEmpty()) return middle.merged(recorded);
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(middle.diagonal().norm());
+  const Eigen::AlignedBox3d near(middle.min() - margin, middle.max() + margin);
+  return middle.merged(recorded.intersection(near));
 }
 
 std::string PackErrors(const Eigen::MatrixXd& errors, double largest, const std::vector<int>& frames) {
@@ -115,11 +121,16 @@ Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double lar
   const RecordedMotion& motion = *source.motion;
   const std::vector<int> frames = EveryFrame(motion.num_frames(), every);
   Json json = {{"every", every}, {"times", Json::array()}};
-  for (const int frame : frames) json["times"].push_back(RoundedJson(motion.times[frame], kReplayDigits));
+  const int time_digits = TimeDigits(motion.times, kReplayDigits);
+  for (const int frame : frames) json["times"].push_back(RoundedJson(motion.times[frame], time_digits));
   json["recorded"] = PackPositions(Quantize(grid, motion.positions, frames));
-  json["predicted"] = PackPositions(Quantize(grid, *source.predicted, frames));
-  if (source.nodes != nullptr) json["nodes"] = PackPositions(Quantize(grid, *source.nodes, frames));
-  json["errors"] = PackErrors(*source.point_errors, largest_error, frames);
+  const auto add = [&](const char* name, const Eigen::MatrixXd* positions) {
+    if (positions != nullptr) json[name] = PackPositions(Quantize(grid, *positions, frames));
+  };
+  add("predicted", source.predicted);
+  add("nodes", source.nodes);
+  add("handle_path", source.handles);
+  if (source.point_errors != nullptr) json["errors"] = PackErrors(*source.point_errors, largest_error, frames);
   return json;
 }
 
@@ -137,6 +148,10 @@ Json CommonJson(const ReplaySource& source, const PositionGrid& grid, double lar
                {"handles", motion.scene.handles.nodes},
                {"obstacles", Json::array()},
                {"notes", Json::array()}};
+  if (source.start != nullptr) json["start"] = PackPositions(Quantize(grid, *source.start, {0}));
+  if (!source.middle.isEmpty()) {
+    json["middle"] = {VectorJson(source.middle.min()), VectorJson(source.middle.max())};
+  }
   for (const SceneObstacle& obstacle : motion.scene.obstacles) {
     const Json shape = ObstacleJson(obstacle);
     if (shape.contains("type")) {
@@ -171,9 +186,11 @@ nlohmann::ordered_json ReplayJson(const ReplaySource& source, std::size_t max_by
   const Eigen::AlignedBox3d box = Box(source);
   if (box.isEmpty()) return LeftOut("There is nothing to replay.");
   const PositionGrid grid = GridOver(box);
-  const double largest_error = Largest(*source.point_errors);
-  const double num_nodes = source.nodes != nullptr ? motion.scene.mesh.num_nodes() : 0.0;
-  const double frame_bytes = 6.0 * (2.0 * motion.num_points() + num_nodes);
+  const double largest_error = source.point_errors != nullptr ? Largest(*source.point_errors) : 0.0;
+  double frame_bytes = 2.0 * static_cast<double>(motion.positions.rows());
+  for (const Eigen::MatrixXd* more : {source.predicted, source.nodes, source.handles}) {
+    if (more != nullptr) frame_bytes += 2.0 * static_cast<double>(more->rows());
+  }
   if (frame_bytes > kBestCompression * static_cast<double>(max_bytes)) return LeftOut(too_large);
   Json json = CommonJson(source, grid, largest_error);
   const std::size_t common = json.dump(-1, ' ', false, Json::error_handler_t::replace).size();
@@ -191,6 +208,31 @@ nlohmann::ordered_json ReplayJson(const ReplaySource& source, std::size_t max_by
     if (every >= motion.num_frames()) break;  // of which there would be one
   }
   return LeftOut(too_large);
+}
+
+Json ForcesJson(const ForceReadings& forces, const Eigen::MatrixXd* predicted, std::size_t max_bytes) {
+  constexpr std::size_t kBytesPerNumber = 13;
+  constexpr int kForceDigits = 6;
+  const auto rounded = [](const Eigen::VectorXd& values, int digits) {
+    Json json = Json::array();
+    for (const double value : values) json.push_back(RoundedJson(value, digits));
+    return json;
+  };
+  const auto num_numbers = static_cast<std::size_t>((2 * forces.values.rows() + 1) * forces.num_readings());
+  const auto every = static_cast<Eigen::Index>(num_numbers * kBytesPerNumber / max_bytes + 1);
+  const auto shown = Eigen::seq(0, forces.num_readings() - 1, every);
+  Json components = Json::array();
+  for (Eigen::Index row = 0; row < forces.values.rows(); ++row) {
+    if (forces.values.row(row).array().isNaN().all()) continue;
+    components.push_back({{"group", row / 3 + 1},
+                          {"axis", std::string(1, "xyz"[row % 3])},
+                          {"measured", rounded(forces.values.row(row).transpose()(shown), kForceDigits)}});
+    if (predicted != nullptr)
+      components.back()["predicted"] = rounded(predicted->row(row).transpose()(shown), kForceDigits);
+  }
+  return {{"times", rounded(forces.times(shown), TimeDigits(forces.times, kForceDigits))},
+          {"groups", forces.num_groups()},
+          {"components", components}};
 }
 
 }  // namespace clothid

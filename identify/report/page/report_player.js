@@ -1,5 +1,6 @@
 'use strict';
-// Plays a recording: which frame is shown, and when.
+// Plays a recording: which frame is shown, and when. The page has `frameShown(frame)`, which says what else changes with
+// the frame, and `drawOptions()`, how it is drawn.
 
 // What the replay shows.
 const state = {replay: null, wanted: 0, frame: 0, isPlaying: false, clock: 0, last: 0, isDirty: true};
@@ -10,8 +11,7 @@ function redraw() { state.isDirty = true; }
 function showFrame(frame) {
   state.frame = frame;
   part('scrubber').value = frame;
-  const {times, frames} = state.replay;
-  part('time').textContent = `${times[frame].toFixed(3)} s, frame ${frame + 1} of ${frames}`;
+  frameShown(frame);
   redraw();
 }
 
@@ -45,86 +45,24 @@ function advance(now) {
   }
   if (state.isDirty && state.replay) {
     state.isDirty = false;
-    viewer.draw(state.frame, {sideBySide: part('view').value === 'side', withErrors: part('error-colours').checked});
+    viewer.draw(state.frame, drawOptions());
   }
   requestAnimationFrame(advance);
 }
 
-function setLabels() {
-  const dot = (name) => {
-    const made = element('span', 'swatch');
-    made.style.background = `var(--${name})`;
-    return made;
-  };
-  const isSide = part('view').value === 'side';
-  part('label-left').replaceChildren(...(isSide ? [dot('recorded'), 'recorded']
-    : [dot('recorded'), 'recorded', dot('predicted'), 'predicted']));
-  part('label-right').replaceChildren(...(isSide ? [dot('predicted'), 'predicted'] : []));
-  part('scale').hidden = !part('error-colours').checked;
-  redraw();
-}
-
-function replayNotes(replay) {
-  const notes = [`Positions are rounded to ${number(1e3 * replay.step, 2)} mm.`];
-  if (replay.every > 1) notes.push(`Every ${replay.every}th of the recorded frames, to keep this file small.`);
-  if (!replay.points_are_nodes && replay.hasNodes) notes.push('Lines lead from recorded points to where they are predicted.');
-  return notes.concat(replay.notes).join(' ');
+// Shows another recording, from frame `first` on.
+function loadReplay(replay, first) {
+  viewer.load(replay);
+  state.replay = replay;
+  part('scrubber').max = replay.frames - 1;
+  play(false);
+  showFrame(Math.min(Math.max(first, 0), replay.frames - 1));
 }
 
 function showMissing(reason) {
   part('stage').hidden = part('replay-controls').hidden = true;
   part('replay-missing').hidden = false;
   part('replay-missing').textContent = reason;
-}
-
-function showErrors(replay) {
-  drawHeatMap(replay);
-  part('heat-map').removeAllListeners('plotly_click');
-  part('heat-map').on('plotly_click', ({points}) => {
-    if (!state.replay) return;
-    play(false);
-    showFrame(replay.times.indexOf(points[0].x));
-  });
-}
-
-async function showRecording(index) {
-  const recording = data.recordings[index];
-  drawPerFrame(recording);
-  drawHistogram(recording);
-  drawForces(recording);
-  part('stage').hidden = part('replay-controls').hidden = false;
-  part('replay-missing').hidden = true;
-  state.replay = null;
-  state.wanted = index;
-  state.isPlaying = false;
-  if (recording.replay.left_out) {
-    narrow.onchange = null;
-    Plotly.purge('heat-map');
-    part('heat-map-caption').textContent = recording.replay.left_out;
-    showMissing(recording.replay.left_out);
-    return;
-  }
-  const replay = await unpackReplay(recording.replay);
-  if (state.wanted !== index) return;
-  showErrors(replay);
-  narrow.onchange = () => showErrors(replay);
-  if (!viewer) {
-    showMissing('This browser has no WebGL 2, which the replay needs.');
-    return;
-  }
-  viewer.load(replay);
-  state.replay = replay;
-  part('scrubber').max = replay.frames - 1;
-  part('scale-end').textContent = millimetres(replay.largest_error);
-  part('replay-notes').textContent = replayNotes(replay);
-  play(false);
-  // report.html#frame=40 opens there.
-  const asked = Number((/^#frame=(\d+)$/.exec(location.hash) || [])[1] || 1);
-  showFrame(Math.min(Math.max(asked, 1), replay.frames) - 1);
-}
-
-function select(index) {
-  showRecording(index).catch((error) => showMissing(`The replay cannot be shown: ${error}`));
 }
 
 // What one pointer, or the first two fingers, do to the view.
@@ -163,4 +101,29 @@ function listenToPointers(canvas) {
     viewer.zoom(Math.exp(0.001 * event.deltaY));
     redraw();
   }, {passive: false});
+}
+
+// The viewer and its controls, at a speed of `speed`.
+function makePlayer(speed) {
+  for (const factor of [0.05, 0.1, 0.25, 0.5, 1, 2, 4]) {
+    const option = element('option', '', `${factor} ×`);
+    option.value = factor;
+    option.selected = factor === speed;
+    part('speed').append(option);
+  }
+  part('play').addEventListener('click', () => play(!state.isPlaying));
+  part('scrubber').addEventListener('input', (event) => {
+    play(false);
+    showFrame(Number(event.target.value));
+  });
+  part('reset').addEventListener('click', () => {
+    viewer.reset();
+    redraw();
+  });
+  part('replay-hint').textContent = isTouch ? 'One finger turns, two fingers move and zoom.'
+    : 'Drag to turn, shift and drag to move, wheel to zoom.';
+  new ResizeObserver(redraw).observe(part('canvas'));
+  viewer = makeViewer(part('canvas'));
+  if (viewer) listenToPointers(part('canvas'));
+  requestAnimationFrame(advance);
 }

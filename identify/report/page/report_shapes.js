@@ -46,6 +46,27 @@ function capsuleShape(from, to, radius) {
   return {positions: Float32Array.from(positions), indices: Int32Array.from(indices)};
 }
 
+// A cone from a disk around `from` to its tip.
+function coneShape(from, tip, radius) {
+  const axis = unit(add(tip, from, -1)), u = across(axis), v = cross(axis, u), sectors = 24;
+  const positions = [...tip, ...from], indices = [];
+  for (let sector = 0; sector < sectors; ++sector) {
+    const turn = 2 * Math.PI * sector / sectors, next = 2 + (sector + 1) % sectors;
+    positions.push(...add(add(from, u, radius * Math.cos(turn)), v, radius * Math.sin(turn)));
+    indices.push(0, 2 + sector, next, 1, next, 2 + sector);
+  }
+  return {positions: Float32Array.from(positions), indices: Int32Array.from(indices)};
+}
+
+// The wind of a frame as a cone around `middle`, the strongest of them `length` long; null without any.
+function windShape({wind}, frame, middle, length) {
+  const velocities = [wind.x, wind.y, wind.z], speed = (i) => Math.hypot(...velocities.map((values) => values[i]));
+  const strongest = wind.x.reduce((most, _, i) => Math.max(most, speed(i)), 0);
+  if (!(speed(frame) > 0)) return null;
+  const half = velocities.map((values) => 0.5 * length * values[frame] / strongest);
+  return coneShape(add(middle, half, -1), add(middle, half), 0.2 * Math.hypot(...half));
+}
+
 // A piece of a plane below `center`, as large as the scene, with lines on it.
 function planeShape(plane, center, size) {
   const normal = plane.normal, height = dot(add(center, plane.point, -1), normal);

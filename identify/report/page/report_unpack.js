@@ -37,12 +37,16 @@ async function unpackErrors(text, largest) {
 // What a replay holds, ready to be drawn.
 async function unpackReplay(replay) {
   const made = {...replay, frames: replay.times.length};
-  made.recordedGrid = await unpackPositions(replay.recorded, 3 * replay.points);
-  made.predictedGrid = await unpackPositions(replay.predicted, 3 * replay.points);
-  made.hasNodes = replay.points_are_nodes || replay.nodes !== undefined;
-  made.nodesGrid = replay.points_are_nodes ? made.predictedGrid
-    : replay.nodes ? await unpackPositions(replay.nodes, 3 * replay.node_count) : new Uint16Array(0);
-  made.errors = await unpackErrors(replay.errors, replay.largest_error);
+  const grid = (text, count) => text ? unpackPositions(text, 3 * count) : new Uint16Array(0);
+  made.recordedGrid = await grid(replay.recorded, replay.points);
+  made.predictedGrid = await grid(replay.predicted, replay.points);
+  made.hasPrediction = replay.predicted !== undefined;
+  made.hasNodes = made.hasPrediction && (replay.points_are_nodes || replay.nodes !== undefined);
+  made.nodesGrid = replay.points_are_nodes ? made.predictedGrid : await grid(replay.nodes, replay.node_count);
+  made.handlesGrid = await grid(replay.handle_path, replay.handles.length);
+  made.handleLines = linesOfHandles(made);
+  made.startGrid = await grid(replay.start, replay.node_count);
+  if (replay.errors) made.errors = await unpackErrors(replay.errors, replay.largest_error);
   made.faces = new Int32Array((await unpackBytes(replay.face_list)).buffer);
   made.edges = edgesOf(made.faces);
   made.shapes = [];
@@ -54,14 +58,29 @@ async function unpackReplay(replay) {
   return made;
 }
 
-// Float positions of one frame; NaN where a point was not seen.
-function positionsAt(replay, grid, frame) {
-  const count = grid.length / replay.frames, made = new Float32Array(count);
+// Float positions of one of the `frames` of a grid; NaN where a point was not seen.
+function positionsAt(replay, grid, frame, frames = replay.frames) {
+  const count = grid.length / frames, made = new Float32Array(count);
   for (let i = 0; i < count; ++i) {
     const q = grid[frame * count + i];
     made[i] = q === UNSEEN ? NaN : replay.origin[i % 3] + replay.step * q;
   }
   return made;
+}
+
+// The ways of all handles, piece by piece.
+function linesOfHandles(replay) {
+  const lines = [];
+  let last = positionsAt(replay, replay.handlesGrid, 0);
+  for (let frame = 1; frame < replay.frames; ++frame) {
+    const next = positionsAt(replay, replay.handlesGrid, frame);
+    for (let i = 0; i < next.length; i += 3) {
+      if ([0, 1, 2].every((axis) => next[i + axis] === last[i + axis])) continue;
+      lines.push(...last.subarray(i, i + 3), ...next.subarray(i, i + 3));
+    }
+    last = next;
+  }
+  return Float32Array.from(lines);
 }
 
 function edgesOf(faces) {

@@ -36,7 +36,7 @@ const FRAGMENT = `#version 300 es
 const legendColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim()
   .match(/[0-9a-f]{2}/gi).map((digits) => parseInt(digits, 16) / 255);
 const RECORDED = legendColour('recorded'), PREDICTED = legendColour('predicted'), OBSTACLE = [0.80, 0.84, 0.88];
-const HANDLE = [0.13, 0.15, 0.19];
+const HANDLE = [0.13, 0.15, 0.19], WIND = [0.24, 0.55, 0.37];
 
 // Draws into `canvas`; null where the browser has no WebGL.
 function makeViewer(canvas) {
@@ -166,15 +166,30 @@ function makeViewer(canvas) {
     drawPoints(recorded, allPoints(), colours, 8);
   }
 
-  // By itself: a cloth, or markers.
+  // By itself: a cloth, or points, the smaller the more there are.
   function drawRecordedAlone(frame) {
-    const recorded = positionsAt(replay, replay.recordedGrid, frame);
+    const recorded = positionsAt(replay, replay.recordedGrid, frame), colours = uniformColours(replay.points, RECORDED);
     if (replay.points_are_nodes) {
-      drawCloth(recorded, seenOnly(replay.faces, 3, recorded), uniformColours(replay.points, RECORDED));
+      const faces = seenOnly(replay.faces, 3, recorded);
+      drawCloth(recorded, faces, colours);
       drawEdges(recorded, HANDLE, 0.16);
+      const isDrawn = new Set(faces.length < replay.faces.length ? faces : allPoints());
+      drawPoints(recorded, allPoints().filter((point) => !isDrawn.has(point)), colours, 4);
     } else {
-      drawPoints(recorded, allPoints(), uniformColours(replay.points, RECORDED), 8);
+      drawPoints(recorded, allPoints(), colours, Math.min(Math.max(160 / Math.sqrt(replay.points), 2.5), 8));
     }
+  }
+
+  // Where a simulation starts, where handles are and go, and the wind in the middle of the cloth, as a cone over it.
+  function drawAround(frame, withStart) {
+    if (withStart) drawEdges(positionsAt(replay, replay.startGrid, 0, 1), PREDICTED, 0.7);
+    const handles = positionsAt(replay, replay.handlesGrid, frame), count = handles.length / 3;
+    drawPoints(handles, Array.from({length: count}, (_, i) => i), uniformColours(count, HANDLE), 7);
+    if (replay.handleLines.length > 0) {
+      draw(gl.LINES, replay.handleLines, null, uniformColours(replay.handleLines.length / 3, HANDLE), {alpha: 0.35});
+    }
+    const cone = replay.wind && windShape(replay, frame, add(center, replay.up, 0.85 * radius), 0.5 * radius);
+    if (cone) drawSurface(cone.positions, cone.indices, uniformColours(cone.positions.length / 3, WIND), {});
   }
 
   function axes() {
@@ -212,12 +227,12 @@ function makeViewer(canvas) {
       low[axis] = Math.min(low[axis], value - margin);
       high[axis] = Math.max(high[axis], value + margin);
     });
-    for (const grid of [replay.hasNodes ? replay.nodesGrid : replay.predictedGrid]) {
-      for (let frame = 0; frame < replay.frames; frame += Math.max(1, Math.floor(replay.frames / 50))) {
-        const positions = positionsAt(replay, grid, frame);
-        for (let i = 0; i < positions.length; i += 3) {
-          if (!Number.isNaN(positions[i])) extend([...positions.subarray(i, i + 3)], 0);
-        }
+    for (const corner of replay.middle || []) extend(corner, 0);
+    const grid = replay.hasNodes ? replay.nodesGrid : replay.predictedGrid;
+    for (let frame = 0; frame < replay.frames; frame += Math.max(1, Math.floor(replay.frames / 50))) {
+      const positions = positionsAt(replay, grid, frame);
+      for (let i = 0; i < positions.length; i += 3) {
+        if (!Number.isNaN(positions[i])) extend([...positions.subarray(i, i + 3)], 0);
       }
     }
     const cloth = 0.5 * Math.hypot(...add(high, low, -1)) || 1;
@@ -248,7 +263,7 @@ function makeViewer(canvas) {
     reset() {
       yaw = -0.85;
       pitch = 0.32;
-      distance = 2.5 * radius;
+      distance = (replay.middle ? 3 : 2.5) * radius;
       shift = [0, 0, 0];
     },
     turn(dx, dy) {
@@ -260,7 +275,7 @@ function makeViewer(canvas) {
       shift = add(add(shift, side, -scale * dx), above, scale * dy);
     },
     zoom(factor) { distance = Math.min(Math.max(distance * factor, 0.2 * radius), 30 * radius); },
-    draw(frame, {sideBySide, withErrors}) {
+    draw(frame, {sideBySide, withErrors, withStart}) {
       const ratio = window.devicePixelRatio || 1;
       const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
       if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
@@ -273,8 +288,13 @@ function makeViewer(canvas) {
         return;
       }
       drawView(0, width, () => {
-        drawPredicted(frame, withErrors);
-        drawRecordedOver(frame, withErrors);
+        if (replay.hasPrediction) {
+          drawPredicted(frame, withErrors);
+          drawRecordedOver(frame, withErrors);
+        } else {
+          drawRecordedAlone(frame);
+          drawAround(frame, withStart);
+        }
       });
     },
   };

@@ -1,0 +1,75 @@
+'use strict';
+// The recordings of a fit, one of which is replayed.
+
+function frameShown(frame) {
+  const {times, frames} = state.replay;
+  part('time').textContent = `${times[frame].toFixed(3)} s, frame ${frame + 1} of ${frames}`;
+}
+
+const drawOptions = () => ({sideBySide: part('view').value === 'side', withErrors: part('error-colours').checked});
+
+function setLabels() {
+  const dot = (name) => {
+    const made = element('span', 'swatch');
+    made.style.background = `var(--${name})`;
+    return made;
+  };
+  const isSide = part('view').value === 'side';
+  part('label-left').replaceChildren(...(isSide ? [dot('recorded'), 'recorded']
+    : [dot('recorded'), 'recorded', dot('predicted'), 'predicted']));
+  part('label-right').replaceChildren(...(isSide ? [dot('predicted'), 'predicted'] : []));
+  part('scale').hidden = !part('error-colours').checked;
+  redraw();
+}
+
+function replayNotes(replay) {
+  const notes = [`Positions are rounded to ${number(1e3 * replay.step, 2)} mm.`];
+  if (replay.every > 1) notes.push(`Every ${replay.every}th of the recorded frames, to keep this file small.`);
+  if (!replay.points_are_nodes && replay.hasNodes) notes.push('Lines lead from recorded points to where they are predicted.');
+  return notes.concat(replay.notes).join(' ');
+}
+
+function showErrors(replay) {
+  drawHeatMap(replay);
+  part('heat-map').removeAllListeners('plotly_click');
+  part('heat-map').on('plotly_click', ({points}) => {
+    if (!state.replay) return;
+    play(false);
+    showFrame(replay.times.indexOf(points[0].x));
+  });
+}
+
+async function showRecording(index) {
+  const recording = data.recordings[index];
+  drawPerFrame(recording);
+  drawHistogram(recording);
+  drawForces(recording);
+  part('stage').hidden = part('replay-controls').hidden = false;
+  part('replay-missing').hidden = true;
+  state.replay = null;
+  state.wanted = index;
+  state.isPlaying = false;
+  if (recording.replay.left_out) {
+    narrow.onchange = null;
+    Plotly.purge('heat-map');
+    part('heat-map-caption').textContent = recording.replay.left_out;
+    showMissing(recording.replay.left_out);
+    return;
+  }
+  const replay = await unpackReplay(recording.replay);
+  if (state.wanted !== index) return;
+  showErrors(replay);
+  narrow.onchange = () => showErrors(replay);
+  if (!viewer) {
+    showMissing('This browser has no WebGL 2, which the replay needs.');
+    return;
+  }
+  part('scale-end').textContent = millimetres(replay.largest_error);
+  part('replay-notes').textContent = replayNotes(replay);
+  // report.html#frame=40 opens there.
+  loadReplay(replay, Number((/^#frame=(\d+)$/.exec(location.hash) || [])[1] || 1) - 1);
+}
+
+function select(index) {
+  showRecording(index).catch((error) => showMissing(`The replay cannot be shown: ${error}`));
+}
