@@ -17,6 +17,10 @@ int MotionInfo(const std::vector<std::string>& arguments);
 // after they are printed, where one of them is a problem.
 int MotionCheck(const std::vector<std::string>& arguments);
 
+// Writes a page that replays a recording, or the motion of a scene.json with its nominal values
+// (identify/view/view_page.h).
+int MotionView(const std::vector<std::string>& arguments);
+
 // From any format to any other, as these flags say, which are separated by blanks.
 std::string ConvertFlags();
 int MotionConvert(const std::vector<std::string>& arguments);

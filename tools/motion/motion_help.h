@@ -10,6 +10,9 @@ inline constexpr char kHelp[] = R"(motion: looks at recordings, checks and conve
                                              provenance
   motion check FILE [--json]                 what is wrong or doubtful before
                                              any fit, with a hint each
+  motion view FILE [--output PAGE]           a page that replays a recording,
+                                             or a scene.json, which is
+                                             simulated first (view.html)
   motion convert IN OUT [flags]              from a file of another program, or
                                              a motion.bin, to another
   motion convert_clouds FOLDER OUT [flags]   from point clouds, a .npy per frame
@@ -61,7 +64,7 @@ Points and clock:
   --skip_frames LIST   without these, as `motion check` names them
 
 Cloth; a motion.bin from another program needs --scene and a mesh, in the scene or by one of these:
-  --scene FILE         scene.json (every key: datasets/README.md)
+  --scene FILE         scene.json (every key: datasets/scene.md)
   --faces OBJ          the mesh at rest, m
   --grid NXxNY:WxH     a flat mesh of NX x NY nodes and W x H m, the nodes in the order of the points: along x first
   --transpose          along y first
@@ -112,7 +115,7 @@ start, handles and obstacles.
 
 inline constexpr char kMoreHelp[] = R"(
 Exit codes: 0 valid or written; 1 usage, file cannot be opened or written; 2 bad content, or a recording that cannot be
-fitted as it is; 70 internal error.
+fitted as it is; 3 a time step of a viewed scene did not converge; 70 internal error; 130 interrupted.
 )";
 
 }  // namespace clothid

@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
   clothid::Program program = {"motion", clothid::kHelp, clothid::kMoreHelp};
   program.commands = {{"info", {"one file"}, "", clothid::MotionInfo},
                       {"check", {"one file"}, "json", clothid::MotionCheck, clothid::kCheckHelp},
+                      {"view", {"one file"}, "output", clothid::MotionView},
                       {"convert",
                        {"a file to read", "one to write"},
                        clothid::ConvertFlags(),

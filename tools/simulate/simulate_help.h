@@ -8,8 +8,10 @@ inline constexpr char kHelp[] = R"(simulate: makes a recording with known parame
 
   simulate --scene FILE --output FILE [flags]
 
-  --scene FILE       scene.json (every key: datasets/README.md)
+  --scene FILE       scene.json (every key: datasets/scene.md)
   --output FILE      motion.bin to write, a name that ends in .bin
+  --view FILE        a page that replays it, as `motion view` writes it, a
+                     name that ends in .html
   --fabric NAME      light, medium, heavy, knit or denim: measured constants in
                      place of those that the scene does not give. The
                      recording's scene names it

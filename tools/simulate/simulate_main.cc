@@ -1,6 +1,5 @@
 // simulate: makes a recording with known parameters from a scene.
 #include <gflags/gflags.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cmath>
@@ -22,18 +21,18 @@
 #include "datasets/synthetic/true_parameters.h"
 #include "identify/base/command_line.h"
 #include "identify/base/parallel_for.h"
+#include "identify/view/view_page.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
 #include "sim/fabric/fabric.h"
-#include "sim/rollout/energy_loss.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/handle_csv.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene_json.h"
-#include "tools/base/count_progress.h"
+#include "tools/base/scene_rollout.h"
 #include "tools/simulate/force_flags.h"
 #include "tools/simulate/simulate_help.h"
 #include "tools/simulate/true_fields.h"
@@ -50,6 +49,7 @@ DEFINE_uint64(seed, 1, "seed of markers, noise, drops and clouds");
 DEFINE_bool(float32, false, "store positions in single precision");
 DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...]");
 DEFINE_string(set_field, "", "true fields in place of the scene's, NAME=FILE.npy[,...]");
+DEFINE_string(view, "", "page to write beside the recording");
 DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
 DEFINE_string(handles_output, "", "with --sensor: CSV file for the path of the gripper");
 DEFINE_string(forces_output, "", "with --sensor: CSV file for the forces on the handles");
@@ -77,19 +77,6 @@ SyntheticOptions OptionsFromFlags() {
   return options;
 }
 
-// Every step of a rollout is kept. Throws where the machine cannot hold even the positions and velocities of them: it
-// would end the process without a word.
-void CheckMemory(double num_nodes, double num_steps, Integrator integrator) {
-  constexpr double kGigabyte = 1 << 30;
-  const double bytes = NumStages(integrator) * num_steps * (sizeof(StepRecord) + 6.0 * sizeof(double) * num_nodes);
-  const double most = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (bytes <= most) return;
-  throw Error(ErrorKind::kUsage, FLAGS_scene + ": " + ShortestText(num_steps) + " steps of " + ShortestText(num_nodes) +
-                                     " nodes take at least " + std::to_string(std::llround(bytes / kGigabyte)) +
-                                     " GB of memory; this machine has " +
-                                     std::to_string(std::llround(most / kGigabyte)));
-}
-
 // Nodes sticking at the end of a step or substep, summed over them.
 int CountStick(const Rollout& rollout) {
   int num_stick = 0;
@@ -113,31 +100,13 @@ void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
             << counts.branch_switches << " branch switches, " << counts.obstacle_switches << " obstacle switches\n";
 }
 
-// Tells on stderr where the integrator has made energy.
-void WarnOfEnergy(const Rollout& rollout, Simulator* simulator) {
-  if (!MayGainEnergy(rollout.parameters, *simulator)) return;
-  const EnergyGain gain = FindEnergyGain(rollout, simulator);
-  if (!(gain.share() >= kMostEnergyGain)) return;
-  std::cerr << "simulate: warning: the motion gains energy that no work pays for, " << gain.energy << " J by "
-            << gain.time << " s, " << 100.0 * gain.share()
-            << " % of the largest: the steps are too long for so stiff a cloth; shorten them, or take the integrator "
-               "euler\n";
+// The recording as `motion view` shows it.
+void WriteView(MotionTensors motion) {
+  ReadMotionOptions options;
+  options.smooth_handles = false;
+  WriteFileAtomically(FLAGS_view, {ViewHtml(InterpretMotion(std::move(motion), FLAGS_output, options))});
+  std::cout << FLAGS_view << ": a page to look at it\n";
 }
-
-// Tells on stderr, while it lives, where a rollout stands that takes long.
-class StepProgress {
- public:
-  RolloutOptions options(int num_steps) {
-    RolloutOptions options;
-    options.visitor = [this, num_steps](int step, const Eigen::VectorXd&) {
-      if (step > 0) progress_.Print(step, num_steps);
-    };
-    return options;
-  }
-
- private:
-  CountProgress progress_{&std::cerr, isatty(STDERR_FILENO) != 0, "steps", CountProgress::End::kQuiet};
-};
 
 // No input is to be lost to an output, and no output to the other one.
 void CheckOutputs() {
@@ -149,8 +118,8 @@ void CheckOutputs() {
     RefuseOverwrite(output, inputs);
     taken.emplace_back("--output", output);
   }
-  const std::pair<std::string, std::string> others[] = {{"--handles_output", FLAGS_handles_output},
-                                                        {"--forces_output", FLAGS_forces_output}};
+  const std::pair<std::string, std::string> others[] = {
+      {"--handles_output", FLAGS_handles_output}, {"--forces_output", FLAGS_forces_output}, {"--view", FLAGS_view}};
   for (const auto& [flag, file] : others) {
     RefuseOverwrite(file, inputs);
     for (const auto& [other_flag, other] : taken) {
@@ -176,8 +145,8 @@ int RunSensor() {
   }
   const std::vector<TrueParameter> truth =
       MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
-  CheckMemory((2.0 * grid_scene.nodes[0] - 1.0) * (2.0 * grid_scene.nodes[1] - 1.0),
-              kTrueStepDivisor * static_cast<double>(grid_scene.scene.num_steps()), grid_scene.scene.integrator);
+  CheckRolloutMemory(FLAGS_scene, (2.0 * grid_scene.nodes[0] - 1.0) * (2.0 * grid_scene.nodes[1] - 1.0),
+                     kTrueStepDivisor * static_cast<double>(grid_scene.scene.num_steps()), grid_scene.scene.integrator);
   CheckFileCanBeWritten(FLAGS_output);
   if (has_path) CheckFileCanBeWritten(FLAGS_handles_output);
   if (sensor.force_sensor) CheckFileCanBeWritten(FLAGS_forces_output);
@@ -214,27 +183,20 @@ int Run(const std::vector<std::string>&) {
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
   CheckSyntheticOptions(OptionsFromFlags(), scene, scene_text);
-  CheckMemory(scene.mesh.num_nodes(), scene.num_steps(), scene.integrator);
+  CheckRolloutMemory(FLAGS_scene, scene.mesh.num_nodes(), scene.num_steps(), scene.integrator);
   const std::atomic<bool>& interrupted = CatchInterrupts();
   CheckFileCanBeWritten(FLAGS_output);
+  if (!FLAGS_view.empty()) CheckPageOutput("--view", FLAGS_view);
   Simulator simulator(scene);
   simulator.SetNumThreads(FLAGS_threads);
-  const Rollout rollout = [&] {
-    StepProgress progress;
-    return Simulate(truth, scene.num_steps(), &simulator, &interrupted, progress.options(scene.num_steps()));
-  }();
-  if (interrupted) {
-    std::cerr << "simulate: interrupted, nothing is written\n";
-    return kExitInterrupted;
-  }
-  if (!rollout.ok()) {
-    std::cerr << "simulate: " << rollout.failure->ToString() << "\n";
-    return kExitNotConverged;
-  }
+  Rollout rollout;
+  const int exit_code = SimulateScene("simulate", truth, scene.num_steps(), &simulator, interrupted, &rollout);
+  if (exit_code != kExitSuccess) return exit_code;
   const MotionTensors motion = RecordRollout(rollout, scene, scene_text, OptionsFromFlags());
   WriteMotion(motion, FLAGS_output);
   PrintSummary(rollout, motion);
-  WarnOfEnergy(rollout, &simulator);
+  WarnOfEnergy("simulate", rollout, &simulator);
+  if (!FLAGS_view.empty()) WriteView(motion);
   return kExitSuccess;
 }
 
@@ -245,7 +207,7 @@ int main(int argc, char** argv) {
   using Rule = clothid::FlagRule;
   clothid::Program program = {"simulate", clothid::kHelp, clothid::kMoreHelp, {{"", {}, "", clothid::Run}}};
   program.rules = {
-      {"noise frame_rate drop markers cloud float32 set_field fabric forces force_sigma force_rate force_bias "
+      {"view noise frame_rate drop markers cloud float32 set_field fabric forces force_sigma force_rate force_bias "
        "force_nodes threads",
        Rule::kWithout, "sensor"},
       {"force_sigma force_rate force_bias force_nodes", Rule::kWith, "forces"},

@@ -105,7 +105,7 @@ class Browser {
     return Evaluate(R"((() => {
       const found = [], page = document.documentElement;
       if (page.scrollWidth > innerWidth) found.push(`the page: ${page.scrollWidth} of ${innerWidth} px`);
-      for (const box of document.querySelectorAll('.card, .tile, .stacked td, .plot, .views > *')) {
+      for (const box of document.querySelectorAll('.card, .tile, .stacked td, .described td, .plot, .lines, .views > *')) {
         if (box.clientWidth === 0 || box.scrollWidth <= box.clientWidth + 1) continue;
         found.push(`${box.tagName} ${box.id} ${box.className}: ${box.scrollWidth} of ${box.clientWidth} px`);
       }

@@ -4,15 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "datasets/files/sha256.h"
-#include "tests/identify/report/browser.h"
-#include "tests/last_line.h"
-#include "tests/tools/tool_test.h"
+#include "tests/identify/report/page_browser.h"
 
 namespace clothid {
 
@@ -20,13 +15,11 @@ namespace clothid {
 // second, over every kind of obstacle.
 inline constexpr char kHostileName[] = "<img src=x onerror=document.title=name>.bin";
 
-class ReportBrowserTest : public ToolTest {
+class ReportBrowserTest : public PageBrowserTest {
  protected:
-  using Json = nlohmann::json;
-
   void SetUp() override {
-    const std::optional<std::string> chromium = FindChromium();
-    if (!chromium) GTEST_SKIP() << "the package chromium is absent: install it, or set CHROMIUM to another Chromium";
+    PageBrowserTest::SetUp();
+    if (IsSkipped()) return;
     WriteBytes(folder() / "pyramid.obj",
                "v -0.2 0 -0.45\nv -0.1 0 -0.45\nv -0.1 0.1 -0.45\nv -0.2 0.1 -0.45\nv -0.15 0.05 -0.35\n"
                "f 1 4 3 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
@@ -43,59 +36,10 @@ class ReportBrowserTest : public ToolTest {
     ASSERT_EQ(Run(simulate + "--seed 1 --output '" + kHostileName + "'").exit_code, 0);
     ASSERT_EQ(Run(simulate + "--seed 2 --markers 12 --drop 0.1 --output markers.bin").exit_code, 0);
     ASSERT_EQ(Run("identify --target '" + std::string(kHostileName) + ",markers.bin' --output out").exit_code, 0);
-    try {
-      browser_ = std::make_unique<Browser>(*chromium, 1200, 900);
-    } catch (const std::runtime_error&) {
-      const ToolResult alone = Run("'" + *chromium + "' --headless=new --no-sandbox --dump-dom about:blank");
-      if (alone.exit_code == 0) throw;
-      GTEST_SKIP() << "the package chromium is damaged: '" << *chromium << "' ends with: " << LastLine(alone.err);
-    }
-    browser_->Open((folder() / "out" / "report.html").string(), "state.replay && state.replay.frames == 31");
+    browser().Open((folder() / "out" / "report.html").string(), "state.replay && state.replay.frames == 31");
   }
 
-  Browser& browser() { return *browser_; }
-  Json Text(const std::string& id) { return browser_->Evaluate("document.getElementById('" + id + "').textContent"); }
-
-  // What the screen shows of an element: pixels that differ from the one in a corner, and their number of colours.
-  struct Look {
-    double drawn = 0.0;  // share of the pixels
-    int colours = 0;
-    std::string picture;
-  };
   Look LookAtReplay() { return LookAt("canvas"); }
-  Look LookAt(const std::string& id) {
-    browser_->WaitForFrames();
-    Look look;
-    look.picture = browser_->Picture(id);
-    const Json counts = browser_->Evaluate(
-        "(async () => { const image = new Image(); image.src = 'data:image/png;base64," + look.picture +
-        "'; await image.decode(); const canvas = document.createElement('canvas'); canvas.width = image.width; "
-        "canvas.height = image.height; const context = canvas.getContext('2d'); context.drawImage(image, 0, 0); "
-        "const all = new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer); "
-        "return [all.filter(pixel => pixel !== all[all.length - 1]).length / all.length, new Set(all).size]; })()");
-    look.drawn = counts[0];
-    look.colours = counts[1];
-    return look;
-  }
-
-  // The pixels of a picture that have the hue of `name` in the legend, and how bright their median is beside it.
-  struct Hue {
-    double share = 0.0, brightness = 0.0;
-  };
-  Hue HueIn(const std::string& picture, const std::string& name) {
-    const Json found = browser_->Evaluate(
-        "(async () => { const image = new Image(); image.src = 'data:image/png;base64," + picture +
-        "'; await image.decode(); const canvas = document.createElement('canvas'); canvas.width = image.width; "
-        "canvas.height = image.height; const context = canvas.getContext('2d'); context.drawImage(image, 0, 0); "
-        "const wanted = legendColour('" +
-        name +
-        "').map(v => 255 * v), total = wanted[0] + wanted[1] + wanted[2]; "
-        "const {data: all} = context.getImageData(0, 0, image.width, image.height), bright = []; "
-        "for (let i = 0; i < all.length; i += 4) { const scale = (all[i] + all[i + 1] + all[i + 2]) / total; "
-        "if ([0, 1, 2].every(k => Math.abs(all[i + k] - scale * wanted[k]) < 12)) bright.push(scale); } "
-        "bright.sort((a, b) => a - b); return [4 * bright.length / all.length, bright[bright.length >> 1] || 0]; })()");
-    return {found[0], found[1]};
-  }
 
   // `landscape` of the markers, with one cell as if its rollout had failed.
   void Scan() {
@@ -110,14 +54,6 @@ class ReportBrowserTest : public ToolTest {
     WriteBytes(csv, cells);
     WriteBytes(plan, text.replace(text.find(before), before.size(), Sha256Hex({cells})));
   }
-
-  void ExpectPeace() {
-    EXPECT_EQ(browser_->complaints(), std::vector<std::string>());
-    EXPECT_EQ(browser_->requests(), std::vector<std::string>());
-  }
-
- private:
-  std::unique_ptr<Browser> browser_;
 };
 
 }  // namespace clothid
