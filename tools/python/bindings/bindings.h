@@ -16,6 +16,7 @@
 
 #include "datasets/motion/motion_file.h"
 #include "datasets/motion/motion_tensors.h"
+#include "datasets/synthetic/synthetic.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -51,6 +52,13 @@ std::string ToPath(const py::object& path);
 // Of a dict, a list of pairs is no good; None is empty. `what` names it in errors.
 std::map<std::string, double> ToValues(const py::object& values, const std::string& what);
 
+// What a sensor sees of a scene with the values of some of its parameters, a dict. `progress` may be None.
+PyMotion SimulateMotion(const py::object& scene, const py::object& values, const SyntheticOptions& options,
+                        const py::object& progress);
+// A clothid.View of a recording, or of the motion of a scene.
+py::object ViewMotion(const PyMotion& motion);
+py::object ViewScene(const PyScene& scene, const py::object& values);
+
 void BindErrors(py::module_* module);
 void BindScene(py::module_* module);
 void BindMotion(py::module_* module);
@@ -59,6 +67,7 @@ void BindRollout(py::module_* module);
 void BindFit(py::module_* module);
 void BindLandscape(py::module_* module);
 void BindExport(py::module_* module);
+void BindView(py::module_* module);
 
 }  // namespace clothid
 

@@ -19,4 +19,5 @@ PYBIND11_MODULE(_clothid, module) {
   clothid::BindFit(&module);
   clothid::BindLandscape(&module);
   clothid::BindExport(&module);
+  clothid::BindView(&module);
 }

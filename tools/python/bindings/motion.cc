@@ -179,6 +179,8 @@ void BindMotion(py::module_* module) {
   motion.def_static("load", &LoadMotion, py::arg("path"),
                     "Reads and verifies a motion.bin. Raises FileError, InputError.");
   motion.def("save", &SaveMotion, py::arg("path"), "Writes a motion.bin, whole or not at all. Raises FileError.");
+  motion.def("view", &ViewMotion,
+             "A View: the replay with forces, wind and what `check` finds, for notebooks and browsers.");
   BindArrays(&motion);
   motion.def_property_readonly("scene", &PyScene::Of, "The scene, with the mesh, start and time of the recording.");
   motion.def_readonly("name", &PyMotion::name, "The file that it came from, or \"recording\".");

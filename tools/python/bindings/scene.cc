@@ -149,6 +149,9 @@ void BindScene(py::module_* module) {
   scene.def_property_readonly("parameters", &NominalValues,
                               "{name: nominal value} of every constant that it has, in SI units.");
   BindShape(&scene);
+  scene.def("view", &ViewScene, py::arg("parameters") = py::none(),
+            "Simulates it with the given parameters {name: value}, its nominal values for all others, and returns a "
+            "View of that. Raises UsageError, SimulationError where a step does not converge.");
   scene.def("to_dict", [](const PyScene& self) { return py::module_::import("json").attr("loads")(self.text); });
   scene.def("__repr__", [](const PyScene& self) {
     return "<clothid.Scene " + self.source + ": " + std::to_string(self.scene->mesh.num_nodes()) + " nodes, " +

@@ -32,6 +32,8 @@ RolloutOptions Watched(const py::object& progress, int num_steps) {
   return options;
 }
 
+}  // namespace
+
 PyMotion SimulateMotion(const py::object& scene_like, const py::object& values, const SyntheticOptions& options,
                         const py::object& progress) {
   const PyScene scene = ToScene(scene_like);
@@ -48,8 +50,6 @@ PyMotion SimulateMotion(const py::object& scene_like, const py::object& values, 
   });
   return {std::move(tensors), "recording", ""};
 }
-
-}  // namespace
 
 void BindSimulate(py::module_* module) {
   module->def(

@@ -25,6 +25,7 @@ from clothid._clothid import (
 from clothid._identify import Finding, Findings, RecordingWarning, check, identify
 from clothid._landscape import Landscape, landscape
 from clothid._result import Estimate, Result, Verdict
+from clothid._view import View
 
 __all__ = [
     "Error",
@@ -42,6 +43,7 @@ __all__ = [
     "SimulationError",
     "UsageError",
     "Verdict",
+    "View",
     "__version__",
     "check",
     "export",

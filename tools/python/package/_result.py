@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from clothid import _clothid
 from clothid._clothid import Motion
+from clothid._view import View
 
 
 @dataclass(frozen=True)
@@ -149,9 +150,8 @@ class Result:
         return str(self._take("page"))
 
     def report(self, path: Union[str, "os.PathLike[str]"]) -> None:
-        """Writes report.html."""
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            file.write(self.html)
+        """Writes report.html, whole or not at all. Raises FileError."""
+        View(self.html).save(path)
 
     def export(
         self, simulators: Union[str, Sequence[str]] = "all", folder: Union[str, "os.PathLike[str]"] = ""
@@ -179,8 +179,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """For notebooks: the table, and the report with its replay below it."""
-        frame = f'<iframe srcdoc="{html.escape(self.html)}" style="width: 100%; height: 700px; border: 0"></iframe>'
-        return f"<pre>{html.escape(self.table)}</pre>{frame}"
+        return f"<pre>{html.escape(self.table)}</pre>{View(self.html)._repr_html_()}"
 
     def __getstate__(self) -> Dict[str, Any]:
         for name in ("message", "predicted", "fields"):
