@@ -92,14 +92,17 @@ function fillFacts() {
   const add = (name, text) => { if (text) rows.push([element('th', '', name), element('td', '', text)]); };
   add('frames', `${count(frames, 'frame')}, ${times[0].toFixed(3)} to ${times[1].toFixed(3)} s`);
   add('points', points > 0 ? `${points} on a cloth of ${count(scene.nodes, 'node')}` : '');
-  add('clouds', clouds ? `${Math.min(...clouds)} to ${Math.max(...clouds)} points in a frame` : '');
+  const sizes = clouds ? [...new Set(extent(clouds))].join(' to ') : '';
+  add('clouds', clouds ? `${sizes} points in a frame` : '');
   const held = `${count(scene.handles, 'node')}, ${scene.handles_move ? 'moved' : 'held still'}`;
   add('handles', scene.handles > 0 ? held : 'none');
   add('obstacles', scene.obstacles.map(({name, mu}) => `${name} (mu ${number(mu, 4)})`).join(', ') || 'none');
   add('cloth', Object.entries(scene.constants).filter(([, value]) => value !== 0)
     .map(([name, value]) => `${name} ${number(value, 4)} ${parameterUnit(name)}`.trim()).join(', '));
   add('fabric', scene.fabric);
-  if (data.forces) add('forces', `of ${count(data.forces.groups, 'group')} of handles`);
+  if (data.forces) {
+    add('forces', `${count(data.forces.times.length, 'reading')}, ${count(data.forces.groups, 'group')} of handles`);
+  }
   add('from', data.provenance);
   add('sha256', data.sha256);
   part('facts').replaceChildren(...rows.map((cells) => {
