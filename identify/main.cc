@@ -60,6 +60,7 @@ void ShowProgress(ProgressPrinter* printer, std::vector<std::string>* names, Run
   options->fit.on_start = [printer, num_starts = options->fit.num_starts](int start) {
     printer->PrintStart(start, num_starts);
   };
+  options->fit.on_skipped = [printer](double share) { printer->PrintSkipped(share); };
   options->on_fitted = [printer](const FitSummary&) { printer->EndFit(); };
   options->on_examined = [printer](const FitSummary& summary) {
     printer->EndFit();

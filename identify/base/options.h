@@ -94,6 +94,9 @@ struct FitOptions {
   bool is_cancelled() const { return cancel != nullptr && cancel->load(); }
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
   std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty
+  // The first `share` of the time holds nothing to fit, and leads nowhere (identify/fit/growing_horizon.h); may be
+  // empty.
+  std::function<void(double share)> on_skipped;
   // Of every evaluation of a problem made with these options; must outlive it. No result depends on it. May be empty.
   ProgressObserver on_progress;
 

@@ -104,6 +104,11 @@ void ProgressPrinter::PrintStart(int start, int num_starts) {
   *out_ << "start " << start + 1 << " of " << num_starts << "\n" << std::flush;
 }
 
+void ProgressPrinter::PrintSkipped(double share) {
+  EndLine();
+  *out_ << "the first " << 100.0 * share << " % of the time: nothing to fit there, skipped\n" << std::flush;
+}
+
 void ProgressPrinter::EndFit() {
   EndLine();
   has_stepped_ = false;

@@ -153,6 +153,7 @@ std::vector<FitSummary> FitSideBySide(const FitOptions& options, const std::vect
   each.num_threads = 1;
   each.on_iteration = nullptr;  // whose iterations these are nobody could tell
   each.on_progress = nullptr;
+  each.on_skipped = nullptr;
   std::vector<FitSummary> fits(points.size());
   std::mutex mutex;
   int num_begun = 0;

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <memory>
 
 #include "costs/prediction/alignment.h"
+#include "sim/base/error.h"
 
 namespace clothid {
 namespace {
@@ -20,6 +21,12 @@ constexpr double kShareOfRange = 0.125;  // of a parameter, for the deviation of
 ParameterPrior Belief(const ParameterBlock& block, double coordinate) {
   const double spread = kShareOfRange * block.CoordinateRange();
   return {block.ToValue(coordinate), block.scale == ParameterScale::kLog ? std::exp(spread) : spread * block.unit};
+}
+
+// Of `from` to those of `to`: units of a recording's own parameters depend on its frames and forces.
+Eigen::VectorXd ConvertCoordinates(const FitProblem& from, const FitProblem& to, Eigen::VectorXd coordinates) {
+  for (int i = 0; i < from.num_blocks(); ++i) coordinates[i] *= from.blocks()[i].unit / to.blocks()[i].unit;
+  return coordinates;
 }
 
 // How many of these increasing times are not after `end`, but at least kFewestFrames where there are as many.
@@ -42,6 +49,7 @@ RecordedMotion FirstFrames(const RecordedMotion& motion, double share) {
     const int num_readings = NumUntil(motion.forces.times, end);
     first.forces.times = motion.forces.times.head(num_readings);
     first.forces.values = motion.forces.values.leftCols(num_readings);
+    if (first.forces.values.array().isNaN().all()) first.forces = ForceReadings();
   }
   return first;
 }
@@ -49,7 +57,7 @@ RecordedMotion FirstFrames(const RecordedMotion& motion, double share) {
 GrowingHorizon::GrowingHorizon(const std::vector<RecordedMotion>& motions, const FitOptions& options)
     : motions_(motions), options_(options) {}
 
-FitOptions GrowingHorizon::StageOptions(const FitProblem& problem, const Eigen::VectorXd& coordinates) {
+FitOptions GrowingHorizon::StageOptions(const FitProblem& problem, const Eigen::VectorXd& coordinates) const {
   FitOptions stage = options_;
   stage.estimate_uncertainty = false;
   stage.on_iteration = nullptr;
@@ -60,14 +68,30 @@ FitOptions GrowingHorizon::StageOptions(const FitProblem& problem, const Eigen::
   stage.function_tolerance = std::max(options_.function_tolerance, kFunctionTolerance);
   stage.parameter_tolerance = std::max(options_.parameter_tolerance, kParameterTolerance);
   stage.max_iterations = std::min(options_.max_iterations, kMaxIterations);
-  const std::string tag = "horizon_" + std::to_string(++num_stages_);
-  stage.journal_tag = options_.journal_tag.empty() ? tag : options_.journal_tag + "_" + tag;
   for (int i = 0; i < problem.num_blocks(); ++i) {
     const ParameterBlock& block = problem.blocks()[i];
+    stage.overrides.lower_bounds[block.name] = block.lower_bound;
+    stage.overrides.upper_bounds[block.name] = block.upper_bound;
     if (block.frozen || !std::isnan(block.PriorStd())) continue;
     stage.overrides.priors[block.name] = Belief(block, coordinates[i]);
   }
   return stage;
+}
+
+std::unique_ptr<FitProblem> GrowingHorizon::MakeStage(const FitProblem& problem, const Eigen::VectorXd& coordinates,
+                                                      double share, const FitOptions& options) const {
+  std::vector<RecordedMotion> first;
+  for (const RecordedMotion& motion : motions_) {
+    first.push_back(FirstFrames(motion, share));
+    if (IsUnknown(motion.start_source)) first.back().start_source = StartSource::kSmoothed;
+  }
+  try {
+    auto stage = std::make_unique<FitProblem>(first, options, &problem);
+    stage->SetStart(ConvertCoordinates(problem, *stage, coordinates));
+    return stage;
+  } catch (const Error&) {  // all frames were accepted, so it is these few that say too little
+    return nullptr;
+  }
 }
 
 LedStart GrowingHorizon::Lead(const FitProblem& problem, const Eigen::VectorXd& coordinates, FitFunction fit) {
@@ -75,22 +99,21 @@ LedStart GrowingHorizon::Lead(const FitProblem& problem, const Eigen::VectorXd& 
   lead.coordinates = coordinates.head(problem.num_blocks());
   for (const double share : kShares) {
     if (options_.is_cancelled()) break;
-    std::vector<RecordedMotion> first;
-    for (const RecordedMotion& motion : motions_) {
-      first.push_back(FirstFrames(motion, share));
-      if (IsUnknown(motion.start_source)) first.back().start_source = StartSource::kSmoothed;
-    }
     const FitOptions options = StageOptions(problem, lead.coordinates);
-    FitProblem stage(first, options);
-    stage.SetStart(lead.coordinates);
-    const FitSummary summary = fit(options, &stage);
+    const std::unique_ptr<FitProblem> stage = MakeStage(problem, lead.coordinates, share, options);
+    if (stage == nullptr) {
+      if (options_.on_skipped) options_.on_skipped(share);
+      continue;
+    }
+    const FitSummary summary = fit(options, stage.get());
     lead.statistics += summary.statistics;
     lead.evaluation_seconds += summary.total_seconds - summary.solver_seconds;
     lead.last_step.resize(0);
     if (!summary.has_estimate() || summary.status == FitStatus::kFailed) break;
-    const Eigen::VectorXd& end = summary.next.size() > 0 ? summary.next : summary.coordinates;
-    lead.last_step = end.head(problem.num_blocks()) - lead.coordinates;
-    lead.coordinates = end.head(problem.num_blocks());
+    const Eigen::VectorXd& found = summary.next.size() > 0 ? summary.next : summary.coordinates;
+    const Eigen::VectorXd end = ConvertCoordinates(*stage, problem, found.head(problem.num_blocks()));
+    lead.last_step = end - lead.coordinates;
+    lead.coordinates = end;
   }
   return lead;
 }

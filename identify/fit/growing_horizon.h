@@ -10,12 +10,16 @@
 // off, each believes what the stage before it has found: to an eighth of the parameter's range, as a standard
 // deviation (costs/prediction/parameter_block.h, `ParameterPrior`). Priors that are given stand in place of it.
 //
+// A stage whose first frames hold nothing to fit, as before a gauge reads or a point is seen, is left out: the frames
+// after it do.
+//
 // Stages end where the next step is short, and lead to where it would (FitPrecision::kLoose). Their derivatives come by
 // forward sweeps where parameters are few: rollout and Jacobian are one pass then.
 #ifndef CLOTHID_IDENTIFY_FIT_GROWING_HORIZON_H_
 #define CLOTHID_IDENTIFY_FIT_GROWING_HORIZON_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
@@ -26,7 +30,7 @@
 namespace clothid {
 
 // The frames and forces of the first `share` of the time of a recording, at least kFewestFrames of each, as a recording
-// of its own.
+// of its own. Without forces where none of these was measured.
 RecordedMotion FirstFrames(const RecordedMotion& motion, double share);
 inline constexpr int kFewestFrames = 3;
 
@@ -44,16 +48,18 @@ class GrowingHorizon {
   GrowingHorizon(const std::vector<RecordedMotion>& motions, const FitOptions& options);
 
   // By `fit`, from the blocks' part of `coordinates` of `problem`. Unknown starts (costs/start/unknown_start.h) stay at
-  // their bases. Ends early where a stage finds nothing, and where options.cancel turns true. Throws as `FitProblem`
-  // does.
+  // their bases. Ends early where a stage finds nothing, and where options.cancel turns true. Stages go on in the
+  // journals of `problem`, and throw where these do.
   LedStart Lead(const FitProblem& problem, const Eigen::VectorXd& coordinates, FitFunction fit);
 
  private:
-  FitOptions StageOptions(const FitProblem& problem, const Eigen::VectorXd& coordinates);
+  FitOptions StageOptions(const FitProblem& problem, const Eigen::VectorXd& coordinates) const;
+  // Of the first `share` of the time, starting at `coordinates` of `problem`; null where it holds nothing to fit.
+  std::unique_ptr<FitProblem> MakeStage(const FitProblem& problem, const Eigen::VectorXd& coordinates, double share,
+                                        const FitOptions& options) const;
 
   const std::vector<RecordedMotion>& motions_;
   const FitOptions& options_;
-  int num_stages_ = 0;  // so far: each has its own journal
 };
 
 }  // namespace clothid

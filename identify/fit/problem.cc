@@ -164,7 +164,7 @@ bool Concerns(const ParameterBlock& block, const RecordedMotion& motion, int rec
   return (block.recording == kEveryRecording || block.recording == recording) && HasParameter(motion.scene, block.name);
 }
 
-FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options) {
+FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem* whole) {
   if (motions.empty()) throw Error(ErrorKind::kUsage, "--target: expected at least one recording");
   options.Validate();
   blocks_ = MakeBlocks(motions, options);
@@ -181,14 +181,24 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
     links_.push_back(MakeLinkCost(block));
   }
   if (options.on_progress) tracker_ = MakeTracker(options.on_progress);
-  const bool has_journal = !options.journal_folder.empty();
-  const std::string fingerprint = has_journal ? FitFingerprint(motions, blocks_, options) : std::string();
+  OpenJournals(motions, options, whole);
   for (const RecordedMotion& motion : motions) {
     RolloutCostOptions cost_options = CostOptions(options);
     cost_options.num_threads = std::max(1, options.num_threads / static_cast<int>(motions.size()));
-    if (has_journal) cost_options.journal = OpenJournal(options, fingerprint, num_recordings());
+    if (!journals_.empty()) cost_options.journal = journals_[num_recordings()];
     AddCost(motion, std::move(cost_options));
   }
+}
+
+void FitProblem::OpenJournals(const std::vector<RecordedMotion>& motions, const FitOptions& options,
+                              const FitProblem* whole) {
+  if (options.journal_folder.empty()) return;
+  if (whole != nullptr) {
+    journals_ = whole->journals_;
+    return;
+  }
+  const std::string fingerprint = FitFingerprint(motions, blocks_, options);
+  for (int r = 0; r < static_cast<int>(motions.size()); ++r) journals_.push_back(OpenJournal(options, fingerprint, r));
 }
 
 void FitProblem::AddCost(const RecordedMotion& motion, RolloutCostOptions cost_options) {

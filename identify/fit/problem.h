@@ -31,7 +31,10 @@ class FitProblem {
   // Starting values and bounds of a shared parameter come from the first recording that has it. Throws `Error` for what
   // `MakeParameterBlock`, `RecordingModel` and `EvaluationJournal` reject, for overrides of parameters that are not
   // fitted, priors among them, and where every parameter is frozen.
-  FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options);
+  //
+  // `whole`: a problem of the same recordings of which this one is a part, as a fit of their first frames is. Its
+  // journals go on with what this one evaluates, in place of journals of its own. Null: none.
+  FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem* whole = nullptr);
 
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
@@ -76,9 +79,11 @@ class FitProblem {
  private:
   // Of the next recording, with the blocks that concern it.
   void AddCost(const RecordedMotion& motion, RolloutCostOptions cost_options);
+  void OpenJournals(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem* whole);
 
   std::vector<ParameterBlock> blocks_;
-  std::shared_ptr<EvaluationTracker> tracker_;  // told by the costs, too
+  std::shared_ptr<EvaluationTracker> tracker_;                // told by the costs, too
+  std::vector<std::shared_ptr<EvaluationJournal>> journals_;  // per recording; empty: nothing is kept
   std::vector<std::unique_ptr<RolloutCost>> costs_;
   std::vector<std::unique_ptr<RolloutCost>> loose_costs_;  // the same with Precision::kLoose
   std::vector<std::vector<int>> block_indices_, coordinate_indices_;

@@ -154,6 +154,14 @@ TEST_F(ProgressPrinterTest, TerminalRewritesALineBelowTheIteration) {
   EXPECT_EQ(Take(), "");
 }
 
+TEST_F(ProgressPrinterTest, FramesThatAreSkippedHaveALineOfTheirOwn) {
+  ProgressPrinter printer(&out_, /*is_terminal=*/true, 50, clock_);
+  PrintIteration(0, 5.0, &printer);
+  Take();
+  printer.PrintSkipped(0.125);
+  EXPECT_EQ(Take(), "\nthe first 12.5 % of the time: nothing to fit there, skipped\n");
+}
+
 TEST_F(ProgressPrinterTest, TimeLeftOfTheFitGoesWithTheIterationsThatAreLeft) {
   ProgressPrinter printer(&out_, /*is_terminal=*/false, 50, clock_);
   PrintStep(1.0, 0.0, &printer);

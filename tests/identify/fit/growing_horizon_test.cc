@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "datasets/motion/motion_file.h"
 #include "identify/checks/multi_start.h"
 #include "identify/fit/fit.h"
+#include "tests/costs/synthetic_forces.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid {
@@ -58,6 +61,9 @@ TEST(FirstFramesTest, TakeTheForcesOfTheirTimeAlong) {
   EXPECT_EQ(half.forces.values, motion.forces.values.leftCols(6));
   EXPECT_EQ(FirstFrames(motion, 1e-3).forces.num_readings(), kFewestFrames);
   EXPECT_TRUE(FirstFrames(Bounce(), 0.5).forces.is_empty());
+  motion.forces.values.leftCols(8).setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(FirstFrames(motion, 0.5).forces.is_empty()) << "none of these was measured";
+  EXPECT_EQ(FirstFrames(motion, 0.8).forces.num_readings(), 9);
 }
 
 // A strip that bounces once too often is in step again at the end: from 8 on, fits of all frames end in such minima.
@@ -100,6 +106,78 @@ TEST(GrowingHorizonTest, LeadsToTheFullStage) {
     EXPECT_EQ(led.statistics.rollouts - led.lead.rollouts, 3);
     EXPECT_EQ(led.statistics.sweeps - led.lead.sweeps, method == JacobianMethod::kAdjoint ? 2 : 3);
   }
+}
+
+// A cloth shaken by its handles, whose gauge is off by 0.05 N along z.
+RecordedMotion Measured() {
+  const std::map<std::string, double> truth = {{"k_stretch", 150.0}};
+  RecordedMotion motion = MakeMotion(Shaken(SwingScene()), {truth, 0.0, 0.0, 1e-3});
+  AddForces({truth}, &motion);
+  motion.forces.values.row(2).array() += 0.05;
+  return motion;
+}
+
+void Hide(double until, RecordedMotion* motion) {
+  const std::vector<int>& handles = motion->scene.handles.nodes;
+  for (int i = 0; i < motion->num_frames() && motion->times[i] < until; ++i) {
+    for (int p = 0; p < motion->num_points(); ++p) {
+      if (std::count(handles.begin(), handles.end(), p) > 0) continue;
+      motion->positions.col(i).segment<3>(3 * p).setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+}
+
+void HideForces(double until, RecordedMotion* motion) {
+  for (int i = 0; i < motion->forces.num_readings() && motion->forces.times[i] < until; ++i) {
+    motion->forces.values.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+// The shares that were left out on the way to the truth.
+std::vector<double> Skipped(const RecordedMotion& motion, const std::vector<std::string>& names) {
+  std::vector<double> skipped;
+  FitOptions options = OptionsFor("k_stretch", 100.0);
+  options.parameters = names;
+  options.on_skipped = [&](double share) { skipped.push_back(share); };
+  const std::vector<RecordedMotion> motions = {motion};
+  FitProblem problem(motions, options);
+  GrowingHorizon horizon(motions, options);
+  const FitSummary led = Fit(options, &problem, &horizon);
+  EXPECT_EQ(led.status, FitStatus::kConverged) << led.message;
+  EXPECT_NEAR(led.values()[0], 150.0, 1e-2);
+  return skipped;
+}
+
+TEST(GrowingHorizonTest, SkipsFramesThatHoldNothingToFit) {
+  const double duration = SwingScene().duration;
+  RecordedMotion seen_late = Measured(), read_late = Measured(), both_late = Measured();
+  seen_late.forces = ForceReadings();
+  Hide(0.6 * duration, &seen_late);
+  EXPECT_EQ(Skipped(seen_late, {"k_stretch"}), (std::vector<double>{0.125, 0.25, 0.5}));
+  HideForces(0.6 * duration, &read_late);
+  EXPECT_TRUE(Skipped(read_late, {"k_stretch"}).empty()) << "positions lead";
+  EXPECT_EQ(Skipped(read_late, {"k_stretch", "force_bias.z"}), (std::vector<double>{0.125, 0.25, 0.5}));
+  Hide(10.0, &both_late);
+  HideForces(0.3 * duration, &both_late);
+  EXPECT_EQ(Skipped(both_late, {"k_stretch", "force_bias.z"}), (std::vector<double>{0.125, 0.25}));
+}
+
+// The range of a bias, its unit, is the largest force so far.
+TEST(GrowingHorizonTest, LeadsParametersWhoseUnitGrows) {
+  RecordedMotion motion = Measured();
+  motion.forces.values.rightCols(1) *= 50.0;
+  motion.forces.values.rightCols(1)(0) = 30.0;
+  motion.forces.sigma.setConstant(0.05);
+  const std::vector<RecordedMotion> motions = {motion};
+  FitOptions options = OptionsFor("k_stretch", 140.0);
+  options.parameters = {"k_stretch", "force_bias.x", "force_bias.z"};
+  FitProblem problem(motions, options);
+  GrowingHorizon horizon(motions, options);
+  const LedStart lead = horizon.Lead(problem, problem.StartCoordinates(), &Fit);
+  const Eigen::VectorXd values = problem.Values(lead.coordinates);
+  EXPECT_NEAR(values[0], 150.0, 2.0);
+  EXPECT_NEAR(values[1], 0.0, 5e-3);
+  EXPECT_NEAR(values[2], 0.05, 5e-3);
 }
 
 TEST(GrowingHorizonTest, LeadsEveryOneOfSeveralStarts) {

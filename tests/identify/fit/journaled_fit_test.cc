@@ -218,6 +218,8 @@ TEST_F(JournaledFitTest, AnyPrefixOfALedFitLeadsToTheSameEnd) {
       EXPECT_EQ(RecordEnds(Read(0)), ends) << room << " " << end;
     }
   }
+  using Entries = std::filesystem::directory_iterator;
+  EXPECT_EQ(std::distance(Entries(folder_), Entries()), 1) << "the first frames go on in the journal of the fit";
 }
 
 TEST_F(JournaledFitTest, AnInterruptedFitGoesOn) {
