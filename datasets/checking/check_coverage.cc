@@ -79,9 +79,10 @@ Finding CheckMissing(const CheckedMotion& checked) {
   const RecordedMotion& motion = checked.motion;
   Finding finding;
   finding.what = "missing points";
-  std::vector<int> never;
+  std::vector<int> never;  // of those that are compared
   std::set<int> frames;
-  long long num_missing = 0;
+  long long num_missing = 0, num_compared_missing = 0;
+  int num_compared = 0;  // points
   for (int p = 0; p < motion.num_points(); ++p) {
     const auto track = motion.positions.middleRows<3>(3 * p);
     int num_unseen = 0;
@@ -92,7 +93,10 @@ Finding CheckMissing(const CheckedMotion& checked) {
     }
     num_missing += num_unseen;
     if (num_unseen > 0) finding.points.push_back(p);
-    if (num_unseen == motion.num_frames()) never.push_back(p);
+    if (checked.is_held[p]) continue;
+    ++num_compared;
+    num_compared_missing += num_unseen;
+    if (track.array().isNaN().all()) never.push_back(p);
   }
   const double share =
       static_cast<double>(num_missing) / (static_cast<double>(motion.num_points()) * motion.num_frames());
@@ -100,12 +104,17 @@ Finding CheckMissing(const CheckedMotion& checked) {
   if (num_missing == 0) return finding;
   finding.frames.assign(frames.begin(), frames.end());
   finding.value += ", in " + Named("frame", finding.frames) + ", of " + Named("point", finding.points);
-  if (static_cast<int>(never.size()) == motion.num_points()) {
+  if (static_cast<int>(never.size()) == num_compared && motion.clouds.empty() && !motion.forces.is_empty()) {
+    finding.value += ": nothing is seen beside handles; the forces at these are compared";
+    return finding;
+  }
+  if (motion.positions.array().isNaN().all()) {
     finding.severity = motion.clouds.empty() ? Severity::kProblem : Severity::kWarning;
     finding.hint = "no point is seen in any frame: were the columns of the file read as they are meant?";
     return finding;
   }
-  finding.severity = share > kManyMissing || !never.empty() ? Severity::kWarning : Severity::kNote;
+  const bool is_much = static_cast<double>(num_compared_missing) > kManyMissing * num_compared * motion.num_frames();
+  finding.severity = is_much || !never.empty() ? Severity::kWarning : Severity::kNote;
   finding.hint = never.empty() ? "a point that is not seen is not compared; intervals grow by what is missing"
                                : Named("point", never) + " never seen: is the mesh larger than what was recorded?";
   return finding;
@@ -121,13 +130,25 @@ bool IsCopy(const Eigen::VectorXd& first, const Eigen::VectorXd& second) {
   return is_seen;
 }
 
+// Whether a frame sees a point that is no handle. Handles alone may be at rest while the cloth moves.
+bool SeesCloth(const CheckedMotion& checked, int frame) {
+  for (int p = 0; p < checked.motion.num_points(); ++p) {
+    if (!checked.is_held[p] && !checked.motion.positions.col(frame).segment<3>(3 * p).hasNaN()) return true;
+  }
+  return false;
+}
+
 // Frames that repeat the one before although the cloth moves. A cloth that comes to rest slows down first.
-std::vector<int> RepeatedFrames(const RecordedMotion& motion) {
+std::vector<int> RepeatedFrames(const CheckedMotion& checked) {
+  const RecordedMotion& motion = checked.motion;
   const int num_frames = motion.num_frames();
   Eigen::VectorXd steps = Eigen::VectorXd::Zero(num_frames + 1);  // into a frame, m
   std::vector<double> moved;
   for (int frame = 1; frame < num_frames; ++frame) {
-    if (IsCopy(motion.positions.col(frame - 1), motion.positions.col(frame))) continue;
+    if (IsCopy(motion.positions.col(frame - 1), motion.positions.col(frame))) {
+      if (!SeesCloth(checked, frame)) steps[frame] = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
     const Eigen::VectorXd difference = motion.positions.col(frame) - motion.positions.col(frame - 1);
     steps[frame] = Median(difference.reshaped(3, motion.num_points()).colwise().norm().transpose());
     moved.push_back(steps[frame]);
@@ -169,7 +190,7 @@ std::vector<Finding> CheckCopies(const CheckedMotion& checked) {
   std::vector<Finding> findings;
   Finding finding;
   finding.severity = Severity::kWarning;
-  finding.frames = RepeatedFrames(checked.motion);
+  finding.frames = RepeatedFrames(checked);
   if (!finding.frames.empty()) {
     finding.what = "repeated frames";
     finding.value = Named("frame", finding.frames) + " copied from the frame before";

@@ -24,6 +24,13 @@ Eigen::Vector3d RestPosition(const ObservedPoint& point, const Mesh& mesh) {
   return position;
 }
 
+bool IsHeld(const ObservedPoint& point, const std::set<int>& handles) {
+  for (int k = 0; k < point.num_nodes; ++k) {
+    if (point.weights[k] != 0.0 && handles.count(point.nodes[k]) == 0) return false;
+  }
+  return true;
+}
+
 // Edges of the mesh both of whose nodes are measured.
 std::vector<PointPair> MeshPairs(const RecordedMotion& motion) {
   const Mesh& mesh = motion.scene.mesh;
@@ -92,8 +99,10 @@ CheckedMotion::CheckedMotion(const RecordedMotion& recorded)
       rest_points(3, recorded.num_points()),
       cloth_size(ClothSize(recorded.scene.mesh)),
       noise(EstimateNoise(recorded.times, recorded.positions)) {
+  const std::set<int> handles(motion.scene.handles.nodes.begin(), motion.scene.handles.nodes.end());
   for (int p = 0; p < motion.num_points(); ++p) {
     rest_points.col(p) = RestPosition(motion.points[p], motion.scene.mesh);
+    is_held.push_back(IsHeld(motion.points[p], handles));
   }
   // The bending length is that of Peirce (1930).
   const Material material = motion.scene.nominal_parameters().material;

@@ -26,6 +26,7 @@ struct CheckedMotion {
 
   const RecordedMotion& motion;
   Eigen::Matrix3Xd rest_points;  // [3 x P] m: the points on the mesh at rest
+  std::vector<bool> is_held;     // [P] whether all nodes of a point are handles: it is not compared
   std::vector<PointPair> pairs;  // neighbours; empty where the points are too few or too many to find them
   double spacing = 0.0;          // m: median distance of neighbours at rest; without pairs that of edges of the mesh
   double cloth_size = 0.0;       // m

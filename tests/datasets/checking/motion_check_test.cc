@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -100,6 +101,44 @@ TEST(MotionCheck, FindsMissingPoints) {
   EXPECT_EQ(finding.severity, Severity::kNote);
   tensors.positions.middleRows<3>(3 * 5).setConstant(kNaN);
   EXPECT_EQ(OnlyFinding(tensors, "missing points").severity, Severity::kWarning);
+}
+
+// Of a tensile test: the clamps are known, and a gauge reads at one of them.
+TEST(MotionCheck, FindsNothingInForcesBesideKnownHandles) {
+  MotionTensors tensors = MadeUpCapture();
+  for (Eigen::Index p = 0; p < tensors.positions.rows() / 3; ++p) {
+    if (p != 0 && p != kCaptureColumns - 1) tensors.positions.middleRows<3>(3 * p).setConstant(kNaN);
+  }
+  MotionTensors unmeasured = tensors;
+  EXPECT_EQ(Worst(Check(unmeasured)), Severity::kWarning) << "nothing is compared";
+  tensors.forces.times = tensors.times;
+  tensors.forces.values = Eigen::MatrixXd::Constant(3, tensors.times.size(), kNaN);
+  tensors.forces.values.row(2) = Eigen::VectorXd::LinSpaced(tensors.times.size(), 0.0, 5.0).transpose();
+  tensors.forces.sigma = Eigen::VectorXd::Constant(1, 0.1);
+  EXPECT_LT(Worst(Check(tensors)), Severity::kWarning) << FindingsTable(Check(tensors));
+  tensors.positions.setConstant(kNaN);
+  EXPECT_LT(Worst(Check(tensors)), Severity::kWarning) << FindingsTable(Check(tensors));
+}
+
+// The handles stand where they are, and are seen all the time; the cloth between them is not.
+TEST(MotionCheck, FramesThatSeeHandlesAloneAreNotRepeated) {
+  MotionTensors tensors = MadeUpCapture();
+  for (const int node : tensors.handle_index) {
+    tensors.positions.middleRows<3>(3 * node) =
+        tensors.positions.col(0).segment<3>(3 * node).replicate(1, kCaptureFrames);
+  }
+  tensors.handle_positions = tensors.handle_positions.col(0).replicate(1, kCaptureFrames).eval();
+  MotionTensors seen = tensors;
+  for (const int frame : {20, 21}) {
+    for (Eigen::Index p = 0; p < tensors.positions.rows() / 3; ++p) {
+      if (p != 0 && p != kCaptureColumns - 1) tensors.positions.col(frame).segment<3>(3 * p).setConstant(kNaN);
+    }
+  }
+  for (const Finding& finding : Check(tensors)) EXPECT_NE(finding.what, "repeated frames") << finding.value;
+  seen.positions.col(21) = seen.positions.col(20);
+  const std::vector<Finding> findings = Check(seen);
+  EXPECT_TRUE(std::any_of(findings.begin(), findings.end(),
+                          [](const Finding& finding) { return finding.what == "repeated frames"; }));
 }
 
 TEST(MotionCheck, EstimatesNoise) {
