@@ -17,23 +17,25 @@ constexpr MeasuredConstant kDensityOf618 = {0.197, 0.031, 0.488};
 constexpr MeasuredConstant kRigidityOf618 = {1.4e-5, 1.1e-6, 1.1e-4};
 
 // The others are of Wang, O'Brien and Ramamoorthi, "Data-driven elastic models for cloth", ACM Transactions on Graphics
-// 30(4), 2011, as their files of ten fabrics give them, named here as there. Stretch: geometric mean of C11 and C22 at
-// small strain; the range is from the lesser of the two to the largest entry at 17 % strain. Bending: mean, least and
-// largest of 15 measurements, in 3 directions at 5 curvatures.
-//   gray-interlock:    0.187 kg/m^2;  23.9 (16.6 .. 414) N/m;  2.18e-5 (7.1e-6 .. 3.9e-5) N m
-//   ivory-rib-knit:    0.276 kg/m^2;  52.9 (42.9 .. 255) N/m;  4.63e-5 (2.5e-5 .. 9.8e-5) N m
-//   camel-ponte-roma:  0.284 kg/m^2;  37.0 (31.1 .. 269) N/m;  3.31e-5 (1.0e-5 .. 5.0e-5) N m
-//   11oz-black-denim:  0.324 kg/m^2;  456 (205 .. 1060) N/m;   7.23e-5 (2.0e-5 .. 1.2e-4) N m
+// 30(4), 2011, from their files of ten fabrics, named here as there. Stretch: geometric mean of C11 and C22 at small
+// strain; the range is from the lesser of the two to the largest entry at 17 % strain. The entries of the files belong
+// to the strain F^T F - I, which is twice Green's: ARCSim, the simulator of that group, doubles each before it
+// multiplies it by (F^T F - I)/2 (evaluate_stretching_sample in src/dde.cpp). So are they here: k_stretch is tension
+// over strain. Bending: mean, least and largest of 15 measurements, in 3 directions at 5 curvatures.
+//   gray-interlock:    0.187 kg/m^2;  47.8 (33.2 .. 827) N/m;   2.18e-5 (7.1e-6 .. 3.9e-5) N m
+//   ivory-rib-knit:    0.276 kg/m^2;  106 (85.8 .. 510) N/m;    4.63e-5 (2.5e-5 .. 9.8e-5) N m
+//   camel-ponte-roma:  0.284 kg/m^2;  74.0 (62.2 .. 538) N/m;   3.31e-5 (1.0e-5 .. 5.0e-5) N m
+//   11oz-black-denim:  0.324 kg/m^2;  912 (410 .. 2120) N/m;    7.23e-5 (2.0e-5 .. 1.2e-4) N m
 // The first three are knits: geometric means, and the range of all of them.
 constexpr MeasuredConstant kDensityOfKnits = {0.245, 0.187, 0.284};
-constexpr MeasuredConstant kStretchOfKnits = {36.0, 16.6, 414.0};
+constexpr MeasuredConstant kStretchOfKnits = {72.0, 33.2, 827.0};
 constexpr MeasuredConstant kRigidityOfKnits = {3.2e-5, 7.1e-6, 9.8e-5};
 constexpr MeasuredConstant kDensityOfDenim = {0.324, 0.324, 0.324};
-constexpr MeasuredConstant kStretchOfDenim = {456.0, 205.0, 1060.0};
+constexpr MeasuredConstant kStretchOfDenim = {912.0, 410.0, 2120.0};
 constexpr MeasuredConstant kRigidityOfDenim = {7.23e-5, 2.0e-5, 1.2e-4};
 
-// Of the ten at small strain: navy-sparkle-sweat 3.27 N/m across, royal-target 2035 N/m across.
-constexpr MeasuredConstant kStretchOfTen = {kUnknown.typical, 3.27, 2035.0};
+// Of the ten at small strain: navy-sparkle-sweat 6.54 N/m across, royal-target 4070 N/m across.
+constexpr MeasuredConstant kStretchOfTen = {kUnknown.typical, 6.54, 4070.0};
 
 // A fabric that is light is taken to be soft, too: the quantiles are of density and rigidity each.
 constexpr MeasuredConstant At(const MeasuredConstant& range, double typical) {

@@ -79,10 +79,10 @@ TEST_F(PriorProgramTest, FabricsGiveWhatTheSceneDoesNot) {
   scene["materials"] = {{"density", 0.15}};
   ExpectSuccess("simulate --scene " + WriteScene(scene, "bare.json") + " --fabric knit --noise 1e-4 --output knit.bin");
   EXPECT_EQ(Run("identify --target knit.bin --fit k_stretch,k_bend --report=false --output r").exit_code % 4, 0);
-  EXPECT_EQ(Parameters("r")["k_stretch"]["start"], 36.0) << "the recording's scene names the fabric";
+  EXPECT_EQ(Parameters("r")["k_stretch"]["start"], 72.0) << "the recording's scene names the fabric";
   EXPECT_EQ(Parameters("r")["k_bend"]["start"], 3.2e-5);
   Run("identify --target a.bin --scene bare.json --fabric denim --fit k_stretch --report=false --output denim");
-  EXPECT_EQ(Parameters("denim")["k_stretch"]["start"], 456.0);
+  EXPECT_EQ(Parameters("denim")["k_stretch"]["start"], 912.0);
   ExpectFlagsRefused("--fabric velvet", "--fabric: expected one of light, medium, heavy, knit, denim, got 'velvet'");
   ExpectRefused("identify --target knit.bin --fabric denim --output result", 1, "--fabric: expected none");
   ExpectRefused("simulate --scene bare.json --fabric velvet --output b.bin", 1, "--fabric: expected one of");

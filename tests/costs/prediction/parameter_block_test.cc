@@ -59,8 +59,8 @@ TEST(ParameterBlockTest, DefaultsComeFromTheScene) {
   const ParameterBlock stretch = MakeParameterBlock("k_stretch", scene, {});
   EXPECT_EQ(stretch.scale, ParameterScale::kLog);
   EXPECT_EQ(stretch.start, 50.0);
-  EXPECT_DOUBLE_EQ(stretch.lower_bound, 3.27 / 100.0);
-  EXPECT_DOUBLE_EQ(stretch.upper_bound, 2035.0 * 100.0);
+  EXPECT_DOUBLE_EQ(stretch.lower_bound, 6.54 / 100.0);
+  EXPECT_DOUBLE_EQ(stretch.upper_bound, 4070.0 * 100.0);
   EXPECT_DOUBLE_EQ(MakeParameterBlock("damping", scene, {}).lower_bound, 0.5 / 1e4);
   EXPECT_DOUBLE_EQ(MakeParameterBlock("damping", scene, {}).upper_bound, 0.5 * 1e4);
   for (const char* name : {"k_bend", "density", "drag", "damping"}) {
@@ -76,7 +76,7 @@ TEST(ParameterBlockTest, OverridesGoBeforeTheSceneBeforeDefaults) {
   ParameterOverrides overrides;
   ParameterBlock block = MakeParameterBlock("k_stretch", scene, overrides);
   EXPECT_EQ(block.start, 70.0);
-  EXPECT_DOUBLE_EQ(block.lower_bound, 3.27 / 100.0);
+  EXPECT_DOUBLE_EQ(block.lower_bound, 6.54 / 100.0);
   EXPECT_EQ(block.upper_bound, 900.0);
   EXPECT_TRUE(block.frozen);
   overrides.start["k_stretch"] = 80.0;
@@ -103,7 +103,7 @@ TEST(ParameterBlockTest, BoundsFollowFromWhatWasMeasured) {
   EXPECT_DOUBLE_EQ(bounds("k_bend", 1e-4).second, 0.011);
   scene.fabric = "knit";
   EXPECT_DOUBLE_EQ(bounds("k_stretch", 36.0).first, 0.36) << "a hundredth of the start";
-  EXPECT_DOUBLE_EQ(bounds("k_stretch", 36.0).second, 4140.0);
+  EXPECT_DOUBLE_EQ(bounds("k_stretch", 36.0).second, 8270.0);
   EXPECT_DOUBLE_EQ(bounds("density", 0.245).first, 0.00245);
   scene.bending.law = BendingLaw::kEdges;
   EXPECT_DOUBLE_EQ(bounds("k_bend", 1e-4).second, 1.0) << "no rigidity of a cloth";

@@ -37,7 +37,7 @@ TEST(FabricTest, StandsInForWhatTheSceneDoesNotGive) {
   const Scene knit = Read(R"(, "fabric": "knit")");
   EXPECT_EQ(knit.fabric, "knit");
   EXPECT_EQ(knit.material.density, 0.245);
-  EXPECT_EQ(knit.material.stretch_stiffness, 36.0);
+  EXPECT_EQ(knit.material.stretch_stiffness, 72.0);
   EXPECT_EQ(knit.material.bending_stiffness, 3.2e-5);
   EXPECT_TRUE(knit.has_bending());
   const Scene own = Read(R"(, "fabric": "knit", "materials": {"density": 0.2, "k_bend": 0},
