@@ -47,6 +47,9 @@ void CheckCost(const FitProblem& problem, const EstimateLinearization& estimate,
   const bool is_explained =
       estimate.parameters.sigma_is_known ? uncertainty.residual_scale < kExplainedScale : !uncertainty.is_widened;
   if (is_explained) return;
+  if (summary->interval_check) {
+    LookBeyond(problem, summary->coordinates, summary->cost, uncertainty, evaluator, &*summary->interval_check);
+  }
   summary->dents = CheckForDents(problem.blocks(), summary->coordinates, summary->cost, uncertainty, evaluator);
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "identify/fit/evaluator.h"
+#include "identify/fit/gauss_newton.h"
+#include "identify/fit/problem.h"
 #include "identify/uncertainty/priors.h"
 #include "sim/matrix/dense.h"
 
@@ -12,6 +14,8 @@ namespace {
 // Costs that differ by less than this, in s^2 and relative to themselves, differ by the rounding of rollouts.
 constexpr double kRiseRounding = 1e-3;
 constexpr double kCostRounding = 1e-7;
+// Beyond the ends only what is lower by more than a rough cost varies is worth another fit.
+constexpr double kClearlyLower = 0.2;
 
 // Whether q lies within the bounds.
 bool IsInside(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates) {
@@ -58,6 +62,12 @@ Eigen::VectorXd LeastCostlyStep(const std::vector<ParameterBlock>& blocks, const
   return step;
 }
 
+// Of costs at the ends of an interval: s w.
+double RiseScale(const Uncertainty& uncertainty, int parameter) {
+  const ParameterUncertainty& moved = uncertainty.parameters[parameter];
+  return moved.cost_scale * moved.widening;
+}
+
 constexpr double kStepResolutions = 1e4;  // 1 % of what is logarithmic
 constexpr double kNarrow = 1.0 / 3.0;
 constexpr double kDentRise = 0.1;
@@ -88,7 +98,7 @@ bool IntervalCheck::is_quadratic() const {
   return is_near(rise_below) && is_near(rise_above);
 }
 
-double IntervalCheck::lowest_rise() const { return std::fmin(rise_below, rise_above); }
+double IntervalCheck::lowest_rise() const { return std::fmin(std::fmin(rise_below, rise_above), rise_beyond); }
 
 std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& blocks,
                                            const Eigen::VectorXd& coordinates, double cost,
@@ -102,8 +112,7 @@ std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& bl
   const Eigen::VectorXd own_step = LeastCostlyStep(blocks, uncertainty, check.parameter);
   Eigen::VectorXd step(coordinates.size());
   step << own_step, follow * own_step;
-  const ParameterUncertainty& widest = uncertainty.parameters[check.parameter];
-  const double scale = widest.cost_scale * widest.widening;
+  const double scale = RiseScale(uncertainty, check.parameter);
   double lowest = (1.0 - kCostRounding) * cost;
   const auto rise_at = [&](const Eigen::VectorXd& end) {
     double end_cost = 0.0;
@@ -120,7 +129,31 @@ std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& bl
   };
   check.rise_below = rise_at(coordinates - step);
   check.rise_above = rise_at(coordinates + step);
+  check.step = step;
   return check;
+}
+
+void LookBeyond(const FitProblem& problem, const Eigen::VectorXd& coordinates, double cost,
+                const Uncertainty& uncertainty, FitEvaluator* evaluator, IntervalCheck* check) {
+  if (check->better.size() > 0 || problem.num_start_unknowns() > 0) return;
+  const double scale = RiseScale(uncertainty, check->parameter);
+  double lowest = (1.0 - kCostRounding) * cost;
+  for (const double side : {-1.0, 1.0}) {
+    const Eigen::VectorXd end = coordinates + side * check->step;
+    double next_cost = 0.0;
+    if (!IsInside(problem.blocks(), end) ||
+        !evaluator->Evaluate(end, FitEvaluator::Derivative::kRows, &next_cost, /*gradient=*/nullptr)) {
+      continue;
+    }
+    const Eigen::VectorXd next =
+        NextPoint(problem, evaluator->model(), /*length=*/std::numeric_limits<double>::infinity());
+    if (!evaluator->Evaluate(next, FitEvaluator::Derivative::kNone, &next_cost, /*gradient=*/nullptr)) continue;
+    const double rise = 2.0 * (next_cost - cost) / (scale * scale);
+    check->rise_beyond = std::fmin(check->rise_beyond, rise);
+    if (!(next_cost < lowest && rise < -kClearlyLower)) continue;
+    lowest = next_cost;
+    check->better = next;
+  }
 }
 
 bool DentCheck::is_dent() const { return std::fmin(rise_below, rise_above) < kDentRise * expected_rise; }

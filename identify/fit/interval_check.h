@@ -4,6 +4,9 @@
 // it is far too narrow. So the cost is looked at where it should have risen by 3.84 s^2/2: at both ends of the interval
 // of the parameter whose interval is widest relative to its bounds, the others moved as the covariance says. An end
 // with a lower cost than the estimate is a point to go on from (identify/fit/continued_fit.h).
+//
+// A cost may have a lower minimum behind a hill, and an interval that residuals without an explanation make wide may
+// reach across. There the cost of its end says nothing, but a Gauss-Newton step from it leads down on the other side.
 #ifndef CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
 #define CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
 
@@ -18,6 +21,7 @@
 namespace clothid {
 
 class FitEvaluator;
+class FitProblem;
 
 struct IntervalCheck {
   int parameter = 0;
@@ -25,13 +29,16 @@ struct IntervalCheck {
   // quadratic. NaN: the rollout failed, or the end lies outside the bounds.
   double rise_below = std::numeric_limits<double>::quiet_NaN();
   double rise_above = std::numeric_limits<double>::quiet_NaN();
-  // [p] the internal coordinates of the end of lower cost, where that is below the cost of the estimate by more than
-  // rounding; empty: neither is.
+  // [p + n] the internal coordinates of the end of lower cost, or of where a step from an end leads, where that is
+  // below the cost of the estimate by more than rounding, beyond the ends by a rise of -0.2; empty: none is.
   Eigen::VectorXd better;
+  Eigen::VectorXd step;  // [p + n] from the estimate to the upper end
+  // The least rise of where the steps of `LookBeyond` lead. NaN: nobody looked, or every rollout failed.
+  double rise_beyond = std::numeric_limits<double>::quiet_NaN();
 
   // Both within a factor of two.
   bool is_quadratic() const;
-  // The least of both that is known.
+  // The least of all that is known.
   double lowest_rise() const;
 };
 
@@ -42,6 +49,11 @@ std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& bl
                                            const Eigen::VectorXd& coordinates, double cost,
                                            const Uncertainty& uncertainty, const Eigen::MatrixXd& follow,
                                            FitEvaluator* evaluator);
+
+// Where neither end is lower: a Gauss-Newton step from each, within the bounds, and the cost where it leads, for fits
+// without unknown starts. Up to two evaluations with rows and two of the cost.
+void LookBeyond(const FitProblem& problem, const Eigen::VectorXd& coordinates, double cost,
+                const Uncertainty& uncertainty, FitEvaluator* evaluator, IntervalCheck* check);
 
 // Residuals above this many sigma are not those of noise.
 inline constexpr double kExplainedScale = 3.0;

@@ -219,13 +219,15 @@ void AddLowerPoint(const FitSummary& summary, std::vector<Reason>* reasons) {
     const IntervalCheck& check = *summary.interval_check;
     const bool is_clear = -0.5 * check.lowest_rise() > kLowerCost;
     const std::string brief = "a point of lower cost was met";
+    const std::string where =
+        check.rise_beyond == check.lowest_rise() ? "a step on from an end of it" : "at an end of it";
     reasons->push_back({is_clear ? Usability::kDoNotUse : Usability::kWithCare,
                         is_clear ? kExitDoNotUse : kExitSuccess,
                         {},
                         brief,
                         brief + " where the interval of " + summary.parameters[check.parameter].name +
-                            " was checked: at an end of it the cost \"rises\" by " +
-                            NumberText(check.lowest_rise(), 2) + " instead of 3.84" +
+                            " was checked: " + where + " the cost \"rises\" by " + NumberText(check.lowest_rise(), 2) +
+                            " instead of 3.84" +
                             (num > 0 ? ", after the fit had gone on from such a point " + times : "") +
                             "; the cost is rough: see --starts and the landscape"});
   } else if (num > 0) {

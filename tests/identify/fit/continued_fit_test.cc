@@ -1,6 +1,7 @@
 // A fit that ended beside its minimum goes on from the lower point that the check of its interval meets.
 #include "identify/fit/continued_fit.h"
 
+#include "datasets/motion/motion_file.h"
 #include "identify/fit/fit.h"
 #include "tests/costs/synthetic_motion.h"
 
@@ -76,6 +77,25 @@ TEST(ContinuedFitTest, GoesOnFromALowerPoint) {
   }
   ASSERT_FALSE(told.empty());
   EXPECT_EQ(told.front(), before.num_iterations() + 1);
+}
+
+// Frame 0 and the last four of `drape` alone: a hill of the cost lies between its minimum, where it is zero, and
+// another one, and the interval of that reaches across.
+TEST(ContinuedFitTest, GoesOnFromBehindAHill) {
+  RecordedMotion motion = ReadMotion(std::string(CLOTHID_SOURCE_DIR) + "/datasets/drape.motion.bin", {});
+  const std::vector<int> frames = {0, 77, 78, 79, 80};
+  motion.times = motion.times(frames).eval();
+  motion.positions = motion.positions(Eigen::all, frames).eval();
+  FitOptions options;
+  options.parameters = {"mu", "k_stretch"};
+  options.overrides.start = {{"mu", 0.234}, {"k_stretch", 95.0}};
+  options.jacobian = JacobianMethod::kSensitivity;
+  FitProblem problem({motion}, options);
+  const FitSummary summary = Fit(options, &problem);
+  ASSERT_EQ(summary.status, FitStatus::kConverged) << summary.message;
+  EXPECT_EQ(summary.num_continuations, 1);
+  EXPECT_NEAR(summary.parameters[0].value, 0.24, 1e-5);
+  EXPECT_NEAR(summary.parameters[1].value, 70.0, 1e-3);
 }
 
 TEST(ContinuedFitTest, NotMoreOftenThanItMay) {
