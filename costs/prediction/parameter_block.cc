@@ -11,7 +11,6 @@
 #include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "sim/fabric/fabric.h"
 
 namespace clothid {
 namespace {
@@ -170,9 +169,8 @@ std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKi
   if (block.is_signed) return {-block.unit, block.unit};
   if (block.scale != ParameterScale::kLog) return {0.0, kMaxFriction};
   if (IsSize(kind)) return {block.start / kMostOversize, block.start * kMostOversize};
-  const bool is_edges = kind == ParameterKind::kBendingStiffness && scene.bending.law == BendingLaw::kEdges;
-  const MeasuredConstant* any = Measured(AnyFabric(), kind);
-  if (any == nullptr || is_edges) return {block.start / kBoundFactor, block.start * kBoundFactor};
+  const MeasuredConstant* any = MeasuredOfAnyCloth(block.name, scene);
+  if (any == nullptr) return {block.start / kBoundFactor, block.start * kBoundFactor};
   const Fabric* fabric = FindFabric(scene.fabric);
   const MeasuredConstant* own = fabric == nullptr ? nullptr : Measured(*fabric, kind);
   const bool is_known = own != nullptr && !std::isnan(own->lowest);
@@ -269,6 +267,13 @@ std::vector<std::string> OverrideNames(const std::string& name) {
     if (std::find(names.begin(), names.end(), candidate) == names.end()) names.push_back(candidate);
   }
   return names;
+}
+
+const MeasuredConstant* MeasuredOfAnyCloth(const std::string& name, const Scene& scene) {
+  if (ParseAlignmentId(BaseName(name))) return nullptr;
+  const ParameterKind kind = ParseParameter(BaseName(name), scene).kind;
+  const bool is_edges = kind == ParameterKind::kBendingStiffness && scene.bending.law == BendingLaw::kEdges;
+  return is_edges ? nullptr : Measured(AnyFabric(), kind);
 }
 
 ParameterScale DefaultScale(ParameterKind kind) {

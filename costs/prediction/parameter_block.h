@@ -14,6 +14,7 @@
 
 #include "costs/prediction/alignment.h"
 #include "datasets/motion/recorded_motion.h"
+#include "sim/fabric/fabric.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene.h"
 
@@ -72,6 +73,9 @@ struct ParameterBlock {
 
 // "drag" of "drag@2"; a name without suffix as it is.
 std::string BaseName(const std::string& name);
+
+// What was measured of any cloth of constant `name` of `scene`; null: nothing, as of friction and of bending by edges.
+const MeasuredConstant* MeasuredOfAnyCloth(const std::string& name, const Scene& scene);
 
 // Log for everything but friction, k_poisson and the wind.
 ParameterScale DefaultScale(ParameterKind kind);

@@ -30,6 +30,7 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
     parameter.prior = block.prior;
     parameter.is_knot = IsKnot(problem.blocks(), i);
     parameter.scale = block.scale;
+    parameter.measured = problem.MeasuredOf(i);
     summary->parameters.push_back(parameter);
   }
   summary->coordinates = best.coordinates;

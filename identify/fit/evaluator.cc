@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iomanip>
+#include <sstream>
 
 #include "identify/base/parallel_for.h"
 #include "identify/uncertainty/priors.h"
@@ -88,7 +90,10 @@ bool FitEvaluator::Evaluate(const Eigen::VectorXd& coordinates, Derivative deriv
     results[recording] = EvaluateRecording(recording, coordinates, derivative, precision);
     return results[recording].ok;
   });
-  if (!ok) return false;
+  if (!ok) {
+    last_failure_ += PlaceText(coordinates);
+    return false;
+  }
   const QuadraticModel model = Sum(results, coordinates, derivative);
   *cost = model.cost;
   if (gradient != nullptr) *gradient = model.gradient;
@@ -133,6 +138,24 @@ void FitEvaluator::AddPriors(Derivative derivative, QuadraticModel* sum) const {
       if (!blocks[j].frozen) sum->hessian(i, j) += hessian(i, j);
     }
   }
+}
+
+std::string FitEvaluator::PlaceText(const Eigen::VectorXd& coordinates) const {
+  constexpr int kHandful = 6;
+  std::ostringstream text;
+  text << std::setprecision(4);
+  const Eigen::VectorXd values = problem_->Values(coordinates);
+  for (int i = 0; i < problem_->num_blocks(); ++i) {
+    const MeasuredConstant measured = problem_->MeasuredOf(i);
+    const bool is_far = measured.IsFarFrom(values[i]);
+    if (problem_->blocks()[i].frozen || (problem_->num_blocks() > kHandful && !is_far)) continue;
+    text << (text.tellp() == 0 ? ", at " : ", ") << problem_->blocks()[i].name << " " << values[i];
+    if (is_far) {
+      text << " " << measured.unit << " (" << measured.lowest << " to " << measured.highest << " " << measured.unit
+           << " were measured of cloth)";
+    }
+  }
+  return text.str();
 }
 
 void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision) {

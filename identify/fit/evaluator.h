@@ -46,7 +46,7 @@ class FitEvaluator {
   // kExactRows: rows by sensitivities, along with the rollout of a new point. `Linearize` has them, too, then.
   enum class Derivative { kNone, kRows, kExactRows, kGradient };
   // The sum over the recordings, in their order, and the priors. kGradient also fills `gradient` [p + n], which may
-  // else be null. False where a rollout failed: see last_failure().
+  // else be null. False where a rollout failed: see last_failure(), which then tells the place, too.
   bool Evaluate(const Eigen::VectorXd& coordinates, Derivative derivative, double* cost, Eigen::VectorXd* gradient,
                 Precision precision = Precision::kFull);
 
@@ -86,6 +86,9 @@ class FitEvaluator {
   QuadraticModel Sum(const std::vector<RecordingResult>& results, const Eigen::VectorXd& coordinates,
                      Derivative derivative) const;
   void AddPriors(Derivative derivative, QuadraticModel* sum) const;
+  // ", at mu 0.3, k_stretch 2e+05 N/m (6.54 to 4070 N/m were measured of cloth)": the parameters, or of more than a
+  // handful those alone that no cloth can have.
+  std::string PlaceText(const Eigen::VectorXd& coordinates) const;
   void Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision);
 
   // What one recording tells of some coordinates.

@@ -44,6 +44,7 @@ struct FittedParameter {
   ParameterPrior prior;  // as in its block
   bool is_knot = false;  // of a profile that is believed to be smooth
   ParameterScale scale = ParameterScale::kLinear;
+  MeasuredConstant measured;  // of any cloth
 };
 
 // Valid where has_estimate(), whatever the status: the best point that was evaluated, with full precision unless the

@@ -225,6 +225,15 @@ void FitProblem::AddCost(const RecordedMotion& motion, RolloutCostOptions cost_o
   coordinate_indices_.push_back(std::move(indices));
 }
 
+MeasuredConstant FitProblem::MeasuredOf(int block) const {
+  for (int r = 0; r < num_recordings(); ++r) {
+    if (std::count(block_indices_[r].begin(), block_indices_[r].end(), block) == 0) continue;
+    const MeasuredConstant* measured = MeasuredOfAnyCloth(blocks_[block].name, costs_[r]->model().scene());
+    return measured == nullptr ? MeasuredConstant() : *measured;
+  }
+  return {};
+}
+
 bool FitProblem::has_few_blocks() const {
   return std::all_of(block_indices_.begin(), block_indices_.end(),
                      [](const std::vector<int>& blocks) { return static_cast<int>(blocks.size()) <= kFewBlocks; });

@@ -37,6 +37,8 @@ class FitProblem {
   FitProblem(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem* whole = nullptr);
 
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
+  // What was measured of any cloth of a block, in the first recording that it concerns.
+  MeasuredConstant MeasuredOf(int block) const;
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
   int num_recordings() const { return static_cast<int>(costs_.size()); }
   const RolloutCost& cost(int recording, Precision precision = Precision::kFull) const {

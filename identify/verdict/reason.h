@@ -28,6 +28,9 @@ struct Reason {
 void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // Its parameters: what the recordings tell of each, and what their intervals are worth.
 void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
+// Parameters farther beyond what was measured of any cloth than one can be (sim/fabric/fabric.h), and the units and
+// sizes that would explain it.
+void AddMeasuredReasons(const FitSummary& summary, std::vector<Reason>* reasons);
 // Parameters whose interval a step of 1 % leads out of (identify/fit/interval_check.h).
 void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // What parameters and knots owe to what was believed of them, and where recordings contradict it.

@@ -13,6 +13,12 @@ namespace clothid {
 struct MeasuredConstant {
   double typical = std::numeric_limits<double>::quiet_NaN();
   double lowest = std::numeric_limits<double>::quiet_NaN(), highest = std::numeric_limits<double>::quiet_NaN();
+  double reach =
+      std::numeric_limits<double>::quiet_NaN();  // a factor: cloth that was not measured may lie so far beyond
+  const char* unit = "";
+
+  // Whether `value` lies farther beyond than that; false where nothing was measured.
+  bool IsFarFrom(double value) const { return value < lowest / reach || value > highest * reach; }
 };
 
 struct Fabric {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid {
@@ -38,6 +40,27 @@ Values EvaluateAt(const std::vector<RecordedMotion>& motions, int num_threads) {
   }
   values.rollouts = evaluator.statistics().rollouts;
   return values;
+}
+
+TEST(FitEvaluatorTest, FailuresTellWhere) {
+  RecordedMotion motion = MakeMotion(SwingScene(), {});
+  motion.scene.solver.max_newton_iterations = 1;
+  motion.scene.solver.max_substep_halvings = 0;
+  FitOptions options;
+  options.parameters = {"k_stretch", "drag"};
+  const FitProblem problem({motion}, options);
+  FitEvaluator evaluator(&problem, 1);
+  Eigen::VectorXd coordinates = problem.StartCoordinates();
+  double cost = 0.0;
+  ASSERT_FALSE(evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr));
+  EXPECT_NE(evaluator.last_failure().find(", at k_stretch 50, drag 0.1"), std::string::npos)
+      << evaluator.last_failure();
+  coordinates[0] = std::log(2e5);
+  ASSERT_FALSE(evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr));
+  EXPECT_NE(
+      evaluator.last_failure().find(", at k_stretch 2e+05 N/m (6.54 to 4070 N/m were measured of cloth), drag 0.1"),
+      std::string::npos)
+      << evaluator.last_failure();
 }
 
 TEST(FitEvaluatorTest, ThreadsDoNotChangeTheNumbers) {

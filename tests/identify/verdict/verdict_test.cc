@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "identify/report/report.h"
+#include "sim/fabric/fabric.h"
 
 namespace clothid {
 namespace {
@@ -200,6 +201,33 @@ TEST(VerdictTest, AnIntervalFromBoundToBoundTellsNothing) {
   EXPECT_EQ(verdict.exit_code, 4) << "never called identifiable";
   EXPECT_EQ(verdict.line, "usable with care: the interval of mu reaches its lower bound");
   EXPECT_EQ(ParameterRemark(summary, {}, 0), "reaches a bound");
+}
+
+TEST(VerdictTest, WhatNoClothCanBeLeads) {
+  FitSummary summary = ThreeParameters();
+  FittedParameter& stretch = summary.parameters[1];
+  stretch.measured = AnyFabric().k_stretch;
+  stretch.value = 40334.0;
+  EXPECT_EQ(Judge(summary, {}).line, "usable with care: k_stretch is 9.9 times beyond what was measured of any cloth");
+  EXPECT_EQ(FitExitCode(summary, {}), 0);
+  EXPECT_TRUE(Says(summary, {},
+                   "any cloth: 40334 N/m against 6.54 to 4070 N/m; where the density is in g/m^2, not "
+                   "kg/m^2, it is 40.33"));
+  summary.forces = {Eigen::MatrixXd::Ones(3, 5)};
+  EXPECT_TRUE(Says(summary, {}, "; where forces are in grams-force, not N, it is 395.5 and where forces are in mN, "));
+  summary.error.successive_squares = summary.error.successive_products = 1.0;
+  summary.uncertainty->residual_scale = 1.0;
+  EXPECT_NE(Judge(summary, {}).line.find("care: k_stretch is 9.9 times"), std::string::npos) << "first";
+  stretch.value = 0.5;
+  EXPECT_TRUE(Says(summary, {}, "k_stretch is 13 times beyond what was measured of any cloth"));
+  EXPECT_TRUE(Says(summary, {}, "where forces are in kN, not N, it is 500, where the mesh is in mm, not m, it is 500"));
+  stretch.value = 1e9;
+  EXPECT_TRUE(Says(summary, {}, "; check forces, density and size"));
+  stretch.value = 10000.0;
+  EXPECT_FALSE(Says(summary, {}, "beyond what was measured")) << "ten fabrics are not all";
+  stretch.value = 1e9;
+  stretch.frozen = true;
+  EXPECT_FALSE(Says(summary, {}, "beyond what was measured"));
 }
 
 TEST(VerdictTest, ALowerPointThatIsLeftMustNotBeUsed) {
