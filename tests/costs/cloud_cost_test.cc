@@ -11,7 +11,7 @@
 #include "tests/costs/synthetic_clouds.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::cloud_cost_test {
 namespace {
 
 const std::vector<std::string> kNames = {"mu", "k_stretch", "k_bend"};
@@ -206,4 +206,4 @@ TEST(CloudLossTest, EveryPointOfACloudIsWeighedAlone) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::cloud_cost_test

@@ -9,7 +9,7 @@
 #include "tests/costs/start/forget_start.h"
 #include "tests/costs/synthetic_forces.h"
 
-namespace clothid {
+namespace clothid::force_cost_test {
 namespace {
 
 struct Case {
@@ -262,4 +262,4 @@ TEST(ForceCostOnlyTest, CountsForcesWithoutPositions) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::force_cost_test

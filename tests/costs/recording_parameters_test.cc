@@ -9,7 +9,7 @@
 #include "sim/base/error.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::recording_parameters_test {
 namespace {
 
 const std::vector<std::string> kNames = {"time_offset", "k_stretch", "shift.x", "shift.y", "shift.z", "turn.x",
@@ -312,4 +312,4 @@ TEST(RecordingModelTest, WithoutATimeOffsetThereAreNoVelocities) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::recording_parameters_test

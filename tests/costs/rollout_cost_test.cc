@@ -11,7 +11,7 @@
 #include "costs/full_residual_cost.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::rollout_cost_test {
 namespace {
 
 // What Ceres gets from one call.
@@ -540,4 +540,4 @@ TEST(RolloutCostTest, LinearizationIsThatOfTheFullResidualWithEveryMethod) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::rollout_cost_test

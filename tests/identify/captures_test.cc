@@ -16,7 +16,7 @@
 #include "datasets/motion/motion_file.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::captures_test {
 namespace {
 
 class CapturesTest : public ToolTest {
@@ -159,4 +159,4 @@ TEST_F(CapturesTest, AFitLowersTheErrorOnTheOtherRepetition) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::captures_test

@@ -10,7 +10,7 @@
 #include "sim/base/error.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::force_fit_test {
 namespace {
 
 class ForceFitTest : public ToolTest {
@@ -122,4 +122,4 @@ TEST_F(ForceFitTest, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::force_fit_test

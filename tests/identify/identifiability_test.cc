@@ -6,7 +6,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::identifiability_test {
 namespace {
 
 class IdentifiabilityTest : public ToolTest {
@@ -64,4 +64,4 @@ TEST_F(IdentifiabilityTest, TheCommonFactorOfAllThatScales) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::identifiability_test

@@ -5,7 +5,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::identify_test {
 namespace {
 
 class IdentifyTest : public ToolTest {
@@ -161,4 +161,4 @@ TEST_F(IdentifyTest, ChecksRecordingsFirst) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::identify_test

@@ -5,7 +5,7 @@
 #include "identify/run.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::prior_program_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -89,4 +89,4 @@ TEST_F(PriorProgramTest, FabricsGiveWhatTheSceneDoesNot) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::prior_program_test

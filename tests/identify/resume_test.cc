@@ -16,7 +16,7 @@
 #include "tests/tools/tool_process.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::resume_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -194,4 +194,4 @@ TEST_F(ResumeTest, AJournalThatCannotBeWrittenEndsTheFit) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::resume_test

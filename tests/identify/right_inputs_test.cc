@@ -10,7 +10,7 @@
 #include "tests/datasets/importing/made_up_capture.h"
 #include "tests/identify/simulated_recordings.h"
 
-namespace clothid {
+namespace clothid::right_inputs_test {
 namespace {
 
 void ExpectNoWarning(const RecordedMotion& motion) {
@@ -90,4 +90,4 @@ TEST(RightInputs, UnusualOnesAreNotWarnedOf) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::right_inputs_test

@@ -12,7 +12,7 @@
 #include "tests/expect_error.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::run_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -300,4 +300,4 @@ TEST_F(RunTest, RefusesWhatGoesWithNoOther) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::run_test

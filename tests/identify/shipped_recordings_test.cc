@@ -14,7 +14,7 @@
 #include "datasets/motion/motion_file.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::shipped_recordings_test {
 namespace {
 
 // A row of the table: `name.motion.bin` with nominal values and truth, both as NAME=VALUE[,...].
@@ -193,4 +193,4 @@ TEST_F(ShippedRecordingsTest, AnInterruptSavesWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::shipped_recordings_test

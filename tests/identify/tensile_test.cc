@@ -11,7 +11,7 @@
 #include "identify/verdict/verdict.h"
 #include "sim/base/npy_file.h"
 
-namespace clothid {
+namespace clothid::tensile_test {
 namespace {
 
 constexpr double kWidth = 0.0666, kLength = 0.0692;  // m, of the specimen between its clamps
@@ -188,4 +188,4 @@ TEST_F(TensileTest, WithoutTheGaugeItIsNotDetermined) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::tensile_test

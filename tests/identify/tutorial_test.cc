@@ -10,7 +10,7 @@
 #include "tests/page_blocks.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::tutorial_test {
 namespace {
 
 constexpr char kTutorial[] = CLOTHID_SOURCE_DIR "/identify/tutorial.md";
@@ -82,4 +82,4 @@ TEST(TutorialBlocksTest, DotsStandForOtherLines) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::tutorial_test

@@ -9,7 +9,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::woven_cloth_test {
 namespace {
 
 const char* const kConstants = "k_warp,k_weft,k_shear,k_poisson,bend_warp,bend_weft,bend_twist";
@@ -117,4 +117,4 @@ TEST_F(WovenClothTest, PoissonsCouplingMayBeNegativeButNotTooLarge) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::woven_cloth_test

@@ -14,7 +14,7 @@
 #include "tests/identify/recording_edits.h"
 #include "tests/identify/simulated_recordings.h"
 
-namespace clothid {
+namespace clothid::wrong_inputs_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -202,4 +202,4 @@ TEST(WrongInputs, AreTold) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::wrong_inputs_test

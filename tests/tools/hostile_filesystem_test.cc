@@ -21,7 +21,7 @@
 #include "tests/tools/tool_process.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::hostile_filesystem_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -355,4 +355,4 @@ TEST_F(HostileTest, MissingFoldersAreMadeForFoldersAlone) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::hostile_filesystem_test

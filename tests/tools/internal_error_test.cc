@@ -9,7 +9,7 @@
 #include "sim/base/program.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::internal_error_test {
 namespace {
 
 class InternalErrorTest : public ToolTest {
@@ -62,4 +62,4 @@ TEST_F(InternalErrorTest, NoMemoryLeftForASimulation) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::internal_error_test

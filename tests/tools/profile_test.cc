@@ -9,7 +9,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::profile_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -98,4 +98,4 @@ TEST_F(ProfileTest, AnOrthotropicMembraneRunsInPlaceOfTheIsotropicOne) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::profile_test

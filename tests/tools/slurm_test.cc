@@ -7,7 +7,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::slurm_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +149,4 @@ TEST_F(SlurmTest, TaskThatRunsOutOfTimeIsRequeued) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::slurm_test

@@ -12,7 +12,7 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void Fail(const std::string& flag, const std::string& text, const std::string& problem) {
+[[noreturn]] void FailOnAxis(const std::string& flag, const std::string& text, const std::string& problem) {
   throw Error(ErrorKind::kUsage, flag + ": '" + Printable(text) + "': " + problem);
 }
 
@@ -24,7 +24,7 @@ ParameterKind ParseKind(const std::string& name, const std::string& flag,
   } catch (const Error& error) {
     throw Error(ErrorKind::kUsage, flag + ": " + error.what());
   }
-  if (id.kind == ParameterKind::kFriction && obstacle_names.empty()) Fail(flag, name, "the scene has no obstacle");
+  if (id.kind == ParameterKind::kFriction && obstacle_names.empty()) FailOnAxis(flag, name, "the scene has no obstacle");
   return id.kind;
 }
 
@@ -43,7 +43,7 @@ LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
   const std::optional<double> lower = ParseNumber(items[0]), upper = ParseNumber(items[1]);
   const std::optional<long long> num_cells = ParseInteger(items[2]);
   if (!is_whole || !lower || !upper || !num_cells) {
-    Fail(flag, text, "expected NAME=LOWER:UPPER:CELLS or NAME=LOWER:UPPER:CELLS:log");
+    FailOnAxis(flag, text, "expected NAME=LOWER:UPPER:CELLS or NAME=LOWER:UPPER:CELLS:log");
   }
   LandscapeAxis axis;
   axis.parameter = text.substr(0, equals);
@@ -52,12 +52,12 @@ LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
   axis.upper = *upper;
   axis.num_cells = static_cast<int>(std::min<long long>(*num_cells, std::numeric_limits<int>::max()));
   const ParameterKind kind = ParseKind(axis.parameter, flag, obstacle_names);
-  if (!(axis.lower < axis.upper)) Fail(flag, text, "expected a lower end below the upper one");
-  if (*num_cells < 2) Fail(flag, text, "expected at least 2 cells");
-  if (has_scale && !(axis.lower > 0.0)) Fail(flag, text, "expected a lower end above 0 on a log axis");
+  if (!(axis.lower < axis.upper)) FailOnAxis(flag, text, "expected a lower end below the upper one");
+  if (*num_cells < 2) FailOnAxis(flag, text, "expected at least 2 cells");
+  if (has_scale && !(axis.lower > 0.0)) FailOnAxis(flag, text, "expected a lower end above 0 on a log axis");
   if (!IsInRange(kind, axis.lower)) {
     const bool above = DomainOf(kind) == ParameterDomain::kPositive;
-    Fail(flag, text, above ? "expected a lower end above 0" : "expected a lower end of at least 0");
+    FailOnAxis(flag, text, above ? "expected a lower end above 0" : "expected a lower end of at least 0");
   }
   return axis;
 }
@@ -78,7 +78,7 @@ LandscapeAxis ZoomInto(const LandscapeAxis& whole, double center, double zoom, c
   if (start + width < upper) axis.upper = std::clamp(FromScale(whole.scale, start + width), whole.lower, whole.upper);
   for (int i = 1; i < axis.num_cells; ++i) {
     if (!(axis.Value(i) > axis.Value(i - 1))) {
-      Fail(flag, ShortestText(zoom), "too small: the cells of '" + whole.parameter + "' fall on each other");
+      FailOnAxis(flag, ShortestText(zoom), "too small: the cells of '" + whole.parameter + "' fall on each other");
     }
   }
   return axis;

@@ -8,7 +8,7 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void Fail(const std::string& folder, const std::string& problem) {
+[[noreturn]] void FailOnFolder(const std::string& folder, const std::string& problem) {
   throw Error(ErrorKind::kUsage, folder + ": " + problem);
 }
 
@@ -27,13 +27,13 @@ LandscapePart MergeLandscapes(const std::vector<std::string>& folders) {
     const LandscapeShard shard = part.origin.shard;
     if (folder_of_shard.empty()) merged = part;
     if (part.origin.fingerprint != merged.origin.fingerprint) {
-      Fail(folder, "is of another scan than " + folders.front() + ": recording, scene, program or flags differ");
+      FailOnFolder(folder, "is of another scan than " + folders.front() + ": recording, scene, program or flags differ");
     }
     if (shard.count != merged.origin.shard.count) {
-      Fail(folder, "is " + NameOf(shard) + ", but " + folders.front() + " is " + NameOf(merged.origin.shard));
+      FailOnFolder(folder, "is " + NameOf(shard) + ", but " + folders.front() + " is " + NameOf(merged.origin.shard));
     }
     const auto [found, is_new] = folder_of_shard.emplace(shard.index, folder);
-    if (!is_new) Fail(folder, "is " + NameOf(shard) + ", as " + found->second + " is");
+    if (!is_new) FailOnFolder(folder, "is " + NameOf(shard) + ", as " + found->second + " is");
     for (const int cell : shard.Cells(merged.landscape.plan)) {
       merged.landscape.cells[cell] = std::move(part.landscape.cells[cell]);
     }

@@ -15,21 +15,21 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void Fail(const std::string& flag, const std::string& problem) {
+[[noreturn]] void FailOnFlag(const std::string& flag, const std::string& problem) {
   throw Error(ErrorKind::kUsage, flag + ": " + problem);
 }
 
 LandscapeWindow ParseWhole(const LandscapeFlags& flags, const std::vector<std::string>& obstacle_names) {
-  if (flags.x.empty()) Fail("--x", "is missing; see landscape --help");
-  if (flags.y.empty()) Fail("--y", "is missing; see landscape --help");
+  if (flags.x.empty()) FailOnFlag("--x", "is missing; see landscape --help");
+  if (flags.y.empty()) FailOnFlag("--y", "is missing; see landscape --help");
   LandscapeWindow whole;
   whole.x = ParseAxis(flags.x, "--x", obstacle_names);
   whole.y = ParseAxis(flags.y, "--y", obstacle_names);
   const ParameterId x = ParseParameter(whole.x.parameter, obstacle_names);
   const ParameterId y = ParseParameter(whole.y.parameter, obstacle_names);
-  if (x == y) Fail("--y", "'" + whole.y.parameter + "' is on --x already");
+  if (x == y) FailOnFlag("--y", "'" + whole.y.parameter + "' is on --x already");
   if (Includes(x, y) || Includes(y, x)) {
-    Fail("--y", "'" + whole.y.parameter + "' and '" + whole.x.parameter + "' on --x include each other");
+    FailOnFlag("--y", "'" + whole.y.parameter + "' and '" + whole.x.parameter + "' on --x include each other");
   }
   return whole;
 }
@@ -40,21 +40,21 @@ std::vector<double> ParseZooms(const std::string& text) {
   for (const std::string& item : Split(text, ',')) {
     const std::optional<double> zoom = ParseNumber(item);
     if (!zoom || !(*zoom > 0.0) || !(*zoom < 1.0)) {
-      Fail("--zoom", "'" + Printable(item) + "': expected a number between 0 and 1");
+      FailOnFlag("--zoom", "'" + Printable(item) + "': expected a number between 0 and 1");
     }
     zooms.push_back(*zoom);
   }
   std::sort(zooms.begin(), zooms.end(), std::greater<>());
   const auto twice = std::adjacent_find(zooms.begin(), zooms.end());
-  if (twice != zooms.end()) Fail("--zoom", ShortestText(*twice) + " is there twice");
+  if (twice != zooms.end()) FailOnFlag("--zoom", ShortestText(*twice) + " is there twice");
   return zooms;
 }
 
 double CenterOn(const LandscapeAxis& axis, const std::map<std::string, double>& centers) {
   const auto found = centers.find(axis.parameter);
-  if (found == centers.end()) Fail("--zoom_around", "expected a value of '" + axis.parameter + "'");
+  if (found == centers.end()) FailOnFlag("--zoom_around", "expected a value of '" + axis.parameter + "'");
   if (!(found->second >= axis.lower && found->second <= axis.upper)) {
-    Fail("--zoom_around", "'" + axis.parameter + "': expected a value from " + ShortestText(axis.lower) + " to " +
+    FailOnFlag("--zoom_around", "'" + axis.parameter + "': expected a value from " + ShortestText(axis.lower) + " to " +
                               ShortestText(axis.upper));
   }
   return found->second;
@@ -64,14 +64,14 @@ std::vector<LandscapeWindow> ParseWindows(const LandscapeFlags& flags, const Lan
   std::vector<LandscapeWindow> windows;
   if (!flags.zoom_only) windows.push_back(whole);
   if (flags.zoom.empty()) {
-    if (flags.zoom_only) Fail("--zoom_only", "expected with --zoom");
-    if (!flags.zoom_around.empty()) Fail("--zoom_around", "expected with --zoom");
+    if (flags.zoom_only) FailOnFlag("--zoom_only", "expected with --zoom");
+    if (!flags.zoom_around.empty()) FailOnFlag("--zoom_around", "expected with --zoom");
     return windows;
   }
-  if (flags.zoom_around.empty()) Fail("--zoom", "expected with --zoom_around");
+  if (flags.zoom_around.empty()) FailOnFlag("--zoom", "expected with --zoom_around");
   const std::map<std::string, double> centers = ParseParameterValues(flags.zoom_around, "--zoom_around");
   const double x = CenterOn(whole.x, centers), y = CenterOn(whole.y, centers);
-  if (centers.size() != 2) Fail("--zoom_around", "expected values of the parameters on the axes alone");
+  if (centers.size() != 2) FailOnFlag("--zoom_around", "expected values of the parameters on the axes alone");
   for (const double zoom : ParseZooms(flags.zoom)) {
     windows.push_back({zoom, ZoomInto(whole.x, x, zoom, "--zoom"), ZoomInto(whole.y, y, zoom, "--zoom")});
   }
@@ -83,7 +83,7 @@ std::vector<ContactMode> ParseContact(const std::string& text, ContactMode own) 
   if (text == "gap") return {ContactMode::kGap};
   if (text == "velocity") return {ContactMode::kVelocity};
   if (text == "both") return {ContactMode::kGap, ContactMode::kVelocity};
-  Fail("--contact", "'" + Printable(text) + "': expected gap, velocity or both");
+  FailOnFlag("--contact", "'" + Printable(text) + "': expected gap, velocity or both");
 }
 
 std::vector<LandscapeSetting> ParseSettings(const LandscapeFlags& flags, const Scene& scene) {
@@ -99,7 +99,7 @@ void CheckNumCells(const LandscapeWindow& whole, std::size_t num_settings, std::
   const double num_cells = static_cast<double>(whole.x.num_cells) * whole.y.num_cells *
                            static_cast<double>(num_settings) * static_cast<double>(num_zooms + 1);
   if (num_cells > kMaxLandscapeCells) {
-    Fail("--x, --y", "expected at most " + std::to_string(kMaxLandscapeCells) +
+    FailOnFlag("--x, --y", "expected at most " + std::to_string(kMaxLandscapeCells) +
                          " cells over all settings and windows, not " + ShortestText(num_cells));
   }
 }
@@ -119,7 +119,7 @@ void CheckSweep(const LandscapePlan& plan, const Scene& own, const std::vector<R
   for (std::size_t i = 0; i < motions.size(); ++i) {
     for (const auto& [flag, axis] : {std::pair("--x", &window.x), std::pair("--y", &window.y)}) {
       if (ValuesOn(*axis, motions[i].scene) == ValuesOn(*axis, own)) continue;
-      Fail("--sweep", "'" + plan.settings[i].name + "': changes '" + axis->parameter + "', which is on " + flag);
+      FailOnFlag("--sweep", "'" + plan.settings[i].name + "': changes '" + axis->parameter + "', which is on " + flag);
     }
   }
 }
@@ -142,7 +142,7 @@ LandscapeShard ParseShard(const std::string& text) {
   const auto index = items.size() == 2 ? ParseInteger(items[0]) : std::nullopt;
   const auto count = items.size() == 2 ? ParseInteger(items[1]) : std::nullopt;
   if (!index || !count || *index < 0 || *index >= *count || *count > kMaxLandscapeCells) {
-    Fail("--shard", "'" + Printable(text) + "': expected I/N with 0 <= I < N");
+    FailOnFlag("--shard", "'" + Printable(text) + "': expected I/N with 0 <= I < N");
   }
   return {static_cast<int>(*index), static_cast<int>(*count)};
 }

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 // Numbers up to here are integers exactly; a key that wants an integer accepts no fraction in its text.
 constexpr double kMaxInteger = 9007199254740992.0;  // 2^53
 
-[[noreturn]] void Fail(const std::string& text, const std::string& problem) {
+[[noreturn]] void FailOnSweep(const std::string& text, const std::string& problem) {
   throw Error(ErrorKind::kUsage, "--sweep: '" + Printable(text) + "': " + problem);
 }
 
@@ -26,13 +26,13 @@ constexpr double kMaxInteger = 9007199254740992.0;  // 2^53
 std::vector<SceneChange> ParseChanges(const std::string& text) {
   const std::size_t equals = text.find('=');
   const std::string expected = "expected KEY=NUMBER[,NUMBER...]";
-  if (equals == 0 || equals == std::string::npos) Fail(text, expected);
+  if (equals == 0 || equals == std::string::npos) FailOnSweep(text, expected);
   std::vector<SceneChange> changes;
   std::set<double> values;
   for (const std::string& item : Split(text.substr(equals + 1), ',')) {
     const std::optional<double> value = ParseNumber(item);
-    if (!value) Fail(text, expected);
-    if (!values.insert(*value).second) Fail(text, "has the value " + item + " twice");
+    if (!value) FailOnSweep(text, expected);
+    if (!values.insert(*value).second) FailOnSweep(text, "has the value " + item + " twice");
     changes.push_back({text.substr(0, equals), *value});
   }
   return changes;
@@ -54,7 +54,7 @@ std::size_t IndexOf(const std::string& segment, std::size_t size, const std::str
     index = static_cast<std::size_t>(*number);
   }
   if (index >= size) {
-    Fail(key, "'" + Printable(segment) + "': expected x, y, z or an index below " + std::to_string(size));
+    FailOnSweep(key, "'" + Printable(segment) + "': expected x, y, z or an index below " + std::to_string(size));
   }
   return index;
 }
@@ -69,7 +69,7 @@ Json* Find(const std::vector<std::string>& segments, std::size_t first, const st
       continue;
     }
     if (node->is_null()) *node = Json::object();
-    if (!node->is_object()) Fail(key, "there is nothing below '" + Printable(segments[first - 1]) + "'");
+    if (!node->is_object()) FailOnSweep(key, "there is nothing below '" + Printable(segments[first - 1]) + "'");
     std::size_t end = segments.size();
     const auto name = [&] {
       std::string joined = segments[first];
@@ -87,8 +87,8 @@ Json* Find(const std::vector<std::string>& segments, std::size_t first, const st
 void ExpectHasEffect(const SceneVariant& variant) {
   for (const SceneChange& change : variant) {
     const std::string key = Split(change.key, '.').front();
-    if (key == "duration") Fail(change.key, "has no effect: a recording has its own duration");
-    if (key == "parameters") Fail(change.key, "has no effect: starts and bounds are those of a fit");
+    if (key == "duration") FailOnSweep(change.key, "has no effect: a recording has its own duration");
+    if (key == "parameters") FailOnSweep(change.key, "has no effect: starts and bounds are those of a fit");
   }
 }
 
@@ -100,10 +100,10 @@ std::vector<SceneVariant> ParseSweep(const std::string& text) {
   std::set<std::string> keys;
   for (const std::string& item : Split(text, ';')) {
     const std::vector<SceneChange> changes = ParseChanges(item);
-    if (!keys.insert(changes.front().key).second) Fail(changes.front().key, "is there twice");
-    if (keys.size() > kMaxSweepKeys) Fail(text, "more than " + std::to_string(kMaxSweepKeys) + " keys");
+    if (!keys.insert(changes.front().key).second) FailOnSweep(changes.front().key, "is there twice");
+    if (keys.size() > kMaxSweepKeys) FailOnSweep(text, "more than " + std::to_string(kMaxSweepKeys) + " keys");
     if (variants.size() * changes.size() > kMaxVariants) {
-      Fail(text, "more than " + std::to_string(kMaxVariants) + " combinations");
+      FailOnSweep(text, "more than " + std::to_string(kMaxVariants) + " combinations");
     }
     std::vector<SceneVariant> longer;
     for (const SceneVariant& variant : variants) {
@@ -132,12 +132,12 @@ std::string ChangeScene(const std::string& scene_text, const std::vector<std::st
   for (const SceneChange& change : variant) {
     const std::vector<std::string> segments = Split(change.key, '.');
     if (segments.size() > kMaxKeyParts)
-      Fail(change.key, "more than " + std::to_string(kMaxKeyParts) + " parts of a key");
+      FailOnSweep(change.key, "more than " + std::to_string(kMaxKeyParts) + " parts of a key");
     const auto obstacle = std::find(obstacle_names.begin(), obstacle_names.end(), segments.front());
     const bool is_obstacle = obstacle != obstacle_names.end() && segments.size() > 1;
     Json* root = is_obstacle ? &scene["obstacles"][obstacle - obstacle_names.begin()] : &scene;
     Json* value = Find(segments, is_obstacle ? 1 : 0, change.key, root);
-    if (!value->is_null() && !value->is_number()) Fail(change.key, "expected the key of a number");
+    if (!value->is_null() && !value->is_number()) FailOnSweep(change.key, "expected the key of a number");
     *value = NumberOf(change.value);
   }
   // A key that is no UTF-8 becomes one that no scene has.
@@ -159,7 +159,7 @@ RecordedMotion ReadMotionVariant(const MotionReader& read, ReadMotionOptions opt
     if (problem.find("expected an array") != std::string::npos) {
       problem += "; the scene has to have the array that x, y, z or an index picks from";
     }
-    Fail(VariantName(variant), problem);
+    FailOnSweep(VariantName(variant), problem);
   }
 }
 

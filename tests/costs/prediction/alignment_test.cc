@@ -8,7 +8,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::alignment_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -103,4 +103,4 @@ TEST(AlignmentTest, RefusesUnusableBounds) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::alignment_test

@@ -7,7 +7,7 @@
 
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::frame_interpolation_test {
 namespace {
 
 constexpr double kStep = 0.01;  // s, of the scenes
@@ -121,4 +121,4 @@ TEST(FrameInterpolationTest, StatesArriveInTheOrderOfTheFrames) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::frame_interpolation_test

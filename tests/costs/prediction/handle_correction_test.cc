@@ -14,7 +14,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::handle_correction_test {
 namespace {
 
 // Two corners of a cloth that a tool moves and turns.
@@ -139,4 +139,4 @@ TEST(SizeTest, IsNoParameterBesideForces) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::handle_correction_test

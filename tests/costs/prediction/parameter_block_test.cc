@@ -11,7 +11,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::parameter_block_test {
 namespace {
 
 TEST(ParameterBlockTest, CoordinatesInvertAndDifferentiate) {
@@ -165,4 +165,4 @@ TEST(ParameterBlockTest, RefusesUnusableValues) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::parameter_block_test

@@ -9,7 +9,7 @@
 #include "costs/rollout_cost.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::pass_step_test {
 namespace {
 
 std::vector<ParameterBlock> BlocksOf(const RecordedMotion& motion, const std::vector<std::string>& names) {
@@ -113,4 +113,4 @@ TEST(PassStepTest, WhatIsKnownTakesNoPass) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::pass_step_test

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-namespace clothid {
+namespace clothid::rigid_correction_test {
 namespace {
 
 const Eigen::Vector3d kShift(0.3, -0.2, 0.1), kCenter(1.0, 2.0, -0.5);
@@ -50,4 +50,4 @@ TEST(RigidCorrectionTest, DerivativesAreThoseOfDifferences) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::rigid_correction_test

@@ -9,7 +9,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::robust_loss_test {
 namespace {
 
 RobustLoss Huber(double scale) { return ParseRobustLoss("huber:" + std::to_string(scale)); }
@@ -88,4 +88,4 @@ TEST(RobustLossTest, WithoutLossIsLeastSquares) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::robust_loss_test

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace clothid {
+namespace clothid::compressed_jacobian_test {
 namespace {
 
 // Compresses [jacobian residuals] handed over in pieces of `piece` rows and compares the small problem with the large
@@ -55,4 +55,4 @@ TEST(CompressedJacobianTest, WithoutParametersKeepsTheCost) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::compressed_jacobian_test

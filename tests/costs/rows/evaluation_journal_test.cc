@@ -16,7 +16,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::evaluation_journal_test {
 namespace {
 
 using Need = EvaluationNeed;
@@ -305,4 +305,4 @@ TEST_F(JournaledCostTest, FailsForGoodOnAWrongRecord) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::evaluation_journal_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace clothid {
+namespace clothid::reflected_rows_test {
 namespace {
 
 Eigen::VectorXd LastEntry(double value) {
@@ -34,4 +34,4 @@ TEST(ReflectedRowsTest, LeavesWhatIsInOrderBitByBit) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::reflected_rows_test

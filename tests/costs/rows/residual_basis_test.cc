@@ -7,7 +7,7 @@
 
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::residual_basis_test {
 namespace {
 
 double OrthonormalityError(const Eigen::MatrixXd& basis) {
@@ -62,4 +62,4 @@ TEST(ResidualBasisTest, ModesCoverEveryCoordinateOnce) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::residual_basis_test

@@ -9,7 +9,7 @@
 #include "sim/cloth/triangle_element.h"
 #include "sim/scene/mesh.h"
 
-namespace clothid {
+namespace clothid::smooth_modes_test {
 namespace {
 
 Scene GridScene(int nodes_x, int nodes_y) {
@@ -62,4 +62,4 @@ TEST(SmoothModesTest, AreOrthonormalAndZeroWhereFixed) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::smooth_modes_test

@@ -12,7 +12,7 @@
 #include "tests/costs/start/forget_start.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::unknown_start_test {
 namespace {
 
 constexpr double kNoise = 1e-3;
@@ -197,4 +197,4 @@ TEST(StartPriorTest, HandlesAreAsSureAsTheirMean) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::unknown_start_test

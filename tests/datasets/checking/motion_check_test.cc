@@ -13,7 +13,7 @@
 #include "datasets/motion/motion_validation.h"
 #include "tests/datasets/importing/made_up_capture.h"
 
-namespace clothid {
+namespace clothid::motion_check_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -352,4 +352,4 @@ TEST(MotionCheck, WritesFindingsAsJson) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::motion_check_test

@@ -8,7 +8,7 @@
 #include "datasets/checking/motion_check.h"
 #include "tests/datasets/importing/made_up_capture.h"
 
-namespace clothid {
+namespace clothid::scene_check_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -194,4 +194,4 @@ TEST(SceneCheck, LooksAtClouds) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::scene_check_test

@@ -16,7 +16,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::atomic_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -118,4 +118,4 @@ TEST_F(AtomicFileTest, FlushesFilesAndFolders) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::atomic_file_test

@@ -14,7 +14,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::file_group_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ TEST_F(FileGroupTest, RefusesAFolderThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::file_group_test

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace clothid {
+namespace clothid::file_kind_test {
 namespace {
 
 TEST(FileKind, TellsFilesByTheirStart) {
@@ -26,4 +26,4 @@ TEST(FileKind, SaysNothingOfOtherBytes) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::file_kind_test

@@ -9,7 +9,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::overwrite_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,4 +59,4 @@ TEST_F(OverwriteTest, RefusalNamesBoth) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::overwrite_test

@@ -11,7 +11,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::record_file_test {
 namespace {
 
 using Next = RecordFile::Next;
@@ -132,4 +132,4 @@ TEST_F(RecordFileTest, RefusesOtherFiles) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::record_file_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace clothid {
+namespace clothid::sha256_test {
 namespace {
 
 // The examples of FIPS 180-4 and NIST's example files.
@@ -20,4 +20,4 @@ TEST(Sha256, JoinsItsParts) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::sha256_test

@@ -10,7 +10,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::pc2_file_test {
 namespace {
 
 // A cache of 1 point and 2 samples as Blender writes it: (1, 2, 3) and (-0.5, 0.1, 0), from frame 1, every frame.
@@ -80,4 +80,4 @@ TEST_F(Pc2FileTest, KeepsNanAndRefusesWhatSinglePrecisionCannotHold) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::pc2_file_test

@@ -12,7 +12,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::ply_file_test {
 namespace {
 
 // Bytes of numbers of any type, in either order.
@@ -155,4 +155,4 @@ TEST_F(PlyFileTest, RefusesBadNumbers) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::ply_file_test

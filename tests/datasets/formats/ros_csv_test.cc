@@ -9,7 +9,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::ros_csv_test {
 namespace {
 
 constexpr ErrorKind kBadData = ErrorKind::kBadData;
@@ -136,4 +136,4 @@ TEST_F(RosCsvTest, RefusesTransformsThatAreNotRigid) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::ros_csv_test

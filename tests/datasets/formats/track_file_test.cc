@@ -18,7 +18,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::track_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -365,4 +365,4 @@ TEST_F(TrackFileTest, WritesACollectionForParaView) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::track_file_test

@@ -11,7 +11,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::tracks_csv_test {
 namespace {
 
 using Labels = std::vector<std::string>;
@@ -134,4 +134,4 @@ TEST_F(TracksCsvTest, KnowsItsHeader) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::tracks_csv_test

@@ -11,7 +11,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::trc_file_test {
 namespace {
 
 using Labels = std::vector<std::string>;
@@ -131,4 +131,4 @@ TEST_F(TrcFileTest, RefusesToWriteWhatItCouldNotReadBack) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::trc_file_test

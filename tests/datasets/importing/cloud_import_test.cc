@@ -13,7 +13,7 @@
 #include "tests/npy_bytes.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::cloud_import_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -195,4 +195,4 @@ TEST_F(CloudImportTest, RefusesWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::cloud_import_test

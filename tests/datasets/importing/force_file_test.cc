@@ -10,7 +10,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::force_file_test {
 namespace {
 
 constexpr ErrorKind kUsage = ErrorKind::kUsage, kBadData = ErrorKind::kBadData;
@@ -188,4 +188,4 @@ TEST(ConvertedForcesTest, GoWithTheRecording) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::force_file_test

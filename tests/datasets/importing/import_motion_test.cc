@@ -12,7 +12,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::import_motion_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -432,4 +432,4 @@ TEST(MakePointGrid, PutsNodesInTheOrderOfThePoints) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::import_motion_test

@@ -15,7 +15,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::force_readings_test {
 namespace {
 
 constexpr ErrorKind kBadData = ErrorKind::kBadData;
@@ -136,4 +136,4 @@ TEST_F(ForceReadingsTest, AreRefusedOutsideOfTheSimulatedTime) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::force_readings_test

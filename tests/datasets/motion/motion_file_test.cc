@@ -19,7 +19,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::motion_file_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -714,4 +714,4 @@ TEST_F(MotionFile, NamesTheLineOfItsScene) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::motion_file_test

@@ -12,7 +12,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::motion_validation_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -114,4 +114,4 @@ TEST(MotionValidationTest, ParametersOfARecordingNeedAValidOne) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::motion_validation_test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace clothid {
+namespace clothid::noise_estimate_test {
 namespace {
 
 constexpr int kPoints = 20, kFrames = 120;
@@ -82,4 +82,4 @@ TEST(NoiseEstimateTest, APointSeenRarelyHasTheNoiseOfAll) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::noise_estimate_test

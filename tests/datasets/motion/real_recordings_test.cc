@@ -8,7 +8,7 @@
 
 #include "datasets/motion/motion_file.h"
 
-namespace clothid {
+namespace clothid::real_recordings_test {
 namespace {
 
 struct Expected {
@@ -66,4 +66,4 @@ INSTANTIATE_TEST_SUITE_P(Hung, RealRecording,
                          [](const auto& test) { return std::string(test.param.file).substr(0, 6); });
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::real_recordings_test

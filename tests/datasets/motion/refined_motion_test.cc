@@ -7,7 +7,7 @@
 
 #include "datasets/motion/motion_validation.h"
 
-namespace clothid {
+namespace clothid::refined_motion_test {
 namespace {
 
 RecordedMotion SmallMotion() {
@@ -96,4 +96,4 @@ TEST(RefineMotionTest, NewHandlesAreNotMeasured) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::refined_motion_test

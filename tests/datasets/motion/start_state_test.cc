@@ -12,7 +12,7 @@
 #include "sim/rollout/simulator.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::start_state_test {
 namespace {
 
 constexpr double kNoise = 4e-3;
@@ -156,4 +156,4 @@ TEST(StartStateTest, GoesSmoothlyThroughMarkers) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::start_state_test

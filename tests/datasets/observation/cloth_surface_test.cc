@@ -14,7 +14,7 @@
 
 #include "sim/scene/mesh.h"
 
-namespace clothid {
+namespace clothid::cloth_surface_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -192,4 +192,4 @@ TEST(ClothSurfaceTest, DistanceIsContinuousAcrossBorderAndAllowance) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::cloth_surface_test

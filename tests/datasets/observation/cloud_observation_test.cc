@@ -10,7 +10,7 @@
 #include "datasets/observation/residual_derivative.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::cloud_observation_test {
 namespace {
 
 // A flat sheet of 3 x 3 nodes at rest, two nodes of which are tracked; frames on and between steps of 0.1 s. One frame
@@ -247,4 +247,4 @@ TEST(CloudObservationTest, RefusesCloudsWithoutPoints) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::cloud_observation_test

@@ -9,7 +9,7 @@
 #include "datasets/observation/residual_derivative.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::observation_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -194,4 +194,4 @@ TEST(ObservationTest, RefusesWhatCannotBeFitted) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::observation_test

@@ -3,7 +3,7 @@
 
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::start_difference_test {
 namespace {
 
 RecordedMotion Moved(double distance) {
@@ -62,4 +62,4 @@ TEST(StartDifferenceTest, TakesAPredictionThatAFitHasCorrected) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::start_difference_test

@@ -10,7 +10,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::regrid_test {
 namespace {
 
 class RegridTest : public testing::Test {
@@ -98,4 +98,4 @@ TEST_F(RegridTest, RefusesWhatIsNotTheSameCloth) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::regrid_test

@@ -7,7 +7,7 @@
 #include "sim/base/error.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::sensor_test {
 namespace {
 
 // Four by three points that all move with 1 m/s along x.
@@ -207,4 +207,4 @@ TEST_F(SensorTest, RefusesASensorThatSeesTooLittle) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::sensor_test

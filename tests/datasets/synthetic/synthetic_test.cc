@@ -19,7 +19,7 @@
 #include "tests/sim/scene/triangle_meshes.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::synthetic_test {
 namespace {
 
 constexpr char kSceneText[] = R"({
@@ -302,4 +302,4 @@ TEST_F(SyntheticTest, AStartFromAFileNeedsAnExactFirstFrame) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::synthetic_test

@@ -5,7 +5,7 @@
 
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::options_test {
 namespace {
 
 TEST(OptionsTest, ParsesNames) {
@@ -89,4 +89,4 @@ TEST(OptionsTest, ValidatesItself) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::options_test

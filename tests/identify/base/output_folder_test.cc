@@ -9,7 +9,7 @@
 
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::output_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -198,4 +198,4 @@ TEST_F(OutputFolderTest, RefusesWhatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::output_folder_test

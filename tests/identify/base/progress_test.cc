@@ -13,7 +13,7 @@
 #include "identify/fit/problem.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::progress_test {
 namespace {
 
 // A tracker and what it told last, on a clock that stands still until it is set.
@@ -309,4 +309,4 @@ TEST_F(FitProgressTest, TellsEveryStepOfEveryPass) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::progress_test

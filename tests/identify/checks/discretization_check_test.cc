@@ -9,7 +9,7 @@
 #include "tests/identify/fine_recordings.h"
 #include "tests/identify/sensitivity_fit.h"
 
-namespace clothid {
+namespace clothid::discretization_check_test {
 namespace {
 
 bool Contains(const ParameterUncertainty& interval, double value) {
@@ -100,4 +100,4 @@ TEST(DiscretizationCheckTest, EndsWhereItIsCancelled) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::discretization_check_test

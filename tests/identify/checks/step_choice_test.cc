@@ -9,7 +9,7 @@
 #include "tests/identify/fine_recordings.h"
 #include "tests/identify/sensitivity_fit.h"
 
-namespace clothid {
+namespace clothid::step_choice_test {
 namespace {
 
 constexpr double kTruth = 0.3;
@@ -69,4 +69,4 @@ TEST(StepChoiceTest, EndsWhereItIsCancelled) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::step_choice_test

@@ -14,7 +14,7 @@
 #include "tests/expect_error.h"
 #include "tests/identify/sensitivity_fit.h"
 
-namespace clothid {
+namespace clothid::trust_test {
 namespace {
 
 RecordedMotion NoisySwing() {
@@ -281,4 +281,4 @@ TEST(HoldoutTest, FrameRangesAreChecked) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::trust_test

@@ -27,7 +27,7 @@
 #include "tests/sim/shipped_scenes.h"
 #include "tests/tools/small_drape.h"
 
-namespace clothid {
+namespace clothid::field_fit_test {
 namespace {
 
 constexpr double kNoise = 5e-4;  // m
@@ -360,4 +360,4 @@ TEST(FieldFit, RefusesAnUnknownStart) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::field_fit_test

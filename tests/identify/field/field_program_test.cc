@@ -9,7 +9,7 @@
 #include "tests/tools/small_drape.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::field_program_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -76,4 +76,4 @@ TEST_F(FieldProgramTest, RefusesWhatDoesNotGoTogether) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::field_program_test

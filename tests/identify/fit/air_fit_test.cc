@@ -9,7 +9,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::air_fit_test {
 namespace {
 
 FitSummary RunFit(const RecordedMotion& motion, const std::vector<std::string>& parameters) {
@@ -109,4 +109,4 @@ TEST(AirFitTest, WindNeedsDrag) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::air_fit_test

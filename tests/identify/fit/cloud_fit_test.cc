@@ -17,7 +17,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::cloud_fit_test {
 namespace {
 
 constexpr double kTrueMu = 0.24, kTrueStretch = 70.0;
@@ -172,4 +172,4 @@ TEST(CloudFitTest, FramesOfCloudsAreHeldOut) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::cloud_fit_test

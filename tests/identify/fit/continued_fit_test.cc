@@ -5,7 +5,7 @@
 #include "identify/fit/fit.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::continued_fit_test {
 namespace {
 
 RecordedMotion NoisySwing() {
@@ -114,4 +114,4 @@ TEST(ContinuedFitTest, NotMoreOftenThanItMay) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::continued_fit_test

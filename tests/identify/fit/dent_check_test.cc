@@ -6,7 +6,7 @@
 #include "identify/fit/fit.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::dent_check_test {
 namespace {
 
 // Of a recording of `truth`, whose k_stretch is 50, by a cloth of another bending stiffness.
@@ -58,4 +58,4 @@ TEST(DentCheckTest, CostsNothingWhereNoiseExplainsTheError) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::dent_check_test

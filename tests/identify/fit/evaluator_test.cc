@@ -7,7 +7,7 @@
 
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::evaluator_test {
 namespace {
 
 // Large enough for CHOLMOD to factor by BLAS.
@@ -96,4 +96,4 @@ TEST(FitEvaluatorTest, KeepsTheBestPoint) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::evaluator_test

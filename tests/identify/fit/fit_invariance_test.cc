@@ -16,7 +16,7 @@
 #include "tests/sim/random_numbers.h"
 #include "tests/sim/scene_transforms.h"
 
-namespace clothid {
+namespace clothid::fit_invariance_test {
 namespace {
 
 struct FitCase {
@@ -164,4 +164,4 @@ TEST(FitInvarianceTest, OrderOfNodesAndFaces) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::fit_invariance_test

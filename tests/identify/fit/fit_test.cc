@@ -8,7 +8,7 @@
 #include "identify/checks/gradient_check.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::fit_test {
 namespace {
 
 FitOptions OptionsFor(std::vector<std::string> parameters, JacobianMethod jacobian = JacobianMethod::kAdjoint) {
@@ -275,4 +275,4 @@ TEST(GradientCheckTest, AgreesOnCorrectGradients) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::fit_test

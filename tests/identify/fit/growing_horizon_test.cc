@@ -14,7 +14,7 @@
 #include "tests/costs/synthetic_forces.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::growing_horizon_test {
 namespace {
 
 RecordedMotion Bounce() { return ReadMotion(std::string(CLOTHID_SOURCE_DIR) + "/datasets/bounce.motion.bin", {}); }
@@ -192,4 +192,4 @@ TEST(GrowingHorizonTest, LeadsEveryOneOfSeveralStarts) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::growing_horizon_test

@@ -9,7 +9,7 @@
 #include "identify/fit/fit.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::inadmissible_points_test {
 namespace {
 
 // Where a node gets beyond y, the step that starts there has no solution.
@@ -103,4 +103,4 @@ TEST(LooselyAdmissiblePointsTest, DoNotEndAFit) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::inadmissible_points_test

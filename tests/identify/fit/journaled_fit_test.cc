@@ -16,7 +16,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::journaled_fit_test {
 namespace {
 
 constexpr std::size_t kHeaderSize = 18 + 64 + 1;
@@ -334,4 +334,4 @@ TEST_F(JournaledFitTest, FingerprintsTellFitsApart) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::journaled_fit_test

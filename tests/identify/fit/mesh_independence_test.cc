@@ -11,7 +11,7 @@
 #include "tests/identify/sensitivity_fit.h"
 #include "tests/sim/sheet_meshes.h"
 
-namespace clothid {
+namespace clothid::mesh_independence_test {
 namespace {
 
 constexpr double kSide = 0.2;   // m
@@ -105,4 +105,4 @@ TEST_F(MeshIndependenceTest, EdgesDoNot) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::mesh_independence_test

@@ -12,7 +12,7 @@
 #include "tests/expect_error.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::prior_fit_test {
 namespace {
 
 constexpr double kNoise = 1e-3;
@@ -166,4 +166,4 @@ TEST(PriorFitTest, RefusesThoseThatHaveNoEffect) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::prior_fit_test

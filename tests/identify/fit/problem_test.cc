@@ -6,7 +6,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::problem_test {
 namespace {
 
 std::vector<std::string> Names(const FitProblem& problem) {
@@ -65,4 +65,4 @@ TEST(FitProblemTest, RefusesContradictions) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::problem_test

@@ -15,7 +15,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::recording_fit_test {
 namespace {
 
 struct Displacement {
@@ -291,4 +291,4 @@ TEST(RecordingFitTest, HeldOutMeasurementsTakeWhatConcernsThem) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::recording_fit_test

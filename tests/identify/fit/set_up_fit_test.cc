@@ -11,7 +11,7 @@
 #include "identify/fit/fit.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::set_up_fit_test {
 namespace {
 
 // Priors so wide that they do not count.
@@ -79,4 +79,4 @@ TEST(SetUpFitTest, FindsWhereTheHandlesWere) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::set_up_fit_test

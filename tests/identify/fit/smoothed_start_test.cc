@@ -9,7 +9,7 @@
 #include "identify/fit/fit.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::smoothed_start_test {
 namespace {
 
 constexpr double kNoise = 2e-3;
@@ -107,4 +107,4 @@ TEST(SmoothedStartTest, DoesNotStartAtAFrameThatWasFlipped) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::smoothed_start_test

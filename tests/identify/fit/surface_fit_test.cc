@@ -14,7 +14,7 @@
 #include "tests/costs/synthetic_clouds.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::surface_fit_test {
 namespace {
 
 constexpr double kTrueStretch = 90.0, kTrueBend = 1e-3;
@@ -93,4 +93,4 @@ TEST(SurfaceFitTest, ReportTellsBothErrors) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::surface_fit_test

@@ -9,7 +9,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::unknown_start_fit_test {
 namespace {
 
 constexpr double kNoise = 2e-3;
@@ -103,4 +103,4 @@ TEST(UnknownStartFitTest, EveryRecordingHasAStartOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::unknown_start_fit_test

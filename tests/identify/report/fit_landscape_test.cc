@@ -6,7 +6,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::fit_landscape_test {
 namespace {
 
 class FitLandscapeTest : public ToolTest {
@@ -89,4 +89,4 @@ TEST_F(FitLandscapeTest, RefusesWhatDoesNotBelongToTheFit) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::fit_landscape_test

@@ -9,7 +9,7 @@
 
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::fit_quality_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -140,4 +140,4 @@ TEST(FitQualityTest, LimitsInWords) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::fit_quality_test

@@ -8,7 +8,7 @@
 
 #include "tests/identify/report/packed_page.h"
 
-namespace clothid {
+namespace clothid::packed_array_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -67,4 +67,4 @@ TEST(PackedArrayTest, AFlatBoxHasAGrid) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::packed_array_test

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-namespace clothid {
+namespace clothid::report_browser_test {
 namespace {
 
 TEST_F(ReportBrowserTest, ShowsTheNumbersOfTheResult) {
@@ -210,4 +210,4 @@ TEST_F(ReportBrowserTest, ShowsTheField) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::report_browser_test

@@ -10,7 +10,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/identify/report/packed_page.h"
 
-namespace clothid {
+namespace clothid::report_fields_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -105,4 +105,4 @@ TEST(ReportFieldsTest, PageWithoutOneHasNothingOfIt) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::report_fields_test

@@ -13,7 +13,7 @@
 #include "tests/expect_error.h"
 #include "tests/identify/report/packed_page.h"
 
-namespace clothid {
+namespace clothid::report_landscape_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -206,4 +206,4 @@ TEST(FitLandscapeTest, CostTellsTheRmse) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::report_landscape_test

@@ -21,7 +21,7 @@
 #include "tests/identify/report/packed_page.h"
 #include "tests/sim/scene/triangle_meshes.h"
 
-namespace clothid {
+namespace clothid::report_page_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -347,4 +347,4 @@ TEST(CloudPageTest, CloudsAreShownAsPoints) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::report_page_test

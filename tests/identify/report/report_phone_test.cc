@@ -7,7 +7,7 @@
 
 #include "tests/identify/report/report_browser.h"
 
-namespace clothid {
+namespace clothid::report_phone_test {
 namespace {
 
 using ReportPhoneTest = ReportBrowserTest;
@@ -85,4 +85,4 @@ TEST_F(ReportPhoneTest, FingersTurnMoveAndZoom) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::report_phone_test

@@ -14,7 +14,7 @@
 #include "identify/report/result_json.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::report_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -231,4 +231,4 @@ TEST(ReportTest, WritesItsFiles) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::report_test

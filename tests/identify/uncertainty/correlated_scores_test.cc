@@ -9,7 +9,7 @@
 
 #include "identify/uncertainty/uncertainty.h"
 
-namespace clothid {
+namespace clothid::correlated_scores_test {
 namespace {
 
 constexpr int kCoordinates = 30, kSeeds = 300;
@@ -180,4 +180,4 @@ TEST(CorrelatedScoresTest, HasTheQuantilesOfStudent) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::correlated_scores_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace clothid {
+namespace clothid::discretization_error_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -126,4 +126,4 @@ TEST(DiscretizationErrorTest, GivesNoIntervalToWhatHadNone) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::discretization_error_test

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <vector>
 
-namespace clothid {
+namespace clothid::marginal_test {
 namespace {
 
 constexpr Eigen::Index kParameters = 2, kUnknowns = 5, kRows = 12;
@@ -76,4 +76,4 @@ TEST(MarginalTest, UnknownsHaveTheirBlock) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::marginal_test

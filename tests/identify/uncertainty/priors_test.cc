@@ -9,7 +9,7 @@
 
 #include "identify/uncertainty/uncertainty.h"
 
-namespace clothid {
+namespace clothid::priors_test {
 namespace {
 
 ParameterBlock Log(const std::string& name, double median = std::nan(""), double factor = std::nan("")) {
@@ -229,4 +229,4 @@ TEST(PriorsTest, WhatIsBelievedOfOneTellsTheOther) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::priors_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace clothid {
+namespace clothid::uncertainty_test {
 namespace {
 
 ParameterBlock Linear(const std::string& name, double lower, double upper) {
@@ -300,4 +300,4 @@ TEST(UncertaintyTest, AResidualOfOnesOwnMakesACeresProblemIdentifiable) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::uncertainty_test

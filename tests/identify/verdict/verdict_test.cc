@@ -9,7 +9,7 @@
 #include "identify/report/report.h"
 #include "sim/fabric/fabric.h"
 
-namespace clothid {
+namespace clothid::verdict_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -549,4 +549,4 @@ TEST(VerdictTest, SaysWherePriorsHaveTheWrongWeight) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::verdict_test

@@ -5,7 +5,7 @@
 #include "identify/run.h"
 #include "tests/costs/synthetic_motion.h"
 
-namespace clothid {
+namespace clothid::wrong_scene_test {
 namespace {
 
 RecordedMotion Recorded() {
@@ -63,4 +63,4 @@ TEST(WrongSceneTest, AStartThatIsElsewhere) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::wrong_scene_test

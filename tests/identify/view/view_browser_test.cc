@@ -10,7 +10,7 @@
 #include "identify/report/report_page.h"
 #include "tests/identify/report/page_browser.h"
 
-namespace clothid {
+namespace clothid::view_browser_test {
 namespace {
 
 const std::string kDatasets = CLOTHID_SOURCE_DIR "/datasets/";
@@ -186,4 +186,4 @@ TEST_F(ViewBrowserTest, FitsEveryWindowAndNotebooks) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::view_browser_test

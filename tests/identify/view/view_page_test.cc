@@ -17,7 +17,7 @@
 #include "tests/identify/report/packed_page.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::view_page_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -250,4 +250,4 @@ TEST(ViewPageTest, PagesHaveAName) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::view_page_test

@@ -18,7 +18,7 @@
 #include "sim/scene/obj_file.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::wind_capture_test {
 namespace {
 
 constexpr int kPointColumns = 32, kPointRows = 29;
@@ -192,4 +192,4 @@ TEST_F(WindCaptureTest, TheFirstFramesPredictTheLast) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::wind_capture_test

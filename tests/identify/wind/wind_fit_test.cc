@@ -17,7 +17,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::wind_fit_test {
 namespace {
 
 // q of `count` knots, a random walk of the standard deviation `spread` per step, seen through a random matrix with
@@ -252,4 +252,4 @@ TEST(KnotNamesTest, RunsAreOneName) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::wind_fit_test

@@ -6,7 +6,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::wind_program_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -84,4 +84,4 @@ TEST_F(WindProgramTest, RefusesWhatDoesNotGoTogether) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::wind_program_test

@@ -13,7 +13,7 @@
 #include "sim/scene/scene_json.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::wind_test {
 namespace {
 
 Wind FullWind() {
@@ -170,4 +170,4 @@ TEST(WindTest, ParametersKeepTheTimesOfTheProfile) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::wind_test

@@ -13,7 +13,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::npy_file_test {
 namespace {
 
 // The bytes of a file of this version: the header is padded with blanks to a multiple of 64 bytes and ends in a
@@ -178,4 +178,4 @@ TEST_F(NpyFileTest, RefusesEveryTruncation) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::npy_file_test

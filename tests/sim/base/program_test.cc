@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <thread>
 
-namespace clothid {
+namespace clothid::program_test {
 namespace {
 
 void SendAndWait(int signal) {
@@ -59,4 +59,4 @@ TEST_F(CatchInterruptsTest, WhatIsIgnoredStaysIgnored) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::program_test

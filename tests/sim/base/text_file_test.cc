@@ -8,7 +8,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::text_file_test {
 namespace {
 
 TEST(ReadText, LeavesTheByteOrderMarkOut) {
@@ -39,4 +39,4 @@ TEST(Escaped, LeavesNothingThatATerminalActsOn) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::text_file_test

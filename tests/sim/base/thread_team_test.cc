@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace clothid {
+namespace clothid::thread_team_test {
 namespace {
 
 TEST(ThreadTeamTest, DoesEveryTaskOnceInEveryRound) {
@@ -83,4 +83,4 @@ TEST(ThreadTeamTest, WithoutATeamTasksAreDoneInOrder) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::thread_team_test

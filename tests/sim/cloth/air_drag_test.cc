@@ -9,7 +9,7 @@
 #include "sim/step/step_problem.h"
 #include "tests/sim/plain_scenes.h"
 
-namespace clothid {
+namespace clothid::air_drag_test {
 namespace {
 
 // A cloth in a steady wind with gusts that run across it.
@@ -80,4 +80,4 @@ TEST_F(AirDragTest, TheImpulseOfAStepIsTheFormula) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::air_drag_test

@@ -11,11 +11,11 @@
 #include "sim/scene/scene.h"
 #include "tests/sim/cloth/strained_grid.h"
 
-namespace clothid {
+namespace clothid::bending_energy_test {
 namespace {
 
 // Of `mesh`, for a Hessian that has every block.
-BendingEnergy MakeEnergy(const Mesh& mesh, BendingLaw law) {
+BendingEnergy EnergyOf(const Mesh& mesh, BendingLaw law) {
   std::vector<int> everyone(mesh.num_nodes());
   std::iota(everyone.begin(), everyone.end(), 0);
   const BlockPattern pattern(std::vector<std::vector<int>>(mesh.num_nodes(), everyone));
@@ -26,7 +26,7 @@ BendingEnergy MakeEnergy(const Mesh& mesh, BendingLaw law) {
 
 class BendingEnergyTest : public StrainedGridTest, public ::testing::WithParamInterface<BendingLaw> {
  protected:
-  static BendingEnergy MakeEnergy(const Mesh& mesh) { return clothid::MakeEnergy(mesh, GetParam()); }
+  static BendingEnergy MakeEnergy(const Mesh& mesh) { return EnergyOf(mesh, GetParam()); }
 };
 
 TEST_P(BendingEnergyTest, IgnoresAffineMaps) {
@@ -100,4 +100,4 @@ INSTANTIATE_TEST_SUITE_P(Laws, BendingEnergyTest, ::testing::Values(BendingLaw::
                          [](const auto& test) { return test.param == BendingLaw::kEdges ? "Edges" : "Patches"; });
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::bending_energy_test

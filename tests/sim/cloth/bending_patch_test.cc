@@ -13,7 +13,7 @@
 #include "sim/cloth/bending_energy.h"
 #include "tests/sim/sheet_meshes.h"
 
-namespace clothid {
+namespace clothid::bending_patch_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -222,4 +222,4 @@ TEST(BendingPatchesTest, SharesAddUpToTheIsotropicLaw) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::bending_patch_test

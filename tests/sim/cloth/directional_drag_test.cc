@@ -11,7 +11,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "tests/sim/plain_scenes.h"
 
-namespace clothid {
+namespace clothid::directional_drag_test {
 namespace {
 
 constexpr double kTime = 0.3;
@@ -170,4 +170,4 @@ INSTANTIATE_TEST_SUITE_P(Laws, DirectionalDragTest, ::testing::Values(AirLaw::kL
                          });
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::directional_drag_test

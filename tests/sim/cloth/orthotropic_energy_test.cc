@@ -8,7 +8,7 @@
 #include "sim/scene/warp.h"
 #include "tests/sim/cloth/strained_grid.h"
 
-namespace clothid {
+namespace clothid::orthotropic_energy_test {
 namespace {
 
 constexpr OrthotropicConstants kWoven = {200.0, 90.0, -40.0, 15.0};
@@ -187,4 +187,4 @@ TEST(OrthotropicConstantsTest, TheLargestBoundsTheEnergy) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::orthotropic_energy_test

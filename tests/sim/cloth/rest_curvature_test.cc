@@ -15,7 +15,7 @@
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/sheet_meshes.h"
 
-namespace clothid {
+namespace clothid::rest_curvature_test {
 namespace {
 
 constexpr double kRadius = 0.05;    // m
@@ -263,4 +263,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, CurvedBeamTest,
                          [](const auto& test) { return SheetName(test.param); });
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::rest_curvature_test

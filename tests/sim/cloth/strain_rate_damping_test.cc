@@ -11,7 +11,7 @@
 #include "tests/sim/cloth/strained_grid.h"
 #include "tests/sim/plain_scenes.h"
 
-namespace clothid {
+namespace clothid::strain_rate_damping_test {
 namespace {
 
 // A step from x_n = start_ to positions_, in which the cloth is strained, turned and moved.
@@ -212,4 +212,4 @@ TEST(DampedSleeveTest, DecayTendsToTheRateOfKelvinVoigt) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::strain_rate_damping_test

@@ -7,7 +7,7 @@
 
 #include "tests/sim/cloth/strained_grid.h"
 
-namespace clothid {
+namespace clothid::stretch_energy_test {
 namespace {
 
 class StretchEnergyTest : public StrainedGridTest {
@@ -78,4 +78,4 @@ TEST_F(StretchEnergyTest, RigidMotionIsFree) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::stretch_energy_test

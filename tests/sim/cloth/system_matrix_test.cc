@@ -10,7 +10,7 @@
 #include "sim/step/step_problem.h"
 #include "tests/sim/plain_scenes.h"
 
-namespace clothid {
+namespace clothid::system_matrix_test {
 namespace {
 
 // P of a cloth with every term: its diagonal is the d of the contact law, its rows sum to M + h C, as L and Q do not
@@ -49,4 +49,4 @@ TEST(SystemMatrixTest, HasTheTermsOfTheStep) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::system_matrix_test

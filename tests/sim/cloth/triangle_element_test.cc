@@ -7,7 +7,7 @@
 
 #include "tests/sim/cloth/strained_grid.h"
 
-namespace clothid {
+namespace clothid::triangle_element_test {
 namespace {
 
 using TriangleElementTest = StrainedGridTest;
@@ -93,4 +93,4 @@ TEST_F(TriangleElementTest, ClampsEigenvaluesAlone) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::triangle_element_test

@@ -10,7 +10,7 @@
 
 #include "sim/contact/contact_law.h"
 
-namespace clothid {
+namespace clothid::contact_elimination_test {
 namespace {
 
 constexpr int kNumBlocks = 6;
@@ -168,4 +168,4 @@ TEST_F(ContactEliminationTest, TheTransposedSystemHasTheSolutionOfTheWhole) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::contact_elimination_test

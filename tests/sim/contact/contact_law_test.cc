@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-namespace clothid {
+namespace clothid::contact_law_test {
 namespace {
 
 class ContactLawTest : public ::testing::Test {
@@ -101,4 +101,4 @@ TEST_F(ContactLawTest, PositionJacobianIsTheDerivativeThroughTheNormal) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::contact_law_test

@@ -11,7 +11,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "tests/sim/plain_scenes.h"
 
-namespace clothid {
+namespace clothid::contact_test {
 namespace {
 
 constexpr double kTimeStep = 0.01;  // s
@@ -141,4 +141,4 @@ TEST_F(ContactTest, PositionJacobianIsTheDerivativeThroughNormalAndGap) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::contact_test

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace clothid {
+namespace clothid::impact_share_test {
 namespace {
 
 constexpr double kMass = 0.003;
@@ -101,4 +101,4 @@ TEST_P(ImpactDerivativeTest, IsTheDifference) {
 INSTANTIATE_TEST_SUITE_P(Shares, ImpactDerivativeTest, ::testing::Values(-0.5, 0.4, 1.7));
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::impact_share_test

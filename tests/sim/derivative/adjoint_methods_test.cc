@@ -9,7 +9,7 @@
 #include "sim/rollout/simulator.h"
 #include "tools/benchmark/derivatives/backprop_case.h"
 
-namespace clothid {
+namespace clothid::adjoint_methods_test {
 namespace {
 
 constexpr AdjointMethod kIterative[] = {AdjointMethod::kFixedPoint, AdjointMethod::kSystemGmres,
@@ -112,4 +112,4 @@ TEST(AdjointThresholdTest, IsThatOfTheSceneUnlessGiven) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::adjoint_methods_test

@@ -15,7 +15,7 @@
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::air_derivative_test {
 namespace {
 
 constexpr int kNumKnots = 3;
@@ -215,4 +215,4 @@ INSTANTIATE_TEST_SUITE_P(Air, AirDerivativeTest,
                          CaseName);
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::air_derivative_test

@@ -18,7 +18,7 @@
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::field_derivative_test {
 namespace {
 
 constexpr ParameterKind kFieldKinds[] = {ParameterKind::kStretchStiffness, ParameterKind::kDensity,
@@ -201,4 +201,4 @@ TEST(FieldDerivative, RefusesDirectionsOfOtherFields) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::field_derivative_test

@@ -20,7 +20,7 @@
 #include "tests/sim/scene/triangle_meshes.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::gradient_test {
 namespace {
 
 // A scalar of the trajectory, L = 1/2 sum over steps of |x - target|^2, and its derivatives three ways.
@@ -446,4 +446,4 @@ TEST(GradientByLuTest, ReducedAndLuAgree) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::gradient_test

@@ -13,7 +13,7 @@
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::handle_derivative_test {
 namespace {
 
 constexpr int kNumKnots = 3;
@@ -188,4 +188,4 @@ TEST(HandleOffsetsTest, KnotWeightsAreTheDerivativeOfThePath) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::handle_derivative_test

@@ -17,7 +17,7 @@
 #include "tests/sim/random_numbers.h"
 #include "tests/sim/random_scene.h"
 
-namespace clothid {
+namespace clothid::random_gradient_test {
 namespace {
 
 // A random linear functional of the trajectory, L = sum over steps of w_n . x_n, and a random direction u in the space
@@ -221,4 +221,4 @@ TEST_P(IntegratorGradientTest, AdjointEqualsCentralDifferencesWhereTheySettle) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::random_gradient_test

@@ -22,7 +22,7 @@
 #include "tests/sim/sheet_meshes.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::size_derivative_test {
 namespace {
 
 const std::vector<ParameterId> kSizes = {{ParameterKind::kSizeX}, {ParameterKind::kSizeY}};
@@ -204,4 +204,4 @@ TEST(SizedSceneTest, WantsAFactorAndAFront) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::size_derivative_test

@@ -15,7 +15,7 @@
 #include "sim/step/step_solver.h"
 #include "tests/sim/plain_scenes.h"
 
-namespace clothid {
+namespace clothid::step_derivative_test {
 namespace {
 
 // A cloth with two held corners that falls onto a ball: with bending, drag, wind and internal damping.
@@ -159,4 +159,4 @@ TEST_F(StepDerivativeTest, ParameterDerivativesAreDifferences) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::step_derivative_test

@@ -9,7 +9,7 @@
 #include "sim/scene/scene_json.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::fabric_test {
 namespace {
 
 Scene Read(const std::string& members, const std::string& version = "2") {
@@ -75,4 +75,4 @@ TEST(FabricTest, IsWrittenIntoTheFirstLineOfAScene) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::fabric_test

@@ -5,7 +5,7 @@
 
 #include "tests/sim/matrix/grid_matrix.h"
 
-namespace clothid {
+namespace clothid::block_matrix_test {
 namespace {
 
 using BlockMatrixTest = GridMatrixTest;
@@ -23,4 +23,4 @@ TEST_F(BlockMatrixTest, CompletesAMatrixFromItsLowerTriangle) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::block_matrix_test

@@ -10,7 +10,7 @@
 
 #include "tests/sim/matrix/grid_matrix.h"
 
-namespace clothid {
+namespace clothid::block_product_test {
 namespace {
 
 using BlockProductTest = GridMatrixTest;
@@ -69,4 +69,4 @@ TEST_F(BlockProductTest, RowsSeeTheirEntriesAlone) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::block_product_test

@@ -14,7 +14,7 @@
 
 #include "tests/sim/matrix/grid_matrix.h"
 
-namespace clothid {
+namespace clothid::cholesky_test {
 namespace {
 
 using CholeskyTest = GridMatrixTest;
@@ -167,4 +167,4 @@ TEST_F(SmallCholeskyTest, FactorsMayEndInAnotherThread) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::cholesky_test

@@ -11,7 +11,7 @@
 
 #include "sim/matrix/cholesky.h"
 
-namespace clothid {
+namespace clothid::fill_reducing_order_test {
 namespace {
 
 // A hub and its neighbours: eliminated first the hub would join all of them, last it joins none.
@@ -61,4 +61,4 @@ TEST(FillReducingOrderTest, IsTheSameInEveryThread) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::fill_reducing_order_test

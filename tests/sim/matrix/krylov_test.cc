@@ -6,7 +6,7 @@
 #include "sim/matrix/cholesky.h"
 #include "tests/sim/matrix/grid_matrix.h"
 
-namespace clothid {
+namespace clothid::krylov_test {
 namespace {
 
 using KrylovTest = GridMatrixTest;
@@ -99,4 +99,4 @@ TEST_F(KrylovTest, APreconditionerInSinglePrecisionIsNearlyAsGood) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::krylov_test

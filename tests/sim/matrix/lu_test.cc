@@ -5,7 +5,7 @@
 
 #include "tests/sim/matrix/grid_matrix.h"
 
-namespace clothid {
+namespace clothid::lu_test {
 namespace {
 
 using LuTest = GridMatrixTest;
@@ -25,4 +25,4 @@ TEST_F(LuTest, LuSolvesAndSolvesTransposed) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::lu_test

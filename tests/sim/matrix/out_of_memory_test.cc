@@ -14,7 +14,7 @@
 #include "sim/matrix/lu.h"
 #include "tests/sim/matrix/grid_matrix.h"
 
-namespace clothid {
+namespace clothid::out_of_memory_test {
 namespace {
 
 // SuiteSparse takes its memory from functions without an argument of our own, so they can reach nothing but a global.
@@ -108,4 +108,4 @@ TEST_F(OutOfMemoryTest, OrderingSaysSo) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::out_of_memory_test

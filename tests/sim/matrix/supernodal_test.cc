@@ -34,7 +34,7 @@ std::atomic<int> allocations_left{-1};  // with `new`, until all fail; negative:
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace clothid {
+namespace clothid::supernodal_test {
 namespace {
 
 using Neighbours = std::vector<std::vector<int>>;
@@ -359,4 +359,4 @@ TEST(SupernodalTest, AnEmptyMatrixHasAnEmptySolution) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::supernodal_test

@@ -11,7 +11,7 @@
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::air_test {
 namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2
@@ -124,4 +124,4 @@ TEST(SailTest, IsOfSecondOrderWithMovingHandles) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::air_test

@@ -11,7 +11,7 @@
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/sheet_meshes.h"
 
-namespace clothid {
+namespace clothid::bending_test {
 namespace {
 
 constexpr double kLength = 0.1;     // m, from the clamp
@@ -132,4 +132,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ClampedStripTest,
                          [](const auto& test) { return SheetName(test.param); });
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::bending_test

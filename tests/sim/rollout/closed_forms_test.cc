@@ -16,7 +16,7 @@
 #include "sim/scene/scene.h"
 #include "tests/sim/plain_scenes.h"
 
-namespace clothid {
+namespace clothid::closed_forms_test {
 namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2
@@ -279,4 +279,4 @@ TEST(ConvergenceTest, SwingingClothIsFirstOrderInTheTimeStep) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::closed_forms_test

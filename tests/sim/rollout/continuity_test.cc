@@ -15,7 +15,7 @@
 #include "sim/scene/triangulated_surface.h"
 #include "tests/sim/scene/triangle_meshes.h"
 
-namespace clothid {
+namespace clothid::continuity_test {
 namespace {
 
 constexpr int kNodes = 5, kLines = 3, kPoints = 513;  // along a line
@@ -129,4 +129,4 @@ TEST(ContinuityTest, InVelocityModeVelocitiesJumpOnTheSphereToo) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::continuity_test

@@ -11,7 +11,7 @@
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::energy_loss_test {
 namespace {
 
 struct TestRun {
@@ -117,4 +117,4 @@ TEST(EnergyGainTest, ShippedScenesAreNotEvenLookedAt) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::energy_loss_test

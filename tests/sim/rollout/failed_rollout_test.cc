@@ -12,7 +12,7 @@
 #include "tests/sim/random_scene.h"
 #include "tests/sim/step/step_residual.h"
 
-namespace clothid {
+namespace clothid::failed_rollout_test {
 namespace {
 
 // What a failure says, and that nothing comes after it.
@@ -62,4 +62,4 @@ TEST(FailedRolloutTest, EveryStepMeetsItsToleranceOrIsTheEnd) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::failed_rollout_test

@@ -8,7 +8,7 @@
 #include "sim/rollout/simulator.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::followed_rollout_test {
 namespace {
 
 class FollowedRolloutTest : public testing::TestWithParam<Integrator> {};
@@ -71,4 +71,4 @@ TEST(FollowedTooFarTest, TooManySubstepsAreAFailure) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::followed_rollout_test

@@ -11,7 +11,7 @@
 #include "sim/rollout/energy_loss.h"
 #include "tests/sim/plain_scenes.h"
 
-namespace clothid {
+namespace clothid::handle_forces_test {
 namespace {
 
 constexpr Integrator kIntegrators[] = {Integrator::kEuler, Integrator::kSdirk2};
@@ -420,4 +420,4 @@ TEST(HandleForcesTest, RejectsGroupsThatAreNoHandles) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::handle_forces_test

@@ -23,7 +23,7 @@
 #include "tests/sim/random_scene.h"
 #include "tests/sim/scene_transforms.h"
 
-namespace clothid {
+namespace clothid::invariance_test {
 namespace {
 
 constexpr double kSame = 1e-9;  // of the cloth's size
@@ -231,4 +231,4 @@ TEST(InvarianceTest, ACommonFactorOfAllConstantsIsInvisibleWithoutContact) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::invariance_test

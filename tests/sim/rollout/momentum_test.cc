@@ -19,7 +19,7 @@
 #include "tests/sim/random_scene.h"
 #include "tests/sim/step/step_residual.h"
 
-namespace clothid {
+namespace clothid::momentum_test {
 namespace {
 
 TEST(MomentumTest, OfFreeClothChangesByItsWeightAlone) {
@@ -58,4 +58,4 @@ TEST(MomentumTest, OfFreeClothChangesByItsWeightAlone) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::momentum_test

@@ -8,7 +8,7 @@
 #include "sim/rollout/simulator.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::obstacle_switches_test {
 namespace {
 
 constexpr int kScanPoints = 65;
@@ -86,4 +86,4 @@ INSTANTIATE_TEST_SUITE_P(Lines, ObstacleSwitchesAlongALineTest, testing::Values(
                          [](const auto& test) { return test.param == Line::kStart ? "Start" : "Friction"; });
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::obstacle_switches_test

@@ -16,7 +16,7 @@
 #include "sim/rollout/simulator.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::record_reader_test {
 namespace {
 
 // `drape` with and without substeps: 80 steps, in segments of 9, so that the last is shorter.
@@ -155,4 +155,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, CheckpointTest,
                          });
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::record_reader_test

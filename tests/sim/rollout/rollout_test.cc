@@ -17,7 +17,7 @@
 #include "sim/step/step_solver.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::rollout_test {
 namespace {
 
 class StoredContactsTest : public testing::TestWithParam<std::tuple<std::string, ContactMode, Integrator>> {};
@@ -265,4 +265,4 @@ TEST(SharedWorkTest, ASmallSceneHasNoTeam) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::rollout_test

@@ -15,7 +15,7 @@
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::sdirk2_test {
 namespace {
 
 Scene Wind(double damping) {
@@ -232,4 +232,4 @@ TEST(SecondStageTest, ARigidRotationIsNotDamped) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::sdirk2_test

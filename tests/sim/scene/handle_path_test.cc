@@ -9,7 +9,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::handle_path_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -178,4 +178,4 @@ TEST(ReadHandleCsv, NamesFileAndLine) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::handle_path_test

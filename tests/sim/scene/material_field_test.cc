@@ -12,7 +12,7 @@
 #include "tests/sim/plain_scenes.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::material_field_test {
 namespace {
 
 Mesh UprightCloth() {
@@ -142,4 +142,4 @@ TEST(MaterialField, ParametersMustHaveTheFieldsOfTheScene) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::material_field_test

@@ -10,7 +10,7 @@
 #include "sim/scene/warp.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::materials_json_test {
 namespace {
 
 constexpr ErrorKind kBadData = ErrorKind::kBadData;
@@ -149,4 +149,4 @@ TEST(MaterialsJsonTest, ReadsWhatIsBelieved) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::materials_json_test

@@ -8,7 +8,7 @@
 
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::mesh_test {
 namespace {
 
 constexpr ErrorKind kBadData = ErrorKind::kBadData;
@@ -115,4 +115,4 @@ TEST(ValidateMesh, NamesALooseNodeAndAWildOne) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::mesh_test

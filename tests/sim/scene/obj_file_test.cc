@@ -8,7 +8,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::obj_file_test {
 namespace {
 
 constexpr ErrorKind kBadData = ErrorKind::kBadData;
@@ -103,4 +103,4 @@ TEST(ReadObjWithUv, NamesFileLineAndTriangle) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::obj_file_test

@@ -10,7 +10,7 @@
 
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::obstacle_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -134,4 +134,4 @@ TEST(Obstacles, RefuseShapesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::obstacle_test

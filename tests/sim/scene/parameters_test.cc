@@ -7,7 +7,7 @@
 #include "sim/scene/scene.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::parameters_test {
 namespace {
 
 const std::vector<std::string>& Names() {
@@ -110,4 +110,4 @@ TEST(ValidateParameters, NamesWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::parameters_test

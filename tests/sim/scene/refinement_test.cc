@@ -8,7 +8,7 @@
 
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::refinement_test {
 namespace {
 
 Mesh SmallGrid() {
@@ -112,4 +112,4 @@ TEST(RefineSceneTest, RefusesForcesPerNode) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::refinement_test

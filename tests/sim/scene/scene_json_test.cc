@@ -9,7 +9,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::scene_json_test {
 namespace {
 
 constexpr ErrorKind kBadData = ErrorKind::kBadData;
@@ -522,4 +522,4 @@ TEST(ParseScene, NamesWhatContradictsTheRecording) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::scene_json_test

@@ -16,7 +16,7 @@
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/scene/triangle_meshes.h"
 
-namespace clothid {
+namespace clothid::triangulated_surface_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -330,4 +330,4 @@ TEST(TriangulatedSurface, RefusesWhatHasNoInside) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::triangulated_surface_test

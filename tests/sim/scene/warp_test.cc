@@ -16,7 +16,7 @@
 #include "tests/npy_bytes.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::warp_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -160,4 +160,4 @@ TEST_F(WarpOfTheMeshTest, OfARecordedMeshNeedsTheSameTriangles) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::warp_test

@@ -9,7 +9,7 @@
 #include "sim/matrix/block_product.h"
 #include "sim/rollout/simulator.h"
 
-namespace clothid {
+namespace clothid::contact_sweeps_test {
 namespace {
 
 // A soft sheet one millimetre above a tilted plane.
@@ -104,4 +104,4 @@ TEST_F(ContactSweepsTest, LeaveADirectionAloneThatTouchesNothing) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::contact_sweeps_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace clothid {
+namespace clothid::step_counts_test {
 namespace {
 
 ContactRecord RecordOf(int node, ContactBranch branch, int obstacle = 0) {
@@ -45,4 +45,4 @@ TEST(RolloutCountsTest, AddUpAndTakeOff) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::step_counts_test

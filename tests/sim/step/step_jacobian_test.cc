@@ -8,7 +8,7 @@
 #include "sim/step/step_problem.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::step_jacobian_test {
 namespace {
 
 // Solves with A at every tenth step of the scene, for random right-hand sides.
@@ -98,4 +98,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, StepJacobianTest, ::testing::Values("drape", "s
                          [](const auto& scene) { return scene.param; });
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::step_jacobian_test

@@ -23,7 +23,7 @@ extern "C" void* malloc(size_t size) {
 }
 #endif
 
-namespace clothid {
+namespace clothid::step_problem_test {
 namespace {
 
 // A grid with two held corners over a sphere, with bending, drag and damping. Its 30 faces do not fill the last batch.
@@ -130,4 +130,4 @@ TEST_F(StepProblemTest, SecondStepAllocatesNothing) {
 #endif
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::step_problem_test

@@ -11,7 +11,7 @@
 #include "sim/step/step_problem.h"
 #include "tests/sim/shipped_scenes.h"
 
-namespace clothid {
+namespace clothid::step_solver_test {
 namespace {
 
 class StepOfShippedSceneTest : public ::testing::TestWithParam<std::tuple<std::string, int, ContactMode>> {};
@@ -105,4 +105,4 @@ INSTANTIATE_TEST_SUITE_P(VelocityMode, StepOfShippedSceneTest,
                          Label);
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::step_solver_test

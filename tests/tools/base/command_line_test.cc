@@ -8,7 +8,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::command_line_test {
 namespace {
 
 const std::vector<std::string> kPrograms = {"identify", "simulate", "motion", "landscape", "benchmark"};
@@ -115,4 +115,4 @@ TEST_F(CommandLineTest, RefusesWrongCommandsAndArguments) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::command_line_test

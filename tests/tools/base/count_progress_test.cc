@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-namespace clothid {
+namespace clothid::count_progress_test {
 namespace {
 
 using End = CountProgress::End;
@@ -57,4 +57,4 @@ TEST(CountProgressTest, WhatWasDoneBeforeDoesNotCountForTheRate) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::count_progress_test

@@ -10,7 +10,7 @@
 #include "tools/benchmark/accuracy/accuracy_curves.h"
 #include "tools/benchmark/accuracy/benchmark_accuracy.h"
 
-namespace clothid {
+namespace clothid::accuracy_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -137,4 +137,4 @@ TEST_F(AccuracyTest, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::accuracy_test

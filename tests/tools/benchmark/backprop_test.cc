@@ -7,7 +7,7 @@
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/derivatives/benchmark_backprop.h"
 
-namespace clothid {
+namespace clothid::backprop_test {
 namespace {
 
 BackpropCaseOptions SmallCases(const std::string& scene, const std::string& setting) {
@@ -127,4 +127,4 @@ TEST_F(BackpropTest, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::backprop_test

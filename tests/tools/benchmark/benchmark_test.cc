@@ -10,7 +10,7 @@
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/derivatives/benchmark_jacobian.h"
 
-namespace clothid {
+namespace clothid::benchmark_test {
 namespace {
 
 class BenchmarkTest : public ToolTest {
@@ -162,4 +162,4 @@ TEST_F(BenchmarkTest, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::benchmark_test

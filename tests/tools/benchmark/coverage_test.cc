@@ -13,7 +13,7 @@
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/fits/benchmark_coverage.h"
 
-namespace clothid {
+namespace clothid::coverage_test {
 namespace {
 
 class CoverageTest : public ToolTest {
@@ -342,4 +342,4 @@ TEST_F(CoverageTest, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::coverage_test

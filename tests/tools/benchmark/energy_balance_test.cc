@@ -11,7 +11,7 @@
 #include "tools/benchmark/base/benchmark_scene.h"
 #include "tools/benchmark/steps/stability_scene.h"
 
-namespace clothid {
+namespace clothid::energy_balance_test {
 namespace {
 
 constexpr int kNodes = 6;
@@ -227,4 +227,4 @@ TEST(StagesBalanceTest, NoImpactGainsEnergy) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::energy_balance_test

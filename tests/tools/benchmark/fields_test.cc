@@ -9,7 +9,7 @@
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/fits/benchmark_fields.h"
 
-namespace clothid {
+namespace clothid::fields_test {
 namespace {
 
 class FieldsTest : public ToolTest {};
@@ -72,4 +72,4 @@ TEST_F(FieldsTest, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::fields_test

@@ -9,7 +9,7 @@
 #include "tools/benchmark/base/timing.h"
 #include "tools/benchmark/steps/benchmark_forward.h"
 
-namespace clothid {
+namespace clothid::forward_test {
 namespace {
 
 class ForwardTest : public ToolTest {};
@@ -112,4 +112,4 @@ TEST_F(ForwardTest, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::forward_test

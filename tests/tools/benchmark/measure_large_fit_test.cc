@@ -6,7 +6,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::measure_large_fit_test {
 namespace {
 
 constexpr char kScript[] =
@@ -54,4 +54,4 @@ TEST_F(MeasureLargeFitTest, WrongArgumentsAreNamed) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::measure_large_fit_test

@@ -8,7 +8,7 @@
 #include "tests/tools/small_drape.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::sensor_case_test {
 namespace {
 
 constexpr int kNodes = 8;
@@ -82,4 +82,4 @@ TEST_F(SensorCaseTest, MarkersAreOneNodeInTwenty) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::sensor_case_test

@@ -9,7 +9,7 @@
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/steps/benchmark_stability.h"
 
-namespace clothid {
+namespace clothid::stability_test {
 namespace {
 
 constexpr int kNodes = 6;
@@ -183,4 +183,4 @@ TEST_F(StabilityToolTest, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::stability_test

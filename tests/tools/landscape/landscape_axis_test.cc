@@ -6,7 +6,7 @@
 
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::landscape_axis_test {
 namespace {
 
 const std::vector<std::string> kObstacles = {"ball", "floor"};
@@ -94,4 +94,4 @@ TEST(LandscapeAxis, KnowsWhatSetsWhat) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_axis_test

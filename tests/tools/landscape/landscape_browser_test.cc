@@ -14,7 +14,7 @@
 #include "tools/landscape/landscape_plot.h"
 #include "tools/landscape/landscape_summary.h"
 
-namespace clothid {
+namespace clothid::landscape_browser_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -200,4 +200,4 @@ TEST_F(LandscapeBrowserTest, MarksWhatMatters) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_browser_test

@@ -16,7 +16,7 @@
 #include "tools/landscape/landscape_merge.h"
 #include "tools/landscape/landscape_store.h"
 
-namespace clothid {
+namespace clothid::landscape_files_test {
 namespace {
 
 class LandscapeFilesTest : public testing::Test {
@@ -185,4 +185,4 @@ TEST_F(LandscapeMergeTest, RefusesWhatIsNotOneScan) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_files_test

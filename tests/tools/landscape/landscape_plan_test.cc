@@ -7,7 +7,7 @@
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
-namespace clothid {
+namespace clothid::landscape_plan_test {
 namespace {
 
 LandscapeFlags Flags() {
@@ -131,4 +131,4 @@ TEST(LandscapePlan, ShardsTakeEveryCellOnce) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_plan_test

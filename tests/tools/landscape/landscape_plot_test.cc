@@ -21,7 +21,7 @@
 #include "tests/tools/landscape/bumpy_landscape.h"
 #include "tools/base/run_program.h"
 
-namespace clothid {
+namespace clothid::landscape_plot_test {
 namespace {
 
 constexpr char kHostileName[] = "</script><img src=x onerror=\"alert(1)\">";
@@ -197,4 +197,4 @@ TEST(RunProgram, ExitCodeAndMessages) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_plot_test

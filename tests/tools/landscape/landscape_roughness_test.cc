@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-namespace clothid {
+namespace clothid::landscape_roughness_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -207,4 +207,4 @@ TEST(LandscapeRoughness, GridOfTakesTheRightCells) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_roughness_test

@@ -12,7 +12,7 @@
 #include "tests/expect_error.h"
 #include "tests/tools/landscape/landscape_motion.h"
 
-namespace clothid {
+namespace clothid::landscape_scan_test {
 namespace {
 
 bool SameBits(double a, double b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
@@ -218,4 +218,4 @@ TEST(LandscapeScan, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_scan_test

@@ -7,7 +7,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::landscape_sigma_test {
 namespace {
 
 class LandscapeSigmaTest : public ToolTest {
@@ -120,4 +120,4 @@ TEST_F(LandscapeSigmaTest, ReportKnowsIt) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_sigma_test

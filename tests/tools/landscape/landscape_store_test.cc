@@ -11,7 +11,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/tools/landscape/made_up_landscape.h"
 
-namespace clothid {
+namespace clothid::landscape_store_test {
 namespace {
 
 const std::vector<int> kCells = {4, 1, 7};  // of shard 1 of 3, in the order of two threads
@@ -120,4 +120,4 @@ TEST_F(LandscapeStoreTest, RefusesCellsThatItCannotHave) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_store_test

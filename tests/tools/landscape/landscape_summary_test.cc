@@ -10,7 +10,7 @@
 
 #include "tests/tools/landscape/bumpy_landscape.h"
 
-namespace clothid {
+namespace clothid::landscape_summary_test {
 namespace {
 
 TEST(LandscapeSummary, NumbersOfAWindow) {
@@ -99,4 +99,4 @@ TEST(LandscapeSummary, TableHasALinePerWindow) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_summary_test

@@ -12,7 +12,7 @@
 #include "tests/tools/tool_process.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::landscape_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -280,4 +280,4 @@ TEST_F(LandscapeTest, AStoreThatCannotBeWrittenEndsTheScan) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::landscape_test

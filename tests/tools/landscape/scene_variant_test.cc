@@ -12,7 +12,7 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
-namespace clothid {
+namespace clothid::scene_variant_test {
 namespace {
 
 constexpr char kScene[] = R"({
@@ -154,4 +154,4 @@ TEST_F(VariantOfARecordingTest, NamesTheFlagAndTheVariant) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::scene_variant_test

@@ -10,7 +10,7 @@
 #include "datasets/motion/motion_file.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::capture_test {
 namespace {
 
 #define RAW CLOTHID_SOURCE_DIR "/datasets/capture/"
@@ -92,4 +92,4 @@ TEST_F(CaptureTest, TheTruthIsInsideTheIntervals) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::capture_test

@@ -8,7 +8,7 @@
 #include "datasets/motion/motion_file.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::convert_test {
 namespace {
 
 // Three frames of 2 x 2 points in mm, 0.1 s apart, that rise by 10 mm each; the second point is missing once.
@@ -168,4 +168,4 @@ TEST_F(ConvertTest, ShippedRecordingsHaveNothingWrong) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::convert_test

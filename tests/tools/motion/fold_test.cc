@@ -18,7 +18,7 @@
 #include "datasets/importing/cloud_import.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::fold_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -94,4 +94,4 @@ TEST_F(FoldTest, ImportsAndFitsToAnEnd) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::fold_test

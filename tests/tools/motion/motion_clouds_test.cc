@@ -12,7 +12,7 @@
 #include "tests/npy_bytes.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::motion_clouds_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -91,4 +91,4 @@ TEST_F(MotionCloudsTest, RefusesWhatItCannotConvert) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::motion_clouds_test

@@ -8,7 +8,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::motion_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -191,4 +191,4 @@ TEST_F(MotionTest, RefusesUnusableScenesInside) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::motion_test

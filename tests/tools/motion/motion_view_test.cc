@@ -5,7 +5,7 @@
 
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::motion_view_test {
 namespace {
 
 class MotionViewTest : public ToolTest {
@@ -70,4 +70,4 @@ TEST_F(MotionViewTest, TellsWhereASceneDoesNotConverge) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::motion_view_test

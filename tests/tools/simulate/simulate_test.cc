@@ -8,7 +8,7 @@
 #include "datasets/motion/motion_file.h"
 #include "tests/tools/tool_test.h"
 
-namespace clothid {
+namespace clothid::simulate_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -278,4 +278,4 @@ TEST_F(ObjTest, RefusesUnusableMeshes) {
 }
 
 }  // namespace
-}  // namespace clothid
+}  // namespace clothid::simulate_test
