@@ -26,7 +26,8 @@ inline constexpr char kHelp[] = R"(identify: fits friction and stiffness of clot
   --holdout FILES     recordings that are not fitted, to judge the estimates on
   --discretization P  step, mesh or all: intervals count with the error of the
                       time step, the mesh or both
-  --threads N         the result does not depend on it (1)
+  --threads N         recordings and fits side by side; no result depends on
+                      it (1)
   --output DIR        folder of the results, report.html among them
                       (clothid_result)
   --export LIST       constants for mujoco, newton, arcsim, blender, ppf or all

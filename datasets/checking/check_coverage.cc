@@ -145,10 +145,11 @@ std::vector<int> RepeatedFrames(const CheckedMotion& checked) {
   Eigen::VectorXd steps = Eigen::VectorXd::Zero(num_frames + 1);  // into a frame, m
   std::vector<double> moved;
   for (int frame = 1; frame < num_frames; ++frame) {
-    if (IsCopy(motion.positions.col(frame - 1), motion.positions.col(frame))) {
-      if (!SeesCloth(checked, frame)) steps[frame] = std::numeric_limits<double>::quiet_NaN();
+    if (!SeesCloth(checked, frame - 1) || !SeesCloth(checked, frame)) {
+      steps[frame] = std::numeric_limits<double>::quiet_NaN();
       continue;
     }
+    if (IsCopy(motion.positions.col(frame - 1), motion.positions.col(frame))) continue;
     const Eigen::VectorXd difference = motion.positions.col(frame) - motion.positions.col(frame - 1);
     steps[frame] = Median(difference.reshaped(3, motion.num_points()).colwise().norm().transpose());
     moved.push_back(steps[frame]);
@@ -159,7 +160,7 @@ std::vector<int> RepeatedFrames(const CheckedMotion& checked) {
     if (steps[frame] != 0.0) continue;
     int end = frame;
     while (end < num_frames && steps[end] == 0.0) ++end;
-    if (std::max(steps[frame - 1], steps[end]) > least) {
+    if (std::fmax(steps[frame - 1], steps[end]) > least) {
       for (int k = frame; k < end; ++k) repeated.push_back(k);
     }
     frame = end;

@@ -62,6 +62,19 @@ Eigen::VectorXd LeastCostlyStep(const std::vector<ParameterBlock>& blocks, const
   return step;
 }
 
+// By one forward sweep, along with its rollout.
+bool ModelAt(const FitProblem& problem, const Eigen::VectorXd& coordinates, FitEvaluator* evaluator,
+             QuadraticModel* model) {
+  Linearization linearization;
+  if (!evaluator->Linearize(coordinates, &linearization)) return false;
+  const std::vector<ParameterBlock>& blocks = problem.blocks();
+  model->coordinates = coordinates;
+  model->cost = 0.5 * linearization.squared_residual + PriorCost(blocks, coordinates);
+  model->gradient = linearization.gradient + PriorGradient(blocks, coordinates);
+  model->hessian = linearization.jacobian.transpose() * linearization.jacobian + PriorHessian(blocks);
+  return true;
+}
+
 // Of costs at the ends of an interval: s w.
 double RiseScale(const Uncertainty& uncertainty, int parameter) {
   const ParameterUncertainty& moved = uncertainty.parameters[parameter];
@@ -137,21 +150,23 @@ void LookBeyond(const FitProblem& problem, const Eigen::VectorXd& coordinates, d
                 const Uncertainty& uncertainty, FitEvaluator* evaluator, IntervalCheck* check) {
   if (check->better.size() > 0 || problem.num_start_unknowns() > 0) return;
   const double scale = RiseScale(uncertainty, check->parameter);
-  double lowest = (1.0 - kCostRounding) * cost;
+  double lowest = -kClearlyLower;
   for (const double side : {-1.0, 1.0}) {
     const Eigen::VectorXd end = coordinates + side * check->step;
+    QuadraticModel model;
+    if (!IsInside(problem.blocks(), end) || !ModelAt(problem, end, evaluator, &model)) continue;
+    const Eigen::VectorXd next = NextPoint(problem, model, /*length=*/std::numeric_limits<double>::infinity());
+    const Eigen::VectorXd moved = next - end;
+    const double promised = model.cost + model.gradient.dot(moved) + 0.5 * moved.dot(model.hessian * moved);
     double next_cost = 0.0;
-    if (!IsInside(problem.blocks(), end) ||
-        !evaluator->Evaluate(end, FitEvaluator::Derivative::kRows, &next_cost, /*gradient=*/nullptr)) {
+    if (!(2.0 * (promised - cost) / (scale * scale) < lowest) ||
+        !evaluator->Evaluate(next, FitEvaluator::Derivative::kNone, &next_cost, /*gradient=*/nullptr)) {
       continue;
     }
-    const Eigen::VectorXd next =
-        NextPoint(problem, evaluator->model(), /*length=*/std::numeric_limits<double>::infinity());
-    if (!evaluator->Evaluate(next, FitEvaluator::Derivative::kNone, &next_cost, /*gradient=*/nullptr)) continue;
     const double rise = 2.0 * (next_cost - cost) / (scale * scale);
     check->rise_beyond = std::fmin(check->rise_beyond, rise);
-    if (!(next_cost < lowest && rise < -kClearlyLower)) continue;
-    lowest = next_cost;
+    if (!(rise < lowest)) continue;
+    lowest = rise;
     check->better = next;
   }
 }

@@ -51,7 +51,7 @@ std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& bl
                                            FitEvaluator* evaluator);
 
 // Where neither end is lower: a Gauss-Newton step from each, within the bounds, and the cost where it leads, for fits
-// without unknown starts. Up to two evaluations with rows and two of the cost.
+// without unknown starts. Two forward sweeps, and the cost where the model at an end promises a lower one.
 void LookBeyond(const FitProblem& problem, const Eigen::VectorXd& coordinates, double cost,
                 const Uncertainty& uncertainty, FitEvaluator* evaluator, IntervalCheck* check);
 

@@ -1,5 +1,3 @@
-#include "tools/motion/motion_clouds.h"
-
 #include <gflags/gflags.h>
 
 #include <algorithm>

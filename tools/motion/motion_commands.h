@@ -34,6 +34,9 @@ std::string TimeText(double seconds);
 // How a recording covers time and points, in three lines on stdout.
 void PrintCoverage(const RecordedMotion& motion);
 
+// How many points its clouds have, in one line on stdout; nothing where it has none.
+void PrintClouds(const RecordedMotion& motion);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_TOOLS_MOTION_MOTION_COMMANDS_H_

@@ -11,7 +11,6 @@
 #include "datasets/motion/motion_file.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "tools/motion/motion_clouds.h"
 #include "tools/motion/motion_commands.h"
 
 namespace clothid {

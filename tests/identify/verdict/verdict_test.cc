@@ -120,7 +120,7 @@ TEST(VerdictTest, TheGravestReasonComesFirst) {
   FitSummary summary = ThreeParameters();
   summary.counts.obstacle_switches = 3;
   summary.parameters[1].at_bound = true;
-  summary.interval_check = IntervalCheck{0, 3.7, 120.0, {}};
+  summary.interval_check = IntervalCheck{0, 3.7, 120.0, {}, {}};
   const FitChecks checks = With(Recording(2.0, 0.1));
   const std::vector<std::string> reasons = Judge(summary, checks).reasons;
   const std::vector<std::string> expected = {"the fit is negative", "the error is of the size of the cloth",
@@ -232,7 +232,7 @@ TEST(VerdictTest, WhatNoClothCanBeLeads) {
 
 TEST(VerdictTest, ALowerPointThatIsLeftMustNotBeUsed) {
   FitSummary summary = Converged();
-  summary.interval_check = IntervalCheck{0, -7.2, 4.0, Eigen::VectorXd::Ones(1)};
+  summary.interval_check = IntervalCheck{0, -7.2, 4.0, Eigen::VectorXd::Ones(1), {}};
   EXPECT_EQ(FitExitCode(summary, {}), 6);
   EXPECT_EQ(Judge(summary, {}).line, "do not use: a point of lower cost was met");
   EXPECT_TRUE(Says(summary, {}, "at an end of it the cost \"rises\" by -7.2 instead of 3.84"));
@@ -241,7 +241,7 @@ TEST(VerdictTest, ALowerPointThatIsLeftMustNotBeUsed) {
   summary.interval_check->rise_below = -0.1;
   EXPECT_EQ(FitExitCode(summary, {}), 0) << "a tenth of what a standard deviation costs";
   EXPECT_EQ(Judge(summary, {}).overall, Usability::kWithCare);
-  summary.interval_check = IntervalCheck{0, 3.7, 4.0, {}};
+  summary.interval_check = IntervalCheck{0, 3.7, 4.0, {}, {}};
   summary.num_continuations = 1;
   EXPECT_EQ(Judge(summary, {}).line, "usable with care: the cost has more than one minimum");
   EXPECT_TRUE(Says(summary, {}, "the fit went on 1 time from a point of lower cost"));
@@ -357,7 +357,7 @@ TEST(VerdictTest, SaysByHowMuchIntervalsWereWidened) {
 
 TEST(VerdictTest, SaysWhereTheCostIsNotQuadratic) {
   FitSummary summary = Converged();
-  summary.interval_check = IntervalCheck{0, 3.7, 4.0, {}};
+  summary.interval_check = IntervalCheck{0, 3.7, 4.0, {}, {}};
   EXPECT_FALSE(Says(summary, {}, "cannot be relied on"));
   summary.interval_check->rise_above = 120.0;
   EXPECT_TRUE(

@@ -54,7 +54,7 @@ TEST(EdgeBendingTest, ValueOfACylinder) {
   grid.nodes = {81, 5};
   grid.size = {1.0, 0.05};
   const Mesh strip = MakeGrid(grid);
-  const BendingEnergy strip_energy = MakeEnergy(strip, BendingLaw::kEdges);
+  const BendingEnergy strip_energy = EnergyOf(strip, BendingLaw::kEdges);
   const double radius = 2.0;
   Eigen::VectorXd bent = strip.rest_positions.reshaped();
   for (int node = 0; node < strip.num_nodes(); ++node) {
