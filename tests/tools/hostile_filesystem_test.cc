@@ -63,7 +63,7 @@ const Writer kLandscapeMerge = {
     "landscape_merge", {"landscape", "merge", "part0", "part1", "--output", "out"}, kLandscape, {}, ""};
 const Writer kBenchmark = {"benchmark",
                            {"benchmark", "backprop", "--scene", "wind", "--settings", "soft", "--nodes", "6", "--steps",
-                            "2", "--methods", "gmres:1e-4", "--repeats", "1", "--output", "out"},
+                            "2", "--repeats", "2", "--output", "out"},
                            {"backprop.csv"},
                            {"--nodes", "12,24", "--steps", "20", "--scene", "wind,slope"},
                            ""};
