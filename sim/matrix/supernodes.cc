@@ -1,11 +1,9 @@
 #include "sim/matrix/supernodes.h"
 
-#include <cholmod.h>
-
 #include <algorithm>
 
 #include "sim/matrix/blas_guard.h"
-#include "sim/matrix/cholmod_calls.h"
+#include "sim/matrix/cholmod_analysis.h"
 
 namespace clothid {
 namespace {
@@ -13,58 +11,19 @@ namespace {
 constexpr double kBranchShare = 0.125;  // of the entries of L: the most that a branch has
 constexpr int kTrunkColumns = 16;       // of a supernode of the trunk: those that wait for it wait for so many
 
-// CHOLMOD for one analysis.
-class AnalysisSession {
- public:
-  AnalysisSession() {
-    cholmod_start(&common_);
-    common_.print = 0;
-    common_.nmethods = 1;
-    common_.method[0].ordering = CHOLMOD_NATURAL;
-    common_.postorder = 0;
-    common_.supernodal = CHOLMOD_SUPERNODAL;
-    for (int i = 0; i < 3; ++i) {
-      common_.nrelax[i] = kRelaxedColumns[i];
-      common_.zrelax[i] = kRelaxedZeros[i];
-    }
-  }
-  ~AnalysisSession() {
-    cholmod_free_factor(&factor_, &common_);
-    cholmod_finish(&common_);
-  }
-  AnalysisSession(const AnalysisSession&) = delete;
-  AnalysisSession& operator=(const AnalysisSession&) = delete;
+// A supernode and its parent become one where both together have fewer columns than the first, or fewer than the second
+// and a smaller share of zeros than the first, and so on.
+constexpr std::size_t kRelaxedColumns[3] = {2, 6, 16};
+constexpr double kRelaxedZeros[3] = {0.8, 0.1, 0.05};
 
-  // Of the pattern by blocks. The session keeps the factor.
-  const cholmod_factor& Analyze(const BlockPattern& pattern) {
-    const int n = pattern.num_blocks();
-    std::vector<int> starts = {0}, rows;
-    for (int column = 0; column < n; ++column) {
-      rows.insert(rows.end(), pattern.rows_begin(column), pattern.rows_begin(column) + pattern.num_rows(column));
-      starts.push_back(static_cast<int>(rows.size()));
-    }
-    cholmod_sparse graph = {};
-    graph.nrow = graph.ncol = n;
-    graph.nzmax = rows.size();
-    graph.p = starts.data();
-    graph.i = rows.data();
-    graph.stype = -1;
-    graph.itype = CHOLMOD_INT;
-    graph.xtype = CHOLMOD_PATTERN;
-    graph.dtype = CHOLMOD_DOUBLE;
-    graph.sorted = graph.packed = 1;
-    return *(factor_ = clothid::Analyze(&graph, &common_));
+void AskForSupernodes(cholmod_common* common) {
+  common->postorder = 0;
+  common->supernodal = CHOLMOD_SUPERNODAL;
+  for (int i = 0; i < 3; ++i) {
+    common->nrelax[i] = kRelaxedColumns[i];
+    common->zrelax[i] = kRelaxedZeros[i];
   }
-
- private:
-  // A supernode and its parent become one where both together have fewer columns than the first, or fewer than the
-  // second and a smaller share of zeros than the first, and so on.
-  static constexpr std::size_t kRelaxedColumns[3] = {2, 6, 16};
-  static constexpr double kRelaxedZeros[3] = {0.8, 0.1, 0.05};
-
-  cholmod_common common_;
-  cholmod_factor* factor_ = nullptr;
-};
+}
 
 }  // namespace
 
@@ -74,8 +33,9 @@ Supernodes::Supernodes(const BlockPattern& pattern, double branched_entries) {
   value_starts = {0};
   if (n == 0) return;  // for CHOLMOD no matrix
   const BlasGuard guard;
-  AnalysisSession session;
-  const cholmod_factor& factor = session.Analyze(pattern);
+  CholmodAnalysis analysis(CHOLMOD_NATURAL);
+  AskForSupernodes(&analysis.common());
+  const cholmod_factor& factor = analysis.Analyze(pattern);
   const auto* const super = static_cast<const int*>(factor.super);
   const auto* const starts = static_cast<const int*>(factor.pi);
   columns.assign(super, super + factor.nsuper + 1);

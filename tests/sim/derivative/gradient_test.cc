@@ -19,6 +19,7 @@
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/scene/triangle_meshes.h"
 #include "tests/sim/shipped_scenes.h"
+#include "tests/sim/woven_scene.h"
 
 namespace clothid::gradient_test {
 namespace {
@@ -268,26 +269,6 @@ INSTANTIATE_TEST_SUITE_P(Scenes, DampedGradientTest,
                                                               {"drape", ContactMode::kVelocity},
                                                               {"wind", ContactMode::kGap}})),
                          CaseName);
-
-// Warp and weft at an angle to the mesh, in membrane and bending.
-Scene Woven(Scene scene) {
-  const Material nominal = scene.nominal_parameters().material;
-  const double k = nominal.stretch_stiffness, bend = nominal.bending_stiffness;
-  for (const char* name : {"k_stretch", "k_bend"}) scene.parameters.erase(name);
-  scene.membrane = MembraneLaw::kOrthotropic;
-  scene.bending = {BendingLaw::kPatches, 0.2, true};
-  scene.warp = {Eigen::Vector3d(1.0, 0.2, 0.3), 30.0};
-  Material& material = scene.material;
-  material.stretch_stiffness = material.bending_stiffness = 0.0;
-  material.warp_stiffness = 1.3 * k;
-  material.weft_stiffness = 0.8 * k;
-  material.shear_stiffness = 0.3 * k;
-  material.poisson_stiffness = 0.25 * k;
-  material.warp_bending = 2.0 * bend;
-  material.weft_bending = 0.7 * bend;
-  material.twist_bending = 0.5 * bend;
-  return scene;
-}
 
 class WovenGradientTest : public GradientTest {};
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -21,6 +22,7 @@
 #include "tests/sim/scene/triangle_meshes.h"
 #include "tests/sim/sheet_meshes.h"
 #include "tests/sim/shipped_scenes.h"
+#include "tests/sim/woven_scene.h"
 
 namespace clothid::size_derivative_test {
 namespace {
@@ -73,22 +75,9 @@ void ExpectAgreement(Scene scene, const char* name, bool touches = false) {
 }
 
 // Warp and weft at an angle to the mesh, in membrane and bending; internal damping; drag by direction.
-Scene WithEveryTerm(Scene scene) {
-  const Material nominal = scene.nominal_parameters().material;
-  const double k = nominal.stretch_stiffness, bend = nominal.bending_stiffness;
-  for (const char* name : {"k_stretch", "k_bend"}) scene.parameters.erase(name);
-  scene.membrane = MembraneLaw::kOrthotropic;
-  scene.bending = {BendingLaw::kPatches, 0.2, true};
-  scene.warp = {Eigen::Vector3d(1.0, 0.2, 0.3), 30.0};
+Scene WithEveryTerm(Scene flat) {
+  Scene scene = Woven(std::move(flat));
   Material& material = scene.material;
-  material.stretch_stiffness = material.bending_stiffness = 0.0;
-  material.warp_stiffness = 1.3 * k;
-  material.weft_stiffness = 0.8 * k;
-  material.shear_stiffness = 0.3 * k;
-  material.poisson_stiffness = 0.25 * k;
-  material.warp_bending = 2.0 * bend;
-  material.weft_bending = 0.7 * bend;
-  material.twist_bending = 0.5 * bend;
   material.damping = 0.01 * material.warp_stiffness;
   material.normal_drag = 0.3;
   material.tangential_drag = 0.1;

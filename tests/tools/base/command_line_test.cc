@@ -53,7 +53,6 @@ TEST_F(CommandLineTest, HelpFitsOnAScreen) {
     EXPECT_EQ(help.rfind(program + ": ", 0), 0u) << help;
     EXPECT_EQ(Help(program + " -h"), help);
     EXPECT_EQ(Run(program + " --version").out.rfind(program + " (clothid) ", 0), 0u);
-    if (program == "benchmark") continue;
     EXPECT_NE(help.find("\nExample"), std::string::npos) << help;
     EXPECT_LE(std::count(help.begin(), help.end(), '\n'), 40) << help;
     std::istringstream lines(help);
@@ -106,7 +105,7 @@ TEST_F(CommandLineTest, RefusesWrongCommandsAndArguments) {
   ExpectRefused("identify extra", 1, "'extra': unexpected argument; see identify --help");
   ExpectRefused("identify ''", 1, "'': unexpected argument");
   ExpectRefused("landscape ''", 1, "'': unexpected argument");
-  ExpectRefused("motion", 1, "a command is missing; there is: info, check, convert, convert_clouds");
+  ExpectRefused("motion", 1, "a command is missing; there is: info, check, view, convert, convert_clouds");
   ExpectRefused("motion paint", 1, "'paint': unknown command; there is: info, check");
   ExpectRefused("motion info", 1, "info: expected one file; see motion info --help");
   ExpectRefused("motion convert a.bin ''", 1, "convert: expected a file to read and one to write");

@@ -84,8 +84,8 @@ TEST_F(ForwardTest, ReferenceTimesAreThoseThatWereMeasured) {
 }
 
 TEST(TimingTest, MedianAndExponent) {
-  EXPECT_EQ(Median({3.0, 1.0, 2.0}), 2.0);
-  EXPECT_EQ(Median({4.0, 1.0, 2.0, 3.0}), 2.5);
+  EXPECT_EQ(MedianOfRuns({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(MedianOfRuns({4.0, 1.0, 2.0, 3.0}), 2.5);
   EXPECT_NEAR(FitExponent({1.0, 4.0, 9.0}, {2.0, 16.0, 54.0}), 1.5, 1e-14);
 }
 

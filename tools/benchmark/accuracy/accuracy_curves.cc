@@ -53,7 +53,7 @@ Trajectory SimulateFrames(const AccuracyCase& accuracy_case, Integrator integrat
     trajectory.frames.resize(0, 0);
     return trajectory;
   }
-  trajectory.seconds = Median(std::move(seconds));
+  trajectory.seconds = MedianOfRuns(std::move(seconds));
   return trajectory;
 }
 
@@ -156,7 +156,7 @@ std::vector<AccuracyPoint> MeasureGradients(const AccuracyCase& accuracy_case, i
         point.error = backprop.Compare(gradient, reference).Worst();
         point.steps_failed = gradient.work.failed_solves;
       }
-      point.seconds = Median(std::move(seconds));
+      point.seconds = MedianOfRuns(std::move(seconds));
       points.push_back(point);
     }
   }

@@ -11,7 +11,7 @@ namespace clothid {
 double ThreadSeconds();
 
 // Of at least one value; the mean of the middle two where their number is even.
-double Median(std::vector<double> values);
+double MedianOfRuns(std::vector<double> values);
 
 // Floating-point operations per second of one product of matrices with dgemm, of the BLAS that the factorisations call,
 // in processor time of the calling thread: a multiplication and an addition are two.

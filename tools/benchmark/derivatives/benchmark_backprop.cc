@@ -71,7 +71,7 @@ std::vector<double> Totals(const BackpropResult& result) {
 std::string MedianRatio(const std::vector<double>& numerators, const std::vector<double>& denominators) {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < numerators.size(); ++i) ratios.push_back(numerators[i] / denominators[i]);
-  return ratios.empty() ? "-" : FixedNumber(Median(std::move(ratios)), 2);
+  return ratios.empty() ? "-" : FixedNumber(MedianOfRuns(std::move(ratios)), 2);
 }
 
 // "-" where the reference did not take part.
@@ -86,10 +86,10 @@ std::string SpeedUp(const BackpropBenchmark& benchmark, const BackpropResult& re
 
 std::string BackpropTableRow(const BackpropBenchmark& benchmark, const BackpropResult& result) {
   const auto milliseconds = [&result](auto value) {
-    return 1e3 / result.name.num_steps * Median(Collect(result, value));
+    return 1e3 / result.name.num_steps * MedianOfRuns(Collect(result, value));
   };
   const double fallback =
-      Median(Collect(result, [](const BackpropSample& s) { return 100.0 * s.fallback / (s.total - s.fallback); }));
+      MedianOfRuns(Collect(result, [](const BackpropSample& s) { return 100.0 * s.fallback / (s.total - s.fallback); }));
   return Format("%-7s%-10s%5d  %-16s", result.name.scene.c_str(), result.name.setting.c_str(), result.name.nodes,
                 result.method.c_str()) +
          Format("%9.2f%9.2f%7.2f%7.2f%7.2f", milliseconds([](const BackpropSample& s) { return s.total; }),

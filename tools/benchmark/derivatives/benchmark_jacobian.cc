@@ -121,7 +121,7 @@ template <typename Value>
 double MedianOfFits(const Fits& fits, Value JacobianFit::*member) {
   std::vector<double> values;
   for (const JacobianFit& fit : fits) values.push_back(static_cast<double>(fit.*member));
-  return Median(std::move(values));
+  return MedianOfRuns(std::move(values));
 }
 
 std::string JacobianTableRow(const JacobianBenchmark& benchmark, double noise, const std::string& method, int width) {
@@ -134,7 +134,7 @@ std::string JacobianTableRow(const JacobianBenchmark& benchmark, double noise, c
     failed_steps += fits[i].failed_steps;
     if (!reference.empty()) ratios.push_back(fits[i].seconds / reference[i].seconds);
   }
-  const double ratio = ratios.empty() ? kNoNumber : Median(std::move(ratios));
+  const double ratio = ratios.empty() ? kNoNumber : MedianOfRuns(std::move(ratios));
   const std::string reached = std::to_string(num_reached) + " of " + std::to_string(fits.size());
   return Format("%-*s%7g%11s%10.1f%6d%8.1f%14d%10.2f%16s\n", width, method.c_str(), noise, reached.c_str(),
                 MedianOfFits(fits, &JacobianFit::rollouts), max_rollouts, MedianOfFits(fits, &JacobianFit::sweeps),

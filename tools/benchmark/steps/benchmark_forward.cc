@@ -74,7 +74,7 @@ void ForwardRun::Repeat(int num_steps) {
 }
 
 void ForwardRun::Summarize() {
-  const auto median = [](const std::vector<double>& values) { return values.empty() ? kNoNumber : Median(values); };
+  const auto median = [](const std::vector<double>& values) { return values.empty() ? kNoNumber : MedianOfRuns(values); };
   result.seconds = median(step_seconds);
   double sum = 0.0;  // medians do not add up to one of themselves
   for (const std::vector<double>& values : shares) sum += median(values);
@@ -224,7 +224,7 @@ ForwardBenchmark RunForwardBenchmark(const ForwardBenchmarkOptions& options) {
   }
   ForwardBenchmark benchmark;
   benchmark.blas_kernel = BlasKernel();
-  benchmark.dgemm_rate = Median(std::move(dgemm_rates));
+  benchmark.dgemm_rate = MedianOfRuns(std::move(dgemm_rates));
   for (ForwardRun& run : runs) {
     run.Summarize();
     benchmark.cases.push_back(run.result);
