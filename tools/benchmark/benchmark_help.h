@@ -7,7 +7,7 @@ namespace clothid {
 inline constexpr char kBenchmarkHelp[] = R"(benchmark: accuracy, cost and time of the methods against each other.
 
   benchmark jacobian  --scene FILE --set LIST   fits with each kind of Jacobian
-  benchmark coverage  --scene FILE --set LIST   how often intervals hold the truth
+  benchmark coverage  --scene FILE --set LIST   how often intervals are right
   benchmark fields    --scene FILE              fits of constants that vary
   benchmark forward                             the time of a step
   benchmark backprop                            the time of a reverse sweep
