@@ -95,7 +95,7 @@ BackpropCaseOptions CasesFromFlags() {
   Take("scene", &options.scenes);
   Take("settings", &options.settings);
   Take("steps", &options.num_steps);
-  RequireUsage(!IsGiven("steps") || options.num_steps >= 1, "--steps: expected one number >= 1");
+  ExpectUsage(!IsGiven("steps") || options.num_steps >= 1, "--steps: expected one number >= 1");
   return options;
 }
 
@@ -125,8 +125,8 @@ JacobianBenchmarkOptions JacobianOptionsFromFlags() {
 }
 
 CoverageOptions CoverageOptionsFromFlags() {
-  RequireUsage(!IsGiven("sigma") || !IsGiven("noise"),
-               "--sigma: expected without --noise, which says the same relative to the cloth's size");
+  ExpectUsage(!IsGiven("sigma") || !IsGiven("noise"),
+              "--sigma: expected without --noise, which says the same relative to the cloth's size");
   CoverageOptions options;
   options.scene_path = FLAGS_scene;
   options.truth = ParseParameterValues(FLAGS_set, "--set");
@@ -153,7 +153,7 @@ FieldsOptions FieldsOptionsFromFlags() {
   FieldsOptions options;
   options.scene_path = FLAGS_scene;
   for (const auto& [name, value] : ParseParameterValues(FLAGS_set, "--set")) {
-    RequireUsage(name == "k_stretch", "--set: expected k_stretch=NUMBER, the level of the truth");
+    ExpectUsage(name == "k_stretch", "--set: expected k_stretch=NUMBER, the level of the truth");
     options.level = value;
   }
   Take("nodes", &options.nodes);

@@ -27,8 +27,8 @@ void AccuracyOptions::Validate() const {
   RequireKnown(settings, BackpropSettingNames(), "--settings");
   RequireKnown(integrators, kIntegratorNames, "--integrator");
   RequireKnown(quantities, kAccuracyQuantities, "--quantities");
-  RequireUsage(nodes >= 2 && nodes <= kMaxNodes / nodes / 4, "--nodes: expected one number >= 2, not too large");
-  RequireUsage(repeats >= 1, "--repeats: expected a number >= 1");
+  ExpectUsage(nodes >= 2 && nodes <= kMaxNodes / nodes / 4, "--nodes: expected one number >= 2, not too large");
+  ExpectUsage(repeats >= 1, "--repeats: expected a number >= 1");
 }
 
 AccuracyBenchmark RunAccuracyBenchmark(const AccuracyOptions& options) {

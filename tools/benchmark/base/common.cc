@@ -10,18 +10,14 @@
 
 namespace clothid {
 
-void RequireUsage(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorKind::kUsage, message);
-}
-
 void RequireKnown(const std::vector<std::string>& items, const std::vector<std::string>& known,
                   const std::string& flag) {
-  RequireUsage(!items.empty(), flag + ": expected at least one name");
+  ExpectUsage(!items.empty(), flag + ": expected at least one name");
   std::string list;
   for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
   for (const std::string& item : items) {
-    RequireUsage(std::find(known.begin(), known.end(), item) != known.end(),
-                 flag + ": '" + Printable(item) + "': expected any of " + list);
+    ExpectUsage(std::find(known.begin(), known.end(), item) != known.end(),
+                flag + ": '" + Printable(item) + "': expected any of " + list);
   }
 }
 

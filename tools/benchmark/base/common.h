@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -17,8 +18,6 @@ inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 // Told after every item of a benchmark, in the order in which they end, never two at a time; may be empty.
 using BenchmarkProgress = std::function<void(const std::string& item, int num_done, int num_items)>;
 
-// Throws `Error` (kUsage) unless `condition`.
-void RequireUsage(bool condition, const std::string& message);
 // Throws `Error` (kUsage), led by `flag`, unless there is at least one of `items` and each is one of `known`.
 void RequireKnown(const std::vector<std::string>& items, const std::vector<std::string>& known,
                   const std::string& flag);

@@ -116,9 +116,9 @@ GradientErrors BackpropCase::Compare(const RolloutGradient& gradient, const Roll
 void BackpropCaseOptions::Validate() const {
   RequireKnown(scenes, kBenchmarkScenes, "--scene");
   RequireKnown(settings, BackpropSettingNames(), "--settings");
-  RequireUsage(!nodes.empty(), "--nodes: expected at least one number");
-  for (const int n : nodes) RequireUsage(n >= 2, "--nodes: expected numbers >= 2");
-  RequireUsage(num_steps >= 0, "--steps: expected a number >= 1");
+  ExpectUsage(!nodes.empty(), "--nodes: expected at least one number");
+  for (const int n : nodes) ExpectUsage(n >= 2, "--nodes: expected numbers >= 2");
+  ExpectUsage(num_steps >= 0, "--steps: expected a number >= 1");
 }
 
 void ForEachCase(const BackpropCaseOptions& options, const std::function<void(BackpropCase*)>& visit) {

@@ -88,8 +88,8 @@ std::string BackpropTableRow(const BackpropBenchmark& benchmark, const BackpropR
   const auto milliseconds = [&result](auto value) {
     return 1e3 / result.name.num_steps * MedianOfRuns(Collect(result, value));
   };
-  const double fallback =
-      MedianOfRuns(Collect(result, [](const BackpropSample& s) { return 100.0 * s.fallback / (s.total - s.fallback); }));
+  const double fallback = MedianOfRuns(
+      Collect(result, [](const BackpropSample& s) { return 100.0 * s.fallback / (s.total - s.fallback); }));
   return Format("%-7s%-10s%5d  %-16s", result.name.scene.c_str(), result.name.setting.c_str(), result.name.nodes,
                 result.method.c_str()) +
          Format("%9.2f%9.2f%7.2f%7.2f%7.2f", milliseconds([](const BackpropSample& s) { return s.total; }),
@@ -123,7 +123,7 @@ void BackpropOptions::Validate() const {
   std::vector<std::string> known;
   for (const BackpropMethod& method : BackpropMethods()) known.push_back(method.name);
   if (!methods.empty()) RequireKnown(methods, known, "--methods");
-  RequireUsage(num_repeats >= 1, "--repeats: expected a number >= 1");
+  ExpectUsage(num_repeats >= 1, "--repeats: expected a number >= 1");
 }
 
 BackpropBenchmark RunBackpropBenchmark(const BackpropOptions& options) {

@@ -47,9 +47,9 @@ void SetMethod(const std::string& method, FitOptions* options) {
   const std::string jacobian = method.substr(0, method.find(':'));
   const bool has_solver = jacobian != method;
   const std::string where = "--methods: '" + Printable(method) + "': ";
-  RequireUsage(std::count(kJacobianBenchmarkMethods.begin(), kJacobianBenchmarkMethods.end(), jacobian) > 0 &&
-                   (!has_solver || jacobian == "adjoint"),
-               where + "expected adjoint, sensitivity or numeric");
+  ExpectUsage(std::count(kJacobianBenchmarkMethods.begin(), kJacobianBenchmarkMethods.end(), jacobian) > 0 &&
+                  (!has_solver || jacobian == "adjoint"),
+              where + "expected adjoint, sensitivity or numeric");
   options->jacobian = ParseJacobianMethod(jacobian);
   try {
     if (has_solver) options->adjoint = ParseAdjointOptions(method.substr(jacobian.size() + 1));
@@ -144,12 +144,12 @@ std::string JacobianTableRow(const JacobianBenchmark& benchmark, double noise, c
 }  // namespace
 
 void JacobianBenchmarkOptions::Validate() const {
-  RequireUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
-  RequireUsage(truth.size() == 2, "--set: expected two parameters, as in mu=0.3,k_stretch=100");
-  RequireUsage(std::isfinite(noise) && noise >= 0.0, "--noise: expected a number >= 0, relative to the cloth's size");
-  RequireUsage(starts_per_axis >= 2 && starts_per_axis % 2 == 0, "--starts: expected an even number >= 2");
-  RequireUsage(num_threads >= 1, "--threads: expected a number >= 1");
-  RequireUsage(!methods.empty(), "--methods: expected at least one method");
+  ExpectUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  ExpectUsage(truth.size() == 2, "--set: expected two parameters, as in mu=0.3,k_stretch=100");
+  ExpectUsage(std::isfinite(noise) && noise >= 0.0, "--noise: expected a number >= 0, relative to the cloth's size");
+  ExpectUsage(starts_per_axis >= 2 && starts_per_axis % 2 == 0, "--starts: expected an even number >= 2");
+  ExpectUsage(num_threads >= 1, "--threads: expected a number >= 1");
+  ExpectUsage(!methods.empty(), "--methods: expected at least one method");
   FitOptions options;
   for (const std::string& method : methods) SetMethod(method, &options);
 }

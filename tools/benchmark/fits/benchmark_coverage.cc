@@ -119,21 +119,20 @@ void RunCoverageFit(const std::vector<TrueParameter>& truth, const CoverageOptio
 // What is asked of recordings that are made without a sensor.
 void RequireRecordings(const CoverageOptions& options) {
   const StartSource start = options.import.start;
-  RequireUsage(!options.sigma || (std::isfinite(*options.sigma) && *options.sigma > 0.0),
-               "--sigma: expected a number > 0 in m");
-  RequireUsage(!options.frame_rate || (std::isfinite(*options.frame_rate) && *options.frame_rate > 0.0),
-               "--frame_rate: expected a number > 0 in Hz");
-  RequireUsage(options.num_markers >= 0, "--markers: expected a number >= 0; 0: all nodes");
-  RequireUsage(
-      options.num_markers == 0 || start != StartSource::kFirstFrame,
-      "--markers: a first frame of markers shows no start; expected --initial scene, smoothed, rest or moving");
-  RequireUsage(std::isfinite(options.import.cut) && options.import.cut >= 0.0, "--cut: expected a number >= 0 in s");
-  RequireUsage(options.import.cut == 0.0 || start != StartSource::kScene,
-               "--cut: the scene's start is not that of a recording that begins later; expected another --initial");
-  RequireUsage(std::isfinite(options.import.handle_sigma) && options.import.handle_sigma >= 0.0,
-               "--handle_sigma: expected a number >= 0 in m");
-  RequireUsage(options.resolution.steps >= 1, "--truth_steps: expected a number >= 1");
-  RequireUsage(options.resolution.levels >= 0, "--truth_levels: expected a number >= 0");
+  ExpectUsage(!options.sigma || (std::isfinite(*options.sigma) && *options.sigma > 0.0),
+              "--sigma: expected a number > 0 in m");
+  ExpectUsage(!options.frame_rate || (std::isfinite(*options.frame_rate) && *options.frame_rate > 0.0),
+              "--frame_rate: expected a number > 0 in Hz");
+  ExpectUsage(options.num_markers >= 0, "--markers: expected a number >= 0; 0: all nodes");
+  ExpectUsage(options.num_markers == 0 || start != StartSource::kFirstFrame,
+              "--markers: a first frame of markers shows no start; expected --initial scene, smoothed, rest or moving");
+  ExpectUsage(std::isfinite(options.import.cut) && options.import.cut >= 0.0, "--cut: expected a number >= 0 in s");
+  ExpectUsage(options.import.cut == 0.0 || start != StartSource::kScene,
+              "--cut: the scene's start is not that of a recording that begins later; expected another --initial");
+  ExpectUsage(std::isfinite(options.import.handle_sigma) && options.import.handle_sigma >= 0.0,
+              "--handle_sigma: expected a number >= 0 in m");
+  ExpectUsage(options.resolution.steps >= 1, "--truth_steps: expected a number >= 1");
+  ExpectUsage(options.resolution.levels >= 0, "--truth_levels: expected a number >= 0");
   if (options.sensor_path.empty()) return;
   for (const auto& [is_given, flag] :
        {std::pair(options.sigma.has_value(), "--sigma"), std::pair(options.frame_rate.has_value(), "--frame_rate"),
@@ -141,19 +140,19 @@ void RequireRecordings(const CoverageOptions& options) {
         std::pair(options.resolution.levels > 0, "--truth_levels"),
         std::pair(options.import.handle_sigma > 0.0, "--handle_sigma"),
         std::pair(start != StartSource::kScene, "--initial")}) {
-    RequireUsage(!is_given, flag + std::string(": expected without --sensor, whose recordings have their own"));
+    ExpectUsage(!is_given, flag + std::string(": expected without --sensor, whose recordings have their own"));
   }
 }
 
 }  // namespace
 
 void CoverageOptions::Validate() const {
-  RequireUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
-  RequireUsage(!truth.empty(), "--set: expected at least one parameter, as in mu=0.3,k_stretch=100");
-  RequireUsage(std::isfinite(noise) && noise > 0.0, "--noise: expected a number > 0, relative to the cloth's size");
-  RequireUsage(num_seeds >= 2, "--seeds: expected a number >= 2");
-  RequireUsage(num_threads >= 1, "--threads: expected a number >= 1");
-  RequireUsage(std::isfinite(start_factor) && start_factor > 0.0, "--start_factor: expected a number > 0");
+  ExpectUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  ExpectUsage(!truth.empty(), "--set: expected at least one parameter, as in mu=0.3,k_stretch=100");
+  ExpectUsage(std::isfinite(noise) && noise > 0.0, "--noise: expected a number > 0, relative to the cloth's size");
+  ExpectUsage(num_seeds >= 2, "--seeds: expected a number >= 2");
+  ExpectUsage(num_threads >= 1, "--threads: expected a number >= 1");
+  ExpectUsage(std::isfinite(start_factor) && start_factor > 0.0, "--start_factor: expected a number > 0");
   if (!settings.empty()) RequireKnown(settings, KnownSettings(*this), "--settings");
   RequireRecordings(*this);
 }

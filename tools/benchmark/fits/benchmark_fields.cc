@@ -124,13 +124,13 @@ FieldsFit FitField(const FieldsOptions& options, int side, RecordedMotion motion
 }  // namespace
 
 void FieldsOptions::Validate() const {
-  RequireUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
-  RequireUsage(nodes >= 4, "--nodes: expected a number >= 4");
-  RequireUsage(!sides.empty(), "--settings: expected at least one side of a control grid");
+  ExpectUsage(!scene_path.empty(), "--scene is missing; see benchmark --help");
+  ExpectUsage(nodes >= 4, "--nodes: expected a number >= 4");
+  ExpectUsage(!sides.empty(), "--settings: expected at least one side of a control grid");
   for (const int side : sides)
-    RequireUsage(side >= 2 && side <= 64, "--settings: expected sides of 2 to 64 control nodes");
-  RequireUsage(noise > 0.0 && std::isfinite(noise), "--sigma: expected a number > 0");
-  RequireUsage(level > 0.0 && std::isfinite(level), "--set: expected k_stretch=NUMBER, > 0");
+    ExpectUsage(side >= 2 && side <= 64, "--settings: expected sides of 2 to 64 control nodes");
+  ExpectUsage(noise > 0.0 && std::isfinite(noise), "--sigma: expected a number > 0");
+  ExpectUsage(level > 0.0 && std::isfinite(level), "--set: expected k_stretch=NUMBER, > 0");
 }
 
 FieldsBenchmark RunFieldsBenchmark(const FieldsOptions& options) {

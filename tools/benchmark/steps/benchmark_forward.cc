@@ -74,7 +74,9 @@ void ForwardRun::Repeat(int num_steps) {
 }
 
 void ForwardRun::Summarize() {
-  const auto median = [](const std::vector<double>& values) { return values.empty() ? kNoNumber : MedianOfRuns(values); };
+  const auto median = [](const std::vector<double>& values) {
+    return values.empty() ? kNoNumber : MedianOfRuns(values);
+  };
   result.seconds = median(step_seconds);
   double sum = 0.0;  // medians do not add up to one of themselves
   for (const std::vector<double>& values : shares) sum += median(values);
@@ -194,11 +196,11 @@ std::optional<double> ReferenceStepSeconds(const std::string& scene, int nodes) 
 
 void ForwardBenchmarkOptions::Validate() const {
   RequireKnown(scenes, kBenchmarkScenes, "--scene");
-  RequireUsage(!nodes.empty(), "--nodes: expected at least one number");
-  for (const int n : nodes) RequireUsage(n >= 2 && n <= kMaxNodes / n, "--nodes: expected numbers >= 2, not too large");
+  ExpectUsage(!nodes.empty(), "--nodes: expected at least one number");
+  for (const int n : nodes) ExpectUsage(n >= 2 && n <= kMaxNodes / n, "--nodes: expected numbers >= 2, not too large");
   RequireKnown(integrators, kIntegratorNames, "--integrator");
-  RequireUsage(num_steps >= 1, "--steps: expected a number >= 1");
-  RequireUsage(repeats >= 1, "--repeats: expected a number >= 1");
+  ExpectUsage(num_steps >= 1, "--steps: expected a number >= 1");
+  ExpectUsage(repeats >= 1, "--repeats: expected a number >= 1");
 }
 
 ForwardBenchmark RunForwardBenchmark(const ForwardBenchmarkOptions& options) {
