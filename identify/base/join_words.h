@@ -1,8 +1,10 @@
-// Lists in sentences.
+// Lists and numbers in sentences.
 #ifndef CLOTHID_IDENTIFY_BASE_JOIN_WORDS_H_
 #define CLOTHID_IDENTIFY_BASE_JOIN_WORDS_H_
 
 #include <cstddef>
+#include <iomanip>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,14 @@ inline std::string JoinWords(const std::vector<std::string>& words) {
   }
   return text;
 }
+
+// "4.123", with that many digits; "1.234 mm" of metres.
+inline std::string NumberText(double value, int digits = 4) {
+  std::ostringstream text;
+  text << std::setprecision(digits) << value;
+  return text.str();
+}
+inline std::string MillimetreText(double metres, int digits = 4) { return NumberText(1e3 * metres, digits) + " mm"; }
 
 }  // namespace clothid
 

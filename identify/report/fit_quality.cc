@@ -3,19 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
+
+#include "identify/base/join_words.h"
 
 namespace clothid {
 namespace {
-
-std::string Number(double value, int digits = 3) {
-  std::ostringstream text;
-  text << std::setprecision(digits) << value;
-  return text.str();
-}
-
-std::string Millimetres(double metres) { return Number(1e3 * metres) + " mm"; }
 
 // Every difference of a coordinate.
 template <typename Visitor>
@@ -59,10 +51,10 @@ void AddNoise(const FitSummary& summary, const std::vector<RecordedMotion>& moti
         "The recording does not state its noise, so the intervals take all of the remaining error for noise: how "
         "large the error should be at best is not known.");
   } else if (scale <= kExplained) {
-    lines->push_back("The " + NoiseName(motions) + " explains the error: residuals are " + Number(scale) +
+    lines->push_back("The " + NoiseName(motions) + " explains the error: residuals are " + NumberText(scale, 3) +
                      " times its standard deviation. A better fit would be a fit of the noise.");
   } else {
-    lines->push_back("Residuals are " + Number(scale) + " times the " + NoiseName(motions) +
+    lines->push_back("Residuals are " + NumberText(scale, 3) + " times the " + NoiseName(motions) +
                      ": the model misses something, or there is more noise than that.");
   }
 }
@@ -73,12 +65,12 @@ void AddLasting(const FitSummary& summary, std::vector<std::string>* lines) {
   if (!summary.uncertainty || summary.uncertainty->residual_scale < kWithoutNoise || std::isnan(correlation)) return;
   if (correlation <= kLasting) {
     lines->push_back("The error changes from frame to frame like the noise of a sensor (correlation " +
-                     Number(correlation, 2) + ").");
+                     NumberText(correlation, 2) + ").");
     return;
   }
-  lines->push_back("Of " + Millimetres(rmse) + " rmse about " + Millimetres(rmse * std::sqrt(correlation)) +
+  lines->push_back("Of " + MillimetreText(rmse, 3) + " rmse about " + MillimetreText(rmse * std::sqrt(correlation), 3) +
                    " last from frame to frame, which is an error of the model, and " +
-                   Millimetres(rmse * std::sqrt(1.0 - correlation)) +
+                   MillimetreText(rmse * std::sqrt(1.0 - correlation), 3) +
                    " change like noise. The model cannot come below the former with these parameters.");
 }
 
@@ -90,7 +82,7 @@ void AddUnseen(const std::vector<RecordedMotion>& motions, std::vector<std::stri
     num_all += static_cast<double>(motion.positions.size());
   }
   if (num_unseen <= kWorthAWord * num_all) return;
-  lines->push_back(Number(100.0 * num_unseen / num_all, 2) + " % of the coordinates were not seen.");
+  lines->push_back(NumberText(100.0 * num_unseen / num_all, 2) + " % of the coordinates were not seen.");
 }
 
 }  // namespace

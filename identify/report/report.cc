@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "datasets/importing/handle_tracks.h"
+#include "identify/base/join_words.h"
 #include "identify/base/knot_names.h"
 #include "identify/base/version.h"
 #include "identify/export/export.h"
@@ -68,32 +69,24 @@ void SetPrediction(const RecordedMotion& motion, const Eigen::MatrixXd& predicte
   SetPoints(motion, tensors);
 }
 
-std::string ShortNumber(double value, int digits) {
-  std::ostringstream text;
-  text << std::setprecision(digits) << value;
-  return text.str();
-}
-
-std::string ShortMillimetres(double metres) { return ShortNumber(1e3 * metres, 4) + " mm"; }
-
 std::string CloudRow(const CloudError& error, const CloudError& start) {
-  const auto percent = [](const CloudError& of) { return ShortNumber(100.0 * of.num_far / of.num_points, 3) + " %"; };
+  const auto percent = [](const CloudError& of) { return NumberText(100.0 * of.num_far / of.num_points, 3) + " %"; };
   std::string rows;
   if (error.num_tracked > 0.0) {
-    rows = "surface         " + ShortMillimetres(error.rmse()) + " (nodes " + ShortMillimetres(error.node_rmse());
-    if (error.num_border > 0.0) rows += ", border " + ShortMillimetres(error.border_rmse());
+    rows = "surface         " + MillimetreText(error.rmse()) + " (nodes " + MillimetreText(error.node_rmse());
+    if (error.num_border > 0.0) rows += ", border " + MillimetreText(error.border_rmse());
     rows += ")";
   } else {
-    rows = "cloud           " + ShortMillimetres(error.rmse());
+    rows = "cloud           " + MillimetreText(error.rmse());
   }
-  return rows + " from points to the surface (root mean square), at the start " + ShortMillimetres(start.rmse()) +
-         "; farther than " + ShortNumber(kFarFromSurface, 2) + " sigma " + percent(error) + ", at the start " +
+  return rows + " from points to the surface (root mean square), at the start " + MillimetreText(start.rmse()) +
+         "; farther than " + NumberText(kFarFromSurface, 2) + " sigma " + percent(error) + ", at the start " +
          percent(start) + "\n";
 }
 
 std::string ForceRow(const ForceError& error, const ForceError& start) {
-  return "force           " + ShortNumber(error.rms(), 4) + " N (root mean square of a component), at the start " +
-         ShortNumber(start.rms(), 4) + " N\n";
+  return "force           " + NumberText(error.rms(), 4) + " N (root mean square of a component), at the start " +
+         NumberText(start.rms(), 4) + " N\n";
 }
 
 // Of positions, where any were measured, of clouds and of forces.
@@ -101,8 +94,8 @@ std::string ErrorRows(const FitSummary& summary) {
   const PredictionError &error = summary.error, &start = summary.start_error;
   std::ostringstream rows;
   if (std::isfinite(error.rmse())) {
-    rows << "rmse            " << ShortMillimetres(error.rmse()) << " (" << error.rmse() << " m), at the start "
-         << ShortMillimetres(start.rmse()) << "\n";
+    rows << "rmse            " << MillimetreText(error.rmse()) << " (" << error.rmse() << " m), at the start "
+         << MillimetreText(start.rmse()) << "\n";
   }
   if (error.force.num_components > 0.0) rows << ForceRow(error.force, start.force);
   if (error.cloud.num_points > 0.0) rows << CloudRow(error.cloud, start.cloud);
@@ -119,12 +112,12 @@ std::string Interval(const FitSummary& summary, const FitChecks& checks, int ind
   const int digits =
       2 + static_cast<int>(std::ceil(-std::log10(relative_std + std::numeric_limits<double>::epsilon())));
   const int shown = std::clamp(digits, kFewestDigits, kMostDigits);
-  return ShortNumber(uncertainty.lower95, shown) + " .. " + ShortNumber(uncertainty.upper95, shown);
+  return NumberText(uncertainty.lower95, shown) + " .. " + NumberText(uncertainty.upper95, shown);
 }
 
 std::string StartRow(const StartEstimate& start) {
   const auto with_std = [](double value, double std) {
-    return ShortNumber(1e3 * value, 3) + " +- " + ShortNumber(1e3 * std, 3);
+    return NumberText(1e3 * value, 3) + " +- " + NumberText(1e3 * std, 3);
   };
   std::string row = "start           recording " + std::to_string(start.recording + 1) +
                     ": estimated, cloth moved by " + with_std(start.moved, start.position_std) + " mm";
@@ -140,7 +133,7 @@ std::string WindRows(const WindResult& result) {
     rows += "wind            " + recording + DescribeFittedWind(wind) + "\n";
   }
   if (result.smoothness > 0.0) {
-    rows += "smoothness      " + ShortNumber(result.smoothness, 3) + " m/s in a second, " +
+    rows += "smoothness      " + NumberText(result.smoothness, 3) + " m/s in a second, " +
             SmoothnessWords(result.smoothness_source) + "\n";
   }
   return rows;
@@ -274,8 +267,8 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     const FittedParameter& parameter = summary.parameters[i];
     if (checks.wind && FindKnot(parameter.name)) continue;
-    print_row(parameter.name, ShortNumber(parameter.value, 8), Interval(summary, checks, i),
-              ShortNumber(parameter.start, 6), ParameterRemark(summary, checks, i));
+    print_row(parameter.name, NumberText(parameter.value, 8), Interval(summary, checks, i),
+              NumberText(parameter.start, 6), ParameterRemark(summary, checks, i));
   }
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     const std::string prior = PriorRemark(summary, i);

@@ -15,8 +15,6 @@ constexpr double kClearlyLower = 0.1;
 // Energy that comes from nowhere, as a share of the largest energy: from here on the motion is another.
 constexpr double kLargeEnergyGain = 0.1;
 
-Reason Remark(const std::string& line) { return {Usability::kUsable, kExitSuccess, {}, "", line}; }
-
 void AddMinimum(const FitSummary& summary, const MultiStart& starts, const Minimum& other,
                 std::vector<Reason>* reasons) {
   constexpr double kFarHigher = 1e4;
@@ -37,8 +35,8 @@ void AddMinimum(const FitSummary& summary, const MultiStart& starts, const Minim
     reasons->push_back(Remark(line + "the recording cannot tell it from the preferred one"));
     return;
   }
-  reasons->push_back({Usability::kDoNotUse, kExitNotIdentifiable, ambiguous, "another minimum fits as well",
-                      line + "the recording cannot tell it from the preferred one"});
+  reasons->push_back(
+      NotTold(ambiguous, "another minimum fits as well", line + "the recording cannot tell it from the preferred one"));
 }
 
 void AddStarts(const FitSummary& summary, const MultiStart& starts, std::vector<Reason>* reasons) {
@@ -70,10 +68,9 @@ void AddProfileInterval(const FitSummary& summary, const Profile& profile, std::
   const int num_open = (std::isnan(profile.lower95) ? 1 : 0) + (std::isnan(profile.upper95) ? 1 : 0);
   const std::vector<int> parameter = {IndexOf(summary, profile.parameter)};
   if (num_open == 2) {
-    reasons->push_back({Usability::kDoNotUse, kExitNotIdentifiable, parameter, "its profile is open", line});
+    reasons->push_back(NotTold(parameter, "its profile is open", line));
   } else if (num_open == 1) {
-    reasons->push_back({Usability::kWithCare, kExitSuccess, parameter,
-                        "the profile of " + profile.parameter + " is open on one side", line});
+    reasons->push_back(Careful(parameter, "the profile of " + profile.parameter + " is open on one side", line));
   } else {
     reasons->push_back(Remark(line));
   }
@@ -86,13 +83,9 @@ void AddProfiles(const FitSummary& summary, const FitChecks& checks, std::vector
         std::min_element(profile.points.begin(), profile.points.end(),
                          [](const ProfilePoint& a, const ProfilePoint& b) { return a.cost_rise < b.cost_rise; });
     if (lowest == profile.points.end() || !(lowest->cost_rise < -kProfileRounding)) continue;
-    const bool is_clear = -0.5 * lowest->cost_rise > kClearlyLower;
-    reasons->push_back({is_clear ? Usability::kDoNotUse : Usability::kWithCare,
-                        is_clear ? kExitDoNotUse : kExitSuccess,
-                        {},
-                        "a profile met a point of lower cost",
-                        "profile of " + profile.parameter + ": a lower cost was found at " +
-                            ValuesText(summary, lowest->values) + ": fit again from there"});
+    reasons->push_back(AgainstAll(-0.5 * lowest->cost_rise > kClearlyLower, "a profile met a point of lower cost",
+                                  "profile of " + profile.parameter + ": a lower cost was found at " +
+                                      ValuesText(summary, lowest->values) + ": fit again from there"));
   }
 }
 
@@ -119,16 +112,12 @@ void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
 
 void AddEnergy(const EnergyGain& gain, const std::string& prefix, std::vector<Reason>* reasons) {
   if (!(gain.share() >= kMostEnergyGain)) return;
-  const bool is_large = gain.share() >= kLargeEnergyGain;
   const std::string brief = prefix + "the simulation gains energy that no work pays for";
-  reasons->push_back({is_large ? Usability::kDoNotUse : Usability::kWithCare,
-                      is_large ? kExitDoNotUse : kExitSuccess,
-                      {},
-                      brief,
-                      brief + ", " + NumberText(gain.energy) + " J by " + NumberText(gain.time) + " s, " +
-                          NumberText(100.0 * gain.share(), 3) +
-                          " % of the largest: the steps are too long for so stiff a cloth; shorten them, or take the " +
-                          "integrator euler"});
+  reasons->push_back(AgainstAll(gain.share() >= kLargeEnergyGain, brief,
+                                brief + ", " + NumberText(gain.energy) + " J by " + NumberText(gain.time) + " s, " +
+                                    NumberText(100.0 * gain.share(), 3) +
+                                    " % of the largest: the steps are too long for so stiff a cloth; shorten them, or "
+                                    "take the integrator euler"));
 }
 
 void AddField(const FittedField& field, std::vector<Reason>* reasons) {
@@ -138,20 +127,14 @@ void AddField(const FittedField& field, std::vector<Reason>* reasons) {
   if (field.log_std.size() == 0 || undetermined == 0.0) return;
   const std::string line = "the recordings do not determine the field " + name + " at " + NumberText(undetermined) +
                            " of " + NumberText(size) + " control nodes: there it is what was believed beforehand";
-  if (undetermined == size) {
-    reasons->push_back({Usability::kDoNotUse, kExitNotIdentifiable, {}, "the field " + name + " is not told", line});
-  } else {
-    reasons->push_back({Usability::kWithCare, kExitSuccess, {}, "the field " + name + " is not told everywhere", line});
-  }
+  reasons->push_back(undetermined == size ? NotTold({}, "the field " + name + " is not told", line)
+                                          : Careful({}, "the field " + name + " is not told everywhere", line));
 }
 
 void AddFields(const FieldResult& result, std::vector<Reason>* reasons) {
   if (!result.has_converged && !result.fields.empty()) {
-    reasons->push_back({Usability::kDoNotUse,
-                        kExitNotConverged,
-                        {},
-                        "the fit of the fields did not converge",
-                        "fields: " + result.message});
+    const std::string brief = "the fit of the fields did not converge";
+    reasons->push_back({Usability::kDoNotUse, kExitNotConverged, {}, brief, "fields: " + result.message});
   }
   for (const FittedField& field : result.fields) AddField(field, reasons);
 }

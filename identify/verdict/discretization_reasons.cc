@@ -42,11 +42,8 @@ void AddParts(const FitSummary& summary, int index, std::vector<Reason>* reasons
   const bool is_far = largest > kFarStds * uncertainty.std && largest > kFarShare * std::abs(parameter.value);
   const std::string brief =
       step >= mesh ? "the error of the time step exceeds the noise" : "the error of the mesh exceeds the noise";
-  reasons->push_back({is_far ? Usability::kWithCare : Usability::kUsable,
-                      kExitSuccess,
-                      {index},
-                      is_far ? brief : "",
-                      PartsText(parameter, uncertainty)});
+  const std::string parts = PartsText(parameter, uncertainty);
+  reasons->push_back(is_far ? Careful({index}, brief, parts) : Remark(parts, {index}));
 }
 
 // What the fit `fit` says besides its estimates; `where` as in "at half the time step".
@@ -56,7 +53,7 @@ void AddRepeatedEnd(const std::optional<RepeatedFit>& fit, const std::string& wh
   const std::string brief = "the fit " + where + " ended as " + FitStatusName(fit->status);
   const std::string meaning = fit->has_estimate() ? "the error of the " + error + " may be another"
                                                   : "intervals do not count with the " + error;
-  reasons->push_back({Usability::kWithCare, kExitSuccess, {}, brief, brief + ": " + meaning});
+  reasons->push_back(Careful({}, brief, brief + ": " + meaning));
 }
 
 }  // namespace

@@ -45,26 +45,19 @@ std::string Prefix(const FitChecks& checks, const RecordingFit& recording) {
 void AddFitPercent(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
   const double fit = recording.error.fit_percent();
   if (!(fit < kLowFit) || IsSmall(recording)) return;
-  const std::string percent = " (" + NumberText(fit) + " %)";
+  const std::string brief =
+      prefix + (fit >= 0.0 ? "the fit is low" : "the fit is negative") + " (" + NumberText(fit) + " %)";
   if (fit >= 0.0) {
-    reasons->push_back({Usability::kWithCare,
-                        kExitSuccess,
-                        {},
-                        prefix + "the fit is low" + percent,
-                        prefix + "the fit is low" + percent + ": the prediction is hardly nearer to the recording " +
-                            "than a cloth at rest"});
+    reasons->push_back(
+        Careful({}, brief, brief + ": the prediction is hardly nearer to the recording than a cloth at rest"));
     return;
   }
   const bool moves = recording.motion() > kRestShare * recording.cloth_size;
-  const bool is_bad = fit < kClearlyNegative && moves;
-  reasons->push_back({is_bad ? Usability::kDoNotUse : Usability::kWithCare,
-                      is_bad ? kExitDoNotUse : kExitSuccess,
-                      {},
-                      prefix + "the fit is negative" + percent,
-                      prefix + "the fit is negative" + percent +
-                          ": every point at rest at its mean place would be nearer to the " + "recording, rmse " +
-                          MillimetreText(recording.motion()) + " against " + MillimetreText(recording.error.rmse()) +
-                          (moves ? "; look at unit, frame of reference and axes" : "; the cloth hardly moves")});
+  reasons->push_back(
+      AgainstAll(fit < kClearlyNegative && moves, brief,
+                 brief + ": every point at rest at its mean place would be nearer to the recording, rmse " +
+                     MillimetreText(recording.motion()) + " against " + MillimetreText(recording.error.rmse()) +
+                     (moves ? "; look at unit, frame of reference and axes" : "; the cloth hardly moves")));
 }
 
 void AddSize(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
@@ -72,12 +65,10 @@ void AddSize(const RecordingFit& recording, const std::string& prefix, std::vect
   if (!(share > kLargeShare)) return;
   const bool is_huge = share > kHugeShare;
   const std::string brief = prefix + (is_huge ? "the error is of the size of the cloth" : "the error is large");
-  reasons->push_back({is_huge ? Usability::kDoNotUse : Usability::kWithCare,
-                      is_huge ? kExitDoNotUse : kExitSuccess,
-                      {},
-                      brief,
-                      brief + ": rmse " + MillimetreText(recording.error.rmse()) + ", " + NumberText(100.0 * share, 3) +
-                          " % of the " + MillimetreText(recording.cloth_size) + " of the cloth"});
+  reasons->push_back(AgainstAll(is_huge, brief,
+                                brief + ": rmse " + MillimetreText(recording.error.rmse()) + ", " +
+                                    NumberText(100.0 * share, 3) + " % of the " + MillimetreText(recording.cloth_size) +
+                                    " of the cloth"));
 }
 
 // Errors that noise does not explain: intervals, which scale with them, know what chance would do, and neither what the
@@ -86,39 +77,28 @@ void AddUnexplained(const RecordingFit& recording, const std::string& prefix, st
   const double factor = recording.error.rmse() / recording.noise;
   if (!(factor > kExplainedScale)) return;
   const std::string brief = prefix + "the error is " + NumberText(factor, 2) + " times the noise";
-  reasons->push_back({Usability::kWithCare,
-                      kExitSuccess,
-                      {},
-                      brief,
-                      brief + ": rmse " + MillimetreText(recording.error.rmse()) + " against " +
-                          MillimetreText(recording.noise) +
-                          "; model, start or handles miss something, or this is not the best minimum, and intervals "
-                          "know of neither"});
+  reasons->push_back(Careful({}, brief,
+                             brief + ": rmse " + MillimetreText(recording.error.rmse()) + " against " +
+                                 MillimetreText(recording.noise) +
+                                 "; model, start or handles miss something, or this is not the best minimum, and "
+                                 "intervals know of neither"));
 }
 
 void AddStart(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
   if (!recording.start || !recording.start->is_noticeable()) return;
   const StartDifference& start = *recording.start;
-  const bool is_large = start.is_large();
   const std::string brief = prefix + "the scene's start is not where the first frame shows the cloth";
-  reasons->push_back(
-      {is_large ? Usability::kDoNotUse : Usability::kWithCare,
-       is_large ? kExitDoNotUse : kExitSuccess,
-       {},
-       brief,
-       brief + ": " + MillimetreText(start.rms) + " off (root mean square), " +
-           NumberText(100.0 * start.rms / start.cloth_size, 3) +
-           " % of the cloth's size; correct initial.positions, or leave it out: the start is then estimated"});
+  reasons->push_back(AgainstAll(
+      start.is_large(), brief,
+      brief + ": " + MillimetreText(start.rms) + " off (root mean square), " +
+          NumberText(100.0 * start.rms / start.cloth_size, 3) +
+          " % of the cloth's size; correct initial.positions, or leave it out: the start is then estimated"));
 }
 
 void AddNoisyStart(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
   if (!recording.starts_at_noise) return;
   const std::string brief = prefix + "noisy frames were taken for the start";
-  reasons->push_back({Usability::kWithCare,
-                      kExitSuccess,
-                      {},
-                      brief,
-                      brief + ": intervals do not count with that; --initial estimated does"});
+  reasons->push_back(Careful({}, brief, brief + ": intervals do not count with that; --initial estimated does"));
 }
 
 // How much of the doubt comes from the start: nothing against the fit.
@@ -131,12 +111,8 @@ void AddEstimatedStart(const FitSummary& summary, std::vector<Reason>* reasons) 
     factors += (factors.empty() ? "" : ", ") + summary.parameters[i].name + " " +
                NumberText(parameter.std / parameter.known_start_std, 2);
   }
-  reasons->push_back({Usability::kUsable,
-                      kExitSuccess,
-                      {},
-                      "",
-                      "the start was estimated with the parameters" +
-                          (factors.empty() ? "" : "; standard deviations are larger for it by " + factors)});
+  reasons->push_back(Remark("the start was estimated with the parameters" +
+                            (factors.empty() ? "" : "; standard deviations are larger for it by " + factors)));
 }
 
 // "mu 2.1, k_stretch 3, knots of the wind up to 4": by how much intervals are wider than those of independent
@@ -170,14 +146,10 @@ void AddWidening(const FitSummary& summary, std::vector<Reason>* reasons) {
       in_time ? "residuals are correlated from frame to frame" : "residuals of one frame are correlated";
   const std::string meaning = in_time ? " (" + NumberText(correlation, 2) + "): the model misses something that lasts"
                                       : ": an error of the whole frame";
-  reasons->push_back({is_grave ? Usability::kWithCare : Usability::kUsable,
-                      kExitSuccess,
-                      {},
-                      is_grave ? brief : "",
-                      brief + meaning +
-                          (widenings.empty() ? ""
-                                             : "; the intervals count with that and are wider than " +
-                                                   std::string("those of independent residuals by ") + widenings)});
+  const std::string consequence =
+      "; the intervals count with that and are wider than those of independent residuals by " + widenings;
+  const std::string line = brief + meaning + (widenings.empty() ? "" : consequence);
+  reasons->push_back(is_grave ? Careful({}, brief, line) : Remark(line));
 }
 
 // Where no interval could be widened: with the correlation c from frame to frame, m residuals say as much as
@@ -189,13 +161,11 @@ void AddCorrelation(const FitSummary& summary, std::vector<Reason>* reasons) {
   const double correlation = std::min(summary.error.autocorrelation(), kHighest);
   if (summary.uncertainty->residual_scale < kRoundingResiduals || !(correlation > kCorrelatedResiduals)) return;
   const std::string brief = "residuals are correlated from frame to frame";
-  reasons->push_back({Usability::kWithCare,
-                      kExitSuccess,
-                      {},
-                      brief,
-                      brief + " (" + NumberText(correlation, 2) +
-                          "): the model misses something that lasts, and the intervals are too narrow by a factor of " +
-                          "about " + NumberText(std::sqrt((1.0 + correlation) / (1.0 - correlation)), 2)});
+  reasons->push_back(
+      Careful({}, brief,
+              brief + " (" + NumberText(correlation, 2) +
+                  "): the model misses something that lasts, and the intervals are too narrow by a factor of about " +
+                  NumberText(std::sqrt((1.0 + correlation) / (1.0 - correlation)), 2)));
 }
 
 void AddFarPoints(const FitSummary& summary, std::vector<Reason>* reasons) {
@@ -203,13 +173,10 @@ void AddFarPoints(const FitSummary& summary, std::vector<Reason>* reasons) {
   const CloudError& cloud = summary.error.cloud;
   if (!(cloud.num_far > kManyFar * cloud.num_points)) return;
   reasons->push_back(
-      {Usability::kWithCare,
-       kExitSuccess,
-       {},
-       "many points of clouds are far from the surface",
-       NumberText(100.0 * cloud.num_far / cloud.num_points, 3) + " % of the points of clouds are farther than " +
-           NumberText(kFarFromSurface, 2) +
-           " sigma from the predicted surface: the model misses what they show, and the estimates with " + "it"});
+      Careful({}, "many points of clouds are far from the surface",
+              NumberText(100.0 * cloud.num_far / cloud.num_points, 3) + " % of the points of clouds are farther than " +
+                  NumberText(kFarFromSurface, 2) +
+                  " sigma from the predicted surface: the model misses what they show, and the estimates with it"));
 }
 
 void AddLowerPoint(const FitSummary& summary, std::vector<Reason>* reasons) {
@@ -217,27 +184,21 @@ void AddLowerPoint(const FitSummary& summary, std::vector<Reason>* reasons) {
   const std::string times = std::to_string(num) + (num == 1 ? " time" : " times");
   if (summary.interval_check && summary.interval_check->better.size() > 0) {
     const IntervalCheck& check = *summary.interval_check;
-    const bool is_clear = -0.5 * check.lowest_rise() > kLowerCost;
     const std::string brief = "a point of lower cost was met";
     const std::string where =
         check.rise_beyond == check.lowest_rise() ? "a step on from an end of it" : "at an end of it";
-    reasons->push_back({is_clear ? Usability::kDoNotUse : Usability::kWithCare,
-                        is_clear ? kExitDoNotUse : kExitSuccess,
-                        {},
-                        brief,
-                        brief + " where the interval of " + summary.parameters[check.parameter].name +
-                            " was checked: " + where + " the cost \"rises\" by " + NumberText(check.lowest_rise(), 2) +
-                            " instead of 3.84" +
-                            (num > 0 ? ", after the fit had gone on from such a point " + times : "") +
-                            "; the cost is rough: see --starts and the landscape"});
+    reasons->push_back(AgainstAll(-0.5 * check.lowest_rise() > kLowerCost, brief,
+                                  brief + " where the interval of " + summary.parameters[check.parameter].name +
+                                      " was checked: " + where + " the cost \"rises\" by " +
+                                      NumberText(check.lowest_rise(), 2) + " instead of 3.84" +
+                                      (num > 0 ? ", after the fit had gone on from such a point " + times : "") +
+                                      "; the cost is rough: see --starts and the landscape"));
   } else if (num > 0) {
-    reasons->push_back({Usability::kWithCare,
-                        kExitSuccess,
-                        {},
-                        "the cost has more than one minimum",
-                        "the fit went on " + times +
-                            " from a point of lower cost, met where an interval was checked: the cost has more than " +
-                            "one minimum; see --starts"});
+    const std::string brief = "the cost has more than one minimum";
+    reasons->push_back(Careful({}, brief,
+                               "the fit went on " + times +
+                                   " from a point of lower cost, met where an interval was checked: " + brief +
+                                   "; see --starts"));
   }
 }
 
@@ -245,14 +206,10 @@ void AddLowerPoint(const FitSummary& summary, std::vector<Reason>* reasons) {
 void AddObstacleSwitches(const FitSummary& summary, std::vector<Reason>* reasons) {
   const int num_switches = summary.counts.obstacle_switches;
   if (num_switches == 0) return;
-  reasons->push_back(
-      {Usability::kUsable,
-       kExitSuccess,
-       {},
-       "",
-       "at the estimate " + std::to_string(num_switches) + (num_switches == 1 ? " contact jumps" : " contacts jump") +
-           " from one obstacle to another: the cost has small jumps there that no derivative shows, and a fit "
-           "may end at one; compare with --starts and look at the landscape"});
+  reasons->push_back(Remark(
+      "at the estimate " + std::to_string(num_switches) + (num_switches == 1 ? " contact jumps" : " contacts jump") +
+      " from one obstacle to another: the cost has small jumps there that no derivative shows, and a fit may end at "
+      "one; compare with --starts and look at the landscape"));
 }
 
 }  // namespace

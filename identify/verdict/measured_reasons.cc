@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "identify/base/join_words.h"
 #include "identify/verdict/reason.h"
 
 namespace clothid {
@@ -65,13 +64,10 @@ void AddMeasuredReasons(const FitSummary& summary, std::vector<Reason>* reasons)
     const std::string brief =
         parameter.name + " is " + NumberText(times, 2) + " times beyond what was measured of any cloth";
     const std::string unit = std::string(" ") + measured.unit;
-    reasons->push_back({Usability::kWithCare,
-                        kExitSuccess,
-                        {i},
-                        brief,
-                        brief + ": " + NumberText(parameter.value, 5) + unit + " against " +
-                            NumberText(measured.lowest) + " to " + NumberText(measured.highest) + unit + "; " +
-                            Explanation(summary, parameter)});
+    reasons->push_back(Careful({i}, brief,
+                               brief + ": " + NumberText(parameter.value, 5) + unit + " against " +
+                                   NumberText(measured.lowest) + " to " + NumberText(measured.highest) + unit + "; " +
+                                   Explanation(summary, parameter)));
   }
 }
 

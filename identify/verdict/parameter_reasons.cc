@@ -1,8 +1,6 @@
 // Reasons that lie in what the recordings tell of each parameter.
 #include <cmath>
-#include <utility>
 
-#include "identify/base/join_words.h"
 #include "identify/verdict/reason.h"
 #include "identify/verdict/told.h"
 
@@ -11,10 +9,6 @@ namespace {
 
 // Ends of an interval that differ by more than this factor are worth a word.
 constexpr double kWideFactor = 5.0;
-
-Reason Forbidden(std::vector<int> parameters, const std::string& brief, const std::string& line) {
-  return {Usability::kDoNotUse, kExitNotIdentifiable, std::move(parameters), brief, line};
-}
 
 std::vector<int> FreeParameters(const FitSummary& summary) {
   std::vector<int> free;
@@ -29,13 +23,13 @@ void AddHidden(const FitSummary& summary, const std::vector<int>& hidden, std::v
   const std::string brief = "not told by the recording";
   const std::vector<HiddenDirection>& directions = summary.uncertainty->hidden_directions;
   if (directions.empty()) {
-    reasons->push_back(Forbidden(hidden, brief, "not identifiable: " + NamesText(summary, hidden)));
+    reasons->push_back(NotTold(hidden, brief, "not identifiable: " + NamesText(summary, hidden)));
   }
   for (const HiddenDirection& direction : directions) {
-    reasons->push_back(Forbidden(hidden, brief,
-                                 "not identifiable: " + direction.words +
-                                     ": moved from bound to bound, the prediction changes by " +
-                                     NumberText(direction.visible_change, 2) + " standard deviations"));
+    reasons->push_back(NotTold(hidden, brief,
+                               "not identifiable: " + direction.words +
+                                   ": moved from bound to bound, the prediction changes by " +
+                                   NumberText(direction.visible_change, 2) + " standard deviations"));
   }
 }
 
@@ -47,11 +41,11 @@ void AddStalled(const FitSummary& summary, const std::vector<int>& stalled, std:
                         NumberText(summary.uncertainty->parameters[i].distance, 2));
   }
   reasons->push_back(
-      Forbidden(stalled, "the fit stalled",
-                JoinWords(distances) +
-                    " standard deviations from the minimum of the quadratic model at the estimate, which promises a " +
-                    "cost lower by " + NumberText(summary.uncertainty->predicted_decrease, 2) +
-                    " s^2: the fit stopped early, or at a kink of the cost; no interval is given"));
+      NotTold(stalled, "the fit stalled",
+              JoinWords(distances) +
+                  " standard deviations from the minimum of the quadratic model at the estimate, which promises a " +
+                  "cost lower by " + NumberText(summary.uncertainty->predicted_decrease, 2) +
+                  " s^2: the fit stopped early, or at a kink of the cost; no interval is given"));
 }
 
 void AddHardlyTold(const FitSummary& summary, int index, std::vector<Reason>* reasons) {
@@ -68,7 +62,7 @@ void AddHardlyTold(const FitSummary& summary, int index, std::vector<Reason>* re
     const std::string brief =
         is_discretization ? "hardly told at this time step and mesh" : "hardly told by the recording";
     const std::string advice = is_discretization ? "most of it are their errors" : "give narrower bounds or freeze it";
-    reasons->push_back(Forbidden({index}, brief, name + " is " + brief + ": its 95 % interval " + how + "; " + advice));
+    reasons->push_back(NotTold({index}, brief, name + " is " + brief + ": its 95 % interval " + how + "; " + advice));
     return;
   }
   // Its value is known, but not from this side.
@@ -89,7 +83,7 @@ void AddUndetermined(const FitSummary& summary, const std::vector<int>& free, st
     const bool reaches_bound = parameter.reaches_lower || parameter.reaches_upper;
     if (summary.parameters[i].at_bound) {
       reasons->push_back(
-          Forbidden({i}, "at its bound", summary.parameters[i].name + " stands at its bound: no interval is given"));
+          NotTold({i}, "at its bound", summary.parameters[i].name + " stands at its bound: no interval is given"));
     } else if (parameter.stalled) {
       stalled.push_back(i);
     } else if (parameter.visible && (parameter.is_hardly_told() || reaches_bound)) {
@@ -105,11 +99,8 @@ void AddWide(const FitSummary& summary, int index, std::vector<Reason>* reasons)
   const ParameterUncertainty& parameter = summary.uncertainty->parameters[index];
   if (!parameter.identifiable || !(parameter.factor > kWideFactor)) return;
   const std::string brief = "the interval of " + summary.parameters[index].name + " is wide";
-  reasons->push_back({Usability::kWithCare,
-                      kExitSuccess,
-                      {index},
-                      brief,
-                      brief + ": its ends differ by a factor of " + NumberText(parameter.factor, 2)});
+  reasons->push_back(
+      Careful({index}, brief, brief + ": its ends differ by a factor of " + NumberText(parameter.factor, 2)));
 }
 
 void AddIntervalCheck(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
@@ -120,12 +111,9 @@ void AddIntervalCheck(const FitSummary& summary, const FitChecks& checks, std::v
     return std::isnan(value) ? std::string("nothing that can be told") : NumberText(value, 2);
   };
   const std::string brief = "the interval of " + summary.parameters[check.parameter].name + " cannot be relied on";
-  reasons->push_back({Usability::kWithCare,
-                      kExitSuccess,
-                      {check.parameter},
-                      brief,
-                      brief + ": at its ends the cost rises by " + rise(check.rise_below) + " and " +
-                          rise(check.rise_above) + " instead of 3.84; see --profile and --starts"});
+  reasons->push_back(Careful({check.parameter}, brief,
+                             brief + ": at its ends the cost rises by " + rise(check.rise_below) + " and " +
+                                 rise(check.rise_above) + " instead of 3.84; see --profile and --starts"));
 }
 
 }  // namespace
@@ -135,7 +123,7 @@ void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std
   if (free.empty()) return;
   if (!summary.uncertainty) {
     if (summary.status != FitStatus::kConverged) return;
-    reasons->push_back(Forbidden(free, "no interval", "no interval is given: there is no derivative at the estimate"));
+    reasons->push_back(NotTold(free, "no interval", "no interval is given: there is no derivative at the estimate"));
     return;
   }
   AddUndetermined(summary, free, reasons);
@@ -151,13 +139,11 @@ void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vec
     const double share =
         100.0 * check.step / (parameter.scale == ParameterScale::kLog ? 1.0 : std::abs(parameter.value));
     const auto rise = [](double value) { return std::isnan(value) ? std::string("nothing") : NumberText(value, 2); };
-    reasons->push_back({Usability::kWithCare,
-                        kExitSuccess,
-                        {check.parameter},
-                        brief,
-                        brief + ": " + NumberText(share, 2) + " % below and above it the cost rises by " +
-                            rise(check.rise_below) + " and " + rise(check.rise_above) + " instead of " +
-                            NumberText(check.expected_rise, 2) + "; what --starts or a landscape show is its width"});
+    reasons->push_back(Careful({check.parameter}, brief,
+                               brief + ": " + NumberText(share, 2) + " % below and above it the cost rises by " +
+                                   rise(check.rise_below) + " and " + rise(check.rise_above) + " instead of " +
+                                   NumberText(check.expected_rise, 2) +
+                                   "; what --starts or a landscape show is its width"));
   }
 }
 

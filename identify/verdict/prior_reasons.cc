@@ -7,28 +7,24 @@ namespace {
 // Residuals may be so many times larger or smaller than sigma before the weight of a prior is worth a word.
 constexpr double kOtherNoise = 2.0;
 
-Reason Careful(int index, const std::string& brief, const std::string& figures) {
-  return {Usability::kWithCare, kExitSuccess, {index}, brief, brief + ": " + figures};
-}
-
 void AddDisagreement(const FittedParameter& parameter, const ToldBesidePrior& told, int index,
                      std::vector<Reason>* reasons) {
   if (!told.disagrees()) return;
-  reasons->push_back(Careful(index, "the recording contradicts the prior of " + parameter.name,
-                             "without the prior it would be about " + NumberText(told.other_value, 3) + ", " +
+  const std::string brief = "the recording contradicts the prior of " + parameter.name;
+  reasons->push_back(Careful({index}, brief,
+                             brief + ": without the prior it would be about " + NumberText(told.other_value, 3) + ", " +
                                  NumberText(told.disagreement, 2) + " joint standard deviations from " +
                                  PriorText(parameter.prior, parameter.scale)));
 }
 
 void AddReliance(const FittedParameter& parameter, const ToldBesidePrior& told, int index,
                  std::vector<Reason>* reasons) {
-  const std::string share = "its standard deviation is " + NumberText(told.share, 2) + " of that of the prior, " +
-                            PriorText(parameter.prior, parameter.scale);
-  if (told.adds_nothing()) {
-    reasons->push_back(Careful(index, "the recording adds nothing to what was believed of " + parameter.name, share));
-  } else if (!told.is_told) {
-    reasons->push_back(Careful(index, parameter.name + " is not identifiable without its prior", share));
-  }
+  if (!told.adds_nothing() && told.is_told) return;
+  const std::string brief = told.adds_nothing() ? "the recording adds nothing to what was believed of " + parameter.name
+                                                : parameter.name + " is not identifiable without its prior";
+  reasons->push_back(Careful({index}, brief,
+                             brief + ": its standard deviation is " + NumberText(told.share, 2) +
+                                 " of that of the prior, " + PriorText(parameter.prior, parameter.scale)));
 }
 
 // The estimate weighs priors, whose standard deviations count as true, against residuals over sigma.
@@ -37,12 +33,9 @@ void AddWeight(const FitSummary& summary, std::vector<Reason>* reasons) {
   if (!(scale > kOtherNoise || scale < 1.0 / kOtherNoise)) return;
   const std::string brief =
       scale > 1.0 ? "priors count for less than they are worth" : "priors count for more than they are worth";
-  reasons->push_back({Usability::kWithCare,
-                      kExitSuccess,
-                      {},
-                      brief,
-                      brief + ": they are weighed against sigma, and residuals are " + NumberText(scale, 2) +
-                          " times as large; --sigma with what they are weighs them right"});
+  reasons->push_back(Careful({}, brief,
+                             brief + ": they are weighed against sigma, and residuals are " + NumberText(scale, 2) +
+                                 " times as large; --sigma with what they are weighs them right"));
 }
 
 // Knots of the wind that only their neighbours tell.
@@ -56,11 +49,9 @@ void AddKnots(const FitSummary& summary, std::vector<Reason>* reasons) {
   if (believed.empty()) return;
   const std::string count = std::to_string(believed.size()) + " of " + std::to_string(knots.size()) + " knots";
   const std::string brief = "the recordings do not determine the wind at " + count;
-  const bool is_all = believed.size() == knots.size();
-  reasons->push_back({is_all ? Usability::kDoNotUse : Usability::kWithCare,
-                      is_all ? kExitNotIdentifiable : kExitSuccess, believed, brief,
-                      brief + ", " + NamesText(summary, believed) +
-                          ": there it is what was believed of it beside its neighbours, that it changes little"});
+  const std::string line = brief + ", " + NamesText(summary, believed) +
+                           ": there it is what was believed of it beside its neighbours, that it changes little";
+  reasons->push_back((believed.size() == knots.size() ? NotTold : Careful)(believed, brief, line));
 }
 
 }  // namespace

@@ -1,20 +1,26 @@
 #include "identify/verdict/reason.h"
 
-#include <iomanip>
-#include <sstream>
+#include <utility>
 
-#include "identify/base/join_words.h"
 #include "identify/base/knot_names.h"
 
 namespace clothid {
 
-std::string NumberText(double value, int digits) {
-  std::ostringstream text;
-  text << std::setprecision(digits) << value;
-  return text.str();
+Reason Remark(const std::string& line, std::vector<int> parameters) {
+  return {Usability::kUsable, kExitSuccess, std::move(parameters), "", line};
 }
 
-std::string MillimetreText(double metres) { return NumberText(1e3 * metres) + " mm"; }
+Reason Careful(std::vector<int> parameters, const std::string& brief, const std::string& line) {
+  return {Usability::kWithCare, kExitSuccess, std::move(parameters), brief, line};
+}
+
+Reason AgainstAll(bool is_grave, const std::string& brief, const std::string& line) {
+  return is_grave ? Reason{Usability::kDoNotUse, kExitDoNotUse, {}, brief, line} : Careful({}, brief, line);
+}
+
+Reason NotTold(std::vector<int> parameters, const std::string& brief, const std::string& line) {
+  return {Usability::kDoNotUse, kExitNotIdentifiable, std::move(parameters), brief, line};
+}
 
 std::string ValuesText(const FitSummary& summary, const Eigen::VectorXd& values) {
   std::string text;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/base/join_words.h"
 #include "identify/fit/fit_summary.h"
 #include "identify/verdict/fit_checks.h"
 #include "identify/verdict/usability.h"
@@ -22,6 +23,13 @@ struct Reason {
   std::string brief;
   std::string line;  // with figures; empty: `brief` says it all
 };
+
+// Good to know; what asks for care; the same against the whole answer, which must not be used where it is grave; and
+// parameters that must not be used, for nothing tells them.
+Reason Remark(const std::string& line, std::vector<int> parameters = {});
+Reason Careful(std::vector<int> parameters, const std::string& brief, const std::string& line);
+Reason AgainstAll(bool is_grave, const std::string& brief, const std::string& line);
+Reason NotTold(std::vector<int> parameters, const std::string& brief, const std::string& line);
 
 // Each appends what it finds. The fit: its end, its error in every recording, its residuals, the points that its checks
 // have met.
@@ -40,10 +48,7 @@ void AddDiscretizationReasons(const FitSummary& summary, const FitChecks& checks
 // What was looked at besides: other starts, profiles, held-out measurements.
 void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 
-// "4.123", with that many digits; "1.234 mm" of metres; "mu 0.3, k_stretch 50" of the values of all that are not
-// frozen; "mu and drag" of names.
-std::string NumberText(double value, int digits = 4);
-std::string MillimetreText(double metres);
+// "mu 0.3, k_stretch 50" of the values of all that are not frozen; "mu and drag" of names.
 std::string ValuesText(const FitSummary& summary, const Eigen::VectorXd& values);
 std::string NamesText(const FitSummary& summary, const std::vector<int>& parameters);
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
+
+#include "identify/base/join_words.h"
 
 namespace clothid {
 
@@ -14,18 +14,21 @@ bool IsInDent(const FitSummary& summary, int index) {
                      [&](const DentCheck& check) { return check.parameter == index && check.is_dent(); });
 }
 
+// Another start ended at another value that fits as well.
+bool IsAmbiguous(const FitChecks& checks, int index) {
+  return checks.starts && !checks.starts->ambiguous.empty() && checks.starts->ambiguous[index];
+}
+
 }  // namespace
 
 std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen || !summary.uncertainty) return std::nullopt;
-  const bool is_ambiguous = checks.starts && !checks.starts->ambiguous.empty() && checks.starts->ambiguous[index];
-  return summary.uncertainty->parameters[index].identifiable && !is_ambiguous;
+  return summary.uncertainty->parameters[index].identifiable && !IsAmbiguous(checks, index);
 }
 
 bool HasInterval(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen || !summary.uncertainty) return false;
-  const bool is_ambiguous = checks.starts && !checks.starts->ambiguous.empty() && checks.starts->ambiguous[index];
-  return !std::isnan(summary.uncertainty->parameters[index].std) && !is_ambiguous;
+  return !std::isnan(summary.uncertainty->parameters[index].std) && !IsAmbiguous(checks, index);
 }
 
 std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, int index) {
@@ -51,10 +54,8 @@ std::string PriorRemark(const FitSummary& summary, int index) {
   const std::string prior = PriorText(parameter.prior, parameter.scale);
   if (!summary.uncertainty || !summary.uncertainty->parameters[index].beside_prior) return prior;
   const ToldBesidePrior& told = *summary.uncertainty->parameters[index].beside_prior;
-  std::ostringstream share;
-  share << std::setprecision(2) << told.share;
   return prior + "; " + (told.adds_nothing() ? "the recording adds nothing" : "the recording makes it narrower") +
-         ": the standard deviation is " + share.str() + " of the prior's";
+         ": the standard deviation is " + NumberText(told.share, 2) + " of the prior's";
 }
 
 }  // namespace clothid
