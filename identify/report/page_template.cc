@@ -11,11 +11,7 @@ namespace clothid {
 std::string ScriptText(const nlohmann::ordered_json& json) {
   std::string text;
   for (const char letter : json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
-    if (letter == '<') {
-      text += "\\u003c";
-    } else {
-      text += letter;
-    }
+    text += letter == '<' ? "\\u003c" : std::string(1, letter);
   }
   return text;
 }
@@ -25,6 +21,12 @@ nlohmann::ordered_json RoundedJson(double value, int digits) {
   std::array<char, 32> text;
   std::snprintf(text.data(), text.size(), "%.*g", digits, value);
   return std::strtod(text.data(), nullptr);
+}
+
+nlohmann::ordered_json RoundedJson(const Eigen::VectorXd& values, int digits) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const double value : values) json.push_back(RoundedJson(value, digits));
+  return json;
 }
 
 std::string FillPage(std::string_view page, std::initializer_list<PageMark> marks) {

@@ -2,6 +2,7 @@
 #ifndef CLOTHID_IDENTIFY_REPORT_PAGE_TEMPLATE_H_
 #define CLOTHID_IDENTIFY_REPORT_PAGE_TEMPLATE_H_
 
+#include <Eigen/Core>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -19,6 +20,7 @@ std::string ScriptText(const nlohmann::ordered_json& json);
 
 // `value` rounded to `digits` digits, enough to look at and a third shorter than all; NaN and infinity as null.
 nlohmann::ordered_json RoundedJson(double value, int digits);
+nlohmann::ordered_json RoundedJson(const Eigen::VectorXd& values, int digits);  // a list
 
 // A mark of a page, such as "{{data}}", and what stands in its place.
 struct PageMark {

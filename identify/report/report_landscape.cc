@@ -49,13 +49,10 @@ class Failures {
   void Add(int place, const std::string& reason) {
     const std::string text = Printable(reason);
     std::size_t index = static_cast<std::size_t>(std::find(reasons_.begin(), reasons_.end(), text) - reasons_.begin());
-    if (index == reasons_.size()) {
-      if (reasons_.size() < kMaxReasons) {
-        reasons_.push_back(text);
-      } else {
-        index = kMaxReasons - 1;
-        reasons_.back() = "one of many reasons, see landscape.csv";
-      }
+    if (index == kMaxReasons) {
+      reasons_[--index] = "one of many reasons, see landscape.csv";
+    } else if (index == reasons_.size()) {
+      reasons_.push_back(text);
     }
     failed_.push_back({place, index});
   }
@@ -111,8 +108,9 @@ std::vector<std::string> Notes(const FitLandscape& landscape, const std::vector<
   if (num_windows > kMaxWindows) {
     notes.push_back(std::to_string(kMaxWindows) + " of " + std::to_string(num_windows) + " windows are shown.");
   }
-  if (every > 1)
+  if (every > 1) {
     notes.push_back("Every " + std::to_string(every) + "th cell along both axes, to keep this file small.");
+  }
   return notes;
 }
 
@@ -137,12 +135,7 @@ Json RegionJson(const FitLandscape& landscape, const FitSummary& summary, const 
   }
   const Eigen::Matrix2Xd region = ConfidenceRegion(landscape, summary);
   if (region.cols() == 0) return nullptr;
-  Json x = Json::array(), y = Json::array();
-  for (Eigen::Index i = 0; i < region.cols(); ++i) {
-    x.push_back(RoundedJson(region(0, i), 12));
-    y.push_back(RoundedJson(region(1, i), 12));
-  }
-  return {{"x", x}, {"y", y}};
+  return {{"x", RoundedJson(region.row(0).transpose(), 12)}, {"y", RoundedJson(region.row(1).transpose(), 12)}};
 }
 
 }  // namespace
@@ -157,9 +150,7 @@ Json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, con
                 {"scale", scanned.scale == ParameterScale::kLog ? "log" : "linear"}};
   };
   Json windows = Json::array();
-  for (int w = 0; w < num_windows; ++w) {
-    windows.push_back(WindowJson(landscape.landscape, w, every));
-  }
+  for (int w = 0; w < num_windows; ++w) windows.push_back(WindowJson(landscape.landscape, w, every));
   return {{"recording", landscape.recording},
           {"x", axis(landscape.x, plan.windows.front().x)},
           {"y", axis(landscape.y, plan.windows.front().y)},

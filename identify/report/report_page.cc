@@ -40,27 +40,20 @@ constexpr int kNumBins = 61;
 // The width of a histogram to both sides of zero, in root mean squares of a coordinate.
 constexpr double kHistogramRange = 4.0;
 
-Json RoundedList(const Eigen::VectorXd& values) {
-  Json json = Json::array();
-  for (const double value : values) json.push_back(RoundedJson(value, kPageDigits));
-  return json;
-}
-
 Json ConvergenceJson(const FitSummary& summary) {
   Json iterations = Json::array(), seconds = Json::array(), cost = Json::array(), loose = Json::array();
-  std::vector<Json> values(summary.parameters.size(), Json::array());
+  Json values = Json::object();
+  for (const FittedParameter& parameter : summary.parameters) values[parameter.name] = Json::array();
   for (const FitIteration& row : summary.iterations) {
     iterations.push_back(row.iteration);
     seconds.push_back(RoundedJson(row.seconds, kPageDigits));
     cost.push_back(RoundedJson(row.cost, kPageDigits));
     loose.push_back(row.precision == Precision::kLoose);
     for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i].push_back(RoundedJson(row.values[static_cast<Eigen::Index>(i)], 10));
+      values[summary.parameters[i].name].push_back(RoundedJson(row.values[static_cast<Eigen::Index>(i)], 10));
     }
   }
-  Json named = Json::object();
-  for (std::size_t i = 0; i < values.size(); ++i) named[summary.parameters[i].name] = values[i];
-  return {{"iteration", iterations}, {"seconds", seconds}, {"cost", cost}, {"loose", loose}, {"values", named}};
+  return {{"iteration", iterations}, {"seconds", seconds}, {"cost", cost}, {"loose", loose}, {"values", values}};
 }
 
 Json PageProfilesJson(const FitChecks& checks) {
@@ -102,12 +95,10 @@ Json ErrorsOverTime(const RecordedMotion& motion, const Eigen::VectorXd& errors,
   constexpr std::size_t kBytesPerFrame = 3 * 13;
   const std::size_t num_frames = static_cast<std::size_t>(motion.num_frames());
   const int every = static_cast<int>(std::max<std::size_t>(1, num_frames * kBytesPerFrame / max_bytes + 1));
-  Json times = Json::array();
-  for (int i = 0; i < motion.num_frames(); i += every) times.push_back(RoundedJson(motion.times[i], kPageDigits));
   return {{"every", every},
-          {"times", times},
-          {"rmse", RoundedList(Thinned(errors, every))},
-          {"start_rmse", RoundedList(Thinned(start_errors, every))}};
+          {"times", RoundedJson(motion.times(Eigen::seq(0, motion.num_frames() - 1, every)), kPageDigits)},
+          {"rmse", RoundedJson(Thinned(errors, every), kPageDigits)},
+          {"start_rmse", RoundedJson(Thinned(start_errors, every), kPageDigits)}};
 }
 
 Json HistogramJson(const Observation& observation, const RecordedMotion& motion, const Eigen::MatrixXd& predicted,

@@ -24,11 +24,7 @@ constexpr double kMaxRawBytes = 1.0e8;
 constexpr double kBestCompression = 8.0;
 constexpr int kReplayDigits = 7;
 
-Json VectorJson(const Eigen::VectorXd& vector) {
-  Json json = Json::array();
-  for (const double value : vector) json.push_back(RoundedJson(value, kReplayDigits));
-  return json;
-}
+Json VectorJson(const Eigen::VectorXd& vector) { return RoundedJson(vector, kReplayDigits); }
 
 // As many digits of a time as tell a `digits`-digit part of the recording: clocks count from 1970.
 int TimeDigits(const Eigen::VectorXd& times, int digits) {
@@ -43,26 +39,22 @@ std::string PackMatrix(const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynami
 
 std::string PackFaces(const Eigen::Matrix3Xi& faces) { return PackMatrix<std::int32_t>(faces.cast<std::int32_t>()); }
 
+// Without a "type" where it is none of these shapes.
 Json ObstacleJson(const SceneObstacle& obstacle) {
-  Json json = Json::object();
-  json["name"] = obstacle.name;
+  Json json = Json::object({{"name", obstacle.name}});
   if (const auto* plane = dynamic_cast<const Plane*>(obstacle.shape.get())) {
-    json["type"] = "plane";
-    json["point"] = VectorJson(plane->point());
-    json["normal"] = VectorJson(plane->normal());
+    json.update({{"type", "plane"}, {"point", VectorJson(plane->point())}, {"normal", VectorJson(plane->normal())}});
   } else if (const auto* sphere = dynamic_cast<const Sphere*>(obstacle.shape.get())) {
-    json["type"] = "sphere";
-    json["center"] = VectorJson(sphere->center());
-    json["radius"] = sphere->radius();
+    json.update({{"type", "sphere"}, {"center", VectorJson(sphere->center())}, {"radius", sphere->radius()}});
   } else if (const auto* capsule = dynamic_cast<const Capsule*>(obstacle.shape.get())) {
-    json["type"] = "capsule";
-    json["from"] = VectorJson(capsule->from());
-    json["to"] = VectorJson(capsule->to());
-    json["radius"] = capsule->radius();
+    json.update({{"type", "capsule"},
+                 {"from", VectorJson(capsule->from())},
+                 {"to", VectorJson(capsule->to())},
+                 {"radius", capsule->radius()}});
   } else if (const auto* surface = dynamic_cast<const TriangulatedSurface*>(obstacle.shape.get())) {
-    json["type"] = "mesh";
-    json["vertices"] = PackMatrix<float>(surface->vertices().cast<float>());
-    json["faces"] = PackFaces(surface->faces());
+    json.update({{"type", "mesh"},
+                 {"vertices", PackMatrix<float>(surface->vertices().cast<float>())},
+                 {"faces", PackFaces(surface->faces())}});
   }
   return json;
 }
@@ -109,20 +101,12 @@ double Largest(const Eigen::MatrixXd& errors) {
   return largest;
 }
 
-// The frames 0, every, 2 every, ..
-std::vector<int> EveryFrame(int num_frames, int every) {
-  std::vector<int> frames;
-  for (int frame = 0; frame < num_frames; frame += every) frames.push_back(frame);
-  return frames;
-}
-
 // What changes over time.
 Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double largest_error, int every) {
   const RecordedMotion& motion = *source.motion;
-  const std::vector<int> frames = EveryFrame(motion.num_frames(), every);
-  Json json = {{"every", every}, {"times", Json::array()}};
-  const int time_digits = TimeDigits(motion.times, kReplayDigits);
-  for (const int frame : frames) json["times"].push_back(RoundedJson(motion.times[frame], time_digits));
+  std::vector<int> frames;
+  for (int frame = 0; frame < motion.num_frames(); frame += every) frames.push_back(frame);
+  Json json = {{"every", every}, {"times", RoundedJson(motion.times(frames), TimeDigits(motion.times, kReplayDigits))}};
   json["recorded"] = PackPositions(Quantize(grid, motion.positions, frames));
   const auto add = [&](const char* name, const Eigen::MatrixXd* positions) {
     if (positions != nullptr) json[name] = PackPositions(Quantize(grid, *positions, frames));
@@ -163,11 +147,7 @@ Json CommonJson(const ReplaySource& source, const PositionGrid& grid, double lar
   return json;
 }
 
-Json LeftOut(const std::string& reason) {
-  Json json = Json::object();
-  json["left_out"] = reason;
-  return json;
-}
+Json LeftOut(const std::string& reason) { return Json::object({{"left_out", reason}}); }
 
 }  // namespace
 
@@ -213,11 +193,6 @@ nlohmann::ordered_json ReplayJson(const ReplaySource& source, std::size_t max_by
 Json ForcesJson(const ForceReadings& forces, const Eigen::MatrixXd* predicted, std::size_t max_bytes) {
   constexpr std::size_t kBytesPerNumber = 13;
   constexpr int kForceDigits = 6;
-  const auto rounded = [](const Eigen::VectorXd& values, int digits) {
-    Json json = Json::array();
-    for (const double value : values) json.push_back(RoundedJson(value, digits));
-    return json;
-  };
   const auto num_numbers = static_cast<std::size_t>((2 * forces.values.rows() + 1) * forces.num_readings());
   const auto every = static_cast<Eigen::Index>(num_numbers * kBytesPerNumber / max_bytes + 1);
   const auto shown = Eigen::seq(0, forces.num_readings() - 1, every);
@@ -226,11 +201,11 @@ Json ForcesJson(const ForceReadings& forces, const Eigen::MatrixXd* predicted, s
     if (forces.values.row(row).array().isNaN().all()) continue;
     components.push_back({{"group", row / 3 + 1},
                           {"axis", std::string(1, "xyz"[row % 3])},
-                          {"measured", rounded(forces.values.row(row).transpose()(shown), kForceDigits)}});
+                          {"measured", RoundedJson(forces.values.row(row).transpose()(shown), kForceDigits)}});
     if (predicted != nullptr)
-      components.back()["predicted"] = rounded(predicted->row(row).transpose()(shown), kForceDigits);
+      components.back()["predicted"] = RoundedJson(predicted->row(row).transpose()(shown), kForceDigits);
   }
-  return {{"times", rounded(forces.times(shown), TimeDigits(forces.times, kForceDigits))},
+  return {{"times", RoundedJson(forces.times(shown), TimeDigits(forces.times, kForceDigits))},
           {"groups", forces.num_groups()},
           {"components", components}};
 }

@@ -8,21 +8,22 @@
 
 #include "identify/base/source_names.h"
 #include "identify/base/version.h"
-#include "identify/report/fields_json.h"
-#include "identify/report/wind_json.h"
+#include "identify/report/varying_json.h"
 
 namespace clothid {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// NaN and infinity as null.
-Json NumberJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+// JSON text has null for NaN and infinity.
+constexpr double kNull = std::numeric_limits<double>::quiet_NaN();
 
+// Null where there are no values.
 Json NamedJson(const std::vector<FittedParameter>& parameters, const Eigen::VectorXd& values) {
+  if (values.size() == 0) return nullptr;
   Json json = Json::object();
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    json[parameters[i].name] = NumberJson(values[static_cast<Eigen::Index>(i)]);
+    json[parameters[i].name] = values[static_cast<Eigen::Index>(i)];
   }
   return json;
 }
@@ -36,10 +37,10 @@ Json PriorJson(const FitSummary& summary, std::size_t index) {
   for (const char* key : {"share", "adds_nothing", "value_without", "disagreement"}) json[key] = nullptr;
   if (!summary.uncertainty || !summary.uncertainty->parameters[index].beside_prior) return json;
   const ToldBesidePrior& told = *summary.uncertainty->parameters[index].beside_prior;
-  json["share"] = NumberJson(told.share);
+  json["share"] = told.share;
   json["adds_nothing"] = told.adds_nothing();
-  json["value_without"] = NumberJson(told.other_value);
-  json["disagreement"] = NumberJson(told.disagreement);
+  json["value_without"] = told.other_value;
+  json["disagreement"] = told.disagreement;
   return json;
 }
 
@@ -51,52 +52,52 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
         summary.uncertainty ? summary.uncertainty->parameters[i] : ParameterUncertainty();
     const std::optional<bool> identifiable = IsIdentifiable(summary, checks, static_cast<int>(i));
     const bool has_interval = HasInterval(summary, checks, static_cast<int>(i));
+    const auto shown = [&](double value) { return has_interval ? value : kNull; };
     json[parameter.name] = {{"value", parameter.value},
-                            {"std", has_interval ? NumberJson(uncertainty.std) : Json(nullptr)},
-                            {"lower95", has_interval ? NumberJson(uncertainty.lower95) : Json(nullptr)},
-                            {"upper95", has_interval ? NumberJson(uncertainty.upper95) : Json(nullptr)},
+                            {"std", shown(uncertainty.std)},
+                            {"lower95", shown(uncertainty.lower95)},
+                            {"upper95", shown(uncertainty.upper95)},
                             {"start", parameter.start},
                             {"at_bound", parameter.at_bound},
                             {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)},
                             {"usable", UsabilityName(verdict.parameters[i])}};
     if (parameter.prior.is_given()) json[parameter.name]["prior"] = PriorJson(summary, i);
     if (checks.discretization) {
-      json[parameter.name]["step_error"] = has_interval ? NumberJson(uncertainty.step_error) : Json(nullptr);
-      json[parameter.name]["step_order"] = has_interval ? NumberJson(uncertainty.step_order) : Json(nullptr);
-      json[parameter.name]["mesh_error"] = has_interval ? NumberJson(uncertainty.mesh_error) : Json(nullptr);
+      json[parameter.name]["step_error"] = shown(uncertainty.step_error);
+      json[parameter.name]["step_order"] = shown(uncertainty.step_order);
+      json[parameter.name]["mesh_error"] = shown(uncertainty.mesh_error);
     }
-    if (!summary.starts.empty()) json[parameter.name]["known_start_std"] = NumberJson(uncertainty.known_start_std);
+    if (!summary.starts.empty()) json[parameter.name]["known_start_std"] = uncertainty.known_start_std;
   }
   return json;
 }
 
 Json StepChoiceJson(const StepChoice& choice) {
   Json trials = Json::array();
-  double taken = std::numeric_limits<double>::quiet_NaN();
+  double taken = kNull;
   for (const StepTrial& trial : choice.trials) {
     if (choice.found && trial.level == choice.level) taken = trial.time_step;
-    trials.push_back({{"time_step", trial.time_step},
-                      {"error_over_noise", NumberJson(trial.error_over_noise)},
-                      {"order", NumberJson(trial.order)}});
+    trials.push_back(
+        {{"time_step", trial.time_step}, {"error_over_noise", trial.error_over_noise}, {"order", trial.order}});
   }
-  return {{"chosen", NumberJson(taken)}, {"needed", NumberJson(choice.needed)}, {"trials", trials}};
+  return {{"chosen", taken}, {"needed", choice.needed}, {"trials", trials}};
 }
 
 Json IntervalCheckJson(const FitSummary& summary) {
   if (!summary.interval_check) return nullptr;
   const IntervalCheck& check = *summary.interval_check;
   return {{"parameter", summary.parameters[check.parameter].name},
-          {"rise_below", NumberJson(check.rise_below)},
-          {"rise_above", NumberJson(check.rise_above)}};
+          {"rise_below", check.rise_below},
+          {"rise_above", check.rise_above}};
 }
 
 Json DentsJson(const FitSummary& summary) {
   Json json = Json::object();
   for (const DentCheck& check : summary.dents) {
     json[summary.parameters[check.parameter].name] = {{"step", check.step},
-                                                      {"expected_rise", NumberJson(check.expected_rise)},
-                                                      {"rise_below", NumberJson(check.rise_below)},
-                                                      {"rise_above", NumberJson(check.rise_above)},
+                                                      {"expected_rise", check.expected_rise},
+                                                      {"rise_below", check.rise_below},
+                                                      {"rise_above", check.rise_above},
                                                       {"is_dent", check.is_dent()}};
   }
   return json;
@@ -110,23 +111,21 @@ Json UncertaintyJson(const FitSummary& summary) {
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     const Eigen::Index row = static_cast<Eigen::Index>(i);
     correlation[summary.parameters[i].name] = NamedJson(summary.parameters, uncertainty.correlation.row(row));
-    visible[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].visible_change);
-    widening[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].widening);
-    distance[summary.parameters[i].name] = NumberJson(uncertainty.parameters[i].distance);
+    visible[summary.parameters[i].name] = uncertainty.parameters[i].visible_change;
+    widening[summary.parameters[i].name] = uncertainty.parameters[i].widening;
+    distance[summary.parameters[i].name] = uncertainty.parameters[i].distance;
   }
   for (const HiddenDirection& direction : uncertainty.hidden_directions) {
     directions.push_back({{"words", direction.words},
-                          {"visible_change", NumberJson(direction.visible_change)},
+                          {"visible_change", direction.visible_change},
                           {"coordinates", NamedJson(summary.parameters, direction.coordinates)}});
   }
-  Json singular_values = Json::array();
-  for (const double value : uncertainty.singular_values) singular_values.push_back(NumberJson(value));
-  Json json = {{"residual_scale", NumberJson(uncertainty.residual_scale)},
-               {"residual_autocorrelation", NumberJson(summary.error.autocorrelation())},
+  Json json = {{"residual_scale", uncertainty.residual_scale},
+               {"residual_autocorrelation", summary.error.autocorrelation()},
                {"visible_change", visible},
                {"distance_to_minimum", distance},
-               {"predicted_decrease", NumberJson(uncertainty.predicted_decrease)},
-               {"singular_values", singular_values},
+               {"predicted_decrease", uncertainty.predicted_decrease},
+               {"singular_values", uncertainty.singular_values},
                {"correlation", correlation},
                {"hidden_directions", directions},
                {"interval_check", IntervalCheckJson(summary)}};
@@ -148,13 +147,13 @@ Json CloudJson(const CloudError& error) {
 
 // Of forces at handles, whose error is no part of `rmse_m`.
 Json ForceJson(const ForceError& error, const ForceError& start) {
-  return {{"rms_N", NumberJson(error.rms())},
-          {"start_rms_N", NumberJson(start.rms())},
+  return {{"rms_N", error.rms()},
+          {"start_rms_N", start.rms()},
           {"num_components", static_cast<long long>(error.num_components)}};
 }
 
 void AddErrors(const FitSummary& summary, Json* json) {
-  (*json)["rmse_m"] = NumberJson(summary.error.rmse());
+  (*json)["rmse_m"] = summary.error.rmse();
   (*json)["fit_percent"] = summary.error.fit_percent();
   if (summary.error.cloud.num_points > 0.0) (*json)["cloud"] = CloudJson(summary.error.cloud);
   if (summary.error.force.num_components > 0.0) {
@@ -168,18 +167,18 @@ Json StartsJson(const FitSummary& summary, const FitChecks& checks) {
   for (const StartResult& start : checks.starts->starts) {
     const bool has_estimate = start.values.size() > 0;
     starts.push_back({{"start", NamedJson(summary.parameters, start.start)},
-                      {"values", has_estimate ? NamedJson(summary.parameters, start.values) : Json(nullptr)},
+                      {"values", NamedJson(summary.parameters, start.values)},
                       {"status", FitStatusName(start.status)},
-                      {"cost", has_estimate ? NumberJson(start.cost) : Json(nullptr)},
-                      {"rmse_m", has_estimate ? NumberJson(start.rmse) : Json(nullptr)},
+                      {"cost", has_estimate ? start.cost : kNull},
+                      {"rmse_m", has_estimate ? start.rmse : kNull},
                       {"minimum", start.minimum < 0 ? Json(nullptr) : Json(start.minimum)}});
   }
   for (const Minimum& minimum : checks.starts->minima) {
     minima.push_back({{"values", NamedJson(summary.parameters, minimum.values)},
-                      {"cost", NumberJson(minimum.cost)},
-                      {"rmse_m", NumberJson(minimum.rmse)},
+                      {"cost", minimum.cost},
+                      {"rmse_m", minimum.rmse},
                       {"num_starts", minimum.num_starts},
-                      {"cost_rise", NumberJson(minimum.cost_rise)}});
+                      {"cost_rise", minimum.cost_rise}});
   }
   return {{"starts", starts}, {"minima", minima}};
 }
@@ -188,8 +187,8 @@ Json ProfilesJson(const FitChecks& checks) {
   if (checks.profiles.empty()) return nullptr;
   Json json = Json::object();
   for (const Profile& profile : checks.profiles) {
-    json[profile.parameter] = {{"lower95", NumberJson(profile.lower95)},
-                               {"upper95", NumberJson(profile.upper95)},
+    json[profile.parameter] = {{"lower95", profile.lower95},
+                               {"upper95", profile.upper95},
                                {"points", profile.points.size()},
                                {"failed", profile.num_failed}};
   }
@@ -198,22 +197,19 @@ Json ProfilesJson(const FitChecks& checks) {
 
 Json RepeatedFitJson(const FitSummary& summary, const std::optional<RepeatedFit>& fit) {
   if (!fit) return nullptr;
-  const bool has_estimate = fit->has_estimate();
   return {{"status", FitStatusName(fit->status)},
-          {"values", has_estimate ? NamedJson(summary.parameters, fit->values) : Json(nullptr)},
-          {"changes", has_estimate ? NamedJson(summary.parameters, fit->changes) : Json(nullptr)},
-          {"rmse_m", has_estimate ? NumberJson(fit->rmse) : Json(nullptr)}};
+          {"values", NamedJson(summary.parameters, fit->values)},
+          {"changes", NamedJson(summary.parameters, fit->changes)},
+          {"rmse_m", fit->has_estimate() ? fit->rmse : kNull}};
 }
 
 Json HoldoutJson(const std::optional<Holdout>& holdout) {
   if (!holdout) return nullptr;
-  Json json = {{"rmse_m", NumberJson(holdout->rmse)},
-               {"nominal_rmse_m", NumberJson(holdout->nominal_rmse)},
-               {"failed", holdout->has_failed()}};
+  Json json = {{"rmse_m", holdout->rmse}, {"nominal_rmse_m", holdout->nominal_rmse}, {"failed", holdout->has_failed()}};
   if (std::isfinite(holdout->nodes_rmse)) json["nodes_rmse_m"] = holdout->nodes_rmse;
   if (std::isfinite(holdout->nominal_force_rms)) {
-    json["force_rms_N"] = NumberJson(holdout->force_rms);
-    json["nominal_force_rms_N"] = NumberJson(holdout->nominal_force_rms);
+    json["force_rms_N"] = holdout->force_rms;
+    json["nominal_force_rms_N"] = holdout->nominal_force_rms;
   }
   return json;
 }
@@ -243,9 +239,9 @@ bool IsToldMore(const std::vector<RecordedMotion>& motions) {
 Json RecordingsJson(const FitSummary& summary, const std::vector<RecordedMotion>& motions) {
   Json json = Json::array();
   for (const RecordedMotion& motion : motions) {
-    const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : std::numeric_limits<double>::quiet_NaN();
+    const double sigma = motion.sigma.size() > 0 ? motion.sigma.mean() : kNull;
     json.push_back({{"sigma_source", SigmaSourceName(motion.sigma_source)},
-                    {"sigma_m", NumberJson(sigma)},
+                    {"sigma_m", sigma},
                     {"initial", StartSourceName(motion.start_source)}});
   }
   for (const StartEstimate& start : summary.starts) {
