@@ -55,14 +55,12 @@ LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
   if (!(axis.lower < axis.upper)) FailOnAxis(flag, text, "expected a lower end below the upper one");
   if (*num_cells < 2) FailOnAxis(flag, text, "expected at least 2 cells");
   if (has_scale && !(axis.lower > 0.0)) FailOnAxis(flag, text, "expected a lower end above 0 on a log axis");
-  if (!IsInRange(kind, axis.lower)) {
+  if (!IsInDomain(DomainOf(kind), axis.lower)) {
     const bool above = DomainOf(kind) == ParameterDomain::kPositive;
     FailOnAxis(flag, text, above ? "expected a lower end above 0" : "expected a lower end of at least 0");
   }
   return axis;
 }
-
-bool IsInRange(ParameterKind kind, double value) { return IsInDomain(DomainOf(kind), value); }
 
 bool Includes(ParameterId whole, ParameterId part) {
   return whole.kind == part.kind && (whole.obstacle == kAllObstacles || whole.obstacle == part.obstacle);

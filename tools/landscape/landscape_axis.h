@@ -16,9 +16,6 @@ namespace clothid {
 LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
                         const std::vector<std::string>& obstacle_names);
 
-// Whether `value` can be simulated: density and stretching stiffness above 0, all others at least 0.
-bool IsInRange(ParameterKind kind, double value);
-
 // Whether setting `whole` sets `part` too: it is the same, or the friction of all obstacles that of one.
 bool Includes(ParameterId whole, ParameterId part);
 

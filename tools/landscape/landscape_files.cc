@@ -1,6 +1,5 @@
 #include "tools/landscape/landscape_files.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -14,12 +13,9 @@ namespace clothid {
 namespace {
 
 nlohmann::ordered_json SigmaJson(const LandscapeSigma& sigma) {
-  const auto number = [](double value) {
-    return std::isnan(value) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
-  };
   return {{"source", SigmaSourceName(sigma.source)},
-          {"sigma_m", number(sigma.value)},
-          {"rmse_of_root_cost_m", number(sigma.rmse_of_root_cost)}};
+          {"sigma_m", sigma.value},
+          {"rmse_of_root_cost_m", sigma.rmse_of_root_cost}};
 }
 
 nlohmann::ordered_json PlanJson(const LandscapePlan& plan, const LandscapeOrigin& origin, const std::string& csv) {

@@ -29,7 +29,6 @@
 #include "tools/landscape/landscape_plan.h"
 #include "tools/landscape/landscape_plot.h"
 #include "tools/landscape/landscape_run.h"
-#include "tools/landscape/landscape_setup.h"
 #include "tools/landscape/landscape_store.h"
 #include "tools/landscape/landscape_summary.h"
 #include "tools/landscape/scene_variant.h"
@@ -57,16 +56,8 @@ namespace clothid {
 namespace {
 
 LandscapeFlags PlanFlags() {
-  LandscapeFlags flags;
-  flags.x = FLAGS_x;
-  flags.y = FLAGS_y;
-  flags.zoom_around = FLAGS_zoom_around;
-  flags.zoom = FLAGS_zoom;
-  flags.zoom_only = FLAGS_zoom_only;
-  flags.sweep = FLAGS_sweep;
-  flags.contact = FLAGS_contact;
-  flags.gradients = FLAGS_gradients;
-  return flags;
+  return {FLAGS_x,         FLAGS_y,     FLAGS_zoom_around, FLAGS_zoom,
+          FLAGS_zoom_only, FLAGS_sweep, FLAGS_contact,     FLAGS_gradients};
 }
 
 ReadMotionOptions ReadingFromFlags() {

@@ -10,7 +10,6 @@
 #include "sim/base/text_file.h"
 #include "sim/scene/parameters.h"
 #include "tools/landscape/landscape_axis.h"
-#include "tools/landscape/scene_variant.h"
 
 namespace clothid {
 namespace {
@@ -55,7 +54,7 @@ double CenterOn(const LandscapeAxis& axis, const std::map<std::string, double>& 
   if (found == centers.end()) FailOnFlag("--zoom_around", "expected a value of '" + axis.parameter + "'");
   if (!(found->second >= axis.lower && found->second <= axis.upper)) {
     FailOnFlag("--zoom_around", "'" + axis.parameter + "': expected a value from " + ShortestText(axis.lower) + " to " +
-                              ShortestText(axis.upper));
+                                    ShortestText(axis.upper));
   }
   return found->second;
 }
@@ -100,7 +99,7 @@ void CheckNumCells(const LandscapeWindow& whole, std::size_t num_settings, std::
                            static_cast<double>(num_settings) * static_cast<double>(num_zooms + 1);
   if (num_cells > kMaxLandscapeCells) {
     FailOnFlag("--x, --y", "expected at most " + std::to_string(kMaxLandscapeCells) +
-                         " cells over all settings and windows, not " + ShortestText(num_cells));
+                               " cells over all settings and windows, not " + ShortestText(num_cells));
   }
 }
 
@@ -112,8 +111,8 @@ std::vector<double> ValuesOn(const LandscapeAxis& axis, const Scene& scene) {
   return {GetParameter(nominal, id)};
 }
 
-}  // namespace
-
+// `motions`: the recording in every setting of the plan; `own`: the scene that the sweep changes. Throws `Error`
+// (kUsage), naming --sweep, where it changes what is on an axis: every cell sets that itself.
 void CheckSweep(const LandscapePlan& plan, const Scene& own, const std::vector<RecordedMotion>& motions) {
   const LandscapeWindow& window = plan.windows.front();
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -123,6 +122,8 @@ void CheckSweep(const LandscapePlan& plan, const Scene& own, const std::vector<R
     }
   }
 }
+
+}  // namespace
 
 LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene) {
   const LandscapeWindow whole = ParseWhole(flags, scene.obstacle_names());
@@ -134,6 +135,22 @@ LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene)
   CheckNumCells(whole, plan.settings.size(), plan.windows.size() - 1);
   plan.has_gradients = flags.gradients;
   return plan;
+}
+
+LandscapeScanOptions SetUpLandscape(const LandscapeFlags& flags, const MotionReader& read,
+                                    const ReadMotionOptions& reading) {
+  LandscapeScanOptions scan;
+  const Scene own = read(reading).scene;
+  scan.plan = MakeLandscapePlan(flags, own);
+  for (std::size_t i = 0; i < scan.plan.settings.size(); ++i) {
+    const LandscapeSetting& setting = scan.plan.settings[i];
+    const bool is_as_before = i > 0 && scan.plan.settings[i - 1].name == setting.name;
+    scan.motions.push_back(is_as_before ? scan.motions.back()
+                                        : ReadMotionVariant(read, reading, ParseSweep(setting.name).front()));
+    scan.motions.back().scene.contact_mode = setting.contact_mode;
+  }
+  CheckSweep(scan.plan, own, scan.motions);
+  return scan;
 }
 
 LandscapeShard ParseShard(const std::string& text) {

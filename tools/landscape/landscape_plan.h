@@ -3,11 +3,12 @@
 #define CLOTHID_TOOLS_LANDSCAPE_LANDSCAPE_PLAN_H_
 
 #include <string>
-#include <vector>
 
-#include "datasets/motion/recorded_motion.h"
+#include "datasets/motion/motion_file.h"
 #include "identify/landscape/landscape.h"
 #include "sim/scene/scene.h"
+#include "tools/landscape/landscape_scan.h"
+#include "tools/landscape/scene_variant.h"
 
 namespace clothid {
 
@@ -26,9 +27,11 @@ struct LandscapeFlags {
 // (kUsage), naming the flag, also where an axis is part of the other.
 LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene);
 
-// `motions`: the recording in every setting of the plan; `own`: the scene that the sweep changes. Throws `Error`
-// (kUsage), naming --sweep, where it changes what is on an axis: every cell sets that itself.
-void CheckSweep(const LandscapePlan& plan, const Scene& own, const std::vector<RecordedMotion>& motions);
+// The plan of `flags`, and in each of its settings the recording that `read` gives with `reading`. Throws `Error` as
+// `MakeLandscapePlan` and `ReadMotionVariant` do, and (kUsage), naming --sweep, where that changes what is on an axis:
+// every cell sets that itself.
+LandscapeScanOptions SetUpLandscape(const LandscapeFlags& flags, const MotionReader& read,
+                                    const ReadMotionOptions& reading);
 
 // "I/N" with 0 <= I < N; empty: the whole. Throws `Error` (kUsage), naming --shard.
 LandscapeShard ParseShard(const std::string& text);

@@ -11,7 +11,6 @@
 #include "sim/scene/parameters.h"
 #include "tools/landscape/landscape_axis.h"
 #include "tools/landscape/landscape_cell_model.h"
-#include "tools/landscape/landscape_plan.h"
 
 namespace clothid {
 namespace {
@@ -129,7 +128,7 @@ void CheckValues(const std::map<std::string, double>& values, const Scene& scene
     if (id.kind == ParameterKind::kFriction && scene.obstacles.empty()) {
       throw Error(ErrorKind::kUsage, source + ": '" + name + "': the scene has no obstacle");
     }
-    if (!IsInRange(id.kind, value)) {
+    if (!IsInDomain(DomainOf(id.kind), value)) {
       throw Error(ErrorKind::kUsage, source + ": '" + name + "': expected " + DomainWords(DomainOf(id.kind)));
     }
   }

@@ -4,43 +4,37 @@
 #include <cmath>
 #include <iomanip>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <utility>
 
-#include "tools/landscape/landscape_plan.h"
+#include "identify/base/join_words.h"
 
 namespace clothid {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Sums of whole numbers, so that no order of the cells shows in the means.
-struct CountSums {
-  long long rollouts = 0, steps = 0, contacts = 0, joined = 0, left = 0, branches = 0, obstacles = 0, changes = 0;
-
-  void Add(const RolloutCounts& counts) {
-    ++rollouts;
+// Of the `count` cells from `first` on. Sums of whole numbers below 2^53 are exact, so that no order of the cells shows
+// in the means.
+ContactMeans MeansOf(const LandscapeCell* first, int count) {
+  double rollouts = 0.0, steps = 0.0;
+  ContactMeans means = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  for (const LandscapeCell* cell = first; cell != first + count; ++cell) {
+    if (!std::isfinite(cell->cost)) continue;
+    const RolloutCounts& counts = cell->counts;
+    rollouts += 1.0;
     steps += counts.steps + counts.substeps;
-    contacts += counts.contacts;
-    joined += counts.nodes_joined;
-    left += counts.nodes_left;
-    branches += counts.branch_switches;
-    obstacles += counts.obstacle_switches;
-    changes += counts.contact_changes();
+    means.contact_changes += counts.contact_changes();
+    means.nodes_joined += counts.nodes_joined;
+    means.nodes_left += counts.nodes_left;
+    means.branch_switches += counts.branch_switches;
+    means.obstacle_switches += counts.obstacle_switches;
+    means.contacts_per_step += counts.contacts;
   }
-};
-
-double Mean(long long sum, long long count) {
-  return count > 0 ? static_cast<double>(sum) / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
-}
-
-ContactMeans MeansOf(const CountSums& sums) {
-  ContactMeans means;
-  means.contact_changes = Mean(sums.changes, sums.rollouts);
-  means.nodes_joined = Mean(sums.joined, sums.rollouts);
-  means.nodes_left = Mean(sums.left, sums.rollouts);
-  means.branch_switches = Mean(sums.branches, sums.rollouts);
-  means.obstacle_switches = Mean(sums.obstacles, sums.rollouts);
-  means.contacts_per_step = Mean(sums.contacts, sums.steps);
+  for (double* mean : {&means.contact_changes, &means.nodes_joined, &means.nodes_left, &means.branch_switches,
+                       &means.obstacle_switches}) {
+    *mean /= rollouts;  // 0/0 is NaN
+  }
+  means.contacts_per_step /= steps;
   return means;
 }
 
@@ -48,26 +42,21 @@ WindowSummary SummarizeWindow(const Landscape& landscape, int setting, int windo
   const LandscapePlan& plan = landscape.plan;
   WindowSummary summary;
   summary.roughness = RoughnessOf(GridOf(landscape, setting, window));
-  CountSums sums;
   const int first = plan.FirstCell(setting, window);
   for (int index = first; index < first + plan.cells_per_window(); ++index) {
     const LandscapeCell& cell = landscape.cells[index];
     summary.failed_steps += cell.counts.failed_steps;
     summary.substeps += cell.counts.substeps;
     if (!std::isfinite(cell.cost)) continue;
-    sums.Add(cell.counts);
     if (!std::isnan(summary.minimum) && cell.cost >= summary.minimum) continue;
     const LandscapePlace place = plan.PlaceOf(index);
     summary.minimum = cell.cost;
     summary.x = plan.windows[window].x.Value(place.ix);
     summary.y = plan.windows[window].y.Value(place.iy);
   }
-  summary.contact = MeansOf(sums);
+  summary.contact = MeansOf(&landscape.cells[first], plan.cells_per_window());
   return summary;
 }
-
-// NaN and infinity as null.
-Json NumberJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json AxisJson(const LandscapeAxis& axis) {
   return {{"parameter", axis.parameter},
@@ -78,40 +67,34 @@ Json AxisJson(const LandscapeAxis& axis) {
 Json WindowJson(const LandscapeWindow& window, const WindowSummary& summary) {
   const LandscapeRoughness& roughness = summary.roughness;
   const ContactMeans& contact = summary.contact;
-  return {
-      {"zoom", window.zoom},
-      {"x", {window.x.lower, window.x.upper}},
-      {"y", {window.y.lower, window.y.upper}},
-      {"minimum", {{"cost", NumberJson(summary.minimum)}, {"x", NumberJson(summary.x)}, {"y", NumberJson(summary.y)}}},
-      {"range", NumberJson(roughness.range)},
-      {"roughness",
-       {{"off_quadratic", NumberJson(roughness.off_quadratic)},
-        {"second_difference", NumberJson(roughness.second_difference)},
-        {"gradient_gap", NumberJson(roughness.gradient_gap)},
-        {"missing", roughness.reason.empty() ? Json(nullptr) : Json(roughness.reason)}}},
-      {"per_rollout",
-       {{"contact_changes", NumberJson(contact.contact_changes)},
-        {"nodes_joined", NumberJson(contact.nodes_joined)},
-        {"nodes_left", NumberJson(contact.nodes_left)},
-        {"branch_switches", NumberJson(contact.branch_switches)},
-        {"obstacle_switches", NumberJson(contact.obstacle_switches)}}},
-      {"contacts_per_step", NumberJson(contact.contacts_per_step)},
-      {"cells", roughness.cells},
-      {"failed_cells", roughness.failed_cells},
-      {"failed_steps", summary.failed_steps},
-      {"substeps", summary.substeps}};
+  return {{"zoom", window.zoom},
+          {"x", {window.x.lower, window.x.upper}},
+          {"y", {window.y.lower, window.y.upper}},
+          {"minimum", {{"cost", summary.minimum}, {"x", summary.x}, {"y", summary.y}}},
+          {"range", roughness.range},
+          {"roughness",
+           {{"off_quadratic", roughness.off_quadratic},
+            {"second_difference", roughness.second_difference},
+            {"gradient_gap", roughness.gradient_gap},
+            {"missing", roughness.reason.empty() ? Json(nullptr) : Json(roughness.reason)}}},
+          {"per_rollout",
+           {{"contact_changes", contact.contact_changes},
+            {"nodes_joined", contact.nodes_joined},
+            {"nodes_left", contact.nodes_left},
+            {"branch_switches", contact.branch_switches},
+            {"obstacle_switches", contact.obstacle_switches}}},
+          {"contacts_per_step", contact.contacts_per_step},
+          {"cells", roughness.cells},
+          {"failed_cells", roughness.failed_cells},
+          {"failed_steps", summary.failed_steps},
+          {"substeps", summary.substeps}};
 }
 
 std::string SettingText(const LandscapeSetting& setting) {
   return setting.name.empty() ? "scene as it is" : setting.name;
 }
 
-std::string NumberText(double value, int digits) {
-  if (!std::isfinite(value)) return "-";
-  std::ostringstream out;
-  out << std::setprecision(digits) << value;
-  return out.str();
-}
+std::string NumberOrDash(double value, int digits) { return std::isfinite(value) ? NumberText(value, digits) : "-"; }
 
 constexpr char kLegend[] =
     "off quad., 2nd diff., grad. gap: roughness, relative to the range; changes: contact events per rollout;\n"
@@ -119,39 +102,24 @@ constexpr char kLegend[] =
 
 using Row = std::vector<std::string>;
 
-Row Header(const LandscapeWindow& window) {
-  return {"setting",
-          "contact",
-          "zoom",
-          "minimum",
-          "at " + window.x.parameter,
-          "at " + window.y.parameter,
-          "range",
-          "off quad.",
-          "2nd diff.",
-          "grad. gap",
-          "changes",
-          "contacts",
-          "failed",
-          "substeps"};
-}
-
-Row TableRow(const LandscapeSetting& setting, const LandscapeWindow& window, const WindowSummary& summary) {
+// Columns of the table: what heads each, and what stands there.
+std::vector<std::pair<std::string, std::string>> Columns(const LandscapeSetting& setting, const LandscapeWindow& window,
+                                                         const WindowSummary& summary) {
   const LandscapeRoughness& roughness = summary.roughness;
-  return {SettingText(setting),
-          ContactModeName(setting.contact_mode),
-          NumberText(window.zoom, 6),
-          NumberText(summary.minimum, 5),
-          NumberText(summary.x, 5),
-          NumberText(summary.y, 5),
-          NumberText(roughness.range, 3),
-          NumberText(roughness.off_quadratic, 3),
-          NumberText(roughness.second_difference, 3),
-          NumberText(roughness.gradient_gap, 3),
-          NumberText(summary.contact.contact_changes, 5),
-          NumberText(summary.contact.contacts_per_step, 4),
-          std::to_string(roughness.failed_cells),
-          std::to_string(summary.substeps)};
+  return {{"setting", SettingText(setting)},
+          {"contact", ContactModeName(setting.contact_mode)},
+          {"zoom", NumberOrDash(window.zoom, 6)},
+          {"minimum", NumberOrDash(summary.minimum, 5)},
+          {"at " + window.x.parameter, NumberOrDash(summary.x, 5)},
+          {"at " + window.y.parameter, NumberOrDash(summary.y, 5)},
+          {"range", NumberOrDash(roughness.range, 3)},
+          {"off quad.", NumberOrDash(roughness.off_quadratic, 3)},
+          {"2nd diff.", NumberOrDash(roughness.second_difference, 3)},
+          {"grad. gap", NumberOrDash(roughness.gradient_gap, 3)},
+          {"changes", NumberOrDash(summary.contact.contact_changes, 5)},
+          {"contacts", NumberOrDash(summary.contact.contacts_per_step, 4)},
+          {"failed", std::to_string(roughness.failed_cells)},
+          {"substeps", std::to_string(summary.substeps)}};
 }
 
 // The first two columns to the left, the others to the right.
@@ -203,12 +171,16 @@ std::string SummaryJson(const LandscapeSummary& summary) {
 }
 
 std::string SummaryTable(const LandscapeSummary& summary) {
-  std::vector<Row> rows = {Header(summary.plan.windows.front())};
+  std::vector<Row> rows(1);
   std::string notes;
   for (std::size_t i = 0; i < summary.plan.settings.size(); ++i) {
     for (std::size_t j = 0; j < summary.plan.windows.size(); ++j) {
       const WindowSummary& window = summary.Of(static_cast<int>(i), static_cast<int>(j));
-      const Row row = TableRow(summary.plan.settings[i], summary.plan.windows[j], window);
+      Row row;
+      for (const auto& [head, text] : Columns(summary.plan.settings[i], summary.plan.windows[j], window)) {
+        if (i + j == 0) rows.front().push_back(head);
+        row.push_back(text);
+      }
       rows.push_back(row);
       if (!window.roughness.reason.empty()) {
         notes += row[0] + ", " + row[1] + ", zoom " + row[2] + ": " + window.roughness.reason + "\n";

@@ -163,9 +163,4 @@ RecordedMotion ReadMotionVariant(const MotionReader& read, ReadMotionOptions opt
   }
 }
 
-RecordedMotion ReadMotionVariant(const std::string& path, const ReadMotionOptions& options,
-                                 const SceneVariant& variant) {
-  return ReadMotionVariant([&](const ReadMotionOptions& how) { return ReadMotion(path, how); }, options, variant);
-}
-
 }  // namespace clothid

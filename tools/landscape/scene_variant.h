@@ -49,8 +49,6 @@ using MotionReader = std::function<RecordedMotion(const ReadMotionOptions&)>;
 // scene as it is, else kUsage, naming --sweep and the variant; also for changes without any effect: `duration`, which a
 // recording has of its own, and `parameters`, which are for fits.
 RecordedMotion ReadMotionVariant(const MotionReader& read, ReadMotionOptions options, const SceneVariant& variant);
-RecordedMotion ReadMotionVariant(const std::string& path, const ReadMotionOptions& options,
-                                 const SceneVariant& variant);  // of a file
 
 }  // namespace clothid
 

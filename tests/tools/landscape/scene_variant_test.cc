@@ -27,6 +27,10 @@ constexpr char kScene[] = R"({
 
 SceneVariant Variant(const std::string& text) { return ParseSweep(text).front(); }
 
+RecordedMotion ReadVariant(const std::string& path, const ReadMotionOptions& options, const SceneVariant& variant) {
+  return ReadMotionVariant([&](const ReadMotionOptions& how) { return ReadMotion(path, how); }, options, variant);
+}
+
 std::string Change(const std::string& text) { return ChangeScene(kScene, {"plane", "ball"}, Variant(text)); }
 
 TEST(SceneVariant, EveryCombinationTheLastKeyFastest) {
@@ -115,8 +119,8 @@ class VariantOfARecordingTest : public testing::Test {
 };
 
 TEST_F(VariantOfARecordingTest, HasTheRecordingsMeshAndTheChangedScene) {
-  const RecordedMotion plain = ReadMotionVariant(path_, {}, {});
-  const RecordedMotion changed = ReadMotionVariant(path_, {}, Variant("ball.radius=0.25;time_step=0.005;touch=1e-3"));
+  const RecordedMotion plain = ReadVariant(path_, {}, {});
+  const RecordedMotion changed = ReadVariant(path_, {}, Variant("ball.radius=0.25;time_step=0.005;touch=1e-3"));
   EXPECT_EQ(plain.scene_text, ReadMotion(path_).scene_text);
   EXPECT_EQ(changed.scene.touch, 1e-3);
   EXPECT_EQ(changed.scene.time_step, 0.005);
@@ -127,12 +131,12 @@ TEST_F(VariantOfARecordingTest, HasTheRecordingsMeshAndTheChangedScene) {
   EXPECT_NE(changed.scene_text, plain.scene_text);
 
   const std::string scene = folder_.Write("other.json", R"({"clothid_scene": 1, "time_step": 0.01, "touch": 0.5})");
-  EXPECT_EQ(ReadMotionVariant(path_, WithScene(scene), Variant("touch=0.25;time_step=0.02")).scene.time_step, 0.02);
+  EXPECT_EQ(ReadVariant(path_, WithScene(scene), Variant("touch=0.25;time_step=0.02")).scene.time_step, 0.02);
 }
 
 TEST_F(VariantOfARecordingTest, NamesTheFlagAndTheVariant) {
   const auto expect_refused = [&](const std::string& text, const char* expected) {
-    ExpectError([&] { ReadMotionVariant(path_, {}, Variant(text)); }, ErrorKind::kUsage,
+    ExpectError([&] { ReadVariant(path_, {}, Variant(text)); }, ErrorKind::kUsage,
                 {"--sweep", text.c_str(), expected});
   };
   expect_refused("bal.center.x=1", "key 'bal'");
@@ -142,14 +146,14 @@ TEST_F(VariantOfARecordingTest, NamesTheFlagAndTheVariant) {
   expect_refused("gravity.x=1", "the scene has to have the array");
   expect_refused("contact=1", "key 'contact'");
   expect_refused("solver.max_newton_iterations=2.5", "integer");
-  ExpectError([&] { ReadMotionVariant(path_, {}, Variant("duration=1")); }, ErrorKind::kUsage,
+  ExpectError([&] { ReadVariant(path_, {}, Variant("duration=1")); }, ErrorKind::kUsage,
               {"--sweep: 'duration': has no effect"});
-  ExpectError([&] { ReadMotionVariant(path_, {}, Variant("parameters.mu.nominal=1")); }, ErrorKind::kUsage,
+  ExpectError([&] { ReadVariant(path_, {}, Variant("parameters.mu.nominal=1")); }, ErrorKind::kUsage,
               {"--sweep: 'parameters.mu.nominal': has no effect"});
-  ExpectError([&] { ReadMotionVariant(path_, {}, Variant("ball.center.w=1")); }, ErrorKind::kUsage,
+  ExpectError([&] { ReadVariant(path_, {}, Variant("ball.center.w=1")); }, ErrorKind::kUsage,
               {"--sweep: 'ball.center.w': 'w'"});
-  ExpectError([&] { ReadMotionVariant(path_ + "x", {}, Variant("touch=1")); }, ErrorKind::kIo, {path_.c_str()});
-  ExpectError([&] { ReadMotionVariant(path_, WithScene(folder_.Write("bad.json", "{")), Variant("touch=1")); },
+  ExpectError([&] { ReadVariant(path_ + "x", {}, Variant("touch=1")); }, ErrorKind::kIo, {path_.c_str()});
+  ExpectError([&] { ReadVariant(path_, WithScene(folder_.Write("bad.json", "{")), Variant("touch=1")); },
               ErrorKind::kBadData, {"bad.json"});
 }
 

@@ -6,8 +6,8 @@
 
 #include "identify/base/options.h"
 #include "sim/scene/parameters.h"
+#include "tools/landscape/landscape_plan.h"
 #include "tools/landscape/landscape_scan.h"
-#include "tools/landscape/landscape_setup.h"
 #include "tools/landscape/landscape_summary.h"
 #include "tools/python/bindings/arrays.h"
 #include "tools/python/bindings/bindings.h"
