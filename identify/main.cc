@@ -14,7 +14,7 @@
 #include "identify/base/parallel_for.h"
 #include "identify/base/progress.h"
 #include "identify/base/version.h"
-#include "identify/export/result_export.h"
+#include "identify/export/export.h"
 #include "identify/fit/fit.h"
 #include "identify/help.h"
 #include "identify/run.h"

@@ -1,15 +1,16 @@
 #include "identify/base/command_line.h"
 
 #include <gflags/gflags.h>
+#include <signal.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <iostream>
 #include <optional>
 #include <sstream>
 #include <utility>
 
 #include "identify/base/join_words.h"
-#include "identify/base/program_start.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
@@ -207,10 +208,25 @@ int Answer(const Program& program, int argc, const char* const* argv) {
   return command.run(words);
 }
 
+// From before any library is set up until after all of them SIGINT, SIGTERM and SIGHUP are blocked: threads that
+// libraries make meanwhile, OpenBLAS among them, block them for good. So they never run the handler that METIS has for
+// a while, see `CatchInterrupts` in sim/base/program.h.
+void ChangeSignals(int how) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(how, &signals, nullptr);
+}
+// Functions of this section come first, in programs; libraries may have none.
+[[maybe_unused]] void BlockSignals(int, char**, char**) { ChangeSignals(SIG_BLOCK); }
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which are libraries themselves
+[[gnu::section(".preinit_array"), gnu::used]] void (*const block_signals)(int, char**, char**) = BlockSignals;
+#endif
+[[gnu::constructor]] void UnblockSignals() { ChangeSignals(SIG_UNBLOCK); }
+
 }  // namespace
 
 void RunCommandLine(const Program& program, int argc, char** argv) {
-  KeepSignalsFromLibraries();
   CatchFileSizeLimit();
   EndProcess(FinishOutput(program.name, ReportErrors(program.name, [&] { return Answer(program, argc, argv); })));
 }

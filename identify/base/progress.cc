@@ -14,10 +14,10 @@ namespace clothid {
 namespace {
 
 constexpr char kEraseToEnd[] = "\033[K";
-// How many steps of an evaluation, and iterations of a fit, tell how long the others take. The first ones set up what
-// is made once, or start far from the solution.
 // Of a fit of more parameters an iteration does not show the knots of the wind.
 constexpr std::size_t kMostNames = 12;
+// How many steps of an evaluation, and iterations of a fit, tell how long the others take. The first ones set up what
+// is made once, or start far from the solution.
 constexpr int kFewestSteps = 10, kFewestIterations = 3;
 // s. An evaluation that takes less does not show its steps; between two such lines.
 constexpr double kTerminalPatience = 1.0, kTerminalInterval = 0.2, kPlainInterval = 10.0;
@@ -32,15 +32,8 @@ std::string Duration(double seconds) {
 }
 
 std::string PassName(RolloutPass pass) {
-  switch (pass) {
-    case RolloutPass::kRollout:
-      return "rollout";
-    case RolloutPass::kForwardSweep:
-      return "forward sweep";
-    case RolloutPass::kReverseSweep:
-      return "reverse sweep";
-  }
-  return "pass";
+  constexpr const char* kNames[] = {"rollout", "forward sweep", "reverse sweep"};
+  return kNames[static_cast<int>(pass)];
 }
 
 std::string StepLine(const EvaluationProgress& progress) {

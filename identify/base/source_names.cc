@@ -3,35 +3,13 @@
 namespace clothid {
 
 std::string SigmaSourceName(SigmaSource source) {
-  switch (source) {
-    case SigmaSource::kUnknown:
-      return "unknown";
-    case SigmaSource::kRecorded:
-      return "recorded";
-    case SigmaSource::kGiven:
-      return "given";
-    case SigmaSource::kEstimated:
-      return "estimated";
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"unknown", "recorded", "given", "estimated"};
+  return kNames[static_cast<int>(source)];
 }
 
 std::string StartSourceName(StartSource source) {
-  switch (source) {
-    case StartSource::kScene:
-      return "scene";
-    case StartSource::kFirstFrame:
-      return "first";
-    case StartSource::kSmoothed:
-      return "smoothed";
-    case StartSource::kRest:
-      return "rest";
-    case StartSource::kMoving:
-      return "moving";
-    case StartSource::kEstimated:
-      return "estimated";
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"scene", "first", "smoothed", "rest", "moving", "estimated"};
+  return kNames[static_cast<int>(source)];
 }
 
 }  // namespace clothid

@@ -36,6 +36,12 @@ std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& para
 // Whether `ExportCloth` gives files of this name.
 bool IsExportedFile(const std::string& name);
 
+// `identify --result RESULT --export SIMULATORS --output FOLDER`: the estimates of a result.json for the cloth of the
+// recording `target`; empty: of predicted.bin in the folder of the result. All files or none. Throws `Error`: kUsage
+// without simulators or a folder; kIo and kBadData, naming file and key, for what cannot be read.
+void ExportResult(const std::string& result, const std::string& target, const std::string& simulators,
+                  const std::string& folder);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_IDENTIFY_EXPORT_EXPORT_H_

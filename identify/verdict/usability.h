@@ -9,7 +9,10 @@ namespace clothid {
 // Whether an answer, or a parameter of it, can be used. From good to bad.
 enum class Usability { kUsable, kWithCare, kDoNotUse };
 // "yes", "with care" or "no", as result.json has it.
-std::string UsabilityName(Usability usability);
+inline std::string UsabilityName(Usability usability) {
+  constexpr const char* kNames[] = {"yes", "with care", "no"};
+  return kNames[static_cast<int>(usability)];
+}
 
 }  // namespace clothid
 

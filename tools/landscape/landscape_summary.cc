@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "identify/base/join_words.h"

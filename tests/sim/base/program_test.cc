@@ -34,7 +34,7 @@ TEST_F(CatchInterruptsTest, TheFirstSignalSetsTheFlagAndTheSecondEndsTheProcess)
   }
 }
 
-// As METIS has one for a while. Without threads that libraries made before (identify/base/program_start.h).
+// As METIS has one for a while. Without threads that libraries made before (identify/base/command_line.cc).
 TEST_F(CatchInterruptsTest, HandlersOfOthersAreNotCalled) {
   setenv("OPENBLAS_NUM_THREADS", "1", /*overwrite=*/1);
   const auto with_another_handler = [] {
