@@ -21,6 +21,9 @@ function plot(target, traces, {x = {}, y = {}, margin = {}, ...more}) {
   return Plotly.react(box, traces, layout, {displayModeBar: false, responsive: true});
 }
 
+// What heads a chart, in its upper corner.
+const heading = (name) => ({title: {text: `<b>${plain(name)}</b>`, x: 0.02, y: 0.97, font: {size: 13}}});
+
 // Round numbers from `low` to `high`, about six.
 function roundMarks(low, high, isLog) {
   const marks = [], ratio = high / low;
@@ -36,7 +39,6 @@ function roundMarks(low, high, isLog) {
   }
   return marks.filter((mark) => mark >= low && mark <= high);
 }
-
 
 // Colours of a map from low to high: the valley is light, what is drawn over it dark or orange.
 const DEPTHS = [[0, '#ffffe3'], [0.14, '#e3f3bd'], [0.3, '#aadcb8'], [0.46, '#60c0c1'], [0.62, '#2f96bd'],

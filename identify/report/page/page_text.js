@@ -43,6 +43,21 @@ function element(tag, className, text) {
   return made;
 }
 
+// An entry of the <select> of that id.
+function addOption(id, value, text, selected = false) {
+  const made = element('option', '', text);
+  made.value = value;
+  made.selected = selected;
+  part(id).append(made);
+}
+
+// The mark of a colour in a legend.
+function swatch(colour) {
+  const made = element('span', 'swatch');
+  made.style.background = colour;
+  return made;
+}
+
 // Where the head has no room, each cell says what it is.
 function fillTable(id, head, rows) {
   const made = rows.map((cells) => {

@@ -18,12 +18,18 @@ function axisOf(values) {
 
 const inMillimetres = (values) => values.map((value) => value === null ? null : 1e3 * value);
 
+// Lines over time in a unit, [values, name, colour] of each.
+function plotOverTime(target, times, lines, unit, y) {
+  plot(target, lines.map(([values, name, color]) => ({type: 'scatter', mode: 'lines', x: times, y: values, name,
+    line: {color, width: 2}, hovertemplate: `%{y:.4g} ${unit} at %{x:.4g} s<extra>${name}</extra>`})),
+  {x: {title: 'time, s'}, y, showlegend: true, margin: {t: 28}});
+}
+
 function drawPerFrame(recording) {
-  const {times, rmse, start_rmse: start, every} = recording.per_frame;
-  const lines = [[start, 'start', COLOURS.start], [rmse, 'estimate', COLOURS.estimate]];
-  plot('per-frame', lines.map(([values, name, color]) => ({type: 'scatter', mode: 'lines', x: times, y: inMillimetres(values),
-    name, line: {color, width: 2}, hovertemplate: `%{y:.4g} mm at %{x:.4g} s<extra>${name}</extra>`})),
-  {x: {title: 'time, s'}, y: {title: 'rmse, mm', ...axisOf(inMillimetres(rmse.concat(start))), rangemode: 'tozero'}, showlegend: true, margin: {t: 28}});
+  const {times, every} = recording.per_frame;
+  const [rmse, start] = [recording.per_frame.rmse, recording.per_frame.start_rmse].map(inMillimetres);
+  plotOverTime('per-frame', times, [[start, 'start', COLOURS.start], [rmse, 'estimate', COLOURS.estimate]], 'mm',
+    {title: 'rmse, mm', ...axisOf(rmse.concat(start)), rangemode: 'tozero'});
   part('per-frame-caption').textContent = 'Root mean square distance between recorded and predicted points' +
     (every > 1 ? `, ${every} frames at a time.` : ' of every frame.');
 }
@@ -32,11 +38,10 @@ function drawForces({forces}) {
   part('forces-card').hidden = !forces;
   part('forces').replaceChildren();
   for (const {group, axis, measured, predicted} of forces ? forces.components : []) {
-    const target = element('div', 'plot'), lines = [[measured, 'recorded', COLOURS.start], [predicted, 'predicted', COLOURS.estimate]];
+    const target = element('div', 'plot');
     part('forces').append(target);
-    plot(target, lines.map(([y, name, color]) => ({type: 'scatter', mode: 'lines', x: forces.times, y, name,
-      line: {color, width: 2}, hovertemplate: `%{y:.4g} N at %{x:.4g} s<extra>${name}</extra>`})),
-    {x: {title: 'time, s'}, y: {title: `${axis}${forces.groups > 1 ? ` of group ${group}` : ''}, N`}, showlegend: true, margin: {t: 28}});
+    plotOverTime(target, forces.times, [[measured, 'recorded', COLOURS.start], [predicted, 'predicted', COLOURS.estimate]],
+      'N', {title: `${axis}${forces.groups > 1 ? ` of group ${group}` : ''}, N`});
   }
 }
 
@@ -111,8 +116,7 @@ function drawConvergence() {
     }
     plot(area.children[i], traces, {x: {title: which === 'seconds' ? 'seconds' : 'iteration',
       ...(which === 'iteration' ? {tickformat: 'd', nticks: 8} : {})},
-    y: {nticks: 6, ...axisOf(values)}, margin: {t: 28}, title: {text: `<b>${plain(name)}</b>`, x: 0.02, y: 0.97,
-      font: {size: 13}}});
+    y: {nticks: 6, ...axisOf(values)}, margin: {t: 28}, ...heading(name)});
   });
   const anyLoose = convergence.loose.some(Boolean);
   part('convergence-caption').textContent = 'Dashed: the estimate.' +
@@ -131,7 +135,6 @@ function drawProfiles() {
       line([estimate, estimate], [0, Math.max(profile.limit, ...profile.rise)], COLOURS.start),
       {type: 'scatter', mode: 'lines+markers', x: profile.value, y: profile.rise, line: {color: COLOURS.estimate, width: 2},
         marker: {size: 6}, hovertemplate: '%{y:.4g} at %{x:.6g}<extra></extra>'}],
-    {y: {title: 'rise', rangemode: 'tozero'}, margin: {t: 28}, title: {text: `<b>${plain(profile.parameter)}</b>`, x: 0.02,
-      y: 0.97, font: {size: 13}}});
+    {y: {title: 'rise', rangemode: 'tozero'}, margin: {t: 28}, ...heading(profile.parameter)});
   }
 }

@@ -2,11 +2,7 @@
 // The page of a fit: its controls, and the order in which its parts are filled in.
 
 function makeControls() {
-  data.recordings.forEach((recording, i) => {
-    const option = element('option', '', recording.name);
-    option.value = i;
-    part('recording').append(option);
-  });
+  data.recordings.forEach(({name}, i) => addOption('recording', i, name));
   part('recording-label').hidden = data.recordings.length < 2;
   part('scale-bar').style.background = `linear-gradient(to right, ${SCALE.map((c) => `rgb(${c})`).join(', ')})`;
   part('recording').addEventListener('change', (event) => select(Number(event.target.value)));

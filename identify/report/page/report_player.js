@@ -50,8 +50,19 @@ function advance(now) {
   requestAnimationFrame(advance);
 }
 
+// What the replay leaves out, behind it what the page has to say of it.
+function fillNotes(replay, own) {
+  const notes = [`Positions are rounded to ${number(1e3 * replay.step, 2)} mm.`];
+  if (replay.every > 1) notes.push(`Every ${replay.every}th of the recorded frames, to keep this file small.`);
+  part('replay-notes').textContent = notes.concat(own, replay.notes).join(' ');
+}
+
 // Shows another recording, from frame `first` on.
 function loadReplay(replay, first) {
+  if (!viewer) {
+    showMissing('This browser has no WebGL 2, which the replay needs.');
+    return;
+  }
   viewer.load(replay);
   state.replay = replay;
   part('scrubber').max = replay.frames - 1;
@@ -105,12 +116,7 @@ function listenToPointers(canvas) {
 
 // The viewer and its controls, at a speed of `speed`.
 function makePlayer(speed) {
-  for (const factor of [0.05, 0.1, 0.25, 0.5, 1, 2, 4]) {
-    const option = element('option', '', `${factor} ×`);
-    option.value = factor;
-    option.selected = factor === speed;
-    part('speed').append(option);
-  }
+  for (const factor of [0.05, 0.1, 0.25, 0.5, 1, 2, 4]) addOption('speed', factor, `${factor} ×`, factor === speed);
   part('play').addEventListener('click', () => play(!state.isPlaying));
   part('scrubber').addEventListener('input', (event) => {
     play(false);

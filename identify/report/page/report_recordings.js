@@ -9,24 +9,13 @@ function frameShown(frame) {
 const drawOptions = () => ({sideBySide: part('view').value === 'side', withErrors: part('error-colours').checked});
 
 function setLabels() {
-  const dot = (name) => {
-    const made = element('span', 'swatch');
-    made.style.background = `var(--${name})`;
-    return made;
-  };
+  const dot = (name) => swatch(`var(--${name})`);
   const isSide = part('view').value === 'side';
   part('label-left').replaceChildren(...(isSide ? [dot('recorded'), 'recorded']
     : [dot('recorded'), 'recorded', dot('predicted'), 'predicted']));
   part('label-right').replaceChildren(...(isSide ? [dot('predicted'), 'predicted'] : []));
   part('scale').hidden = !part('error-colours').checked;
   redraw();
-}
-
-function replayNotes(replay) {
-  const notes = [`Positions are rounded to ${number(1e3 * replay.step, 2)} mm.`];
-  if (replay.every > 1) notes.push(`Every ${replay.every}th of the recorded frames, to keep this file small.`);
-  if (!replay.points_are_nodes && replay.hasNodes) notes.push('Lines lead from recorded points to where they are predicted.');
-  return notes.concat(replay.notes).join(' ');
 }
 
 function showErrors(replay) {
@@ -60,12 +49,9 @@ async function showRecording(index) {
   if (state.wanted !== index) return;
   showErrors(replay);
   narrow.onchange = () => showErrors(replay);
-  if (!viewer) {
-    showMissing('This browser has no WebGL 2, which the replay needs.');
-    return;
-  }
   part('scale-end').textContent = millimetres(replay.largest_error);
-  part('replay-notes').textContent = replayNotes(replay);
+  const hasLines = !replay.points_are_nodes && replay.hasNodes;
+  fillNotes(replay, hasLines ? ['Lines lead from recorded points to where they are predicted.'] : []);
   // report.html#frame=40 opens there.
   loadReplay(replay, Number((/^#frame=(\d+)$/.exec(location.hash) || [])[1] || 1) - 1);
 }

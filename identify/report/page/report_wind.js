@@ -28,7 +28,7 @@ function showWind({recordings, smoothness, smoothness_source: source}) {
       area.append(target);
       const name = `wind.${wind.component}${recordings.length > 1 ? ` of ${data.recordings[index].name}` : ''}`;
       plot(target, windTraces(profile.times, wind), {x: {title: 'time, s'}, y: {title: 'm/s'}, margin: {t: 28},
-        title: {text: `<b>${plain(name)}</b>`, x: 0.02, y: 0.97, font: {size: 13}}});
+        ...heading(name)});
     }
   });
 }

@@ -79,9 +79,7 @@ function lineChart(target, {name, unit, times, lines}) {
     const i = nearest(times, now);
     legend.replaceChildren(...Object.entries(lines).map(([axis, values]) => {
       const made = element('span', '', `${name} ${axis}: ${number(values[i], 3)} ${unit}`);
-      const dot = element('span', 'swatch');
-      dot.style.background = LINE_COLOURS[axis];
-      made.prepend(dot);
+      made.prepend(swatch(LINE_COLOURS[axis]));
       return made;
     }));
   }

@@ -105,11 +105,7 @@ function fillFacts() {
   }
   add('from', data.provenance);
   add('sha256', data.sha256);
-  part('facts').replaceChildren(...rows.map((cells) => {
-    const row = element('tr');
-    row.append(...cells);
-    return row;
-  }));
+  fillTable('facts', null, rows);
 }
 
 function addChart(area, chart) {
@@ -146,20 +142,16 @@ function frameShown(frame) {
 
 const drawOptions = () => ({withStart: part('start').checked});
 
-function replayNotes(replay) {
-  const notes = [`Positions are rounded to ${number(1e3 * replay.step, 2)} mm.`];
-  if (replay.every > 1) notes.push(`Every ${replay.every}th of the recorded frames, to keep this file small.`);
+// What the page itself leaves out.
+function ownNotes() {
+  const notes = [];
   if (data.cloud_stride > 1) notes.push(`Every ${data.cloud_stride}th point of the clouds.`);
   if (data.far > 0) notes.push(`${count(data.far, 'point')}, over all frames, too far off to be drawn.`);
-  return notes.concat(replay.notes).join(' ');
+  return notes;
 }
 
 function fillLegend(replay) {
-  const dot = (colour, text) => {
-    const swatch = element('span', 'swatch');
-    swatch.style.background = colour;
-    return [swatch, text];
-  };
+  const dot = (colour, text) => [swatch(colour), text];
   const parts = dot('var(--recorded)', data.simulated ? 'simulated' : 'recorded');
   if (replay.handles.length > 0) parts.push(...dot('var(--ink)', 'handles'));
   if (part('start').checked) parts.push(...dot('var(--predicted)', 'start of a simulation'));
@@ -176,15 +168,11 @@ async function showReplay() {
     return;
   }
   const replay = await unpackReplay({...data.replay, wind: data.wind});
-  if (!viewer) {
-    showMissing('This browser has no WebGL 2, which the replay needs.');
-    return;
-  }
   // Where no cloth was seen, this is the one to look at.
   part('start').checked = !replay.points_are_nodes || data.unseen.every((unseen) => unseen === data.points);
   part('start').addEventListener('change', () => fillLegend(replay));
   fillLegend(replay);
-  part('replay-notes').textContent = replayNotes(replay);
+  fillNotes(replay, ownNotes());
   loadReplay(replay, Math.floor(askedFrame() / replay.every));
   addEventListener('hashchange', () => jumpTo(askedFrame()));
 }

@@ -169,11 +169,7 @@ function showMeasure(name) {
 }
 
 function makeControls() {
-  for (const [name, {option}] of Object.entries(MEASURES)) {
-    const made = element('option', '', option);
-    made.value = name;
-    part('measure').append(made);
-  }
+  for (const [name, {option}] of Object.entries(MEASURES)) addOption('measure', name, option);
   part('measure').addEventListener('change', (event) => showMeasure(event.target.value));
   const show = () => {
     part('groups').className = part('show').value;
