@@ -94,6 +94,10 @@ void AppendAxes(const std::string& group, std::vector<std::string>* names) {
 }  // namespace
 
 void Alignment::Set(AlignmentId id, double value) {
+  const auto set_of_group = [&](std::vector<Eigen::Vector3d>* vectors) {
+    if (static_cast<int>(vectors->size()) <= id.group) vectors->resize(id.group + 1, Eigen::Vector3d::Zero());
+    (*vectors)[id.group][id.axis] = value;
+  };
   switch (id.kind) {
     case AlignmentKind::kTimeOffset:
       time_offset = value;
@@ -108,17 +112,13 @@ void Alignment::Set(AlignmentId id, double value) {
       start_velocity[id.axis] = value;
       break;
     case AlignmentKind::kHandleShift:
-      if (static_cast<int>(handle_shifts.size()) <= id.group) {
-        handle_shifts.resize(id.group + 1, Eigen::Vector3d::Zero());
-      }
-      handle_shifts[id.group][id.axis] = value;
+      set_of_group(&handle_shifts);
       break;
     case AlignmentKind::kHandleTurn:
       handle_turn[id.axis] = value;
       break;
     case AlignmentKind::kForceBias:
-      if (static_cast<int>(force_bias.size()) <= id.group) force_bias.resize(id.group + 1, Eigen::Vector3d::Zero());
-      force_bias[id.group][id.axis] = value;
+      set_of_group(&force_bias);
       break;
   }
 }
@@ -199,19 +199,9 @@ double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion) {
 }
 
 double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
-  switch (id.kind) {
-    case AlignmentKind::kTimeOffset:
-      return motion.times[motion.times.size() - 1] - motion.times[0];
-    case AlignmentKind::kTurn:
-    case AlignmentKind::kHandleTurn:
-      return M_PI;
-    case AlignmentKind::kShift:
-    case AlignmentKind::kStartVelocity:
-    case AlignmentKind::kHandleShift:
-    case AlignmentKind::kForceBias:
-      break;
-  }
-  return std::numeric_limits<double>::infinity();
+  if (id.kind == AlignmentKind::kTimeOffset) return motion.times[motion.times.size() - 1] - motion.times[0];
+  const bool is_turn = id.kind == AlignmentKind::kTurn || id.kind == AlignmentKind::kHandleTurn;
+  return is_turn ? M_PI : std::numeric_limits<double>::infinity();
 }
 
 ParameterPrior DefaultAlignmentPrior(AlignmentId id) {

@@ -24,20 +24,11 @@ Eigen::VectorXd FramePrediction::Velocities(int frame, const FrameStates& states
 
 Eigen::VectorXd FramePrediction::Derivative(AlignmentId id, const Eigen::VectorXd& points,
                                             const Eigen::VectorXd& velocities) const {
+  if (id.kind == AlignmentKind::kTimeOffset) return velocities;
+  if (id.kind == AlignmentKind::kTurn) return correction_.TurnDerivative(id.axis, points);
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(points.size());
-  switch (id.kind) {
-    case AlignmentKind::kTimeOffset:
-      return velocities;
-    case AlignmentKind::kShift:
-      for (Eigen::Index row = id.axis; row < points.size(); row += 3) derivative[row] = 1.0;
-      break;
-    case AlignmentKind::kTurn:
-      return correction_.TurnDerivative(id.axis, points);
-    case AlignmentKind::kStartVelocity:
-    case AlignmentKind::kHandleShift:
-    case AlignmentKind::kHandleTurn:
-    case AlignmentKind::kForceBias:
-      break;
+  if (id.kind == AlignmentKind::kShift) {
+    for (Eigen::Index row = id.axis; row < points.size(); row += 3) derivative[row] = 1.0;
   }
   return derivative;
 }

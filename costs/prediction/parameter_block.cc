@@ -51,6 +51,10 @@ ParameterPrior ChoosePrior(const ParameterOverrides& overrides, const std::strin
   return given != nullptr ? *given : from_scene;
 }
 
+[[noreturn]] void FailOnParameter(const std::string& name, const std::string& problem) {
+  throw Error(ErrorKind::kUsage, "parameter '" + name + "': " + problem);
+}
+
 std::string Bounds(const ParameterBlock& block) {
   std::ostringstream text;
   text << "[" << block.lower_bound << ", " << block.upper_bound << "]";
@@ -61,20 +65,19 @@ void CheckStartIsInside(const ParameterBlock& block) {
   if (block.start >= block.lower_bound && block.start <= block.upper_bound) return;
   std::ostringstream start;
   start << block.start;
-  throw Error(ErrorKind::kUsage, "parameter '" + block.name + "': the starting value " + start.str() +
-                                     " is outside its bounds " + Bounds(block));
+  FailOnParameter(block.name, "the starting value " + start.str() + " is outside its bounds " + Bounds(block));
 }
 
 void CheckStart(const ParameterBlock& block) {
   const bool is_valid = std::isfinite(block.start) && (block.is_signed || block.start >= 0.0);
   if (!is_valid) {
-    throw Error(ErrorKind::kUsage, "parameter '" + block.name + "': the starting value must be a finite number" +
-                                       (block.is_signed ? "" : " >= 0"));
+    const std::string limit = block.is_signed ? "" : " >= 0";
+    FailOnParameter(block.name, "the starting value must be a finite number" + limit);
   }
   if (block.scale == ParameterScale::kLog && block.start == 0.0) {
-    throw Error(ErrorKind::kUsage, "parameter '" + block.name +
-                                       "': the starting value is 0, so the scene has no such term; give a positive "
-                                       "nominal value in the scene or a positive start");
+    FailOnParameter(block.name,
+                    "the starting value is 0, so the scene has no such term; give a positive nominal value in the "
+                    "scene or a positive start");
   }
 }
 
@@ -83,10 +86,10 @@ void CheckBounds(const ParameterBlock& block) {
                        : block.scale == ParameterScale::kLog ? std::nextafter(0.0, 1.0)
                                                              : 0.0;
   if (!(block.lower_bound >= least) || !(block.upper_bound > block.lower_bound) || !std::isfinite(block.upper_bound)) {
-    throw Error(ErrorKind::kUsage, "parameter '" + block.name + "': bounds " + Bounds(block) +
-                                       (least > 0.0       ? " must be positive and increasing"
-                                        : block.is_signed ? " must be finite and increasing"
-                                                          : " must be >= 0 and increasing"));
+    FailOnParameter(block.name, "bounds " + Bounds(block) +
+                                    (least > 0.0       ? " must be positive and increasing"
+                                     : block.is_signed ? " must be finite and increasing"
+                                                       : " must be >= 0 and increasing"));
   }
   CheckStartIsInside(block);
 }
@@ -113,8 +116,7 @@ void CheckAlignmentBounds(const ParameterBlock& block, double largest) {
   if (!is_increasing || std::max(-block.lower_bound, block.upper_bound) > largest) {
     std::ostringstream limit;
     if (std::isfinite(largest)) limit << " and within +-" << largest;
-    throw Error(ErrorKind::kUsage,
-                "parameter '" + block.name + "': bounds " + Bounds(block) + " must be increasing" + limit.str());
+    FailOnParameter(block.name, "bounds " + Bounds(block) + " must be increasing" + limit.str());
   }
   CheckStartIsInside(block);
 }
@@ -159,9 +161,9 @@ void CheckWindHasDrag(const std::string& name, ParameterId id, const Scene& scen
     const auto start = overrides.start.find(drag);
     if (start != overrides.start.end() && start->second > 0.0) return;
   }
-  throw Error(ErrorKind::kUsage, "parameter '" + name +
-                                     "': wind does nothing to a cloth without drag; give a positive nominal value of "
-                                     "drag or drag_normal in the scene or a positive start");
+  FailOnParameter(name,
+                  "wind does nothing to a cloth without drag; give a positive nominal value of drag or drag_normal in "
+                  "the scene or a positive start");
 }
 
 // Without given ones.
