@@ -23,6 +23,17 @@ namespace fs = std::filesystem;
   throw Error(ErrorKind::kIo, "--output: " + path.string() + ": " + problem);
 }
 
+// What is in `folder`, as far as it can be read.
+std::vector<fs::path> EntriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    entries.push_back(entry->path());
+  }
+  return entries;
+}
+
 // The missing folders of `path`, the outermost first.
 std::vector<fs::path> MissingFolders(const fs::path& path) {
   std::vector<fs::path> missing;
@@ -38,11 +49,9 @@ std::vector<fs::path> MissingFolders(const fs::path& path) {
 
 void ExpectNotReplaced(const std::string& flag, const std::string& input, const std::string& folder,
                        const IsResult& is_result) {
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
+  for (const fs::path& entry : EntriesOf(folder)) {
     std::error_code ignored;
-    if (!is_result(entry->path().filename().string()) || !fs::equivalent(entry->path(), input, ignored)) continue;
+    if (!is_result(entry.filename().string()) || !fs::equivalent(entry, input, ignored)) continue;
     throw Error(ErrorKind::kUsage, flag + ": " + input + ": the results in --output " + folder +
                                        " would replace it; choose another folder");
   }
@@ -130,17 +139,12 @@ void OutputFolder::CheckPlaces() const {
 // Best effort: what cannot be removed stays.
 void OutputFolder::RemoveEarlier() const {
   if (!is_result_) return;
-  std::vector<fs::path> earlier;
-  std::error_code error;
-  for (fs::directory_iterator entry(path_, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
+  for (const fs::path& entry : EntriesOf(path_)) {
+    const std::string name = entry.filename().string();
     std::error_code ignored;
     const bool is_written = std::find(names_.begin(), names_.end(), name) != names_.end();
-    if (is_result_(name) && !is_written && !entry->is_directory(ignored)) earlier.push_back(entry->path());
+    if (is_result_(name) && !is_written && !fs::is_directory(entry, ignored)) fs::remove(entry, ignored);
   }
-  std::error_code ignored;
-  for (const fs::path& path : earlier) fs::remove(path, ignored);
 }
 
 void OutputFolder::Commit() {
@@ -164,10 +168,8 @@ void OutputFolder::Commit() {
 
 std::vector<fs::path> OutputFolder::Journals() const {
   std::vector<fs::path> found;
-  std::error_code error;
-  for (fs::directory_iterator entry(path_, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    if (entry->path().filename().string().rfind(kJournalPrefix, 0) == 0) found.push_back(entry->path());
+  for (const fs::path& entry : EntriesOf(path_)) {
+    if (entry.filename().string().rfind(kJournalPrefix, 0) == 0) found.push_back(entry);
   }
   return found;
 }
