@@ -98,18 +98,19 @@ Eigen::MatrixXd PointErrors(const Observation& observation, const RecordedMotion
   return (squares.array() * 3.0 / counts.array()).sqrt();  // 0/0 is NaN
 }
 
+double RootMeanSquare(const Eigen::VectorXd& errors) {
+  double sum = 0.0, count = 0.0;
+  for (const double error : errors) {
+    if (std::isnan(error)) continue;
+    sum += error * error;
+    count += 1.0;
+  }
+  return std::sqrt(sum / count);  // 0/0 is NaN
+}
+
 Eigen::VectorXd FrameErrors(const Eigen::MatrixXd& point_errors) {
   Eigen::VectorXd errors(point_errors.cols());
-  for (Eigen::Index frame = 0; frame < errors.size(); ++frame) {
-    double sum = 0.0;
-    double count = 0.0;
-    for (const double error : point_errors.col(frame)) {
-      if (std::isnan(error)) continue;
-      sum += error * error;
-      count += 1.0;
-    }
-    errors[frame] = std::sqrt(sum / count);  // 0/0 is NaN
-  }
+  for (Eigen::Index frame = 0; frame < errors.size(); ++frame) errors[frame] = RootMeanSquare(point_errors.col(frame));
   return errors;
 }
 

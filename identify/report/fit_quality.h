@@ -17,7 +17,10 @@ namespace clothid {
 Eigen::MatrixXd PointErrors(const Observation& observation, const RecordedMotion& motion,
                             const Eigen::MatrixXd& predicted);
 
-// The root mean square of the seen points of every column of `PointErrors` [T] m; NaN where there is none.
+// The root mean square of those that are not NaN; NaN where there is none.
+double RootMeanSquare(const Eigen::VectorXd& errors);
+
+// Of every column of `PointErrors` [T] m.
 Eigen::VectorXd FrameErrors(const Eigen::MatrixXd& point_errors);
 
 // Differences predicted - measured of one axis.

@@ -78,13 +78,7 @@ Json PageProfilesJson(const FitChecks& checks) {
 Eigen::VectorXd Thinned(const Eigen::VectorXd& errors, int every) {
   Eigen::VectorXd thinned((errors.size() + every - 1) / every);
   for (Eigen::Index i = 0; i < thinned.size(); ++i) {
-    double sum = 0.0, count = 0.0;
-    for (Eigen::Index k = i * every; k < std::min<Eigen::Index>((i + 1) * every, errors.size()); ++k) {
-      if (std::isnan(errors[k])) continue;
-      sum += errors[k] * errors[k];
-      count += 1.0;
-    }
-    thinned[i] = std::sqrt(sum / count);  // NaN without any
+    thinned[i] = RootMeanSquare(errors.segment(i * every, std::min<Eigen::Index>(every, errors.size() - i * every)));
   }
   return thinned;
 }
