@@ -21,7 +21,6 @@
 #include "identify/run_flags.h"
 #include "sim/base/error.h"
 #include "sim/base/program.h"
-#include "sim/base/text_file.h"
 
 DEFINE_string(result, "", "result.json of an earlier fit to --export");
 

@@ -7,7 +7,6 @@
 #ifndef CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_
 #define CLOTHID_COSTS_PREDICTION_PARAMETER_BLOCK_H_
 
-#include <Eigen/Core>
 #include <map>
 #include <string>
 #include <vector>

@@ -4,7 +4,6 @@
 #define CLOTHID_COSTS_START_START_PRIOR_H_
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "datasets/motion/recorded_motion.h"
 #include "sim/cloth/cloth_model.h"

@@ -1,6 +1,5 @@
 #include "identify/base/progress.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <iomanip>

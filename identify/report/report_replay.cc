@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "identify/report/packed_array.h"

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <atomic>
-#include <cstddef>
 #include <map>
 #include <string>
 

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
-#include <vector>
 
 #include "identify/base/output_folder.h"
 #include "identify/base/source_names.h"
