@@ -12,7 +12,6 @@
 #include <string>
 
 #include "identify/landscape/landscape.h"
-#include "identify/landscape/landscape_sigma.h"
 
 namespace clothid {
 

@@ -13,7 +13,6 @@
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/landscape/made_up_landscape.h"
-#include "tools/landscape/landscape_merge.h"
 #include "tools/landscape/landscape_store.h"
 
 namespace clothid::landscape_files_test {
