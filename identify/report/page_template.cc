@@ -6,7 +6,14 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "identify/report/vendor/plotly.h"
+
 namespace clothid {
+
+// What all pages have, embedded by CMake: page_frame.html, page_style.css, and page_text.js and page_plot.js.
+std::string_view PageFrame();
+std::string_view PageStyle();
+std::string_view PageScript();
 
 std::string ScriptText(const nlohmann::ordered_json& json) {
   std::string text;
@@ -40,6 +47,24 @@ std::string FillPage(std::string_view page, std::initializer_list<PageMark> mark
   }
   filled += page;
   return filled;
+}
+
+std::string MakePage(const PageParts& parts, std::string_view data) {
+  const auto script = [](std::string_view text) { return "<script>" + std::string(text) + "</script>\n"; };
+  const std::string style = std::string(PageStyle()) + std::string(parts.style);
+  std::string libraries, scripts;
+  if (parts.has_charts) {
+    libraries = "<script type=\"text/plain\" id=\"licences\">" + std::string(PlotlyLicences()) + "</script>\n" +
+                script(PlotlyLibrary());
+  }
+  for (const std::string_view text : parts.scripts) scripts += script(text);
+  return FillPage(PageFrame(), {{"{{title}}", parts.title},
+                                {"{{style}}", style},
+                                {"{{body}}", parts.body},
+                                {"{{data}}", data},
+                                {"{{libraries}}", libraries},
+                                {"{{page}}", PageScript()},
+                                {"{{scripts}}", scripts}});
 }
 
 }  // namespace clothid

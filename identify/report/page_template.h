@@ -7,12 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace clothid {
-
-// What all pages have: page_style.css, and the scripts page_text.js and page_plot.js. Embedded by CMake.
-std::string_view PageStyle();
-std::string_view PageScript();
 
 // JSON that can stand inside of a <script>: in JSON "<" occurs in strings alone, and there it may be written otherwise.
 // What is not UTF-8 is replaced.
@@ -30,6 +27,17 @@ struct PageMark {
 // `page` with its marks replaced, in the order in which they stand there. Texts are not searched for marks. Throws
 // `std::logic_error` where a mark is missing.
 std::string FillPage(std::string_view page, std::initializer_list<PageMark> marks);
+
+// What differs between our pages.
+struct PageParts {
+  std::string_view title, body;           // the texts of <title> and, but for its scripts, <body>
+  std::string_view style = {};            // beside that of all pages
+  bool has_charts = false;                // comes with Plotly and its licences
+  std::vector<std::string_view> scripts;  // behind those of all pages
+};
+
+// The page (page_frame.html) that holds `data`, a `ScriptText`.
+std::string MakePage(const PageParts& parts, std::string_view data);
 
 }  // namespace clothid
 

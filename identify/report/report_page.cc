@@ -13,7 +13,6 @@
 #include "identify/report/report_landscape.h"
 #include "identify/report/report_replay.h"
 #include "identify/report/result_json.h"
-#include "identify/report/vendor/plotly.h"
 
 namespace clothid {
 
@@ -212,22 +211,12 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
 }  // namespace
 
 std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
-  std::string maps;  // a page without a landscape, field or profile of the wind has nothing of them
-  if (checks.fields) maps += "<script>" + std::string(ReportFieldScript()) + "</script>\n";
-  if (checks.wind) maps += "<script>" + std::string(ReportWindScript()) + "</script>\n";
-  if (!checks.landscapes.empty()) maps += "<script>" + std::string(ReportLandscapeScript()) + "</script>\n";
-  const std::size_t library_bytes = PageStyle().size() + PageScript().size() + ReportPage().size() +
-                                    ReplayScript().size() + ReportScript().size() + maps.size() +
-                                    PlotlyLibrary().size() + PlotlyLicences().size();
-  const std::string data = ScriptText(DataJson(summary, checks, motions, library_bytes));
-  return FillPage(ReportPage(), {{"{{style}}", PageStyle()},
-                                 {"{{data}}", data},
-                                 {"{{licences}}", PlotlyLicences()},
-                                 {"{{plotly}}", PlotlyLibrary()},
-                                 {"{{page}}", PageScript()},
-                                 {"{{replay}}", ReplayScript()},
-                                 {"{{script}}", ReportScript()},
-                                 {"{{maps}}", maps}});
+  PageParts page = {"Fit report", ReportPage(), {}, /*has_charts=*/true, {ReplayScript(), ReportScript()}};
+  // A page without a landscape, field or profile of the wind has nothing of them.
+  if (checks.fields) page.scripts.push_back(ReportFieldScript());
+  if (checks.wind) page.scripts.push_back(ReportWindScript());
+  if (!checks.landscapes.empty()) page.scripts.push_back(ReportLandscapeScript());
+  return MakePage(page, ScriptText(DataJson(summary, checks, motions, MakePage(page, "").size())));
 }
 
 }  // namespace clothid

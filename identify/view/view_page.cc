@@ -253,14 +253,8 @@ Json ViewData(const RecordedMotion& motion, bool is_simulated, std::size_t max_b
 }  // namespace
 
 std::string ViewHtml(const RecordedMotion& motion, bool is_simulated) {
-  const std::size_t page_bytes =
-      PageStyle().size() + PageScript().size() + ReplayScript().size() + ViewPage().size() + ViewScript().size();
-  const std::string data = ScriptText(ViewData(motion, is_simulated, kMaxReportBytes - page_bytes));
-  return FillPage(ViewPage(), {{"{{style}}", PageStyle()},
-                               {"{{data}}", data},
-                               {"{{page}}", PageScript()},
-                               {"{{replay}}", ReplayScript()},
-                               {"{{script}}", ViewScript()}});
+  const PageParts page = {"View", ViewPage(), {}, /*has_charts=*/false, {ReplayScript(), ViewScript()}};
+  return MakePage(page, ScriptText(ViewData(motion, is_simulated, kMaxReportBytes - MakePage(page, "").size())));
 }
 
 void CheckPageOutput(const std::string& flag, const std::string& path) {

@@ -10,13 +10,13 @@
 #include "identify/base/output_folder.h"
 #include "identify/base/source_names.h"
 #include "identify/report/page_template.h"
-#include "identify/report/vendor/plotly.h"
 #include "tools/base/run_program.h"
 
 namespace clothid {
 
 // The files of these names, embedded by CMake.
 std::string_view LandscapePage();        // page/landscape_page.html
+std::string_view LandscapeStyle();       // page/landscape_page.css
 std::string_view LandscapePageScript();  // page/landscape_*.js
 std::string_view LandscapeScript();      // plot_landscape
 
@@ -135,13 +135,9 @@ std::string WritePng(const std::string& folder, OutputFolder* output) {
 }  // namespace
 
 std::string LandscapeHtml(const LandscapePart& part, const LandscapeSummary& summary) {
-  const std::string data = DataText(part, summary);
-  return FillPage(LandscapePage(), {{"{{style}}", PageStyle()},
-                                    {"{{data}}", data},
-                                    {"{{licences}}", PlotlyLicences()},
-                                    {"{{plotly}}", PlotlyLibrary()},
-                                    {"{{page}}", PageScript()},
-                                    {"{{script}}", LandscapePageScript()}});
+  const std::string style = "\n" + std::string(LandscapeStyle());
+  return MakePage({"Landscape of the cost", LandscapePage(), style, /*has_charts=*/true, {LandscapePageScript()}},
+                  DataText(part, summary));
 }
 
 LandscapePictures PlotLandscape(const LandscapePart& part, const LandscapeSummary& summary, const std::string& folder) {
