@@ -112,11 +112,9 @@ std::string OverallLine(const FitSummary& summary, const std::vector<Reason>& re
 
 // Where some parameters cannot be used and others can, the answer as a whole asks for care.
 Usability Overall(const FitSummary& summary, const std::vector<Usability>& parameters) {
-  const std::vector<int> forbidden = Having(summary, parameters, Usability::kDoNotUse);
-  const std::vector<int> careful = Having(summary, parameters, Usability::kWithCare);
-  const std::vector<int> usable = Having(summary, parameters, Usability::kUsable);
-  if (careful.empty() && usable.empty()) return Usability::kDoNotUse;
-  return forbidden.empty() && careful.empty() ? Usability::kUsable : Usability::kWithCare;
+  const auto has = [&](Usability usability) { return !Having(summary, parameters, usability).empty(); };
+  if (!has(Usability::kWithCare) && !has(Usability::kUsable)) return Usability::kDoNotUse;
+  return has(Usability::kDoNotUse) || has(Usability::kWithCare) ? Usability::kWithCare : Usability::kUsable;
 }
 
 }  // namespace

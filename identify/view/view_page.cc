@@ -106,15 +106,11 @@ Eigen::Index ThinClouds(RecordedMotion* motion) {
 Eigen::MatrixXd HandlePositions(const RecordedMotion& motion) {
   const Handles& handles = motion.scene.handles;
   Eigen::MatrixXd positions(3 * static_cast<Eigen::Index>(handles.nodes.size()), motion.num_frames());
+  const bool has_path = handles.path.num_handles() > 0;
+  const Eigen::MatrixXd start = motion.scene.initial_positions.reshaped(3, motion.scene.mesh.num_nodes());
+  const Eigen::VectorXd held = start(Eigen::all, handles.nodes).reshaped();
   for (int frame = 0; frame < motion.num_frames(); ++frame) {
-    if (handles.path.num_handles() > 0) {
-      positions.col(frame) = handles.path.At(motion.times[frame]);
-      continue;
-    }
-    for (std::size_t i = 0; i < handles.nodes.size(); ++i) {
-      positions.col(frame).segment<3>(3 * static_cast<Eigen::Index>(i)) =
-          motion.scene.initial_positions.segment<3>(3 * handles.nodes[i]);
-    }
+    positions.col(frame) = has_path ? handles.path.At(motion.times[frame]) : held;
   }
   return positions;
 }

@@ -52,28 +52,20 @@ DEFINE_string(output, "landscape_result", "folder for the results");
 namespace clothid {
 namespace {
 
-LandscapeFlags PlanFlags() {
-  return {FLAGS_x,         FLAGS_y,     FLAGS_zoom_around, FLAGS_zoom,
-          FLAGS_zoom_only, FLAGS_sweep, FLAGS_contact,     FLAGS_gradients};
-}
-
-ReadMotionOptions ReadingFromFlags() {
-  ReadMotionOptions options;
-  options.scene_path = FLAGS_scene;
-  ParseSigma(FLAGS_sigma, &options);
-  options.start = ParseStartSource(FLAGS_initial);
-  return options;
-}
-
 LandscapeRunOptions OptionsFromFlags() {
   if (FLAGS_threads < 1) throw Error(ErrorKind::kUsage, "--threads: expected a number >= 1");
   if (FLAGS_target.empty()) throw Error(ErrorKind::kUsage, "--target: expected a recording; see landscape --help");
   const auto truth = ParseParameterValues(FLAGS_set, "--set");
-  const ReadMotionOptions reading = ReadingFromFlags();
+  ReadMotionOptions reading;
+  reading.scene_path = FLAGS_scene;
+  ParseSigma(FLAGS_sigma, &reading);
+  reading.start = ParseStartSource(FLAGS_initial);
   LandscapeRunOptions options;
   options.origin.shard = ParseShard(FLAGS_shard);
   const MotionReader read = [](const ReadMotionOptions& how) { return ReadMotion(FLAGS_target, how); };
-  options.scan = SetUpLandscape(PlanFlags(), read, reading);
+  options.scan = SetUpLandscape(
+      {FLAGS_x, FLAGS_y, FLAGS_zoom_around, FLAGS_zoom, FLAGS_zoom_only, FLAGS_sweep, FLAGS_contact, FLAGS_gradients},
+      read, reading);
   options.scan.num_threads = FLAGS_threads;
   options.scan.cancel = &CatchInterrupts();
   options.origin.version = Version();

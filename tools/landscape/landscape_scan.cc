@@ -56,9 +56,7 @@ class Scan {
       : options_(options), landscape_(landscape), models_(&options) {}
 
   void Run() {
-    std::vector<int> all;
-    if (!options_.cells) all = LandscapeShard().Cells(options_.plan);
-    const std::vector<int>& cells = options_.cells ? *options_.cells : all;
+    const std::vector<int> cells = options_.cells ? *options_.cells : LandscapeShard().Cells(options_.plan);
     is_done_.assign(cells.size(), false);
     ParallelFor(
         static_cast<int>(cells.size()), options_.num_threads, [&](int task) { Evaluate(cells[task], task); },
@@ -199,11 +197,9 @@ void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptio
     RecordedMotion& motion = options->motions[setting];
     if (options->cancel != nullptr && options->cancel->load()) return;
     if (!rollout.ok()) {
-      throw Error(ErrorKind::kBadData,
-                  motion.name + ": the true parameters cannot be simulated: " +
-                      (options->plan.settings[setting].name.empty() ? std::string()
-                                                                    : options->plan.settings[setting].name + ": ") +
-                      rollout.failure->ToString());
+      const std::string& name = options->plan.settings[setting].name;
+      throw Error(ErrorKind::kBadData, motion.name + ": the true parameters cannot be simulated: " + name +
+                                           (name.empty() ? "" : ": ") + rollout.failure->ToString());
     }
     motion.positions =
         motion.positions.array().isNaN().select(motion.positions, predicted.topRows(motion.positions.rows()));
