@@ -90,7 +90,8 @@ Eigen::MatrixXd WithPriorRows(const std::vector<ParameterBlock>& blocks, const E
   }
   const Eigen::MatrixXd links = LinkRows(blocks);
   all.conservativeResize(all.rows() + links.rows(), all.cols());
-  all.bottomRows(links.rows()) = links;
+  all.bottomRows(links.rows()).setZero();
+  all.bottomLeftCorner(links.rows(), links.cols()) = links;
   return all;
 }
 

@@ -31,8 +31,8 @@ Eigen::VectorXd PriorGradient(const std::vector<ParameterBlock>& blocks, const E
 
 inline constexpr int kEveryPrior = -1;
 
-// `jacobian` [r x p] and below it `scale` times a row for every prior, and a row for every link, but for the
-// prior of block `left_out`.
+// `jacobian` [r x p], or [r x (p + n)] with other unknowns behind, and below it `scale` times a row for every prior,
+// and a row for every link, but for the prior of block `left_out`.
 Eigen::MatrixXd WithPriorRows(const std::vector<ParameterBlock>& blocks, const Eigen::MatrixXd& jacobian, double scale,
                               int left_out = kEveryPrior);
 

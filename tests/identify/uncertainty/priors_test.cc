@@ -83,6 +83,14 @@ std::vector<ParameterBlock> LinkedBlocks() {
   return blocks;
 }
 
+TEST(PriorsTest, RowsOfLinksLeaveOtherUnknownsAlone) {
+  const std::vector<ParameterBlock> blocks = LinkedBlocks();
+  const Eigen::MatrixXd rows = WithPriorRows(blocks, Eigen::MatrixXd::Ones(1, 7), 1.0);
+  ASSERT_EQ(rows.rows(), 3);
+  EXPECT_EQ(rows.bottomLeftCorner(2, 4), LinkRows(blocks));
+  EXPECT_EQ(rows.bottomRightCorner(2, 3), Eigen::MatrixXd::Zero(2, 3));
+}
+
 TEST(PriorsTest, LinksHaveTheirGradientAndCurvature) {
   const std::vector<ParameterBlock> blocks = LinkedBlocks();
   EXPECT_TRUE(HasLinks(blocks));
