@@ -6,13 +6,13 @@
 #include <chrono>
 #include <map>
 #include <random>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "tests/identify/lasting_result.h"
 #include "tests/tools/tool_process.h"
 #include "tests/tools/tool_test.h"
 
@@ -23,29 +23,6 @@ namespace fs = std::filesystem;
 using Seconds = std::chrono::duration<double>;
 
 constexpr int kKillsPerMethod = 15;
-
-// Without the seconds, which no two runs share, and without the flags, of which --resume is one.
-std::string Lasting(const std::string& name, const std::string& content) {
-  const std::regex passing("\"seconds\": \\{[^}]*\\}|\"flags\": \"[^\"]*\"");
-  if (name == "result.json") return std::regex_replace(content, passing, "");
-  if (name == "report.html") {
-    const std::regex passing_here("\"seconds\":(\\{[^}]*\\}|\\[[^\\]]*\\])|\"flags\":\"[^\"]*\"");
-    const std::size_t data = content.find("id=\"data\">"), end = content.find("\"recordings\":", data);
-    return content.substr(0, data) + std::regex_replace(content.substr(data, end - data), passing_here, "") +
-           content.substr(end);
-  }
-  if (name == "convergence.csv") return std::regex_replace(content, std::regex("(^|\n)([^,\n]*),[^,\n]*,"), "$1$2,,");
-  return content;
-}
-
-std::map<std::string, std::string> ReadResult(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename();
-    files[name] = Lasting(name, ReadBytes(entry.path()));
-  }
-  return files;
-}
 
 std::vector<std::string> Names(const std::map<std::string, std::string>& files) {
   std::vector<std::string> names;
@@ -123,7 +100,7 @@ TEST_P(KillTest, EndsInTheSameBytes) {
   const std::optional<int> exit_code = Start(GetParam()).Wait();
   ASSERT_TRUE(exit_code == kExitSuccess || exit_code == kExitNotIdentifiable) << *exit_code;
   duration_ = std::chrono::steady_clock::now() - start;
-  const std::map<std::string, std::string> expected = ReadResult(result());
+  const std::map<std::string, std::string> expected = ReadLastingResult(result());
   for (const char* name : {"convergence.csv", "predicted.bin", "predicted_2.bin", "report.html", "result.json"}) {
     ASSERT_EQ(expected.count(name), 1u) << name;
   }
@@ -136,7 +113,7 @@ TEST_P(KillTest, EndsInTheSameBytes) {
     num_fitting += JournalSize(1) > 0;
     if (seed % 3 == 0) Kill(0, 1, &random);
     ASSERT_EQ(Resume(GetParam()).Wait(), exit_code) << seed;
-    const std::map<std::string, std::string> files = ReadResult(result());
+    const std::map<std::string, std::string> files = ReadLastingResult(result());
     ASSERT_EQ(Names(files), Names(expected)) << seed;
     for (const auto& [name, content] : expected) EXPECT_TRUE(files.at(name) == content) << name << " of seed " << seed;
   }
@@ -149,7 +126,7 @@ TEST_P(KillTest, EndsInTheSameBytes) {
 TEST_F(ResumeTest, AnInterruptedFitGoesOn) {
   const std::vector<std::string> flags = {"--jacobian", "numeric", "--horizon", "full"};
   ASSERT_EQ(Start(flags).Wait(), 0);
-  const std::map<std::string, std::string> expected = ReadResult(result());
+  const std::map<std::string, std::string> expected = ReadLastingResult(result());
   fs::remove_all(result());
 
   const ToolProcess interrupted = Resume(flags);
@@ -161,7 +138,7 @@ TEST_F(ResumeTest, AnInterruptedFitGoesOn) {
   EXPECT_GT(JournalSize(1), 0u);
 
   EXPECT_EQ(Resume(flags).Wait(), 0);
-  EXPECT_TRUE(ReadResult(result()) == expected);
+  EXPECT_TRUE(ReadLastingResult(result()) == expected);
 }
 
 TEST_F(ResumeTest, RefusesTheJournalOfAnotherFit) {
