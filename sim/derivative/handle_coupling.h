@@ -12,10 +12,12 @@
 #define CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/step_record.h"
+#include "sim/scene/material_field.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/step_problem.h"
 
@@ -52,7 +54,8 @@ class HandleCoupling {
 
   const ClothModel& model_;
   Scene scene_;       // without handles
-  ClothModel whole_;  // of that scene
+  ClothModel whole_;  // of that scene, with the fields of the latest step
+  std::shared_ptr<const std::vector<FieldFactors>> fields_;
   BlockMatrix hessian_;
   HeldTerms held_;
   Eigen::VectorXd predicted_;  // x^ [3N]; empty without drag by direction

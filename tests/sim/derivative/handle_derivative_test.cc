@@ -1,5 +1,5 @@
 // Offsets of the handles' path and the start that goes with them: adjoint = sensitivity = central finite differences,
-// with contact, bending, drag and internal damping.
+// with contact, bending, drag, internal damping and fields.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,6 +28,8 @@ Scene MovingScene(Integrator integrator) {
   scene.material.drag = 0.05;
   scene.material.damping = 0.02;
   scene.solver.step_tolerance = 1e-12;
+  scene.fields = {{ParameterKind::kStretchStiffness, Eigen::RowVector2d(60.0, 90.0)},
+                  {ParameterKind::kBendingStiffness, Eigen::Vector2d(2e-4, 5e-5)}};
   const std::vector<int>& nodes = scene.handles.nodes;
   Eigen::MatrixXd knots(3 * static_cast<Eigen::Index>(nodes.size()), 2);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
