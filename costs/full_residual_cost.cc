@@ -39,7 +39,7 @@ bool FullResidualCost::Evaluate(double const* const* parameters, double* residua
     }
   };
   try {
-    const SensitivityResult result = state_->model.PushForward(coordinates, active, store_frame, {});
+    const SensitivityResult result = state_->model.PushForward(coordinates, {active, {}}, store_frame, {});
     if (result.failure) throw std::runtime_error(result.failure->ToString());
   } catch (const std::exception& error) {
     state_->last_failure = state_->model.name() + ": " + error.what();

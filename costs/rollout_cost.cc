@@ -1,6 +1,8 @@
 #include "costs/rollout_cost.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "costs/rows/reflected_rows.h"
@@ -8,7 +10,20 @@
 
 namespace clothid {
 
+namespace {
+
 using Need = EvaluationNeed;
+
+// Of the parameter blocks behind those of size 1.
+std::vector<int> UnknownSizes(const RecordingModel& model) {
+  std::vector<int> sizes;
+  for (const int size : {model.num_start_unknowns(), model.num_field_unknowns()}) {
+    if (size > 0) sizes.push_back(size);
+  }
+  return sizes;
+}
+
+}  // namespace
 
 RolloutCost::RolloutCost(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
                          const RolloutCostOptions& options)
@@ -17,7 +32,7 @@ RolloutCost::RolloutCost(const RecordedMotion& motion, std::vector<ParameterBloc
 RolloutCost::RolloutCost(std::shared_ptr<RolloutEvaluator> evaluator, Precision precision)
     : evaluator_(std::move(evaluator)), precision_(precision) {
   for (int i = 0; i < model().num_blocks(); ++i) mutable_parameter_block_sizes()->push_back(1);
-  if (model().unknown_start() != nullptr) mutable_parameter_block_sizes()->push_back(model().num_start_unknowns());
+  for (const int size : UnknownSizes(model())) mutable_parameter_block_sizes()->push_back(size);
   set_num_residuals(num_prior_rows() + evaluator_->num_rows() + (evaluator_->options().loss.is_robust() ? 1 : 0));
 }
 
@@ -38,17 +53,16 @@ std::unique_ptr<RolloutCost> RolloutCost::AtPrecision(Precision precision) const
 }
 
 bool RolloutCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
-  const int num_blocks = model().num_blocks(), num_unknowns = model().num_start_unknowns();
-  Eigen::VectorXd coordinates(num_blocks + num_unknowns);
+  Eigen::VectorXd coordinates(model().num_coordinates());
   std::vector<int> active;
-  for (int i = 0; i < num_blocks; ++i) {
-    coordinates[i] = parameters[i][0];
-    if (jacobians != nullptr && jacobians[i] != nullptr) active.push_back(i);
+  int first = 0;
+  for (std::size_t i = 0; i < parameter_block_sizes().size(); ++i) {
+    const int size = parameter_block_sizes()[i];
+    coordinates.segment(first, size) = Eigen::Map<const Eigen::VectorXd>(parameters[i], size);
+    const bool is_asked = jacobians != nullptr && jacobians[i] != nullptr;
+    for (int k = 0; is_asked && k < size; ++k) active.push_back(first + k);
+    first += size;
   }
-  if (num_unknowns > 0)
-    coordinates.tail(num_unknowns) = Eigen::Map<const Eigen::VectorXd>(parameters[num_blocks], num_unknowns);
-  const bool with_start = num_unknowns > 0 && jacobians != nullptr && jacobians[num_blocks] != nullptr;
-  for (int i = 0; with_start && i < num_unknowns; ++i) active.push_back(num_blocks + i);
   const RolloutEvaluation& evaluation =
       evaluator_->At({coordinates, precision_, active.empty() ? Need::kCost : Need::kRows, active});
   if (!evaluation.ok()) return false;
@@ -58,15 +72,20 @@ bool RolloutCost::Evaluate(double const* const* parameters, double* residuals, d
   out[num_residuals() - 1] = std::sqrt(2.0 * (evaluation.cost + PriorAt(coordinates)));
   if (active.empty()) return true;
   const Eigen::MatrixXd rows = RowsOf(evaluation);
-  for (std::size_t column = 0; column < evaluation.rows.active.size(); ++column) {
-    const int block = evaluation.rows.active[column];
-    if (block >= num_blocks) break;
-    if (jacobians[block] == nullptr) continue;
-    Eigen::Map<Eigen::VectorXd>(jacobians[block], num_residuals()) = rows.col(static_cast<Eigen::Index>(column));
-  }
+  const std::vector<int>& known = evaluation.rows.active;
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  if (with_start) {
-    Eigen::Map<RowMajor>(jacobians[num_blocks], num_residuals(), num_unknowns) = rows.rightCols(num_unknowns);
+  first = 0;
+  for (std::size_t i = 0; i < parameter_block_sizes().size(); ++i) {
+    const int size = parameter_block_sizes()[i];
+    if (jacobians[i] != nullptr) {
+      const auto column = std::lower_bound(known.begin(), known.end(), first) - known.begin();
+      if (size == 1) {
+        Eigen::Map<Eigen::VectorXd>(jacobians[i], num_residuals()) = rows.col(column);
+      } else {
+        Eigen::Map<RowMajor>(jacobians[i], num_residuals(), size) = rows.middleCols(column, size);
+      }
+    }
+    first += size;
   }
   return true;
 }
@@ -78,8 +97,10 @@ Eigen::MatrixXd RolloutCost::RowsOf(const RolloutEvaluation& evaluation) const {
   if (first > 0) {
     const UnknownStart& start = *model().unknown_start();
     residuals.head(first) = start.PriorResiduals(model().StartUnknowns(evaluation.coordinates));
-    if (evaluation.rows.active.back() >= model().num_blocks()) {
-      jacobian.topRightCorner(first, start.size()) = start.prior_jacobian();
+    const std::vector<int>& active = evaluation.rows.active;
+    const auto column = std::lower_bound(active.begin(), active.end(), model().num_blocks());
+    if (column != active.end() && *column < model().num_blocks() + start.size()) {
+      jacobian.block(0, column - active.begin(), first, start.size()) = start.prior_jacobian();
     }
   }
   residuals.segment(first, num_rows) = evaluation.rows.residuals;
@@ -96,51 +117,47 @@ bool RolloutCost::EvaluateGradient(const Eigen::VectorXd& coordinates, double* c
   if (gradient == nullptr) return true;
   *gradient = evaluation.gradient;
   if (const UnknownStart* const start = model().unknown_start()) {
-    gradient->tail(start->size()) +=
+    gradient->segment(model().num_blocks(), start->size()) +=
         start->prior_jacobian().transpose() * start->PriorResiduals(model().StartUnknowns(coordinates));
   }
   return true;
 }
 
-bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
+bool RolloutCost::Linearize(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& combinations,
+                            Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
                             Eigen::MatrixXd* frame_scores) const {
   const RolloutEvaluation& evaluation =
-      evaluator_->At({coordinates, precision_, Need::kExactRows, evaluator_->free_coordinates()});
+      evaluator_->At({coordinates, precision_, Need::kExactRows, evaluator_->free_blocks(), combinations});
   if (!evaluation.ok()) return false;
   const ResidualRows& rows = evaluation.exact_rows;
-  *jacobian = Eigen::MatrixXd::Zero(rows.jacobian.rows() + num_prior_rows(), coordinates.size());
-  jacobian->topRows(rows.jacobian.rows())(Eigen::all, rows.active) = rows.jacobian;
+  const Eigen::Index num_rows = rows.jacobian.rows(), num_combined = combinations.cols();
+  *jacobian = Eigen::MatrixXd::Zero(num_rows + num_prior_rows(), model().num_blocks() + num_combined);
+  jacobian->topRows(num_rows)(Eigen::all, rows.active) = rows.jacobian.leftCols(rows.jacobian.cols() - num_combined);
+  jacobian->topRightCorner(num_rows, num_combined) = rows.jacobian.rightCols(num_combined);
   residuals->resize(jacobian->rows());
-  residuals->head(rows.residuals.size()) = rows.residuals;
+  residuals->head(num_rows) = rows.residuals;
   if (const UnknownStart* const start = model().unknown_start()) {
-    jacobian->bottomRightCorner(num_prior_rows(), start->size()) = start->prior_jacobian();
+    if (num_combined > 0) {
+      jacobian->bottomRightCorner(num_prior_rows(), num_combined) =
+          start->prior_jacobian() * combinations.topRows(start->size());
+    }
     residuals->tail(num_prior_rows()) = start->PriorResiduals(model().StartUnknowns(coordinates));
   }
   if (frame_scores != nullptr) {
-    *frame_scores = Eigen::MatrixXd::Zero(coordinates.size(), rows.frame_scores.cols());
-    (*frame_scores)(rows.active, Eigen::all) = rows.frame_scores;
+    *frame_scores = Eigen::MatrixXd::Zero(jacobian->cols(), rows.frame_scores.cols());
+    (*frame_scores)(rows.active, Eigen::all) = rows.frame_scores.topRows(rows.frame_scores.rows() - num_combined);
+    frame_scores->bottomRows(num_combined) = rows.frame_scores.bottomRows(num_combined);
   }
   return true;
 }
 
-bool RolloutCost::LinearizeAlong(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow,
-                                 Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
-                                 Eigen::MatrixXd* frame_scores) const {
-  ResidualRows rows;
-  if (!evaluator_->RowsAlong(coordinates, precision_, follow, &rows)) return false;
-  const Eigen::Index num_rows = rows.jacobian.rows(), num_blocks = model().num_blocks();
-  *jacobian = Eigen::MatrixXd::Zero(num_rows + num_prior_rows(), num_blocks);
-  jacobian->topRows(num_rows)(Eigen::all, rows.active) = rows.jacobian;
-  residuals->resize(jacobian->rows());
-  residuals->head(num_rows) = rows.residuals;
-  if (const UnknownStart* const start = model().unknown_start()) {
-    jacobian->bottomRows(num_prior_rows())(Eigen::all, rows.active) =
-        start->prior_jacobian() * follow(Eigen::all, rows.active);
-    residuals->tail(num_prior_rows()) = start->PriorResiduals(model().StartUnknowns(coordinates));
-  }
-  *frame_scores = Eigen::MatrixXd::Zero(num_blocks, rows.frame_scores.cols());
-  (*frame_scores)(rows.active, Eigen::all) = rows.frame_scores;
-  return true;
+bool RolloutCost::TimesCurvature(const Eigen::VectorXd& coordinates, const Eigen::VectorXd& direction,
+                                 Eigen::VectorXd* product) const {
+  if (!evaluator_->At({coordinates, precision_, Need::kCost, {}}).ok()) return false;
+  const RolloutEvaluation& evaluation =
+      evaluator_->At({coordinates, precision_, Need::kProduct, evaluator_->free_coordinates(), direction});
+  if (evaluation.ok()) *product = evaluation.product;
+  return evaluation.ok();
 }
 
 bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts,

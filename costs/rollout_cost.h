@@ -17,9 +17,10 @@
 // last one, so asking twice costs nothing; what was cancelled is not kept. Functions that are const fill this cache: a
 // cost belongs to one thread at a time, together with those that it shares the cache with (`AtPrecision`).
 //
-// Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate; and one more where the start of
-// the recording is unknown, its n unknowns s (costs/start/unknown_start.h). Their prior is part of L then. Below, q is
-// all of them, [p + n].
+// Parameter blocks: one per `ParameterBlock`, size 1, the block's internal coordinate; one more where the start of the
+// recording is unknown, its n unknowns (costs/start/unknown_start.h), whose prior is part of L then; and one more where
+// fields are asked for, their f unknowns (costs/field/field_unknowns.h). The prior of fields is no part of L:
+// recordings have it in common. Below, q is all of them, [p + n + f].
 #ifndef CLOTHID_COSTS_ROLLOUT_COST_H_
 #define CLOTHID_COSTS_ROLLOUT_COST_H_
 
@@ -55,22 +56,23 @@ class RolloutCost : public ceres::CostFunction {
   // null; what is null is not differentiated.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
-  // L and dL/dq [p + n] for first-order methods, by one adjoint column (from the rows of `Evaluate` with the other
+  // L and dL/dq [p + n + f] for first-order methods, by one adjoint column (from the rows of `Evaluate` with the other
   // Jacobians). `gradient` may be null; entries of frozen blocks are zero. Returns as `Evaluate` does.
   bool EvaluateGradient(const Eigen::VectorXd& coordinates, double* cost, Eigen::VectorXd* gradient) const;
 
-  // e [m], and the residuals of the prior, with their full Jacobian, weighted by the loss and compressed to r rows,
-  // whatever `JacobianMethod` the cost has: |residuals| = |e|, and `jacobian` [r x (p + n)] has the same products with
-  // itself and with `residuals` as de/dq; columns of frozen blocks are zero. `frame_scores` (may be null) [(p + n) x
-  // T]: the parts of the gradient of L that the frames have, J_i^T e_i. For the covariance at a solution. Returns as
-  // `Evaluate` does.
-  bool Linearize(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* jacobian, Eigen::VectorXd* residuals,
-                 Eigen::MatrixXd* frame_scores = nullptr) const;
+  // e [m], and the residuals of the prior, with their Jacobian along the p blocks and along `combinations`
+  // [(n + f) x c] of the unknowns (may be empty), weighted by the loss and compressed to r rows: |residuals| = |e|, and
+  // `jacobian` [r x (p + c)] has the same products with itself and with `residuals` as those columns of de/dq; columns
+  // of frozen blocks are zero. `frame_scores` (may be null) [(p + c) x T]: the parts of the gradient of L that the
+  // frames have, J_i^T e_i. For the covariance at a solution. Returns as `Evaluate` does.
+  bool Linearize(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& combinations, Eigen::MatrixXd* jacobian,
+                 Eigen::VectorXd* residuals, Eigen::MatrixXd* frame_scores = nullptr) const;
 
-  // The same along the p blocks alone, each of which moves the unknown start by its column of `follow` [n x p]: the
-  // columns J_b + J_s follow, the prior's rows with them, and the frames' scores [p x T]. Not cached.
-  bool LinearizeAlong(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow, Eigen::MatrixXd* jacobian,
-                      Eigen::VectorXd* residuals, Eigen::MatrixXd* frame_scores) const;
+  // J^T J `direction` [p + n + f] of e, weighted by the loss, without priors, to about `kLooseAdjointTolerance`;
+  // entries of frozen blocks count as zero, here and there. By a forward sweep of one column and a reverse sweep along
+  // the kept rollout, and at a new point one forward sweep of the blocks. Returns as `Evaluate` does.
+  bool TimesCurvature(const Eigen::VectorXd& coordinates, const Eigen::VectorXd& direction,
+                      Eigen::VectorXd* product) const;
 
   // The prediction [R x T] m (see Observation), the counts of their rollout (may be null) and the forces [3G x F] N
   // (may be null). False where the rollout failed.

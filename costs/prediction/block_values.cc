@@ -55,11 +55,12 @@ Eigen::VectorXd BlockValues::DerivativesAt(const Eigen::VectorXd& coordinates, c
   return derivatives;
 }
 
-SortedBlocks BlockValues::Sort(const std::vector<int>& active) const {
+SortedBlocks BlockValues::Sort(const std::vector<int>& active, int num_start_unknowns) const {
   SortedBlocks sorted;
   for (int place = 0; place < static_cast<int>(active.size()); ++place) {
     if (active[place] >= num_blocks()) {
-      sorted.start_places.push_back(place);
+      const bool is_start = active[place] < num_blocks() + num_start_unknowns;
+      (is_start ? sorted.start_places : sorted.field_places).push_back(place);
       continue;
     }
     const std::optional<AlignmentId>& id = alignment_ids_[active[place]];

@@ -23,7 +23,7 @@ struct SortedBlocks {
   std::vector<int> handle_places;
   std::vector<AlignmentId> corrections;  // all other parameters of the recording
   std::vector<int> correction_places;
-  std::vector<int> start_places;  // of what follows the blocks: the unknown start, in its order
+  std::vector<int> start_places, field_places;  // of the unknowns that follow the blocks, in their order
 
   bool has_only_parameters() const {
     return velocity_places.empty() && handle_places.empty() && correction_places.empty();
@@ -53,7 +53,8 @@ class BlockValues {
   Alignment AlignmentAt(const Eigen::VectorXd& coordinates) const;
   // d value/d coordinate [q] of the blocks `active`; 1 for what follows the blocks.
   Eigen::VectorXd DerivativesAt(const Eigen::VectorXd& coordinates, const std::vector<int>& active) const;
-  SortedBlocks Sort(const std::vector<int>& active) const;
+  // `num_start_unknowns`: how many of those that follow the blocks are of the start.
+  SortedBlocks Sort(const std::vector<int>& active, int num_start_unknowns = 0) const;
 
  private:
   std::vector<ParameterBlock> blocks_;

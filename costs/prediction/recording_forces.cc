@@ -33,12 +33,12 @@ Eigen::VectorXd RecordingModel::ForceBiasDerivative(AlignmentId id) const {
   return derivative;
 }
 
-Eigen::MatrixXd RecordingModel::ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& active) {
-  Eigen::MatrixXd all = Arranged(swept, active);
-  for (std::size_t i = 0; i < active.corrections.size(); ++i) {
-    const AlignmentId id = active.corrections[i];
+Eigen::MatrixXd RecordingModel::ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& blocks) {
+  Eigen::MatrixXd all = Arranged(swept, blocks);
+  for (std::size_t i = 0; i < blocks.corrections.size(); ++i) {
+    const AlignmentId id = blocks.corrections[i];
     const Eigen::Index row = 3 * static_cast<Eigen::Index>(id.group) + id.axis;
-    if (id.kind == AlignmentKind::kForceBias && row < all.rows()) all(row, 1 + active.correction_places[i]) = 1.0;
+    if (id.kind == AlignmentKind::kForceBias && row < all.rows()) all(row, 1 + blocks.correction_places[i]) = 1.0;
   }
   return all;
 }

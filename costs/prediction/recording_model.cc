@@ -34,9 +34,6 @@ Scene WithHandlePath(Scene scene) {
   return scene;
 }
 
-// Columns of a start beyond which they are for a Gauss-Newton matrix.
-constexpr Eigen::Index kManyColumns = 24;
-
 // The scene whose material has every term that the fit will change.
 Scene SceneAtStart(Scene scene, const Parameters& start) {
   scene.material = start.material;
@@ -49,7 +46,7 @@ Scene SceneAtStart(Scene scene, const Parameters& start) {
 }  // namespace
 
 RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer,
-                               std::shared_ptr<const UnknownStart> start)
+                               std::shared_ptr<const UnknownStart> start, const std::vector<FieldRequest>& fields)
     : name_(motion.name),
       values_(std::move(blocks), motion.scene),
       observation_(motion),
@@ -59,16 +56,34 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       start_(std::move(start)),
       observer_(std::move(observer)) {
   if (start_ == nullptr && IsUnknown(motion.start_source)) start_ = std::make_shared<const UnknownStart>(motion);
+  if (!fields.empty()) fields_.emplace(fields, scene(), name_);
   if (const ParameterBlock* size = values_.FindSize()) {
     FrontAxes(scene().mesh, "parameter '" + size->name + "': " + motion.name);
     if (!observation_.forces().is_empty()) {
       throw Error(ErrorKind::kUsage, "parameter '" + size->name + "': " + motion.name +
-                                         " has forces at its handles; expected a recording without them");
+                                         " has forces at its handles, whose derivative by the rest shape is not known; "
+                                         "expected a recording without them");
     }
   }
   if (!values_.move_handles()) return;
   const bool turns = values_.Find(AlignmentKind::kHandleTurn) != nullptr;
   handle_correction_.emplace(scene(), HandleGroups(motion), start_ ? start_->handle_knots() : Eigen::VectorXd(), turns);
+}
+
+Eigen::VectorXd RecordingModel::StartUnknowns(const Eigen::VectorXd& coordinates) const {
+  if (coordinates.size() == num_blocks()) return Eigen::VectorXd::Zero(num_start_unknowns());
+  return coordinates.segment(num_blocks(), num_start_unknowns());
+}
+
+Eigen::VectorXd RecordingModel::FieldUnknownsOf(const Eigen::VectorXd& coordinates) const {
+  if (coordinates.size() < num_coordinates()) return Eigen::VectorXd::Zero(num_field_unknowns());
+  return coordinates.tail(num_field_unknowns());
+}
+
+Parameters RecordingModel::ParametersAt(const Eigen::VectorXd& coordinates) const {
+  Parameters parameters = values_.ParametersAt(coordinates);
+  if (fields_) parameters.fields = fields_->FactorsAt(FieldUnknownsOf(coordinates));
+  return parameters;
 }
 
 FramePrediction RecordingModel::PredictionAt(const Eigen::VectorXd& coordinates) const {
@@ -109,26 +124,6 @@ RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const st
   with_threshold.threshold = options.threshold.value_or(SolverAt(precision).adjoint_tolerance);
   return clothid::PullBack(rollout, parameters, static_cast<int>(num_columns), add_position_gradient, &simulator_,
                            with_threshold);
-}
-
-SensitivityResult RecordingModel::RunForwardSweep(const Eigen::VectorXd& coordinates,
-                                                  const SensitivityDirections& directions,
-                                                  const SensitivityVisitor& visitor, const PassOptions& pass) {
-  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
-    visitor(step, positions, derivative);
-    Observe(RolloutPass::kForwardSweep, step, pass.passes_left);
-  };
-  const SolverOptions solver = SolverAt(pass.precision);
-  const RolloutStart start = StartAt(coordinates);
-  SensitivityOptions options;
-  start.SetOn(&options);
-  options.step_tolerance = solver.step_tolerance;
-  options.adjoint_tolerance = solver.adjoint_tolerance;
-  if (directions.initial_positions.cols() > kManyColumns) {
-    options.adjoint_tolerance = std::max(solver.adjoint_tolerance, kStartAdjointTolerance);
-  }
-  return clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_, pass.cancel,
-                              options);
 }
 
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass,
@@ -172,11 +167,17 @@ EnergyGain RecordingModel::EnergyGainAt(const Eigen::VectorXd& coordinates, cons
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,
                                          const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
                                          const std::vector<int>& active, const Eigen::MatrixXd& seeds,
-                                         const AdjointOptions& options, Precision precision, Eigen::MatrixXd* fields,
-                                         const ForceTrack* forces) {
+                                         const AdjointOptions& options, Precision precision, const ForceTrack* forces) {
   const FramePrediction prediction = PredictionAt(coordinates);
   const ResidualDerivative derivative(&observation_, predicted);
-  const SortedBlocks sorted = values_.Sort(active);
+  const SortedBlocks sorted = values_.Sort(active, num_start_unknowns());
+  const auto is_all_or_none = [](const std::vector<int>& places, int count) {
+    return places.empty() || static_cast<int>(places.size()) == count;
+  };
+  if (!is_all_or_none(sorted.start_places, num_start_unknowns()) ||
+      !is_all_or_none(sorted.field_places, num_field_unknowns())) {
+    throw std::logic_error("derivatives along some unknowns of a start or of fields; expected all or none");
+  }
   const std::optional<ForcePrediction> force_prediction = ForcesAt(coordinates);
   std::optional<ForceSeeds> force_seeds;
   if (force_prediction) {
@@ -192,12 +193,15 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
   };
   const RolloutGradient gradient =
       RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision);
-  if (fields != nullptr) *fields = gradient.fields;
-  if (fields != nullptr && force_seeds && fields->size() > 0) *fields += force_seeds->field_gradient();
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   if (force_seeds) all(sorted.parameter_places, Eigen::all) += force_seeds->parameter_gradient();
   SetStartRows(gradient, coordinates, sorted, &all);
+  if (!sorted.field_places.empty()) {
+    Eigen::MatrixXd by_triangle = gradient.fields;
+    if (force_seeds && force_seeds->field_gradient().size() > 0) by_triangle += force_seeds->field_gradient();
+    all(sorted.field_places, Eigen::all) = fields_->PullBack(by_triangle);
+  }
   SetCorrectionRows(prediction, sorted, predicted, velocities, derivative, seeds, &all);
   return values_.DerivativesAt(coordinates, active).asDiagonal() * all;
 }
@@ -223,33 +227,6 @@ void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const 
     }
     gradient->row(active.correction_places[i]) = derivative.Apply(change).transpose() * seeds;
   }
-}
-
-Eigen::MatrixXd RecordingModel::Arranged(const Eigen::MatrixXd& swept, const SortedBlocks& active) {
-  const auto num_swept = static_cast<Eigen::Index>(active.parameters.size() + active.start_places.size());
-  if (active.has_only_parameters()) return swept.leftCols(1 + num_swept);
-  std::vector<int> places = active.parameter_places;
-  places.insert(places.end(), active.velocity_places.begin(), active.velocity_places.end());
-  places.insert(places.end(), active.handle_places.begin(), active.handle_places.end());
-  places.insert(places.end(), active.start_places.begin(), active.start_places.end());
-  Eigen::MatrixXd all =
-      Eigen::MatrixXd::Zero(swept.rows(), 1 + static_cast<Eigen::Index>(places.size() + active.corrections.size()));
-  all.col(0) = swept.col(0);
-  for (std::size_t i = 0; i < places.size(); ++i) all.col(1 + places[i]) = swept.col(1 + static_cast<Eigen::Index>(i));
-  return all;
-}
-
-Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active,
-                                                int frame, const FrameStates& states) const {
-  const Eigen::MatrixXd swept = prediction.Points(frame, states);
-  Eigen::MatrixXd all = Arranged(swept, active);
-  if (active.corrections.empty()) return all;
-  Eigen::VectorXd velocities;
-  if (interpolation_.has_slopes()) velocities = prediction.Velocities(frame, states);
-  for (std::size_t i = 0; i < active.corrections.size(); ++i) {
-    all.col(1 + active.correction_places[i]) = prediction.Derivative(active.corrections[i], swept.col(0), velocities);
-  }
-  return all;
 }
 
 }  // namespace clothid

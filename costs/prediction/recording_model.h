@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "costs/field/field_request.h"
+#include "costs/field/field_unknowns.h"
 #include "costs/prediction/block_values.h"
 #include "costs/prediction/frame_interpolation.h"
 #include "costs/prediction/handle_correction.h"
@@ -53,19 +55,26 @@ struct ForceTrack {
   Eigen::MatrixXd states;     // [3n x (steps + 1)] m: positions of the nodes near handles after every step
 };
 
+// What a forward sweep runs along: the coordinates of blocks, then combinations of the unknowns of start and fields.
+struct SweepColumns {
+  std::vector<int> blocks;       // [q]
+  Eigen::MatrixXd combinations;  // [(n + f) x c], or empty
+};
+
 // Owns everything it needs; one per thread. The parameters that are not blocks stay at the scene's nominal values,
 // those of the recording itself (costs/prediction/alignment.h) at zero: where none of them is a block, nothing is
-// corrected. Where the start of the recording is unknown, its unknowns (costs/start/unknown_start.h) are coordinates,
-// too, after those of the blocks: the list `active` has all of them or none.
+// corrected. Coordinates [p + n + f] are those of the blocks, then the unknowns of the start where it is unknown
+// (costs/start/unknown_start.h), then those of fields (costs/field/field_unknowns.h). Those of the blocks alone, or of
+// blocks and start, mean zero for the rest.
 class RecordingModel {
  public:
   // Every name of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
   // simulation are those that the starting values of the blocks and the scene's nominal values ask for. Throws `Error`
   // for names, for a size of the cloth beside forces at its handles, and for what `Observation` and `Simulator` reject.
   // `observer`: told of every step of all passes; may be empty. `start`: that of the same cloth in another view of this
-  // recording; null: what the recording says.
+  // recording; null: what the recording says. `fields`: those whose unknowns are coordinates; the scene has them.
   RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer = {},
-                 std::shared_ptr<const UnknownStart> start = nullptr);
+                 std::shared_ptr<const UnknownStart> start = nullptr, const std::vector<FieldRequest>& fields = {});
 
   const std::string& name() const { return name_; }
   const Observation& observation() const { return observation_; }
@@ -73,24 +82,18 @@ class RecordingModel {
   const std::vector<ParameterBlock>& blocks() const { return values_.blocks(); }
   int num_blocks() const { return static_cast<int>(blocks().size()); }               // p
   int num_start_unknowns() const { return start_ == nullptr ? 0 : start_->size(); }  // n
-  int num_coordinates() const { return num_blocks() + num_start_unknowns(); }        // p + n
+  int num_field_unknowns() const { return fields_ ? fields_->size() : 0; }           // f
+  int num_unknowns() const { return num_start_unknowns() + num_field_unknowns(); }   // n + f
+  int num_coordinates() const { return num_blocks() + num_unknowns(); }              // p + n + f
   const std::shared_ptr<const UnknownStart>& shared_start() const { return start_; }
-  const UnknownStart* unknown_start() const { return start_.get(); }  // null: it is known
-  // The last n of `coordinates` [p + n]; of those of the blocks alone [p] zero, the base of the start.
-  Eigen::VectorXd StartUnknowns(const Eigen::VectorXd& coordinates) const {
-    if (coordinates.size() == num_blocks()) return Eigen::VectorXd::Zero(num_start_unknowns());
-    return coordinates.tail(num_start_unknowns());
-  }
+  const UnknownStart* unknown_start() const { return start_.get(); }                     // null: it is known
+  const FieldUnknowns* field_unknowns() const { return fields_ ? &*fields_ : nullptr; }  // null: none are fitted
+  // The n and the f of `coordinates`.
+  Eigen::VectorXd StartUnknowns(const Eigen::VectorXd& coordinates) const;
+  Eigen::VectorXd FieldUnknownsOf(const Eigen::VectorXd& coordinates) const;
 
-  // `coordinates` [p + n], the blocks in their order.
-  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const {
-    Parameters parameters = values_.ParametersAt(coordinates);
-    if (fields_ != nullptr) parameters.fields = fields_;
-    return parameters;
-  }
-
-  // How constants vary over the cloth in all rollouts from now on: the fields of the scene, with other factors.
-  void SetFields(std::shared_ptr<const std::vector<FieldFactors>> fields) { fields_ = std::move(fields); }
+  // `coordinates`: the blocks in their order. With the fields that they ask for.
+  Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
 
   // Of its simulator.
   void SetNumThreads(int num_threads) { simulator_.SetNumThreads(num_threads); }
@@ -111,38 +114,33 @@ class RecordingModel {
   EnergyGain EnergyGainAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the coordinates listed in
-  // `active` [q]. `predicted` and `velocities`: of the rollout. `fields` (may be null): the same [K F x s] for the
-  // logarithms of the values that the rollout's fields have per triangle (sim/derivative/field_derivative.h). `forces`
-  // (may be null where the recording has none): of the rollout. Throws `std::logic_error` where
-  // they are missing, or the velocities of an active time offset.
+  // `active` [q], increasing: any blocks, all unknowns of the start or none, all of the fields or none. `predicted` and
+  // `velocities`: of the rollout. `forces` (may be null where the recording has none): of the rollout. Throws
+  // `std::logic_error` where they are missing, or the velocities of an active time offset.
   Eigen::MatrixXd PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,
                            const Eigen::VectorXd& coordinates, const std::vector<int>& active,
                            const Eigen::MatrixXd& seeds, const AdjointOptions& options, Precision precision,
-                           Eigen::MatrixXd* fields = nullptr, const ForceTrack* forces = nullptr);
+                           const ForceTrack* forces = nullptr);
 
-  // Called per frame with the prediction [R], whitened residuals [r] of the frame and their derivatives with
-  // respect to the coordinates of the blocks `active`, [r x q]. Reading i of the forces counts as frame T + i, with the
-  // predicted forces [3G]; they are visited between the frames, each kind in its order.
+  // Called per frame with the prediction [R], whitened residuals [r] of the frame and their derivatives along the
+  // columns of the sweep, [r x (q + c)]. Reading i of the forces counts as frame T + i, with the predicted forces [3G];
+  // they are visited between the frames, each kind in its order.
   using FrameVisitor = std::function<void(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                                           const Eigen::MatrixXd& jacobian)>;
-  // `follow` (may be null) [n x q]: `active` are blocks alone, and the derivative along each of them moves the unknown
-  // start with it, by that column.
-  SensitivityResult PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                const FrameVisitor& visitor, const PassOptions& pass,
-                                const Eigen::MatrixXd* follow = nullptr);
+  SensitivityResult PushForward(const Eigen::VectorXd& coordinates, const SweepColumns& columns,
+                                const FrameVisitor& visitor, const PassOptions& pass);
 
-  // The same along a rollout of `Simulate` that is at hand, at its coordinates: nothing is simulated.
-  void PushForward(const Rollout& rollout, const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                   const FrameVisitor& visitor, Precision precision);
-  // And along changes [K F x q] of what PullBack calls `fields`.
-  void PushForwardFields(const Rollout& rollout, const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& changes,
-                         const FrameVisitor& visitor, Precision precision);
+  // The same along a rollout of `Simulate` that is at hand, at its coordinates: nothing is simulated. `passes_left`: as
+  // of PassOptions.
+  void PushForward(const Rollout& rollout, const Eigen::VectorXd& coordinates, const SweepColumns& columns,
+                   const FrameVisitor& visitor, Precision precision, int passes_left = 0);
 
  private:
   using Sweep = std::function<void(const SensitivityDirections& directions, const SensitivityVisitor& visitor)>;
-  // What the sweeps of all these functions have in common.
-  void SweepFrames(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const Eigen::MatrixXd* follow,
-                   const FrameVisitor& visitor, const Sweep& sweep);
+  // What the forward sweeps have in common, and how closely their systems are solved.
+  void SweepFrames(const Eigen::VectorXd& coordinates, const SweepColumns& columns, const FrameVisitor& visitor,
+                   int passes_left, const Sweep& sweep);
+  double ForwardTolerance(const SweepColumns& columns, Precision precision) const;
   void Observe(RolloutPass pass, int num_done, int passes_left) const {
     if (observer_ && num_done > 0) observer_({pass, num_done, num_steps(), passes_left});
   }
@@ -151,8 +149,6 @@ class RecordingModel {
   RolloutGradient RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                   Eigen::Index num_columns, const AddPositionGradient& add_seeds,
                                   const AdjointOptions& options, Precision precision);
-  SensitivityResult RunForwardSweep(const Eigen::VectorXd& coordinates, const SensitivityDirections& directions,
-                                    const SensitivityVisitor& visitor, const PassOptions& pass);
 
   FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
   // Absent where the recording has no forces. The parameters' fields are in the simulator afterwards.
@@ -174,21 +170,20 @@ class RecordingModel {
   // Puts the shifts and the turn of `alignment` into the start, which may have offsets of its own.
   void MoveHandles(const Alignment& alignment, RolloutStart* start) const;
   // The columns of a forward sweep: of the parameters, then of the start velocity and of what moves the handles, then
-  // of the unknown start: those of all its unknowns where they are active, or `along` [n x q], if any, of them.
-  SensitivityDirections DirectionsOf(const Eigen::VectorXd& coordinates, const SortedBlocks& active,
-                                     const Eigen::MatrixXd& along) const;
+  // of `combinations`.
+  SensitivityDirections DirectionsOf(const Eigen::VectorXd& coordinates, const SortedBlocks& blocks,
+                                     const Eigen::MatrixXd& combinations) const;
   // The rows [.. x s] of a reverse sweep that belong to these columns.
   void SetStartRows(const RolloutGradient& gradient, const Eigen::VectorXd& coordinates, const SortedBlocks& active,
                     Eigen::MatrixXd* all) const;
-  // The prediction at a frame, from states whose further columns are derivatives along the directions of `active`, and
-  // its derivatives in the order of `active`: [R x (1 + q)].
-  Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& active, int frame,
+  // The prediction at a frame, from states whose further columns are derivatives along `DirectionsOf`, and its own
+  // derivatives in the order of SweepColumns: [R x (1 + q + c)].
+  Eigen::MatrixXd WithDerivatives(const FramePrediction& prediction, const SortedBlocks& blocks, int frame,
                                   const FrameStates& states) const;
-  // The swept columns of a prediction, or of forces, [.. x (1 + c)] in the order of `active` [.. x (1 + q)]; zero in
-  // those of corrections.
-  static Eigen::MatrixXd Arranged(const Eigen::MatrixXd& swept, const SortedBlocks& active);
-  // Forces [3G x (1 + c)] likewise, with the derivatives of their bias.
-  static Eigen::MatrixXd ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& active);
+  // The swept columns of a prediction, or of forces, in that order [.. x (1 + q + c)]; zero in those of corrections.
+  static Eigen::MatrixXd Arranged(const Eigen::MatrixXd& swept, const SortedBlocks& blocks);
+  // Forces [3G x (1 + q + c)] likewise, with the derivatives of their bias.
+  static Eigen::MatrixXd ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& blocks);
   // Of all residuals [m] by a force bias, 1/N.
   Eigen::VectorXd ForceBiasDerivative(AlignmentId id) const;
   // The rows of `gradient` that belong to corrections.
@@ -203,9 +198,9 @@ class RecordingModel {
   FrameInterpolation interpolation_;
   Eigen::Vector3d turn_center_;  // m
   Simulator simulator_;
-  std::shared_ptr<const UnknownStart> start_;                // null: the start is known
-  std::optional<HandleCorrection> handle_correction_;        // absent where no block moves handles
-  std::shared_ptr<const std::vector<FieldFactors>> fields_;  // null: those of the scene
+  std::shared_ptr<const UnknownStart> start_;          // null: the start is known
+  std::optional<HandleCorrection> handle_correction_;  // absent where no block moves handles
+  std::optional<FieldUnknowns> fields_;                // absent: those of the scene
   PassObserver observer_;
 };
 

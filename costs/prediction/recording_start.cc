@@ -1,8 +1,7 @@
 // The part of RecordingModel that is about starts and handles: what a rollout has in place of the scene's, and the
 // derivatives along that.
-#include <algorithm>
-#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "costs/prediction/recording_model.h"
 #include "sim/cloth/cloth_model.h"
@@ -64,26 +63,24 @@ void RecordingModel::MoveHandles(const Alignment& alignment, RolloutStart* start
       start->handle_offsets ? handle_correction_->OffsetsAt(alignment, &*start->handle_offsets) : moved;
 }
 
-SensitivityDirections RecordingModel::DirectionsOf(const Eigen::VectorXd& coordinates, const SortedBlocks& active,
-                                                   const Eigen::MatrixXd& along) const {
+SensitivityDirections RecordingModel::DirectionsOf(const Eigen::VectorXd& coordinates, const SortedBlocks& blocks,
+                                                   const Eigen::MatrixXd& combinations) const {
   SensitivityDirections directions;
-  const auto num_axes = static_cast<Eigen::Index>(active.velocity_axes.size());
-  const auto num_first = num_axes + static_cast<Eigen::Index>(active.handles.size());
-  const auto num_active = static_cast<int>(active.start_places.size());
-  if (num_active > 0 && num_active != num_start_unknowns()) {
-    throw std::logic_error("derivatives along some unknowns of the start; expected all or none");
-  }
-  if (num_active > 0 || along.cols() > 0) {
-    directions = num_active > 0 ? start_->directions() : start_->DirectionsAlong(along);
+  const auto num_axes = static_cast<Eigen::Index>(blocks.velocity_axes.size());
+  const auto num_first = num_axes + static_cast<Eigen::Index>(blocks.handles.size());
+  const Eigen::Index num_columns = num_first + combinations.cols();
+  if (combinations.cols() > 0) {
+    if (start_ != nullptr) directions = start_->DirectionsAlong(combinations.topRows(num_start_unknowns()));
+    if (fields_) directions.fields = fields_->OverTriangles(combinations.bottomRows(num_field_unknowns()));
     PutBehind(num_first, &directions.initial_positions);
     PutBehind(num_first, &directions.initial_velocities);
     PutBehind(num_first, &directions.handle_offsets);
+    PutBehind(num_first, &directions.fields);
   }
-  directions.parameters = active.parameters;
-  const Eigen::Index num_columns = std::max(num_first, directions.initial_positions.cols());
-  SetColumns(AlongAxes(observation_.num_nodes(), active.velocity_axes), 0, num_columns, &directions.initial_velocities);
-  if (active.handles.empty()) return directions;
-  SetColumns(handle_correction_->Columns(values_.AlignmentAt(coordinates), active.handles), num_axes, num_columns,
+  directions.parameters = blocks.parameters;
+  SetColumns(AlongAxes(observation_.num_nodes(), blocks.velocity_axes), 0, num_columns, &directions.initial_velocities);
+  if (blocks.handles.empty()) return directions;
+  SetColumns(handle_correction_->Columns(values_.AlignmentAt(coordinates), blocks.handles), num_axes, num_columns,
              &directions.handle_offsets);
   return directions;
 }

@@ -1,4 +1,5 @@
 // The forward sweeps of RecordingModel: with a rollout of their own, and along one that is at hand.
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -9,97 +10,104 @@
 namespace clothid {
 namespace {
 
-// Hands positions and derivatives to the samplers, side by side. `forces` may be null.
-SensitivityVisitor AddStates(FrameSampler* sampler, ForceSampler* forces = nullptr) {
-  return [sampler, forces](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
-    Eigen::MatrixXd state(positions.size(), 1 + derivative.cols());
-    state.col(0) = positions;
-    state.rightCols(derivative.cols()) = derivative;
-    sampler->AddStep(step, state);
-    if (forces != nullptr) forces->AddStep(step, state);
-  };
-}
+// Columns that move a start beyond which they are for a Gauss-Newton matrix.
+constexpr Eigen::Index kManyColumns = 24;
 
 }  // namespace
 
-SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                              const FrameVisitor& visitor, const PassOptions& pass,
-                                              const Eigen::MatrixXd* follow) {
+SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const SweepColumns& columns,
+                                              const FrameVisitor& visitor, const PassOptions& pass) {
+  const RolloutStart start = StartAt(coordinates);
+  SensitivityOptions options;
+  start.SetOn(&options);
+  options.step_tolerance = SolverAt(pass.precision).step_tolerance;
+  options.adjoint_tolerance = ForwardTolerance(columns, pass.precision);
   SensitivityResult result;
-  SweepFrames(coordinates, active, follow, visitor,
+  SweepFrames(coordinates, columns, visitor, pass.passes_left,
               [&](const SensitivityDirections& directions, const SensitivityVisitor& add_step) {
-                result = RunForwardSweep(coordinates, directions, add_step, pass);
+                result = clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_,
+                                              pass.cancel, options);
               });
   return result;
 }
 
 void RecordingModel::PushForward(const Rollout& rollout, const Eigen::VectorXd& coordinates,
-                                 const std::vector<int>& active, const FrameVisitor& visitor, Precision precision) {
-  SweepFrames(coordinates, active, nullptr, visitor,
+                                 const SweepColumns& columns, const FrameVisitor& visitor, Precision precision,
+                                 int passes_left) {
+  SweepFrames(coordinates, columns, visitor, passes_left,
               [&](const SensitivityDirections& directions, const SensitivityVisitor& add_step) {
-                clothid::PushForward(rollout, directions, add_step, &simulator_, SolverAt(precision).adjoint_tolerance);
+                clothid::PushForward(rollout, directions, add_step, &simulator_, ForwardTolerance(columns, precision));
               });
 }
 
-void RecordingModel::PushForwardFields(const Rollout& rollout, const Eigen::VectorXd& coordinates,
-                                       const Eigen::MatrixXd& changes, const FrameVisitor& visitor,
-                                       Precision precision) {
+double RecordingModel::ForwardTolerance(const SweepColumns& columns, Precision precision) const {
+  const double tolerance = SolverAt(precision).adjoint_tolerance;
+  if (start_ == nullptr || columns.combinations.cols() <= kManyColumns) return tolerance;
+  const auto moves_start = (columns.combinations.topRows(num_start_unknowns()).array() != 0.0).colwise().any();
+  return moves_start.count() > kManyColumns ? std::max(tolerance, kStartAdjointTolerance) : tolerance;
+}
+
+void RecordingModel::SweepFrames(const Eigen::VectorXd& coordinates, const SweepColumns& columns,
+                                 const FrameVisitor& visitor, int passes_left, const Sweep& sweep) {
   const FramePrediction prediction = PredictionAt(coordinates);
+  const SortedBlocks sorted = values_.Sort(columns.blocks);
+  const auto num_blocks = static_cast<Eigen::Index>(columns.blocks.size());
+  Eigen::VectorXd derivatives = Eigen::VectorXd::Ones(num_blocks + columns.combinations.cols());
+  derivatives.head(num_blocks) = values_.DerivativesAt(coordinates, columns.blocks);
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;
   FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
-    const Eigen::MatrixXd points = prediction.Points(frame, states);
-    Eigen::VectorXd residuals;
-    Eigen::MatrixXd jacobian;
+    const Eigen::MatrixXd points = WithDerivatives(prediction, sorted, frame, states);
     observation_.LinearizeFrame(frame, points, &residuals, &jacobian);
-    visitor(frame, points.col(0), residuals, jacobian);
+    visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
   });
-  SensitivityDirections directions;
-  directions.fields = changes;
+  const SensitivityDirections directions = DirectionsOf(coordinates, sorted, columns.combinations);
   const std::optional<ForcePrediction> forces = ForcesAt(coordinates);
   std::optional<ForceSampler> force_sampler;
   if (forces) {
     const auto visit = [&](int reading, const Eigen::MatrixXd& swept) {
-      Eigen::VectorXd residuals;
-      Eigen::MatrixXd jacobian;
-      observation_.forces().LinearizeReading(reading, swept, &residuals, &jacobian);
-      visitor(observation_.num_frames() + reading, swept.col(0), residuals, jacobian);
+      const Eigen::MatrixXd all = ForcesWithDerivatives(swept, sorted);
+      observation_.forces().LinearizeReading(reading, all, &residuals, &jacobian);
+      visitor(observation_.num_frames() + reading, all.col(0), residuals, jacobian * derivatives.asDiagonal());
     };
-    force_sampler.emplace(&*forces, std::vector<ParameterId>(), visit, changes);
+    force_sampler.emplace(&*forces, sorted.parameters, visit, directions.fields);
   }
-  clothid::PushForward(rollout, directions, AddStates(&sampler, force_sampler ? &*force_sampler : nullptr), &simulator_,
-                       SolverAt(precision).adjoint_tolerance);
+  sweep(directions, [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+    Eigen::MatrixXd state(positions.size(), 1 + derivative.cols());
+    state.col(0) = positions;
+    state.rightCols(derivative.cols()) = derivative;
+    sampler.AddStep(step, state);
+    if (force_sampler) force_sampler->AddStep(step, state);
+    Observe(RolloutPass::kForwardSweep, step, passes_left);
+  });
 }
 
-void RecordingModel::SweepFrames(const Eigen::VectorXd& coordinates, const std::vector<int>& active,
-                                 const Eigen::MatrixXd* follow, const FrameVisitor& visitor, const Sweep& sweep) {
-  const FramePrediction prediction = PredictionAt(coordinates);
-  const SortedBlocks sorted = values_.Sort(active);
-  const Eigen::VectorXd derivatives = values_.DerivativesAt(coordinates, active);
-  // Per unit of the values, as all other columns.
-  Eigen::MatrixXd along;
-  if (follow != nullptr) along = *follow * derivatives.cwiseInverse().asDiagonal();
-  FrameSampler sampler(&prediction.stencils(), [&](int frame, const FrameStates& states) {
-    Eigen::MatrixXd points = WithDerivatives(prediction, sorted, frame, states);
-    if (along.cols() > 0) {
-      const Eigen::MatrixXd moved = prediction.Points(frame, states);
-      points.rightCols(along.cols()) += moved.rightCols(along.cols());
-    }
-    Eigen::VectorXd residuals;
-    Eigen::MatrixXd jacobian;
-    observation_.LinearizeFrame(frame, points, &residuals, &jacobian);
-    visitor(frame, points.col(0), residuals, jacobian * derivatives.asDiagonal());
-  });
-  const SensitivityDirections directions = DirectionsOf(coordinates, sorted, along);
-  const std::optional<ForcePrediction> forces = ForcesAt(coordinates);
-  if (!forces) return sweep(directions, AddStates(&sampler));
-  ForceSampler force_sampler(&*forces, sorted.parameters, [&](int reading, const Eigen::MatrixXd& swept) {
-    Eigen::MatrixXd all = ForcesWithDerivatives(swept, sorted);
-    if (along.cols() > 0) all.rightCols(along.cols()) += swept.rightCols(along.cols());
-    Eigen::VectorXd residuals;
-    Eigen::MatrixXd jacobian;
-    observation_.forces().LinearizeReading(reading, all, &residuals, &jacobian);
-    visitor(observation_.num_frames() + reading, all.col(0), residuals, jacobian * derivatives.asDiagonal());
-  });
-  sweep(directions, AddStates(&sampler, &force_sampler));
+Eigen::MatrixXd RecordingModel::Arranged(const Eigen::MatrixXd& swept, const SortedBlocks& blocks) {
+  if (blocks.has_only_parameters()) return swept;
+  std::vector<int> places = blocks.parameter_places;
+  places.insert(places.end(), blocks.velocity_places.begin(), blocks.velocity_places.end());
+  places.insert(places.end(), blocks.handle_places.begin(), blocks.handle_places.end());
+  const auto num_swept = static_cast<Eigen::Index>(places.size());
+  const Eigen::Index num_combinations = swept.cols() - 1 - num_swept;
+  Eigen::MatrixXd all =
+      Eigen::MatrixXd::Zero(swept.rows(), swept.cols() + static_cast<Eigen::Index>(blocks.corrections.size()));
+  all.col(0) = swept.col(0);
+  for (Eigen::Index i = 0; i < num_swept; ++i) all.col(1 + places[i]) = swept.col(1 + i);
+  all.rightCols(num_combinations) = swept.rightCols(num_combinations);
+  return all;
+}
+
+Eigen::MatrixXd RecordingModel::WithDerivatives(const FramePrediction& prediction, const SortedBlocks& blocks,
+                                                int frame, const FrameStates& states) const {
+  const Eigen::MatrixXd swept = prediction.Points(frame, states);
+  Eigen::MatrixXd all = Arranged(swept, blocks);
+  if (blocks.corrections.empty()) return all;
+  Eigen::VectorXd velocities;
+  if (interpolation_.has_slopes()) velocities = prediction.Velocities(frame, states);
+  for (std::size_t i = 0; i < blocks.corrections.size(); ++i) {
+    all.col(1 + blocks.correction_places[i]) = prediction.Derivative(blocks.corrections[i], swept.col(0), velocities);
+  }
+  return all;
 }
 
 }  // namespace clothid

@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
+#include "costs/field/field_request.h"
 #include "costs/prediction/pass_step.h"
 #include "costs/prediction/robust_loss.h"
 #include "sim/derivative/adjoint.h"
@@ -47,10 +49,11 @@ struct RolloutCostOptions {
   RobustLoss loss;
   int num_differences = 4;  // adjoint: the most recent rollouts whose differences enter the subspace
   // adjoint: the first rows are those of a forward sweep, whose Jacobian starts the subspace (see
-  // costs/rows/residual_basis.h).
+  // costs/rows/residual_basis.h). Not with `fields`.
   bool starts_with_sensitivities = false;
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of a rollout's steps; beyond it they are made twice
-  int num_threads = 1;  // that share the work of a rollout or a sweep; results do not depend on them
+  std::vector<FieldRequest> fields;  // constants whose variation over the cloth is unknown; fields of the scene
+  int num_threads = 1;               // that share the work of a rollout or a sweep; results do not depend on them
   const std::atomic<bool>* cancel = nullptr;   // ends the rollout under way as failed; must outlive the cost
   std::shared_ptr<EvaluationJournal> journal;  // of this cost alone; null: nothing is replayed or kept
   PassObserver on_step;                        // what is replayed has none but of predictions made again; may be empty

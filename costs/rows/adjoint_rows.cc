@@ -77,7 +77,7 @@ ResidualRows AdjointRows::At(const RolloutEvaluation& evaluation, const std::vec
   const Eigen::MatrixXd gradients =
       model_->PullBack(rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
                        options_->loss.is_robust() ? weighted_basis : basis, options_->adjoint, evaluation.precision,
-                       /*fields=*/nullptr, &rollouts->forces());
+                       &rollouts->forces());
   ExpectFinite(gradients);
 
   // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.
@@ -100,9 +100,9 @@ Eigen::VectorXd AdjointRows::GradientAt(const RolloutEvaluation& evaluation, con
   Eigen::VectorXd weights;
   const Eigen::VectorXd weighted = WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);
   ++statistics->sweeps;
-  const Eigen::VectorXd gradient = model_->PullBack(
-      rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
-      weights.cwiseProduct(weighted), options_->adjoint, evaluation.precision, /*fields=*/nullptr, &rollouts->forces());
+  const Eigen::VectorXd gradient =
+      model_->PullBack(rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
+                       weights.cwiseProduct(weighted), options_->adjoint, evaluation.precision, &rollouts->forces());
   ExpectFinite(gradient);
   return gradient;
 }

@@ -43,13 +43,13 @@ void CompressedJacobian::Reduce() {
 
 ResidualRows CompressedRows(const std::vector<int>& active, int num_rows, CompressedJacobian* compressed) {
   const Eigen::MatrixXd& factor = compressed->Factor();
-  const Eigen::Index num_active = static_cast<Eigen::Index>(active.size());
+  const Eigen::Index num_columns = factor.cols() - 1;
   ResidualRows rows;
   rows.active = active;
   rows.residuals = Eigen::VectorXd::Zero(num_rows);
-  rows.jacobian = Eigen::MatrixXd::Zero(num_rows, num_active);
-  rows.residuals.head(num_active + 1) = factor.col(num_active);
-  rows.jacobian.topRows(num_active + 1) = factor.leftCols(num_active);
+  rows.jacobian = Eigen::MatrixXd::Zero(num_rows, num_columns);
+  rows.residuals.head(num_columns + 1) = factor.col(num_columns);
+  rows.jacobian.topRows(num_columns + 1) = factor.leftCols(num_columns);
   if (!rows.jacobian.allFinite()) throw std::runtime_error("the Jacobian is not finite");
   return rows;
 }

@@ -31,8 +31,8 @@ class CompressedJacobian {
   Eigen::MatrixXd factor_;
 };
 
-// The rows of R as those of the blocks `active` [p], with zeros below up to `num_rows` >= p + 1. Throws
-// `std::runtime_error` where the Jacobian is not finite.
+// The rows of R as those of the coordinates `active`, the first of the p columns, with zeros below up to `num_rows` >=
+// p + 1. Throws `std::runtime_error` where the Jacobian is not finite.
 ResidualRows CompressedRows(const std::vector<int>& active, int num_rows, CompressedJacobian* compressed);
 
 }  // namespace clothid

@@ -106,11 +106,13 @@ void Fields(Archive* archive, Values*... values) {
   (Field(archive, values), ...);
 }
 
-// A structured binding names every field, so none can be added without its place here.
+// A structured binding names every field, so none can be added without its place here. Combinations are large: a digest
+// stands for them.
 template <typename Archive>
 void Field(Archive* archive, EvaluationKey* key) {
-  auto& [coordinates, precision, need, active] = *key;
-  Fields(archive, &coordinates, &precision, &need, &active);
+  auto& [coordinates, precision, need, active, combinations] = *key;
+  std::string digest = DigestOf(combinations);
+  Fields(archive, &coordinates, &precision, &need, &active, &digest);
 }
 
 template <typename Archive>
@@ -129,17 +131,17 @@ void Field(Archive* archive, CostStatistics* value) {
 
 template <typename Archive>
 void Field(Archive* archive, ResidualRows* value) {
-  auto& [active, residuals, jacobian, frame_scores] = *value;
-  Fields(archive, &active, &residuals, &jacobian, &frame_scores);
+  auto& [active, along, residuals, jacobian, frame_scores] = *value;
+  Fields(archive, &active, &along, &residuals, &jacobian, &frame_scores);
 }
 
 // Without the residuals, which the prediction gives again.
 template <typename Archive>
 void Field(Archive* archive, RolloutEvaluation* value) {
   auto& [coordinates, precision, failure, predicted, forces, residuals, counts, cost, loss_row, has_rows, rows,
-         has_gradient, gradient, has_exact_rows, exact_rows] = *value;
+         has_gradient, gradient, has_exact_rows, exact_rows, product] = *value;
   Fields(archive, &coordinates, &precision, &failure, &predicted, &forces, &counts, &cost, &loss_row, &has_rows, &rows,
-         &has_gradient, &gradient, &has_exact_rows, &exact_rows);
+         &has_gradient, &gradient, &has_exact_rows, &exact_rows, &product);
 }
 
 template <typename Archive>
@@ -159,7 +161,7 @@ std::string BytesOf(Values*... values) {
 }
 
 RecordFile::Kind JournalKind() {
-  return {"clothid journal 5", "a journal of evaluations, version 5",
+  return {"clothid journal 6", "a journal of evaluations, version 6",
           "is the journal of a fit with other recordings, flags or program; remove it, or use another --output"};
 }
 

@@ -12,14 +12,13 @@ namespace {
 // Takes the frames of a sweep one by one.
 class FrameCollector {
  public:
-  FrameCollector(const Observation& observation, const RobustLoss& loss, const std::vector<int>& active,
-                 bool keeps_jacobian, ForwardRows* result)
-      : observation_(observation), loss_(loss), compressed_(static_cast<int>(active.size())), result_(result) {
-    const Eigen::Index num_active = static_cast<Eigen::Index>(active.size());
+  FrameCollector(const Observation& observation, const RobustLoss& loss, Eigen::Index num_columns, bool keeps_jacobian,
+                 ForwardRows* result)
+      : observation_(observation), loss_(loss), compressed_(static_cast<int>(num_columns)), result_(result) {
     result_->predicted.resize(observation.num_predicted(), observation.num_frames());
     result_->forces.resize(3 * observation.forces().num_groups(), observation.forces().num_readings());
-    frame_scores_.setZero(num_active, observation.num_frames());
-    if (keeps_jacobian) result_->jacobian.resize(observation.num_residuals(), num_active);
+    frame_scores_.setZero(num_columns, observation.num_frames());
+    if (keeps_jacobian) result_->jacobian.resize(observation.num_residuals(), num_columns);
   }
 
   void AddFrame(int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
@@ -37,8 +36,9 @@ class FrameCollector {
     if (result_->jacobian.size() > 0) result_->jacobian.middleRows(first_row, jacobian.rows()) = jacobian;
   }
 
-  void Finish(const std::vector<int>& active, int num_rows) {
-    result_->rows = CompressedRows(active, num_rows, &compressed_);
+  void Finish(const SweepColumns& columns, int num_rows) {
+    result_->rows = CompressedRows(columns.blocks, num_rows, &compressed_);
+    result_->rows.along = DigestOf(columns.combinations);
     result_->rows.frame_scores = std::move(frame_scores_);
   }
 
@@ -52,23 +52,28 @@ class FrameCollector {
 
 }  // namespace
 
-ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const std::vector<int>& active, const PassOptions& pass,
+ForwardRows SweepForward(const Eigen::VectorXd& coordinates, const SweepColumns& columns, const PassOptions& pass,
                          const RobustLoss& loss, int num_rows, bool keeps_jacobian, RecordingModel* model,
-                         CostStatistics* statistics, const Eigen::MatrixXd* follow) {
+                         CostStatistics* statistics, const Rollout* rollout) {
   const ScopedTimer timer(&statistics->derivative_seconds);
+  const auto num_columns = static_cast<Eigen::Index>(columns.blocks.size()) + columns.combinations.cols();
   ForwardRows result;
-  FrameCollector collector(model->observation(), loss, active, keeps_jacobian, &result);
+  FrameCollector collector(model->observation(), loss, num_columns, keeps_jacobian, &result);
   const auto add_frame = [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
                              const Eigen::MatrixXd& jacobian) {
     collector.AddFrame(frame, points, residuals, jacobian);
   };
-  ++statistics->rollouts;
   ++statistics->sweeps;
-  const SensitivityResult swept = model->PushForward(coordinates, active, add_frame, pass, follow);
-  statistics->counts += swept.counts;
-  if (swept.failure) throw std::runtime_error(swept.failure->ToString());
-  result.counts = swept.counts;
-  collector.Finish(active, num_rows);
+  if (rollout != nullptr) {
+    model->PushForward(*rollout, coordinates, columns, add_frame, pass.precision, pass.passes_left);
+  } else {
+    ++statistics->rollouts;
+    const SensitivityResult swept = model->PushForward(coordinates, columns, add_frame, pass);
+    statistics->counts += swept.counts;
+    if (swept.failure) throw std::runtime_error(swept.failure->ToString());
+    result.counts = swept.counts;
+  }
+  collector.Finish(columns, num_rows);
   return result;
 }
 

@@ -31,6 +31,11 @@ void JournaledComputation::Complete(const EvaluationKey& key, const EvaluationCa
 // A prediction or a first Jacobian that the journal had no room for is made again.
 void JournaledComputation::Replay(const EvaluationKey& key, EvaluationOutcome outcome, const EvaluationCache& recent,
                                   RolloutEvaluation* evaluation) {
+  if (key.need == EvaluationNeed::kProduct) {
+    evaluation->failure = std::move(outcome.evaluation.failure);
+    evaluation->product = std::move(outcome.evaluation.product);
+    return computation_->Resume(key, std::move(outcome), /*took_first_jacobian=*/false, recent, *evaluation);
+  }
   const bool took_first_jacobian = computation_->TakesFirstJacobian(key);
   Eigen::MatrixXd predicted = std::move(evaluation->predicted);
   *evaluation = std::move(outcome.evaluation);
@@ -54,6 +59,11 @@ void JournaledComputation::ComputeAndAppend(const EvaluationKey& key, const Eval
   *statistics += outcome.statistics;
   if (computation_->options().is_cancelled()) return;
   outcome.rollout_coordinates = computation_->rollout_coordinates();
+  if (key.need == EvaluationNeed::kProduct) {  // all else of the point is known
+    outcome.evaluation.failure = evaluation->failure;
+    outcome.evaluation.product = evaluation->product;
+    return journal_->Append(key, &outcome);
+  }
   const Eigen::Index num_first = takes_first_jacobian ? computation_->last_jacobian().size() : 0;
   const Eigen::Index num_predicted = was_new ? evaluation->predicted.size() : 0;
   const bool has_room = journal_->HasRoomFor(static_cast<std::uint64_t>(num_predicted + num_first));

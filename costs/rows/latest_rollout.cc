@@ -1,17 +1,25 @@
 #include "costs/rows/latest_rollout.h"
 
+#include <cstddef>
 #include <stdexcept>
 
 #include "sim/base/phase_seconds.h"
 
 namespace clothid {
+namespace {
+
+// With fields, products run along a rollout again and again: bytes for its steps, and as many for their factors.
+constexpr RolloutStorage kFieldStorage = {std::size_t{512} << 20, /*keep_factors=*/true};
+
+}  // namespace
 
 Rollout LatestRollout::Run(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
                            Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities, ForceTrack* forces,
                            CostStatistics* statistics) const {
   const ScopedTimer timer(&statistics->rollout_seconds);
   ++statistics->rollouts;
-  const RolloutStorage storage{options_->memory_limit, /*keep_factors=*/false};
+  const RolloutStorage storage =
+      options_->fields.empty() ? RolloutStorage{options_->memory_limit, /*keep_factors=*/false} : kFieldStorage;
   Rollout result =
       model_->Simulate(coordinates, {precision, options_->cancel, passes_left}, storage, predicted, velocities, forces);
   statistics->counts += result.counts;

@@ -1,12 +1,12 @@
 #include "costs/rows/rollout_computation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <stdexcept>
 #include <utility>
 
 #include "costs/rows/evaluated_residuals.h"
-#include "costs/rows/forward_rows.h"
 #include "costs/rows/numeric_rows.h"
 
 namespace clothid {
@@ -28,9 +28,10 @@ Eigen::VectorXd GradientOf(const ResidualRows& rows, const std::vector<int>& act
 RolloutComputation::RolloutComputation(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
                                        const RolloutCostOptions& options)
     : options_(options),
-      model_(motion, std::move(blocks), options.on_step),
+      model_(motion, std::move(blocks), options.on_step, nullptr, options.fields),
       latest_rollout_(&model_, &options_),
-      adjoint_rows_(&model_, &options_) {
+      adjoint_rows_(&model_, &options_),
+      curvature_(&model_, &options_) {
   model_.SetNumThreads(options.num_threads);
   for (int i = 0; i < model_.num_blocks(); ++i) {
     if (!model_.blocks()[i].frozen) free_blocks_.push_back(i);
@@ -45,10 +46,12 @@ int RolloutComputation::num_rows() const {
 
 bool RolloutComputation::TakesFirstJacobian(const EvaluationKey& key) const {
   return key.need == EvaluationNeed::kRows && options_.jacobian == JacobianMethod::kAdjoint &&
-         options_.starts_with_sensitivities && adjoint_rows_.last_jacobian().size() == 0 && !free_blocks_.empty();
+         options_.starts_with_sensitivities && options_.fields.empty() && adjoint_rows_.last_jacobian().size() == 0 &&
+         !free_blocks_.empty();
 }
 
 bool RolloutComputation::StartsWithForwardSweep(const EvaluationKey& key) const {
+  if (!options_.fields.empty()) return false;  // sweeps run along the kept rollout
   switch (options_.jacobian) {
     case JacobianMethod::kAdjoint:
       // With the columns of an unknown start the sweep is not as exact as the rollout.
@@ -64,7 +67,7 @@ bool RolloutComputation::StartsWithForwardSweep(const EvaluationKey& key) const 
 }
 
 bool RolloutComputation::TakesAdjointGradient(const EvaluationKey& key) const {
-  return key.need == EvaluationNeed::kGradient && model_.num_start_unknowns() > 0;
+  return key.need == EvaluationNeed::kGradient && model_.num_unknowns() > 0;
 }
 
 int RolloutComputation::PassesAfterRollout(const EvaluationKey& key) const {
@@ -104,7 +107,7 @@ Eigen::MatrixXd RolloutComputation::PredictAgain(const EvaluationKey& key) {
 void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                              CostStatistics* statistics) {
   if (evaluation->is_new()) AddPrediction(key, evaluation, statistics);
-  if (!evaluation->Lacks(key.need, key.active)) return;
+  if (!evaluation->Lacks(key)) return;
   switch (key.need) {
     case EvaluationNeed::kCost:
       return;
@@ -114,6 +117,9 @@ void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& re
       return AddGradient(key, recent, evaluation, statistics);
     case EvaluationNeed::kExactRows:
       return AddExactRows(key, evaluation, statistics);
+    case EvaluationNeed::kProduct:
+      evaluation->product =
+          curvature_.At(*evaluation, key.active, key.combinations.col(0), &latest_rollout_, statistics);
   }
 }
 
@@ -129,19 +135,24 @@ void RolloutComputation::AddForwardRows(const EvaluationKey& key, RolloutEvaluat
                                         CostStatistics* statistics) {
   const bool is_first = TakesFirstJacobian(key);
   const bool takes_all = is_first || key.need == EvaluationNeed::kCost;
+  const SweepColumns columns = takes_all ? SweepColumns{free_blocks_, {}} : ColumnsOf(key);
+  const auto num_columns = static_cast<int>(columns.blocks.size() + columns.combinations.cols());
   ForwardRows forward =
-      SweepForward(evaluation->coordinates, takes_all ? free_blocks_ : key.active, LastPass(evaluation->precision),
-                   options_.loss, num_rows(), /*keeps_jacobian=*/is_first, &model_, statistics);
+      Sweep(*evaluation, columns, std::max(num_rows(), num_columns + 1), /*keeps_jacobian=*/is_first, statistics);
   if (evaluation->is_new()) {
     evaluation->predicted = std::move(forward.predicted);
     evaluation->forces = std::move(forward.forces);
     evaluation->counts = forward.counts;
     SetCost(options_.loss, model_.observation(), evaluation);
   }
-  evaluation->rows = std::move(forward.rows);
-  evaluation->has_rows = true;
-  evaluation->exact_rows = evaluation->rows;
+  evaluation->exact_rows = forward.rows;
   evaluation->has_exact_rows = true;
+  if (key.need != EvaluationNeed::kExactRows || num_columns == static_cast<int>(key.active.size())) {
+    evaluation->rows = std::move(forward.rows);
+    evaluation->rows.active = takes_all ? free_blocks_ : key.active;
+    evaluation->rows.along.clear();
+    evaluation->has_rows = true;
+  }
   if (is_first) adjoint_rows_.SetLastJacobian(std::move(forward.jacobian));
 }
 
@@ -165,10 +176,10 @@ void RolloutComputation::AddRows(const EvaluationKey& key, const EvaluationCache
 void RolloutComputation::AddGradient(const EvaluationKey& key, const EvaluationCache& recent,
                                      RolloutEvaluation* evaluation, CostStatistics* statistics) {
   Eigen::VectorXd gradient;
-  if (options_.jacobian == JacobianMethod::kAdjoint || model_.num_start_unknowns() > 0) {
+  if (options_.jacobian == JacobianMethod::kAdjoint || model_.num_unknowns() > 0) {
     gradient = adjoint_rows_.GradientAt(*evaluation, key.active, &latest_rollout_, statistics);
   } else {
-    if (evaluation->Lacks(EvaluationNeed::kRows, key.active)) AddRows(key, recent, evaluation, statistics);
+    if (!evaluation->has_rows || !evaluation->rows.Covers(key.active)) AddRows(key, recent, evaluation, statistics);
     gradient = GradientOf(evaluation->rows, key.active);
   }
   evaluation->gradient = Eigen::VectorXd::Zero(model_.num_coordinates());
@@ -179,20 +190,31 @@ void RolloutComputation::AddGradient(const EvaluationKey& key, const EvaluationC
 void RolloutComputation::AddExactRows(const EvaluationKey& key, RolloutEvaluation* evaluation,
                                       CostStatistics* statistics) {
   if (options_.jacobian == JacobianMethod::kSensitivity) return AddForwardRows(key, evaluation, statistics);
-  const int num_exact_rows = static_cast<int>(key.active.size()) + 1;
-  evaluation->exact_rows =
-      SweepForward(evaluation->coordinates, key.active, LastPass(evaluation->precision), options_.loss, num_exact_rows,
-                   /*keeps_jacobian=*/false, &model_, statistics)
-          .rows;
+  const SweepColumns columns = ColumnsOf(key);
+  const auto num_columns = static_cast<int>(columns.blocks.size() + columns.combinations.cols());
+  evaluation->exact_rows = Sweep(*evaluation, columns, num_columns + 1, /*keeps_jacobian=*/false, statistics).rows;
   evaluation->has_exact_rows = true;
 }
 
-ResidualRows RolloutComputation::RowsAlong(const Eigen::VectorXd& coordinates, Precision precision,
-                                           const Eigen::MatrixXd& follow, CostStatistics* statistics) {
-  const Eigen::MatrixXd own = follow(Eigen::all, free_blocks_);
-  return SweepForward(coordinates, free_blocks_, LastPass(precision), options_.loss,
-                      static_cast<int>(free_blocks_.size()) + 1, /*keeps_jacobian=*/false, &model_, statistics, &own)
-      .rows;
+SweepColumns RolloutComputation::ColumnsOf(const EvaluationKey& key) const {
+  if (key.need == EvaluationNeed::kExactRows) return {key.active, key.combinations};
+  const auto first_unknown = std::lower_bound(key.active.begin(), key.active.end(), model_.num_blocks());
+  SweepColumns columns{{key.active.begin(), first_unknown}, {}};
+  columns.combinations = Eigen::MatrixXd::Zero(model_.num_unknowns(), key.active.end() - first_unknown);
+  for (Eigen::Index i = 0; i < columns.combinations.cols(); ++i) {
+    columns.combinations(first_unknown[i] - model_.num_blocks(), i) = 1.0;
+  }
+  return columns;
+}
+
+ForwardRows RolloutComputation::Sweep(const RolloutEvaluation& evaluation, const SweepColumns& columns, int num_rows,
+                                      bool keeps_jacobian, CostStatistics* statistics) {
+  const Rollout* rollout = nullptr;
+  if (!options_.fields.empty()) {
+    rollout = &latest_rollout_.At(evaluation.coordinates, evaluation.precision, /*passes_left=*/1, statistics);
+  }
+  return SweepForward(evaluation.coordinates, columns, LastPass(evaluation.precision), options_.loss, num_rows,
+                      keeps_jacobian, &model_, statistics, rollout);
 }
 
 void RolloutComputation::Resume(const EvaluationKey& key, EvaluationOutcome outcome, bool took_first_jacobian,
@@ -202,6 +224,7 @@ void RolloutComputation::Resume(const EvaluationKey& key, EvaluationOutcome outc
   } else if (key.need == EvaluationNeed::kRows && options_.jacobian == JacobianMethod::kAdjoint && evaluation.ok()) {
     adjoint_rows_.Resume(evaluation, recent);
   }
+  if (key.need == EvaluationNeed::kProduct) curvature_.Resume(key.coordinates, key.precision);
   latest_rollout_.Resume(outcome.rollout_coordinates, key.precision);
 }
 

@@ -8,7 +8,9 @@
 #include "costs/prediction/recording_model.h"
 #include "costs/prediction/rollout_cost_options.h"
 #include "costs/rows/adjoint_rows.h"
+#include "costs/rows/curvature_product.h"
 #include "costs/rows/evaluation_cache.h"
+#include "costs/rows/forward_rows.h"
 #include "costs/rows/latest_rollout.h"
 #include "costs/rows/rollout_evaluation.h"
 #include "datasets/motion/recorded_motion.h"
@@ -29,11 +31,6 @@ class RolloutComputation {
   void Complete(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                 CostStatistics* statistics);
 
-  // The rows of a forward sweep along the free blocks, each of which moves the unknown start by its column of `follow`
-  // [n x p]. Nothing is cached or kept in a journal. Throws `std::runtime_error` where the sweep fails.
-  ResidualRows RowsAlong(const Eigen::VectorXd& coordinates, Precision precision, const Eigen::MatrixXd& follow,
-                         CostStatistics* statistics);
-
   // The prediction of a point, made as `Complete` makes that of a new one, bit by bit; with it, the first Jacobian
   // where `Complete` takes it. Throws `std::runtime_error` where it fails. What is known of the latest rollout is void
   // until `Resume`.
@@ -46,6 +43,7 @@ class RolloutComputation {
   // As if nothing had been computed before.
   void Forget() {
     latest_rollout_.Drop();
+    curvature_.Forget();
     ForgetJacobian();
   }
 
@@ -58,7 +56,7 @@ class RolloutComputation {
 
   int num_rows() const;                                                 // without the row of the loss
   const std::vector<int>& free_blocks() const { return free_blocks_; }  // not frozen
-  // The same, and the unknowns of the start.
+  // The same, and all unknowns.
   const std::vector<int>& free_coordinates() const { return free_coordinates_; }
   const RolloutCostOptions& options() const { return options_; }
   const RecordingModel& model() const { return model_; }
@@ -77,9 +75,14 @@ class RolloutComputation {
   void AddGradient(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                    CostStatistics* statistics);
   void AddExactRows(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  // The columns of a forward sweep that are asked for: of rows, those of the unknowns are some of the unit vectors.
+  SweepColumns ColumnsOf(const EvaluationKey& key) const;
+  // Along the kept rollout where there are fields, as it keeps its factors for that.
+  ForwardRows Sweep(const RolloutEvaluation& evaluation, const SweepColumns& columns, int num_rows, bool keeps_jacobian,
+                    CostStatistics* statistics);
   // Whether a forward sweep gives the prediction of a new point, and its rows along with it.
   bool StartsWithForwardSweep(const EvaluationKey& key) const;
-  // The unknowns of a start are too many for a column each: their gradient comes from the adjoint, whatever the method.
+  // Unknowns are too many for a column each: their gradient comes from the adjoint, whatever the method.
   bool TakesAdjointGradient(const EvaluationKey& key) const;
   // How many passes give the derivatives that are asked for, once there is a rollout.
   int PassesAfterRollout(const EvaluationKey& key) const;
@@ -90,6 +93,7 @@ class RolloutComputation {
   std::vector<int> free_blocks_, free_coordinates_;
   LatestRollout latest_rollout_;
   AdjointRows adjoint_rows_;
+  CurvatureProduct curvature_;
 };
 
 }  // namespace clothid

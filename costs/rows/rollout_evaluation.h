@@ -17,24 +17,32 @@ enum class EvaluationNeed {
   kRows,       // and the rows of the method that the cost has
   kGradient,   // and the gradient
   kExactRows,  // and rows by sensitivities, whatever the method; of a new point with adjoint rows they are its rows
+  kProduct,    // and a product with the Gauss-Newton matrix, made anew every time; never of a new point
 };
 
 // What is asked: the derivatives for the blocks `active` at least.
 struct EvaluationKey {
-  Eigen::VectorXd coordinates;  // [p]
+  Eigen::VectorXd coordinates;  // [p + n + f]
   Precision precision = Precision::kFull;
   EvaluationNeed need = EvaluationNeed::kCost;
-  std::vector<int> active;  // increasing
+  std::vector<int> active;  // increasing; of exact rows blocks alone
+  // Of exact rows: of the unknowns [(n + f) x c], more columns behind those of `active`. Of a product: the direction
+  // [(p + n + f) x 1].
+  Eigen::MatrixXd combinations = {};
 };
+
+// Tells matrices of combinations apart, by their bytes; empty where they have no columns.
+std::string DigestOf(const Eigen::MatrixXd& combinations);
 
 // A few rows that stand for the whole residual, without the row of the loss. Whatever the method and the basis:
 //   |residuals| = |w e|,  jacobian^T residuals = dL/dq,  w: the weights of the loss (costs/prediction/robust_loss.h).
 struct ResidualRows {
-  std::vector<int> active;    // the blocks that were differentiated, increasing
+  std::vector<int> active;    // the coordinates that were differentiated, increasing
+  std::string along;          // DigestOf the combinations whose columns follow those of `active`
   Eigen::VectorXd residuals;  // [r]
-  Eigen::MatrixXd jacobian;   // [r x q]
-  // [q x T] J_i^T e_i over the rows of frame i, weighted by the loss: their sum is the gradient. Of forward sweeps
-  // alone.
+  Eigen::MatrixXd jacobian;   // [r x (q + c)]
+  // [(q + c) x T] J_i^T e_i over the rows of frame i, weighted by the loss: their sum is the gradient. Of forward
+  // sweeps alone.
   Eigen::MatrixXd frame_scores;
 
   bool Covers(const std::vector<int>& wanted) const {
@@ -55,27 +63,16 @@ struct RolloutEvaluation {
   bool has_rows = false;
   ResidualRows rows;
   bool has_gradient = false;
-  Eigen::VectorXd gradient;  // [p + n] dL/dq, n the unknowns of the start
+  Eigen::VectorXd gradient;  // [p + n + f] dL/dq
   bool has_exact_rows = false;
   ResidualRows exact_rows;  // of the sensitivities, whatever the method of `rows`
+  Eigen::VectorXd product;  // [p + n + f] the latest
 
   bool ok() const { return failure.empty(); }
   bool is_new() const { return predicted.size() == 0; }
 
-  // Whether anything is missing that `need` asks for.
-  bool Lacks(EvaluationNeed need, const std::vector<int>& active) const {
-    switch (need) {
-      case EvaluationNeed::kCost:
-        return is_new();
-      case EvaluationNeed::kRows:
-        return is_new() || !has_rows || !rows.Covers(active);
-      case EvaluationNeed::kGradient:
-        return is_new() || !has_gradient;
-      case EvaluationNeed::kExactRows:
-        return is_new() || !has_exact_rows || !exact_rows.Covers(active);
-    }
-    return true;
-  }
+  // Whether anything is missing that `key` asks for.
+  bool Lacks(const EvaluationKey& key) const;
 };
 
 // What became of a question: an evaluation, and what it left behind for those that follow.

@@ -1,6 +1,5 @@
 #include "costs/rows/rollout_evaluator.h"
 
-#include <stdexcept>
 #include <utility>
 
 namespace clothid {
@@ -22,24 +21,13 @@ RolloutEvaluation* RolloutEvaluator::FindOrAdd(const EvaluationKey& key) {
 
 const RolloutEvaluation& RolloutEvaluator::At(const EvaluationKey& key) {
   RolloutEvaluation* const evaluation = FindOrAdd(key);
-  if (evaluation->ok() && evaluation->Lacks(key.need, key.active)) {
+  if (evaluation->ok() && evaluation->Lacks(key)) {
     journaled_.Complete(key, cache_, evaluation, &statistics_);
     last_failure_ = evaluation->failure;
     if (!evaluation->ok() && options().is_cancelled()) return TakeFailure(evaluation);
   }
   last_failure_ = evaluation->failure;
   return *evaluation;
-}
-
-bool RolloutEvaluator::RowsAlong(const Eigen::VectorXd& coordinates, Precision precision, const Eigen::MatrixXd& follow,
-                                 ResidualRows* rows) {
-  last_failure_.clear();
-  try {
-    *rows = computation_.RowsAlong(coordinates, precision, follow, &statistics_);
-  } catch (const std::runtime_error& error) {
-    last_failure_ = model().name() + ": " + error.what();
-  }
-  return last_failure_.empty();
 }
 
 const RolloutEvaluation& RolloutEvaluator::TakeFailure(RolloutEvaluation* evaluation) {

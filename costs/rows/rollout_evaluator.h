@@ -31,10 +31,6 @@ class RolloutEvaluator {
   // A failure is remembered, but not where `RolloutCostOptions::cancel` was set: then the point is as it was before.
   const RolloutEvaluation& At(const EvaluationKey& key);
 
-  // See RolloutComputation::RowsAlong. False where it fails: see last_failure().
-  bool RowsAlong(const Eigen::VectorXd& coordinates, Precision precision, const Eigen::MatrixXd& follow,
-                 ResidualRows* rows);
-
   // Forgets what the last Jacobian was: the next points are far from it.
   void ForgetJacobian() { computation_.ForgetJacobian(); }
   // As if nothing had been evaluated before, but for the counts: what the next points take does not depend on it.

@@ -34,7 +34,10 @@ HandleForces::HandleForces(const ClothModel& model, const Parameters& parameters
       groups_(groups),
       fields_(parameters.fields) {
   if (model.directional_drag() != nullptr) {
-    throw Error(ErrorKind::kBadData, "forces at handles: expected a scene without drag_normal and drag_tangential");
+    throw Error(
+        ErrorKind::kBadData,
+        "forces at handles: the derivative of what drag by direction adds to them is not known; expected a scene "
+        "without drag_normal and drag_tangential");
   }
   for (const BendingTerm& term : model.bending_terms()) {
     if (term.curvature == nullptr) continue;

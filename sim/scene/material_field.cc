@@ -104,6 +104,11 @@ double BetweenControlNodes(const Eigen::MatrixXd& values, const Eigen::Vector2d&
 Eigen::VectorXd LogsOf(const Eigen::MatrixXd& values) { return values.array().log().matrix().transpose().reshaped(); }
 
 FieldFactors FieldOverTriangles(const GridField& grid, const Mesh& mesh, double* level) {
+  const double first = grid.values(0, 0);
+  if ((grid.values.array() == first).all()) {  // flat, to the last digit
+    *level = first;
+    return {grid.kind, Eigen::VectorXd::Zero(mesh.num_faces())};
+  }
   const int rows = static_cast<int>(grid.values.rows()), columns = static_cast<int>(grid.values.cols());
   const Eigen::VectorXd logs = ControlWeights(mesh, rows, columns, "fields") * LogsOf(grid.values);
   const Eigen::VectorXd areas = TriangleAreas(mesh);

@@ -188,9 +188,10 @@ void ReadFabric(const JsonNode& node, Scene* scene) {
 }
 
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene) {
-  node.ExpectKeys({"density", "membrane", "k_stretch", "k_warp", "k_weft", "k_shear", "k_poisson", "bending", "k_bend",
-                   "bend_warp", "bend_weft", "bend_twist", "bend_poisson", "bend_rest", "warp_direction", "warp_angle",
-                   "drag", "drag_normal", "drag_tangential", "added_mass", "damping"});
+  node.ExpectKeys({"density",         "membrane",   "k_stretch",      "k_warp",     "k_weft",    "k_shear",
+                   "k_poisson",       "bending",    "k_bend",         "bend_warp",  "bend_weft", "bend_twist",
+                   "bend_poisson",    "bend_rest",  "warp_direction", "warp_angle", "drag",      "drag_normal",
+                   "drag_tangential", "added_mass", "damping"});
   Material& material = scene->material;
   ReadPositive(node, "density", &material.density);
   ReadNonNegative(node, "drag", &material.drag);

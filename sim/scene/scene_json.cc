@@ -28,9 +28,10 @@ class SceneReader {
       : root_(root), folder_(folder), defaults_(defaults) {}
 
   Scene Read() {
-    root_.ExpectKeys({"clothid_scene", "time_step", "integrator", "duration", "gravity", "contact", "touch",
-                      "depenetration_speed", "wind", "air", "node_force", "mesh", "initial", "handles", "obstacles",
-                      "fabric", "materials", "fields", "parameters", "solver"});
+    root_.ExpectKeys(
+        {"clothid_scene",       "time_step", "integrator", "duration",   "gravity",    "contact", "touch",
+         "depenetration_speed", "wind",      "air",        "node_force", "mesh",       "initial", "handles",
+         "obstacles",           "fabric",    "materials",  "fields",     "parameters", "solver"});
     ReadVersion();
     ReadTime();
     ReadForces();

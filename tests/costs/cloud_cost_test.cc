@@ -142,7 +142,7 @@ TEST_P(CloudCostTest, EveryMethodHasTheGaussNewtonMatrixOfTheFullJacobian) {
     const RolloutCost cost = Cost(method, "none");
     Eigen::MatrixXd jacobian;
     Eigen::VectorXd residuals;
-    ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals)) << cost.last_failure();
+    ASSERT_TRUE(cost.Linearize(start, {}, &jacobian, &residuals)) << cost.last_failure();
     EXPECT_LT((jacobian.transpose() * jacobian - hessian).norm(), 1e-11 * hessian.norm());
     EXPECT_NEAR(residuals.norm(), e.norm(), 1e-12 * e.norm());
   }
@@ -172,7 +172,7 @@ TEST_P(CloudCostTest, DifferencesOfResidualsWidenTheSubspace) {
   ASSERT_TRUE(cost.Evaluate(parameters.data(), rows.data(), columns.data())) << cost.last_failure();
   Eigen::MatrixXd whole;
   Eigen::VectorXd unused;
-  ASSERT_TRUE(cost.Linearize(start, &whole, &unused));
+  ASSERT_TRUE(cost.Linearize(start, {}, &whole, &unused));
   EXPECT_GT(jacobian.squaredNorm(), (1.0 - 1e-3) * whole.squaredNorm());
   EXPECT_LT(jacobian.squaredNorm(), (1.0 + 1e-9) * whole.squaredNorm());
 }

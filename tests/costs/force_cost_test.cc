@@ -221,7 +221,7 @@ TEST(ForceStartTest, GradientsCountWithAnUnknownStart) {
   Eigen::VectorXd gradient, residuals;
   Eigen::MatrixXd jacobian;
   ASSERT_TRUE(cost.EvaluateGradient(at, &value, &gradient)) << cost.last_failure();
-  ASSERT_TRUE(cost.Linearize(at, &jacobian, &residuals));
+  ASSERT_TRUE(cost.Linearize(at, Eigen::MatrixXd::Identity(num_unknowns, num_unknowns), &jacobian, &residuals));
   EXPECT_NEAR(value, 0.5 * residuals.squaredNorm(), 1e-9 * value);
   EXPECT_LE((jacobian.transpose() * residuals - gradient).norm(), 1e-2 * gradient.norm());
   for (Eigen::Index i = 0; i < at.size(); i += 9) {
@@ -239,8 +239,9 @@ TEST(ForceStartTest, GradientsCountWithAnUnknownStart) {
   }
   const Eigen::MatrixXd follow = 1e-3 * Eigen::MatrixXd::Random(num_unknowns, 2);
   Eigen::MatrixXd along, scores;
-  ASSERT_TRUE(cost.LinearizeAlong(at, follow, &along, &residuals, &scores));
-  const Eigen::VectorXd expected = gradient.head(2) + follow.transpose() * gradient.tail(num_unknowns);
+  ASSERT_TRUE(cost.Linearize(at, follow, &along, &residuals, &scores));
+  Eigen::VectorXd expected(4);
+  expected << gradient.head(2), follow.transpose() * gradient.tail(num_unknowns);
   EXPECT_LE((along.transpose() * residuals - expected).norm(), 1e-5 * expected.norm());
 }
 

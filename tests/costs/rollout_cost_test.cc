@@ -291,7 +291,7 @@ TEST_P(RolloutCostTest, ExactRowsComeAlongWithTheRollout) {
     const RolloutCost cost(motion_, blocks_, options);
     Eigen::MatrixXd jacobian;
     Eigen::VectorXd residuals;
-    ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals)) << cost.last_failure();
+    ASSERT_TRUE(cost.Linearize(start, {}, &jacobian, &residuals)) << cost.last_failure();
     const Rows rows = EvaluateAll(cost, start);
     EXPECT_EQ(cost.statistics().rollouts, 1);
     EXPECT_EQ(cost.statistics().sweeps, 1);
@@ -315,7 +315,7 @@ TEST_P(RolloutCostTest, RowsOfAKnownPointLeaveItsCostAlone) {
   EXPECT_EQ(cost.statistics().sweeps, 1);
   Eigen::MatrixXd jacobian;
   Eigen::VectorXd residuals;
-  ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals));
+  ASSERT_TRUE(cost.Linearize(start, {}, &jacobian, &residuals));
   EXPECT_EQ(cost.statistics().sweeps, 1) << "these rows are exact";
 }
 
@@ -492,13 +492,13 @@ TEST(RolloutCostCallsTest, WhatWasCancelledIsEvaluatedWhenItIsAskedForAgain) {
     cancel = true;
     Eigen::MatrixXd jacobian;
     Eigen::VectorXd residuals;
-    EXPECT_EQ(cost.Linearize(near, &jacobian, &residuals), method == JacobianMethod::kSensitivity);
+    EXPECT_EQ(cost.Linearize(near, {}, &jacobian, &residuals), method == JacobianMethod::kSensitivity);
     const int cancelled = cost.statistics().rollouts - rollouts;
     EXPECT_EQ(CostAt(cost, near), value);
     cancel = false;
     EXPECT_EQ(CostAt(cost, near), value);
     EXPECT_EQ(cost.statistics().rollouts, rollouts + cancelled);
-    EXPECT_TRUE(cost.Linearize(near, &jacobian, &residuals)) << cost.last_failure();
+    EXPECT_TRUE(cost.Linearize(near, {}, &jacobian, &residuals)) << cost.last_failure();
   }
 }
 
@@ -529,7 +529,7 @@ TEST(RolloutCostTest, LinearizationIsThatOfTheFullResidualWithEveryMethod) {
     Eigen::MatrixXd jacobian;
     Eigen::VectorXd residuals;
     Eigen::MatrixXd scores;
-    ASSERT_TRUE(cost.Linearize(start, &jacobian, &residuals, &scores)) << cost.last_failure();
+    ASSERT_TRUE(cost.Linearize(start, {}, &jacobian, &residuals, &scores)) << cost.last_failure();
     ASSERT_EQ(scores.cols(), motion.num_frames());
     EXPECT_LT((scores.rowwise().sum() - full.gradient()).norm(), 1e-10 * full.gradient().norm());
     EXPECT_TRUE(scores.col(0).isZero()) << "the first frame is the start, whatever the parameters";

@@ -48,11 +48,13 @@ EvaluationOutcome OutcomeNumber(int i) {
   outcome.evaluation.loss_row = -0.0;
   outcome.evaluation.has_rows = true;
   outcome.evaluation.rows = {{0, 1},
+                             "digest",
                              Eigen::Vector2d(kInfinity, -kInfinity),
                              Eigen::MatrixXd::Constant(2, 2, -kNan),
                              Eigen::MatrixXd::Constant(2, 3, kNan)};
   outcome.evaluation.has_gradient = i % 2 == 1;
   outcome.evaluation.gradient = Eigen::Vector2d(1e300, i);
+  outcome.evaluation.product = Eigen::Vector2d(-0.0, kNan);
   outcome.statistics.rollouts = 3 + i;
   outcome.statistics.sweeps = 5;
   outcome.statistics.counts = {1, 2, 3, 4, 5, 6, 7, 8 + i};
@@ -78,11 +80,13 @@ void ExpectSameEvaluation(const RolloutEvaluation& a, const RolloutEvaluation& b
   EXPECT_TRUE(SameBits(a.loss_row, b.loss_row));
   EXPECT_EQ(a.has_rows, b.has_rows);
   EXPECT_EQ(a.rows.active, b.rows.active);
+  EXPECT_EQ(a.rows.along, b.rows.along);
   EXPECT_TRUE(SameBits(a.rows.residuals, b.rows.residuals));
   EXPECT_TRUE(SameBits(a.rows.jacobian, b.rows.jacobian));
   EXPECT_TRUE(SameBits(a.rows.frame_scores, b.rows.frame_scores));
   EXPECT_EQ(a.has_gradient, b.has_gradient);
   EXPECT_TRUE(SameBits(a.gradient, b.gradient));
+  EXPECT_TRUE(SameBits(a.product, b.product));
 }
 
 void ExpectSame(const EvaluationOutcome& a, const EvaluationOutcome& b) {

@@ -42,6 +42,10 @@ double CostAt(const RolloutCost& cost, const Eigen::VectorXd& point) {
   return value;
 }
 
+Eigen::MatrixXd AllUnknowns(const RolloutCost& cost) {
+  return Eigen::MatrixXd::Identity(cost.model().num_unknowns(), cost.model().num_unknowns());
+}
+
 class UnknownStartTest : public ::testing::TestWithParam<StartSource> {};
 
 TEST_P(UnknownStartTest, AdjointEqualsSensitivityEqualsDifferences) {
@@ -56,7 +60,7 @@ TEST_P(UnknownStartTest, AdjointEqualsSensitivityEqualsDifferences) {
   Eigen::VectorXd gradient, residuals;
   Eigen::MatrixXd jacobian;
   ASSERT_TRUE(cost.EvaluateGradient(point, &value, &gradient));
-  ASSERT_TRUE(cost.Linearize(point, &jacobian, &residuals));
+  ASSERT_TRUE(cost.Linearize(point, AllUnknowns(cost), &jacobian, &residuals));
   EXPECT_NEAR(value, 0.5 * residuals.squaredNorm(), 1e-9 * value);
   // The matrix is made to kStartAdjointTolerance.
   EXPECT_LE((jacobian.transpose() * residuals - gradient).norm(), 1e-2 * gradient.norm());
@@ -90,7 +94,7 @@ TEST_P(UnknownStartTest, HandlesMayBeShiftedBesides) {
   double value = 0.0;
   Eigen::MatrixXd jacobian;
   ASSERT_TRUE(cost.EvaluateGradient(point, &value, &gradient)) << cost.last_failure();
-  ASSERT_TRUE(cost.Linearize(point, &jacobian, &residuals));
+  ASSERT_TRUE(cost.Linearize(point, AllUnknowns(cost), &jacobian, &residuals));
   EXPECT_LE((jacobian.transpose() * residuals - gradient).norm(), 1e-2 * gradient.norm());
   for (const Eigen::Index i : {0, 2, 3, 40, 70}) {
     Eigen::VectorXd plus = point, minus = point;
@@ -123,8 +127,8 @@ TEST_P(UnknownStartTest, RowsAreThoseOfTheCost) {
   EXPECT_LE((of_start.transpose() * residuals - gradient.tail(n)).norm(), 1e-2 * gradient.norm());
 }
 
-// Along a parameter that takes the start with it, the derivative is the sum of both.
-TEST_P(UnknownStartTest, FollowsParameters) {
+// A parameter that takes the start with it: the derivative is the sum of two columns.
+TEST_P(UnknownStartTest, RunsAlongCombinations) {
   const RecordedMotion motion = NoisySphere(GetParam());
   const RolloutCost cost(motion, MakeBlocks(motion.scene, {"mu", "k_stretch"}), {});
   const Eigen::VectorXd point = SomePoint(cost);
@@ -132,13 +136,14 @@ TEST_P(UnknownStartTest, FollowsParameters) {
   const Eigen::MatrixXd follow = 1e-3 * Eigen::MatrixXd::Random(cost.model().num_start_unknowns(), 2);
   Eigen::MatrixXd along, scores;
   Eigen::VectorXd residuals, gradient;
-  ASSERT_TRUE(cost.LinearizeAlong(point, follow, &along, &residuals, &scores));
+  ASSERT_TRUE(cost.Linearize(point, follow, &along, &residuals, &scores));
   double value = 0.0;
   ASSERT_TRUE(cost.EvaluateGradient(point, &value, &gradient));
   const Eigen::VectorXd expected = gradient.head(2) + follow.transpose() * gradient.tail(follow.rows());
-  EXPECT_LE((along.transpose() * residuals - expected).norm(), 1e-8 * gradient.norm());
+  EXPECT_LE(((along.leftCols(2) + along.rightCols(2)).transpose() * residuals - expected).norm(),
+            1e-8 * gradient.norm());
   EXPECT_NEAR(0.5 * residuals.squaredNorm(), value, 1e-9 * value);
-  EXPECT_EQ(scores.rows(), 2);
+  EXPECT_EQ(scores.rows(), 4);
   EXPECT_EQ(scores.cols(), motion.num_frames());
 }
 

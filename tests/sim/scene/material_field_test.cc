@@ -105,7 +105,8 @@ TEST(MaterialField, ValuesPassThroughAFile) {
   ExpectError([&] { ReadFieldValues(path); }, ErrorKind::kBadData, {path.c_str(), ": expected finite numbers > 0"});
 }
 
-constexpr char kSceneStart[] = R"({"clothid_scene": 1, "duration": 0.1, "mesh": {"grid": {"nodes": [3, 3], "size": [0.1, 0.1]}})";
+constexpr char kSceneStart[] =
+    R"({"clothid_scene": 1, "duration": 0.1, "mesh": {"grid": {"nodes": [3, 3], "size": [0.1, 0.1]}})";
 
 TEST(MaterialField, SceneTextHoldsFields) {
   const Scene scene = ParseScene(

@@ -82,8 +82,7 @@ TEST(RefineSceneTest, StartsOnTheSameSurface) {
   EXPECT_NO_THROW(ValidateScene(scene, "refined"));
   EXPECT_LT((scene.initial_positions - scene.mesh.rest_positions.reshaped()).norm(), 1e-15) << "rest stays rest";
   const auto [a, b] = refined.edges[5];
-  const Eigen::Vector3d expected =
-      0.5 * (NodeOf(coarse.initial_velocities, a) + NodeOf(coarse.initial_velocities, b));
+  const Eigen::Vector3d expected = 0.5 * (NodeOf(coarse.initial_velocities, a) + NodeOf(coarse.initial_velocities, b));
   EXPECT_LT((NodeOf(scene.initial_velocities, refined.Midpoint(a, b)) - expected).norm(), 1e-16);
 }
 

@@ -1,4 +1,4 @@
-#include "identify/field/field_prior.h"
+#include "costs/field/field_prior.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,7 +68,7 @@ Eigen::SparseMatrix<double> SmoothnessRoot(const std::vector<FieldRequest>& requ
   return root;
 }
 
-Eigen::MatrixXd SmoothModes(int rows, int columns, int most_per_side) {
+Eigen::MatrixXd FieldModes(int rows, int columns, int most_per_side) {
   const Eigen::MatrixXd across = Cosines(rows, std::min(rows, most_per_side));
   const Eigen::MatrixXd along = Cosines(columns, std::min(columns, most_per_side));
   Eigen::MatrixXd modes(rows * columns, across.cols() * along.cols());

@@ -1,11 +1,12 @@
 // What `identify --field k_stretch:8x8` asks for: a constant of the material as a field (sim/scene/material_field.h).
-#ifndef CLOTHID_IDENTIFY_FIELD_FIELD_REQUEST_H_
-#define CLOTHID_IDENTIFY_FIELD_FIELD_REQUEST_H_
+// Its values at the control nodes are unknowns of every recording (costs/field/field_unknowns.h), its level is a
+// parameter.
+#ifndef CLOTHID_COSTS_FIELD_FIELD_REQUEST_H_
+#define CLOTHID_COSTS_FIELD_FIELD_REQUEST_H_
 
 #include <string>
 #include <vector>
 
-#include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
 #include "sim/scene/material_field.h"
 #include "sim/scene/parameters.h"
@@ -26,12 +27,9 @@ inline constexpr int kMaxFieldUnknowns = 4096;  // of all fields
 // be no field or is given twice, and more unknowns than kMaxFieldUnknowns.
 std::vector<FieldRequest> ParseFieldRequests(const std::string& text);
 
-// Throws `Error` (kUsage) where a recording has a level of its own of what is to be a field: all have that in common.
-void ExpectInCommon(const std::vector<ParameterBlock>& blocks, const std::vector<FieldRequest>& requests);
-
 // Makes `field` one of every scene, in place of the one that it has of that constant, its level and nominal value.
 void SetField(const GridField& field, std::vector<RecordedMotion>* motions);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_FIELD_FIELD_REQUEST_H_
+#endif  // CLOTHID_COSTS_FIELD_FIELD_REQUEST_H_

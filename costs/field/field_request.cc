@@ -1,4 +1,4 @@
-#include "identify/field/field_request.h"
+#include "costs/field/field_request.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,16 +59,6 @@ std::vector<FieldRequest> ParseFieldRequests(const std::string& text) {
                                        std::to_string(kMaxFieldUnknowns));
   }
   return requests;
-}
-
-void ExpectInCommon(const std::vector<ParameterBlock>& blocks, const std::vector<FieldRequest>& requests) {
-  for (const ParameterBlock& block : blocks) {
-    const std::string name = BaseName(block.name);
-    for (const FieldRequest& request : requests) {
-      if (name != request.name || block.recording == kEveryRecording) continue;
-      throw Error(ErrorKind::kUsage, "--each: '" + name + "' is a field, which all recordings have in common");
-    }
-  }
 }
 
 void SetField(const GridField& field, std::vector<RecordedMotion>* motions) {

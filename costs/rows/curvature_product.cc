@@ -1,0 +1,76 @@
+#include "costs/rows/curvature_product.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "costs/rows/evaluated_residuals.h"
+#include "sim/base/phase_seconds.h"
+
+namespace clothid {
+namespace {
+
+// Sweeps of the blocks and of the unknowns, and the reverse sweep.
+constexpr int kPassesOfProduct = 3;
+
+}  // namespace
+
+Eigen::VectorXd CurvatureProduct::At(const RolloutEvaluation& evaluation, const std::vector<int>& active,
+                                     const Eigen::VectorXd& direction, LatestRollout* rollouts,
+                                     CostStatistics* statistics) {
+  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, kPassesOfProduct, statistics);
+  const ScopedTimer timer(&statistics->derivative_seconds);
+  const auto first_unknown = std::lower_bound(active.begin(), active.end(), model_->num_blocks());
+  const std::vector<int> blocks(active.begin(), first_unknown);
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(model_->observation().num_residuals());  // J direction
+  if (!blocks.empty()) {
+    SetBlockRows(evaluation, blocks, rollout, statistics);
+    along += block_rows_ * direction(blocks);
+  }
+  if (model_->num_unknowns() > 0) {
+    ++statistics->sweeps;
+    along += Sweep(evaluation, {{}, direction.tail(model_->num_unknowns())}, rollout, /*passes_left=*/1);
+  }
+  Eigen::VectorXd weights;
+  WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);
+  ++statistics->sweeps;
+  Eigen::VectorXd product = Eigen::VectorXd::Zero(direction.size());
+  product(active) = model_->PullBack(rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates,
+                                     active, weights.cwiseAbs2().cwiseProduct(along), options_->adjoint,
+                                     Precision::kLoose, &rollouts->forces());
+  if (!product.allFinite()) throw std::runtime_error("the product with the Gauss-Newton matrix is not finite");
+  return product;
+}
+
+void CurvatureProduct::Resume(const Eigen::VectorXd& coordinates, Precision precision) {
+  const bool is_known = coordinates_.size() == coordinates.size() && coordinates_ == coordinates;
+  if (is_known && precision_ == precision) return;
+  coordinates_ = coordinates;
+  precision_ = precision;
+  block_rows_.resize(0, 0);
+}
+
+void CurvatureProduct::SetBlockRows(const RolloutEvaluation& evaluation, const std::vector<int>& blocks,
+                                    const Rollout& rollout, CostStatistics* statistics) {
+  const bool is_counted =
+      coordinates_.size() > 0 && coordinates_ == evaluation.coordinates && precision_ == evaluation.precision;
+  if (is_counted && block_rows_.size() > 0) return;
+  if (!is_counted) ++statistics->sweeps;
+  block_rows_ = Sweep(evaluation, {blocks, {}}, rollout, /*passes_left=*/2);
+  coordinates_ = evaluation.coordinates;
+  precision_ = evaluation.precision;
+}
+
+Eigen::MatrixXd CurvatureProduct::Sweep(const RolloutEvaluation& evaluation, const SweepColumns& columns,
+                                        const Rollout& rollout, int passes_left) {
+  const Observation& observation = model_->observation();
+  const auto num_columns = static_cast<Eigen::Index>(columns.blocks.size()) + columns.combinations.cols();
+  Eigen::MatrixXd rows(observation.num_residuals(), num_columns);
+  const auto add_frame = [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&,
+                             const Eigen::MatrixXd& jacobian) {
+    rows.middleRows(observation.first_row(frame), jacobian.rows()) = jacobian;
+  };
+  model_->PushForward(rollout, evaluation.coordinates, columns, add_frame, Precision::kLoose, passes_left);
+  return rows;
+}
+
+}  // namespace clothid
