@@ -76,8 +76,9 @@ Bounds and priors:
 
 Constants that vary over the cloth:
   --field LIST        of k_stretch, k_bend and density, each on a control grid: NAME:ROWSxCOLUMNS, as k_stretch:8x8.
-                      They are fitted with the parameters of --fit, among which k_stretch is then the geometric mean
-                      over the cloth. Writes field_NAME.npy, which `simulate --set_field` reads
+                      They are fitted with the parameters of --fit, to which the level of each belongs, named there or
+                      not: k_stretch is then the geometric mean over the cloth. Writes field_NAME.npy, which
+                      `simulate --set_field` reads
   --field_weight W    of the smoothness of fields: W/2 times the integral of the squared Laplacian of the logarithm, the
                       control grid being a unit square; 0: chosen by the marginal likelihood (0)
 

@@ -59,7 +59,7 @@ void ShowProgress(ProgressPrinter* printer, std::vector<std::string>* names, Run
   options->fit.on_start = [printer, num_starts = options->fit.num_starts](int start) {
     printer->PrintStart(start, num_starts);
   };
-  options->fit.on_skipped = [printer](double share) { printer->PrintSkipped(share); };
+  options->fit.on_stage = [printer](const FitPlan& plan, int stage) { printer->PrintStage(plan, stage); };
   options->on_fitted = [printer](const FitSummary&) { printer->EndFit(); };
   options->on_examined = [printer](const FitSummary& summary) {
     printer->EndFit();

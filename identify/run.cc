@@ -12,13 +12,14 @@
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
-#include "identify/field/field_stage.h"
-#include "identify/fit/growing_horizon.h"
-#include "identify/fit/problem.h"
+#include "identify/fit/fit.h"
 #include "identify/landscape/fit_landscape.h"
+#include "identify/problem/problem.h"
+#include "identify/problem/problem_blocks.h"
 #include "identify/report/node_prediction.h"
 #include "identify/report/report.h"
-#include "identify/wind/wind_fit.h"
+#include "identify/wind/wind_request.h"
+#include "identify/wind/wind_result.h"
 #include "sim/base/phase_seconds.h"
 #include "sim/scene/refinement.h"
 
@@ -67,6 +68,7 @@ RunInputs ReadInputs(const RunOptions& options) {
     }
   }
   if (options.wind.is_given()) SetWindProfile(options.wind, &inputs.fitted);
+  if (!options.fit.fields.empty()) SetFlatFields(options.fit, &inputs.fitted);
   for (const std::string& folder : options.landscape_paths) {
     inputs.landscapes.push_back(ReadFitLandscape(folder, inputs.fitted));
   }
@@ -84,10 +86,12 @@ class Run {
         folder_(OpenFolder(options)),
         fit_options_(FitOptionsOf(options, folder_.get())),
         problem_(std::make_unique<FitProblem>(inputs_.fitted, fit_options_)) {
-    for (const ParameterBlock& block : problem_->blocks()) {
-      ExpectUsage(options.fields.empty() || !block.prior.is_given(),
-                  "--field: a fit of fields does not count with priors; expected none of '" + block.name + "'");
-    }
+    // The gradient of all unknowns but the parameters is that of the adjoint, whatever the Jacobian.
+    const bool has_sweeps = fit_options_.jacobian == JacobianMethod::kAdjoint || options.check_gradients ||
+                            problem_->num_unknowns() > 0 || problem_->chooses_weights();
+    ExpectUsage(
+        has_sweeps || (fit_options_.adjoint.method == AdjointMethod::kReduced && !fit_options_.adjoint.threshold),
+        "--adjoint: expected with --jacobian adjoint, or with other unknowns than parameters");
     for (const std::string& name : options.profiles) FindFreeBlock(*problem_, name, "--profile");
     for (const RecordedMotion& motion : inputs_.fitted) {
       if (options.discretization.mesh) ExpectRefinable(motion.scene, "--discretization: " + motion.name);
@@ -111,6 +115,7 @@ class Run {
     if (summary_.has_estimate() && options_.on_table) options_.on_table(result.table);
     const bool keeps = summary_.has_estimate() && options_.keep_recordings;
     if (summary_.has_estimate() && (keeps || folder_ != nullptr)) PredictForPage();
+    SetFittedFields(&inputs_.fitted);  // until here the problem's unknowns make them
     if (summary_.has_estimate() && folder_ != nullptr) Write();
     if (keeps) result.recordings = std::move(inputs_.fitted);
     result.verdict = Judge(summary_, checks_);
@@ -135,12 +140,9 @@ class Run {
     FitOptions fit = options.fit;
     if (options.resume) fit.journal_folder = folder->path();
     if (options.wind.is_given()) AddKnots(options.wind, &fit);
-    if (ChoosesSmoothness(options)) fit.wind_smoothness = kFirstWindSmoothness;
+    fit.chooses_wind_smoothness = options.wind.is_given() && fit.wind_smoothness == 0.0;
+    if (fit.chooses_wind_smoothness) fit.wind_smoothness = kFirstWindSmoothness;
     return fit;
-  }
-
-  static bool ChoosesSmoothness(const RunOptions& options) {
-    return options.wind.is_given() && options.fit.wind_smoothness == 0.0;
   }
 
   void TellParameters() const {
@@ -161,46 +163,37 @@ class Run {
   }
 
   void RunFit() {
-    if (!options_.fields.empty()) return RunFieldFit();
-    GrowingHorizon growing(inputs_.fitted, fit_options_);
-    GrowingHorizon* const horizon = options_.growing_horizon ? &growing : nullptr;
-    if (ChoosesSmoothness(options_)) {
-      bool is_chosen = false;
-      summary_ = FitWithChosenSmoothness(inputs_.fitted, horizon, &fit_options_, &problem_, &is_chosen);
-      smoothness_source_ = is_chosen ? SmoothnessSource::kChosen : SmoothnessSource::kNotChosen;
-      if (options_.on_fitted) options_.on_fitted(summary_);
-      return;
-    }
-    summary_ = fit_options_.num_starts == 1 ? Fit(fit_options_, problem_.get(), horizon)
+    const std::vector<RecordedMotion>* const leading = options_.growing_horizon ? &inputs_.fitted : nullptr;
+    summary_ = fit_options_.num_starts == 1 ? Fit(fit_options_, problem_.get(), leading)
                                             : FitFromStarts(fit_options_, inputs_.fitted, options_.growing_horizon,
                                                             problem_.get(), &checks_.starts.emplace());
     if (options_.time_step.is_automatic) FitWithChosenStep();
+    SetFittedFields(&inputs_.held_out);  // what is held out moves with the same cloth
     if (options_.on_fitted) options_.on_fitted(summary_);
+  }
+
+  void SetFittedFields(std::vector<RecordedMotion>* motions) const {
+    if (!summary_.fields) return;
+    for (const FittedField& field : summary_.fields->fields) SetField({field.request.kind, field.values}, motions);
   }
 
   void FitWithChosenStep() {
     checks_.step_choice = ChooseTimeStep(inputs_.fitted, fit_options_, *problem_, &summary_);
     const StepChoice& choice = *checks_.step_choice;
     if (choice.level == 0 || fit_options_.is_cancelled()) return;
+    const double factor = std::exp2(choice.level);
     for (std::vector<RecordedMotion>* motions : {&inputs_.fitted, &inputs_.held_out}) {
-      for (RecordedMotion& motion : *motions) motion.scene.time_step *= std::exp2(choice.level);
+      for (RecordedMotion& motion : *motions) motion.scene.time_step *= factor;
     }
     fit_options_.journal_tag = "chosen_step";
     const FitSummary first = std::move(summary_);
-    problem_ = std::make_unique<FitProblem>(inputs_.fitted, fit_options_);
+    const std::unique_ptr<FitProblem> before =
+        std::exchange(problem_, std::make_unique<FitProblem>(inputs_.fitted, fit_options_));
+    problem_->TakeWeights(*before);
     problem_->SetStart(choice.start);
     summary_ = Fit(fit_options_, problem_.get());
+    for (FitStage& stage : summary_.plan) stage.step_factor = factor;
     AddEarlierFit(first, &summary_);
-  }
-
-  // What is held out moves with the same cloth.
-  void RunFieldFit() {
-    summary_ = FitWithFields(fit_options_, options_.fields, options_.field_weight, &inputs_.fitted, &problem_,
-                             &checks_.fields.emplace());
-    for (const FittedField& field : checks_.fields->fields) {
-      SetField({field.request.kind, field.values}, &inputs_.held_out);
-    }
-    if (options_.on_fitted) options_.on_fitted(summary_);
   }
 
   // What was asked for beside the fit.
@@ -208,7 +201,7 @@ class Run {
     const ScopedTimer timer(&summary_.total_seconds);
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
     if (options_.wind.is_given()) {
-      checks_.wind = DescribeWind(inputs_.fitted, summary_, fit_options_.wind_smoothness, smoothness_source_);
+      checks_.wind = DescribeWind(inputs_.fitted, summary_, *problem_);
     }
     checks_.energy = CheckEnergy(inputs_.fitted, *problem_, summary_, fit_options_.cancel);
     for (const std::string& name : options_.profiles) {
@@ -262,7 +255,6 @@ class Run {
   FitOptions fit_options_;
   std::unique_ptr<FitProblem> problem_;  // until the files are written
   FitSummary summary_;
-  SmoothnessSource smoothness_source_ = SmoothnessSource::kGiven;
   FitChecks checks_;
 };
 

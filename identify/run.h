@@ -19,12 +19,12 @@
 #include <string>
 #include <vector>
 
+#include "costs/field/field_request.h"
 #include "datasets/checking/finding.h"
 #include "datasets/motion/motion_file.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
 #include "identify/checks/holdout.h"
-#include "identify/field/field_request.h"
 #include "identify/fit/fit.h"
 #include "identify/verdict/verdict.h"
 #include "identify/wind/wind_request.h"
@@ -48,13 +48,9 @@ struct RunOptions {
   bool check_recordings = true;
   // The fit itself with its callbacks, which see the main fit, and its `cancel`, which ends the whole run.
   FitOptions fit;
-  bool growing_horizon = true;  // the fit is led by its first frames (identify/fit/growing_horizon.h)
-  // Constants to fit as fields (identify/field/field_fit.h), before the fit and together with its parameters. The level
-  // of a field may be one of these. `field_weight`: of the prior, > 0; 0: it is chosen.
-  std::vector<FieldRequest> fields;
-  double field_weight = 0.0;
+  bool growing_horizon = true;  // the fit is led by its first frames (identify/fit/first_frames.h)
   // A wind that changes over the time of every recording, fitted with the parameters; its smoothness is
-  // `FitOptions::wind_smoothness`, 0: it is chosen (identify/wind/wind_fit.h).
+  // `FitOptions::wind_smoothness`, 0: it is chosen (identify/uncertainty/smoothness.h).
   WindRequest wind;
   // Beside the fit.
   bool check_gradients = false;              // at the start, before the fit
@@ -78,10 +74,6 @@ struct RunOptions {
 
   // Throws `Error` (kUsage) naming the first value that is out of range or goes with no other.
   void Validate() const;
-
- private:
-  void ValidateFields() const;
-  void ValidateWind() const;
 };
 
 struct RunResult {

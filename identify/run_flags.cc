@@ -12,6 +12,8 @@ FitOptions ParseFitFlags(const RunFlags& flags) {
   options.parameters = ParseNames(flags.fit, "--fit");
   options.each = ParseNames(flags.each, "--each");
   options.wind_smoothness = flags.wind_smoothness;
+  options.fields = ParseFieldRequests(flags.field);
+  options.field_weight = flags.field_weight;
   options.overrides.start = ParseParameterValues(flags.start, "--start");
   options.overrides.lower_bounds = ParseParameterValues(flags.lower, "--lower");
   options.overrides.upper_bounds = ParseParameterValues(flags.upper, "--upper");
@@ -51,8 +53,6 @@ RunOptions ParseRunFlags(const RunFlags& flags) {
   options.time_step = ParseTimeStep(flags.time_step);
   options.step_tolerance = flags.step_tolerance;
   options.fit = ParseFitFlags(flags);
-  options.fields = ParseFieldRequests(flags.field);
-  options.field_weight = flags.field_weight;
   options.wind = ParseWindRequest(flags.wind_profile);
   options.check_recordings = flags.check;
   options.check_gradients = flags.check_gradients;

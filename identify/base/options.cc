@@ -25,6 +25,7 @@ void FitOptions::Validate() const {
   if (!(wind_smoothness >= 0.0 && std::isfinite(wind_smoothness))) {
     FailOnOption("--wind_smoothness: expected a number > 0, in m/s per square root of a second");
   }
+  if (!(field_weight >= 0.0 && std::isfinite(field_weight))) FailOnOption("--field_weight: expected a number > 0");
   if (!(function_tolerance > 0.0)) FailOnOption("function_tolerance: expected a number > 0");
   if (!(parameter_tolerance > 0.0)) FailOnOption("parameter_tolerance: expected a number > 0");
 }

@@ -9,11 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "costs/field/field_request.h"
 #include "costs/prediction/parameter_block.h"
 #include "costs/prediction/robust_loss.h"
 #include "costs/rollout_cost.h"
 #include "datasets/motion/motion_file.h"
 #include "identify/base/evaluation_progress.h"
+#include "identify/base/fit_stage.h"
 
 namespace clothid {
 
@@ -64,6 +66,12 @@ struct FitOptions {
   // difference is believed to be normal with the standard deviation wind_smoothness sqrt(h), where residuals are as
   // large as their sigma, and in proportion to them elsewhere (identify/uncertainty/priors.h). 0: nothing is believed.
   double wind_smoothness = 0.0;
+  bool chooses_wind_smoothness = false;  // it is but the first one; the fit goes on to the likeliest
+  // Constants to fit as fields, whose levels become parameters: the scenes must have fields of them (`SetFlatFields`).
+  // `field_weight`: of what is believed of them, 1/2 weight times the integral of the squared Laplacian; 0: it is
+  // chosen.
+  std::vector<FieldRequest> fields;
+  double field_weight = 0.0;
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   AdjointOptions adjoint;  // how reverse sweeps solve their linear systems
   FitPrecision precision = FitPrecision::kAdaptive;
@@ -94,9 +102,8 @@ struct FitOptions {
   bool is_cancelled() const { return cancel != nullptr && cancel->load(); }
   std::function<void(const FitIteration&)> on_iteration;  // may be empty
   std::function<void(int start)> on_start;                // before each fit of `FitFromStarts`; may be empty
-  // The first `share` of the time holds nothing to fit, and leads nowhere (identify/fit/growing_horizon.h); may be
-  // empty.
-  std::function<void(double share)> on_skipped;
+  // When a stage of the plan begins, is skipped or has ended: `stage` is its number in `plan`. May be empty.
+  std::function<void(const FitPlan& plan, int stage)> on_stage;
   // Of every evaluation of a problem made with these options; must outlive it. No result depends on it. May be empty.
   ProgressObserver on_progress;
 

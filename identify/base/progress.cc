@@ -96,9 +96,14 @@ void ProgressPrinter::PrintStart(int start, int num_starts) {
   *out_ << "start " << start + 1 << " of " << num_starts << "\n" << std::flush;
 }
 
-void ProgressPrinter::PrintSkipped(double share) {
+void ProgressPrinter::PrintStage(const FitPlan& plan, int stage) {
+  const FitStage& own = plan[static_cast<std::size_t>(stage)];
+  if (own.state == StageState::kDone) return;
   EndLine();
-  *out_ << "the first " << 100.0 * share << " % of the time: nothing to fit there, skipped\n" << std::flush;
+  if (stage == 0) *out_ << "a plan of " << plan.size() << (plan.size() == 1 ? " stage\n" : " stages\n");
+  *out_ << "stage " << stage + 1 << ": " << own.Words();
+  if (own.state == StageState::kSkipped) *out_ << ": skipped, " << own.note;
+  *out_ << "\n" << std::flush;
 }
 
 void ProgressPrinter::EndFit() {

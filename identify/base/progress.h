@@ -33,8 +33,8 @@ class ProgressPrinter {
   void Print(const EvaluationProgress& progress);
   // Heads the lines of one fit of several; `start` counts from 0.
   void PrintStart(int start, int num_starts);
-  // That the first `share` of the time is not fitted by itself, as it holds nothing to fit.
-  void PrintSkipped(double share);
+  // The length of the plan, before its first stage, and every stage that begins or is skipped.
+  void PrintStage(const FitPlan& plan, int stage);
   // No iterations of the fit follow: evaluations from now on are of something else. Whoever writes to `out` next finds
   // a line of their own.
   void EndFit();

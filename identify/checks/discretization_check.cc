@@ -18,11 +18,10 @@ class Repeater {
   Repeater(const FitOptions& options, const FitProblem& problem, FitSummary* summary)
       : options_(options), problem_(problem), summary_(summary) {}
 
-  // From `coordinates` [p + n] or [p].
   std::optional<RepeatedFit> Repeat(const std::vector<RecordedMotion>& motions, const std::string& tag,
-                                    const Eigen::VectorXd& coordinates) {
+                                    bool from_bases = false) {
     if (options_.is_cancelled()) return std::nullopt;
-    const RepeatedFit fit = RepeatFit(motions, options_, tag, problem_, coordinates);
+    const RepeatedFit fit = RepeatFit(motions, options_, tag, problem_, summary_->coordinates, from_bases);
     summary_->statistics += fit.statistics;
     if (fit.status == FitStatus::kInterrupted) return std::nullopt;
     return fit;
@@ -80,13 +79,10 @@ DiscretizationCheck CheckDiscretization(const std::vector<RecordedMotion>& motio
     (*fit)->changes = ChangesBetween(problem, summary->coordinates.head(problem.num_blocks()), (*fit)->coordinates);
   }
   if (parts.step && !check.half_step) {
-    check.half_step = repeater.Repeat(WithStep(motions, 0.5), "half_step", summary->coordinates);
-    check.double_step = repeater.Repeat(WithStep(motions, 2.0), "double_step", summary->coordinates);
+    check.half_step = repeater.Repeat(WithStep(motions, 0.5), "half_step");
+    check.double_step = repeater.Repeat(WithStep(motions, 2.0), "double_step");
   }
-  if (parts.mesh) {
-    const Eigen::VectorXd blocks = summary->coordinates.head(problem.num_blocks());
-    check.fine_mesh = repeater.Repeat(Refined(motions), "fine_mesh", blocks);
-  }
+  if (parts.mesh) check.fine_mesh = repeater.Repeat(Refined(motions), "fine_mesh", /*from_bases=*/true);
   AddErrors(check, problem, summary);
   return check;
 }

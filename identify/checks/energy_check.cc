@@ -11,7 +11,8 @@ std::vector<EnergyGain> CheckEnergy(const std::vector<RecordedMotion>& motions, 
   std::vector<EnergyGain> gains;
   for (int r = 0; r < problem.num_recordings(); ++r) {
     const RecordingModel& fitted = problem.cost(r).model();
-    RecordingModel model(motions[static_cast<std::size_t>(r)], fitted.blocks(), {}, fitted.shared_start());
+    RecordingModel model(motions[static_cast<std::size_t>(r)], fitted.blocks(), {}, fitted.shared_start(),
+                         problem.fields());
     gains.push_back(model.EnergyGainAt(problem.CoordinatesOf(r, summary.coordinates), cancel));
   }
   return gains;

@@ -7,7 +7,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "identify/fit/fit_summary.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 #include "sim/rollout/energy_loss.h"
 
 namespace clothid {

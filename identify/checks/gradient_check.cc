@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "identify/fit/evaluator.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/evaluator.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 namespace {

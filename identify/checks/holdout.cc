@@ -6,7 +6,7 @@
 #include "costs/prediction/recording_model.h"
 #include "costs/prediction/rollout_cost_options.h"
 #include "datasets/observation/observation.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem_blocks.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <mutex>
 #include <numeric>
 #include <random>
@@ -10,7 +11,7 @@
 
 #include "identify/base/parallel_for.h"
 #include "identify/fit/continued_fit.h"
-#include "identify/fit/growing_horizon.h"
+#include "identify/fit/fit.h"
 
 namespace clothid {
 namespace {
@@ -133,14 +134,13 @@ using Points = std::vector<Eigen::VectorXd>;
 // One after the other, on the problem itself, so that its journals hold all of them. Ends with the first that is
 // interrupted.
 std::vector<FitSummary> FitInTurn(const FitOptions& options, const std::vector<RecordedMotion>& motions, bool is_led,
-                                  const Points& points, FitProblem* problem) {
-  GrowingHorizon horizon(motions, options);
+                                  const Points& points, int num_before, FitProblem* problem) {
   std::vector<FitSummary> fits;
   for (std::size_t s = 0; s < points.size(); ++s) {
-    if (options.on_start) options.on_start(static_cast<int>(s));
+    if (options.on_start) options.on_start(num_before + static_cast<int>(s));
     problem->SetStart(points[s]);
     problem->Forget();
-    fits.push_back(Fit(options, problem, is_led ? &horizon : nullptr));
+    fits.push_back(Fit(options, problem, is_led ? &motions : nullptr));
     if (fits.back().status == FitStatus::kInterrupted) break;
   }
   return fits;
@@ -148,24 +148,23 @@ std::vector<FitSummary> FitInTurn(const FitOptions& options, const std::vector<R
 
 // Side by side, each on a problem of its own: fits of one problem do not depend on those before them.
 std::vector<FitSummary> FitSideBySide(const FitOptions& options, const std::vector<RecordedMotion>& motions,
-                                      bool is_led, const Points& points) {
+                                      bool is_led, const Points& points, int num_before) {
   FitOptions each = options;
   each.num_threads = 1;
   each.on_iteration = nullptr;  // whose iterations these are nobody could tell
   each.on_progress = nullptr;
-  each.on_skipped = nullptr;
+  each.on_stage = nullptr;
   std::vector<FitSummary> fits(points.size());
   std::mutex mutex;
-  int num_begun = 0;
+  int num_begun = num_before;
   ParallelFor(static_cast<int>(points.size()), options.num_threads, [&](int s) {
     if (options.on_start) {
       const std::lock_guard<std::mutex> lock(mutex);
       options.on_start(num_begun++);
     }
     FitProblem problem(motions, each);
-    GrowingHorizon horizon(motions, each);
     problem.SetStart(points[s]);
-    fits[s] = Fit(each, &problem, is_led ? &horizon : nullptr);
+    fits[s] = Fit(each, &problem, is_led ? &motions : nullptr);
   });
   return fits;
 }
@@ -202,11 +201,26 @@ FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMo
                          FitProblem* problem, MultiStart* result) {
   FitOptions each = options;
   each.estimate_uncertainty = false;
+  const FitOptions choosing = each;
   const Points points = StartPoints(problem->blocks(), options.num_starts, options.seed);
   const bool side_by_side = options.num_threads > 1 && options.journal_folder.empty();
   const auto begin = std::chrono::steady_clock::now();
-  std::vector<FitSummary> fits =
-      side_by_side ? FitSideBySide(each, motions, is_led, points) : FitInTurn(each, motions, is_led, points, problem);
+  // The others have the weights of smoothness that the first has chosen, so that their costs compare.
+  std::vector<FitSummary> fits;
+  const bool chooses = problem->chooses_weights();
+  if (chooses) {
+    fits = FitInTurn(each, motions, is_led, {points.front()}, 0, problem);
+    problem->HoldWeights(true);
+    each = problem->WithWeights(each);
+  }
+  const auto num_before = static_cast<int>(fits.size());
+  const Points others(points.begin() + num_before, points.end());
+  if (!options.is_cancelled()) {
+    std::vector<FitSummary> rest = side_by_side ? FitSideBySide(each, motions, is_led, others, num_before)
+                                                : FitInTurn(each, motions, is_led, others, num_before, problem);
+    std::move(rest.begin(), rest.end(), std::back_inserter(fits));
+  }
+  problem->HoldWeights(false);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   for (std::size_t s = 0; s < fits.size(); ++s) {
     result->starts.push_back(Describe(fits[s], problem->Values(points[s])));
@@ -214,6 +228,14 @@ FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMo
   std::size_t best_start = 0;
   FitSummary best = TakeBest(std::move(fits), &best_start);
   best.total_seconds = elapsed.count();
+  if (chooses && best_start > 0 && best.has_estimate() && !options.is_cancelled()) {
+    problem->SetStart(best.coordinates);
+    FitSummary last = Fit(choosing, problem);
+    if (last.has_estimate()) {
+      AddEarlierFit(best, &last);
+      best = std::move(last);
+    }
+  }
   problem->SetStart(points.front());
   problem->Forget();
   if (options.estimate_uncertainty && best.has_estimate()) {

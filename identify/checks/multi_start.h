@@ -9,7 +9,7 @@
 
 #include "identify/base/options.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 
@@ -46,7 +46,7 @@ struct MultiStart {
 std::vector<Eigen::VectorXd> StartPoints(const std::vector<ParameterBlock>& blocks, int count, std::uint64_t seed);
 
 // `Fit` from options.num_starts points of `problem`, which is that of `motions` and `options`, every one of them led by
-// the first frames (identify/fit/growing_horizon.h) where `is_led`. Returns the converged fit of lowest cost, or else
+// the first frames (identify/fit/first_frames.h) where `is_led`. Returns the converged fit of lowest cost, or else
 // the fit of lowest cost, with the work of all of them in its counts; its uncertainty is estimated at the end. Stops
 // early when options.cancel turns true. With several threads fits run side by side, unless they keep a journal: the
 // result is the same, but options.on_iteration and on_progress are not called.

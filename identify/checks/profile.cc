@@ -28,10 +28,13 @@ class Profiler {
         profile_(profile) {
     options_.estimate_uncertainty = false;
     options_.on_iteration = nullptr;
+    options_.on_stage = nullptr;
     problem_->SetFrozen(index_, true);
+    problem_->HoldWeights(true);
   }
   ~Profiler() {
     problem_->SetFrozen(index_, false);
+    problem_->HoldWeights(false);
     problem_->SetStart(start_);
   }
   Profiler(const Profiler&) = delete;

@@ -15,7 +15,7 @@
 
 #include "identify/base/options.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 

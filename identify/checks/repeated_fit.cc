@@ -22,15 +22,22 @@ Eigen::VectorXd ChangesBetween(const FitProblem& problem, const Eigen::VectorXd&
 }
 
 RepeatedFit RepeatFit(const std::vector<RecordedMotion>& motions, const FitOptions& options, const std::string& tag,
-                      const FitProblem& problem, const Eigen::VectorXd& coordinates) {
-  FitOptions repeat = options;
+                      const FitProblem& problem, const Eigen::VectorXd& coordinates, bool from_bases) {
+  FitOptions repeat = problem.WithWeights(options);
   repeat.estimate_uncertainty = false;
   repeat.on_iteration = nullptr;
+  repeat.on_stage = nullptr;
   repeat.journal_tag = tag;
   repeat.function_tolerance = std::max(options.function_tolerance, kFunctionTolerance);
   // Made from the same starting values, because bounds that are not given depend on them.
   FitProblem own_problem(motions, repeat);
-  own_problem.SetStart(coordinates);
+  Eigen::VectorXd start = coordinates;
+  if (from_bases) {
+    start = Eigen::VectorXd::Zero(own_problem.num_coordinates());
+    start.head(problem.num_blocks()) = coordinates.head(problem.num_blocks());
+    start.tail(problem.num_field_unknowns()) = coordinates.tail(problem.num_field_unknowns());
+  }
+  own_problem.SetStart(start);
   const FitSummary fit = Fit(repeat, &own_problem);
 
   RepeatedFit result;

@@ -9,7 +9,7 @@
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 
@@ -27,12 +27,12 @@ struct RepeatedFit {
 // What leads from coordinates [p] to others, as RepeatedFit::changes.
 Eigen::VectorXd ChangesBetween(const FitProblem& problem, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
-// Fits `motions`, those of `problem` made anew, from `coordinates`, the estimate of that problem: [p + n], or [p],
-// which leaves unknown starts at their bases: on another mesh their unknowns mean something else. Without intervals,
-// with looser tolerances than the first fit: the estimate ends some hundredths of a standard deviation from the
-// minimum. `tag` names its journals. Throws `Error` where `FitProblem` does.
+// Fits `motions`, those of `problem` made anew, from `coordinates`, the estimate of that problem [p + n + f], with its
+// weights of smoothness. `from_bases`: unknown starts begin at their bases, for on another mesh they mean something
+// else. Without intervals, with looser tolerances than the first fit: the estimate ends some hundredths of a standard
+// deviation from the minimum. `tag` names its journals. Throws `Error` where `FitProblem` does.
 RepeatedFit RepeatFit(const std::vector<RecordedMotion>& motions, const FitOptions& options, const std::string& tag,
-                      const FitProblem& problem, const Eigen::VectorXd& coordinates);
+                      const FitProblem& problem, const Eigen::VectorXd& coordinates, bool from_bases = false);
 
 }  // namespace clothid
 

@@ -38,7 +38,7 @@ struct StepChoice {
   bool found = false;
   double needed = std::numeric_limits<double>::quiet_NaN();  // s: the step that orders promise where none was found
   DiscretizationCheck check;  // the fits at half and at twice the chosen step, `changes` against the fit at h
-  Eigen::VectorXd start;      // [p + n] estimate at the chosen step, in internal coordinates; where a fit may start
+  Eigen::VectorXd start;      // [p + n + f] estimate at the chosen step, in internal coordinates; where a fit may start
 };
 
 // "time step 0.0025 s: its errors are at most 0.4 of the noise (0.01 s: 5.1)", or why there is none.

@@ -36,6 +36,7 @@ void Append(FitSummary next, FitSummary* summary) {
   for (const FitIteration& row : next.iterations) iterations.push_back(After(*summary, row));
   next.statistics += summary->statistics;
   next.lead = summary->lead;
+  next.plan.insert(next.plan.begin(), summary->plan.begin(), summary->plan.end());
   next.total_seconds += summary->total_seconds;
   next.solver_seconds += summary->solver_seconds;
   const bool is_lower = next.has_estimate() && next.cost < summary->cost;
@@ -49,6 +50,7 @@ void Append(FitSummary next, FitSummary* summary) {
     return;
   }
   summary->statistics = next.statistics;
+  summary->plan = std::move(next.plan);
   summary->total_seconds = next.total_seconds;
   summary->solver_seconds = next.solver_seconds;
   if (next.status != FitStatus::kInterrupted) return;
@@ -60,6 +62,7 @@ void Append(FitSummary next, FitSummary* summary) {
 
 void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary) {
   const Eigen::VectorXd start = problem->StartCoordinates();
+  problem->HoldWeights(true);
   while (CanContinue(options, *summary)) {
     problem->SetStart(summary->interval_check->better);
     const FitOptions next = OptionsOfNext(options, *summary);
@@ -68,6 +71,7 @@ void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProb
     ++summary->num_continuations;
     if (!(summary->cost < cost)) break;
   }
+  problem->HoldWeights(false);
   problem->SetStart(start);
 }
 

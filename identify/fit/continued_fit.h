@@ -7,7 +7,7 @@
 
 #include "identify/base/options.h"
 #include "identify/fit/fit_summary.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 

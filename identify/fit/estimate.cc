@@ -1,6 +1,7 @@
 #include "identify/fit/estimate.h"
 
 #include "datasets/observation/observation.h"
+#include "identify/fit/unknowns_estimate.h"
 #include "identify/uncertainty/priors.h"
 
 namespace clothid {
@@ -41,6 +42,7 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
   summary->predicted = best.predicted;
   summary->forces = best.forces;
   summary->counts = best.counts;
+  FillFields(problem, summary);
 }
 
 double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary) {

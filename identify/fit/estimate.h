@@ -3,9 +3,9 @@
 #define CLOTHID_IDENTIFY_FIT_ESTIMATE_H_
 
 #include "costs/prediction/robust_loss.h"
-#include "identify/fit/evaluator.h"
 #include "identify/fit/fit_summary.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/evaluator.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 

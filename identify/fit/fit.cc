@@ -1,8 +1,5 @@
 #include "identify/fit/fit.h"
 
-#include <ceres/evaluation_callback.h>
-#include <ceres/solver.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -10,18 +7,21 @@
 
 #include "identify/fit/continued_fit.h"
 #include "identify/fit/estimate.h"
-#include "identify/fit/evaluator.h"
+#include "identify/fit/first_frames.h"
 #include "identify/fit/fit_recorder.h"
-#include "identify/fit/gauss_newton.h"
-#include "identify/fit/growing_horizon.h"
-#include "identify/fit/start_estimate.h"
-#include "identify/fit/start_stage.h"
+#include "identify/fit/joint_stage.h"
+#include "identify/fit/plan.h"
+#include "identify/fit/stage_rows.h"
+#include "identify/problem/evaluator.h"
+#include "identify/problem/gauss_newton.h"
 
 namespace clothid {
 namespace {
 
 // Of a stage that starts near the solution, as far as the region grows on the way there.
 constexpr double kNearTrustRegion = 1e4;
+// Of the parameters after all unknowns were moved together: what is believed of knots that nothing tells is exact.
+constexpr double kJointTrustRegion = 1e8;
 // The loose stage ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
 // what a Gauss-Newton step misses, and about what loose rollouts do.
 constexpr double kShortStep = 5e4;
@@ -45,7 +45,9 @@ void SetStatus(ceres::TerminationType type, const std::string& message, const Fi
                FitSummary* summary) {
   summary->status = StatusOf(type);
   // Ceres says it of the last stage alone.
-  summary->message = type == ceres::NO_CONVERGENCE ? "stopped at max_iterations" : message;
+  summary->message = type == ceres::NO_CONVERGENCE ? "stopped at max_iterations"
+                     : type == ceres::USER_SUCCESS ? "the next step is negligible"
+                                                   : message;
   if (recorder.failure().empty()) return;
   if (summary->status == FitStatus::kFailed) summary->message = recorder.failure();
   if (summary->status == FitStatus::kConverged) {
@@ -54,266 +56,257 @@ void SetStatus(ceres::TerminationType type, const std::string& message, const Fi
   }
 }
 
-// Lets the evaluator fill the caches of the costs before Ceres asks them.
-class CacheFiller : public ceres::EvaluationCallback {
- public:
-  // All must outlive it. `coordinates`: the memory that Ceres changes.
-  CacheFiller(const StageGoal& goal, const Eigen::VectorXd* coordinates, FitEvaluator* evaluator)
-      : goal_(goal), coordinates_(coordinates), evaluator_(evaluator) {}
-
-  void PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evaluation_point*/) override {
-    double cost = 0.0;
-    auto derivative = evaluate_jacobians ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
-    if (goal_.has_exact_rows) derivative = FitEvaluator::Derivative::kExactRows;
-    // A failure shows again when Ceres asks the costs themselves.
-    evaluator_->Evaluate(*coordinates_, derivative, &cost, nullptr, goal_.precision);
-  }
-
- private:
-  const StageGoal& goal_;
-  const Eigen::VectorXd* coordinates_;
-  FitEvaluator* evaluator_;
-};
-
-void RunLevenbergMarquardt(const FitOptions& options, const StageGoal& goal, FitProblem* problem,
-                           Eigen::VectorXd* coordinates, FitEvaluator* evaluator, FitRecorder* recorder,
-                           FitSummary* summary) {
-  CacheFiller filler(goal, coordinates, evaluator);
-  const std::unique_ptr<ceres::Problem> ceres_problem = problem->MakeCeresProblem(&filler, coordinates, goal.precision);
-  ceres::Solver::Options solver;
-  solver.minimizer_type = ceres::TRUST_REGION;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.initial_trust_region_radius = goal.trust_region;
-  solver.max_num_iterations = std::max(0, options.max_iterations - goal.first_iteration);
-  solver.function_tolerance = options.function_tolerance;
-  solver.parameter_tolerance = options.parameter_tolerance;
-  solver.num_threads = 1;  // the evaluator has its own
-  solver.logging_type = ceres::SILENT;
-  solver.callbacks.push_back(recorder);
-  recorder->StartStage(goal);
-  ceres::Solver::Summary result;
-  ceres::Solve(solver, ceres_problem.get(), &result);
-  SetStatus(result.termination_type, result.message, *recorder, summary);
-}
-
 bool IsAt(const QuadraticModel& model, const Eigen::VectorXd& coordinates) {
   return model.coordinates.size() == coordinates.size() && model.coordinates == coordinates;
 }
 
-// Moves to `point` where that works.
-bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative, Eigen::VectorXd* coordinates,
-            FitEvaluator* evaluator) {
-  double cost = 0.0;
-  if (!evaluator->Evaluate(point, derivative, &cost, nullptr)) return false;
-  *coordinates = point;
-  return true;
-}
-
-// The rows of a point near the solution: where they are cheap, those that the intervals of the last one need.
-FitEvaluator::Derivative NearDerivative(const FitProblem& problem) {
-  return problem.has_few_blocks() ? FitEvaluator::Derivative::kExactRows : FitEvaluator::Derivative::kRows;
-}
-
-StageGoal LooseGoal(int first_iteration) {
-  return {Precision::kLoose, kShortStep, kLooseStepTolerance, kInitialTrustRegion, first_iteration};
-}
-
-// Where its next step leads is the start of another fit.
-void RunLooseStage(const FitOptions& options, const StageGoal& goal, FitProblem* problem, Eigen::VectorXd* coordinates,
-                   FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
-  RunLevenbergMarquardt(options, goal, problem, coordinates, evaluator, recorder, summary);
-  if (IsAt(evaluator->model(), *coordinates)) summary->next = NextPoint(*problem, evaluator->model(), kShortStep);
-}
-
-// To the end with full precision, from a point near the solution or from any other.
-void RunFullStage(const FitOptions& options, bool is_near, int first_iteration, FitProblem* problem,
-                  Eigen::VectorXd* coordinates, FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
-  StageGoal full{Precision::kFull, 1.0, options.function_tolerance, kInitialTrustRegion, first_iteration};
-  if (is_near) {
-    full.trust_region = kNearTrustRegion;
-    full.has_exact_rows = problem->has_few_blocks();
+// The stages of a plan, one after the other.
+class PlannedFit {
+ public:
+  PlannedFit(const FitOptions& options, const std::vector<RecordedMotion>* motions, FitProblem* problem)
+      : options_(options),
+        motions_(motions),
+        problem_(problem),
+        coordinates_(problem->StartCoordinates()),
+        evaluator_(problem, options.num_threads),
+        recorder_(options, *problem, evaluator_) {
+    summary_.plan = MakePlan(options, *problem, motions != nullptr && options.max_iterations > 0);
   }
-  RunLevenbergMarquardt(options, full, problem, coordinates, evaluator, recorder, summary);
-}
 
-// The loose stage, and the full one from where its last step leads, so that no point is simulated with both. Points
-// that work loosely may fail with full precision; where these do, the full stage starts where the fit did.
-void RunWithIncreasingPrecision(const FitOptions& options, FitProblem* problem, Eigen::VectorXd* coordinates,
-                                FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
-  RunLooseStage(options, LooseGoal(recorder->next_iteration()), problem, coordinates, evaluator, recorder, summary);
-  if (options.is_cancelled()) return;
-  const int last_iteration = recorder->last_iteration();
-  evaluator->SupersedeBest();
-  const Eigen::VectorXd last = *coordinates, next = std::exchange(summary->next, Eigen::VectorXd());
-  const bool has_next = last_iteration < options.max_iterations && next.size() > 0;
-  const auto derivative = NearDerivative(*problem);
-  const bool is_near = (has_next && MoveTo(next, derivative, coordinates, evaluator)) ||
-                       MoveTo(last, derivative, coordinates, evaluator);
-  if (!is_near) *coordinates = problem->StartCoordinates();
-  RunFullStage(options, is_near, last_iteration + 1, problem, coordinates, evaluator, recorder, summary);
-}
-
-bool IsAllFrozen(const FitProblem& problem) {
-  return std::all_of(problem.blocks().begin(), problem.blocks().end(),
-                     [](const ParameterBlock& block) { return block.frozen; });
-}
-
-bool StartsLoosely(const FitOptions& options, const FitProblem& problem) {
-  return options.precision != FitPrecision::kFull && options.jacobian != JacobianMethod::kNumeric &&
-         !IsAllFrozen(problem);
-}
-
-bool IsAdaptive(const FitOptions& options, const FitProblem& problem) {
-  return options.precision == FitPrecision::kAdaptive && StartsLoosely(options, problem);
-}
-
-// One run of the start stage, from the best point so far.
-StartStageResult EstimateStart(const FitOptions& options, Precision precision, const FitProblem& problem,
-                               Linearization known, Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
-                               FitRecorder* recorder) {
-  StageGoal goal{precision};
-  goal.first_iteration = recorder->last_iteration();
-  goal.has_rows = false;
-  recorder->StartStage(goal);
-  return RunStartStage(options, precision, options.max_iterations - goal.first_iteration, problem, std::move(known),
-                       recorder, coordinates, evaluator);
-}
-
-// The parameters with every start at its base, roughly; then all unknowns together, with loose rollouts and with full
-// ones. The last linearization is from near the estimate.
-std::optional<Linearization> RunWithUnknownStart(const FitOptions& options, FitProblem* problem,
-                                                 Eigen::VectorXd* coordinates, FitEvaluator* evaluator,
-                                                 FitRecorder* recorder, FitSummary* summary) {
-  const bool is_adaptive = IsAdaptive(options, *problem);
-  StageGoal rough = LooseGoal(recorder->next_iteration());
-  if (!is_adaptive) rough.precision = Precision::kFull;
-  if (!IsAllFrozen(*problem)) {
-    RunLevenbergMarquardt(options, rough, problem, coordinates, evaluator, recorder, summary);
-  }
-  Linearization known;
-  if (is_adaptive && !options.is_cancelled()) {
-    known = EstimateStart(options, Precision::kLoose, *problem, {}, coordinates, evaluator, recorder).linearization;
-    if (options.is_cancelled()) return std::nullopt;
-    evaluator->SupersedeBest();
-  }
-  if (options.is_cancelled()) return std::nullopt;
-  double cost = 0.0;
-  evaluator->Evaluate(*coordinates, FitEvaluator::Derivative::kNone, &cost, nullptr);
-  StartStageResult last =
-      EstimateStart(options, Precision::kFull, *problem, std::move(known), coordinates, evaluator, recorder);
-  summary->status = last.ok ? FitStatus::kConverged : FitStatus::kFailed;
-  summary->message = last.ok ? "converged" : last.failure;
-  if (!last.ok) return std::nullopt;
-  if (last.predicted_decrease > kStalledDecrease) {
-    summary->message = "stopped at a kink of the cost";
-    if (recorder->last_iteration() >= options.max_iterations) {
-      summary->status = FitStatus::kNotConverged;
-      summary->message = "stopped at max_iterations";
+  FitSummary Run() {
+    problem_->Restart();
+    if (Start()) {
+      for (stage_ = 0; stage_ < static_cast<int>(summary_.plan.size()) && !options_.is_cancelled(); ++stage_) {
+        RunStage(&summary_.plan[stage_]);
+      }
     }
+    if (options_.is_cancelled()) {
+      summary_.status = FitStatus::kInterrupted;
+      summary_.message = kInterruptedMessage;
+    }
+    Finish();
+    return std::move(summary_);
   }
-  RemovePriors(*problem, *coordinates, &last.linearization);
-  return std::move(last.linearization);
-}
 
-// `is_near`: a point near the solution is known already.
-void RunOptimiser(const FitOptions& options, bool is_near, FitProblem* problem, Eigen::VectorXd* coordinates,
-                  FitEvaluator* evaluator, FitRecorder* recorder, FitSummary* summary) {
-  if (IsAllFrozen(*problem)) {
-    summary->status = FitStatus::kConverged;
-    summary->message = "every parameter is frozen";
-  } else if (is_near || !StartsLoosely(options, *problem)) {
-    RunFullStage(options, is_near, recorder->next_iteration(), problem, coordinates, evaluator, recorder, summary);
-  } else if (options.precision == FitPrecision::kLoose) {
-    StageGoal goal = LooseGoal(recorder->next_iteration());
-    goal.function_tolerance = options.function_tolerance;  // no other stage makes up for a minimum that is missed
-    RunLooseStage(options, goal, problem, coordinates, evaluator, recorder, summary);
-  } else {
-    RunWithIncreasingPrecision(options, problem, coordinates, evaluator, recorder, summary);
+ private:
+  // Before anything runs, so that a start that does not work is told with its reason. The first stage finds it cached,
+  // with the rows that it asks for, unless it is led away from there.
+  bool Start() {
+    const bool asks_for_rows =
+        !summary_.plan.empty() && summary_.plan.front().share == 1.0 && !problem_->is_all_frozen();
+    precision_ = summary_.plan.empty() ? Precision::kFull : summary_.plan.front().precision;
+    const auto derivative = asks_for_rows ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
+    if (!evaluator_.Evaluate(coordinates_, derivative, &start_cost_, nullptr, precision_)) {
+      summary_.message = "the rollout at the starting values failed: " + evaluator_.last_failure();
+      return false;
+    }
+    if (!summary_.plan.empty()) return true;
+    summary_.status = FitStatus::kConverged;
+    summary_.message = "every parameter is frozen";
+    return true;
   }
-}
 
-struct Lead {
-  LedStart start;
-  bool is_near = false;  // nothing but the full stage is left
+  void RunStage(FitStage* stage) {
+    const int num_before = evaluator_.statistics().rollouts;
+    if (lead_ && stage->share == 1.0 && !has_arrived_) Arrive();
+    if (IsNeedless(*stage)) {
+      stage->state = StageState::kSkipped;
+      stage->note = "the first frames have led near enough";
+      return Tell();
+    }
+    stage->state = StageState::kRunning;
+    Tell();
+    if (stage->share < 1.0) return RunFirstFrames(stage);
+    if (stage->is_joint()) {
+      RunJoint(*stage);
+    } else {
+      RunAlone(*stage);
+    }
+    stage->state = StageState::kDone;
+    stage->note = summary_.message;
+    stage->rollouts = evaluator_.statistics().rollouts - num_before;
+    stage->cost = evaluator_.best().is_valid() ? evaluator_.best().cost : 0.0;
+    Tell();
+  }
+
+  void Tell() const {
+    if (options_.on_stage) options_.on_stage(summary_.plan, stage_);
+  }
+
+  bool IsNeedless(const FitStage& stage) const {
+    return is_near_ && !stage.is_joint() && stage.precision == Precision::kLoose && stage.share == 1.0;
+  }
+
+  void RunFirstFrames(FitStage* stage) {
+    if (!lead_) {
+      recorder_.AddStart(precision_);
+      lead_.emplace();
+      lead_->coordinates = coordinates_.head(problem_->num_blocks());
+    }
+    const bool goes_on = !is_lost_ && FitFirstFrames(*motions_, options_, *problem_, &Fit, stage, &*lead_);
+    if (is_lost_) {
+      stage->state = StageState::kSkipped;
+      stage->note = "the frames before found nothing";
+    }
+    is_lost_ = !goes_on;
+    Tell();
+  }
+
+  // Whether the last of the first frames moved no parameter far: then all frames are not expected to, either.
+  bool IsSettled() const {
+    return options_.precision == FitPrecision::kAdaptive && precision_ == Precision::kLoose &&
+           problem_->num_unknowns() == 0 && lead_->last_step.size() > 0 &&
+           IsShort(*problem_, lead_->coordinates, lead_->last_step, kShortStep);
+  }
+
+  // From the start to where the first frames lead, unless the cost is higher there. That of the start may be loose:
+  // where this decides, the points are about as good.
+  void Arrive() {
+    has_arrived_ = true;
+    Eigen::VectorXd led = coordinates_;
+    led.head(problem_->num_blocks()) = lead_->coordinates;
+    if (options_.is_cancelled() || led == coordinates_) return;
+    const bool is_settled = IsSettled();
+    const Precision precision = is_settled ? Precision::kFull : precision_;
+    double cost = 0.0;
+    if (!evaluator_.Evaluate(led, is_settled ? NearDerivative() : FitEvaluator::Derivative::kRows, &cost, nullptr,
+                             precision) ||
+        !(cost < start_cost_)) {
+      return;
+    }
+    coordinates_ = led;
+    is_near_ = is_settled && NextStepIsNegligible(*problem_, evaluator_.model(), kShortStep, kLooseStepTolerance);
+    if (is_near_) precision_ = Precision::kFull;
+  }
+
+  // The rows of a point near the solution: where they are cheap, those that the intervals of the last one need.
+  FitEvaluator::Derivative NearDerivative() const {
+    return problem_->has_few_blocks() ? FitEvaluator::Derivative::kExactRows : FitEvaluator::Derivative::kRows;
+  }
+
+  // Moves to `point` where that works.
+  bool MoveTo(const Eigen::VectorXd& point, FitEvaluator::Derivative derivative) {
+    double cost = 0.0;
+    if (!evaluator_.Evaluate(point, derivative, &cost, nullptr)) return false;
+    coordinates_ = point;
+    return true;
+  }
+
+  // Goes over to full precision where the last stage was loose, from where its next step leads, so that no point is
+  // simulated with both. Points that work loosely may fail with full precision; where these do, the stage starts where
+  // the fit did.
+  void GoOverToFull() {
+    evaluator_.SupersedeBest();
+    precision_ = Precision::kFull;
+    const Eigen::VectorXd last = coordinates_, next = std::exchange(summary_.next, Eigen::VectorXd());
+    const bool has_next = recorder_.last_iteration() < options_.max_iterations && next.size() > 0;
+    is_near_ = (has_next && MoveTo(next, NearDerivative())) || MoveTo(last, NearDerivative());
+    if (!is_near_) coordinates_ = problem_->StartCoordinates();
+  }
+
+  // Levenberg-Marquardt over the parameters alone.
+  void RunAlone(const FitStage& stage) {
+    known_ = BasisLinearization();
+    if (stage.precision == Precision::kFull && precision_ == Precision::kLoose) GoOverToFull();
+    StageGoal goal;
+    goal.precision = stage.precision;
+    goal.first_iteration = recorder_.next_iteration();
+    goal.function_tolerance = options_.function_tolerance;
+    if (stage.is_rough) goal.function_tolerance = kLooseStepTolerance;
+    // No other stage makes up for a minimum that a loose last one misses.
+    if (stage.is_rough || stage.precision == Precision::kLoose) goal.step = kShortStep;
+    if (is_near_ && !stage.is_rough) {
+      goal.trust_region = has_joint_ ? kJointTrustRegion : kNearTrustRegion;
+      goal.has_exact_rows = problem_->has_few_blocks();
+    }
+    const UnknownBasis basis = MakeBasis(*problem_, /*with_starts=*/false, /*field_modes=*/0);
+    FreshRows rows(*problem_, basis, coordinates_, goal.precision, goal.has_exact_rows, &evaluator_);
+    Eigen::VectorXd free = rows.FreeCoordinates(coordinates_);
+    const std::unique_ptr<ceres::Problem> ceres_problem = rows.MakeCeresProblem(free.data());
+    ceres::Solver::Options solver = StageSolver(
+        goal.trust_region, std::max(0, options_.max_iterations - goal.first_iteration), options_.parameter_tolerance);
+    solver.function_tolerance = options_.function_tolerance;
+    solver.callbacks.push_back(&recorder_);
+    recorder_.StartStage(goal);
+    ceres::Solver::Summary result;
+    ceres::Solve(solver, ceres_problem.get(), &result);
+    coordinates_ = rows.Unknowns(free.data());
+    SetStatus(result.termination_type, result.message, recorder_, &summary_);
+    const bool leads_on = stage.precision == Precision::kLoose && IsAt(evaluator_.model(), coordinates_);
+    if (leads_on) summary_.next = NextPoint(*problem_, evaluator_.model(), kShortStep);
+  }
+
+  // The parameters with everything else, from the best point so far.
+  void RunJoint(const FitStage& stage) {
+    if (stage.precision == Precision::kFull && precision_ == Precision::kLoose) {
+      evaluator_.SupersedeBest();
+      precision_ = Precision::kFull;
+    }
+    summary_.next.resize(0);
+    double cost = 0.0;
+    evaluator_.Evaluate(coordinates_, FitEvaluator::Derivative::kNone, &cost, nullptr, stage.precision);
+    StageGoal goal{stage.precision};
+    goal.first_iteration = recorder_.last_iteration();
+    goal.has_rows = false;
+    recorder_.StartStage(goal);
+    JointStageResult result = RunJointStage(options_, stage, options_.max_iterations - goal.first_iteration,
+                                            std::move(known_), &recorder_, problem_, &coordinates_, &evaluator_);
+    known_ = std::move(result.known);
+    summary_.status = result.ok ? FitStatus::kConverged : FitStatus::kFailed;
+    summary_.message = result.ok ? "converged" : result.failure;
+    is_near_ = result.ok;
+    has_joint_ = true;
+    if (!result.ok) known_ = BasisLinearization();
+    if (stage.is_rough && result.ok) summary_.message = "the next step promises little";
+    if (!result.ok || stage.is_rough || !(result.predicted_decrease > kStalledDecrease)) return;
+    summary_.message = "stopped at a kink of the cost";
+    if (recorder_.last_iteration() < options_.max_iterations) return;
+    summary_.status = FitStatus::kNotConverged;
+    summary_.message = "stopped at max_iterations";
+  }
+
+  void Finish() {
+    // A loose point is better than none only where somebody has stopped the fit there.
+    const bool has_estimate =
+        evaluator_.best().is_valid() && (!evaluator_.best_is_superseded() || options_.is_cancelled());
+    if (has_estimate) FillEstimate(*problem_, evaluator_, &summary_);
+    problem_->CheckJournals();
+    recorder_.AddLast();
+    summary_.iterations = recorder_.iterations();
+    summary_.statistics = evaluator_.statistics();
+    summary_.total_seconds = recorder_.seconds();
+    const double led_seconds = lead_ ? lead_->evaluation_seconds : 0.0;
+    if (lead_) {
+      summary_.statistics += lead_->statistics;
+      summary_.lead = lead_->statistics;
+    }
+    summary_.solver_seconds = std::max(0.0, summary_.total_seconds - evaluator_.seconds() - led_seconds);
+    if (known_.linearization.jacobian.size() > 0) summary_.linearization = std::move(known_);
+  }
+
+  const FitOptions& options_;
+  const std::vector<RecordedMotion>* motions_;
+  FitProblem* problem_;
+  Eigen::VectorXd coordinates_;
+  FitEvaluator evaluator_;
+  FitRecorder recorder_;
+  FitSummary summary_;
+  int stage_ = 0;
+  Precision precision_ = Precision::kFull;  // of the point
+  double start_cost_ = 0.0;
+  std::optional<Lead> lead_;
+  bool has_arrived_ = false, is_lost_ = false;  // of first frames
+  bool is_near_ = false;                        // a point near the solution is known
+  bool has_joint_ = false;                      // from a joint stage
+  BasisLinearization known_;
 };
-
-// Whether the last of the first frames moved no parameter far: then all frames are not expected to, either.
-bool IsSettled(const FitOptions& options, const FitProblem& problem, const LedStart& start) {
-  return IsAdaptive(options, problem) && problem.num_start_unknowns() == 0 && start.last_step.size() > 0 &&
-         IsShort(problem, start.coordinates, start.last_step, kShortStep);
-}
-
-// From the start, whose cost is known, to where `horizon` leads, unless the cost is higher there. That of the start may
-// be loose: where this decides, the points are about as good.
-Lead FollowLead(const FitOptions& options, const FitProblem& problem, double start_cost, Precision precision,
-                GrowingHorizon* horizon, Eigen::VectorXd* coordinates, FitEvaluator* evaluator, FitRecorder* recorder) {
-  recorder->AddStart(precision);
-  Lead lead{horizon->Lead(problem, *coordinates, &Fit)};
-  Eigen::VectorXd led = *coordinates;
-  led.head(problem.num_blocks()) = lead.start.coordinates;
-  if (options.is_cancelled() || led == *coordinates) return lead;
-  const bool is_settled = IsSettled(options, problem, lead.start);
-  const auto derivative = is_settled ? NearDerivative(problem) : FitEvaluator::Derivative::kRows;
-  double cost = 0.0;
-  const bool works = evaluator->Evaluate(led, derivative, &cost, nullptr, is_settled ? Precision::kFull : precision);
-  if (!works || !(cost < start_cost)) return lead;
-  *coordinates = led;
-  lead.is_near = is_settled && NextStepIsNegligible(problem, evaluator->model(), kShortStep, kLooseStepTolerance);
-  return lead;
-}
-
-bool CanBeLed(const FitOptions& options, const FitProblem& problem) {
-  return options.max_iterations > 0 && !IsAllFrozen(problem);
-}
 
 }  // namespace
 
 FitSummary Fit(const FitOptions& options, FitProblem* problem) { return Fit(options, problem, nullptr); }
 
-FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* horizon) {
-  FitSummary summary;
-  Eigen::VectorXd coordinates = problem->StartCoordinates();
-  FitEvaluator evaluator(problem, options.num_threads);
-  FitRecorder recorder(options, *problem, evaluator);
-  std::optional<Linearization> linearization;  // at the estimate, where it is known already
-  Lead lead;
-  problem->Restart();
-
-  // Before the optimiser runs, so that a start that does not work is told with its reason. The optimiser finds it
-  // cached, with the rows that it asks for, unless it is led away from there.
-  double cost = 0.0;
-  const bool is_led = horizon != nullptr && CanBeLed(options, *problem);
-  const bool asks_for_rows = !IsAllFrozen(*problem) && !is_led;
-  const auto derivative = asks_for_rows ? FitEvaluator::Derivative::kRows : FitEvaluator::Derivative::kNone;
-  const Precision first_precision = StartsLoosely(options, *problem) ? Precision::kLoose : Precision::kFull;
-  if (!evaluator.Evaluate(coordinates, derivative, &cost, nullptr, first_precision)) {
-    summary.message = "the rollout at the starting values failed: " + evaluator.last_failure();
-  } else {
-    if (is_led) {
-      lead = FollowLead(options, *problem, cost, first_precision, horizon, &coordinates, &evaluator, &recorder);
-    }
-    if (problem->num_start_unknowns() > 0) {
-      linearization = RunWithUnknownStart(options, problem, &coordinates, &evaluator, &recorder, &summary);
-    } else {
-      RunOptimiser(options, lead.is_near, problem, &coordinates, &evaluator, &recorder, &summary);
-    }
-  }
-  if (options.is_cancelled()) {
-    summary.status = FitStatus::kInterrupted;
-    summary.message = kInterruptedMessage;
-  }
-  // A loose point is better than none only where somebody has stopped the fit there.
-  const bool has_estimate = evaluator.best().is_valid() && (!evaluator.best_is_superseded() || options.is_cancelled());
-  if (has_estimate) FillEstimate(*problem, evaluator, &summary);
-  problem->CheckJournals();
-  recorder.AddLast();
-  summary.iterations = recorder.iterations();
-  summary.statistics = evaluator.statistics();
-  summary.statistics += lead.start.statistics;
-  summary.lead = lead.start.statistics;
-  summary.total_seconds = recorder.seconds();
-  summary.solver_seconds = std::max(0.0, summary.total_seconds - evaluator.seconds() - lead.start.evaluation_seconds);
-  summary.linearization = std::move(linearization);
+FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector<RecordedMotion>* motions) {
+  FitSummary summary = PlannedFit(options, motions, problem).Run();
   if (options.estimate_uncertainty && summary.has_estimate()) {
     AddUncertainty(options, *problem, &summary);
     ContinueFromLowerPoints(options, &Fit, problem, &summary);

@@ -4,30 +4,28 @@
 
 #include "identify/base/options.h"
 #include "identify/fit/fit_summary.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 
-class GrowingHorizon;
-
-// From the starting values of the problem's blocks. How the fit ends never throws: see the status; but it throws
-// `Error` where FitOptions::journal_folder is set and a journal cannot be written or is of another fit. The
-// estimate is the point of lowest cost of all that were evaluated. On the same problem it gives the same result on any
-// number of threads.
+// From the starting values of the problem's unknowns, by the stages of its plan (identify/fit/plan.h). How the fit ends
+// never throws: see the status; but it throws `Error` where FitOptions::journal_folder is set and a journal cannot be
+// written or is of another fit. The estimate is the point of lowest cost of all that were evaluated with the precision
+// and the weights of the end. On the same problem it gives the same result on any number of threads.
 //
-// Levenberg-Marquardt: Ceres' trust region with the bounds of the blocks. With FitPrecision::kAdaptive it runs twice:
-// with loose rollouts (`Precision`) until the Gauss-Newton step changes no parameter by more than 5 %, and from where
-// that step leads with full ones, to the end. Where a growing horizon has led it so near, it runs with full ones alone.
-// With few parameters, points near the solution get exact rows along with their rollout: the sweep that the intervals
-// of the last one need. Forward differences need full precision throughout.
+// The parameters alone: Ceres' Levenberg-Marquardt with their bounds, with loose rollouts until the Gauss-Newton step
+// changes no parameter by more than 5 %, and from where that step leads with full ones. Where first frames have led it
+// so near, it runs with full ones alone. With few parameters, points near the solution get exact rows along with their
+// rollout: the sweep that the intervals of the last one need. Forward differences need full precision throughout.
+// With other unknowns: identify/fit/joint_stage.h.
 //
 // Where FitOptions::estimate_uncertainty asks for it, the uncertainty of the estimate comes with it, and where the
 // check of its interval meets a point of lower cost, the fit goes on from there (identify/fit/continued_fit.h).
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
 
-// The same, but that Ceres' trust region starts where `horizon` (may be null) leads it, unless the cost is higher
-// there. What that takes counts with the rest.
-FitSummary Fit(const FitOptions& options, FitProblem* problem, GrowingHorizon* horizon);
+// `motions` (may be null) are those of the problem: then the fit is led by their first frames, unless the cost is
+// higher where they lead. What that takes counts with the rest.
+FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector<RecordedMotion>* motions);
 
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or
 // options.cancel is true, and adds the work to its counts.

@@ -1,6 +1,6 @@
 #include "identify/fit/fit_recorder.h"
 
-#include "identify/fit/gauss_newton.h"
+#include "identify/problem/gauss_newton.h"
 
 namespace clothid {
 

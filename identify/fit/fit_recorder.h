@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "identify/base/options.h"
-#include "identify/fit/evaluator.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/evaluator.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 

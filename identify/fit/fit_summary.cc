@@ -30,6 +30,7 @@ void AddEarlierFit(const FitSummary& first, FitSummary* summary) {
   summary->start_predicted = first.start_predicted;
   summary->statistics += first.statistics;
   summary->lead += first.lead;
+  summary->plan.insert(summary->plan.begin(), first.plan.begin(), first.plan.end());
   summary->total_seconds += first.total_seconds;
   summary->solver_seconds += first.solver_seconds;
 }

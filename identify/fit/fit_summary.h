@@ -10,7 +10,9 @@
 #include "costs/rollout_cost.h"
 #include "datasets/observation/observation.h"
 #include "identify/base/options.h"
+#include "identify/fit/fitted_field.h"
 #include "identify/fit/interval_check.h"
+#include "identify/problem/unknown_basis.h"
 #include "identify/uncertainty/uncertainty.h"
 
 namespace clothid {
@@ -53,14 +55,16 @@ struct FitSummary {
   FitStatus status = FitStatus::kFailed;
   std::string message = "the fit was not run";  // one line: why it ended
   std::vector<FittedParameter> parameters;
-  Eigen::VectorXd coordinates;  // [p + n] of the estimate, see FitProblem
-  Eigen::VectorXd next;         // of FitPrecision::kLoose, where it worked: where another fit may start, [p + n]
+  Eigen::VectorXd coordinates;  // [p + n + f] of the estimate, see FitProblem
+  Eigen::VectorXd next;         // of FitPrecision::kLoose, where it worked: where another fit may start, likewise
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
   std::vector<StartEstimate> starts;  // of the recordings whose start was unknown, where there is an uncertainty
-  // At the estimate, where the fit ended with one; `AddUncertainty` takes it.
-  std::optional<Linearization> linearization;
+  FitPlan plan;                       // the stages, and what became of each
+  std::optional<FieldResult> fields;  // of the fields, where some were fitted
+  // Near the estimate, where the fit ended with one; `AddUncertainty` takes it.
+  std::optional<BasisLinearization> linearization;
   double cost = 0.0;
   PredictionError start_error;  // over all recordings, at the starting values, as they were evaluated
   PredictionError error;        // the same at the estimate
@@ -72,7 +76,7 @@ struct FitSummary {
   std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
   int num_continuations = 0;               // how often the fit went on from a lower point (continued_fit.h)
   CostStatistics statistics;
-  CostStatistics lead;  // that part of them that has led to where the optimiser started (growing_horizon.h)
+  CostStatistics lead;  // that part of them that first frames took (first_frames.h)
   // Wall time of this run, what was examined beside the fit included. `statistics` sums rollouts and derivatives over
   // recordings, which may be simulated side by side, and counts those that a journal gave with the seconds they once
   // took: then they exceed it.

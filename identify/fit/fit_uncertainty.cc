@@ -3,39 +3,78 @@
 #include <utility>
 
 #include "identify/fit/estimate.h"
-#include "identify/fit/evaluator.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/start_estimate.h"
+#include "identify/fit/unknowns_estimate.h"
+#include "identify/problem/evaluator.h"
 #include "identify/uncertainty/marginal.h"
 #include "identify/uncertainty/priors.h"
 
 namespace clothid {
 namespace {
 
-// The parameters alone at the estimate: unknown starts eliminated, how they follow, and what would be known with them.
+// The parameters alone at the estimate: all else eliminated, how it follows, and what would be known with the starts.
 struct EstimateLinearization {
   Linearization parameters, known_start;
-  Eigen::MatrixXd follow;  // [n x p]
+  Eigen::MatrixXd follow;  // [(n + f) x p]
 };
 
-// H of all unknowns says how starts follow the parameters. Along with them, the parameters get derivatives of their own
-// at the estimate: what H misses there counts in second order only, since the starts follow so as to undo the most.
-bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSummary* summary,
-                       EstimateLinearization* estimate) {
-  std::optional<Linearization> all = std::exchange(summary->linearization, std::nullopt);
-  if (!all && !evaluator->Linearize(summary->coordinates, &all.emplace())) return false;
-  if (problem.num_start_unknowns() == 0) {
-    estimate->parameters = std::move(*all);
-    estimate->follow = Eigen::MatrixXd::Zero(0, problem.num_blocks());
+// Over all unknowns, at or near the estimate.
+bool LinearizeAll(const FitProblem& problem, FitEvaluator* evaluator, FitSummary* summary, BasisLinearization* all) {
+  std::optional<BasisLinearization> known = std::exchange(summary->linearization, std::nullopt);
+  all->basis =
+      MakeBasis(problem, problem.num_start_unknowns() > 0, problem.num_field_unknowns() > 0 ? kPosteriorModes : 0);
+  if (known && known->basis.combinations.cols() == all->basis.combinations.cols()) {
+    all->linearization = std::move(known->linearization);
     return true;
   }
-  estimate->known_start = KnownStart(*all, problem.num_blocks());
-  estimate->known_start.gradient = -PriorGradient(problem.blocks(), summary->coordinates);
-  Linearization with_priors = *all;
-  with_priors.jacobian = WithPriorRows(problem.blocks(), all->jacobian, /*scale=*/1.0);
-  FillStarts(problem, with_priors, summary);
-  estimate->follow = Marginalize(std::move(*all), problem.num_blocks()).follow;
-  return evaluator->LinearizeAlong(summary->coordinates, estimate->follow, &estimate->parameters);
+  return evaluator->Linearize(summary->coordinates, all->basis.combinations, &all->linearization);
+}
+
+// What is believed of fields, as rows below those of the recordings: it is no matter of the parameters' own priors.
+void AddFieldRows(const FitProblem& problem, const Eigen::MatrixXd& combinations, Eigen::Index first_column,
+                  Eigen::MatrixXd* jacobian) {
+  if (problem.num_field_unknowns() == 0) return;
+  const Eigen::Index num_rows = jacobian->rows();
+  const SmoothnessPrior& prior = problem.smoothness().back();
+  jacobian->conservativeResize(num_rows + prior.root.rows(), Eigen::NoChange);
+  jacobian->bottomRows(prior.root.rows()).setZero();
+  jacobian->bottomRows(prior.root.rows()).middleCols(first_column, combinations.cols()) =
+      std::sqrt(prior.weight) * (prior.root * combinations.bottomRows(problem.num_field_unknowns()));
+}
+
+// Along the parameters alone, with which all else moves by the columns of `follow`.
+bool LinearizeAlong(const FitProblem& problem, const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow,
+                    FitEvaluator* evaluator, Linearization* along) {
+  if (!evaluator->Linearize(coordinates, follow, along)) return false;
+  const Eigen::Index p = problem.num_blocks();
+  along->jacobian = (along->jacobian.leftCols(p) + along->jacobian.rightCols(p)).eval();
+  along->gradient = (along->gradient.head(p) + along->gradient.tail(p)).eval();
+  along->gradient += follow.transpose() * problem.PriorGradient(coordinates).tail(problem.num_unknowns());
+  for (Eigen::MatrixXd& scores : along->frame_scores) scores = (scores.topRows(p) + scores.bottomRows(p)).eval();
+  AddFieldRows(problem, follow, 0, &along->jacobian);
+  return true;
+}
+
+// H of all unknowns says how the others follow the parameters. Along with them, the parameters get derivatives of their
+// own at the estimate: what H misses there counts in second order only, since the others follow so as to undo the most.
+bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSummary* summary,
+                       EstimateLinearization* estimate) {
+  BasisLinearization all;
+  if (!LinearizeAll(problem, evaluator, summary, &all)) return false;
+  const int p = problem.num_blocks();
+  if (problem.num_unknowns() == 0) {
+    estimate->parameters = std::move(all.linearization);
+    estimate->follow = Eigen::MatrixXd::Zero(0, p);
+    return true;
+  }
+  DescribeUnknowns(problem, all, summary);
+  AddFieldRows(problem, all.basis.combinations, p, &all.linearization.jacobian);
+  if (problem.num_start_unknowns() > 0) {
+    estimate->known_start = Marginalize(KnownStart(all, problem), p).parameters;
+    estimate->known_start.gradient = -PriorGradient(problem.blocks(), summary->coordinates);
+  }
+  estimate->follow = all.basis.combinations * Marginalize(std::move(all.linearization), p).follow;
+  return LinearizeAlong(problem, summary->coordinates, estimate->follow, evaluator, &estimate->parameters);
 }
 
 // Whether the cost is what the covariance takes it for, near the estimate and farther away.

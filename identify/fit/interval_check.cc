@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "identify/fit/evaluator.h"
-#include "identify/fit/gauss_newton.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/evaluator.h"
+#include "identify/problem/gauss_newton.h"
+#include "identify/problem/problem.h"
 #include "identify/uncertainty/priors.h"
 #include "sim/matrix/dense.h"
 
@@ -66,7 +66,7 @@ Eigen::VectorXd LeastCostlyStep(const std::vector<ParameterBlock>& blocks, const
 bool ModelAt(const FitProblem& problem, const Eigen::VectorXd& coordinates, FitEvaluator* evaluator,
              QuadraticModel* model) {
   Linearization linearization;
-  if (!evaluator->Linearize(coordinates, &linearization)) return false;
+  if (!evaluator->Linearize(coordinates, {}, &linearization)) return false;
   const std::vector<ParameterBlock>& blocks = problem.blocks();
   model->coordinates = coordinates;
   model->cost = 0.5 * linearization.squared_residual + PriorCost(blocks, coordinates);
@@ -148,7 +148,7 @@ std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& bl
 
 void LookBeyond(const FitProblem& problem, const Eigen::VectorXd& coordinates, double cost,
                 const Uncertainty& uncertainty, FitEvaluator* evaluator, IntervalCheck* check) {
-  if (check->better.size() > 0 || problem.num_start_unknowns() > 0) return;
+  if (check->better.size() > 0 || problem.num_unknowns() > 0) return;
   const double scale = RiseScale(uncertainty, check->parameter);
   double lowest = -kClearlyLower;
   for (const double side : {-1.0, 1.0}) {

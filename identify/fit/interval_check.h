@@ -29,10 +29,10 @@ struct IntervalCheck {
   // quadratic. NaN: the rollout failed, or the end lies outside the bounds.
   double rise_below = std::numeric_limits<double>::quiet_NaN();
   double rise_above = std::numeric_limits<double>::quiet_NaN();
-  // [p + n] the internal coordinates of the end of lower cost, or of where a step from an end leads, where that is
+  // [p + n + f] the internal coordinates of the end of lower cost, or of where a step from an end leads, where that is
   // below the cost of the estimate by more than rounding, beyond the ends by a rise of -0.2; empty: none is.
   Eigen::VectorXd better;
-  Eigen::VectorXd step;  // [p + n] from the estimate to the upper end
+  Eigen::VectorXd step;  // [p + n + f] from the estimate to the upper end
   // The least rise of where the steps of `LookBeyond` lead. NaN: nobody looked, or every rollout failed.
   double rise_beyond = std::numeric_limits<double>::quiet_NaN();
 
@@ -42,16 +42,16 @@ struct IntervalCheck {
   double lowest_rise() const;
 };
 
-// Two evaluations of the cost, at `coordinates` [p + n] moved; `follow` [n x p]: how unknown starts follow the
-// parameters (identify/uncertainty/marginal.h). Absent where no parameter has an interval, or where it is that of the
-// optimiser: without noise there is no s to measure a rise by.
+// Two evaluations of the cost, at `coordinates` [p + n + f] moved; `follow` [(n + f) x p]: how other unknowns follow
+// the parameters (identify/uncertainty/marginal.h). Absent where no parameter has an interval, or where it is that of
+// the optimiser: without noise there is no s to measure a rise by.
 std::optional<IntervalCheck> CheckInterval(const std::vector<ParameterBlock>& blocks,
                                            const Eigen::VectorXd& coordinates, double cost,
                                            const Uncertainty& uncertainty, const Eigen::MatrixXd& follow,
                                            FitEvaluator* evaluator);
 
 // Where neither end is lower: a Gauss-Newton step from each, within the bounds, and the cost where it leads, for fits
-// without unknown starts. Two forward sweeps, and the cost where the model at an end promises a lower one.
+// of parameters alone. Two forward sweeps, and the cost where the model at an end promises a lower one.
 void LookBeyond(const FitProblem& problem, const Eigen::VectorXd& coordinates, double cost,
                 const Uncertainty& uncertainty, FitEvaluator* evaluator, IntervalCheck* check);
 
@@ -82,7 +82,7 @@ struct DentCheck {
 };
 
 // Two evaluations of the cost for every free parameter whose interval is narrower than a third of the step, in their
-// order. `coordinates` [p + n] of the estimate, whose cost is `cost`.
+// order. `coordinates` [p + n + f] of the estimate, whose cost is `cost`.
 std::vector<DentCheck> CheckForDents(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                                      double cost, const Uncertainty& uncertainty, FitEvaluator* evaluator);
 

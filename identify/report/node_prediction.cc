@@ -28,7 +28,7 @@ std::vector<Eigen::MatrixXd> PredictNodes(const std::vector<RecordedMotion>& mot
     const RecordedMotion& motion = motions[static_cast<std::size_t>(r)];
     if (PointsAreNodes(motion) || !motion.clouds.empty()) continue;
     const RecordingModel& fitted = problem.cost(r).model();
-    RecordingModel model(WithAllNodes(motion), fitted.blocks(), {}, fitted.shared_start());
+    RecordingModel model(WithAllNodes(motion), fitted.blocks(), {}, fitted.shared_start(), problem.fields());
     Eigen::MatrixXd nodes;
     const Rollout rollout = model.Simulate(problem.CoordinatesOf(r, summary.coordinates), {}, {}, &nodes);
     if (rollout.ok()) predicted[static_cast<std::size_t>(r)] = nodes;

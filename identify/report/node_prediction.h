@@ -7,7 +7,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
 

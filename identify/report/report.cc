@@ -237,8 +237,8 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
   folder->RemoveOthers(IsReportFile);
   folder->Write("result.json", ResultJson(summary, checks, motions));
   folder->Write("convergence.csv", ConvergenceCsv(summary));
-  if (checks.fields) {
-    for (const FittedField& field : checks.fields->fields) {
+  if (summary.fields) {
+    for (const FittedField& field : summary.fields->fields) {
       folder->Write("field_" + field.request.name + ".npy", FieldValuesNpy(field.values));
     }
   }
@@ -279,8 +279,8 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
           << summary.start_error.fit_percent() << " % (0 %: no better than a cloth at rest)\n";
   }
   for (const StartEstimate& start : summary.starts) table << StartRow(start);
-  if (checks.fields) {
-    for (const FittedField& field : checks.fields->fields) table << "field           " << DescribeField(field) << "\n";
+  if (summary.fields) {
+    for (const FittedField& field : summary.fields->fields) table << "field           " << DescribeField(field) << "\n";
   }
   if (checks.wind) table << WindRows(*checks.wind);
   if (checks.gradient_check) {

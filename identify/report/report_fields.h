@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "identify/field/field_result.h"
+#include "identify/fit/fitted_field.h"
 #include "sim/scene/mesh.h"
 
 namespace clothid {

@@ -197,7 +197,7 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
     json["landscapes"].push_back(
         LandscapeJson(landscape, summary, checks, motions, kMaxLandscapeBytes / checks.landscapes.size()));
   }
-  if (checks.fields) json["fields"] = FieldMapsJson(*checks.fields, motions.front().scene.mesh);
+  if (summary.fields) json["fields"] = FieldMapsJson(*summary.fields, motions.front().scene.mesh);
   std::size_t used = library_bytes + ScriptText(json).size() + kMaxCurveBytes;
   for (const RecordedMotion& motion : motions) used += motion.forces.is_empty() ? 0 : kMaxForceBytes;
   const std::size_t left = used < kMaxReportBytes ? kMaxReportBytes - used : 0;
@@ -213,7 +213,7 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
 std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   PageParts page = {"Fit report", ReportPage(), {}, /*has_charts=*/true, {ReplayScript(), ReportScript()}};
   // A page without a landscape, field or profile of the wind has nothing of them.
-  if (checks.fields) page.scripts.push_back(ReportFieldScript());
+  if (summary.fields) page.scripts.push_back(ReportFieldScript());
   if (checks.wind) page.scripts.push_back(ReportWindScript());
   if (!checks.landscapes.empty()) page.scripts.push_back(ReportLandscapeScript());
   return MakePage(page, ScriptText(DataJson(summary, checks, motions, MakePage(page, "").size())));

@@ -16,8 +16,8 @@ namespace clothid {
 inline constexpr std::size_t kMaxReportBytes = 5000000;
 
 // The text of report.html: verdict, estimates with intervals, what limits the fit, convergence, residuals, profiles,
-// landscapes, fields, provenance, and a 3D replay of every recording. One file: the plotting library is inside, with its
-// licences, no address of a server is asked for anything, and its Content-Security-Policy lets no browser do so.
+// landscapes, fields, provenance, and a 3D replay of every recording. One file: the plotting library is inside, with
+// its licences, no address of a server is asked for anything, and its Content-Security-Policy lets no browser do so.
 // Whatever names hold is shown, never run. The same on repeated runs but for the seconds, which all stand under keys
 // "seconds". The fit must have an estimate; `checks.predicted_nodes` may be empty. Throws `Error` where `Observation`
 // does.

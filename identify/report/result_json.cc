@@ -274,6 +274,20 @@ Json FindingsOfRecordings(const FitChecks& checks) {
   return is_ok ? Json(nullptr) : json;
 }
 
+Json PlanJson(const FitPlan& plan) {
+  Json stages = Json::array();
+  for (const FitStage& stage : plan) {
+    stages.push_back({{"stage", stage.Words()},
+                      {"frames", stage.share},
+                      {"precision", stage.precision == Precision::kLoose ? "loose" : "full"},
+                      {"state", StageStateName(stage.state)},
+                      {"note", stage.note},
+                      {"rollouts", stage.rollouts},
+                      {"cost", stage.cost}});
+  }
+  return stages;
+}
+
 Json ProvenanceJson(const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   std::string sha256;
   for (const RecordedMotion& motion : motions) sha256 += (sha256.empty() ? "" : ",") + motion.sha256;
@@ -293,7 +307,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["verdict"] = verdict.Lines();
   json["parameters"] = ParametersJson(summary, checks, verdict);
   AddErrors(summary, &json);
-  if (checks.fields) json["fields"] = FieldsJson(*checks.fields);
+  if (summary.fields) json["fields"] = FieldsJson(*summary.fields);
   if (checks.wind) json["wind"] = WindJson(*checks.wind);
   json["holdout"] = HoldoutJson(checks.holdout);
   json["uncertainty"] = UncertaintyJson(summary);
@@ -306,6 +320,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   if (discretization.fine_mesh) json["fine_mesh"] = RepeatedFitJson(summary, discretization.fine_mesh);
   json["cost"] = summary.cost;
   json["jacobian"] = JacobianMethodName(checks.jacobian);
+  json["plan"] = PlanJson(summary.plan);
   json["iterations"] = summary.num_iterations();
   if (summary.num_continuations > 0) json["continuations"] = summary.num_continuations;
   json["rollouts"] = summary.statistics.rollouts;

@@ -38,12 +38,7 @@ nlohmann::ordered_json FieldsJson(const FieldResult& result) {
   return {{"fields", fields},
           {"weight", result.weight},
           {"weight_is_chosen", result.weight_is_chosen},
-          {"num_determined", result.num_determined},
-          {"converged", result.has_converged},
-          {"message", result.message},
-          {"iterations", result.num_iterations},
-          {"rollouts", result.num_rollouts},
-          {"sweeps", result.num_sweeps}};
+          {"num_determined", result.num_determined}};
 }
 
 nlohmann::ordered_json WindJson(const WindResult& result) {

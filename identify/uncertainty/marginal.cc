@@ -30,13 +30,4 @@ Marginal Marginalize(Linearization linearization, Eigen::Index num_parameters) {
   return marginal;
 }
 
-Eigen::MatrixXd UnknownsCovariance(const Linearization& linearization, const std::vector<int>& free,
-                                   Eigen::Index num_parameters) {
-  const Eigen::Index n = linearization.jacobian.cols() - num_parameters,
-                     num_free = static_cast<Eigen::Index>(free.size());
-  Eigen::MatrixXd jacobian(linearization.jacobian.rows(), num_free + n);
-  jacobian << linearization.jacobian(Eigen::all, free), linearization.jacobian.rightCols(n);
-  return GramPseudoInverse(jacobian).bottomRightCorner(n, n);
-}
-
 }  // namespace clothid

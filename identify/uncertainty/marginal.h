@@ -23,11 +23,6 @@ struct Marginal {
 // `linearization` [r x (p + n)], the parameters first. With n = 0 it is what it was.
 Marginal Marginalize(Linearization linearization, Eigen::Index num_parameters);
 
-// (J^T J)^-1 of the last n coordinates [n x n], the first p marginalised; a direction that nothing tells counts as
-// zero. `free` are those of the first p that may move.
-Eigen::MatrixXd UnknownsCovariance(const Linearization& linearization, const std::vector<int>& free,
-                                   Eigen::Index num_parameters);
-
 }  // namespace clothid
 
 #endif  // CLOTHID_IDENTIFY_UNCERTAINTY_MARGINAL_H_

@@ -49,32 +49,31 @@ Eigen::MatrixXd LinkRows(const std::vector<ParameterBlock>& blocks) {
   return rows;
 }
 
+Eigen::MatrixXd PriorRows(const std::vector<ParameterBlock>& blocks) {
+  return WithPriorRows(blocks, Eigen::MatrixXd(0, static_cast<Eigen::Index>(blocks.size())), 1.0);
+}
+
+Eigen::VectorXd PriorResiduals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates) {
+  const Eigen::MatrixXd rows = PriorRows(blocks);
+  Eigen::VectorXd residuals = rows * coordinates.head(rows.cols());
+  Eigen::Index row = 0;
+  for (const ParameterBlock& block : blocks) {
+    if (block.prior.is_given()) residuals[row++] -= block.PriorCoordinate() / block.PriorStd();
+  }
+  return residuals;
+}
+
 Eigen::MatrixXd PriorHessian(const std::vector<ParameterBlock>& blocks) {
-  const Eigen::MatrixXd links = LinkRows(blocks);
-  Eigen::MatrixXd hessian = links.transpose() * links;
-  hessian.diagonal() += PriorPrecisions(blocks);
-  return hessian;
+  const Eigen::MatrixXd rows = PriorRows(blocks);
+  return rows.transpose() * rows;
 }
 
 double PriorCost(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates) {
-  const Eigen::MatrixXd links = LinkRows(blocks);
-  double cost = 0.5 * (links * coordinates.head(links.cols())).squaredNorm();
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (!blocks[i].prior.is_given()) continue;
-    const double off = coordinates[static_cast<Eigen::Index>(i)] - blocks[i].PriorCoordinate();
-    cost += 0.5 * std::pow(off / blocks[i].PriorStd(), 2);
-  }
-  return cost;
+  return 0.5 * PriorResiduals(blocks, coordinates).squaredNorm();
 }
 
 Eigen::VectorXd PriorGradient(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates) {
-  Eigen::VectorXd gradient = PriorPrecisions(blocks);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    if (blocks[i].prior.is_given()) gradient[row] *= coordinates[row] - blocks[i].PriorCoordinate();
-  }
-  const Eigen::MatrixXd links = LinkRows(blocks);
-  return gradient + links.transpose() * (links * coordinates.head(links.cols()));
+  return PriorRows(blocks).transpose() * PriorResiduals(blocks, coordinates);
 }
 
 Eigen::MatrixXd WithPriorRows(const std::vector<ParameterBlock>& blocks, const Eigen::MatrixXd& jacobian, double scale,

@@ -24,8 +24,11 @@ bool IsKnot(const std::vector<ParameterBlock>& blocks, int index);  // at an end
 Eigen::VectorXd PriorPrecisions(const std::vector<ParameterBlock>& blocks);
 Eigen::MatrixXd LinkRows(const std::vector<ParameterBlock>& blocks);
 Eigen::MatrixXd PriorHessian(const std::vector<ParameterBlock>& blocks);
-// Of 1/2 sum r_i^2 of priors and links, over frozen parameters, too, at `coordinates`, whose first p count: the sum and
-// its gradient [p].
+// The residuals of priors and links, over frozen parameters, too, at `coordinates`, whose first p count, and their
+// derivative [rows x p].
+Eigen::VectorXd PriorResiduals(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates);
+Eigen::MatrixXd PriorRows(const std::vector<ParameterBlock>& blocks);
+// Half the sum of their squares, and its gradient [p].
 double PriorCost(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates);
 Eigen::VectorXd PriorGradient(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates);
 

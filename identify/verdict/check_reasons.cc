@@ -131,18 +131,12 @@ void AddField(const FittedField& field, std::vector<Reason>* reasons) {
                                           : Careful({}, "the field " + name + " is not told everywhere", line));
 }
 
-void AddFields(const FieldResult& result, std::vector<Reason>* reasons) {
-  if (!result.has_converged && !result.fields.empty()) {
-    const std::string brief = "the fit of the fields did not converge";
-    reasons->push_back({Usability::kDoNotUse, kExitNotConverged, {}, brief, "fields: " + result.message});
-  }
-  for (const FittedField& field : result.fields) AddField(field, reasons);
-}
-
 }  // namespace
 
 void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
-  if (checks.fields) AddFields(*checks.fields, reasons);
+  if (summary.fields) {
+    for (const FittedField& field : summary.fields->fields) AddField(field, reasons);
+  }
   if (checks.starts) AddStarts(summary, *checks.starts, reasons);
   AddProfiles(summary, checks, reasons);
   if (checks.holdout) AddHoldout(*checks.holdout, reasons);

@@ -17,7 +17,6 @@
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
 #include "identify/checks/step_choice.h"
-#include "identify/field/field_result.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/verdict/recording_fit.h"
 #include "identify/wind/wind_result.h"
@@ -28,8 +27,7 @@ namespace clothid {
 struct FitChecks {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   std::optional<GradientCheck> gradient_check;
-  std::optional<FieldResult> fields;  // fitted before the parameters, which are those of the cloth that they make
-  std::optional<WindResult> wind;     // profiles over time
+  std::optional<WindResult> wind;  // profiles over time
   std::optional<MultiStart> starts;
   std::vector<Profile> profiles;
   std::vector<FitLandscape> landscapes;  // which `MatchLandscape` has seen

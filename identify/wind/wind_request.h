@@ -19,7 +19,8 @@ struct WindRequest {
   bool is_given() const { return num_knots > 0; }
 };
 
-inline constexpr int kMaxFittedKnots = 200;  // of one component
+inline constexpr double kFirstWindSmoothness = 0.3;  // m/s in a second, where it is chosen
+inline constexpr int kMaxFittedKnots = 200;          // of one component
 
 // "8", or "8:xy" for some components alone; empty: nothing. Throws `Error` (kUsage).
 WindRequest ParseWindRequest(const std::string& text);

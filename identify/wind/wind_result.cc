@@ -47,6 +47,16 @@ FittedWind MakeWind(const std::pair<int, int>& recording_and_axis, std::vector<i
   return wind;
 }
 
+SmoothnessSource SourceOf(const FitSummary& summary, const FitProblem& problem) {
+  for (const SmoothnessPrior& prior : problem.smoothness()) {
+    if (prior.name == kWindPrior && !prior.is_chosen) return SmoothnessSource::kGiven;
+  }
+  const bool is_chosen = std::any_of(summary.plan.begin(), summary.plan.end(), [](const FitStage& stage) {
+    return stage.with_weights && stage.state == StageState::kDone;
+  });
+  return is_chosen ? SmoothnessSource::kChosen : SmoothnessSource::kNotChosen;
+}
+
 }  // namespace
 
 const char* SmoothnessWords(SmoothnessSource source) {
@@ -61,11 +71,11 @@ const char* SmoothnessWords(SmoothnessSource source) {
   return "to start with: the fit ended before a choice";
 }
 
-WindResult DescribeWind(const std::vector<RecordedMotion>& motions, const FitSummary& summary, double smoothness,
-                        SmoothnessSource source) {
+WindResult DescribeWind(const std::vector<RecordedMotion>& motions, const FitSummary& summary,
+                        const FitProblem& problem) {
   WindResult result;
-  result.smoothness = smoothness;
-  result.smoothness_source = source;
+  result.smoothness = 1.0 / std::sqrt(problem.WeightOf(kWindPrior));
+  result.smoothness_source = SourceOf(summary, problem);
   for (const RecordedMotion& motion : motions) result.profiles.push_back(motion.scene.wind.profile);
   std::map<std::pair<int, int>, std::vector<int>> knots;
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {

@@ -8,6 +8,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "identify/fit/fit_summary.h"
+#include "identify/problem/problem.h"
 #include "sim/air/wind.h"
 
 namespace clothid {
@@ -36,8 +37,9 @@ struct WindResult {
   std::vector<WindProfile> profiles;  // of every recording, at the estimate, with the components that were not fitted
 };
 
-WindResult DescribeWind(const std::vector<RecordedMotion>& motions, const FitSummary& summary, double smoothness,
-                        SmoothnessSource source);
+// `problem` is that of the summary.
+WindResult DescribeWind(const std::vector<RecordedMotion>& motions, const FitSummary& summary,
+                        const FitProblem& problem);
 
 // One line: "y over 8 knots: 0.12 .. 1.43 m/s, 95 % intervals +- 0.2 .. 0.5 m/s, told at 7 of 8 knots".
 std::string DescribeFittedWind(const FittedWind& wind);

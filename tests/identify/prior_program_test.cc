@@ -65,8 +65,6 @@ TEST_F(PriorProgramTest, RefusesPriorsWithoutEffect) {
   ExpectFlagsRefused("--fit k_stretch --prior k_stretch=100", "--prior: expected NAME=MEDIAN:FACTOR");
   ExpectFlagsRefused("--fit k_stretch --prior k_stretch=100:0.5", "the prior of 'k_stretch': expected MEDIAN:FACTOR");
   ExpectFlagsRefused("--fit mu --prior mu=0.3:0", "the prior of 'mu': expected MEAN:STD");
-  ExpectFlagsRefused("--fit k_stretch --field k_stretch:2x2 --initial smoothed --prior k_stretch=100:2",
-                     "--field: a fit of fields does not count with priors");
   Json scene = SphereScene();
   scene["parameters"] = Json::parse(R"({"k_stretch": {"frozen": true}})");
   ExpectFlagsRefused("--scene " + WriteScene(scene, "frozen.json") + " --fit mu,k_stretch --prior k_stretch=100:2",

@@ -24,7 +24,8 @@ ParameterKind ParseKind(const std::string& name, const std::string& flag,
   } catch (const Error& error) {
     throw Error(ErrorKind::kUsage, flag + ": " + error.what());
   }
-  if (id.kind == ParameterKind::kFriction && obstacle_names.empty()) FailOnAxis(flag, name, "the scene has no obstacle");
+  if (id.kind == ParameterKind::kFriction && obstacle_names.empty())
+    FailOnAxis(flag, name, "the scene has no obstacle");
   return id.kind;
 }
 

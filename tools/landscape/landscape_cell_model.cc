@@ -91,9 +91,8 @@ void LandscapeCellModel::PullBackCost(const LandscapeWindow& window, const Rollo
                                       const Eigen::VectorXd& cost_gradient, const Eigen::VectorXd& coordinates,
                                       LandscapeCell* cell) {
   const int x = model_.num_blocks() - 2, y = x + 1;
-  const Eigen::VectorXd gradient =
-      model_.PullBack(rollout, predicted, /*velocities=*/{}, coordinates, {x, y}, cost_gradient, {}, Precision::kFull,
-                      /*fields=*/nullptr, &forces);
+  const Eigen::VectorXd gradient = model_.PullBack(rollout, predicted, /*velocities=*/{}, coordinates, {x, y},
+                                                   cost_gradient, {}, Precision::kFull, &forces);
   if (!gradient.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
   // d/d log value = value d/d value.
   cell->gradient_x = gradient[0] * (window.x.scale == ParameterScale::kLog ? coordinates[x] : 1.0);

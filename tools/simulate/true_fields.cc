@@ -7,8 +7,8 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/materials_json.h"
 #include "sim/scene/material_field.h"
+#include "sim/scene/materials_json.h"
 
 namespace clothid {
 namespace {

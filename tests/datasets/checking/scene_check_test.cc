@@ -127,8 +127,7 @@ TEST(SceneCheck, MeasuresAFreeFall) {
 TEST(SceneCheck, AFallMovesTheMassOfTheAir) {
   MotionTensors tensors = FreeFall(3.27);
   EXPECT_EQ(FindingOf(tensors, "fall").severity, Severity::kWarning);
-  tensors.scene_text =
-      R"({"clothid_scene": 2, "time_step": 0.005, "materials": {"density": 0.1, "added_mass": 0.2}})";
+  tensors.scene_text = R"({"clothid_scene": 2, "time_step": 0.005, "materials": {"density": 0.1, "added_mass": 0.2}})";
   EXPECT_EQ(FindingOf(tensors, "fall").severity, Severity::kOk);
   EXPECT_NE(FindingOf(tensors, "fall").value.find("gravity alone: 3.27"), std::string::npos);
 }

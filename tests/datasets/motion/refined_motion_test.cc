@@ -44,11 +44,11 @@ TEST(RefineMotionTest, KeepsMaterialPoints) {
   motion.points.push_back({});
   motion.points.back().nodes[0] = 8;
   for (int face = 0; face < motion.scene.mesh.num_faces(); ++face) {
-    AddPoint({0.7, 0.2, 0.1}, face, &motion);    // of the corners' triangles
+    AddPoint({0.7, 0.2, 0.1}, face, &motion);  // of the corners' triangles
     AddPoint({0.05, 0.9, 0.05}, face, &motion);
-    AddPoint({0.0, 0.3, 0.7}, face, &motion);    // on an edge
-    AddPoint({0.4, 0.3, 0.3}, face, &motion);    // of the one in the middle
-    AddPoint({0.5, 0.5, 0.0}, face, &motion);    // on a new node
+    AddPoint({0.0, 0.3, 0.7}, face, &motion);  // on an edge
+    AddPoint({0.4, 0.3, 0.3}, face, &motion);  // of the one in the middle
+    AddPoint({0.5, 0.5, 0.0}, face, &motion);  // on a new node
   }
   motion.positions = Eigen::MatrixXd::Random(3 * motion.num_points(), 4);
   const RecordedMotion refined = RefineMotion(motion);

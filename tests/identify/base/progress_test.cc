@@ -10,7 +10,7 @@
 
 #include "identify/base/evaluation_progress.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid::progress_test {
@@ -154,12 +154,27 @@ TEST_F(ProgressPrinterTest, TerminalRewritesALineBelowTheIteration) {
   EXPECT_EQ(Take(), "");
 }
 
-TEST_F(ProgressPrinterTest, FramesThatAreSkippedHaveALineOfTheirOwn) {
+TEST_F(ProgressPrinterTest, StagesHaveLinesOfTheirOwn) {
   ProgressPrinter printer(&out_, /*is_terminal=*/true, 50, clock_);
   PrintIteration(0, 5.0, &printer);
   Take();
-  printer.PrintSkipped(0.125);
-  EXPECT_EQ(Take(), "\nthe first 12.5 % of the time: nothing to fit there, skipped\n");
+  FitPlan plan(2);
+  plan[0].share = 0.125;
+  plan[0].precision = Precision::kLoose;
+  plan[0].state = StageState::kSkipped;
+  plan[0].note = "its frames hold nothing to fit";
+  plan[1].state = StageState::kRunning;
+  plan[1].with_starts = true;
+  plan[1].field_modes = 4;
+  printer.PrintStage(plan, 0);
+  EXPECT_EQ(Take(),
+            "\na plan of 2 stages\nstage 1: first 12.5 % of the time, loosely: parameters: skipped, its frames hold "
+            "nothing to fit\n");
+  printer.PrintStage(plan, 1);
+  EXPECT_EQ(Take(), "stage 2: all frames: parameters, starts, fields in 4 x 4 modes\n");
+  plan[1].state = StageState::kDone;
+  printer.PrintStage(plan, 1);
+  EXPECT_EQ(Take(), "");
 }
 
 TEST_F(ProgressPrinterTest, TimeLeftOfTheFitGoesWithTheIterationsThatAreLeft) {

@@ -8,8 +8,8 @@
 #include "identify/checks/holdout.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
-#include "identify/checks/step_check.h"
-#include "identify/fit/evaluator.h"
+#include "identify/checks/discretization_check.h"
+#include "identify/problem/evaluator.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 #include "tests/identify/sensitivity_fit.h"
@@ -229,8 +229,8 @@ TEST(StepCheckTest, FindsTheTruthOfHalfTheStep) {
   motion.scene.time_step *= 2.0;
   const FitOptions options = OptionsFor({"k_stretch", "drag"});
   FitProblem problem({motion}, options);
-  const FitSummary summary = Fit(options, &problem);
-  const StepCheck check = CheckStep({motion}, options, problem, summary);
+  FitSummary summary = Fit(options, &problem);
+  const RepeatedFit check = *CheckDiscretization({motion}, options, {true, false}, problem, &summary).half_step;
   EXPECT_EQ(check.status, FitStatus::kConverged);
   EXPECT_NEAR(check.values[0], 150.0, 1e-3);
   EXPECT_NEAR(check.values[1], 0.25, 1e-5);

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "identify/base/fingerprint.h"
+#include "identify/fit/first_frames.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/growing_horizon.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
@@ -197,8 +197,7 @@ TEST_F(JournaledFitTest, AnyPrefixOfALedFitLeadsToTheSameEnd) {
   options_.overrides.start = {{"mu", 0.35}, {"k_stretch", 150.0}};
   const auto run = [&] {
     FitProblem problem(motions_, options_);
-    GrowingHorizon horizon(motions_, options_);
-    return Fit(options_, &problem, &horizon);
+    return Fit(options_, &problem, &motions_);
   };
   const FitSummary uninterrupted = run();
   ASSERT_EQ(uninterrupted.status, FitStatus::kConverged) << uninterrupted.message;

@@ -9,7 +9,7 @@
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/holdout.h"
 #include "identify/checks/multi_start.h"
-#include "identify/checks/step_check.h"
+#include "identify/checks/discretization_check.h"
 #include "identify/fit/fit.h"
 #include "sim/scene/handle_path.h"
 #include "tests/costs/synthetic_motion.h"
@@ -262,8 +262,8 @@ TEST(RecordingFitTest, ChangesAtHalfTheStepAreInTheirUnits) {
   const RecordedMotion motion = MakeMotion(SwingScene(), truth);
   const FitOptions options = OptionsFor({"k_stretch", "v0"});
   FitProblem problem({motion}, options);
-  const FitSummary summary = Fit(options, &problem);
-  const StepCheck check = CheckStep({motion}, options, problem, summary);
+  FitSummary summary = Fit(options, &problem);
+  const RepeatedFit check = *CheckDiscretization({motion}, options, {true, false}, problem, &summary).half_step;
   ASSERT_EQ(check.changes.size(), 4);
   for (int i = 1; i < 4; ++i) EXPECT_NEAR(check.changes[i], check.values[i] - summary.parameters[i].value, 1e-12);
 }

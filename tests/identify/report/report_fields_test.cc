@@ -92,12 +92,12 @@ TEST(ReportFieldsTest, PageWithoutOneHasNothingOfIt) {
   FitOptions options;
   options.parameters = {"k_stretch"};
   FitProblem problem({motion}, options);
-  const FitSummary summary = Fit(options, &problem);
-  FitChecks checks;
+  FitSummary summary = Fit(options, &problem);
+  const FitChecks checks;
   const std::string without = ReportHtml(summary, checks, {motion});
   EXPECT_EQ(without.find("showField"), std::string::npos);
   EXPECT_FALSE(PageData(without).contains("fields"));
-  checks.fields = MakeResult();
+  summary.fields = MakeResult();
   const std::string with = ReportHtml(summary, checks, {motion});
   EXPECT_NE(with.find("showField"), std::string::npos);
   EXPECT_EQ(PageData(with)["fields"].size(), 1u);

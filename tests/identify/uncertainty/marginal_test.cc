@@ -66,14 +66,5 @@ TEST(MarginalTest, WithoutUnknownsNothingChanges) {
   EXPECT_EQ(marginal.follow.rows(), 0);
 }
 
-TEST(MarginalTest, UnknownsHaveTheirBlock) {
-  const Case all = MakeCase();
-  const Eigen::MatrixXd covariance = UnknownsCovariance(all.linearization, {0, 1}, kParameters);
-  EXPECT_LE((covariance - all.covariance.bottomRightCorner(kUnknowns, kUnknowns)).norm(), 1e-9 * covariance.norm());
-  // A parameter that is held makes them surer.
-  const Eigen::MatrixXd held = UnknownsCovariance(all.linearization, {1}, kParameters);
-  EXPECT_LT(held.trace(), covariance.trace());
-}
-
 }  // namespace
 }  // namespace clothid::marginal_test

@@ -1,7 +1,5 @@
 // A wind that changes over time, fitted with a smoothness that is chosen: what is chosen, what comes out, and what the
 // wind is taken to be where no frame tells.
-#include "identify/wind/wind_fit.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -14,6 +12,8 @@
 #include "identify/base/knot_names.h"
 #include "identify/run.h"
 #include "identify/uncertainty/priors.h"
+#include "identify/uncertainty/smoothness.h"
+#include "identify/wind/wind_request.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
@@ -67,20 +67,54 @@ double Evidence(const Walk& walk, double smoothness) {
   const Eigen::VectorXd gradient = walk.linearization.gradient + PriorGradient(blocks, walk.estimate);
   const double cost = walk.linearization.squared_residual + 2.0 * PriorCost(blocks, walk.estimate) -
                       gradient.dot(factor.solve(gradient));
-  const double links = static_cast<double>(blocks.size()) - 1.0;
+  const double links = static_cast<double>(LinkRows(blocks).rows());
   return -cost - factor.vectorD().array().log().sum() - 2.0 * links * std::log(smoothness);
+}
+
+// The smoothness that is chosen, from another.
+double Chosen(const Walk& walk, double smoothness) {
+  SmoothnessModel model;
+  model.curvature = walk.linearization.jacobian.transpose() * walk.linearization.jacobian;
+  model.gradient = walk.linearization.gradient;
+  model.squared_residual = walk.linearization.squared_residual;
+  model.degrees_of_freedom = walk.linearization.num_measurements;
+  std::vector<ParameterBlock> blocks = walk.blocks;
+  for (ParameterBlock& block : blocks) block.link_spread = 1.0;
+  model.roots = {LinkRows(blocks)};
+  model.values = {model.roots[0] * walk.estimate};
+  return 1.0 / std::sqrt(SmoothnessChooser(model).Follow(Eigen::VectorXd::Constant(1, 1.0 / (smoothness * smoothness)),
+                                                         {true}, 500)[0]);
 }
 
 TEST(WindFitTest, TheSmoothnessIsWhereTheMarginalLikelihoodIsLargest) {
   for (const double spread : {0.4, 1.0, 3.0}) {
     const Walk walk = MakeWalk(24, spread, 1.0);
-    const double chosen = StationarySmoothness(walk.blocks, walk.estimate, walk.linearization, 1.0);
+    const double chosen = Chosen(walk, 1.0);
     EXPECT_GT(Evidence(walk, chosen), Evidence(walk, 0.97 * chosen)) << spread;
     EXPECT_GT(Evidence(walk, chosen), Evidence(walk, 1.03 * chosen)) << spread;
     EXPECT_LT(std::abs(std::log(chosen / spread)), 0.6) << chosen << " for " << spread;
-    const Walk other = MakeWalk(24, spread, 0.2);
-    EXPECT_NEAR(StationarySmoothness(other.blocks, other.estimate, other.linearization, 0.2), chosen, 1e-3 * chosen);
+    EXPECT_NEAR(Chosen(walk, 0.2), chosen, 1e-3 * chosen);
   }
+}
+
+// Coordinates that are not believed to be smooth follow: the choice is that of what is left when they are eliminated.
+TEST(WindFitTest, TheSmoothnessCountsWithOtherUnknowns) {
+  Walk walk = MakeWalk(24, 1.0, 1.0);
+  ParameterBlock other = walk.blocks.front();
+  other.linked_to = kNoBlock;
+  walk.blocks.push_back(other);
+  const Eigen::MatrixXd jacobian = walk.linearization.jacobian;
+  walk.linearization.jacobian.conservativeResize(Eigen::NoChange, 25);
+  walk.linearization.jacobian.col(24) = jacobian.rowwise().sum() + jacobian.col(3);
+  walk.linearization.gradient.conservativeResize(25);
+  walk.linearization.gradient[24] = walk.linearization.gradient.head(24).sum() + walk.linearization.gradient[3];
+  walk.estimate.conservativeResize(25);
+  walk.estimate[24] = 0.0;
+  walk.linearization.jacobian.row(0).tail(1).array() += 5.0;  // so that something tells it
+  walk.linearization.gradient[24] += 5.0;
+  const double chosen = Chosen(walk, 1.0);
+  EXPECT_GT(Evidence(walk, chosen), Evidence(walk, 0.97 * chosen));
+  EXPECT_GT(Evidence(walk, chosen), Evidence(walk, 1.03 * chosen));
 }
 
 Scene WindySwing() {

@@ -76,10 +76,6 @@ TEST_F(WindProgramTest, RefusesWhatDoesNotGoTogether) {
   expect("--wind_profile 5 --fit wind.x", "take the place of 'wind.x'");
   expect("--wind_profile 5 --wind_smoothness -1", "--wind_smoothness");
   expect("--wind_smoothness 5", "--wind_smoothness: expected with --wind_profile, or with successive knots");
-  expect("--wind_profile 5 --starts 3", "--starts: expected with --wind_smoothness");
-  expect("--wind_profile 5 --resume", "--resume: expected with --wind_smoothness");
-  expect("--wind_profile 5 --time_step auto", "--time_step: expected with --wind_smoothness");
-  expect("--wind_profile 5 --field k_stretch:3x3", "--wind_profile: expected without --field");
   expect("--wind_profile 5 --prior wind.x.2=0:1", "none of 'wind.x.2'");
 }
 

@@ -150,8 +150,8 @@ std::vector<PyMotion> Predicted(const PyFit& self) {
 
 py::dict Fields(const PyFit& self) {
   py::dict fields;
-  if (!self.checks.fields) return fields;
-  for (const FittedField& field : self.checks.fields->fields) {
+  if (!self.summary.fields) return fields;
+  for (const FittedField& field : self.summary.fields->fields) {
     const py::array_t<double, py::array::f_style> values({field.values.rows(), field.values.cols()},
                                                          field.values.data());
     fields[py::str(field.request.name)] = values;
