@@ -71,6 +71,9 @@ that it would be if the start were known, and rollouts per fit.
   --truth_steps N   steps of the truth per step of the scene (1)
   --truth_levels N  so often the mesh of the truth is refined, every time to twice the density (0)
   --discretization PARTS  the intervals count with the errors of step, mesh or all, see identify --help
+  --field NAME:RxC[,...]  the fits have fields for unknowns; the truth is that of the scene's `fields`
+  --wind_profile N[:AXES] and a wind that changes, of N knots; the truth is that of the scene's wind.profile
+  --force_sigma N   a gauge holds the handles, with this standard deviation of noise in N
   --sensor FILE     sensor.json (datasets/README.md)
   --output DIR      coverage.csv, one row per fit
 )";

@@ -70,7 +70,7 @@ constexpr Subcommand kSubcommands[] = {
      RunMode<JacobianOptionsFromFlags, RunJacobianBenchmark, JacobianTable, JacobianCsv>},
     {"coverage", kCoverageHelp,
      "scene set sensor initial cut handle_sigma seeds settings noise sigma frame_rate markers truth_steps truth_levels "
-     "discretization start_factor seed threads output",
+     "discretization field wind_profile force_sigma start_factor seed threads output",
      RunMode<CoverageOptionsFromFlags, RunCoverageBenchmark, CoverageTable, CoverageCsv>},
     {"fields", kFieldsHelp, "scene set nodes settings sigma seed output",
      RunMode<FieldsOptionsFromFlags, RunFieldsBenchmark, FieldsTable, FieldsCsv>},

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,8 @@
 
 namespace clothid::coverage_test {
 namespace {
+
+namespace fs = std::filesystem;
 
 class CoverageTest : public ToolTest {
  protected:
@@ -46,6 +50,45 @@ class CoverageTest : public ToolTest {
     options.truth = {{"mu", 0.24}, {"k_stretch", 70.0}};
     options.num_seeds = 2;
     return options;
+  }
+
+  // The scene of `tools/benchmark/README.md` with unknowns of every kind, on a mesh of 6 x 6 nodes. Its recording
+  // begins in motion, when the profile of its wind does, and shows neither start nor handles exactly.
+  CoverageOptions UnknownsOptions() const {
+    const fs::path source = fs::path(CLOTHID_SOURCE_DIR) / "tools/benchmark/unknowns";
+    auto scene = nlohmann::ordered_json::parse(ReadBytes(source / "scene.json"));
+    scene["mesh"]["grid"]["nodes"] = {6, 6};
+    scene["handles"]["nodes"] = {0, 5};
+    WriteBytes(folder() / "unknowns.json", scene.dump());
+    WriteBytes(folder() / "path.csv", ReadBytes(source / "path.csv"));
+    CoverageOptions options;
+    options.scene_path = (folder() / "unknowns.json").string();
+    options.truth = {{"k_stretch", 60.0}, {"k_bend", 1.5e-3}};
+    options.settings = {"full"};
+    options.sigma = 1e-3;
+    options.force_sigma = 0.01;
+    options.num_seeds = 2;
+    return options;
+  }
+
+  // The recording begins in motion, when the profile of the wind does, and shows neither start nor handles exactly.
+  static void ForgetStart(CoverageOptions* options) {
+    options->import = {StartSource::kMoving, /*cut=*/0.2, /*handle_sigma=*/2e-4};
+  }
+
+  // Of every unknown of every fit: it has an interval, and is as near to the truth as that says.
+  static void ExpectTruthIsFound(const CoverageBenchmark& benchmark, std::size_t num_unknowns) {
+    ASSERT_EQ(benchmark.truth.size(), num_unknowns);
+    for (const CoverageFit& fit : benchmark.fits) {
+      EXPECT_EQ(fit.status, FitStatus::kConverged) << "seed " << fit.seed;
+      ASSERT_EQ(fit.value.size(), num_unknowns);
+      for (std::size_t i = 0; i < num_unknowns; ++i) {
+        const TrueParameter& truth = benchmark.truth[i];
+        EXPECT_LT(fit.lower95[i], fit.upper95[i]) << truth.name;
+        // Five standard deviations: a bias, not bad luck.
+        EXPECT_NEAR(fit.value[i], truth.value, 5.0 * fit.std[i]) << truth.name << ", seed " << fit.seed;
+      }
+    }
   }
 };
 
@@ -310,6 +353,80 @@ TEST_F(CoverageTest, MarkersOfAKnownStart) {
   EXPECT_GT(SummarizeCoverage(RunCoverageBenchmark(options))[0].mean_std, 1.4 * all);
 }
 
+TEST_F(CoverageTest, AField) {
+  CoverageOptions options = UnknownsOptions();
+  options.unknowns.fields = ParseFieldRequests("k_stretch:3x2");
+  const CoverageBenchmark benchmark = RunCoverageBenchmark(options);
+  ExpectTruthIsFound(benchmark, 2 + 6);
+  EXPECT_EQ(benchmark.truth[2].name, "k_stretch.1.1");
+  EXPECT_EQ(benchmark.truth[7].name, "k_stretch.3.2");
+  EXPECT_NE(CoverageTable(benchmark).find("\nfull     k_stretch.*  "), std::string::npos) << CoverageTable(benchmark);
+}
+
+TEST_F(CoverageTest, AWindThatChangesBesideAnUnknownStart) {
+  CoverageOptions options = UnknownsOptions();
+  options.unknowns.wind = ParseWindRequest("6:y");
+  ForgetStart(&options);
+  const CoverageBenchmark benchmark = RunCoverageBenchmark(options);
+  ExpectTruthIsFound(benchmark, 2 + 6);
+  EXPECT_EQ(benchmark.truth[2].name, "wind.y.1");
+  EXPECT_NEAR(benchmark.truth[4].value, 1.8, 1e-9);
+  EXPECT_NE(CoverageCsv(benchmark).find(",wind.y.6,std_wind.y.6,"), std::string::npos);
+}
+
+// The case with everything; the whole one is `benchmark coverage --scene tools/benchmark/unknowns/scene.json`.
+TEST_F(CoverageTest, UnknownsOfEveryKindAtOnce) {
+  CoverageOptions options = UnknownsOptions();
+  options.unknowns = {ParseFieldRequests("k_stretch:3x2"), ParseWindRequest("6:y")};
+  ForgetStart(&options);
+  const CoverageBenchmark benchmark = RunCoverageBenchmark(options);
+  ExpectTruthIsFound(benchmark, 2 + 6 + 6);
+  options.num_threads = 2;
+  EXPECT_EQ(CoverageCsv(RunCoverageBenchmark(options)), CoverageCsv(benchmark));
+}
+
+// The field of the scene, at its own control nodes and between them, with the level of the truth.
+TEST_F(CoverageTest, TruthOfAFieldHasTheLevelOfTheTruth) {
+  const CoverageOptions options = UnknownsOptions();
+  const Scene scene = ReadScene(options.scene_path);
+  const Eigen::MatrixXd& values = scene.fields.front().values;
+  const HiddenUnknowns same = {ParseFieldRequests("k_stretch:4x4"), {}};
+  const Eigen::Vector2d times(0.2, 0.8);
+  std::vector<TrueParameter> nodes = TrueUnknowns(same, {}, scene, times);
+  ASSERT_EQ(nodes.size(), 16u);
+  EXPECT_NEAR(nodes[6].value, values(1, 2), 1e-9);
+  const double level = scene.nominal_parameters().material.stretch_stiffness;
+  nodes = TrueUnknowns(same, {{"k_stretch", 2.0 * level, false}}, scene, times);
+  EXPECT_NEAR(nodes[6].value, 2.0 * values(1, 2), 1e-9);
+  const HiddenUnknowns coarse = {ParseFieldRequests("k_stretch:1x3"), {}};
+  nodes = TrueUnknowns(coarse, {}, scene, times);
+  ASSERT_EQ(nodes.size(), 3u);
+  EXPECT_NEAR(nodes[0].value, std::sqrt(values(1, 0) * values(2, 0)), 1e-9);
+}
+
+TEST_F(CoverageTest, SumsUpWhatBelongsTogether) {
+  EXPECT_EQ(UnknownsOf("wind.y.12"), "wind.y.*");
+  EXPECT_EQ(UnknownsOf("k_stretch.2.1"), "k_stretch.*");
+  for (const char* name : {"mu", "mu.ball", "gust.wave.x", "k_stretch"}) EXPECT_EQ(UnknownsOf(name), name);
+  std::vector<CoverageSummary> summaries(4);
+  const char* const names[] = {"mu", "wind.y.1", "wind.y.2", "wind.y.3"};
+  for (int i = 0; i < 4; ++i) {
+    summaries[i].name = names[i];
+    summaries[i].num_fits = 10;
+    summaries[i].num_covered = 7 + i;
+    summaries[i].mean_std = i;
+    summaries[i].empirical_std = i;
+  }
+  const std::vector<CoverageSummary> groups = GroupCoverage(summaries);
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_EQ(groups[0].name, "mu");
+  EXPECT_EQ(groups[1].name, "wind.y.*");
+  EXPECT_EQ(groups[1].num_fits, 30);
+  EXPECT_EQ(groups[1].num_covered, 27);
+  EXPECT_DOUBLE_EQ(groups[1].mean_std, 2.0);
+  EXPECT_DOUBLE_EQ(groups[1].empirical_std, std::sqrt(14.0 / 3.0));
+}
+
 TEST_F(CoverageTest, RefusesWhatItCannotRun) {
   WriteBytes(folder() / "scene.json", SmallDrape(6));
   const std::string valid = "benchmark coverage --scene scene.json --set mu=0.24,k_stretch=70 ";
@@ -326,6 +443,11 @@ TEST_F(CoverageTest, RefusesWhatItCannotRun) {
   ExpectRefused(valid + "--sigma 0", 1, "--sigma");
   ExpectRefused(valid + "--sigma 0.001 --noise 0.01", 1, "--noise");
   ExpectRefused(valid + "--frame_rate 0", 1, "--frame_rate");
+  ExpectRefused(valid + "--force_sigma 0", 1, "--force_sigma");
+  ExpectRefused(valid + "--force_sigma 0.01 --truth_steps 2", 1, "--truth_steps");
+  ExpectRefused(valid + "--field k_stretch:2x2", 1, "--field: expected a scene that has 'k_stretch' as a field");
+  ExpectRefused(valid + "--wind_profile 3", 1, "--wind_profile: expected a scene whose wind has a profile");
+  ExpectRefused(valid + "--wind_profile 3 --settings third", 1, "'third'");
   ExpectRefused(valid + "--frame_rate 1", 1, "frame_rate 1");
   ExpectRefused(valid + "--start_factor 0", 1, "--start_factor");
   ExpectRefused(valid + "--cut 0.2", 1, "--initial");
@@ -336,7 +458,8 @@ TEST_F(CoverageTest, RefusesWhatItCannotRun) {
   ExpectRefused(valid + "--initial rest --handle_sigma -1", 1, "--handle_sigma");
   ExpectRefused(valid + "--initial rest --handle_sigma 0.001", 1, "--handle_sigma: expected a scene whose handles");
   ExpectRefused(valid + "--initial first --markers 9", 1, "--markers");
-  for (const char* flag : {"--sigma 0.001", "--frame_rate 30", "--markers 9", "--initial rest"}) {
+  for (const char* flag : {"--sigma 0.001", "--frame_rate 30", "--markers 9", "--initial rest", "--force_sigma 0.01",
+                           "--field k_stretch:2x2", "--wind_profile 3"}) {
     ExpectRefused(valid + "--sensor absent.json " + flag, 1, "--sensor");
   }
 }

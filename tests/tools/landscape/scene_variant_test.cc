@@ -136,8 +136,7 @@ TEST_F(VariantOfARecordingTest, HasTheRecordingsMeshAndTheChangedScene) {
 
 TEST_F(VariantOfARecordingTest, NamesTheFlagAndTheVariant) {
   const auto expect_refused = [&](const std::string& text, const char* expected) {
-    ExpectError([&] { ReadVariant(path_, {}, Variant(text)); }, ErrorKind::kUsage,
-                {"--sweep", text.c_str(), expected});
+    ExpectError([&] { ReadVariant(path_, {}, Variant(text)); }, ErrorKind::kUsage, {"--sweep", text.c_str(), expected});
   };
   expect_refused("bal.center.x=1", "key 'bal'");
   expect_refused("ball.centre.x=1", "centre");

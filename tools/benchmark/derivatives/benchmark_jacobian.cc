@@ -8,7 +8,7 @@
 
 #include "datasets/synthetic/true_recording.h"
 #include "identify/base/parallel_for.h"
-#include "identify/fit/problem.h"
+#include "identify/problem/problem.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"

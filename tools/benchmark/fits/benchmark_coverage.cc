@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "identify/base/parallel_for.h"
-#include "identify/checks/discretization_check.h"
-#include "identify/fit/problem.h"
+#include "identify/run.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
@@ -23,7 +22,8 @@ namespace {
 constexpr char kTimeOffset[] = "time_offset";
 
 const std::vector<std::string>& KnownSettings(const CoverageOptions& options) {
-  return options.sensor_path.empty() ? kCoverageSettings : kSensorSettings;
+  if (!options.sensor_path.empty()) return kSensorSettings;
+  return options.unknowns.wind.is_given() ? kWindSettings : kCoverageSettings;
 }
 
 SyntheticOptions SensorOptions(const CoverageOptions& options, const CoverageFit& fit, const Scene& scene) {
@@ -32,12 +32,15 @@ SyntheticOptions SensorOptions(const CoverageOptions& options, const CoverageFit
   synthetic.num_markers = options.num_markers;
   synthetic.seed = fit.seed;
   if (options.frame_rate) synthetic.frame_rate = *options.frame_rate;
+  if (options.force_sigma) synthetic.force_sensor.emplace().sigma = *options.force_sigma;
   if (fit.setting == "half") synthetic.drop_fraction = 0.5;
   if (fit.setting == "third") {
     synthetic.frame_rate = options.frame_rate ? *options.frame_rate / 3.0 : 1.0 / (3.0 * scene.time_step);
   }
   return synthetic;
 }
+
+std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
 
 // The fits to come, by setting, then seed.
 std::vector<CoverageFit> PlanCoverageFits(const CoverageOptions& options) {
@@ -58,7 +61,10 @@ class Recorder {
  public:
   Recorder(const CoverageOptions& options, const std::vector<TrueParameter>& truth, const Scene& scene,
            const std::string& scene_text)
-      : options_(options), scene_(scene), scene_text_(scene_text) {
+      : options_(options),
+        scene_(scene),
+        known_text_(WithoutTruth(options.unknowns, scene_text)),
+        known_scene_(ParseScene(known_text_, options.scene_path, FolderOf(options.scene_path))) {
     if (options.sensor_path.empty()) {
       rollout_ = SampleTruth(truth, options.scene_path, scene, options.resolution);
     } else {
@@ -70,47 +76,110 @@ class Recorder {
     if (sensor_case_) return RecordSensorCase(*sensor_case_, fit.setting, fit.seed);
     const SyntheticOptions synthetic = SensorOptions(options_, fit, scene_);
     const bool is_exact = options_.import.start == StartSource::kScene && options_.num_markers == 0;
-    return is_exact ? MakeRecording(rollout_, scene_, scene_text_, synthetic)
-                    : ImportRollout(options_.import, rollout_, scene_, scene_text_, synthetic);
+    if (!is_exact) return ImportRollout(options_.import, rollout_, scene_, known_text_, synthetic);
+    RecordedMotion motion = MakeRecording(rollout_, scene_, known_text_, synthetic);
+    motion.scene = known_scene_;
+    return motion;
   }
 
  private:
   const CoverageOptions& options_;
-  const Scene& scene_;
-  const std::string& scene_text_;
+  const Scene& scene_;            // the truth
+  const std::string known_text_;  // what a fit is told of it
+  const Scene known_scene_;
   Rollout rollout_;
   std::optional<SensorCase> sensor_case_;
 };
 
-void RunCoverageFit(const std::vector<TrueParameter>& truth, const CoverageOptions& coverage,
-                    const RecordedMotion& recording, CoverageFit* fit) {
-  FitOptions options;
-  options.jacobian = JacobianMethod::kSensitivity;
-  options.check_interval = false;
-  options.loss = LossOfSetting(fit->setting);
+// Asks for the unknowns that are no parameters.
+void FitUnknowns(const HiddenUnknowns& unknowns, RunOptions* run) {
+  run->fit.fields = unknowns.fields;
+  run->wind = unknowns.wind;
+}
+
+// How `benchmark coverage` fits. The parameters of `truth`, which come first, are asked for by name.
+RunOptions OptionsOfFit(const std::vector<TrueParameter>& truth, const CoverageOptions& coverage,
+                        const std::string& setting) {
+  RunOptions run;
+  run.check_recordings = false;
+  run.growing_horizon = false;
+  run.discretization = coverage.discretization;
+  run.fit.jacobian = JacobianMethod::kSensitivity;
+  run.fit.check_interval = false;
+  run.fit.loss = LossOfSetting(setting);
   for (const TrueParameter& parameter : truth) {
-    options.parameters.push_back(parameter.name);
+    if (UnknownsOf(parameter.name) != parameter.name) continue;
+    run.fit.parameters.push_back(parameter.name);
     if (parameter.name != kTimeOffset)
-      options.overrides.start[parameter.name] = coverage.start_factor * parameter.value;
+      run.fit.overrides.start[parameter.name] = coverage.start_factor * parameter.value;
   }
-  FitProblem problem({recording}, options);
-  FitSummary summary = Fit(options, &problem);
-  std::vector<ParameterUncertainty> noise(truth.size());
-  if (summary.uncertainty) noise = summary.uncertainty->parameters;
-  if (coverage.discretization.any() && summary.has_estimate()) {
-    CheckDiscretization({recording}, options, coverage.discretization, problem, &summary);
+  FitUnknowns(coverage.unknowns, &run);
+  return run;
+}
+
+// What a fit says of the next of its unknowns.
+struct FittedUnknown {
+  double value = kNoNumber;
+  double noise_lower95 = kNoNumber, noise_upper95 = kNoNumber;
+  ParameterUncertainty uncertainty;
+};
+
+void AddUnknown(const FittedUnknown& unknown, CoverageFit* fit) {
+  fit->value.push_back(unknown.value);
+  fit->std.push_back(unknown.uncertainty.std);
+  fit->lower95.push_back(unknown.uncertainty.lower95);
+  fit->upper95.push_back(unknown.uncertainty.upper95);
+  fit->noise_lower95.push_back(unknown.noise_lower95);
+  fit->noise_upper95.push_back(unknown.noise_upper95);
+  fit->known_start_std.push_back(unknown.uncertainty.known_start_std);
+}
+
+// The parameter `name`, knots among them. `noise`: before discretization was looked at.
+FittedUnknown FindParameter(const std::string& name, const FitSummary& summary,
+                            const std::optional<Uncertainty>& noise) {
+  FittedUnknown unknown;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    if (summary.parameters[i].name != name) continue;
+    unknown.value = summary.parameters[i].value;
+    if (summary.uncertainty) unknown.uncertainty = summary.uncertainty->parameters[i];
+    if (!noise) continue;
+    unknown.noise_lower95 = noise->parameters[i].lower95;
+    unknown.noise_upper95 = noise->parameters[i].upper95;
   }
-  std::vector<ParameterUncertainty> uncertainty(truth.size());
-  if (summary.uncertainty) uncertainty = summary.uncertainty->parameters;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    fit->value.push_back(summary.has_estimate() ? summary.parameters[i].value : kNoNumber);
-    fit->std.push_back(uncertainty[i].std);
-    fit->lower95.push_back(uncertainty[i].lower95);
-    fit->upper95.push_back(uncertainty[i].upper95);
-    fit->noise_lower95.push_back(noise[i].lower95);
-    fit->noise_upper95.push_back(noise[i].upper95);
-    fit->known_start_std.push_back(uncertainty[i].known_start_std);
+  return unknown;
+}
+
+void AddNodes(const FittedField& field, CoverageFit* fit) {
+  for (Eigen::Index r = 0; r < field.values.rows(); ++r) {
+    for (Eigen::Index c = 0; c < field.values.cols(); ++c) {
+      FittedUnknown node;
+      node.value = field.values(r, c);
+      const double log_std = field.log_std.size() > 0 ? field.log_std(r, c) : kNoNumber;
+      node.uncertainty.std = node.value * log_std;
+      node.uncertainty.lower95 = node.noise_lower95 = node.value * std::exp(-kNormal95 * log_std);
+      node.uncertainty.upper95 = node.noise_upper95 = node.value * std::exp(kNormal95 * log_std);
+      AddUnknown(node, fit);
+    }
   }
+}
+
+void RunCoverageFit(const std::vector<TrueParameter>& truth, const CoverageOptions& coverage, RecordedMotion recording,
+                    CoverageFit* fit) {
+  RunOptions run = OptionsOfFit(truth, coverage, fit->setting);
+  run.targets = {std::move(recording)};
+  std::optional<Uncertainty> noise;
+  run.on_fitted = [&noise](const FitSummary& summary) { noise = summary.uncertainty; };
+  const RunResult result = Identify(run);
+  const FitSummary& summary = result.summary;
+  std::size_t num_nodes = 0;
+  for (const FieldRequest& request : coverage.unknowns.fields) num_nodes += static_cast<std::size_t>(request.size());
+  for (std::size_t i = 0; i < truth.size() - num_nodes; ++i) {
+    AddUnknown(FindParameter(truth[i].name, summary, noise), fit);
+  }
+  if (summary.fields) {
+    for (const FittedField& field : summary.fields->fields) AddNodes(field, fit);
+  }
+  while (fit->value.size() < truth.size()) AddUnknown({}, fit);
   fit->rmse = summary.has_estimate() ? summary.error.rmse() : kNoNumber;
   fit->rollouts = summary.statistics.rollouts;
   fit->status = summary.status;
@@ -133,12 +202,20 @@ void RequireRecordings(const CoverageOptions& options) {
               "--handle_sigma: expected a number >= 0 in m");
   ExpectUsage(options.resolution.steps >= 1, "--truth_steps: expected a number >= 1");
   ExpectUsage(options.resolution.levels >= 0, "--truth_levels: expected a number >= 0");
+  const bool is_finer = options.resolution.steps > 1 || options.resolution.levels > 0;
+  ExpectUsage(!options.force_sigma || (std::isfinite(*options.force_sigma) && *options.force_sigma > 0.0),
+              "--force_sigma: expected a number > 0 in N");
+  ExpectUsage(!options.force_sigma || !is_finer,
+              "--force_sigma: expected without --truth_steps and --truth_levels, of which the forces are not known");
   if (options.sensor_path.empty()) return;
   for (const auto& [is_given, flag] :
        {std::pair(options.sigma.has_value(), "--sigma"), std::pair(options.frame_rate.has_value(), "--frame_rate"),
         std::pair(options.num_markers > 0, "--markers"), std::pair(options.resolution.steps > 1, "--truth_steps"),
         std::pair(options.resolution.levels > 0, "--truth_levels"),
         std::pair(options.import.handle_sigma > 0.0, "--handle_sigma"),
+        std::pair(options.force_sigma.has_value(), "--force_sigma"),
+        std::pair(!options.unknowns.fields.empty(), "--field"),
+        std::pair(options.unknowns.wind.is_given(), "--wind_profile"),
         std::pair(start != StartSource::kScene, "--initial")}) {
     ExpectUsage(!is_given, flag + std::string(": expected without --sensor, whose recordings have their own"));
   }
@@ -160,8 +237,8 @@ void CoverageOptions::Validate() const {
 CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
   options.Validate();
   const std::string scene_text = ReadFile(options.scene_path, kMaxJsonBytes);
-  const std::string folder = std::filesystem::path(options.scene_path).parent_path().string();
-  const Scene scene = ParseScene(scene_text, options.scene_path, folder);
+  const Scene scene = ParseScene(scene_text, options.scene_path, FolderOf(options.scene_path));
+  ExpectTruth(options.unknowns, scene);
   CoverageBenchmark benchmark;
   benchmark.start = options.import.start;
   benchmark.discretization = options.discretization;
@@ -174,6 +251,12 @@ CoverageBenchmark RunCoverageBenchmark(const CoverageOptions& options) {
   }
   const Recorder recorder(options, benchmark.truth, scene, scene_text);
   if (!options.sensor_path.empty()) benchmark.truth.push_back({kTimeOffset, kClockError, false});
+  if (options.unknowns.any()) {
+    const Eigen::VectorXd times = recorder.Record(benchmark.fits.front()).times;
+    for (const TrueParameter& unknown : TrueUnknowns(options.unknowns, benchmark.truth, scene, times)) {
+      benchmark.truth.push_back(unknown);
+    }
+  }
   const int num_fits = static_cast<int>(benchmark.fits.size());
   ParallelFor(
       num_fits, options.num_threads,

@@ -6,7 +6,8 @@
 // truth is finer than the model, and recordings have the faults of a laboratory's (tools/benchmark/fits/sensor_case.h).
 // Or the fit is not told the scene's start and takes it from the recording, or estimates it
 // (tools/benchmark/fits/imported_recording.h). Or the truth has finer steps and a finer mesh than the model, and the
-// intervals count with what that does to the estimates (identify/checks/discretization_check.h).
+// intervals count with what that does to the estimates (identify/checks/discretization_check.h). Or the fit has more
+// unknowns: fields, and a wind that changes (tools/benchmark/fits/coverage_truth.h).
 #ifndef CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 #define CLOTHID_TOOLS_BENCHMARK_FITS_BENCHMARK_COVERAGE_H_
 
@@ -19,13 +20,14 @@
 #include "datasets/synthetic/true_recording.h"
 #include "identify/fit/fit.h"
 #include "tools/benchmark/base/common.h"
+#include "tools/benchmark/fits/coverage_truth.h"
 #include "tools/benchmark/fits/imported_recording.h"
 
 namespace clothid {
 
 // Every point in every frame, one frame per step; every point missing from a frame with a chance of one half; every
-// third frame.
-inline const std::vector<std::string> kCoverageSettings = {"full", "half", "third"};
+// third frame. The last frame of `third` may be another one: not with a wind, whose knots lie between first and last.
+inline const std::vector<std::string> kCoverageSettings = {"full", "half", "third"}, kWindSettings = {"full", "half"};
 
 // Start over truth where nothing else is said: many standard deviations off, and near enough for three rollouts a fit.
 inline constexpr double kStartFactor = 1.05;
@@ -34,7 +36,7 @@ inline constexpr double kStartFactor = 1.05;
 struct CoverageFit {
   std::string setting;
   std::uint64_t seed = 0;
-  std::vector<double> value, std, lower95, upper95;  // per parameter; NaN where there are none
+  std::vector<double> value, std, lower95, upper95;  // as `CoverageBenchmark::truth`; NaN where there are none
   std::vector<double> noise_lower95, noise_upper95;  // the interval of the noise alone; see `discretization`
   std::vector<double> known_start_std;               // the std if the start were known; NaN where none was estimated
   double rmse = 0.0;                                 // m
@@ -56,6 +58,9 @@ struct CoverageOptions {
   ImportOfRollout import;              // where the fit takes the start from, and how much of the motion went before it
   TruthResolution resolution;          // of the truth; without a sensor, from the scene's own start
   DiscretizationParts discretization;  // what the intervals count with besides the noise
+  // Without a sensor. What the fits have for unknowns besides: the truth is in the scene, and they are not told.
+  HiddenUnknowns unknowns;
+  std::optional<double> force_sigma;   // N: of a gauge that holds all handles, read in every frame; absent: none
   double start_factor = kStartFactor;  // start over truth of the parameters
   int num_seeds = 40;                  // recordings per setting
   std::uint64_t seed = 1;              // the first
@@ -69,8 +74,8 @@ struct CoverageOptions {
 struct CoverageBenchmark {
   DiscretizationParts discretization;       // what the intervals count with
   StartSource start = StartSource::kScene;  // of the fits
-  std::vector<TrueParameter> truth;
-  std::vector<CoverageFit> fits;  // by setting, then seed
+  std::vector<TrueParameter> truth;         // parameters, then knots of a wind and control nodes of fields
+  std::vector<CoverageFit> fits;            // by setting, then seed
 };
 
 // Throws `Error` for options and scenes that cannot be used and where the rollout with the true parameters fails.
@@ -98,6 +103,10 @@ struct CoverageSummary {
 
 // By setting, then parameter. A value that a fit does not have is NaN, and so is what depends on it.
 std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmark);
+
+// The same with all knots of a component of the wind as one, and all control nodes of a field: the sums of their
+// counts, the means of all else, of empirical standard deviations the root of the mean square.
+std::vector<CoverageSummary> GroupCoverage(const std::vector<CoverageSummary>& summaries);
 
 // One line per setting and parameter; widths relative to the first setting, biases in empirical standard deviations.
 // Where intervals count with the discretisation it goes on with how many of the noise alone contain the truth; where

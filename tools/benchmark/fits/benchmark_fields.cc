@@ -7,8 +7,9 @@
 #include "datasets/synthetic/fine_truth.h"
 #include "datasets/synthetic/regrid.h"
 #include "datasets/synthetic/true_recording.h"
-#include "identify/field/field_fit.h"
-#include "identify/field/field_model.h"
+#include "identify/fit/fit.h"
+#include "identify/problem/evaluator.h"
+#include "identify/problem/problem_blocks.h"
 #include "sim/base/error.h"
 #include "sim/rollout/simulator.h"
 #include "tools/benchmark/base/timing.h"
@@ -79,45 +80,43 @@ void SetErrors(const Eigen::MatrixXd& truth, const FittedField& field, FieldsFit
 }
 
 // Seconds of a Jacobian by differences.
-double TimeDifferences(int num_differences, FieldModel* model) {
-  FieldPoint point;
-  Eigen::VectorXd unknowns = model->Start();
-  model->MoveTo(unknowns, Precision::kFull, &point);
+double TimeDifferences(int num_differences, FitProblem* problem) {
+  FitEvaluator evaluator(problem, /*num_threads=*/1);
   const double start = ThreadSeconds();
   for (int i = 0; i < num_differences; ++i) {
-    unknowns = model->Start();
-    unknowns[model->num_scalars() + i] += 1e-4;
-    model->MoveTo(unknowns, Precision::kFull, &point);
+    Eigen::VectorXd unknowns = problem->StartCoordinates();
+    unknowns[problem->num_blocks() + i] += 1e-4;
+    double cost = 0.0;
+    evaluator.Evaluate(unknowns, FitEvaluator::Derivative::kNone, &cost, nullptr);
   }
-  return (ThreadSeconds() - start) / num_differences * (model->size() + 1);
+  return (ThreadSeconds() - start) / num_differences * (problem->num_coordinates() + 1);
 }
 
 FieldsFit FitField(const FieldsOptions& options, int side, RecordedMotion motion, const TrueField& truth) {
-  const FieldRequest request{"k_stretch", ParameterKind::kStretchStiffness, side, side};
-  const double start = motion.scene.nominal_parameters().material.stretch_stiffness;
+  FitOptions fit_options;
+  fit_options.fields = {{"k_stretch", ParameterKind::kStretchStiffness, side, side}};
+  fit_options.parameters = {"k_stretch"};
+  fit_options.check_interval = false;
   std::vector<RecordedMotion> motions = {std::move(motion)};
-  SetField({request.kind, Eigen::MatrixXd::Constant(side, side, start)}, &motions);
-  FieldFitOptions fit_options;
+  SetFlatFields(fit_options, &motions);
   const double before = ThreadSeconds();
   double last = before;
-  fit_options.on_iteration = [&last](const FieldIteration&) { last = ThreadSeconds(); };
-  const FieldFit fitted = FitFields(motions, {}, {request}, fit_options);
-  const double seconds = ThreadSeconds() - before;
-  const FieldResult& result = fitted.result;
-  if (!result.ok) throw Error(ErrorKind::kBadData, options.scene_path + ": " + result.message);
+  fit_options.on_iteration = [&last](const FitIteration&) { last = ThreadSeconds(); };
+  FitProblem problem(motions, fit_options);
+  const FitSummary fitted = Fit(fit_options, &problem);
+  if (!fitted.has_estimate()) throw Error(ErrorKind::kBadData, options.scene_path + ": " + fitted.message);
   FieldsFit fit;
   fit.side = side;
-  fit.has_converged = result.has_converged;
-  fit.weight = result.weight;
-  fit.rmse = options.noise * std::sqrt(3.0 * 2.0 * result.cost / result.num_measurements);
-  SetErrors(truth.ValuesAt(side, options.level), result.fields.front(), &fit);
-  fit.iterations = result.num_iterations;
-  fit.rollouts = result.num_rollouts;
-  fit.sweeps = result.num_sweeps;
-  fit.seconds = seconds;
+  fit.has_converged = fitted.status == FitStatus::kConverged;
+  fit.weight = fitted.fields->weight;
+  fit.rmse = fitted.error.rmse();
+  SetErrors(truth.ValuesAt(side, options.level), fitted.fields->fields.front(), &fit);
+  fit.iterations = fitted.num_iterations();
+  fit.rollouts = fitted.statistics.rollouts;
+  fit.sweeps = fitted.statistics.sweeps;
+  fit.seconds = ThreadSeconds() - before;
   fit.iteration_seconds = last - before;
-  FieldModel model(motions, {}, {request}, fit_options.fit);
-  if (options.num_differences > 0) fit.difference_seconds = TimeDifferences(options.num_differences, &model);
+  if (options.num_differences > 0) fit.difference_seconds = TimeDifferences(options.num_differences, &problem);
   return fit;
 }
 

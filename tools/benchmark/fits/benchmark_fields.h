@@ -1,4 +1,4 @@
-// benchmark fields: fits of a stiffness that varies over the cloth (identify/field/field_fit.h), with more and more
+// benchmark fields: fits of a stiffness that varies over the cloth (identify/fit/joint_stage.h), with more and more
 // unknowns, beside numeric differences.
 //
 // The truth is a field of k_stretch of the given level, exp(0.4 z) times it, z a sum of nine cosines with seeded

@@ -52,6 +52,25 @@ CoverageSummary Summarize(const std::vector<CoverageFit>& fits, const TrueParame
   return summary;
 }
 
+// Adds one more of a group.
+void AddToGroup(const CoverageSummary& summary, CoverageSummary* group) {
+  const double share = static_cast<double>(summary.num_fits) / (group->num_fits + summary.num_fits);
+  const auto mean = [share](double other, double* value) { *value += share * (other - *value); };
+  mean(summary.mean_width, &group->mean_width);
+  mean(summary.mean_std, &group->mean_std);
+  mean(summary.bias, &group->bias);
+  mean(summary.mean_error_ratio, &group->mean_error_ratio);
+  mean(summary.mean_start_ratio, &group->mean_start_ratio);
+  mean(summary.mean_rollouts, &group->mean_rollouts);
+  double variance = std::pow(group->empirical_std, 2);
+  mean(std::pow(summary.empirical_std, 2), &variance);
+  group->empirical_std = std::sqrt(variance);
+  group->num_fits += summary.num_fits;
+  group->num_covered += summary.num_covered;
+  group->num_covered_by_noise += summary.num_covered_by_noise;
+  group->num_refused += summary.num_refused;
+}
+
 std::string OfFits(int count, const CoverageSummary& summary) {
   return std::to_string(count) + " of " + std::to_string(summary.num_fits);
 }
@@ -86,19 +105,35 @@ std::vector<CoverageSummary> SummarizeCoverage(const CoverageBenchmark& benchmar
   return summaries;
 }
 
+std::vector<CoverageSummary> GroupCoverage(const std::vector<CoverageSummary>& summaries) {
+  std::vector<CoverageSummary> groups;
+  for (const CoverageSummary& summary : summaries) {
+    const std::string name = UnknownsOf(summary.name);
+    if (!groups.empty() && groups.back().name == name && groups.back().setting == summary.setting) {
+      AddToGroup(summary, &groups.back());
+      continue;
+    }
+    groups.push_back(summary);
+    groups.back().name = name;
+  }
+  return groups;
+}
+
 std::string CoverageTable(const CoverageBenchmark& benchmark) {
   const bool has_start_columns = benchmark.start != StartSource::kScene;
   std::string table = "setting  parameter      covered  width   reported std  empirical std  ratio  bias, std";
   if (benchmark.discretization.any()) table += "  by noise alone";
   if (has_start_columns) table += "  refused  bias, reported std  width over known start  rollouts";
   table += "\n";
-  const std::vector<CoverageSummary> summaries = SummarizeCoverage(benchmark);
-  for (std::size_t i = 0; i < summaries.size(); ++i) {
-    table += CoverageLine(summaries[i], summaries[i % benchmark.truth.size()]);
+  const std::vector<CoverageSummary> summaries = GroupCoverage(SummarizeCoverage(benchmark));
+  for (const CoverageSummary& summary : summaries) {
+    const auto first = std::find_if(summaries.begin(), summaries.end(),
+                                    [&](const CoverageSummary& each) { return each.name == summary.name; });
+    table += CoverageLine(summary, *first);
     if (benchmark.discretization.any()) {
-      table += Format("%16s", OfFits(summaries[i].num_covered_by_noise, summaries[i]).c_str());
+      table += Format("%16s", OfFits(summary.num_covered_by_noise, summary).c_str());
     }
-    if (has_start_columns) table += StartColumns(summaries[i]);
+    if (has_start_columns) table += StartColumns(summary);
     table += "\n";
   }
   return table;

@@ -31,6 +31,10 @@ void DropFrames(Eigen::Index num_dropped, MotionTensors* tensors) {
   if (!tensors->handle_index.empty()) {
     tensors->handle_positions = tensors->handle_positions.rightCols(num_frames).eval();
   }
+  ForceReadings& forces = tensors->forces;
+  const Eigen::Index num_readings = (forces.times.array() >= tensors->times[0]).count();
+  forces.times = forces.times.tail(num_readings).eval();
+  forces.values = forces.values.rightCols(num_readings).eval();
 }
 
 // Not the noise of the points, whose generator starts from the seed itself.
