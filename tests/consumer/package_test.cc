@@ -216,13 +216,13 @@ TEST_F(PackageTest, OtherVersionsAreRefused) {
 }
 
 TEST_F(PackageTest, UnknownComponentIsRefused) {
-  ExpectConfigureRefused("find_package(clothid 0.3 REQUIRED COMPONENTS sim rendering)",
+  ExpectConfigureRefused("find_package(clothid 0.4 REQUIRED COMPONENTS sim rendering)",
                          {"no component 'rendering'", "sim, datasets, costs, identify"});
 }
 
 TEST_F(PackageTest, ComponentBringsWhatItNeedsAndNoMore) {
   const ToolResult result = Configure(R"(
-    find_package(clothid 0.3 REQUIRED COMPONENTS datasets OPTIONAL_COMPONENTS rendering)
+    find_package(clothid 0.4 REQUIRED COMPONENTS datasets OPTIONAL_COMPONENTS rendering)
     foreach(target clothid::sim clothid::datasets Eigen3::Eigen)
       if(NOT TARGET ${target})
         message(FATAL_ERROR "${target} is missing")

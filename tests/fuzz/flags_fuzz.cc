@@ -2,10 +2,10 @@
 #include <array>
 #include <functional>
 
+#include "costs/field/field_request.h"
 #include "costs/prediction/parameter_block.h"
 #include "costs/prediction/robust_loss.h"
 #include "identify/base/options.h"
-#include "identify/field/field_request.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/scene_json.h"
 #include "tests/fuzz/fuzz_target.h"

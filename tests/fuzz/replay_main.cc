@@ -1,5 +1,5 @@
-// Stands in for libFuzzer: runs the target that CLOTHID_FUZZ_TARGET names on every file of a folder, then on inputs that
-// are made of these.
+// Stands in for libFuzzer: runs the target that CLOTHID_FUZZ_TARGET names on every file of a folder, then on inputs
+// that are made of these.
 //
 //   clothid_fuzz FOLDER [NUM_NEW]
 //
@@ -78,8 +78,9 @@ class Mutator {
   }
 
   void Edit(std::string* input) {
-    static const std::vector<std::string> tokens = {"0", "-1", "1e999", "nan", "4294967296", "\"", "[", "}", ",", "\n",
-                                                    std::string(1, '\0'), "\xff\xff\xff\xff", "\x7f"};
+    static const std::vector<std::string> tokens = {
+        "0",   "-1", "1e999", "nan", "4294967296", "\"", "[", "}", ",", "\n", std::string(1, '\0'), "\xff\xff\xff\xff",
+        "\x7f"};
     const auto [begin, length] = Span(*input);
     switch (Below(6)) {
       case 0:  // another byte
