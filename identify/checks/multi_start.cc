@@ -215,7 +215,7 @@ FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMo
   }
   const auto num_before = static_cast<int>(fits.size());
   const Points others(points.begin() + num_before, points.end());
-  if (!options.is_cancelled()) {
+  if (fits.empty() || !options.is_cancelled()) {
     std::vector<FitSummary> rest = side_by_side ? FitSideBySide(each, motions, is_led, others, num_before)
                                                 : FitInTurn(each, motions, is_led, others, num_before, problem);
     std::move(rest.begin(), rest.end(), std::back_inserter(fits));
