@@ -258,9 +258,11 @@ class PlannedFit {
     has_joint_ = true;
     if (!result.ok) known_ = BasisLinearization();
     if (stage.is_rough && result.ok) summary_.message = "the next step promises little";
-    if (!result.ok || stage.is_rough || !(result.predicted_decrease > kStalledDecrease)) return;
-    summary_.message = "stopped at a kink of the cost";
-    if (recorder_.last_iteration() < options_.max_iterations) return;
+    if (!result.ok || stage.is_rough) return;
+    const bool is_stalled = result.predicted_decrease > kStalledDecrease;
+    if (is_stalled) summary_.message = "stopped at a kink of the cost";
+    const bool is_cut = is_stalled || (stage.field_modes > 0 && !result.is_over);
+    if (!is_cut || recorder_.last_iteration() < options_.max_iterations) return;
     summary_.status = FitStatus::kNotConverged;
     summary_.message = "stopped at max_iterations";
   }

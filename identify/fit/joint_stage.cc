@@ -137,6 +137,7 @@ class JointStage {
       }
       result_.predicted_decrease = next.of_parameters / scale_;
       const bool is_at_end = CanEnd() && is_beyond == goes_beyond_ && end_.IsReached(next, cost_, scale_);
+      result_.is_over = is_at_end;
       if (is_at_end || num_iterations_ >= max_iterations_ || options_.is_cancelled()) break;
       const double promised = next.total / scale_;
       RunCeres(&*rows);
@@ -147,8 +148,9 @@ class JointStage {
       result_.predicted_decrease = next.of_parameters / scale_;
       const bool is_stuck = is_new_ && !(gained > kStuckGain * next.num_free);
       const bool is_over = is_stuck || end_.IsReached(next, cost_, scale_);
-      if ((CanEnd() && is_over && !goes_beyond_) || options_.is_cancelled()) break;
-      if (is_stuck && ++num_stuck_ > 1) break;
+      num_stuck_ += is_stuck ? 1 : 0;
+      result_.is_over = (CanEnd() && is_over && !goes_beyond_) || num_stuck_ > 1;
+      if (result_.is_over || options_.is_cancelled()) break;
       needs_new_ = !is_new_ || !(gained > kPoorStep * promised);
     }
     result_.ok = true;

@@ -22,8 +22,9 @@
 namespace clothid {
 
 struct JointStageResult {
-  bool ok = false;      // false: a derivative failed
-  std::string failure;  // why
+  bool ok = false;       // false: a derivative failed
+  std::string failure;   // why
+  bool is_over = false;  // it ended where it was to, or nothing was left to gain; false: iterations ran out
   // At the last point: what the next step would lower the cost by, in s^2 (identify/uncertainty/uncertainty.h), by
   // moving the parameters, all else eliminated.
   double predicted_decrease = std::numeric_limits<double>::infinity();

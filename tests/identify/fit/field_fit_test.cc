@@ -184,6 +184,7 @@ TEST(FieldFit, SameBytesOnEveryNumberOfThreads) {
   options.max_iterations = 6;
   const FitSummary one = FitField(options, motions);
   ASSERT_TRUE(one.fields) << one.message;
+  EXPECT_EQ(one.status, FitStatus::kNotConverged) << one.message;
   for (const int num_threads : {2, 3}) {
     options.num_threads = num_threads;
     const FitSummary fit = FitField(options, motions);
