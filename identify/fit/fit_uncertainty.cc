@@ -33,13 +33,10 @@ bool LinearizeAll(const FitProblem& problem, FitEvaluator* evaluator, FitSummary
 // What is believed of fields, as rows below those of the recordings: it is no matter of the parameters' own priors.
 void AddFieldRows(const FitProblem& problem, const Eigen::MatrixXd& combinations, Eigen::Index first_column,
                   Eigen::MatrixXd* jacobian) {
-  if (problem.num_field_unknowns() == 0) return;
-  const Eigen::Index num_rows = jacobian->rows();
-  const SmoothnessPrior& prior = problem.smoothness().back();
-  jacobian->conservativeResize(num_rows + prior.root.rows(), Eigen::NoChange);
-  jacobian->bottomRows(prior.root.rows()).setZero();
-  jacobian->bottomRows(prior.root.rows()).middleCols(first_column, combinations.cols()) =
-      std::sqrt(prior.weight) * (prior.root * combinations.bottomRows(problem.num_field_unknowns()));
+  const Eigen::MatrixXd rows = problem.FieldRows(combinations);
+  jacobian->conservativeResize(jacobian->rows() + rows.rows(), Eigen::NoChange);
+  jacobian->bottomRows(rows.rows()).setZero();
+  jacobian->bottomRows(rows.rows()).middleCols(first_column, rows.cols()) = rows;
 }
 
 // Along the parameters alone, with which all else moves by the columns of `follow`.

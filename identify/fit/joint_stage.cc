@@ -206,13 +206,8 @@ class JointStage {
            moved.head(problem_->num_blocks()).norm() > kSameCurvature;
   }
 
-  // s^2.
   double SquaredScale() const {
-    const Linearization& own = result_.known.linearization;
-    const double degrees = own.num_measurements - static_cast<double>(problem_->num_blocks()) - weights_.num_determined;
-    const double squared = end_.has_fields || stage_.with_weights ? own.squared_residual : 2.0 * cost_;
-    const double fitted = degrees > 0.0 ? squared / degrees : 1.0;
-    return own.sigma_is_known ? std::max(1.0, fitted) : fitted;
+    return result_.known.linearization.SquaredScale(problem_->num_blocks() + weights_.num_determined);
   }
 
   WidenedBasis OwnBasis() const {

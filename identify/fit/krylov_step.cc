@@ -37,6 +37,7 @@ class ConjugateGradients {
     }
     coarse_ = Eigen::MatrixXd::Zero(basis.size(), basis.size());
     coarse_(free, free) = SymmetricFactor(hessian(free, free)).Inverse();
+    block_rows_ = problem.PriorRows(Eigen::MatrixXd(problem.num_unknowns(), 0));
     SetPrior();
   }
 
@@ -62,9 +63,8 @@ class ConjugateGradients {
   // H v.
   bool Times(const Eigen::VectorXd& v, Eigen::VectorXd* product) {
     if (!evaluator_->TimesCurvature(unknowns_, v, product, precision_)) return false;
-    const Eigen::MatrixXd rows = problem_.PriorRows(Eigen::MatrixXd(problem_.num_unknowns(), 0));
-    product->head(problem_.num_blocks()) += rows.transpose() * (rows * v.head(problem_.num_blocks()));
-    product->tail(problem_.num_field_unknowns()) += problem_.FieldPrecision() * v.tail(problem_.num_field_unknowns());
+    product->head(problem_.num_blocks()) += block_rows_.transpose() * (block_rows_ * v.head(problem_.num_blocks()));
+    product->tail(problem_.num_field_unknowns()) += precision_of_fields_ * v.tail(problem_.num_field_unknowns());
     Held(product);
     return true;
   }
@@ -77,7 +77,8 @@ class ConjugateGradients {
 
   void SetPrior() {
     const Eigen::Index f = problem_.num_field_unknowns(), c = basis_.combinations.cols();
-    Eigen::SparseMatrix<double> prior = problem_.FieldPrecision();
+    precision_of_fields_ = problem_.FieldPrecision();
+    Eigen::SparseMatrix<double> prior = precision_of_fields_;
     const double shift = kMeanShift * problem_.WeightOf(kFieldPrior) / static_cast<double>(f);
     for (Eigen::Index i = 0; i < f; ++i) prior.coeffRef(i, i) += shift;
     prior_.compute(prior);
@@ -99,6 +100,8 @@ class ConjugateGradients {
   const Eigen::VectorXd& unknowns_;
   Precision precision_;
   FitEvaluator* evaluator_;
+  Eigen::MatrixXd block_rows_;                                // of priors and links of parameters
+  Eigen::SparseMatrix<double> precision_of_fields_;           // weight R^T R
   std::vector<int> held_;                                     // parameters
   Eigen::MatrixXd coarse_;                                    // (V^T H V)^-1 - (V_f^T Q V_f)^-1
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> prior_;  // Q
@@ -118,11 +121,11 @@ bool WidenBasis(const FitOptions& options, const FitProblem& problem, const Unkn
   if (options.is_cancelled() || !(outside.norm() > kNoDirection * length)) return true;
   outside.normalize();
   if (!solver.Times(outside, &product)) return false;
-  const Eigen::Index size = basis.size(), f = problem.num_field_unknowns();
+  const Eigen::Index size = basis.size();
   const Eigen::VectorXd coupling = basis.Restrict(product);
   const double taken = coupling.dot(SymmetricFactor(hessian).SolveOne(coupling));
-  const Eigen::VectorXd of_fields = outside.tail(f);
-  const double least = taken + kLeastCurvature * of_fields.dot(problem.FieldPrecision() * of_fields);
+  const double believed = problem.FieldRows(outside.tail(problem.num_unknowns())).squaredNorm();
+  const double least = taken + kLeastCurvature * believed;
   widened->hessian.conservativeResize(size + 1, size + 1);
   widened->hessian.topRightCorner(size, 1) = coupling;
   widened->hessian.bottomLeftCorner(1, size) = coupling.transpose();

@@ -12,14 +12,6 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-std::vector<int> FreeBlocks(const FitProblem& problem) {
-  std::vector<int> free;
-  for (int i = 0; i < problem.num_blocks(); ++i) {
-    if (!problem.blocks()[i].frozen) free.push_back(i);
-  }
-  return free;
-}
-
 std::vector<int> FreeInBasis(const FitProblem& problem, const UnknownBasis& basis, const Eigen::VectorXd& unknowns,
                              const Eigen::VectorXd& gradient) {
   std::vector<int> free;
@@ -82,7 +74,8 @@ std::unique_ptr<ceres::Problem> StageRows::MakeCeresProblem(double* free) {
 
 FreshRows::FreshRows(const FitProblem& problem, const UnknownBasis& basis, const Eigen::VectorXd& unknowns,
                      Precision precision, bool has_exact_rows, FitEvaluator* evaluator)
-    : StageRows(problem, basis, FreeBlocks(problem), unknowns, precision, evaluator), has_exact_rows_(has_exact_rows) {
+    : StageRows(problem, basis, problem.free_blocks(), unknowns, precision, evaluator),
+      has_exact_rows_(has_exact_rows) {
   auto num_rows = static_cast<int>(problem.PriorResiduals(unknowns).size());
   for (int r = 0; r < problem.num_recordings(); ++r) num_rows += problem.cost(r).num_residuals();
   set_num_residuals(num_rows);

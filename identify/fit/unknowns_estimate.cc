@@ -45,9 +45,10 @@ StartEstimate EstimateOf(const UnknownStart& start, const Eigen::VectorXd& unkno
   return estimate;
 }
 
-const ParameterBlock* LevelOf(const FieldRequest& request, const FitProblem& problem, int* index) {
-  for (*index = 0; *index < problem.num_blocks(); ++*index) {
-    if (problem.blocks()[*index].name == request.name) return &problem.blocks()[*index];
+// The index of the block that is the level of a field.
+int LevelOf(const FieldRequest& request, const FitProblem& problem) {
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    if (problem.blocks()[i].name == request.name) return i;
   }
   throw std::logic_error("a field without its level");
 }
@@ -62,12 +63,8 @@ struct UnknownsPosterior {
 UnknownsPosterior PosteriorOf(const FitProblem& problem, const BasisLinearization& known) {
   UnknownsPosterior posterior;
   const Linearization& measured = known.linearization;
-  for (int i = 0; i < problem.num_blocks(); ++i) {
-    if (!problem.blocks()[i].frozen) posterior.free.push_back(i);
-  }
-  const double degrees = measured.num_measurements - static_cast<double>(posterior.free.size());
-  const double fitted = degrees > 0.0 ? measured.squared_residual / degrees : 1.0;
-  posterior.squared_scale = measured.sigma_is_known ? std::max(1.0, fitted) : fitted;
+  posterior.free = problem.free_blocks();
+  posterior.squared_scale = measured.SquaredScale(static_cast<double>(posterior.free.size()));
   const Eigen::MatrixXd believed = problem.PriorRows(known.basis.combinations);
   Eigen::MatrixXd all(measured.jacobian.rows() + believed.rows(), measured.jacobian.cols());
   all << measured.jacobian, believed;
@@ -115,9 +112,7 @@ void FillDeviations(const FitProblem& problem, const UnknownBasis& basis, const 
     weights.rightCols(modes.cols()) = modes.middleRows(row, request.size());
     const Eigen::VectorXd rough = believed * RoughVariances(request.rows, request.columns, basis.field_modes);
     field.deviation_std = DeviationsOf(request, weights, posterior.covariance, rough);
-    int level = 0;
-    LevelOf(request, problem, &level);
-    const auto place = std::find(posterior.free.begin(), posterior.free.end(), level);
+    const auto place = std::find(posterior.free.begin(), posterior.free.end(), LevelOf(request, problem));
     if (place != posterior.free.end()) weights.col(place - posterior.free.begin()).setOnes();
     field.log_std = DeviationsOf(request, weights, posterior.covariance, rough);
     const Eigen::VectorXd before = believed * RoughVariances(request.rows, request.columns, 1);
@@ -125,8 +120,7 @@ void FillDeviations(const FitProblem& problem, const UnknownBasis& basis, const 
         DeviationsOf(request, Eigen::MatrixXd::Zero(request.size(), 0), Eigen::MatrixXd::Zero(0, 0), before);
     row += request.size();
   }
-  const Eigen::MatrixXd rows =
-      std::sqrt(result->weight) * problem.smoothness().back().root * basis.combinations.bottomRows(f);
+  const Eigen::MatrixXd rows = problem.FieldRows(basis.combinations);
   const Eigen::Index c = rows.cols() - (basis.with_starts ? n : 0);
   const Eigen::MatrixXd own = rows.rightCols(c);
   const double undetermined =
@@ -147,8 +141,8 @@ void FillFields(const FitProblem& problem, FitSummary* summary) {
   for (const FieldRequest& request : problem.fields()) {
     FittedField& field = result.fields.emplace_back();
     field.request = request;
-    int level = 0;
-    const ParameterBlock& block = *LevelOf(request, problem, &level);
+    const int level = LevelOf(request, problem);
+    const ParameterBlock& block = problem.blocks()[level];
     const double value = block.frozen ? block.start : block.ToValue(summary->coordinates[level]);
     const Eigen::VectorXd logs = theta.segment(first, request.size());
     field.values = value * logs.reshaped(request.columns, request.rows).transpose().array().exp();

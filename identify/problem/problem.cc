@@ -200,24 +200,19 @@ FitOptions FitProblem::WithWeights(FitOptions options) const {
 }
 
 Eigen::VectorXd FitProblem::PriorResiduals(const Eigen::VectorXd& coordinates) const {
-  Eigen::VectorXd residuals = clothid::PriorResiduals(blocks_, coordinates);
-  if (num_field_unknowns_ == 0) return residuals;
-  const SmoothnessPrior& of_fields = smoothness_.back();
-  const Eigen::Index first = residuals.size();
-  residuals.conservativeResize(first + of_fields.root.rows());
-  residuals.tail(of_fields.root.rows()) =
-      std::sqrt(of_fields.weight) * (of_fields.root * coordinates.tail(num_field_unknowns_));
+  const Eigen::VectorXd of_blocks = clothid::PriorResiduals(blocks_, coordinates);
+  const Eigen::VectorXd of_fields = FieldRows(coordinates.tail(num_unknowns()));
+  Eigen::VectorXd residuals(of_blocks.size() + of_fields.size());
+  residuals << of_blocks, of_fields;
   return residuals;
 }
 
 Eigen::MatrixXd FitProblem::PriorRows(const Eigen::MatrixXd& combinations) const {
-  const Eigen::MatrixXd of_blocks = clothid::PriorRows(blocks_);
-  const Eigen::Index num_fields = num_field_unknowns_ > 0 ? smoothness_.back().root.rows() : 0;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(of_blocks.rows() + num_fields, of_blocks.cols() + combinations.cols());
+  const Eigen::MatrixXd of_blocks = clothid::PriorRows(blocks_), of_fields = FieldRows(combinations);
+  Eigen::MatrixXd rows =
+      Eigen::MatrixXd::Zero(of_blocks.rows() + of_fields.rows(), of_blocks.cols() + of_fields.cols());
   rows.topLeftCorner(of_blocks.rows(), of_blocks.cols()) = of_blocks;
-  if (num_fields == 0 || combinations.cols() == 0) return rows;
-  rows.bottomRightCorner(num_fields, combinations.cols()) =
-      std::sqrt(smoothness_.back().weight) * (smoothness_.back().root * combinations.bottomRows(num_field_unknowns_));
+  rows.bottomRightCorner(of_fields.rows(), of_fields.cols()) = of_fields;
   return rows;
 }
 
@@ -229,9 +224,17 @@ Eigen::VectorXd FitProblem::PriorGradient(const Eigen::VectorXd& coordinates) co
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(num_coordinates());
   gradient.head(num_blocks()) = clothid::PriorGradient(blocks_, coordinates);
   if (num_field_unknowns_ > 0) {
-    gradient.tail(num_field_unknowns_) = FieldPrecision() * coordinates.tail(num_field_unknowns_);
+    const SmoothnessPrior& of_fields = smoothness_.back();
+    gradient.tail(num_field_unknowns_) =
+        of_fields.weight * (of_fields.root.transpose() * (of_fields.root * coordinates.tail(num_field_unknowns_)));
   }
   return gradient;
+}
+
+Eigen::MatrixXd FitProblem::FieldRows(const Eigen::MatrixXd& combinations) const {
+  if (num_field_unknowns_ == 0) return Eigen::MatrixXd(0, combinations.cols());
+  const SmoothnessPrior& of_fields = smoothness_.back();
+  return std::sqrt(of_fields.weight) * (of_fields.root * combinations.bottomRows(num_field_unknowns_));
 }
 
 Eigen::SparseMatrix<double> FitProblem::FieldPrecision() const {
@@ -251,8 +254,12 @@ void FitProblem::CheckJournals() const {
   for (const auto& cost : costs_) cost->CheckJournal();
 }
 
-bool FitProblem::is_all_frozen() const {
-  return std::all_of(blocks_.begin(), blocks_.end(), [](const ParameterBlock& block) { return block.frozen; });
+std::vector<int> FitProblem::free_blocks() const {
+  std::vector<int> free;
+  for (int i = 0; i < num_blocks(); ++i) {
+    if (!blocks_[i].frozen) free.push_back(i);
+  }
+  return free;
 }
 
 bool IsHeld(const ParameterBlock& block, double coordinate, double gradient) {

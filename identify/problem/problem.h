@@ -64,7 +64,8 @@ class FitProblem {
   int num_unknowns() const { return num_start_unknowns_ + num_field_unknowns_; }
   int num_coordinates() const { return num_blocks() + num_unknowns(); }
   const std::vector<FieldRequest>& fields() const { return fields_; }
-  bool is_all_frozen() const;
+  std::vector<int> free_blocks() const;  // not frozen
+  bool is_all_frozen() const { return free_blocks().empty(); }
   // Whether no recording has so many blocks that a forward sweep takes much longer than a reverse one.
   bool has_few_blocks() const;
 
@@ -98,7 +99,9 @@ class FitProblem {
   Eigen::MatrixXd PriorRows(const Eigen::MatrixXd& combinations) const;
   double PriorCost(const Eigen::VectorXd& coordinates) const;
   Eigen::VectorXd PriorGradient(const Eigen::VectorXd& coordinates) const;
-  // What is believed of fields alone, weight R^T R [f x f].
+  // Of fields alone: the rows sqrt(weight) R `combinations` [rows x c], none without fields.
+  Eigen::MatrixXd FieldRows(const Eigen::MatrixXd& combinations) const;
+  // weight R^T R [f x f].
   Eigen::SparseMatrix<double> FieldPrecision() const;
 
   // What every cost does of that name.

@@ -213,6 +213,12 @@ void FillVisibility(const std::vector<ParameterBlock>& blocks, const Eigen::Vect
 
 }  // namespace
 
+double Linearization::SquaredScale(double num_fitted) const {
+  const double degrees = num_measurements - num_fitted;
+  const double fitted = degrees > 0.0 ? squared_residual / degrees : 1.0;
+  return sigma_is_known ? std::max(1.0, fitted) : fitted;
+}
+
 double ParameterUncertainty::total_std() const {
   const auto known = [](double error) { return std::isnan(error) ? 0.0 : error; };
   return std::hypot(std, known(step_error), known(mesh_error));

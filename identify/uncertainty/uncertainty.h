@@ -78,6 +78,9 @@ struct Linearization {
   // residuals from frame to frame. Without them residuals count as independent.
   std::vector<Eigen::MatrixXd> frame_scores;
   double autocorrelation = std::numeric_limits<double>::quiet_NaN();
+
+  // s^2 where so many coordinates are fitted.
+  double SquaredScale(double num_fitted) const;
 };
 
 // That of a Ceres problem with rollouts beside residuals of the user's own. `coordinates` [p] are its parameter blocks,

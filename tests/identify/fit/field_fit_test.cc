@@ -129,7 +129,7 @@ TEST(FieldFit, RecoversAFieldWhereItIsDetermined) {
   const FittedField& field = fit.fields->fields.front();
   EXPECT_GE(ShareDetermined(field), 0.5);
   EXPECT_LE(DeterminedError(field), 0.05);
-  EXPECT_LE(fit.statistics.rollouts, 30);
+  EXPECT_LE(fit.statistics.rollouts, 20);
   EXPECT_NEAR(fit.values()[0], motion.scene.obstacles[0].friction_coefficient, 0.01);
   EXPECT_EQ(fit.parameters[1].name, "k_stretch") << "the level is a parameter";
   EXPECT_NEAR(std::log(fit.values()[1] / 70.0), 0.0, 0.3);
