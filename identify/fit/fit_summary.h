@@ -34,6 +34,12 @@ struct StartEstimate {
   double speed_change = 0.0, velocity_std = 0.0;  // m/s; 0 where the cloth was released at rest
 };
 
+// The cost near the estimate as a function of the parameters alone, all other unknowns following them.
+struct MarginalModel {
+  Eigen::MatrixXd follow;   // F [(n + f) x p]: the others move by F d where the parameters move by d
+  Eigen::MatrixXd hessian;  // [p x p] J^T J along with them, and the priors; rows of what nothing depends on are zero
+};
+
 // `FitSummary::message` of a fit that was interrupted.
 inline constexpr char kInterruptedMessage[] = "stopped on request, at the best point so far";
 
@@ -58,6 +64,7 @@ struct FitSummary {
   Eigen::VectorXd coordinates;  // [p + n + f] of the estimate, see FitProblem
   Eigen::VectorXd next;         // of FitPrecision::kLoose, where it worked: where another fit may start, likewise
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
+  std::optional<MarginalModel> marginal;   // that it is made of
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
   std::vector<StartEstimate> starts;  // of the recordings whose start was unknown, where there is an uncertainty

@@ -105,6 +105,8 @@ void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSum
         summary->uncertainty->parameters[i].known_start_std = known.parameters[i].std;
       }
     }
+    const Eigen::MatrixXd& jacobian = estimate.parameters.jacobian;
+    summary->marginal = {estimate.follow, jacobian.transpose() * jacobian + PriorHessian(problem.blocks())};
     if (options.check_interval) CheckCost(problem, estimate, &evaluator, summary);
   }
   summary->statistics += evaluator.statistics();
