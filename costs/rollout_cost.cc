@@ -170,6 +170,8 @@ bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* p
   return true;
 }
 
+void RolloutCost::SetModelError(const ModelError& error) { evaluator_->SetModelError(error); }
+
 void RolloutCost::Restart() { evaluator_->ForgetJacobian(); }
 void RolloutCost::Forget() { evaluator_->Forget(); }
 

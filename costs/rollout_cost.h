@@ -79,6 +79,10 @@ class RolloutCost : public ceres::CostFunction {
   bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts = nullptr,
                Eigen::MatrixXd* forces = nullptr) const;
 
+  // How far the model errs: from now on residuals over sigma are weighed by it (datasets/observation/model_error.h), in
+  // all costs that share the cache. Costs of before and of after do not compare.
+  void SetModelError(const ModelError& error);
+
   // A new fit starts: the adjoint's subspace starts afresh.
   void Restart();
   // Everything starts afresh but `statistics`: which evaluations are cached does not depend on those before.

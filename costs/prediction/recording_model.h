@@ -95,6 +95,9 @@ class RecordingModel {
   // `coordinates`: the blocks in their order. With the fields that they ask for.
   Parameters ParametersAt(const Eigen::VectorXd& coordinates) const;
 
+  // What costs are to count with; predictions do not depend on it.
+  void SetModelError(const ModelError& error) { observation_.SetModelError(error); }
+
   // Of its simulator.
   void SetNumThreads(int num_threads) { simulator_.SetNumThreads(num_threads); }
 

@@ -76,14 +76,18 @@ RobustLoss ParseRobustLoss(const std::string& text) {
 double LossWeights(const RobustLoss& loss, const Observation& observation, int first_row,
                    const Eigen::VectorXd& residuals, Eigen::VectorXd* weights) {
   weights->setOnes(residuals.size());
-  if (!loss.is_robust()) return 0.5 * residuals.squaredNorm();
+  if (observation.error_weights().size() > 0) {
+    *weights = observation.error_weights().segment(first_row, residuals.size());
+  }
+  if (!loss.is_robust()) return 0.5 * weights->cwiseProduct(residuals).squaredNorm();
   double cost = 0.0;
   for (Eigen::Index begin = 0; begin < residuals.size();) {
     const Eigen::Index end = EndOfPoint(observation, first_row, begin, residuals.size());
     double rho = 0.0, weight = 1.0;
-    const double squared = residuals.segment(begin, end - begin).squaredNorm();
+    auto own = weights->segment(begin, end - begin);
+    const double squared = own.cwiseProduct(residuals.segment(begin, end - begin)).squaredNorm();
     (loss.kind == RobustLoss::Kind::kHuber ? Huber : Cauchy)(loss.scale, squared, &rho, &weight);
-    weights->segment(begin, end - begin).setConstant(weight);
+    own *= weight;
     cost += 0.5 * rho;
     begin = end;
   }

@@ -7,6 +7,9 @@
 // sqrt(2 L - |w e|^2) with zero Jacobian gives them its value: rho(s) >= s rho'(s) for a concave rho with rho(0) = 0,
 // so the root is real.
 //
+// Where the model errs (datasets/observation/model_error.h), e_p is divided by its share of the noise: with the weights
+// u of the rows, L = 1/2 sum_p rho(|u e_p|^2), and w = u sqrt(rho').
+//
 // Huber's influence w |e| stays at a for a gross error, and the cost of a linear model convex; Cauchy's falls off as
 // a^2/|e|, so what is far away hardly pulls at all, but a start that is far away may end in another minimum.
 #ifndef CLOTHID_COSTS_PREDICTION_ROBUST_LOSS_H_
@@ -35,7 +38,7 @@ struct RobustLoss {
 RobustLoss ParseRobustLoss(const std::string& text);
 
 // For the rows first_row, first_row + 1, .. of the residual, which must be whole points: fills `weights` (of the size
-// of `residuals`) with sqrt(rho') of each row's point and returns the rows' part of L.
+// of `residuals`) with the w of each row and returns the rows' part of L.
 double LossWeights(const RobustLoss& loss, const Observation& observation, int first_row,
                    const Eigen::VectorXd& residuals, Eigen::VectorXd* weights);
 

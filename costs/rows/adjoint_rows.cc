@@ -72,12 +72,12 @@ ResidualRows AdjointRows::At(const RolloutEvaluation& evaluation, const std::vec
   ++statistics->sweeps;
   // (B^T w J)^T = J^T w B: the seeds are the columns of w B. Where no weight differs from one they are B, which is
   // large.
+  const bool is_weighted = options_->loss.is_robust() || model_->observation().error_weights().size() > 0;
   Eigen::MatrixXd weighted_basis;
-  if (options_->loss.is_robust()) weighted_basis = weights.asDiagonal() * basis;
-  const Eigen::MatrixXd gradients =
-      model_->PullBack(rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
-                       options_->loss.is_robust() ? weighted_basis : basis, options_->adjoint, evaluation.precision,
-                       &rollouts->forces());
+  if (is_weighted) weighted_basis = weights.asDiagonal() * basis;
+  const Eigen::MatrixXd gradients = model_->PullBack(
+      rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
+      is_weighted ? weighted_basis : basis, options_->adjoint, evaluation.precision, &rollouts->forces());
   ExpectFinite(gradients);
 
   // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.

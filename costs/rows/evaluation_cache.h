@@ -25,6 +25,7 @@ class EvaluationCache {
 
   // The latest first.
   const std::deque<RolloutEvaluation>& evaluations() const { return evaluations_; }
+  std::deque<RolloutEvaluation>* mutable_evaluations() { return &evaluations_; }
 
  private:
   int capacity_;

@@ -36,6 +36,9 @@ class RolloutComputation {
   // until `Resume`.
   Eigen::MatrixXd PredictAgain(const EvaluationKey& key);
 
+  // From now on; rollouts and Jacobians of before stay what they are.
+  void SetModelError(const ModelError& error) { model_.SetModelError(error); }
+
   // Whether `Complete` takes the first Jacobian, by a forward sweep.
   bool TakesFirstJacobian(const EvaluationKey& key) const;
   // The next points are far from those before: the subspace of the adjoint starts afresh.

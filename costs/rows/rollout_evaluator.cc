@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "costs/rows/evaluated_residuals.h"
+
 namespace clothid {
 
 RolloutEvaluator::RolloutEvaluator(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
@@ -9,6 +11,16 @@ RolloutEvaluator::RolloutEvaluator(const RecordedMotion& motion, std::vector<Par
     : computation_(motion, std::move(blocks), options),
       journaled_(&computation_, options.journal),
       cache_(options.num_differences + 1) {}
+
+void RolloutEvaluator::SetModelError(const ModelError& error) {
+  computation_.SetModelError(error);
+  for (RolloutEvaluation& evaluation : *cache_.mutable_evaluations()) {
+    evaluation.has_rows = evaluation.has_gradient = evaluation.has_exact_rows = false;
+    if (!evaluation.ok() || evaluation.is_new()) continue;
+    SetCost(options().loss, model().observation(), &evaluation);
+    evaluation.residuals.resize(0);
+  }
+}
 
 RolloutEvaluation* RolloutEvaluator::FindOrAdd(const EvaluationKey& key) {
   RolloutEvaluation* const known = cache_.Find(key.coordinates, key.precision);

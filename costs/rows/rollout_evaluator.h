@@ -31,6 +31,9 @@ class RolloutEvaluator {
   // A failure is remembered, but not where `RolloutCostOptions::cancel` was set: then the point is as it was before.
   const RolloutEvaluation& At(const EvaluationKey& key);
 
+  // Weighs the rows of all that was evaluated and of what will be by it.
+  void SetModelError(const ModelError& error);
+
   // Forgets what the last Jacobian was: the next points are far from it.
   void ForgetJacobian() { computation_.ForgetJacobian(); }
   // As if nothing had been evaluated before, but for the counts: what the next points take does not depend on it.

@@ -1,6 +1,7 @@
 #include "costs/start/unknown_start.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "costs/start/smooth_modes.h"
@@ -44,6 +45,21 @@ Eigen::MatrixXd AlongAxes(const Eigen::MatrixXd& modes) {
     }
   }
   return columns;
+}
+
+// A quadratic form as 1/2 |rows (s - mean)|^2.
+struct PriorRoot {
+  Eigen::MatrixXd rows;
+  Eigen::VectorXd mean;
+};
+
+PriorRoot RootOf(const Eigen::MatrixXd& precision, const Eigen::VectorXd& information) {
+  const Spectrum spectrum = SymmetricSpectrum(precision);
+  const Eigen::VectorXd& values = spectrum.values;
+  const Eigen::Index rank = (values.array() > kRounding * values[values.size() - 1]).count();
+  const Eigen::MatrixXd vectors = spectrum.vectors.rightCols(rank);
+  return {values.tail(rank).cwiseSqrt().asDiagonal() * vectors.transpose(),
+          vectors * values.tail(rank).cwiseInverse().asDiagonal() * (vectors.transpose() * information)};
 }
 
 HandlePath Offsets(const Eigen::VectorXd& times, const Eigen::VectorXd& values) {
@@ -101,15 +117,16 @@ void UnknownStart::AddHandles(const RecordedMotion& motion, const ShapePrior& sh
   Eigen::MatrixXd weights(measured.times.size(), num_knots);
   for (Eigen::Index k = 0; k < weights.rows(); ++k) weights.row(k) = unit.KnotWeights(measured.times[k]).transpose();
   AddHandleMeasurements(measured, weights, along, num_positions_, prior);
+  const PriorRoot root = RootOf(prior->precision.block(num_positions_, num_positions_, num_offsets_, num_offsets_),
+                                prior->information.segment(num_positions_, num_offsets_));
+  handle_root_ = root.rows;
+  handle_mean_ = root.mean;
 }
 
 void UnknownStart::SetPrior(const QuadraticPrior& prior) {
-  const Spectrum spectrum = SymmetricSpectrum(prior.precision);
-  const Eigen::VectorXd& values = spectrum.values;
-  const Eigen::Index rank = (values.array() > kRounding * values[values.size() - 1]).count();
-  const Eigen::MatrixXd vectors = spectrum.vectors.rightCols(rank);
-  root_ = values.tail(rank).cwiseSqrt().asDiagonal() * vectors.transpose();
-  mean_ = vectors * values.tail(rank).cwiseInverse().asDiagonal() * (vectors.transpose() * prior.information);
+  const PriorRoot root = RootOf(prior.precision, prior.information);
+  root_ = root.rows;
+  mean_ = root.mean;
 }
 
 Eigen::VectorXd UnknownStart::PositionsAt(const Eigen::VectorXd& unknowns) const {
@@ -144,6 +161,12 @@ Eigen::MatrixXd UnknownStart::PullBack(const RolloutGradient& gradient) const {
   }
   if (num_offsets_ > 0) sum += directions_.handle_offsets.transpose() * gradient.handle_offsets;
   return sum;
+}
+
+double UnknownStart::HandleError(const Eigen::VectorXd& unknowns) const {
+  if (num_offsets_ == 0) return 0.0;
+  const Eigen::VectorXd residuals = handle_root_ * (unknowns.segment(num_positions_, num_offsets_) - handle_mean_);
+  return std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
 }
 
 double UnknownStart::PriorAt(const Eigen::VectorXd& unknowns) const {

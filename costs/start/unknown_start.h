@@ -66,6 +66,10 @@ class UnknownStart {
   // From the gradients of a reverse sweep: dC/ds [n x s].
   Eigen::MatrixXd PullBack(const RolloutGradient& gradient) const;
 
+  // How far handles are from where they were measured, root mean square over their unknowns, in standard deviations of
+  // what was measured; 0 where their path is exact.
+  double HandleError(const Eigen::VectorXd& unknowns) const;
+
   double PriorAt(const Eigen::VectorXd& unknowns) const;
   // U (s - m) [u] and its Jacobian U [u x n], u <= n.
   Eigen::VectorXd PriorResiduals(const Eigen::VectorXd& unknowns) const { return root_ * (unknowns - mean_); }
@@ -82,6 +86,9 @@ class UnknownStart {
   SensitivityDirections directions_;
   Eigen::MatrixXd root_;  // U [u x n]
   Eigen::VectorXd mean_;  // m [n]
+  // What was measured of the handles, for c alone: a root of its precision [r x c] and its mean [c].
+  Eigen::MatrixXd handle_root_;
+  Eigen::VectorXd handle_mean_;
 };
 
 }  // namespace clothid

@@ -89,7 +89,9 @@ Observation::Observation(const RecordedMotion& motion)
       sigma_(PointSigma(motion)),
       stencils_(LinearStencils(motion.times, motion.scene)),
       clouds_(motion, CloudSigma(motion), sigma_, FindHeldPoints(motion)),
-      forces_(motion) {
+      forces_(motion),
+      times_(motion.times),
+      force_times_(motion.forces.times) {
   for (const FrameStencil& stencil : stencils_) num_steps_ = std::max(num_steps_, stencil.last_step());
   if (!forces_.is_empty()) num_steps_ = std::max({num_steps_, forces_.last_step(), kFewestForceSteps});
   FindSeenCoordinates(motion);
@@ -119,6 +121,38 @@ void Observation::FindSeenCoordinates(const RecordedMotion& motion) {
     throw Error(ErrorKind::kBadData, motion.name + ": positions: no seen point moves freely; nothing can be fitted");
   }
   measured_ = Eigen::Map<const Eigen::VectorXd>(measured.data(), static_cast<Eigen::Index>(measured.size()));
+}
+
+PredictedKind Observation::KindOf(int row) const {
+  if (row >= first_force_row()) return PredictedKind::kForces;
+  return coordinates_[row].point < num_points() ? PredictedKind::kPoints : PredictedKind::kClouds;
+}
+
+double Observation::SigmaOf(int row) const {
+  if (row < first_force_row()) return sigma(coordinates_[row]);
+  return forces_.sigma(forces_.seen()[row - first_force_row()].row / 3);
+}
+
+Eigen::VectorXd Observation::RowTimes() const {
+  Eigen::VectorXd times(num_residuals());
+  for (int row = 0; row < first_force_row(); ++row) times[row] = times_[coordinates_[row].frame];
+  for (int row = first_force_row(); row < num_residuals(); ++row) {
+    times[row] = force_times_[forces_.seen()[row - first_force_row()].reading];
+  }
+  return times;
+}
+
+void Observation::SetModelError(const ModelError& error) {
+  model_error_ = error;
+  error_weights_.resize(0);
+  if (error.is_zero()) return;
+  const Eigen::VectorXd times = RowTimes();
+  error_weights_.resize(num_residuals());
+  for (int row = 0; row < num_residuals(); ++row) {
+    const double sigma = SigmaOf(row);
+    const ErrorCurve& curve = error.CurveOf(KindOf(row));
+    error_weights_[row] = sigma / std::hypot(sigma, std::sqrt(curve.alike) * curve.DeviationAt(times[row]));
+  }
 }
 
 Eigen::MatrixXd Observation::Combine(const std::array<double, FrameStencil::kMaxSize>& weights,

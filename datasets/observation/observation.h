@@ -17,6 +17,9 @@
 //
 // Below, clouds are all points that are compared with the surface.
 //
+// Where a model is known to err, rows count for less (datasets/observation/model_error.h): residuals stay over sigma,
+// and who adds them up takes `error_weights`, as costs do.
+//
 // Forces that were measured at handles (datasets/observation/force_observation.h) have predictions of their own, [3G x
 // F] N, at times of their own; their rows of the residual come after all others.
 #ifndef CLOTHID_DATASETS_OBSERVATION_OBSERVATION_H_
@@ -30,6 +33,7 @@
 #include "datasets/observation/cloud_observation.h"
 #include "datasets/observation/force_observation.h"
 #include "datasets/observation/frame_stencil.h"
+#include "datasets/observation/model_error.h"
 #include "sim/rollout/rollout.h"
 
 namespace clothid {
@@ -102,6 +106,17 @@ class Observation {
   bool is_border_row(const SeenCoordinate& seen) const {
     return seen.point >= num_points() && clouds_.is_border_row(seen.frame, seen.point - num_points());
   }
+  // Of any row of the residual: what it is of; its sigma, m or N; and of all of them their times [m] s.
+  PredictedKind KindOf(int row) const;
+  double SigmaOf(int row) const;
+  Eigen::VectorXd RowTimes() const;
+
+  // How far the model errs; at first it does not. And what is left of the weights of rows, sigma/sqrt(sigma^2 + n
+  // tau^2): [m], or empty where all are 1.
+  void SetModelError(const ModelError& error);
+  const ModelError& model_error() const { return model_error_; }
+  const Eigen::VectorXd& error_weights() const { return error_weights_; }
+
   // [first_force_row()] measured/sigma; 0 in the rows of clouds.
   const Eigen::VectorXd& whitened_measured() const { return measured_; }
 
@@ -147,6 +162,9 @@ class Observation {
   Eigen::VectorXd measured_;    // [first_force_row()]
   CloudObservation clouds_;
   ForceObservation forces_;
+  Eigen::VectorXd times_, force_times_;  // [T], [F] s
+  ModelError model_error_;
+  Eigen::VectorXd error_weights_;
 };
 
 }  // namespace clothid

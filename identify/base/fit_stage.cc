@@ -20,6 +20,7 @@ std::string FitStage::Words() const {
   if (field_modes > 0) text << ", fields";
   if (field_modes > 0 && field_modes < kAllModes) text << " in " << field_modes << " x " << field_modes << " modes";
   if (with_weights) text << ", smoothness";
+  if (with_errors) text << ", errors of the model";
   return text.str();
 }
 

@@ -14,6 +14,7 @@
 #include "costs/prediction/robust_loss.h"
 #include "costs/rollout_cost.h"
 #include "datasets/motion/motion_file.h"
+#include "datasets/observation/model_error.h"
 #include "identify/base/evaluation_progress.h"
 #include "identify/base/fit_stage.h"
 
@@ -86,6 +87,11 @@ struct FitOptions {
   // it is better, so the estimate is one (superlinear) step closer than the tolerance says.
   double function_tolerance = 1e-9;
   double parameter_tolerance = 1e-5;
+  // Whether frames in which the model errs beyond the noise count for less
+  // (identify/uncertainty/model_error_estimate.h). `model_errors`: of the recordings, known beforehand; empty: it does
+  // not err, or the fit finds out.
+  bool weighs_model_error = true;
+  std::vector<ModelError> model_errors;
   bool estimate_uncertainty = true;  // one forward sweep at the estimate
   bool check_interval = true;        // of that uncertainty: two rollouts, where there is noise
   int max_continuations = 3;         // fits from lower points that this check meets

@@ -42,11 +42,12 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
   summary->predicted = best.predicted;
   summary->forces = best.forces;
   summary->counts = best.counts;
+  summary->model_errors = problem.model_errors();
   FillFields(problem, summary);
 }
 
 double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary) {
-  if (!loss.is_robust()) return summary.error.autocorrelation();
+  if (!loss.is_robust() && !problem.has_model_error()) return summary.error.autocorrelation();
   PredictionError error;
   for (int r = 0; r < problem.num_recordings(); ++r) {
     const Observation& observation = problem.cost(r).model().observation();

@@ -13,7 +13,7 @@ namespace clothid {
 // `summary` as it is.
 void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitSummary* summary);
 
-// The autocorrelation from frame to frame at the estimate, of the residuals as the loss weighs them: gross errors,
+// The autocorrelation from frame to frame at the estimate, of the residuals as the cost weighs them: gross errors,
 // which come and go, hide how the others are correlated. Points of clouds count as they are.
 double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary);
 

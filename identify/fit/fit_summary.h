@@ -29,8 +29,11 @@ std::string FitStatusName(FitStatus status);
 // over the handles, of one coordinate; standard deviations are those of the unknowns, s and all.
 struct StartEstimate {
   int recording = 0;
-  double moved = 0.0, position_std = 0.0;         // m: from the base (datasets/motion/start_state.h), and how sure
-  double handles_moved = 0.0, handle_std = 0.0;   // m, at the start; 0 where their path was exact
+  double moved = 0.0, position_std = 0.0;        // m: from the base (datasets/motion/start_state.h), and how sure
+  double handles_moved = 0.0, handle_std = 0.0;  // m, at the start; 0 where their path was exact
+  // m: how far its first frame is from where it was seen, of a coordinate, beside the noise; and what handles are off,
+  // in standard deviations of what was measured of them.
+  double first_frame_error = 0.0, handle_error = 0.0;
   double speed_change = 0.0, velocity_std = 0.0;  // m/s; 0 where the cloth was released at rest
 };
 
@@ -67,9 +70,10 @@ struct FitSummary {
   std::optional<MarginalModel> marginal;   // that it is made of
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
-  std::vector<StartEstimate> starts;  // of the recordings whose start was unknown, where there is an uncertainty
-  FitPlan plan;                       // the stages, and what became of each
-  std::optional<FieldResult> fields;  // of the fields, where some were fitted
+  std::vector<StartEstimate> starts;     // of the recordings whose start was unknown, where there is an uncertainty
+  std::vector<ModelError> model_errors;  // per recording, that frames were weighed by
+  FitPlan plan;                          // the stages, and what became of each
+  std::optional<FieldResult> fields;     // of the fields, where some were fitted
   // Near the estimate, where the fit ended with one; `AddUncertainty` takes it.
   std::optional<BasisLinearization> linearization;
   double cost = 0.0;

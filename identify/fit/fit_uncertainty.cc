@@ -81,7 +81,8 @@ void CheckCost(const FitProblem& problem, const EstimateLinearization& estimate,
   summary->interval_check =
       CheckInterval(problem.blocks(), summary->coordinates, summary->cost, uncertainty, estimate.follow, evaluator);
   const bool is_explained =
-      estimate.parameters.sigma_is_known ? uncertainty.residual_scale < kExplainedScale : !uncertainty.is_widened;
+      !problem.has_model_error() &&
+      (estimate.parameters.sigma_is_known ? uncertainty.residual_scale < kExplainedScale : !uncertainty.is_widened);
   if (is_explained) return;
   if (summary->interval_check) {
     LookBeyond(problem, summary->coordinates, summary->cost, uncertainty, evaluator, &*summary->interval_check);
@@ -96,6 +97,9 @@ void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSum
   FitEvaluator evaluator(&problem, options.num_threads, EvaluationPurpose::kInterval);
   EstimateLinearization estimate;
   if (LinearizeEstimate(problem, &evaluator, summary, &estimate)) {
+    // How the model errs is told in multiples of the sigma that was guessed: it stands.
+    estimate.parameters.sigma_is_known |= problem.has_model_error();
+    estimate.known_start.sigma_is_known |= problem.has_model_error();
     estimate.parameters.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);
     const Eigen::VectorXd blocks = summary->coordinates.head(problem.num_blocks());
     summary->uncertainty = EstimateUncertainty(problem.blocks(), blocks, estimate.parameters);

@@ -64,6 +64,11 @@ FitPlan MakePlan(const FitOptions& options, const FitProblem& problem, bool is_l
     alone.is_rough = false;
     plan.push_back(alone);
   }
+  if (!plan.empty() && !ends_loosely && options.max_iterations > 0 && problem.finds_model_error()) {
+    FitStage weighed = plan.back();
+    weighed.with_errors = true;
+    plan.push_back(weighed);
+  }
   return plan;
 }
 

@@ -29,6 +29,7 @@ StartEstimate EstimateOf(const UnknownStart& start, const Eigen::VectorXd& unkno
                          const Eigen::MatrixXd& covariance) {
   const SensitivityDirections& directions = start.directions();
   StartEstimate estimate;
+  estimate.handle_error = start.HandleError(unknowns);
   const Spread positions = SpreadOf(directions.initial_positions, unknowns, covariance);
   estimate.moved = positions.size;
   estimate.position_std = positions.std;
@@ -74,6 +75,19 @@ UnknownsPosterior PosteriorOf(const FitProblem& problem, const BasisLinearizatio
   return posterior;
 }
 
+// What the squares of the residuals of the first frame have beyond those of noise.
+double FirstFrameError(const Observation& observation, const Eigen::MatrixXd& predicted,
+                       const Eigen::MatrixXd& forces) {
+  const Eigen::Index count = observation.first_row(1) - observation.first_row(0);
+  if (!observation.sigma_is_known() || count == 0) return 0.0;
+  const Eigen::VectorXd residuals = observation.Residuals(predicted, forces).segment(observation.first_row(0), count);
+  double squares = 0.0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    squares += (std::pow(residuals[i], 2) - 1.0) * std::pow(observation.SigmaOf(static_cast<int>(i)), 2);
+  }
+  return std::sqrt(std::max(squares, 0.0) / static_cast<double>(count));
+}
+
 void FillStarts(const FitProblem& problem, const UnknownsPosterior& posterior, FitSummary* summary) {
   summary->starts.clear();
   Eigen::Index first = 0;
@@ -85,6 +99,8 @@ void FillStarts(const FitProblem& problem, const UnknownsPosterior& posterior, F
     const Eigen::Index place = num_free + first, size = start->size();
     summary->starts.push_back(EstimateOf(*start, unknowns, posterior.covariance.block(place, place, size, size)));
     summary->starts.back().recording = r;
+    summary->starts.back().first_frame_error =
+        FirstFrameError(problem.cost(r).model().observation(), summary->predicted[r], summary->forces[r]);
     first += size;
   }
 }

@@ -62,6 +62,8 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   }
   AddFieldIndices();
   AddSmoothness(options);
+  finds_model_error_ = options.weighs_model_error;
+  if (!options.model_errors.empty()) SetModelErrors(options.model_errors);
 }
 
 void FitProblem::OpenJournals(const std::vector<RecordedMotion>& motions, const FitOptions& options,
@@ -184,6 +186,7 @@ bool FitProblem::chooses_weights() const {
 
 void FitProblem::HoldWeights(bool hold) {
   for (SmoothnessPrior& prior : smoothness_) prior.is_held = hold;
+  holds_model_error_ = hold;
 }
 
 void FitProblem::TakeWeights(const FitProblem& other) {
@@ -196,7 +199,24 @@ FitOptions FitProblem::WithWeights(FitOptions options) const {
   options.field_weight = WeightOf(kFieldPrior);
   if (const double weight = WeightOf(kWindPrior); weight > 0.0) options.wind_smoothness = 1.0 / std::sqrt(weight);
   options.chooses_wind_smoothness = false;
+  options.weighs_model_error = false;
+  options.model_errors = model_errors();
   return options;
+}
+
+void FitProblem::SetModelErrors(const std::vector<ModelError>& errors) {
+  for (int r = 0; r < num_recordings(); ++r) costs_[r]->SetModelError(errors[r]);
+}
+
+std::vector<ModelError> FitProblem::model_errors() const {
+  std::vector<ModelError> errors;
+  for (const auto& cost : costs_) errors.push_back(cost->model().observation().model_error());
+  return errors;
+}
+
+bool FitProblem::has_model_error() const {
+  return std::any_of(costs_.begin(), costs_.end(),
+                     [](const auto& cost) { return !cost->model().observation().model_error().is_zero(); });
 }
 
 Eigen::VectorXd FitProblem::PriorResiduals(const Eigen::VectorXd& coordinates) const {

@@ -46,6 +46,10 @@ void AddNoise(const FitSummary& summary, const std::vector<RecordedMotion>& moti
                                     [](const Observation& observation) { return observation.sigma_is_known(); });
   if (scale < kWithoutNoise) {
     lines->push_back("There is next to no noise: what is left of the error is that of the solver.");
+  } else if (std::any_of(summary.model_errors.begin(), summary.model_errors.end(),
+                         [](const ModelError& error) { return !error.is_zero(); })) {
+    lines->push_back("The " + NoiseName(motions) +
+                     " does not explain the error: the model misses the rest, and frames count for less by that.");
   } else if (!is_known) {
     lines->push_back(
         "The recording does not state its noise, so the intervals take all of the remaining error for noise: how "

@@ -17,6 +17,7 @@
 #include "identify/export/export.h"
 #include "identify/report/report_page.h"
 #include "identify/report/result_json.h"
+#include "identify/verdict/model_error_text.h"
 #include "sim/base/error.h"
 #include "sim/scene/material_field.h"
 
@@ -112,6 +113,13 @@ std::string Interval(const FitSummary& summary, const FitChecks& checks, int ind
       2 + static_cast<int>(std::ceil(-std::log10(relative_std + std::numeric_limits<double>::epsilon())));
   const int shown = std::clamp(digits, kFewestDigits, kMostDigits);
   return NumberText(uncertainty.lower95, shown) + " .. " + NumberText(uncertainty.upper95, shown);
+}
+
+std::string ModelErrorRow(const RecordingFit& recording, std::size_t num_recordings) {
+  const std::string misses = ModelErrorText(recording.model_error);
+  if (misses.empty()) return {};
+  return "model misses    " + (num_recordings > 1 ? recording.name + ": " : std::string()) + misses +
+         " (root mean square)\n";
 }
 
 std::string StartRow(const StartEstimate& start) {
@@ -278,6 +286,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
           << summary.start_error.fit_percent() << " % (0 %: no better than a cloth at rest)\n";
   }
+  for (const RecordingFit& recording : checks.recordings) table << ModelErrorRow(recording, checks.recordings.size());
   for (const StartEstimate& start : summary.starts) table << StartRow(start);
   if (summary.fields) {
     for (const FittedField& field : summary.fields->fields) table << "field           " << DescribeField(field) << "\n";

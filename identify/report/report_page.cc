@@ -13,6 +13,7 @@
 #include "identify/report/report_landscape.h"
 #include "identify/report/report_replay.h"
 #include "identify/report/result_json.h"
+#include "identify/verdict/model_error_text.h"
 
 namespace clothid {
 
@@ -94,6 +95,20 @@ Json ErrorsOverTime(const RecordedMotion& motion, const Eigen::VectorXd& errors,
           {"start_rmse", RoundedJson(Thinned(start_errors, every), kPageDigits)}};
 }
 
+// What the model misses, as a distance, at the times of the errors.
+void AddModelError(const ModelError& error, const RecordedMotion& motion, Json* per_frame) {
+  const PredictedKind kind =
+      error.CurveOf(PredictedKind::kPoints).is_zero() ? PredictedKind::kClouds : PredictedKind::kPoints;
+  const ErrorCurve& curve = error.CurveOf(kind);
+  if (curve.is_zero()) return;
+  const int every = (*per_frame)["every"];
+  Eigen::VectorXd distances((motion.num_frames() + every - 1) / every);
+  for (Eigen::Index i = 0; i < distances.size(); ++i) {
+    distances[i] = DistanceOf(curve.DeviationAt(motion.times[i * every]), kind);
+  }
+  (*per_frame)["model_error"] = RoundedJson(distances, kPageDigits);
+}
+
 Json HistogramJson(const Observation& observation, const RecordedMotion& motion, const Eigen::MatrixXd& predicted,
                    double rmse) {
   const double range = kHistogramRange * rmse / std::sqrt(3.0);
@@ -163,6 +178,7 @@ Json RecordingJson(const RecordedMotion& motion, const Observation& observation,
                {"per_frame", ErrorsOverTime(motion, FrameErrors(errors), start_errors, room.curve_bytes)},
                {"histogram", HistogramJson(points, shown.motion, shown.predicted, error.rmse())},
                {"replay", ReplayJson(replay, room.replay_bytes)}};
+  if (index < summary.model_errors.size()) AddModelError(summary.model_errors[index], shown.motion, &json["per_frame"]);
   if (index < summary.forces.size() && summary.forces[index].cols() > 0) {
     json["forces"] = ForcesJson(motion.forces, &summary.forces[index], kMaxForceBytes);
   }

@@ -1,6 +1,7 @@
 #include "identify/report/result_json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -247,10 +248,29 @@ Json RecordingsJson(const FitSummary& summary, const std::vector<RecordedMotion>
   for (const StartEstimate& start : summary.starts) {
     json[start.recording]["start"] = {{"moved_m", start.moved},
                                       {"std_m", start.position_std},
+                                      {"first_frame_error_m", start.first_frame_error},
                                       {"handles_moved_m", start.handles_moved},
                                       {"handle_std_m", start.handle_std},
+                                      {"handle_error_stds", start.handle_error},
                                       {"speed_change_m_s", start.speed_change},
                                       {"velocity_std_m_s", start.velocity_std}};
+  }
+  return json;
+}
+
+// Of every recording: tau of a coordinate, a distance or a component over time, and how many rows err alike.
+Json ModelErrorsJson(const std::vector<ModelError>& errors) {
+  constexpr std::array<const char*, kNumPredictedKinds> kNames = {"points", "clouds", "forces"};
+  Json json = Json::array();
+  for (const ModelError& error : errors) {
+    Json curves = Json::object();
+    for (std::size_t k = 0; k < kNames.size(); ++k) {
+      const ErrorCurve& curve = error.curves[k];
+      if (curve.is_zero()) continue;
+      const Eigen::VectorXd deviations = curve.variances.cwiseSqrt();
+      curves[kNames[k]] = {{"times", curve.times}, {"deviation", deviations}, {"alike", curve.alike}};
+    }
+    json.push_back(curves);
   }
   return json;
 }
@@ -309,6 +329,9 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   AddErrors(summary, &json);
   if (summary.fields) json["fields"] = FieldsJson(*summary.fields);
   if (checks.wind) json["wind"] = WindJson(*checks.wind);
+  const bool errs = std::any_of(summary.model_errors.begin(), summary.model_errors.end(),
+                                [](const ModelError& error) { return !error.is_zero(); });
+  if (errs) json["model_error"] = ModelErrorsJson(summary.model_errors);
   json["holdout"] = HoldoutJson(checks.holdout);
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, checks);

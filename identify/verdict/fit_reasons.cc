@@ -75,7 +75,7 @@ void AddSize(const RecordingFit& recording, const std::string& prefix, std::vect
 // model misses nor that of another minimum.
 void AddUnexplained(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
   const double factor = recording.error.rmse() / recording.noise;
-  if (!(factor > kExplainedScale)) return;
+  if (!(factor > kExplainedScale) || !recording.model_error.is_zero()) return;
   const std::string brief = prefix + "the error is " + NumberText(factor, 2) + " times the noise";
   reasons->push_back(Careful({}, brief,
                              brief + ": rmse " + MillimetreText(recording.error.rmse()) + " against " +
@@ -152,11 +152,16 @@ void AddWidening(const FitSummary& summary, std::vector<Reason>* reasons) {
   reasons->push_back(is_grave ? Careful({}, brief, line) : Remark(line));
 }
 
+bool HasModelError(const FitChecks& checks) {
+  return std::any_of(checks.recordings.begin(), checks.recordings.end(),
+                     [](const RecordingFit& recording) { return !recording.model_error.is_zero(); });
+}
+
 // Where no interval could be widened: with the correlation c from frame to frame, m residuals say as much as
 // m (1 - c)/(1 + c) independent ones.
-void AddCorrelation(const FitSummary& summary, std::vector<Reason>* reasons) {
+void AddCorrelation(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
   constexpr double kHighest = 0.99;
-  if (!summary.uncertainty) return;
+  if (!summary.uncertainty || HasModelError(checks)) return;
   if (summary.uncertainty->is_widened) return AddWidening(summary, reasons);
   const double correlation = std::min(summary.error.autocorrelation(), kHighest);
   if (summary.uncertainty->residual_scale < kRoundingResiduals || !(correlation > kCorrelatedResiduals)) return;
@@ -226,7 +231,7 @@ void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vect
   }
   AddLowerPoint(summary, reasons);
   AddEstimatedStart(summary, reasons);
-  AddCorrelation(summary, reasons);
+  AddCorrelation(summary, checks, reasons);
   AddFarPoints(summary, reasons);
   AddObstacleSwitches(summary, reasons);
 }

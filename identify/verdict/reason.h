@@ -31,7 +31,9 @@ Reason Careful(std::vector<int> parameters, const std::string& brief, const std:
 Reason AgainstAll(bool is_grave, const std::string& brief, const std::string& line);
 Reason NotTold(std::vector<int> parameters, const std::string& brief, const std::string& line);
 
-// Each appends what it finds. The fit: its end, its error in every recording, its residuals, the points that its checks
+// Each appends what it finds. What the model misses, and what a fit moved to make up for it.
+void AddModelErrorReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
+// The fit: its end, its error in every recording, its residuals, the points that its checks
 // have met.
 void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // Its parameters: what the recordings tell of each, and what their intervals are worth.

@@ -38,6 +38,7 @@ std::vector<RecordingFit> DescribeRecordings(const std::vector<RecordedMotion>& 
     recording.error = observation.Compare(predicted, has_forces ? summary.forces[r] : Eigen::MatrixXd());
     recording.cloth_size = ClothSize(motions[r].scene.mesh);
     if (observation.sigma_is_known()) recording.noise = Noise(observation);
+    if (r < summary.model_errors.size()) recording.model_error = summary.model_errors[r];
     recording.start = is_aligned ? DifferenceAtStart(motions[r], predicted.col(0)) : DifferenceAtStart(motions[r]);
     const StartSource source = motions[r].start_source;
     recording.starts_at_noise =

@@ -19,6 +19,7 @@ struct RecordingFit {
   PredictionError error;                                    // at the estimate
   double cloth_size = 0.0;                                  // m, the square root of the rest area
   double noise = std::numeric_limits<double>::quiet_NaN();  // m, the rmse that sigma alone makes; NaN: not known
+  ModelError model_error;                                   // that frames were weighed by
   std::optional<StartDifference> start;                     // to the first frame, with a fitted frame of reference
   bool starts_at_noise = false;                             // noisy frames were taken for the start of the cloth
 

@@ -22,6 +22,7 @@ bool IsGraver(const Reason& a, const Reason& b) {
 
 std::vector<Reason> FindReasons(const FitSummary& summary, const FitChecks& checks) {
   std::vector<Reason> reasons;
+  AddModelErrorReasons(summary, checks, &reasons);
   AddMeasuredReasons(summary, &reasons);
   AddDentReasons(summary, checks, &reasons);
   AddFitReasons(summary, checks, &reasons);

@@ -28,10 +28,13 @@ function plotOverTime(target, times, lines, unit, y) {
 function drawPerFrame(recording) {
   const {times, every} = recording.per_frame;
   const [rmse, start] = [recording.per_frame.rmse, recording.per_frame.start_rmse].map(inMillimetres);
-  plotOverTime('per-frame', times, [[start, 'start', COLOURS.start], [rmse, 'estimate', COLOURS.estimate]], 'mm',
-    {title: 'rmse, mm', ...axisOf(rmse.concat(start)), rangemode: 'tozero'});
+  const missed = recording.per_frame.model_error;
+  const lines = [[start, 'start', COLOURS.start], [rmse, 'estimate', COLOURS.estimate]];
+  if (missed) lines.push([inMillimetres(missed), 'model misses', COLOURS.missed]);
+  plotOverTime('per-frame', times, lines, 'mm', {title: 'rmse, mm', ...axisOf(rmse.concat(start)), rangemode: 'tozero'});
   part('per-frame-caption').textContent = 'Root mean square distance between recorded and predicted points' +
-    (every > 1 ? `, ${every} frames at a time.` : ' of every frame.');
+    (every > 1 ? `, ${every} frames at a time.` : ' of every frame.') +
+    (missed ? ' What the model misses is what noise does not explain; frames count for less by it.' : '');
 }
 
 function drawForces({forces}) {

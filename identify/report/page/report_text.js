@@ -5,7 +5,7 @@ const data = JSON.parse(document.getElementById('data').textContent);
 const result = data.result;
 // Knots of a wind over time, which has charts of its own.
 const isCharted = (name) => result.wind !== undefined && /^wind\.[xyz]\.\d+(@\d+)?$/.test(name);
-const COLOURS = {estimate: '#2d5f9a', start: '#a3adb8', interval: '#e58a3c'};
+const COLOURS = {estimate: '#2d5f9a', start: '#a3adb8', interval: '#e58a3c', missed: '#8a6bb0'};
 
 const percent = (share) => share === null || share === undefined ? '–' : `${number(share, 5)} %`;
 

@@ -1,0 +1,106 @@
+#include "identify/uncertainty/model_error_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace clothid {
+namespace {
+
+constexpr int kMostScorings = 50, kMostSweeps = 100, kMostHalvings = 20;
+constexpr double kSteadyGain = 1e-9;    // of -2 log L
+constexpr double kSteadySweep = 1e-10;  // of a step, relative to the largest variance
+
+// Rows of one kind and the hat functions of all knots but the first, over the squares of their sigmas.
+class ErrorLikelihood {
+ public:
+  ErrorLikelihood(const ErrorRows& rows, const ErrorCurve& knots, double degrees_of_freedom)
+      : squares_(rows.squares), degrees_of_freedom_(degrees_of_freedom) {
+    hats_.resize(rows.times.size(), knots.times.size() - 1);
+    for (Eigen::Index i = 0; i < hats_.rows(); ++i) {
+      hats_.row(i) = knots.SharesAt(rows.times[i]).tail(hats_.cols()).transpose() / std::pow(rows.sigmas[i], 2);
+    }
+  }
+
+  Eigen::Index num_knots() const { return hats_.cols(); }
+
+  // -2 log L at c.
+  double At(const Eigen::VectorXd& c) const {
+    const Eigen::ArrayXd v = Variances(c);
+    return (degrees_of_freedom_ * v.log() + squares_.array() / v).sum();
+  }
+
+  // Its gradient and the expectation of its second derivative.
+  void Derive(const Eigen::VectorXd& c, Eigen::VectorXd* gradient, Eigen::MatrixXd* information) const {
+    const Eigen::ArrayXd v = Variances(c);
+    *gradient = hats_.transpose() * (degrees_of_freedom_ / v - squares_.array() / v.square()).matrix();
+    *information = hats_.transpose() * (degrees_of_freedom_ / v.square()).matrix().asDiagonal() * hats_;
+  }
+
+ private:
+  Eigen::ArrayXd Variances(const Eigen::VectorXd& c) const { return 1.0 + (hats_ * c).array(); }
+
+  Eigen::MatrixXd hats_;  // [m x K - 1]
+  const Eigen::VectorXd& squares_;
+  double degrees_of_freedom_;
+};
+
+// The step d >= -c at which  gradient . d + 1/2 d . information d  is least, coordinate by coordinate.
+Eigen::VectorXd BoundedStep(const Eigen::VectorXd& c, const Eigen::VectorXd& gradient,
+                            const Eigen::MatrixXd& information) {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(c.size()), slope = gradient;
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    double moved = 0.0;
+    for (Eigen::Index k = 0; k < c.size(); ++k) {
+      if (!(information(k, k) > 0.0)) continue;
+      const double change = std::max(-slope[k] / information(k, k), -c[k] - step[k]);
+      step[k] += change;
+      slope += change * information.col(k);
+      moved = std::max(moved, std::abs(change));
+    }
+    if (moved <= kSteadySweep * (c + step).maxCoeff()) break;
+  }
+  return step;
+}
+
+// Where the likelihood is largest.
+Eigen::VectorXd LikeliestVariances(const ErrorLikelihood& likelihood) {
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(likelihood.num_knots()), gradient;
+  Eigen::MatrixXd information;
+  double value = likelihood.At(c);
+  for (int scoring = 0; scoring < kMostScorings; ++scoring) {
+    likelihood.Derive(c, &gradient, &information);
+    const Eigen::VectorXd step = BoundedStep(c, gradient, information);
+    double share = 1.0, next = likelihood.At(c + step);
+    for (int halving = 0; halving < kMostHalvings && !(next <= value); ++halving) {
+      share *= 0.5;
+      next = likelihood.At(c + share * step);
+    }
+    if (!(next <= value)) break;
+    c += share * step;
+    const bool is_steady = value - next <= kSteadyGain * std::abs(value);
+    value = next;
+    if (is_steady) break;
+  }
+  return c;
+}
+
+}  // namespace
+
+ErrorCurve EstimateErrorCurve(const ErrorRows& rows, double start, double degrees_of_freedom) {
+  const std::set<double> distinct(rows.times.begin(), rows.times.end());
+  const auto num_knots = std::min<Eigen::Index>(kMostErrorKnots, static_cast<Eigen::Index>(distinct.size()) / 2);
+  if (num_knots < 1 || !(*distinct.rbegin() > start) || !(degrees_of_freedom > 0.0)) return {};
+  ErrorCurve curve;
+  const Eigen::ArrayXd shares = Eigen::ArrayXd::LinSpaced(num_knots + 1, 0.0, 1.0).square();
+  curve.times = start + (*distinct.rbegin() - start) * shares;
+  const ErrorLikelihood likelihood(rows, curve, degrees_of_freedom);
+  const Eigen::VectorXd c = LikeliestVariances(likelihood);
+  const double gain = likelihood.At(Eigen::VectorXd::Zero(c.size())) - likelihood.At(c);
+  if (!(gain > kLeastGain)) return {};
+  curve.variances.resize(num_knots + 1);
+  curve.variances << 0.0, c;
+  return curve;
+}
+
+}  // namespace clothid

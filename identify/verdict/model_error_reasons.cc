@@ -1,0 +1,62 @@
+// Reasons that lie in what the model misses.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/verdict/model_error_text.h"
+#include "identify/verdict/reason.h"
+
+namespace clothid {
+namespace {
+
+// A start or a handle is where it was measured within so many standard deviations.
+constexpr double kFarFromMeasured = 3.0;
+
+std::string StartName(const FitChecks& checks, int recording) {
+  return checks.recordings.size() > 1 ? checks.recordings[recording].name + ": the start" : "the start";
+}
+
+// Unknowns that a fit moved to where nobody saw the cloth hide an error of the model, and with it move the parameters.
+void AddMoved(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  for (const StartEstimate& start : summary.starts) {
+    const std::string name = StartName(checks, start.recording);
+    if (start.first_frame_error > kFarFromMeasured * start.position_std) {
+      const std::string brief =
+          name + " moved by " + MillimetreText(start.first_frame_error, 2) + " from where the first frame shows it";
+      reasons->push_back(Careful({}, brief,
+                                 brief + ", beside the noise, " +
+                                     NumberText(start.first_frame_error / start.position_std, 2) +
+                                     " of its standard deviations: it takes over an error of the model, and parameters "
+                                     "are moved with it"));
+    }
+    if (start.handle_error > kFarFromMeasured) {
+      const std::string brief = name + " moved handles by " + NumberText(start.handle_error, 2) +
+                                " standard deviations of what was measured of them";
+      reasons->push_back(
+          Careful({}, brief, brief + ": they take over an error of the model, and parameters are moved with them"));
+    }
+  }
+}
+
+void AddMisses(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
+  const std::string misses = ModelErrorText(recording.model_error);
+  if (misses.empty()) return;
+  const double largest = std::max(LargestDistance(recording.model_error, PredictedKind::kPoints),
+                                  LargestDistance(recording.model_error, PredictedKind::kClouds));
+  const std::string brief = prefix + "the model misses " + misses;
+  const std::string line =
+      brief + (std::isnan(recording.noise) ? "" : ", beside noise of " + MillimetreText(recording.noise, 3)) +
+      ": frames count for less where it errs, and intervals count with that";
+  reasons->push_back(largest > 0.0 && !(largest <= recording.noise) ? Careful({}, brief, line) : Remark(line));
+}
+
+}  // namespace
+
+void AddModelErrorReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  AddMoved(summary, checks, reasons);
+  for (const RecordingFit& recording : checks.recordings) {
+    AddMisses(recording, checks.recordings.size() > 1 ? recording.name + ": " : std::string(), reasons);
+  }
+}
+
+}  // namespace clothid
