@@ -14,13 +14,13 @@ std::string FitStage::Words() const {
     text << "all frames";
   }
   if (step_factor != 1.0) text << ", time step times " << step_factor;
+  if (is_weighed) text << ", weighed by the errors of the model";
   if (precision == Precision::kLoose) text << ", loosely";
   text << ": parameters";
   if (with_starts) text << ", starts";
   if (field_modes > 0) text << ", fields";
   if (field_modes > 0 && field_modes < kAllModes) text << " in " << field_modes << " x " << field_modes << " modes";
   if (with_weights) text << ", smoothness";
-  if (with_errors) text << ", errors of the model";
   return text.str();
 }
 

@@ -25,7 +25,7 @@ struct FitStage {
   bool with_starts = false;   // the unknowns of starts are free beside the parameters
   int field_modes = 0;        // and fields in modes of fewer half waves a side; 0: they are not
   bool with_weights = false;  // and the weights of what is believed to be smooth are chosen
-  bool with_errors = false;   // frames count for less where the model errs, in rounds
+  bool is_weighed = false;    // frames count for less where the model errs
   double step_factor = 1.0;   // of the time step of the recordings
 
   StageState state = StageState::kAhead;

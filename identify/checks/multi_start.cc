@@ -239,10 +239,10 @@ FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMo
   problem->SetStart(points.front());
   problem->Forget();
   if (options.estimate_uncertainty && best.has_estimate()) {
-    AddUncertainty(options, *problem, &best);
-    ContinueFromLowerPoints(options, &Fit, problem, &best);
+    FinishFit(options, problem, &best);
+    // Costs of frames that are weighed do not compare with those of the other starts.
     StartResult& start = result->starts[best_start];
-    if (best.num_continuations > 0) start = Describe(best, start.start);
+    if (best.num_continuations > 0 && !problem->has_model_error()) start = Describe(best, start.start);
   }
   FindMinima(problem->blocks(), best, result);
   FindAmbiguities(problem->blocks(), result);

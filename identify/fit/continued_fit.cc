@@ -1,6 +1,9 @@
 #include "identify/fit/continued_fit.h"
 
 #include <utility>
+#include <vector>
+
+#include "identify/problem/model_errors.h"
 
 namespace clothid {
 namespace {
@@ -30,8 +33,8 @@ FitOptions OptionsOfNext(const FitOptions& options, const FitSummary& summary) {
   return next;
 }
 
-// Puts `next` after `summary`.
-void Append(FitSummary next, FitSummary* summary) {
+// Puts `next` after `summary`, and in its place where it `is_taken`.
+void Append(FitSummary next, bool is_taken, FitSummary* summary) {
   std::vector<FitIteration> iterations = summary->iterations;
   for (const FitIteration& row : next.iterations) iterations.push_back(After(*summary, row));
   next.statistics += summary->statistics;
@@ -39,8 +42,7 @@ void Append(FitSummary next, FitSummary* summary) {
   next.plan.insert(next.plan.begin(), summary->plan.begin(), summary->plan.end());
   next.total_seconds += summary->total_seconds;
   next.solver_seconds += summary->solver_seconds;
-  const bool is_lower = next.has_estimate() && next.cost < summary->cost;
-  if (is_lower) {
+  if (is_taken) {
     for (std::size_t i = 0; i < next.parameters.size(); ++i) next.parameters[i].start = summary->parameters[i].start;
     next.iterations = std::move(iterations);
     next.start_error = summary->start_error;
@@ -58,7 +60,42 @@ void Append(FitSummary next, FitSummary* summary) {
   summary->message = next.message;
 }
 
+// Fits, each with the weights that the residuals of the one before it give.
+constexpr int kMostErrorRounds = 5;
+
+// From the estimate, with `errors`. False where it does not converge; the errors are those of before then.
+bool FitWeighed(const FitOptions& options, FitFunction fit, const std::vector<ModelError>& errors, FitProblem* problem,
+                FitSummary* summary) {
+  const std::vector<ModelError> before = problem->model_errors();
+  problem->SetModelErrors(errors);
+  problem->SetStart(summary->coordinates);
+  FitOptions next = OptionsOfNext(options, *summary);
+  next.estimate_uncertainty = false;
+  FitSummary found = fit(next, problem);
+  const bool has_converged = found.status == FitStatus::kConverged;
+  if (!has_converged) problem->SetModelErrors(before);
+  const int num_continuations = summary->num_continuations;
+  Append(std::move(found), has_converged, summary);
+  summary->num_continuations = num_continuations;
+  return has_converged;
+}
+
 }  // namespace
+
+void WeighByModelError(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary) {
+  if (!problem->finds_model_error() || options.precision == FitPrecision::kLoose) return;
+  const Eigen::VectorXd start = problem->StartCoordinates();
+  problem->HoldWeights(true);
+  for (int round = 0; round < kMostErrorRounds; ++round) {
+    if (summary->status != FitStatus::kConverged || summary->num_iterations() >= options.max_iterations) break;
+    const std::vector<ModelError> errors =
+        EstimateModelErrors(options.loss, *problem, summary->predicted, summary->forces);
+    if (IsSameError(problem->model_errors(), errors)) break;
+    if (!FitWeighed(options, fit, errors, problem, summary)) break;
+  }
+  problem->HoldWeights(false);
+  problem->SetStart(start);
+}
 
 void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary) {
   const Eigen::VectorXd start = problem->StartCoordinates();
@@ -66,10 +103,11 @@ void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProb
   while (CanContinue(options, *summary)) {
     problem->SetStart(summary->interval_check->better);
     const FitOptions next = OptionsOfNext(options, *summary);
-    const double cost = summary->cost;
-    Append(fit(next, problem), summary);
+    FitSummary found = fit(next, problem);
+    const bool is_lower = found.has_estimate() && found.cost < summary->cost;
+    Append(std::move(found), is_lower, summary);
     ++summary->num_continuations;
-    if (!(summary->cost < cost)) break;
+    if (!is_lower) break;
   }
   problem->HoldWeights(false);
   problem->SetStart(start);

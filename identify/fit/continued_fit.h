@@ -1,7 +1,10 @@
-// A fit that goes on from a lower point.
+// Fits that go on: from a lower point, and with other weights.
 //
 // The check of an interval evaluates the cost away from the estimate (identify/fit/interval_check.h). On a rough cost,
 // where a fit may end in a dent, it may meet a point of lower cost there. That point is no answer, but a start for one.
+//
+// What a fit leaves of the residuals tells how far the model errs, and frames that count by that
+// (datasets/observation/model_error.h) give another fit, which leaves other residuals.
 #ifndef CLOTHID_IDENTIFY_FIT_CONTINUED_FIT_H_
 #define CLOTHID_IDENTIFY_FIT_CONTINUED_FIT_H_
 
@@ -20,6 +23,12 @@ using FitFunction = FitSummary (*)(const FitOptions& options, FitProblem* proble
 // one before. A fit from a lower point that gives no estimate leaves `summary` as it was but for the work. Leaves the
 // start of the problem as it was.
 void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary);
+
+// Fits again from a converged estimate with the weights that its residuals give (identify/problem/model_errors.h),
+// until these are steady; not at all where they are those of noise. The weights stay in the problem. A fit that does
+// not converge leaves `summary` and the weights as they were but for the work. What was said of the uncertainty before
+// is void where the weights have changed. Leaves the start of the problem as it was.
+void WeighByModelError(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary);
 
 }  // namespace clothid
 

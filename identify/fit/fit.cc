@@ -19,8 +19,6 @@
 namespace clothid {
 namespace {
 
-// Fits, each with the weights that the residuals of the one before it give.
-constexpr int kMostErrorRounds = 5;
 // Of a stage that starts near the solution, as far as the region grows on the way there.
 constexpr double kNearTrustRegion = 1e4;
 // Of the parameters after all unknowns were moved together: what is believed of knots that nothing tells is exact.
@@ -78,8 +76,6 @@ class PlannedFit {
 
   FitSummary Run() {
     problem_->Restart();
-    if (problem_->finds_model_error() && problem_->has_model_error())
-      problem_->SetModelErrors(NoModelErrors(*problem_));
     if (Start()) {
       for (stage_ = 0; stage_ < static_cast<int>(summary_.plan.size()) && !options_.is_cancelled(); ++stage_) {
         RunStage(&summary_.plan[stage_]);
@@ -122,15 +118,13 @@ class PlannedFit {
     stage->state = StageState::kRunning;
     Tell();
     if (stage->share < 1.0) return RunFirstFrames(stage);
-    if (stage->with_errors) {
-      RunWeighed(stage);
+    if (stage->is_joint()) {
+      RunJoint(*stage);
     } else {
-      RunAllFrames(*stage);
+      RunAlone(*stage);
     }
-    if (stage->state == StageState::kRunning) {
-      stage->state = StageState::kDone;
-      stage->note = summary_.message;
-    }
+    stage->state = StageState::kDone;
+    stage->note = summary_.message;
     stage->rollouts = evaluator_.statistics().rollouts - num_before;
     stage->cost = evaluator_.best().is_valid() ? evaluator_.best().cost : 0.0;
     Tell();
@@ -209,39 +203,6 @@ class PlannedFit {
     const bool has_next = recorder_.last_iteration() < options_.max_iterations && next.size() > 0;
     is_near_ = (has_next && MoveTo(next, NearDerivative())) || MoveTo(last, NearDerivative());
     if (!is_near_) coordinates_ = problem_->StartCoordinates();
-  }
-
-  void RunAllFrames(const FitStage& stage) {
-    if (stage.is_joint()) {
-      RunJoint(stage);
-    } else {
-      RunAlone(stage);
-    }
-  }
-
-  // Rounds of weights and fits until the weights are steady.
-  void RunWeighed(FitStage* stage) {
-    if (summary_.status != FitStatus::kConverged) return SkipWeighed("the fit has not converged", stage);
-    std::vector<ModelError> last = problem_->model_errors();
-    for (int round = 0; round < kMostErrorRounds && !options_.is_cancelled(); ++round) {
-      const std::vector<ModelError> errors = EstimateModelErrors(options_.loss, *problem_, evaluator_.best());
-      if (IsSameError(last, errors)) {
-        if (round == 0) SkipWeighed("nothing is left but noise", stage);
-        return;
-      }
-      problem_->SetModelErrors(errors);
-      last = errors;
-      evaluator_.SupersedeBest();
-      known_ = BasisLinearization();
-      is_near_ = true;
-      RunAllFrames(*stage);
-      if (summary_.status != FitStatus::kConverged) return;
-    }
-  }
-
-  static void SkipWeighed(const std::string& why, FitStage* stage) {
-    stage->state = StageState::kSkipped;
-    stage->note = why;
   }
 
   // Levenberg-Marquardt over the parameters alone.
@@ -348,12 +309,19 @@ class PlannedFit {
 FitSummary Fit(const FitOptions& options, FitProblem* problem) { return Fit(options, problem, nullptr); }
 
 FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector<RecordedMotion>* motions) {
+  if (problem->finds_model_error() && problem->has_model_error()) problem->SetModelErrors(NoModelErrors(*problem));
   FitSummary summary = PlannedFit(options, motions, problem).Run();
-  if (options.estimate_uncertainty && summary.has_estimate()) {
-    AddUncertainty(options, *problem, &summary);
-    ContinueFromLowerPoints(options, &Fit, problem, &summary);
-  }
+  if (options.estimate_uncertainty && summary.has_estimate()) FinishFit(options, problem, &summary);
   return summary;
+}
+
+void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
+  AddUncertainty(options, *problem, summary);
+  ContinueFromLowerPoints(options, &Fit, problem, summary);
+  WeighByModelError(options, &Fit, problem, summary);
+  if (!problem->finds_model_error() || !problem->has_model_error()) return;
+  AddUncertainty(options, *problem, summary);
+  ContinueFromLowerPoints(options, &Fit, problem, summary);
 }
 
 }  // namespace clothid

@@ -19,13 +19,17 @@ namespace clothid {
 // rollout: the sweep that the intervals of the last one need. Forward differences need full precision throughout.
 // With other unknowns: identify/fit/joint_stage.h.
 //
-// Where FitOptions::estimate_uncertainty asks for it, the uncertainty of the estimate comes with it, and where the
-// check of its interval meets a point of lower cost, the fit goes on from there (identify/fit/continued_fit.h).
+// Where FitOptions::estimate_uncertainty asks for it, `FinishFit` follows.
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
 
 // `motions` (may be null) are those of the problem: then the fit is led by their first frames, unless the cost is
 // higher where they lead. What that takes counts with the rest.
 FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector<RecordedMotion>* motions);
+
+// What comes after a fit that has an estimate: how sure it is; a fit from where the check of its interval meets a point
+// of lower cost; and where what is left is more than noise, fits whose frames count by that
+// (identify/fit/continued_fit.h), and how sure these are.
+void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary);
 
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or
 // options.cancel is true, and adds the work to its counts.

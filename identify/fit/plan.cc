@@ -53,10 +53,12 @@ FitPlan MakePlan(const FitOptions& options, const FitProblem& problem, bool is_l
     plan.push_back(first);
   }
   const bool has_others = !ends_loosely && (problem.num_unknowns() > 0 || problem.chooses_weights());
+  const bool is_weighed = problem.has_model_error();
   FitStage alone;
   alone.precision = is_loose ? Precision::kLoose : Precision::kFull;
   alone.is_rough = (is_loose && !ends_loosely) || has_others;
-  if (has_free) plan.push_back(alone);
+  // Where frames are weighed, everything is near its place.
+  if (has_free && !(is_weighed && has_others)) plan.push_back(alone);
   if (has_others) {
     AddJointStages(problem, alone.precision, &plan);
   } else if (is_loose && !ends_loosely) {
@@ -64,11 +66,7 @@ FitPlan MakePlan(const FitOptions& options, const FitProblem& problem, bool is_l
     alone.is_rough = false;
     plan.push_back(alone);
   }
-  if (!plan.empty() && !ends_loosely && options.max_iterations > 0 && problem.finds_model_error()) {
-    FitStage weighed = plan.back();
-    weighed.with_errors = true;
-    plan.push_back(weighed);
-  }
+  for (FitStage& stage : plan) stage.is_weighed = is_weighed;
   return plan;
 }
 

@@ -7,9 +7,7 @@
 //   - Then what else is unknown with them, still loosely: the starts, the fields in their 4 x 4 smoothest modes, then
 //     in 8 x 8, then in all, and the weights of what is believed to be smooth.
 //   - All of it with full precision, to the end; where nothing but weights is chosen, the parameters then alone.
-//   - The last stage again while what is left of the residuals is more than noise: frames count for less where the
-//   model
-//     errs (identify/uncertainty/model_error_estimate.h).
+// Where the model errs, plans of this kind follow whose frames count by that (identify/fit/continued_fit.h).
 // A stage that there is nothing for is not in the plan. One that turns out to be needless or impossible is skipped, and
 // says why.
 #ifndef CLOTHID_IDENTIFY_FIT_PLAN_H_

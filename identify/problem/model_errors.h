@@ -14,8 +14,12 @@ namespace clothid {
 // Per recording: none.
 std::vector<ModelError> NoModelErrors(const FitProblem& problem);
 
-// Per recording, of the residuals at a point, which gross errors make no larger than `loss` lets them.
-std::vector<ModelError> EstimateModelErrors(const RobustLoss& loss, const FitProblem& problem, const FitPoint& point);
+// Per recording, of the residuals of predictions and forces (see FitPoint), which gross errors make no larger than
+// `loss` lets them.
+std::vector<ModelError> EstimateModelErrors(const RobustLoss& loss, const FitProblem& problem,
+                                            const std::vector<Eigen::MatrixXd>& predicted,
+                                            const std::vector<Eigen::MatrixXd>& forces);
+bool IsZero(const std::vector<ModelError>& errors);
 
 // Whether weights that follow the first would hardly change with the second.
 bool IsSameError(const std::vector<ModelError>& first, const std::vector<ModelError>& second);

@@ -8,8 +8,10 @@ namespace clothid {
 namespace {
 
 constexpr int kMostScorings = 50, kMostSweeps = 100, kMostHalvings = 20;
-constexpr double kSteadyGain = 1e-9;    // of -2 log L
-constexpr double kSteadySweep = 1e-10;  // of a step, relative to the largest variance
+constexpr double kHighestCorrelation = 0.97;  // no recording is long enough to tell more
+constexpr double kLeastAlike = 4.0;           // rows of a frame that err alike for no other reason than chance
+constexpr double kSteadyGain = 1e-9;          // of -2 log L
+constexpr double kSteadySweep = 1e-10;        // of a step, relative to the largest variance
 
 // Rows of one kind and the hat functions of all knots but the first, over the squares of their sigmas.
 class ErrorLikelihood {
@@ -85,7 +87,54 @@ Eigen::VectorXd LikeliestVariances(const ErrorLikelihood& likelihood) {
   return c;
 }
 
+// G, or of ones the numbers of rows that two frames have in common [T x T].
+struct FrameProducts {
+  Eigen::MatrixXd products, counts;
+  Eigen::VectorXd errors;  // S
+
+  explicit FrameProducts(const Eigen::MatrixXd& frames) {
+    const Eigen::MatrixXd seen = (frames.array() == frames.array()).cast<double>();
+    const Eigen::MatrixXd values = seen.cwiseEqual(1.0).select(frames, 0.0);
+    products = values.transpose() * values;
+    counts = seen.transpose() * seen;
+    errors = (products.diagonal() - counts.diagonal()).cwiseMax(0.0);
+  }
+
+  // c.
+  double Correlation() const {
+    double along = 0.0, size = 0.0;
+    for (Eigen::Index t = 0; t + 1 < errors.size(); ++t) {
+      along += products(t, t + 1);
+      size += std::sqrt(errors[t] * errors[t + 1]);
+    }
+    return size > 0.0 ? std::clamp(along / size, 0.0, kHighestCorrelation) : 0.0;
+  }
+
+  // 1/N, at most 1.
+  double Alikeness(double correlation) const {
+    double measured = 0.0, size = 0.0, lasting = 0.0;
+    for (Eigen::Index t = 0; t < errors.size(); ++t) {
+      for (Eigen::Index u = 0; u < t; ++u) {
+        const double pair = errors[t] * errors[u];
+        measured += std::pow(products(t, u), 2) - errors[t] - errors[u] - counts(t, u);
+        size += pair;
+        lasting += pair * std::pow(correlation, 2.0 * static_cast<double>(t - u));
+      }
+    }
+    return size > lasting ? std::clamp((measured - lasting) / (size - lasting), 0.0, 1.0) : 0.0;
+  }
+};
+
 }  // namespace
+
+double NumAlike(const Eigen::MatrixXd& frames, bool is_absorbed) {
+  const FrameProducts products(frames);
+  const double correlation = products.Correlation(), num_rows = products.counts.diagonal().mean();
+  double alikeness = products.Alikeness(correlation);
+  if (is_absorbed && num_rows * alikeness > kLeastAlike) alikeness = 1.0 / 3.0;
+  const double lasts = std::min<double>(static_cast<double>(frames.cols()), (1.0 + correlation) / (1.0 - correlation));
+  return std::max(1.0, num_rows * alikeness) * lasts;
+}
 
 ErrorCurve EstimateErrorCurve(const ErrorRows& rows, double start, double degrees_of_freedom) {
   const std::set<double> distinct(rows.times.begin(), rows.times.end());

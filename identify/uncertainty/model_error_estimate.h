@@ -7,6 +7,13 @@
 // is least (restricted: p of the m residuals are fitted away). At the start of the rollout c = 0: the cloth is where it
 // was seen. By Fisher scoring with the bounds kept. Where the likelihood does not gain what chance could not, the model
 // does not err: every c is zero then.
+//
+// How many residuals err alike is seen in the products of frames, G_tu = sum_r e_rt e_ru over the R rows that they have
+// in common. With S_t = G_tt - R, what the model errs by in a frame, c the correlation from frame to frame and N the
+// number of rows of a frame that err independently of each other, for t != u
+//   E G_tt+1 = c sqrt(S_t S_t+1),   E G_tu^2 = S_t S_u (k + (1 - k)/N) + S_t + S_u + R,   k = c^(2 |t - u|),
+// the last three for the noise. That gives c and N, and
+//   n = R/N min(T, (1 + c)/(1 - c)).
 #ifndef CLOTHID_IDENTIFY_UNCERTAINTY_MODEL_ERROR_ESTIMATE_H_
 #define CLOTHID_IDENTIFY_UNCERTAINTY_MODEL_ERROR_ESTIMATE_H_
 
@@ -31,6 +38,12 @@ inline constexpr double kLeastGain = 40.0;
 // The knots are evenly from `start` to the last of the rows, no more than one for every second time of theirs.
 // `degrees_of_freedom`: h.
 ErrorCurve EstimateErrorCurve(const ErrorRows& rows, double start, double degrees_of_freedom);
+
+// n, of the residuals over sigma of one kind, the same row of every frame being the same point and axis [R x T]; NaN:
+// not seen. 1 where they are those of noise. `is_absorbed`: of a fit that has taken over what it could of an error of
+// the model, so that they are less alike than the error: rows of a frame that are alike at all are taken for those of
+// one displacement then, N = 3.
+double NumAlike(const Eigen::MatrixXd& frames, bool is_absorbed);
 
 }  // namespace clothid
 
