@@ -164,8 +164,10 @@ class Run {
 
   void RunFit() {
     const std::vector<RecordedMotion>* const leading = options_.growing_horizon ? &inputs_.fitted : nullptr;
-    summary_ = fit_options_.num_starts == 1 ? Fit(fit_options_, problem_.get(), leading)
-                                            : FitFromStarts(fit_options_, inputs_.fitted, options_.growing_horizon,
+    FitOptions options = fit_options_;
+    if (options_.time_step.is_automatic) options.weighs_model_error = false;  // the step's is to be compared with noise
+    summary_ = fit_options_.num_starts == 1 ? Fit(options, problem_.get(), leading)
+                                            : FitFromStarts(options, inputs_.fitted, options_.growing_horizon,
                                                             problem_.get(), &checks_.starts.emplace());
     if (options_.time_step.is_automatic) FitWithChosenStep();
     SetFittedFields(&inputs_.held_out);  // what is held out moves with the same cloth
@@ -180,7 +182,11 @@ class Run {
   void FitWithChosenStep() {
     checks_.step_choice = ChooseTimeStep(inputs_.fitted, fit_options_, *problem_, &summary_);
     const StepChoice& choice = *checks_.step_choice;
-    if (choice.level == 0 || fit_options_.is_cancelled()) return;
+    if (fit_options_.is_cancelled()) return;
+    if (choice.level == 0) {
+      if (summary_.uncertainty) WeighFit(fit_options_, problem_.get(), &summary_);
+      return;
+    }
     const double factor = std::exp2(choice.level);
     for (std::vector<RecordedMotion>* motions : {&inputs_.fitted, &inputs_.held_out}) {
       for (RecordedMotion& motion : *motions) motion.scene.time_step *= factor;

@@ -1,9 +1,11 @@
 #include "identify/fit/continued_fit.h"
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "identify/problem/model_errors.h"
+#include "sim/scene/mesh.h"
 
 namespace clothid {
 namespace {
@@ -60,6 +62,16 @@ void Append(FitSummary next, bool is_taken, FitSummary* summary) {
   summary->message = next.message;
 }
 
+// A recorded motion below this share of the cloth is that of a cloth at rest.
+constexpr double kRestShare = 0.02;
+
+// Whether a fit is nearer to a recorded motion than a cloth at rest: elsewhere it is not the model that errs.
+bool ExplainsMotion(const FitProblem& problem, const PredictionError& error) {
+  const double motion = std::sqrt(3.0 * error.squared_motion / error.num_coordinates);
+  return !(error.squared_error > error.squared_motion) ||
+         motion < kRestShare * ClothSize(problem.cost(0).model().scene().mesh);
+}
+
 // Fits, each with the weights that the residuals of the one before it give.
 constexpr int kMostErrorRounds = 5;
 
@@ -83,7 +95,8 @@ bool FitWeighed(const FitOptions& options, FitFunction fit, const std::vector<Mo
 }  // namespace
 
 void WeighByModelError(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary) {
-  if (!problem->finds_model_error() || options.precision == FitPrecision::kLoose) return;
+  if (!options.weighs_model_error || !problem->finds_model_error() || options.precision == FitPrecision::kLoose) return;
+  if (!ExplainsMotion(*problem, summary->error)) return;
   const Eigen::VectorXd start = problem->StartCoordinates();
   problem->HoldWeights(true);
   for (int round = 0; round < kMostErrorRounds; ++round) {

@@ -25,7 +25,8 @@ using FitFunction = FitSummary (*)(const FitOptions& options, FitProblem* proble
 void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary);
 
 // Fits again from a converged estimate with the weights that its residuals give (identify/problem/model_errors.h),
-// until these are steady; not at all where they are those of noise. The weights stay in the problem. A fit that does
+// until these are steady; not at all where they are those of noise, or of a fit that is no
+// nearer to the recorded motion than a cloth at rest. The weights stay in the problem. A fit that does
 // not converge leaves `summary` and the weights as they were but for the work. What was said of the uncertainty before
 // is void where the weights have changed. Leaves the start of the problem as it was.
 void WeighByModelError(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary);

@@ -318,6 +318,10 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector
 void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
   AddUncertainty(options, *problem, summary);
   ContinueFromLowerPoints(options, &Fit, problem, summary);
+  WeighFit(options, problem, summary);
+}
+
+void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
   WeighByModelError(options, &Fit, problem, summary);
   if (!problem->finds_model_error() || !problem->has_model_error()) return;
   AddUncertainty(options, *problem, summary);

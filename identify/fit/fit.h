@@ -31,6 +31,9 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector
 // (identify/fit/continued_fit.h), and how sure these are.
 void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary);
 
+// The last part of it, of a fit with an uncertainty.
+void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary);
+
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or
 // options.cancel is true, and adds the work to its counts.
 void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSummary* summary);

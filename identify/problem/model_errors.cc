@@ -134,7 +134,9 @@ std::vector<ModelError> EstimateModelErrors(const RobustLoss& loss, const FitPro
     for (const PredictedKind kind : {PredictedKind::kPoints, PredictedKind::kClouds, PredictedKind::kForces}) {
       ErrorCurve& curve = errors[r].CurveOf(kind);
       curve = CurveOf(observation, residuals, kind, model.scene().start_time, free);
-      if (!curve.is_zero()) curve.alike = NumAlikeOf(observation, predicted[r], residuals, kind);
+      if (curve.is_zero()) continue;
+      curve.alike = NumAlikeOf(observation, predicted[r], residuals, kind);
+      if (curve.alike == 1.0) curve = ErrorCurve();
     }
   }
   return errors;

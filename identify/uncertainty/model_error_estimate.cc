@@ -4,14 +4,18 @@
 #include <cmath>
 #include <set>
 
+#include "identify/uncertainty/uncertainty.h"
+
 namespace clothid {
 namespace {
 
 constexpr int kMostScorings = 50, kMostSweeps = 100, kMostHalvings = 20;
 constexpr double kHighestCorrelation = 0.97;  // no recording is long enough to tell more
-constexpr double kLeastAlike = 4.0;           // rows of a frame that err alike for no other reason than chance
-constexpr double kSteadyGain = 1e-9;          // of -2 log L
-constexpr double kSteadySweep = 1e-10;        // of a step, relative to the largest variance
+// Rows of a frame that err alike where the model does; of fewer rows than that it is seen from frame to frame alone.
+constexpr double kLeastAlike = 4.0, kFewRows = 36.0;
+constexpr double kBeyondChance = 4.0;   // standard deviations
+constexpr double kSteadyGain = 1e-9;    // of -2 log L
+constexpr double kSteadySweep = 1e-10;  // of a step, relative to the largest variance
 
 // Rows of one kind and the hat functions of all knots but the first, over the squares of their sigmas.
 class ErrorLikelihood {
@@ -110,17 +114,20 @@ struct FrameProducts {
     return size > 0.0 ? std::clamp(along / size, 0.0, kHighestCorrelation) : 0.0;
   }
 
-  // 1/N, at most 1.
+  // 1/N, at most 1; 0 where the products are as large as chance makes those of noise.
   double Alikeness(double correlation) const {
-    double measured = 0.0, size = 0.0, lasting = 0.0;
+    double measured = 0.0, variance = 0.0, size = 0.0, lasting = 0.0;
     for (Eigen::Index t = 0; t < errors.size(); ++t) {
       for (Eigen::Index u = 0; u < t; ++u) {
-        const double pair = errors[t] * errors[u];
+        if (!(counts(t, u) > 0.0)) continue;
+        const double pair = errors[t] * errors[u], noise = products(t, t) * products(u, u) / counts(t, u);
         measured += std::pow(products(t, u), 2) - errors[t] - errors[u] - counts(t, u);
+        variance += 2.0 * noise * noise;
         size += pair;
         lasting += pair * std::pow(correlation, 2.0 * static_cast<double>(t - u));
       }
     }
+    if (!(measured - lasting > kBeyondChance * std::sqrt(variance))) return 0.0;
     return size > lasting ? std::clamp((measured - lasting) / (size - lasting), 0.0, 1.0) : 0.0;
   }
 };
@@ -130,10 +137,12 @@ struct FrameProducts {
 double NumAlike(const Eigen::MatrixXd& frames, bool is_absorbed) {
   const FrameProducts products(frames);
   const double correlation = products.Correlation(), num_rows = products.counts.diagonal().mean();
-  double alikeness = products.Alikeness(correlation);
-  if (is_absorbed && num_rows * alikeness > kLeastAlike) alikeness = 1.0 / 3.0;
+  double alike = num_rows * products.Alikeness(correlation);
+  const bool is_of_model = num_rows < kFewRows ? correlation > kCorrelatedResiduals : alike > kLeastAlike;
+  if (!is_of_model) return 1.0;
+  if (is_absorbed) alike = num_rows / 3.0;
   const double lasts = std::min<double>(static_cast<double>(frames.cols()), (1.0 + correlation) / (1.0 - correlation));
-  return std::max(1.0, num_rows * alikeness) * lasts;
+  return std::max(1.0, alike) * lasts;
 }
 
 ErrorCurve EstimateErrorCurve(const ErrorRows& rows, double start, double degrees_of_freedom) {

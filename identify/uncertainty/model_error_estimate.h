@@ -40,9 +40,10 @@ inline constexpr double kLeastGain = 40.0;
 ErrorCurve EstimateErrorCurve(const ErrorRows& rows, double start, double degrees_of_freedom);
 
 // n, of the residuals over sigma of one kind, the same row of every frame being the same point and axis [R x T]; NaN:
-// not seen. 1 where they are those of noise. `is_absorbed`: of a fit that has taken over what it could of an error of
-// the model, so that they are less alike than the error: rows of a frame that are alike at all are taken for those of
-// one displacement then, N = 3.
+// not seen. 1 where they are those of noise, more than a recording says or lasting from frame to frame as it may be:
+// the model errs by what points have in common. `is_absorbed`: of a fit that has taken over what it could of an error
+// of the model, so that they are less alike than the error: rows of a frame that are alike at all are taken for those
+// of one displacement then, N = 3.
 double NumAlike(const Eigen::MatrixXd& frames, bool is_absorbed);
 
 }  // namespace clothid

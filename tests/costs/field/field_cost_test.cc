@@ -48,7 +48,16 @@ struct Case {
   const char* name;
   bool start_is_unknown;
   const char* loss;
+  bool errs = false;  // the model, of points and of forces
 };
+
+// Of another size in every frame.
+ModelError SomeError() {
+  ModelError error;
+  error.CurveOf(PredictedKind::kPoints) = {Eigen::Vector3d(0.0, 0.05, 0.2), Eigen::Vector3d(0.0, 1e-6, 5e-6), 20.0};
+  error.CurveOf(PredictedKind::kForces) = {Eigen::Vector2d(0.0, 0.2), Eigen::Vector2d(0.0, 1e-4), 3.0};
+  return error;
+}
 
 RecordedMotion MotionOf(const Case& test) {
   RecordedMotion motion = ShakenMotion();
@@ -98,8 +107,12 @@ Eigen::MatrixXd AllUnknowns(const RecordingModel& model) {
 
 class FieldCostTest : public ::testing::TestWithParam<Case> {
  protected:
+  FieldCostTest() {
+    if (GetParam().errs) cost_.SetModelError(SomeError());
+  }
+
   const RecordedMotion motion_ = MotionOf(GetParam());
-  const RolloutCost cost_{motion_, Blocks(motion_), OptionsOf(GetParam())};
+  RolloutCost cost_{motion_, Blocks(motion_), OptionsOf(GetParam())};
   const RecordingModel& model_ = cost_.model();
   const Eigen::VectorXd point_ = SomePoint(model_);
 
@@ -269,7 +282,8 @@ TEST_P(FieldCostTest, RowsOfCeresHaveTheGradient) {
 
 INSTANTIATE_TEST_SUITE_P(Recordings, FieldCostTest,
                          ::testing::Values(Case{"KnownStart", false, "none"}, Case{"UnknownStart", true, "none"},
-                                           Case{"Robust", true, "huber:1.5"}),
+                                           Case{"Robust", true, "huber:1.5"}, Case{"Weighed", true, "none", true},
+                                           Case{"WeighedRobust", true, "huber:1.5", true}),
                          [](const ::testing::TestParamInfo<Case>& test) { return std::string(test.param.name); });
 
 // Everything that was asked of a cost, and what it counted.
@@ -343,6 +357,30 @@ TEST(FieldUnknownsTest, TheSameEverywhereMovesNothing) {
 }
 
 // As the scene's own fields would be, but for their level; others stay, and the transpose is one.
+// Rollouts and Jacobians serve on; costs, gradients and rows are those of the new weights.
+TEST_P(FieldCostTest, WeightsMayChange) {
+  RolloutCost changed(motion_, Blocks(motion_), OptionsOf(GetParam()));
+  ModelError other = SomeError();
+  other.CurveOf(PredictedKind::kPoints).alike *= 2.0;
+  changed.SetModelError(other);
+  double cost = 0.0, expected = 0.0;
+  Eigen::VectorXd gradient, expected_gradient, residuals, expected_residuals;
+  Eigen::MatrixXd rows, expected_rows;
+  ASSERT_TRUE(changed.EvaluateGradient(point_, &cost, &gradient));
+  ASSERT_TRUE(changed.Linearize(point_, {}, &rows, &residuals));
+  const int rollouts = changed.statistics().rollouts;
+  changed.SetModelError(GetParam().errs ? SomeError() : ModelError());
+  ASSERT_TRUE(changed.EvaluateGradient(point_, &cost, &gradient));
+  ASSERT_TRUE(changed.Linearize(point_, {}, &rows, &residuals));
+  EXPECT_EQ(changed.statistics().rollouts, rollouts);
+  ASSERT_TRUE(cost_.EvaluateGradient(point_, &expected, &expected_gradient));
+  ASSERT_TRUE(cost_.Linearize(point_, {}, &expected_rows, &expected_residuals));
+  EXPECT_EQ(cost, expected);
+  EXPECT_LE((gradient - expected_gradient).norm(), 1e-12 * expected_gradient.norm());
+  EXPECT_LE((rows.transpose() * rows - expected_rows.transpose() * expected_rows).norm(),
+            1e-12 * (expected_rows.transpose() * expected_rows).norm());
+}
+
 TEST(FieldUnknownsTest, AreLogarithmsOverTheSceneFields) {
   RecordedMotion motion = ShakenMotion();
   motion.scene.fields[0].values(1, 2) *= 3.0;

@@ -22,7 +22,8 @@ struct Chosen {
 // Of the friction of a cloth on a slope, seen with `noise`, in m.
 Chosen Choose(double noise) {
   const RecordedMotion motion = RecordFinely(SlopeScene(), 64, 0, {{"mu", kTruth}}, noise);
-  const FitOptions options = OptionsFor({"mu"});
+  FitOptions options = OptionsFor({"mu"});
+  options.weighs_model_error = false;  // that of the step is what is to be compared with the noise
   FitProblem problem({motion}, options);
   Chosen chosen;
   chosen.summary = Fit(options, &problem);

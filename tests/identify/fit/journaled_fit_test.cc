@@ -13,6 +13,7 @@
 #include "identify/base/fingerprint.h"
 #include "identify/fit/first_frames.h"
 #include "identify/fit/fit.h"
+#include "identify/problem/model_errors.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 
@@ -132,8 +133,16 @@ class JournaledFitTest : public testing::Test {
   FitOptions options_;
 };
 
+TEST_F(JournaledFitTest, ReplaysFitsWhoseFramesAreWeighed) {
+  for (RecordedMotion& motion : motions_) AddLastingNoise(3e-3, 0.9, 5, &motion);
+  const FitSummary first = RunFit();
+  ASSERT_FALSE(IsZero(first.model_errors));
+  ExpectSame(RunFit(), first);
+}
+
 TEST_F(JournaledFitTest, ReplaysIntervalsThatWereWidened) {
   for (RecordedMotion& motion : motions_) AddLastingNoise(3e-3, 0.9, 5, &motion);
+  options_.weighs_model_error = false;
   for (const JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
     options_.jacobian = method;
     options_.journal_tag = JacobianMethodName(method);

@@ -69,6 +69,7 @@ double FittedBend(RecordedMotion motion, const Mesh& mesh, BendingLaw law) {
   motion.scene = SwingingSheet(mesh, law);
   motion.points = Markers(mesh);
   FitOptions options = OptionsFor({"k_bend"});
+  options.weighs_model_error = false;  // every frame tells of the mesh
   options.overrides.start = {{"k_bend", law == BendingLaw::kPatches ? 2.0 * kBend : 0.25 * kBend}};
   FitProblem problem({motion}, options);
   const FitSummary summary = Fit(options, &problem);
