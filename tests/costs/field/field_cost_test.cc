@@ -237,7 +237,8 @@ TEST_P(FieldCostTest, ProductsAreThoseOfAllRows) {
 TEST_P(FieldCostTest, LeavesOutWhatIsFrozen) {
   std::vector<ParameterBlock> blocks = Blocks(motion_);
   blocks[1].frozen = true;
-  const RolloutCost frozen(motion_, blocks, OptionsOf(GetParam()));
+  RolloutCost frozen(motion_, blocks, OptionsOf(GetParam()));
+  if (GetParam().errs) frozen.SetModelError(SomeError());
   Eigen::VectorXd direction = Eigen::VectorXd::Ones(point_.size()), product, expected;
   ASSERT_TRUE(frozen.TimesCurvature(point_, direction, &product));
   direction[1] = 0.0;
@@ -254,7 +255,8 @@ TEST_P(FieldCostTest, RowsOfCeresHaveTheGradient) {
   for (const JacobianMethod method : {JacobianMethod::kAdjoint, JacobianMethod::kSensitivity}) {
     RolloutCostOptions options = OptionsOf(GetParam());
     options.jacobian = method;
-    const RolloutCost cost(motion_, Blocks(motion_), options);
+    RolloutCost cost(motion_, Blocks(motion_), options);
+    if (GetParam().errs) cost.SetModelError(SomeError());
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     std::vector<const double*> parameters;
     std::vector<RowMajor> rows;

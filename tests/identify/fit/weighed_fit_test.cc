@@ -7,17 +7,22 @@
 #include "identify/fit/fit.h"
 #include "identify/problem/model_errors.h"
 #include "identify/run.h"
+#include "tests/costs/start/forget_start.h"
 #include "tests/identify/fine_recordings.h"
 #include "tests/identify/simulated_recordings.h"
 
 namespace clothid::weighed_fit_test {
 namespace {
 
-constexpr double kFriction = 0.24, kStiffness = 70.0, kNoise = 1e-3;
+constexpr double kFriction = 0.24, kStiffness = 70.0, kNoise = 5e-4;
 
-RecordedMotion FineDrape(double noise = kNoise) {
-  return RecordFinely(ShippedScene("drape", 10), 32, 0, {{"mu", kFriction}, {"k_stretch", kStiffness}}, noise);
+// By steps of h/`divisor`.
+RecordedMotion Drape(int divisor) {
+  Scene scene = ShippedScene("drape", 10, Integrator::kSdirk2);
+  return RecordFinely(scene, divisor, 0, {{"mu", kFriction}, {"k_stretch", kStiffness}}, kNoise);
 }
+
+RecordedMotion FineDrape() { return Drape(32); }
 
 FitOptions Options(bool weighs) {
   FitOptions options;
@@ -56,8 +61,7 @@ TEST(WeighedFitTest, TheStartStaysWhereItWasSeen) {
 
 // The same recording by the model itself.
 TEST(WeighedFitTest, NothingChangesWhereNoiseIsAllThereIs) {
-  const RecordedMotion motion =
-      RecordFinely(ShippedScene("drape", 10), 1, 0, {{"mu", kFriction}, {"k_stretch", kStiffness}}, kNoise);
+  const RecordedMotion motion = Drape(1);
   for (const RecordedMotion& each : {motion, ForgetStart(StartSource::kRest, motion)}) {
     const FitSummary weighed = FitOf(each), same = FitOf(each, false);
     EXPECT_TRUE(IsZero(weighed.model_errors));
