@@ -13,6 +13,7 @@ constexpr int kMostScorings = 50, kMostSweeps = 100, kMostHalvings = 20;
 constexpr double kHighestCorrelation = 0.97;  // no recording is long enough to tell more
 // Rows of a frame that err alike where the model does; of fewer rows than that it is seen from frame to frame alone.
 constexpr double kLeastAlike = 4.0, kFewRows = 36.0;
+constexpr double kGone = 0.05;          // of a squared correlation
 constexpr double kBeyondChance = 4.0;   // standard deviations
 constexpr double kSteadyGain = 1e-9;    // of -2 log L
 constexpr double kSteadySweep = 1e-10;  // of a step, relative to the largest variance
@@ -114,11 +115,16 @@ struct FrameProducts {
     return size > 0.0 ? std::clamp(along / size, 0.0, kHighestCorrelation) : 0.0;
   }
 
-  // 1/N, at most 1; 0 where the products are as large as chance makes those of noise.
+  // 1/N, at most 1; 0 where the products are as large as chance makes those of noise. Of frames so far apart that the
+  // correlation between them is gone, if there are any: how it falls is known about its start alone.
   double Alikeness(double correlation) const {
+    const double few = std::log(kGone) / (2.0 * std::log(std::max(correlation, kGone)));
+    const auto last = errors.size() - 1;
+    const auto apart =
+        std::clamp(static_cast<Eigen::Index>(std::ceil(few)), Eigen::Index{1}, std::max<Eigen::Index>(last, 1));
     double measured = 0.0, variance = 0.0, size = 0.0, lasting = 0.0;
     for (Eigen::Index t = 0; t < errors.size(); ++t) {
-      for (Eigen::Index u = 0; u < t; ++u) {
+      for (Eigen::Index u = 0; u + apart <= t; ++u) {
         if (!(counts(t, u) > 0.0)) continue;
         const double pair = errors[t] * errors[u], noise = products(t, t) * products(u, u) / counts(t, u);
         measured += std::pow(products(t, u), 2) - errors[t] - errors[u] - counts(t, u);
