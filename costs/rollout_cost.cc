@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "costs/rows/evaluated_residuals.h"
 #include "costs/rows/reflected_rows.h"
 #include "costs/rows/rollout_evaluator.h"
 
@@ -156,6 +157,17 @@ bool RolloutCost::TimesCurvature(const Eigen::VectorXd& coordinates, const Eigen
   if (!evaluator_->At({coordinates, precision_, Need::kCost, {}}).ok()) return false;
   const RolloutEvaluation& evaluation =
       evaluator_->At({coordinates, precision_, Need::kProduct, evaluator_->free_coordinates(), direction});
+  if (evaluation.ok()) *product = evaluation.product;
+  return evaluation.ok();
+}
+
+bool RolloutCost::PullBackChange(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& predicted,
+                                 const Eigen::MatrixXd& forces, Eigen::VectorXd* product) const {
+  const RolloutEvaluation& here = evaluator_->At({coordinates, precision_, Need::kCost, {}});
+  if (!here.ok()) return false;
+  const Eigen::VectorXd change = ResidualChange(model().observation(), here, predicted, forces);
+  const RolloutEvaluation& evaluation =
+      evaluator_->At({coordinates, precision_, Need::kPullBack, evaluator_->free_coordinates(), change});
   if (evaluation.ok()) *product = evaluation.product;
   return evaluation.ok();
 }

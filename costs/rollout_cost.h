@@ -74,6 +74,12 @@ class RolloutCost : public ceres::CostFunction {
   bool TimesCurvature(const Eigen::VectorXd& coordinates, const Eigen::VectorXd& direction,
                       Eigen::VectorXd* product) const;
 
+  // J^T D [p + n + f] of the change D of e from the prediction here to another one, `predicted` [R x T] m and `forces`
+  // [3G x F] N, weighted by the loss as here: how much dL/dq would change to first order. Without priors; entries of
+  // frozen blocks are zero. By one reverse sweep. Returns as `Evaluate` does.
+  bool PullBackChange(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& predicted,
+                      const Eigen::MatrixXd& forces, Eigen::VectorXd* product) const;
+
   // The prediction [R x T] m (see Observation), the counts of their rollout (may be null) and the forces [3G x F] N
   // (may be null). False where the rollout failed.
   bool Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* predicted, RolloutCounts* counts = nullptr,

@@ -24,8 +24,8 @@ inline constexpr char kHelp[] = R"(identify: fits friction and stiffness of clot
                       off; A in standard deviations (none)
   --starts N          fits from N starting points (1)
   --holdout FILES     recordings that are not fitted, to judge the estimates on
-  --discretization P  step, mesh or all: intervals count with the error of the
-                      time step, the mesh or both
+  --discretization P  step, mesh or all: intervals count with what fits tell of
+                      the error of the time step, the mesh or both
   --threads N         recordings and fits side by side; no result depends on
                       it (1)
   --output DIR        folder of the results, report.html among them

@@ -12,6 +12,7 @@
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
+#include "identify/checks/step_error.h"
 #include "identify/fit/fit.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/problem/problem.h"
@@ -214,6 +215,7 @@ class Run {
       if (!summary_.uncertainty || fit_options_.is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));
     }
+    checks_.step_error = AddStepError(inputs_.fitted, fit_options_, *problem_, &summary_);
     const bool has_step = checks_.step_choice && checks_.step_choice->found;
     if ((options_.discretization.any() || has_step) && !fit_options_.is_cancelled()) {
       const DiscretizationCheck known = has_step ? checks_.step_choice->check : DiscretizationCheck();

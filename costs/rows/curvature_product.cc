@@ -30,14 +30,28 @@ Eigen::VectorXd CurvatureProduct::At(const RolloutEvaluation& evaluation, const 
     ++statistics->sweeps;
     along += Sweep(evaluation, {{}, direction.tail(model_->num_unknowns())}, rollout, /*passes_left=*/1);
   }
+  return SweepBack(evaluation, active, along, Precision::kLoose, rollout, *rollouts, statistics);
+}
+
+Eigen::VectorXd CurvatureProduct::PullBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
+                                           const Eigen::VectorXd& change, LatestRollout* rollouts,
+                                           CostStatistics* statistics) const {
+  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, /*passes_left=*/1, statistics);
+  const ScopedTimer timer(&statistics->derivative_seconds);
+  return SweepBack(evaluation, active, change, evaluation.precision, rollout, *rollouts, statistics);
+}
+
+Eigen::VectorXd CurvatureProduct::SweepBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
+                                            const Eigen::VectorXd& change, Precision precision, const Rollout& rollout,
+                                            const LatestRollout& rollouts, CostStatistics* statistics) const {
   Eigen::VectorXd weights;
   WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);
   ++statistics->sweeps;
-  Eigen::VectorXd product = Eigen::VectorXd::Zero(direction.size());
-  product(active) = model_->PullBack(rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates,
-                                     active, weights.cwiseAbs2().cwiseProduct(along), options_->adjoint,
-                                     Precision::kLoose, &rollouts->forces());
-  if (!product.allFinite()) throw std::runtime_error("the product with the Gauss-Newton matrix is not finite");
+  Eigen::VectorXd product = Eigen::VectorXd::Zero(model_->num_coordinates());
+  product(active) =
+      model_->PullBack(rollout, evaluation.predicted, rollouts.velocities(), evaluation.coordinates, active,
+                       weights.cwiseAbs2().cwiseProduct(change), options_->adjoint, precision, &rollouts.forces());
+  if (!product.allFinite()) throw std::runtime_error("the product with the Jacobian is not finite");
   return product;
 }
 

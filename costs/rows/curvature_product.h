@@ -1,4 +1,5 @@
-// Products with the Gauss-Newton matrix J^T J of a recording, weighted by the loss, along a rollout that is at hand.
+// Products with the Gauss-Newton matrix J^T J of a recording, or with J^T, weighted by the loss, along a rollout that
+// is at hand.
 #ifndef CLOTHID_COSTS_ROWS_CURVATURE_PRODUCT_H_
 #define CLOTHID_COSTS_ROWS_CURVATURE_PRODUCT_H_
 
@@ -23,6 +24,11 @@ class CurvatureProduct {
   Eigen::VectorXd At(const RolloutEvaluation& evaluation, const std::vector<int>& active,
                      const Eigen::VectorXd& direction, LatestRollout* rollouts, CostStatistics* statistics);
 
+  // J^T `change` [p + n + f] of a change of the residual [m], to the precision of the point, by one reverse sweep;
+  // `active` and failures as above.
+  Eigen::VectorXd PullBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
+                           const Eigen::VectorXd& change, LatestRollout* rollouts, CostStatistics* statistics) const;
+
   // A journal tells that `At` was called at a point, and has counted its sweeps.
   void Resume(const Eigen::VectorXd& coordinates, Precision precision);
   void Forget() { Resume({}, Precision::kFull); }
@@ -31,6 +37,10 @@ class CurvatureProduct {
   // The columns of J, without weights, that belong to `blocks`.
   void SetBlockRows(const RolloutEvaluation& evaluation, const std::vector<int>& blocks, const Rollout& rollout,
                     CostStatistics* statistics);
+  // J^T of a change of the residual [m], by a reverse sweep along the latest of `rollouts`, which is of this point.
+  Eigen::VectorXd SweepBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
+                            const Eigen::VectorXd& change, Precision precision, const Rollout& rollout,
+                            const LatestRollout& rollouts, CostStatistics* statistics) const;
   // J [m x (q + c)], without weights.
   Eigen::MatrixXd Sweep(const RolloutEvaluation& evaluation, const SweepColumns& columns, const Rollout& rollout,
                         int passes_left);

@@ -31,7 +31,7 @@ void JournaledComputation::Complete(const EvaluationKey& key, const EvaluationCa
 // A prediction or a first Jacobian that the journal had no room for is made again.
 void JournaledComputation::Replay(const EvaluationKey& key, EvaluationOutcome outcome, const EvaluationCache& recent,
                                   RolloutEvaluation* evaluation) {
-  if (key.need == EvaluationNeed::kProduct) {
+  if (IsProduct(key.need)) {
     evaluation->failure = std::move(outcome.evaluation.failure);
     evaluation->product = std::move(outcome.evaluation.product);
     return computation_->Resume(key, std::move(outcome), /*took_first_jacobian=*/false, recent, *evaluation);
@@ -59,7 +59,7 @@ void JournaledComputation::ComputeAndAppend(const EvaluationKey& key, const Eval
   *statistics += outcome.statistics;
   if (computation_->options().is_cancelled()) return;
   outcome.rollout_coordinates = computation_->rollout_coordinates();
-  if (key.need == EvaluationNeed::kProduct) {  // all else of the point is known
+  if (IsProduct(key.need)) {  // all else of the point is known
     outcome.evaluation.failure = evaluation->failure;
     outcome.evaluation.product = evaluation->product;
     return journal_->Append(key, &outcome);

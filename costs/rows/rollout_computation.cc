@@ -120,6 +120,10 @@ void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& re
     case EvaluationNeed::kProduct:
       evaluation->product =
           curvature_.At(*evaluation, key.active, key.combinations.col(0), &latest_rollout_, statistics);
+      return;
+    case EvaluationNeed::kPullBack:
+      evaluation->product =
+          curvature_.PullBack(*evaluation, key.active, key.combinations.col(0), &latest_rollout_, statistics);
   }
 }
 

@@ -27,6 +27,7 @@ bool RolloutEvaluation::Lacks(const EvaluationKey& key) const {
       return is_new() || !has_exact_rows || !exact_rows.Covers(key.active) ||
              exact_rows.along != DigestOf(key.combinations);
     case EvaluationNeed::kProduct:
+    case EvaluationNeed::kPullBack:
       break;
   }
   return true;

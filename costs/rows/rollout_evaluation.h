@@ -18,6 +18,7 @@ enum class EvaluationNeed {
   kGradient,   // and the gradient
   kExactRows,  // and rows by sensitivities, whatever the method; of a new point with adjoint rows they are its rows
   kProduct,    // and a product with the Gauss-Newton matrix, made anew every time; never of a new point
+  kPullBack,   // likewise one with the transposed Jacobian
 };
 
 // What is asked: the derivatives for the blocks `active` at least.
@@ -27,9 +28,14 @@ struct EvaluationKey {
   EvaluationNeed need = EvaluationNeed::kCost;
   std::vector<int> active;  // increasing; of exact rows blocks alone
   // Of exact rows: of the unknowns [(n + f) x c], more columns behind those of `active`. Of a product: the direction
-  // [(p + n + f) x 1].
+  // [(p + n + f) x 1]. Of a pull-back: a change of the residual [m x 1].
   Eigen::MatrixXd combinations = {};
 };
+
+// Whether it is a product, of which nothing is known beforehand, and that adds nothing else to an evaluation.
+inline bool IsProduct(EvaluationNeed need) {
+  return need == EvaluationNeed::kProduct || need == EvaluationNeed::kPullBack;
+}
 
 // Tells matrices of combinations apart, by their bytes; empty where they have no columns.
 std::string DigestOf(const Eigen::MatrixXd& combinations);
@@ -66,7 +72,7 @@ struct RolloutEvaluation {
   Eigen::VectorXd gradient;  // [p + n + f] dL/dq
   bool has_exact_rows = false;
   ResidualRows exact_rows;  // of the sensitivities, whatever the method of `rows`
-  Eigen::VectorXd product;  // [p + n + f] the latest
+  Eigen::VectorXd product;  // [p + n + f] the latest, of either kind
 
   bool ok() const { return failure.empty(); }
   bool is_new() const { return predicted.size() == 0; }

@@ -59,7 +59,7 @@ void AddErrors(const DiscretizationCheck& check, const FitProblem& problem, FitS
   const Eigen::VectorXd q = summary->coordinates.head(problem.num_blocks());
   std::vector<DiscretizationError> step, mesh;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
-    if (check.half_step) {
+    if (check.half_step && check.half_step->has_estimate()) {
       step.push_back(ErrorOfStep(q[i], Coordinate(check.half_step, i), ConvergedCoordinate(check.double_step, i)));
     }
     if (check.fine_mesh) mesh.push_back(ErrorOfMesh(q[i], Coordinate(check.fine_mesh, i)));

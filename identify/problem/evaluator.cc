@@ -259,9 +259,25 @@ bool FitEvaluator::TimesCurvature(const Eigen::VectorXd& coordinates, const Eige
     }
     return true;
   });
-  *product = Eigen::VectorXd::Zero(problem_->num_coordinates());
-  for (int r = 0; ok && r < problem_->num_recordings(); ++r) (*product)(problem_->coordinate_indices(r)) += parts[r];
+  if (ok) *product = SumOf(parts);
   return ok;
+}
+
+bool FitEvaluator::PullBackChange(const Eigen::VectorXd& coordinates, const std::vector<Eigen::MatrixXd>& changed,
+                                  const std::vector<Eigen::MatrixXd>& forces, Eigen::VectorXd* product) {
+  std::vector<Eigen::VectorXd> parts(static_cast<std::size_t>(problem_->num_recordings()));
+  const bool ok = ForEachRecording([&](int r) {
+    const Eigen::VectorXd own = problem_->CoordinatesOf(r, coordinates);
+    return problem_->cost(r).PullBackChange(own, changed[r], forces[r], &parts[r]);
+  });
+  if (ok) *product = SumOf(parts);
+  return ok;
+}
+
+Eigen::VectorXd FitEvaluator::SumOf(const std::vector<Eigen::VectorXd>& parts) const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(problem_->num_coordinates());
+  for (int r = 0; r < problem_->num_recordings(); ++r) sum(problem_->coordinate_indices(r)) += parts[r];
+  return sum;
 }
 
 CostStatistics FitEvaluator::statistics() const {

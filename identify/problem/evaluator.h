@@ -65,6 +65,11 @@ class FitEvaluator {
   bool TimesCurvature(const Eigen::VectorXd& coordinates, const Eigen::VectorXd& direction, Eigen::VectorXd* product,
                       Precision precision = Precision::kFull);
 
+  // J^T D [p + n + f] of what changes from the predictions here to `changed`, with `forces`, one of each recording
+  // (`RolloutCost::PullBackChange`). False as above.
+  bool PullBackChange(const Eigen::VectorXd& coordinates, const std::vector<Eigen::MatrixXd>& changed,
+                      const std::vector<Eigen::MatrixXd>& forces, Eigen::VectorXd* product);
+
   // Of the last kRows or kExactRows evaluation that worked.
   const QuadraticModel& model() const { return model_; }
   const EvaluatedRows& rows() const { return rows_; }
@@ -109,6 +114,8 @@ class FitEvaluator {
                           Precision precision, RecordingLinearization* part) const;
   Linearization Collect(const std::vector<RecordingLinearization>& parts, Eigen::Index num_columns) const;
 
+  // What the recordings give of all coordinates [p + n + f], summed.
+  Eigen::VectorXd SumOf(const std::vector<Eigen::VectorXd>& parts) const;
   // work(recording) for all, timed; then the reason why one of them returned false, if so.
   bool ForEachRecording(const std::function<bool(int recording)>& work);
 

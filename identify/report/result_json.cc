@@ -63,11 +63,11 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
                             {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)},
                             {"usable", UsabilityName(verdict.parameters[i])}};
     if (parameter.prior.is_given()) json[parameter.name]["prior"] = PriorJson(summary, i);
-    if (checks.discretization) {
+    if (checks.discretization || checks.step_error.is_known()) {
       json[parameter.name]["step_error"] = shown(uncertainty.step_error);
       json[parameter.name]["step_order"] = shown(uncertainty.step_order);
-      json[parameter.name]["mesh_error"] = shown(uncertainty.mesh_error);
     }
+    if (checks.discretization) json[parameter.name]["mesh_error"] = shown(uncertainty.mesh_error);
     if (!summary.starts.empty()) json[parameter.name]["known_start_std"] = uncertainty.known_start_std;
   }
   return json;

@@ -19,6 +19,13 @@ double AddError(const ParameterBlock& block, double coordinate, const Discretiza
   return std::isnan(error.error) ? 0.0 : kNormal95 * error.error;
 }
 
+// The interval once more, with an error of the step that nothing is judged by.
+void WidenByStepError(const ParameterBlock& block, double coordinate, ParameterUncertainty* parameter) {
+  if (parameter->stalled || std::isnan(parameter->step_error)) return;
+  const double error = parameter->step_error / block.ValueDerivative(coordinate);
+  SetInterval(block, coordinate, std::hypot(parameter->half_width95, kNormal95 * error), parameter);
+}
+
 }  // namespace
 
 DiscretizationError ErrorOfStep(double at_step, double at_half, double at_double) {
@@ -52,6 +59,21 @@ void AddDiscretizationErrors(const std::vector<ParameterBlock>& blocks, const Ei
     SetInterval(blocks[i], q, half_width, &parameter);
   }
   JudgeIntervals(blocks, uncertainty);
+  for (std::size_t i = 0; i < blocks.size() && step.empty(); ++i) {
+    WidenByStepError(blocks[i], coordinates[static_cast<Eigen::Index>(i)], &uncertainty->parameters[i]);
+  }
+}
+
+void AddEstimatedStepErrors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                            const std::vector<DiscretizationError>& step, Uncertainty* uncertainty) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    ParameterUncertainty& parameter = uncertainty->parameters[i];
+    if (std::isnan(parameter.coordinate_std)) continue;
+    const double q = coordinates[static_cast<Eigen::Index>(i)];
+    parameter.step_error = blocks[i].ValueDerivative(q) * step[i].error;
+    parameter.step_order = step[i].order;
+    WidenByStepError(blocks[i], q, &parameter);
+  }
 }
 
 }  // namespace clothid

@@ -40,10 +40,16 @@ DiscretizationError ErrorOfStep(double at_step, double at_half, double at_double
 DiscretizationError ErrorOfMesh(double on_mesh, double on_refined);
 
 // The intervals again with the errors of the estimates `coordinates` [p]; `step` and `mesh` [p], or empty: not looked
-// at. An error that is not known leaves the interval to the others.
+// at: errors of the step that were estimated stay as they are. An error that is not known leaves the interval to the
+// others.
 void AddDiscretizationErrors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                              const std::vector<DiscretizationError>& step, const std::vector<DiscretizationError>& mesh,
                              Uncertainty* uncertainty);
+
+// Errors of the step that are only estimated (identify/checks/step_error.h): the intervals get wider by them, but what
+// they tell stays judged as it was.
+void AddEstimatedStepErrors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                            const std::vector<DiscretizationError>& step, Uncertainty* uncertainty);
 
 }  // namespace clothid
 

@@ -17,6 +17,7 @@
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
 #include "identify/checks/step_choice.h"
+#include "identify/checks/step_error.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/verdict/recording_fit.h"
 #include "identify/wind/wind_result.h"
@@ -32,6 +33,7 @@ struct FitChecks {
   std::vector<Profile> profiles;
   std::vector<FitLandscape> landscapes;  // which `MatchLandscape` has seen
   std::optional<StepChoice> step_choice;
+  StepErrorEstimate step_error;
   std::optional<DiscretizationCheck> discretization;
   std::optional<Holdout> holdout;
   std::vector<EnergyGain> energy;                // of every recording; empty: nobody looked

@@ -48,7 +48,7 @@ void AddStalled(const FitSummary& summary, const std::vector<int>& stalled, std:
                   " s^2: the fit stopped early, or at a kink of the cost; no interval is given"));
 }
 
-void AddHardlyTold(const FitSummary& summary, int index, std::vector<Reason>* reasons) {
+void AddHardlyTold(const FitSummary& summary, const FitChecks& checks, int index, std::vector<Reason>* reasons) {
   const std::string& name = summary.parameters[index].name;
   const ParameterUncertainty& parameter = summary.uncertainty->parameters[index];
   if (parameter.is_hardly_told()) {
@@ -57,8 +57,8 @@ void AddHardlyTold(const FitSummary& summary, int index, std::vector<Reason>* re
             ? "reaches from bound to bound"
             : "is " + NumberText(parameter.share_of_belief, 2) + " of what was believed before" +
                   (parameter.reaches_lower || parameter.reaches_upper ? ", and reaches a bound" : "");
-    // Above sqrt(2) of the noise the errors are more than it.
-    const bool is_discretization = parameter.total_std() > std::sqrt(2.0) * parameter.std;
+    // Above sqrt(2) of the noise the errors are more than it. Those that nobody asked for are not judged by.
+    const bool is_discretization = checks.discretization && parameter.total_std() > std::sqrt(2.0) * parameter.std;
     const std::string brief =
         is_discretization ? "hardly told at this time step and mesh" : "hardly told by the recording";
     const std::string advice = is_discretization ? "most of it are their errors" : "give narrower bounds or freeze it";
@@ -76,7 +76,8 @@ void AddHardlyTold(const FitSummary& summary, int index, std::vector<Reason>* re
        brief + ": the recording tells only " + (parameter.reaches_lower ? "how large" : "how small") + " it can be"});
 }
 
-void AddUndetermined(const FitSummary& summary, const std::vector<int>& free, std::vector<Reason>* reasons) {
+void AddUndetermined(const FitSummary& summary, const FitChecks& checks, const std::vector<int>& free,
+                     std::vector<Reason>* reasons) {
   std::vector<int> hidden, stalled;
   for (const int i : free) {
     const ParameterUncertainty& parameter = summary.uncertainty->parameters[i];
@@ -87,7 +88,7 @@ void AddUndetermined(const FitSummary& summary, const std::vector<int>& free, st
     } else if (parameter.stalled) {
       stalled.push_back(i);
     } else if (parameter.visible && (parameter.is_hardly_told() || reaches_bound)) {
-      AddHardlyTold(summary, i, reasons);
+      AddHardlyTold(summary, checks, i, reasons);
     }
     if (!parameter.visible && !parameter.beside_prior && !summary.parameters[i].is_knot) hidden.push_back(i);
   }
@@ -126,7 +127,7 @@ void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std
     reasons->push_back(NotTold(free, "no interval", "no interval is given: there is no derivative at the estimate"));
     return;
   }
-  AddUndetermined(summary, free, reasons);
+  AddUndetermined(summary, checks, free, reasons);
   AddIntervalCheck(summary, checks, reasons);
   for (const int i : free) AddWide(summary, i, reasons);
 }

@@ -31,7 +31,9 @@ bool HasInterval(const FitSummary& summary, const FitChecks& checks, int index) 
   return !std::isnan(summary.uncertainty->parameters[index].std) && !IsAmbiguous(checks, index);
 }
 
-std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, int index) {
+namespace {
+
+std::string ToldRemark(const FitSummary& summary, const FitChecks& checks, int index) {
   if (summary.parameters[index].frozen) return "frozen";
   if (IsIdentifiable(summary, checks, index).value_or(true)) {
     if (summary.parameters[index].at_bound) return "at its bound";
@@ -46,6 +48,23 @@ std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, 
     return parameter.beside_prior->adds_nothing() ? "as believed" : "by its prior";
   }
   return parameter.is_hardly_told() ? "hardly told" : "reaches a bound";
+}
+
+std::string PartsRemark(const FitSummary& summary, const FitChecks& checks, int index) {
+  if (!HasInterval(summary, checks, index)) return "";
+  const ParameterUncertainty& parameter = summary.uncertainty->parameters[index];
+  if (!(parameter.total_std() > std::sqrt(2.0) * parameter.std)) return "";
+  std::string text = "noise +- " + NumberText(parameter.std, 2);
+  if (!std::isnan(parameter.step_error)) text += ", step +- " + NumberText(parameter.step_error, 2);
+  if (!std::isnan(parameter.mesh_error)) text += ", mesh +- " + NumberText(parameter.mesh_error, 2);
+  return text;
+}
+
+}  // namespace
+
+std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, int index) {
+  const std::string told = ToldRemark(summary, checks, index), parts = PartsRemark(summary, checks, index);
+  return told + (told.empty() || parts.empty() ? "" : "; ") + parts;
 }
 
 std::string PriorRemark(const FitSummary& summary, int index) {

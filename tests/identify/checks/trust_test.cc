@@ -5,10 +5,10 @@
 #include <cmath>
 #include <set>
 
+#include "identify/checks/discretization_check.h"
 #include "identify/checks/holdout.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
-#include "identify/checks/discretization_check.h"
 #include "identify/problem/evaluator.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"

@@ -113,6 +113,42 @@ TEST(DiscretizationErrorTest, JudgesTheWidenedInterval) {
   EXPECT_TRUE(example.uncertainty.parameters[1].is_hardly_told());
 }
 
+// An error that nobody asked for widens the interval alone, also beside one of the mesh that was asked for.
+TEST(DiscretizationErrorTest, JudgesWithoutErrorsThatAreOnlyEstimated) {
+  Example example;
+  example.Add({}, {});
+  const Uncertainty noise = example.uncertainty;
+  const std::vector<DiscretizationError> step = {{0.2, 1.3}, {3.0, kNaN}};
+  AddEstimatedStepErrors(example.blocks, example.coordinates, step, &example.uncertainty);
+  const ParameterUncertainty& mu = example.uncertainty.parameters[0];
+  EXPECT_EQ(mu.step_error, 0.2);
+  EXPECT_EQ(mu.step_order, 1.3);
+  EXPECT_EQ(mu.lower95, 0.0);
+  EXPECT_NEAR(mu.upper95, 0.3 + kNormal95 * std::hypot(0.01, 0.2), 1e-15);
+  EXPECT_NEAR(example.uncertainty.parameters[1].step_error, 150.0, 1e-12) << "in N/m";
+  const auto expect_judged_as = [&](const Uncertainty& expected) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      const ParameterUncertainty &own = example.uncertainty.parameters[i], &other = expected.parameters[i];
+      EXPECT_TRUE(own.identifiable);
+      EXPECT_FALSE(own.reaches_lower || own.reaches_upper);
+      EXPECT_EQ(own.share_of_belief, other.share_of_belief);
+    }
+  };
+  expect_judged_as(noise);
+
+  const std::vector<DiscretizationError> mesh = {{0.02, kNaN}, {0.03, kNaN}};
+  Example of_mesh;
+  of_mesh.Add({}, mesh);
+  example.Add({}, mesh);
+  EXPECT_NEAR(mu.upper95, 0.3 + kNormal95 * std::hypot(0.01, 0.2, 0.02), 1e-15);
+  expect_judged_as(of_mesh.uncertainty);
+
+  example.uncertainty.parameters[0].stalled = true;
+  example.Add({}, {});
+  AddEstimatedStepErrors(example.blocks, example.coordinates, step, &example.uncertainty);
+  EXPECT_TRUE(std::isnan(mu.upper95));
+}
+
 TEST(DiscretizationErrorTest, GivesNoIntervalToWhatHadNone) {
   Example example;
   example.uncertainty.parameters[0] = ParameterUncertainty();  // not visible

@@ -468,6 +468,35 @@ TEST(VerdictTest, SaysWhatIsTheLargestOfNoiseStepAndMesh) {
   EXPECT_EQ(Judge(summary, checks).overall, Usability::kUsable) << "below 1 % of the value";
 }
 
+// Of one rollout, which nobody asked for: told beside the estimate, and in words where it asks for care.
+TEST(VerdictTest, SaysWhatOneRolloutTellsOfTheStep) {
+  FitChecks checks;
+  checks.step_error.errors = {0.03};
+  FitSummary summary = Discretized(0.03, kNaN);
+  EXPECT_TRUE(Says(summary, checks, "mu is 0.3 +- 0.01 from noise, +- 0.03 from the time step (no clear order)"));
+  EXPECT_EQ(Judge(summary, checks).line, "usable with care: the error of the time step exceeds the noise");
+  EXPECT_EQ(FitExitCode(summary, checks), 0);
+  EXPECT_EQ(ParameterRemark(summary, checks, 0), "noise +- 0.01, step +- 0.03");
+  summary.parameters[0].is_knot = true;
+  EXPECT_FALSE(Says(summary, checks, "from noise")) << "knots are many";
+  EXPECT_EQ(ParameterRemark(Discretized(0.009, kNaN), checks, 0), "");
+  EXPECT_EQ(ParameterRemark(Discretized(0.009, 0.02), checks, 0), "noise +- 0.01, step +- 0.009, mesh +- 0.02");
+  EXPECT_FALSE(Says(Discretized(0.015, kNaN), checks, "from noise"));
+
+  checks = WithDiscretization(FitStatus::kConverged, FitStatus::kConverged);
+  checks.discretization->half_step->values = Eigen::VectorXd::Constant(1, 0.29);
+  checks.step_error.errors = {0.025};
+  EXPECT_TRUE(Says(Discretized(0.03, kNaN), checks, "time step (no clear order; one rollout said +- 0.025); halve"));
+  checks = WithDiscretization(FitStatus::kFailed, FitStatus::kConverged);
+  checks.step_error.errors = {0.03};
+  EXPECT_TRUE(Says(Discretized(0.03, kNaN), checks, "intervals count with what one rollout says of the time step"));
+
+  checks = FitChecks();
+  checks.step_error.failure = "drape: step 3 failed";
+  EXPECT_TRUE(Says(Converged(), checks, "intervals do not count with the time step: at another one, drape: step 3"));
+  EXPECT_EQ(Judge(Converged(), checks).overall, Usability::kUsable);
+}
+
 TEST(VerdictTest, SaysWhereAFitOfTheDiscretizationFailed) {
   const FitSummary summary = Discretized(kNaN, 0.001);
   FitChecks checks = WithDiscretization(FitStatus::kFailed, FitStatus::kConverged);

@@ -8,11 +8,12 @@
 namespace clothid::wrong_scene_test {
 namespace {
 
-RecordedMotion Recorded() {
+RecordedMotion Recorded(const Scene& scene = SwingScene()) {
   MotionOptions options;
+  options.frame_interval = 0.01;
   options.true_values = {{"k_stretch", 150.0}};
   options.noise = options.sigma = 1e-3;
-  return MakeMotion(SwingScene(), options);
+  return MakeMotion(scene, options);
 }
 
 RunResult RunFit(const RecordedMotion& motion) {
@@ -30,7 +31,9 @@ bool Says(const RunResult& result, const std::string& words) {
 }
 
 TEST(WrongSceneTest, TheRightOneIsUsable) {
-  const RunResult result = RunFit(Recorded());
+  Scene scene = SwingScene();
+  scene.time_step /= 8.0;  // of whose error the noise hides enough
+  const RunResult result = RunFit(Recorded(scene));
   EXPECT_EQ(result.exit_code, kExitSuccess) << result.table;
   EXPECT_EQ(result.verdict.overall, Usability::kUsable) << result.table;
   EXPECT_EQ(result.verdict.line, "usable: every fitted parameter is identifiable");

@@ -131,7 +131,7 @@ class ResultTest(unittest.TestCase):
         self.assertIn("<iframe srcdoc=", again._repr_html_())
         self.assertAlmostEqual(again["mu"].value, 0.2, places=6)
         self.assertEqual(again.covariance.shape, (1, 1))
-        self.assertEqual(again.verdict.usable, "yes")
+        self.assertEqual(again.verdict.usable, result.verdict.usable)
         with tempfile.TemporaryDirectory() as place:
             folder = pathlib.Path(place)
             result.save(folder / "own")

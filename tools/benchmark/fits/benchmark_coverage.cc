@@ -168,9 +168,18 @@ void RunCoverageFit(const std::vector<TrueParameter>& truth, const CoverageOptio
   RunOptions run = OptionsOfFit(truth, coverage, fit->setting);
   run.targets = {std::move(recording)};
   std::optional<Uncertainty> noise;
-  run.on_fitted = [&noise](const FitSummary& summary) { noise = summary.uncertainty; };
-  const RunResult result = Identify(run);
-  const FitSummary& summary = result.summary;
+  int rollouts = 0;  // of the fit alone
+  run.on_fitted = [&](const FitSummary& summary) {
+    noise = summary.uncertainty;
+    rollouts = summary.statistics.rollouts;
+  };
+  RunResult result = Identify(run);
+  FitSummary& summary = result.summary;
+  const bool has_own_steps = coverage.resolution.steps == 1 && !coverage.discretization.any();
+  if (has_own_steps) {  // the truth is of the steps of the model, which have no error then
+    summary.uncertainty = noise;
+    summary.statistics.rollouts = rollouts;
+  }
   std::size_t num_nodes = 0;
   for (const FieldRequest& request : coverage.unknowns.fields) num_nodes += static_cast<std::size_t>(request.size());
   for (std::size_t i = 0; i < truth.size() - num_nodes; ++i) {

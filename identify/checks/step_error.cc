@@ -1,0 +1,150 @@
+#include "identify/checks/step_error.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "costs/prediction/recording_model.h"
+#include "identify/base/parallel_for.h"
+#include "identify/problem/evaluator.h"
+#include "identify/uncertainty/discretization_error.h"
+#include "sim/base/error.h"
+#include "sim/base/phase_seconds.h"
+#include "sim/matrix/dense.h"
+
+namespace clothid {
+namespace {
+
+// What is predicted of one recording at another step.
+struct StepPrediction {
+  Eigen::MatrixXd points, forces;  // as of `RolloutCost::Predict`
+  std::string failure;             // empty: it worked
+  CostStatistics statistics;
+};
+
+class StepErrorFinder {
+ public:
+  StepErrorFinder(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem& problem,
+                  FitSummary* summary)
+      : motions_(motions), options_(options), problem_(problem), summary_(summary) {
+    for (int i = 0; i < problem.num_blocks(); ++i) {
+      if (!std::isnan(summary->uncertainty->parameters[i].coordinate_std)) told_.push_back(i);
+    }
+  }
+
+  // Of q [p]; empty: not known, and `failure` says why where something failed.
+  std::vector<DiscretizationError> Find(std::string* failure) {
+    if (told_.empty() || options_.is_cancelled()) return {};
+    const Eigen::VectorXd at_half = EstimateAt(0.5, failure);
+    if (!failure->empty()) return {};
+    std::vector<DiscretizationError> errors = ErrorsFrom(at_half, Nowhere());
+    if (!ExceedNoise(errors)) return errors;
+    std::string no_order;
+    const Eigen::VectorXd at_double = EstimateAt(2.0, &no_order);
+    return no_order.empty() ? ErrorsFrom(at_half, at_double) : errors;
+  }
+
+ private:
+  // Where a fit at `factor` times the step would end [p]: NaN for parameters that are not told.
+  Eigen::VectorXd EstimateAt(double factor, std::string* failure) {
+    std::vector<Eigen::MatrixXd> points, forces;
+    for (StepPrediction& prediction : PredictAt(factor)) {
+      summary_->statistics += prediction.statistics;
+      if (failure->empty()) *failure = prediction.failure;
+      points.push_back(std::move(prediction.points));
+      forces.push_back(std::move(prediction.forces));
+    }
+    if (!failure->empty()) return {};
+    FitEvaluator evaluator(&problem_, options_.num_threads, EvaluationPurpose::kInterval);
+    Eigen::VectorXd change;
+    if (!evaluator.PullBackChange(summary_->coordinates, points, forces, &change)) *failure = evaluator.last_failure();
+    summary_->statistics += evaluator.statistics();
+    return failure->empty() ? EstimateAfter(change) : Eigen::VectorXd();
+  }
+
+  Eigen::VectorXd Nowhere() const {
+    return Eigen::VectorXd::Constant(problem_.num_blocks(), std::numeric_limits<double>::quiet_NaN());
+  }
+
+  // Where a change of the gradient [p + n + f] moves the minimum of the marginal model to [p].
+  Eigen::VectorXd EstimateAfter(const Eigen::VectorXd& change) const {
+    const MarginalModel& model = *summary_->marginal;
+    const Eigen::Index p = problem_.num_blocks();
+    const Eigen::VectorXd gradient = change.head(p) + model.follow.transpose() * change.tail(problem_.num_unknowns());
+    const Eigen::MatrixXd hessian = model.hessian(told_, told_);
+    Eigen::VectorXd moved = Nowhere();
+    moved(told_) = summary_->coordinates(told_) - SymmetricFactor(hessian).SolveOne(gradient(told_));
+    return moved;
+  }
+
+  std::vector<StepPrediction> PredictAt(double factor) const {
+    std::vector<StepPrediction> predictions(motions_.size());
+    ParallelFor(static_cast<int>(motions_.size()), options_.num_threads,
+                [&](int r) { predictions[static_cast<std::size_t>(r)] = PredictRecording(r, factor); });
+    return predictions;
+  }
+
+  StepPrediction PredictRecording(int recording, double factor) const {
+    RecordedMotion motion = motions_[static_cast<std::size_t>(recording)];
+    motion.scene.time_step *= factor;
+    const RecordingModel& fitted = problem_.cost(recording).model();
+    StepPrediction prediction;
+    const ScopedTimer timer(&prediction.statistics.rollout_seconds);
+    try {
+      RecordingModel model(motion, fitted.blocks(), {}, fitted.shared_start(), problem_.fields());
+      model.SetNumThreads(std::max(1, options_.num_threads / problem_.num_recordings()));
+      ForceTrack forces;
+      const Rollout rollout =
+          model.Simulate(problem_.CoordinatesOf(recording, summary_->coordinates), {Precision::kFull, options_.cancel},
+                         {}, &prediction.points, /*velocities=*/nullptr, &forces);
+      ++prediction.statistics.rollouts;
+      prediction.statistics.counts += rollout.counts;
+      prediction.forces = std::move(forces.predicted);
+      if (!rollout.ok()) prediction.failure = model.name() + ": " + rollout.failure->ToString();
+    } catch (const Error& error) {  // a scene that cannot have this step
+      prediction.failure = error.what();
+    }
+    return prediction;
+  }
+
+  std::vector<DiscretizationError> ErrorsFrom(const Eigen::VectorXd& at_half, const Eigen::VectorXd& at_double) const {
+    std::vector<DiscretizationError> errors;
+    for (Eigen::Index i = 0; i < at_half.size(); ++i) {
+      errors.push_back(ErrorOfStep(summary_->coordinates[i], at_half[i], at_double[i]));
+    }
+    return errors;
+  }
+
+  bool ExceedNoise(const std::vector<DiscretizationError>& errors) const {
+    return std::any_of(told_.begin(), told_.end(),
+                       [&](int i) { return errors[i].error > summary_->uncertainty->parameters[i].coordinate_std; });
+  }
+
+  const std::vector<RecordedMotion>& motions_;
+  const FitOptions& options_;
+  const FitProblem& problem_;
+  FitSummary* summary_;
+  std::vector<int> told_;  // the parameters that have a standard deviation
+};
+
+}  // namespace
+
+StepErrorEstimate AddStepError(const std::vector<RecordedMotion>& motions, const FitOptions& options,
+                               const FitProblem& problem, FitSummary* summary) {
+  if (!summary->uncertainty || !summary->marginal) return {};
+  StepErrorEstimate estimate;
+  const std::vector<DiscretizationError> errors =
+      StepErrorFinder(motions, options, problem, summary).Find(&estimate.failure);
+  if (options.is_cancelled()) return {};
+  if (errors.empty()) return estimate;
+  AddEstimatedStepErrors(problem.blocks(), summary->coordinates.head(problem.num_blocks()), errors,
+                         &*summary->uncertainty);
+  for (const ParameterUncertainty& parameter : summary->uncertainty->parameters) {
+    estimate.errors.push_back(parameter.step_error);
+  }
+  return estimate;
+}
+
+}  // namespace clothid
