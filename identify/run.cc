@@ -207,6 +207,7 @@ class Run {
   void Examine() {
     const ScopedTimer timer(&summary_.total_seconds);
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
+    checks_.step_error = AddStepError(inputs_.fitted, fit_options_, *problem_, &summary_);
     if (options_.wind.is_given()) {
       checks_.wind = DescribeWind(inputs_.fitted, summary_, *problem_);
     }
@@ -215,7 +216,6 @@ class Run {
       if (!summary_.uncertainty || fit_options_.is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));
     }
-    checks_.step_error = AddStepError(inputs_.fitted, fit_options_, *problem_, &summary_);
     const bool has_step = checks_.step_choice && checks_.step_choice->found;
     if ((options_.discretization.any() || has_step) && !fit_options_.is_cancelled()) {
       const DiscretizationCheck known = has_step ? checks_.step_choice->check : DiscretizationCheck();

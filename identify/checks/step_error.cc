@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "costs/prediction/recording_model.h"
 #include "identify/base/parallel_for.h"
 #include "identify/problem/evaluator.h"
 #include "identify/uncertainty/discretization_error.h"
-#include "sim/base/error.h"
 #include "sim/base/phase_seconds.h"
 #include "sim/matrix/dense.h"
 
@@ -103,7 +103,7 @@ class StepErrorFinder {
       prediction.statistics.counts += rollout.counts;
       prediction.forces = std::move(forces.predicted);
       if (!rollout.ok()) prediction.failure = model.name() + ": " + rollout.failure->ToString();
-    } catch (const Error& error) {  // a scene that cannot have this step
+    } catch (const std::runtime_error& error) {  // a scene that cannot have this step, a system that is singular there
       prediction.failure = error.what();
     }
     return prediction;
