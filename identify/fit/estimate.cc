@@ -46,6 +46,26 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
   FillFields(problem, summary);
 }
 
+void AddFieldRows(const FitProblem& problem, const Eigen::MatrixXd& combinations, Eigen::Index first_column,
+                  Eigen::MatrixXd* jacobian) {
+  const Eigen::MatrixXd rows = problem.FieldRows(combinations);
+  jacobian->conservativeResize(jacobian->rows() + rows.rows(), Eigen::NoChange);
+  jacobian->bottomRows(rows.rows()).setZero();
+  jacobian->bottomRows(rows.rows()).middleCols(first_column, rows.cols()) = rows;
+}
+
+bool LinearizeAlong(const FitProblem& problem, const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow,
+                    FitEvaluator* evaluator, Linearization* along) {
+  if (!evaluator->Linearize(coordinates, follow, along)) return false;
+  const Eigen::Index p = problem.num_blocks();
+  along->jacobian = (along->jacobian.leftCols(p) + along->jacobian.rightCols(p)).eval();
+  along->gradient = (along->gradient.head(p) + along->gradient.tail(p)).eval();
+  along->gradient += follow.transpose() * problem.PriorGradient(coordinates).tail(problem.num_unknowns());
+  for (Eigen::MatrixXd& scores : along->frame_scores) scores = (scores.topRows(p) + scores.bottomRows(p)).eval();
+  AddFieldRows(problem, follow, 0, &along->jacobian);
+  return true;
+}
+
 double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary) {
   if (!loss.is_robust() && !problem.has_model_error()) return summary.error.autocorrelation();
   PredictionError error;

@@ -11,6 +11,7 @@
 #include "identify/fit/fit_recorder.h"
 #include "identify/fit/joint_stage.h"
 #include "identify/fit/plan.h"
+#include "identify/fit/quadratic_estimate.h"
 #include "identify/fit/stage_rows.h"
 #include "identify/problem/evaluator.h"
 #include "identify/problem/gauss_newton.h"
@@ -319,9 +320,11 @@ void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summa
   AddUncertainty(options, *problem, summary);
   ContinueFromLowerPoints(options, &Fit, problem, summary);
   WeighByModelError(options, &Fit, problem, summary);
-  if (!problem->finds_model_error() || !problem->has_model_error()) return;
-  AddUncertainty(options, *problem, summary);
-  ContinueFromLowerPoints(options, &Fit, problem, summary);
+  if (problem->finds_model_error() && problem->has_model_error()) {
+    AddUncertainty(options, *problem, summary);
+    ContinueFromLowerPoints(options, &Fit, problem, summary);
+  }
+  EstimateFromQuadratic(options, *problem, summary);
 }
 
 }  // namespace clothid
