@@ -320,7 +320,8 @@ void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summa
   AddUncertainty(options, *problem, summary);
   ContinueFromLowerPoints(options, &Fit, problem, summary);
   WeighByModelError(options, &Fit, problem, summary);
-  if (problem->finds_model_error() && problem->has_model_error()) {
+  const bool is_weighed = problem->finds_model_error() && problem->has_model_error();
+  if (is_weighed || !summary->uncertainty) {
     AddUncertainty(options, *problem, summary);
     ContinueFromLowerPoints(options, &Fit, problem, summary);
   }

@@ -22,7 +22,7 @@ constexpr double kLeastDistance = 1e4;
 constexpr double kManyDistance = 1e5;  // the least of so many parameters that the points cannot go farther out
 constexpr double kMostDistance = 3e5;
 constexpr double kDistanceStds = 2.0;
-constexpr double kDistanceGrowth = 3.0;
+constexpr double kDistanceGrowth = 3.2;
 constexpr double kLeastExplained = 0.9;
 constexpr double kWellWithin = 0.5;  // of the distance
 constexpr int kMostMoves = 3;        // at one distance
@@ -34,7 +34,9 @@ Eigen::MatrixXd UnitPoints(Eigen::Index num) {
   for (Eigen::Index i = 0; i < num; ++i) {
     for (const double side : {1.0, -1.0}) points.push_back(side * Eigen::VectorXd::Unit(num, i));
   }
-  if (num == 1) points.insert(points.end(), {0.5 * points[1], 0.5 * points[2]});
+  if (num == 1) {
+    for (const double share : {1.0, 2.0, -1.0, -2.0}) points.push_back(share / 3.0 * points[1]);
+  }
   const auto add_pairs = [&](double first, double second) {
     for (Eigen::Index i = 0; i < num; ++i) {
       for (Eigen::Index j = i + 1; j < num; ++j) {
@@ -95,7 +97,19 @@ class QuadraticSearch {
   }
 
   const QuadraticEstimate& estimate() const { return estimate_; }
-  const FittedQuadratic& quadratic() const { return *quadratic_; }  // that was found
+  // That was found; whether the estimate of before lies between its points.
+  const FittedQuadratic& quadratic() const { return *quadratic_; }
+  bool covers(const Eigen::VectorXd& coordinates) const {
+    return ((coordinates - center_)(moved_).cwiseAbs().array() <= quadratic_->reach.array()).all();
+  }
+  // Its mean derivative of all residuals between the points [m x p], by least squares.
+  Eigen::MatrixXd Slopes() const {
+    const Eigen::MatrixXd offsets = points_.colwise() - points_.rowwise().mean();
+    Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(residuals_.rows(), problem_.num_blocks());
+    slopes(Eigen::all, moved_) =
+        residuals_ * (SymmetricFactor(offsets * offsets.transpose()).Solve(offsets)).transpose();
+    return slopes;
+  }
 
  private:
   // So many resolutions of the parameters, at the centre.
@@ -144,18 +158,24 @@ class QuadraticSearch {
     quadratic_.reset();
     is_over_ = estimate_.num_evaluations + unit_points_.cols() > kMostQuadraticEvaluations;
     if (is_over_) return false;
-    Eigen::MatrixXd points(unit_points_.rows(), unit_points_.cols());
     Eigen::VectorXd costs(unit_points_.cols());
+    points_.resize(unit_points_.rows(), unit_points_.cols());
     Eigen::Index count = 0;
     for (Eigen::Index k = 0; k < unit_points_.cols(); ++k) {
       is_over_ = options_.is_cancelled();
       if (is_over_) return false;
       const Eigen::VectorXd point = Moved(unit_points_.col(k).cwiseProduct(distance));
       ++estimate_.num_evaluations;
+      evaluator_->SupersedeBest();
       if (!evaluator_->Evaluate(point, FitEvaluator::Derivative::kNone, &costs[count], /*gradient=*/nullptr)) continue;
-      points.col(count++) = (point - center_)(moved_);
+      const Eigen::VectorXd residuals = AllResiduals(problem_, evaluator_->best().predicted, evaluator_->best().forces);
+      residuals_.conservativeResize(residuals.size(), unit_points_.cols());
+      residuals_.col(count) = residuals;
+      points_.col(count++) = (point - center_)(moved_);
     }
-    quadratic_ = FitQuadratic(points.leftCols(count), costs.head(count));
+    points_.conservativeResize(Eigen::NoChange, count);
+    residuals_.conservativeResize(Eigen::NoChange, count);
+    quadratic_ = FitQuadratic(points_, costs.head(count));
     if (quadratic_) Keep(distance, static_cast<int>(count));
     if (getenv("QTRACE") && quadratic_) {
       fprintf(stderr, "TRACE d");
@@ -191,8 +211,10 @@ class QuadraticSearch {
   const Eigen::MatrixXd follow_;           // [(n + f) x p]
   const Eigen::MatrixXd unit_points_;      // [m x k]
   FitEvaluator* evaluator_;
-  Eigen::VectorXd center_;  // [p + n + f]
-  Eigen::VectorXd first_;   // [m] distance
+  Eigen::VectorXd center_;     // [p + n + f]
+  Eigen::VectorXd first_;      // [m] distance
+  Eigen::MatrixXd points_;     // [m x k] about the centre, of the last quadratic
+  Eigen::MatrixXd residuals_;  // [rows x k] of all recordings there
   std::optional<FittedQuadratic> quadratic_;
   bool is_over_ = false;  // evaluations are used up, or the fit is cancelled
   QuadraticEstimate estimate_;
@@ -255,24 +277,45 @@ bool IsRough(const FitSummary& summary) {
          std::any_of(summary.dents.begin(), summary.dents.end(), [](const DentCheck& dent) { return dent.is_dent(); });
 }
 
-// Makes `minimum` the estimate. False where its cost is too high, or there is no derivative.
+// The minimum is no surer than the roughness about the quadratic leaves it.
+void AddRoughness(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                  const std::vector<Eigen::Index>& moved, const Eigen::MatrixXd& covariance, Uncertainty* uncertainty) {
+  for (std::size_t a = 0; a < moved.size(); ++a) {
+    ParameterUncertainty& parameter = uncertainty->parameters[moved[a]];
+    if (std::isnan(parameter.coordinate_std)) continue;
+    const ParameterBlock& block = blocks[moved[a]];
+    const double q = coordinates[moved[a]];
+    const auto own = static_cast<Eigen::Index>(a);
+    parameter.coordinate_std = std::hypot(parameter.coordinate_std, std::sqrt(covariance(own, own)));
+    parameter.std = block.ValueDerivative(q) * parameter.coordinate_std;
+    SetInterval(block, q, uncertainty->quantile95 * parameter.coordinate_std, &parameter);
+  }
+  JudgeIntervals(blocks, uncertainty);
+}
+
+// Makes `minimum` the estimate. False where its cost is too high, or there is no derivative. That of the rollout there
+// sees nothing but kinks: where frames are correlated, they are weighed by the mean derivative between the points.
 bool TakeMinimum(const FitOptions& options, const FitProblem& problem, const Eigen::VectorXd& minimum,
-                 const FittedQuadratic& quadratic, const std::vector<Eigen::Index>& moved, FitEvaluator* evaluator,
+                 const QuadraticSearch& search, const std::vector<Eigen::Index>& moved, FitEvaluator* evaluator,
                  FitSummary* summary) {
+  const FittedQuadratic& quadratic = search.quadratic();
+  const double highest = search.covers(summary->coordinates) ? std::numeric_limits<double>::infinity()
+                                                             : summary->cost + kRoughnessAllowed * quadratic.roughness;
   double cost = 0.0;
   Linearization linearization;
   evaluator->SupersedeBest();
-  if (!evaluator->Evaluate(minimum, FitEvaluator::Derivative::kNone, &cost, /*gradient=*/nullptr) ||
-      cost > summary->cost + kRoughnessAllowed * quadratic.roughness ||
+  if (!evaluator->Evaluate(minimum, FitEvaluator::Derivative::kNone, &cost, /*gradient=*/nullptr) || cost > highest ||
       !LinearizeAlong(problem, minimum, summary->marginal->follow, evaluator, &linearization)) {
     return false;
   }
   MoveEstimate(options, problem, *evaluator, summary);
   linearization.sigma_is_known |= problem.has_model_error();
   linearization.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);
+  linearization.frame_scores = FrameScores(options.loss, problem, *summary, search.Slopes());
   const Eigen::VectorXd blocks = minimum.head(problem.num_blocks());
   TakeQuadratic(problem, blocks, moved, quadratic.hessian, &linearization);
   summary->uncertainty = EstimateUncertainty(problem.blocks(), blocks, linearization);
+  AddRoughness(problem.blocks(), blocks, moved, quadratic.MinimumCovariance(), &*summary->uncertainty);
   summary->marginal->hessian =
       linearization.jacobian.transpose() * linearization.jacobian + PriorHessian(problem.blocks());
   summary->interval_check.reset();
@@ -295,8 +338,7 @@ void EstimateFromQuadratic(const FitOptions& options, const FitProblem& problem,
   if (!options.is_cancelled()) {
     summary->quadratic = search.estimate();
     if (minimum) {
-      summary->quadratic->is_accepted =
-          TakeMinimum(options, problem, *minimum, search.quadratic(), moved, &evaluator, summary);
+      summary->quadratic->is_accepted = TakeMinimum(options, problem, *minimum, search, moved, &evaluator, summary);
     }
   }
   summary->statistics += evaluator.statistics();

@@ -9,8 +9,7 @@ namespace {
 
 // Below this share of the largest a diagonal entry of the triangular factor is rounding.
 constexpr double kDependent = 1e-10;
-// Of the roughness: the second derivative of a quadratic through few points is itself off by about this.
-constexpr double kClearRise = 2.0;
+constexpr double kClearRise = 0.5;  // of the roughness
 
 // [k x coefficients]: 1, x_i, and x_i x_j with the factors of 1/2 x.H.x.
 Eigen::MatrixXd Monomials(const Eigen::MatrixXd& points) {
@@ -42,6 +41,21 @@ void TakeCoefficients(const Eigen::VectorXd& coefficients, FittedQuadratic* quad
   }
 }
 
+// The slope at x over the coefficients, in their order [n x coefficients].
+Eigen::MatrixXd SlopeRows(const Eigen::VectorXd& x) {
+  const Eigen::Index n = x.size();
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(n, NumQuadraticCoefficients(n));
+  rows.middleCols(1, n).setIdentity();
+  Eigen::Index column = n + 1;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = i; j < n; ++j, ++column) {
+      rows(i, column) = x[j];
+      rows(j, column) = x[i];
+    }
+  }
+  return rows;
+}
+
 }  // namespace
 
 double FittedQuadratic::least_curvature() const {
@@ -54,6 +68,14 @@ bool FittedQuadratic::is_convex() const {
 }
 
 Eigen::VectorXd FittedQuadratic::Minimum() const { return -SymmetricFactor(hessian).SolveOne(gradient); }
+
+Eigen::MatrixXd FittedQuadratic::MinimumCovariance() const {
+  const Eigen::MatrixXd rows = SlopeRows(Minimum().cwiseQuotient(reach));
+  const Eigen::MatrixXd slopes =
+      roughness * factor.triangularView<Eigen::Upper>().transpose().solve(rows.transpose()).transpose();
+  const Eigen::MatrixXd influence = SymmetricFactor(hessian).Solve(reach.cwiseInverse().asDiagonal() * slopes);
+  return influence * influence.transpose();
+}
 
 std::optional<FittedQuadratic> FitQuadratic(const Eigen::MatrixXd& points, const Eigen::VectorXd& values) {
   const Eigen::Index k = points.cols(), num = NumQuadraticCoefficients(points.rows());
@@ -69,9 +91,8 @@ std::optional<FittedQuadratic> FitQuadratic(const Eigen::MatrixXd& points, const
   const Eigen::MatrixXd factor = UpperFactor(system);
   const Eigen::VectorXd diagonal = factor.diagonal().head(num).cwiseAbs();
   if (!(diagonal.minCoeff() > kDependent * diagonal.maxCoeff())) return std::nullopt;
-  TakeCoefficients(
-      factor.topLeftCorner(num, num).triangularView<Eigen::Upper>().solve(factor.col(num).head(num)).eval(),
-      &quadratic);
+  quadratic.factor = factor.topLeftCorner(num, num);
+  TakeCoefficients(quadratic.factor.triangularView<Eigen::Upper>().solve(factor.col(num).head(num)).eval(), &quadratic);
   quadratic.constant += mean;
   const double left = std::abs(factor(num, num)), scatter = (values.array() - mean).matrix().norm();
   quadratic.explained = scatter > 0.0 ? 1.0 - std::pow(left / scatter, 2) : 0.0;

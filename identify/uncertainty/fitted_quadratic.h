@@ -16,13 +16,16 @@ struct FittedQuadratic {
   double explained = 0.0;    // the share of the scatter of the values, as squares, that it explains: R^2
   double roughness = 0.0;    // the standard deviation of the values about it
   Eigen::VectorXd reach;     // [n] the largest |x_i| of the points
+  Eigen::MatrixXd factor;    // R of the monomials of x/reach at the points: 1, x_i, x_i x_j
 
   // The least second derivative in any direction, in units of the reach.
   double least_curvature() const;
-  // Whether it rises by more than twice the roughness from its minimum to the reach, in every direction: one that
-  // rises by less may be no minimum of anything.
+  // Whether it rises by more than half the roughness from its minimum to the reach, in every direction: about the error
+  // of that rise itself.
   bool is_convex() const;
   Eigen::VectorXd Minimum() const;  // [n] of one that is convex
+  // [n x n] how sure its place is: the covariance as values scatter about the quadratic, H^-1 Cov(slope there) H^-1.
+  Eigen::MatrixXd MinimumCovariance() const;
 };
 
 // Its number of coefficients.
