@@ -177,20 +177,6 @@ class QuadraticSearch {
     residuals_.conservativeResize(Eigen::NoChange, count);
     quadratic_ = FitQuadratic(points_, costs.head(count));
     if (quadratic_) Keep(distance, static_cast<int>(count));
-    if (getenv("QTRACE") && quadratic_) {
-      fprintf(stderr, "TRACE d");
-      for (double x : distance) fprintf(stderr, " %.4g", x);
-      fprintf(stderr, " centre");
-      for (auto i : moved_) fprintf(stderr, " %.5g", problem_.blocks()[i].ToValue(center_[i]));
-      fprintf(stderr, " R2 %.4f curv %.4g rough %.4g convex %d min", quadratic_->explained,
-              quadratic_->least_curvature(), quadratic_->roughness, quadratic_->is_convex());
-      auto st = quadratic_->Minimum();
-      for (size_t a = 0; a < moved_.size(); ++a)
-        fprintf(stderr, " %.5g", problem_.blocks()[moved_[a]].ToValue(center_[moved_[a]] + st[a]));
-      fprintf(stderr, "  costs");
-      for (double x : costs) fprintf(stderr, " %.6g", x);
-      fprintf(stderr, "\n");
-    }
     return quadratic_.has_value();
   }
 

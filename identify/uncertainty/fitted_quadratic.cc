@@ -7,7 +7,7 @@
 namespace clothid {
 namespace {
 
-// Below this share of the largest a diagonal entry of the triangular factor is rounding.
+// Below this share of the largest a diagonal entry of the triangular factor, or a second derivative, is rounding.
 constexpr double kDependent = 1e-10;
 constexpr double kClearRise = 0.5;  // of the roughness
 
@@ -41,6 +41,11 @@ void TakeCoefficients(const Eigen::VectorXd& coefficients, FittedQuadratic* quad
   }
 }
 
+// The second derivatives along the axes of H in units of the reach, ascending.
+Eigen::VectorXd ScaledCurvatures(const FittedQuadratic& quadratic) {
+  return SymmetricEigenvalues(quadratic.reach.asDiagonal() * quadratic.hessian * quadratic.reach.asDiagonal());
+}
+
 // The slope at x over the coefficients, in their order [n x coefficients].
 Eigen::MatrixXd SlopeRows(const Eigen::VectorXd& x) {
   const Eigen::Index n = x.size();
@@ -58,13 +63,11 @@ Eigen::MatrixXd SlopeRows(const Eigen::VectorXd& x) {
 
 }  // namespace
 
-double FittedQuadratic::least_curvature() const {
-  return SymmetricEigenvalues(reach.asDiagonal() * hessian * reach.asDiagonal())[0];
-}
+double FittedQuadratic::least_curvature() const { return ScaledCurvatures(*this)[0]; }
 
 bool FittedQuadratic::is_convex() const {
-  const double rise = 0.5 * least_curvature();
-  return rise > 0.0 && rise > kClearRise * roughness;
+  const Eigen::VectorXd curvatures = ScaledCurvatures(*this);
+  return curvatures[0] > kDependent * curvatures.cwiseAbs().maxCoeff() && 0.5 * curvatures[0] > kClearRise * roughness;
 }
 
 Eigen::VectorXd FittedQuadratic::Minimum() const { return -SymmetricFactor(hessian).SolveOne(gradient); }

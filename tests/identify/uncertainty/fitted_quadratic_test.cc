@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 
 namespace clothid::fitted_quadratic_test {
 namespace {
@@ -55,6 +56,24 @@ TEST(FittedQuadraticTest, FindsAnExactOneToRounding) {
   EXPECT_NEAR(quadratic->explained, 1.0, 1e-12);
   EXPECT_LT(quadratic->roughness, 1e-10);
   EXPECT_TRUE(quadratic->is_convex());
+  EXPECT_LT(quadratic->MinimumCovariance().norm(), 1e-20);
+}
+
+// The scatter of the minimum over many draws of noise is what one of them says.
+TEST(FittedQuadraticTest, KnowsHowSureItsMinimumIs) {
+  std::mt19937_64 generator(3);
+  std::normal_distribution<double> noise(0.0, 2e-4);
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero(), told = Eigen::Matrix2d::Zero();
+  constexpr int kDraws = 2000;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const auto quadratic = FitTo([&](const Eigen::Vector2d& x) { return Smooth(x) + noise(generator); }, 0.1);
+    const Eigen::Vector2d off = quadratic->Minimum() - kMinimum;
+    scatter += off * off.transpose() / kDraws;
+    told += quadratic->MinimumCovariance() / kDraws;
+  }
+  EXPECT_NEAR(told(0, 0), scatter(0, 0), 0.15 * scatter(0, 0));
+  EXPECT_NEAR(told(1, 1), scatter(1, 1), 0.15 * scatter(1, 1));
+  EXPECT_NEAR(told(0, 1), scatter(0, 1), 0.15 * std::sqrt(scatter(0, 0) * scatter(1, 1)));
 }
 
 // Of x^3 at -1, 0, 1 over three values of another coordinate the least squares leave nothing (x^3 = x there), of
@@ -80,12 +99,21 @@ TEST(FittedQuadraticTest, SeesThroughKinksFromFarEnough) {
 TEST(FittedQuadraticTest, IsNotConvexWhereItFallsOrIsFlat) {
   EXPECT_FALSE(FitTo([](const Eigen::Vector2d& x) { return x[0] * x[0] - x[1] * x[1]; }, 1.0)->is_convex());
   EXPECT_FALSE(FitTo([](const Eigen::Vector2d& x) { return x[0] * x[0]; }, 1.0)->is_convex());
-  // Hardly more than the roughness along the second coordinate.
-  const auto rough = FitTo(
-      [](const Eigen::Vector2d& x) { return x[0] * x[0] + 0.05 * x[1] * x[1] + 0.1 * std::sin(40.0 * x[0] + x[1]); },
-      1.0);
-  EXPECT_GT(rough->least_curvature(), 0.0);
-  EXPECT_FALSE(rough->is_convex());
+}
+
+// (x^2 - 2/3)(y^2 - 2/3) is what no quadratic explains of the nine points: a roughness of 2/sqrt(27) of its factor.
+TEST(FittedQuadraticTest, IsNotConvexWhereItHardlyRises) {
+  const auto with_roughness = [](double factor) {
+    return FitTo(
+        [&](const Eigen::Vector2d& x) {
+          return x[0] * x[0] + 0.05 * x[1] * x[1] + factor * (x[0] * x[0] - 2.0 / 3.0) * (x[1] * x[1] - 2.0 / 3.0);
+        },
+        1.0);
+  };
+  EXPECT_NEAR(with_roughness(0.2)->roughness, 0.2 * 2.0 / std::sqrt(27.0), 1e-12);
+  EXPECT_NEAR(with_roughness(0.4)->least_curvature(), 0.1, 1e-12);
+  EXPECT_TRUE(with_roughness(0.2)->is_convex());
+  EXPECT_FALSE(with_roughness(0.4)->is_convex());
 }
 
 TEST(FittedQuadraticTest, NeedsMorePointsThanCoefficients) {
