@@ -74,7 +74,7 @@ void ExpectSeesMinimum(const std::vector<std::string>& parameters, int num_point
   EXPECT_EQ(summary.iterations.back().cost, summary.cost);
   EXPECT_NE(summary.predicted[0], before.predicted[0]);
   EXPECT_EQ(summary.start_predicted[0], before.start_predicted[0]);
-  EXPECT_GE(summary.statistics.rollouts, before.statistics.rollouts + summary.quadratic->num_evaluations - 1);
+  EXPECT_GT(summary.statistics.rollouts, before.statistics.rollouts);
   EXPECT_NE(ResultJson(summary, {}, {NoisySwing()}).find("\"quadratic\""), std::string::npos);
 }
 
