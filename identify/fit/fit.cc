@@ -11,6 +11,7 @@
 #include "identify/fit/fit_recorder.h"
 #include "identify/fit/joint_stage.h"
 #include "identify/fit/plan.h"
+#include "identify/fit/quadratic_estimate.h"
 #include "identify/fit/stage_rows.h"
 #include "identify/problem/evaluator.h"
 #include "identify/problem/gauss_newton.h"
@@ -323,9 +324,12 @@ void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summa
 
 void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
   WeighByModelError(options, &Fit, problem, summary);
-  if (!problem->finds_model_error() || !problem->has_model_error()) return;
-  AddUncertainty(options, *problem, summary);
-  ContinueFromLowerPoints(options, &Fit, problem, summary);
+  const bool is_weighed = problem->finds_model_error() && problem->has_model_error();
+  if (is_weighed || !summary->uncertainty) {
+    AddUncertainty(options, *problem, summary);
+    ContinueFromLowerPoints(options, &Fit, problem, summary);
+  }
+  EstimateFromQuadratic(options, *problem, summary);
 }
 
 }  // namespace clothid

@@ -12,6 +12,7 @@
 #include "identify/base/options.h"
 #include "identify/fit/fitted_field.h"
 #include "identify/fit/interval_check.h"
+#include "identify/fit/quadratic_estimate.h"
 #include "identify/problem/unknown_basis.h"
 #include "identify/uncertainty/uncertainty.h"
 
@@ -70,6 +71,8 @@ struct FitSummary {
   std::optional<MarginalModel> marginal;   // that it is made of
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
+  // Of a fit that stalled or ended in a dent; where it is accepted, estimate and uncertainty are its.
+  std::optional<QuadraticEstimate> quadratic;
   std::vector<StartEstimate> starts;     // of the recordings whose start was unknown, where there is an uncertainty
   std::vector<ModelError> model_errors;  // per recording, that frames were weighed by
   FitPlan plan;                          // the stages, and what became of each

@@ -30,28 +30,6 @@ bool LinearizeAll(const FitProblem& problem, FitEvaluator* evaluator, FitSummary
   return evaluator->Linearize(summary->coordinates, all->basis.combinations, &all->linearization);
 }
 
-// What is believed of fields, as rows below those of the recordings: it is no matter of the parameters' own priors.
-void AddFieldRows(const FitProblem& problem, const Eigen::MatrixXd& combinations, Eigen::Index first_column,
-                  Eigen::MatrixXd* jacobian) {
-  const Eigen::MatrixXd rows = problem.FieldRows(combinations);
-  jacobian->conservativeResize(jacobian->rows() + rows.rows(), Eigen::NoChange);
-  jacobian->bottomRows(rows.rows()).setZero();
-  jacobian->bottomRows(rows.rows()).middleCols(first_column, rows.cols()) = rows;
-}
-
-// Along the parameters alone, with which all else moves by the columns of `follow`.
-bool LinearizeAlong(const FitProblem& problem, const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow,
-                    FitEvaluator* evaluator, Linearization* along) {
-  if (!evaluator->Linearize(coordinates, follow, along)) return false;
-  const Eigen::Index p = problem.num_blocks();
-  along->jacobian = (along->jacobian.leftCols(p) + along->jacobian.rightCols(p)).eval();
-  along->gradient = (along->gradient.head(p) + along->gradient.tail(p)).eval();
-  along->gradient += follow.transpose() * problem.PriorGradient(coordinates).tail(problem.num_unknowns());
-  for (Eigen::MatrixXd& scores : along->frame_scores) scores = (scores.topRows(p) + scores.bottomRows(p)).eval();
-  AddFieldRows(problem, follow, 0, &along->jacobian);
-  return true;
-}
-
 // H of all unknowns says how the others follow the parameters. Along with them, the parameters get derivatives of their
 // own at the estimate: what H misses there counts in second order only, since the others follow so as to undo the most.
 bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSummary* summary,
