@@ -14,7 +14,7 @@
 
 namespace clothid {
 
-// `Fit` of identify/fit/fit.h, which calls this.
+// Of a fit that goes on, with its uncertainty where the options ask for it, and nothing of what this file does.
 using FitFunction = FitSummary (*)(const FitOptions& options, FitProblem* problem);
 
 // While the check of the interval of a converged fit has met a lower point: fits again from there with full precision,

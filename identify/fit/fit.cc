@@ -305,6 +305,13 @@ class PlannedFit {
   BasisLinearization known_;
 };
 
+// A fit that goes on from another, and how sure it is. What else follows a fit comes after the last of them.
+FitSummary FitOn(const FitOptions& options, FitProblem* problem) {
+  FitSummary summary = PlannedFit(options, /*motions=*/nullptr, problem).Run();
+  if (options.estimate_uncertainty && summary.has_estimate()) AddUncertainty(options, *problem, &summary);
+  return summary;
+}
+
 }  // namespace
 
 FitSummary Fit(const FitOptions& options, FitProblem* problem) { return Fit(options, problem, nullptr); }
@@ -318,16 +325,16 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector
 
 void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
   AddUncertainty(options, *problem, summary);
-  ContinueFromLowerPoints(options, &Fit, problem, summary);
+  ContinueFromLowerPoints(options, &FitOn, problem, summary);
   WeighFit(options, problem, summary);
 }
 
 void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
-  WeighByModelError(options, &Fit, problem, summary);
+  WeighByModelError(options, &FitOn, problem, summary);
   const bool is_weighed = problem->finds_model_error() && problem->has_model_error();
   if (is_weighed || !summary->uncertainty) {
     AddUncertainty(options, *problem, summary);
-    ContinueFromLowerPoints(options, &Fit, problem, summary);
+    ContinueFromLowerPoints(options, &FitOn, problem, summary);
   }
   EstimateFromQuadratic(options, *problem, summary);
 }

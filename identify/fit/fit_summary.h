@@ -3,6 +3,7 @@
 #define CLOTHID_IDENTIFY_FIT_FIT_SUMMARY_H_
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +13,6 @@
 #include "identify/base/options.h"
 #include "identify/fit/fitted_field.h"
 #include "identify/fit/interval_check.h"
-#include "identify/fit/quadratic_estimate.h"
 #include "identify/problem/unknown_basis.h"
 #include "identify/uncertainty/uncertainty.h"
 
@@ -42,6 +42,17 @@ struct StartEstimate {
 struct MarginalModel {
   Eigen::MatrixXd follow;   // F [(n + f) x p]: the others move by F d where the parameters move by d
   Eigen::MatrixXd hessian;  // [p x p] J^T J along with them, and the priors; rows of what nothing depends on are zero
+};
+
+// The quadratic that was fitted to a cost that is rough (identify/fit/quadratic_estimate.h).
+struct QuadraticEstimate {
+  bool is_accepted = false;  // false: what follows is of the quadratic that explained the most
+  Eigen::VectorXd distance;  // d [p] of q; 0 of what was held
+  double explained = std::numeric_limits<double>::quiet_NaN();  // the share of the scatter of the costs: R^2
+  double roughness = std::numeric_limits<double>::quiet_NaN();  // the standard deviation of the costs about it
+  int num_points = 0;                                           // that it was fitted to
+  int num_moves = 0;                                            // of the points, until then
+  int num_evaluations = 0;                                      // of the cost, in all
 };
 
 // `FitSummary::message` of a fit that was interrupted.

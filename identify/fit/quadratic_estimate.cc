@@ -10,6 +10,7 @@
 #include "identify/fit/fit_summary.h"
 #include "identify/problem/evaluator.h"
 #include "identify/problem/problem.h"
+#include "identify/uncertainty/correlated_scores.h"
 #include "identify/uncertainty/fitted_quadratic.h"
 #include "identify/uncertainty/priors.h"
 #include "sim/matrix/dense.h"
@@ -26,16 +27,20 @@ constexpr double kDistanceGrowth = 3.2;
 constexpr double kLeastExplained = 0.9;
 constexpr double kWellWithin = 0.5;  // of the distance
 constexpr int kMostMoves = 3;        // at one distance
+// A quadratic that is not that of a dent promises at so many distances a rise of which there is at least this share.
+constexpr double kFarther = 3.0;
+constexpr double kLeastShare = 1.0 / 3.0;
 constexpr double kRoughnessAllowed = 3.0;
 
-// Where the cost is evaluated, in distances from the centre, a column each, the most telling first.
+// Where the cost is evaluated, in distances from the centre, a column each, the most telling first. Not at the centre:
+// a fit that has ended there, in a dent, has chosen it for its low cost.
 Eigen::MatrixXd UnitPoints(Eigen::Index num) {
-  std::vector<Eigen::VectorXd> points = {Eigen::VectorXd::Zero(num)};
+  std::vector<Eigen::VectorXd> points;
   for (Eigen::Index i = 0; i < num; ++i) {
     for (const double side : {1.0, -1.0}) points.push_back(side * Eigen::VectorXd::Unit(num, i));
   }
   if (num == 1) {
-    for (const double share : {1.0, 2.0, -1.0, -2.0}) points.push_back(share / 3.0 * points[1]);
+    for (const double share : {1.0, 2.0, -1.0, -2.0}) points.push_back(share / 3.0 * points[0]);
   }
   const auto add_pairs = [&](double first, double second) {
     for (Eigen::Index i = 0; i < num; ++i) {
@@ -81,7 +86,7 @@ class QuadraticSearch {
     const bool has_few_sets = 2 * unit_points_.cols() > kMostQuadraticEvaluations;
     first_ = Resolutions(has_few_sets ? kManyDistance : kLeastDistance);
     for (Eigen::Index a = 0; a < first_.size(); ++a) {
-      first_[a] = std::max(first_[a], kDistanceStds * summary.uncertainty->parameters[moved_[a]].coordinate_std);
+      first_[a] = std::max(first_[a], kDistanceStds * summary.uncertainty->parameters[moved_[a]].independent_std);
     }
   }
 
@@ -127,6 +132,7 @@ class QuadraticSearch {
       const Eigen::VectorXd step = quadratic_->Minimum();
       const double length = step.cwiseQuotient(distance).lpNorm<Eigen::Infinity>();
       if (!(length > kWellWithin)) {
+        if (!HoldsFarther(distance)) break;
         estimate_.is_accepted = true;
         return Moved(step);
       }
@@ -178,6 +184,27 @@ class QuadraticSearch {
     quadratic_ = FitQuadratic(points_, costs.head(count));
     if (quadratic_) Keep(distance, static_cast<int>(count));
     return quadratic_.has_value();
+  }
+
+  // Whether the cost goes on to rise along every parameter, as far as points may go and while evaluations last. A few
+  // points in a dent of a rough cost may lie on a fine quadratic, too; farther out there is nothing of it.
+  bool HoldsFarther(const Eigen::VectorXd& distance) {
+    const Eigen::VectorXd farther = (kFarther * distance).cwiseMin(Resolutions(kMostDistance));
+    for (Eigen::Index a = 0; a < farther.size(); ++a) {
+      if (farther[a] < 2.0 * distance[a]) continue;
+      double rise = 0.0, promised = 0.0;
+      for (const double side : {1.0, -1.0}) {
+        if (estimate_.num_evaluations == kMostQuadraticEvaluations) return true;
+        const Eigen::VectorXd point = Moved(side * farther[a] * Eigen::VectorXd::Unit(farther.size(), a));
+        double cost = 0.0;
+        ++estimate_.num_evaluations;
+        if (!evaluator_->Evaluate(point, FitEvaluator::Derivative::kNone, &cost, /*gradient=*/nullptr)) continue;
+        rise += cost - quadratic_->constant;
+        promised += quadratic_->Value((point - center_)(moved_)) - quadratic_->constant;
+      }
+      if (rise < kLeastShare * promised) return false;
+    }
+    return true;
   }
 
   // What is told of the last quadratic, or of the one that has explained the most.
@@ -263,16 +290,18 @@ bool IsRough(const FitSummary& summary) {
          std::any_of(summary.dents.begin(), summary.dents.end(), [](const DentCheck& dent) { return dent.is_dent(); });
 }
 
-// The minimum is no surer than the roughness about the quadratic leaves it.
+// The minimum is no surer than the roughness about the quadratic leaves it, of which few points say how large it is.
 void AddRoughness(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
-                  const std::vector<Eigen::Index>& moved, const Eigen::MatrixXd& covariance, Uncertainty* uncertainty) {
+                  const std::vector<Eigen::Index>& moved, const FittedQuadratic& quadratic, Uncertainty* uncertainty) {
+  const Eigen::MatrixXd covariance = quadratic.MinimumCovariance();
+  const double few = Student95(std::max(2, quadratic.num_spare)) / kNormal95;
   for (std::size_t a = 0; a < moved.size(); ++a) {
     ParameterUncertainty& parameter = uncertainty->parameters[moved[a]];
     if (std::isnan(parameter.coordinate_std)) continue;
     const ParameterBlock& block = blocks[moved[a]];
     const double q = coordinates[moved[a]];
     const auto own = static_cast<Eigen::Index>(a);
-    parameter.coordinate_std = std::hypot(parameter.coordinate_std, std::sqrt(covariance(own, own)));
+    parameter.coordinate_std = std::hypot(parameter.coordinate_std, few * std::sqrt(covariance(own, own)));
     parameter.std = block.ValueDerivative(q) * parameter.coordinate_std;
     SetInterval(block, q, uncertainty->quantile95 * parameter.coordinate_std, &parameter);
   }
@@ -301,7 +330,7 @@ bool TakeMinimum(const FitOptions& options, const FitProblem& problem, const Eig
   const Eigen::VectorXd blocks = minimum.head(problem.num_blocks());
   TakeQuadratic(problem, blocks, moved, quadratic.hessian, &linearization);
   summary->uncertainty = EstimateUncertainty(problem.blocks(), blocks, linearization);
-  AddRoughness(problem.blocks(), blocks, moved, quadratic.MinimumCovariance(), &*summary->uncertainty);
+  AddRoughness(problem.blocks(), blocks, moved, quadratic, &*summary->uncertainty);
   summary->marginal->hessian =
       linearization.jacobian.transpose() * linearization.jacobian + PriorHessian(problem.blocks());
   summary->interval_check.reset();

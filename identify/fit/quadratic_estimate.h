@@ -4,10 +4,11 @@
 // and the covariance there is that of one side of it. At distances that the residuals make plausible such a cost is
 // smooth again. So where a fit has stalled or ended in a dent, the cost is evaluated at points about the estimate, all
 // else following the parameters, and a quadratic is fitted to it (identify/uncertainty/fitted_quadratic.h):
-//   points    the estimate, q +- d_i along every parameter, and for every pair q +- (d_i, d_j) together; of two
-//             parameters all nine, of one seven.
-//   distance  d at first two standard deviations, where the cost rises by 2 s^2, but at least 1 %; three times as far,
-//             up to 30 %, until the quadratic is convex and explains 90 % of the scatter of the costs.
+//   points    q +- d_i along every parameter, and for every pair q +- (d_i, d_j) together; of two parameters the other
+//             two corners, too, of one six. Not the estimate itself, which the fit has chosen for its low cost.
+//   distance  d at first where the cost rises by 2 s^2 as residuals tell it, but at least 1 %; three times as far,
+//             up to 30 %, until the quadratic is convex, explains 90 % of the scatter of the costs and holds farther
+//             out: at 3 d the cost has risen by a third of what it promises, or what it describes is a dent.
 //   moves     the points go along with the minimum of the quadratic, by no more than d at a time, until it lies well
 //             within them.
 // Its minimum is the estimate then, and its second derivative takes the place of J^T J in the covariance. Scores of
@@ -16,24 +17,11 @@
 #ifndef CLOTHID_IDENTIFY_FIT_QUADRATIC_ESTIMATE_H_
 #define CLOTHID_IDENTIFY_FIT_QUADRATIC_ESTIMATE_H_
 
-#include <Eigen/Core>
-#include <limits>
+#include "identify/base/options.h"
+#include "identify/fit/fit_summary.h"
+#include "identify/problem/problem.h"
 
 namespace clothid {
-
-class FitProblem;
-struct FitOptions;
-struct FitSummary;
-
-struct QuadraticEstimate {
-  bool is_accepted = false;  // false: what follows is of the quadratic that explained the most
-  Eigen::VectorXd distance;  // d [p] of q; 0 of what was held
-  double explained = std::numeric_limits<double>::quiet_NaN();  // the share of the scatter of the costs: R^2
-  double roughness = std::numeric_limits<double>::quiet_NaN();  // the standard deviation of the costs about it
-  int num_points = 0;                                           // that it was fitted to
-  int num_moves = 0;                                            // of the points, until then
-  int num_evaluations = 0;                                      // of the cost, in all
-};
 
 // Costs that a quadratic may take.
 inline constexpr int kMostQuadraticEvaluations = 60;

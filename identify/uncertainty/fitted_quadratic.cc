@@ -63,6 +63,10 @@ Eigen::MatrixXd SlopeRows(const Eigen::VectorXd& x) {
 
 }  // namespace
 
+double FittedQuadratic::Value(const Eigen::VectorXd& x) const {
+  return constant + gradient.dot(x) + 0.5 * x.dot(hessian * x);
+}
+
 double FittedQuadratic::least_curvature() const { return ScaledCurvatures(*this)[0]; }
 
 bool FittedQuadratic::is_convex() const {
@@ -99,7 +103,8 @@ std::optional<FittedQuadratic> FitQuadratic(const Eigen::MatrixXd& points, const
   quadratic.constant += mean;
   const double left = std::abs(factor(num, num)), scatter = (values.array() - mean).matrix().norm();
   quadratic.explained = scatter > 0.0 ? 1.0 - std::pow(left / scatter, 2) : 0.0;
-  quadratic.roughness = left / std::sqrt(static_cast<double>(k - num));
+  quadratic.num_spare = static_cast<int>(k - num);
+  quadratic.roughness = left / std::sqrt(static_cast<double>(quadratic.num_spare));
   return quadratic;
 }
 

@@ -15,9 +15,11 @@ struct FittedQuadratic {
   Eigen::MatrixXd hessian;   // H [n x n]
   double explained = 0.0;    // the share of the scatter of the values, as squares, that it explains: R^2
   double roughness = 0.0;    // the standard deviation of the values about it
+  int num_spare = 0;         // values beyond the number of coefficients
   Eigen::VectorXd reach;     // [n] the largest |x_i| of the points
   Eigen::MatrixXd factor;    // R of the monomials of x/reach at the points: 1, x_i, x_i x_j
 
+  double Value(const Eigen::VectorXd& x) const;
   // The least second derivative in any direction, in units of the reach.
   double least_curvature() const;
   // Whether it rises by more than half the roughness from its minimum to the reach, in every direction: about the error

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "identify/fit/fit.h"
 #include "identify/report/result_json.h"
+#include "sim/scene/scene_json.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid::quadratic_estimate_test {
@@ -78,8 +81,8 @@ void ExpectSeesMinimum(const std::vector<std::string>& parameters, int num_point
   EXPECT_NE(ResultJson(summary, {}, {NoisySwing()}).find("\"quadratic\""), std::string::npos);
 }
 
-TEST(QuadraticEstimateTest, SeesTheMinimumOfOneParameter) { ExpectSeesMinimum({"k_stretch"}, 7); }
-TEST(QuadraticEstimateTest, SeesTheMinimumOfTwo) { ExpectSeesMinimum({"k_stretch", "drag"}, 9); }
+TEST(QuadraticEstimateTest, SeesTheMinimumOfOneParameter) { ExpectSeesMinimum({"k_stretch"}, 6); }
+TEST(QuadraticEstimateTest, SeesTheMinimumOfTwo) { ExpectSeesMinimum({"k_stretch", "drag"}, 8); }
 
 TEST(QuadraticEstimateTest, IsTheSameOnAnyNumberOfThreads) {
   std::vector<FitSummary> summaries;
@@ -95,6 +98,42 @@ TEST(QuadraticEstimateTest, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(summaries[0].coordinates, summaries[1].coordinates);
   EXPECT_EQ(summaries[0].uncertainty->parameters[0].upper95, summaries[1].uncertainty->parameters[0].upper95);
   EXPECT_EQ(summaries[0].quadratic->explained, summaries[1].quadratic->explained);
+}
+
+// A sheet that a robot shakes by its upper edge, chaotic from half a second on: the cost is as low as the noise in a
+// dent of 0.1 % at the truth, and rough everywhere else.
+RecordedMotion ShakenSheet() {
+  Scene scene = ParseScene(R"({"clothid_scene": 2, "time_step": 0.01, "duration": 1.0, "handles": [0, 1, 2, 3, 4, 5],
+      "mesh": {"grid": {"nodes": [6, 6], "size": [0.25, 0.25], "axes": [[1, 0, 0], [0, 0, -1]]}},
+      "materials": {"density": 0.15, "k_stretch": 60}})",
+                           "scene", "");
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(101, 0.0, 1.0);
+  Eigen::MatrixXd path(18, times.size());
+  for (Eigen::Index k = 0; k < times.size(); ++k) {
+    const Eigen::Vector3d shift(0.0, 0.02 * (1.0 - std::cos(12.0 * times[k])),
+                                0.015 * (1.0 - std::cos(18.0 * times[k])));
+    path.col(k) = scene.initial_positions.head(18) + shift.replicate(6, 1);
+  }
+  scene.handles.path = HandlePath(times, path);
+  MotionOptions truth;
+  truth.true_values = {{"k_stretch", 85.0}};
+  truth.noise = truth.sigma = 1e-3;
+  return MakeMotion(scene, truth);
+}
+
+TEST(QuadraticEstimateTest, HoldsTheTruthOfAChaoticSheet) {
+  const FitOptions options = Options({"k_stretch"});
+  const std::vector<RecordedMotion> motions = {ShakenSheet()};
+  FitProblem problem(motions, options);
+  const FitSummary summary = Fit(options, &problem, &motions);  // led by its first frames, which are smooth
+  ASSERT_TRUE(summary.quadratic && summary.quadratic->is_accepted) << summary.parameters[0].value;
+  EXPECT_NEAR(summary.quadratic->distance[0], 0.3, 1e-6) << "nearer there are dents alone";
+  const ParameterUncertainty& own = summary.uncertainty->parameters[0];
+  EXPECT_TRUE(own.identifiable);
+  EXPECT_LT(own.lower95, 85.0);
+  EXPECT_GT(own.upper95, 85.0);
+  EXPECT_GT(own.upper95 - own.lower95, 0.02 * 85.0);
+  EXPECT_LT(own.upper95 - own.lower95, 0.2 * 85.0);
 }
 
 // A cloth that goes on swinging for a second and folds as it does: its cost is rough at every distance.

@@ -53,6 +53,8 @@ TEST(FittedQuadraticTest, FindsAnExactOneToRounding) {
   EXPECT_LT((quadratic->hessian - Hessian()).norm(), 1e-8 * Hessian().norm());
   EXPECT_LT((quadratic->Minimum() - kMinimum).norm(), 1e-10);
   EXPECT_NEAR(quadratic->constant, Smooth(Eigen::Vector2d::Zero()), 1e-10);
+  EXPECT_NEAR(quadratic->Value(Eigen::Vector2d(0.3, -0.7)), Smooth(Eigen::Vector2d(0.3, -0.7)), 1e-9);
+  EXPECT_EQ(quadratic->num_spare, 3);
   EXPECT_NEAR(quadratic->explained, 1.0, 1e-12);
   EXPECT_LT(quadratic->roughness, 1e-10);
   EXPECT_TRUE(quadratic->is_convex());
