@@ -76,7 +76,8 @@ class RolloutCost : public ceres::CostFunction {
 
   // J^T D [p + n + f] of the change D of e from the prediction here to another one, `predicted` [R x T] m and `forces`
   // [3G x F] N, weighted by the loss as here: how much dL/dq would change to first order. Without priors; entries of
-  // frozen blocks are zero. By one reverse sweep. Returns as `Evaluate` does.
+  // frozen blocks are zero. Where blocks are the only unknowns, nothing is swept after `Linearize` of that point; else
+  // it takes one reverse sweep. Returns as `Evaluate` does.
   bool PullBackChange(const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& predicted,
                       const Eigen::MatrixXd& forces, Eigen::VectorXd* product) const;
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "costs/rows/evaluated_residuals.h"
+#include "costs/rows/forward_rows.h"
 #include "sim/base/phase_seconds.h"
 
 namespace clothid {
@@ -35,10 +37,29 @@ Eigen::VectorXd CurvatureProduct::At(const RolloutEvaluation& evaluation, const 
 
 Eigen::VectorXd CurvatureProduct::PullBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
                                            const Eigen::VectorXd& change, LatestRollout* rollouts,
-                                           CostStatistics* statistics) const {
-  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, /*passes_left=*/1, statistics);
-  const ScopedTimer timer(&statistics->derivative_seconds);
-  return SweepBack(evaluation, active, change, evaluation.precision, rollout, *rollouts, statistics);
+                                           CostStatistics* statistics) {
+  if (!KeepsBlockRows(active.size())) {
+    const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, /*passes_left=*/1, statistics);
+    const ScopedTimer timer(&statistics->derivative_seconds);
+    return SweepBack(evaluation, active, change, evaluation.precision, rollout, *rollouts, statistics);
+  }
+  SetExactBlockRows(evaluation, active, statistics);
+  Eigen::VectorXd weights;
+  WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);
+  Eigen::VectorXd product = Eigen::VectorXd::Zero(model_->num_coordinates());
+  product(active) = block_rows_.transpose() * weights.cwiseAbs2().cwiseProduct(change);
+  return product;
+}
+
+bool CurvatureProduct::KeepsBlockRows(std::size_t num_blocks) const {
+  const auto num_rows = static_cast<std::size_t>(model_->observation().num_residuals());
+  return model_->num_unknowns() == 0 && num_rows * num_blocks * sizeof(double) <= options_->memory_limit;
+}
+
+void CurvatureProduct::KeepBlockRows(const RolloutEvaluation& evaluation, Eigen::MatrixXd jacobian) {
+  coordinates_ = evaluation.coordinates;
+  precision_ = evaluation.precision;
+  block_rows_ = std::move(jacobian);
 }
 
 Eigen::VectorXd CurvatureProduct::SweepBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
@@ -63,15 +84,26 @@ void CurvatureProduct::Resume(const Eigen::VectorXd& coordinates, Precision prec
   block_rows_.resize(0, 0);
 }
 
+bool CurvatureProduct::IsCounted(const RolloutEvaluation& evaluation) const {
+  return coordinates_.size() > 0 && coordinates_ == evaluation.coordinates && precision_ == evaluation.precision;
+}
+
+void CurvatureProduct::SetExactBlockRows(const RolloutEvaluation& evaluation, const std::vector<int>& blocks,
+                                         CostStatistics* statistics) {
+  if (IsCounted(evaluation) && block_rows_.size() > 0) return;
+  CostStatistics counted_before;
+  const PassOptions pass{evaluation.precision, options_->cancel, /*passes_left=*/0};
+  ForwardRows swept =
+      SweepForward(evaluation.coordinates, {blocks, {}}, pass, options_->loss, static_cast<int>(blocks.size()) + 1,
+                   /*keeps_jacobian=*/true, model_, IsCounted(evaluation) ? &counted_before : statistics, nullptr);
+  KeepBlockRows(evaluation, std::move(swept.jacobian));
+}
+
 void CurvatureProduct::SetBlockRows(const RolloutEvaluation& evaluation, const std::vector<int>& blocks,
                                     const Rollout& rollout, CostStatistics* statistics) {
-  const bool is_counted =
-      coordinates_.size() > 0 && coordinates_ == evaluation.coordinates && precision_ == evaluation.precision;
-  if (is_counted && block_rows_.size() > 0) return;
-  if (!is_counted) ++statistics->sweeps;
-  block_rows_ = Sweep(evaluation, {blocks, {}}, rollout, /*passes_left=*/2);
-  coordinates_ = evaluation.coordinates;
-  precision_ = evaluation.precision;
+  if (IsCounted(evaluation) && block_rows_.size() > 0) return;
+  if (!IsCounted(evaluation)) ++statistics->sweeps;
+  KeepBlockRows(evaluation, Sweep(evaluation, {blocks, {}}, rollout, /*passes_left=*/2));
 }
 
 Eigen::MatrixXd CurvatureProduct::Sweep(const RolloutEvaluation& evaluation, const SweepColumns& columns,

@@ -4,6 +4,7 @@
 #define CLOTHID_COSTS_ROWS_CURVATURE_PRODUCT_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "costs/prediction/recording_model.h"
@@ -24,19 +25,31 @@ class CurvatureProduct {
   Eigen::VectorXd At(const RolloutEvaluation& evaluation, const std::vector<int>& active,
                      const Eigen::VectorXd& direction, LatestRollout* rollouts, CostStatistics* statistics);
 
-  // J^T `change` [p + n + f] of a change of the residual [m], to the precision of the point, by one reverse sweep;
-  // `active` and failures as above.
+  // J^T `change` [p + n + f] of a change of the residual [m], to the precision of the point; `active` and failures as
+  // above. Where `KeepsBlockRows`, from the columns of the blocks, which are swept unless they are those of the latest
+  // exact rows; else by one reverse sweep.
   Eigen::VectorXd PullBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                           const Eigen::VectorXd& change, LatestRollout* rollouts, CostStatistics* statistics) const;
+                           const Eigen::VectorXd& change, LatestRollout* rollouts, CostStatistics* statistics);
 
-  // A journal tells that `At` was called at a point, and has counted its sweeps.
+  // Whether the columns of exact rows are to be kept: there are no others than those of `num_blocks` blocks, and they
+  // take no more memory than a rollout may.
+  bool KeepsBlockRows(std::size_t num_blocks) const;
+  // J [m x q] of the free blocks at a point, without weights, by a forward sweep.
+  void KeepBlockRows(const RolloutEvaluation& evaluation, Eigen::MatrixXd jacobian);
+
+  // A journal tells that the columns of the blocks were made at a point, and has counted their sweep.
   void Resume(const Eigen::VectorXd& coordinates, Precision precision);
   void Forget() { Resume({}, Precision::kFull); }
 
  private:
-  // The columns of J, without weights, that belong to `blocks`.
+  // Whether the columns of the blocks at that point were counted.
+  bool IsCounted(const RolloutEvaluation& evaluation) const;
+  // The columns of J, without weights, that belong to `blocks`: to `kLooseAdjointTolerance` along a rollout, or as
+  // exactly as exact rows.
   void SetBlockRows(const RolloutEvaluation& evaluation, const std::vector<int>& blocks, const Rollout& rollout,
                     CostStatistics* statistics);
+  void SetExactBlockRows(const RolloutEvaluation& evaluation, const std::vector<int>& blocks,
+                         CostStatistics* statistics);
   // J^T of a change of the residual [m], by a reverse sweep along the latest of `rollouts`, which is of this point.
   Eigen::VectorXd SweepBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
                             const Eigen::VectorXd& change, Precision precision, const Rollout& rollout,

@@ -137,12 +137,12 @@ void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* ev
 
 void RolloutComputation::AddForwardRows(const EvaluationKey& key, RolloutEvaluation* evaluation,
                                         CostStatistics* statistics) {
-  const bool is_first = TakesFirstJacobian(key);
+  const bool is_first = TakesFirstJacobian(key), keeps = KeepsBlockRows(key);
   const bool takes_all = is_first || key.need == EvaluationNeed::kCost;
   const SweepColumns columns = takes_all ? SweepColumns{free_blocks_, {}} : ColumnsOf(key);
   const auto num_columns = static_cast<int>(columns.blocks.size() + columns.combinations.cols());
   ForwardRows forward =
-      Sweep(*evaluation, columns, std::max(num_rows(), num_columns + 1), /*keeps_jacobian=*/is_first, statistics);
+      Sweep(*evaluation, columns, std::max(num_rows(), num_columns + 1), is_first || keeps, statistics);
   if (evaluation->is_new()) {
     evaluation->predicted = std::move(forward.predicted);
     evaluation->forces = std::move(forward.forces);
@@ -158,6 +158,7 @@ void RolloutComputation::AddForwardRows(const EvaluationKey& key, RolloutEvaluat
     evaluation->has_rows = true;
   }
   if (is_first) adjoint_rows_.SetLastJacobian(std::move(forward.jacobian));
+  if (keeps) curvature_.KeepBlockRows(*evaluation, std::move(forward.jacobian));
 }
 
 void RolloutComputation::AddRows(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
@@ -196,8 +197,16 @@ void RolloutComputation::AddExactRows(const EvaluationKey& key, RolloutEvaluatio
   if (options_.jacobian == JacobianMethod::kSensitivity) return AddForwardRows(key, evaluation, statistics);
   const SweepColumns columns = ColumnsOf(key);
   const auto num_columns = static_cast<int>(columns.blocks.size() + columns.combinations.cols());
-  evaluation->exact_rows = Sweep(*evaluation, columns, num_columns + 1, /*keeps_jacobian=*/false, statistics).rows;
+  const bool keeps = KeepsBlockRows(key);
+  ForwardRows forward = Sweep(*evaluation, columns, num_columns + 1, keeps, statistics);
+  evaluation->exact_rows = std::move(forward.rows);
   evaluation->has_exact_rows = true;
+  if (keeps) curvature_.KeepBlockRows(*evaluation, std::move(forward.jacobian));
+}
+
+bool RolloutComputation::KeepsBlockRows(const EvaluationKey& key) const {
+  return key.need == EvaluationNeed::kExactRows && key.active == free_blocks_ &&
+         curvature_.KeepsBlockRows(free_blocks_.size());
 }
 
 SweepColumns RolloutComputation::ColumnsOf(const EvaluationKey& key) const {
@@ -228,7 +237,9 @@ void RolloutComputation::Resume(const EvaluationKey& key, EvaluationOutcome outc
   } else if (key.need == EvaluationNeed::kRows && options_.jacobian == JacobianMethod::kAdjoint && evaluation.ok()) {
     adjoint_rows_.Resume(evaluation, recent);
   }
-  if (key.need == EvaluationNeed::kProduct) curvature_.Resume(key.coordinates, key.precision);
+  const bool has_block_rows = key.need == EvaluationNeed::kProduct || (KeepsBlockRows(key) && evaluation.ok()) ||
+                              (key.need == EvaluationNeed::kPullBack && curvature_.KeepsBlockRows(key.active.size()));
+  if (has_block_rows) curvature_.Resume(key.coordinates, key.precision);
   latest_rollout_.Resume(outcome.rollout_coordinates, key.precision);
 }
 

@@ -78,6 +78,8 @@ class RolloutComputation {
   void AddGradient(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                    CostStatistics* statistics);
   void AddExactRows(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  // Whether the columns of a sweep for `key` are kept, for pull-backs from its point.
+  bool KeepsBlockRows(const EvaluationKey& key) const;
   // The columns of a forward sweep that are asked for: of rows, those of the unknowns are some of the unit vectors.
   SweepColumns ColumnsOf(const EvaluationKey& key) const;
   // Along the kept rollout where there are fields, as it keeps its factors for that.

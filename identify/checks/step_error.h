@@ -6,10 +6,11 @@
 // following them by F (`MarginalModel`), that is
 //   q_{h/2} = q - H_q^-1 (g_q + F^T g_rest).
 // `ErrorOfStep` (identify/uncertainty/discretization_error.h) makes an error of what that moves. Where it exceeds the
-// noise of a parameter, a rollout at twice the step tells the order at which it falls.
+// noise of a parameter, a rollout at twice the step tells the order at which it falls. Where parameters are the only
+// unknowns, J is that of the intervals; else it takes a reverse sweep for each of the two rollouts.
 //
-// On `drape`, recorded with steps of 0.3 ms and fitted with steps of 10, 5 and 2.5 ms, mu and k_stretch are off by 0.9
-// to 1.4 times the error so told. The sign of what moves is not to be relied on: it is an error bar, no correction.
+// On `drape`, recorded with steps of 0.3 ms and fitted with steps of 10, 5 and 2.5 ms, mu and k_stretch are off by 0.7
+// to 1.7 times the error so told. The sign of what moves is not to be relied on: it is an error bar, no correction.
 #ifndef CLOTHID_IDENTIFY_CHECKS_STEP_ERROR_H_
 #define CLOTHID_IDENTIFY_CHECKS_STEP_ERROR_H_
 

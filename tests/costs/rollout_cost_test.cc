@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <tuple>
 
 #include "costs/full_residual_cost.h"
 #include "tests/costs/synthetic_motion.h"
@@ -536,6 +537,34 @@ TEST(RolloutCostTest, LinearizationIsThatOfTheFullResidualWithEveryMethod) {
     EXPECT_LT((jacobian.transpose() * jacobian - hessian).norm(), 1e-12 * hessian.norm());
     EXPECT_NEAR(residuals.squaredNorm(), 2.0 * full.cost(), 1e-12 * full.cost());
     EXPECT_LT((jacobian.transpose() * residuals - full.gradient()).norm(), 1e-10 * full.gradient().norm());
+  }
+}
+
+// By the columns that the last exact rows left, by new ones and by a reverse sweep.
+TEST(RolloutCostTest, PullsBackWhatTheFullJacobianDoes) {
+  const RecordedMotion motion = SphereMotion();
+  const std::vector<ParameterBlock> blocks = MakeBlocks(motion.scene, kSphereNames);
+  const Eigen::VectorXd start = StartOf(blocks);
+  const Rows full = EvaluateAll(FullResidualCost(motion, blocks), start);
+  Eigen::MatrixXd here;
+  ASSERT_TRUE(RolloutCost(motion, blocks, {}).Predict(start, &here));
+  const Eigen::MatrixXd there = 1.01 * here;
+  const Observation observation(motion);
+  const Eigen::VectorXd change = observation.Residuals(there, {}) - observation.Residuals(here, {});
+  const Eigen::VectorXd expected = full.jacobian.transpose() * change;
+  for (const auto& [memory_limit, linearizes, num_sweeps] :
+       {std::tuple{RolloutCostOptions().memory_limit, true, 0}, std::tuple{RolloutCostOptions().memory_limit, false, 1},
+        std::tuple{std::size_t{1}, true, 1}}) {
+    RolloutCostOptions options;
+    options.memory_limit = memory_limit;
+    const RolloutCost cost(motion, blocks, options);
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd residuals, product;
+    ASSERT_TRUE(!linearizes || cost.Linearize(start, {}, &jacobian, &residuals));
+    const int sweeps = cost.statistics().sweeps;
+    ASSERT_TRUE(cost.PullBackChange(start, there, {}, &product)) << cost.last_failure();
+    EXPECT_EQ(cost.statistics().sweeps - sweeps, num_sweeps);
+    ExpectNear(product, expected, 1e-9);
   }
 }
 
