@@ -88,12 +88,12 @@ def swing(folder):
     folder.write("swing", scene(1.5, square([-SIDE / 2, 0, 0], [ACROSS, out]), handles=TOP_ROW))
 
 
-def shake(folder, name, frequency, amplitude):
+def shake(folder, name, frequency, stroke):
     """Held by two corners that move to and fro across the cloth."""
     corners = [0, NODES - 1]
     rows = []
     for time in times(2.0, 0.02):
-        y = amplitude * (1.0 - math.cos(2.0 * math.pi * frequency * time)) / 2.0
+        y = stroke * (1.0 - math.cos(2.0 * math.pi * frequency * time)) / 2.0
         rows.append((time, [(-SIDE / 2, y, 0.0), (SIDE / 2, y, 0.0)]))
     handles = folder.path_of_handles(name, corners, rows)
     folder.write(name, scene(2.0, square([-SIDE / 2, 0, 0], [ACROSS, DOWN]), handles=handles))
@@ -103,15 +103,15 @@ def sphere(folder):
     """Falls flat on a sphere, a little beside its middle, drapes and slides."""
     ball = {"name": "ball", "type": "sphere", "center": [0, 0, 0], "radius": 0.1, "mu": 0.3}
     mesh = square([-SIDE / 2 + 0.03, -SIDE / 2 + 0.015, 0.101], [ACROSS, [0, 1, 0]])
-    folder.write("sphere", scene(1.0, mesh, obstacles=[ball]))
+    folder.write("sphere", scene(0.7, mesh, obstacles=[ball]))
 
 
 def edge(folder):
-    """Lies on a table and hangs over its edge, whose radius is 25 mm; its end on the table is pulled back by 120 mm.
+    """Lies on a table and hangs over its edge, whose radius is 25 mm; its end on the table is pulled back by 115 mm.
 
     The table is a box, and its contact distance makes the edge round. The cloth starts without strain, at rest.
     """
-    nodes, size, flat, radius, speed, starts = [6, 41], [0.1, 0.4], 0.18, 0.025, 0.1, 0.3
+    nodes, size, flat, radius, speed, starts = [5, 51], [0.1, 0.4], 0.18, 0.025, 0.05, 0.2
     spacing = size[1] / (nodes[1] - 1)
     turn = 2.0 * math.asin(spacing / (2.0 * radius))  # between neighbours on the edge
     profile, direction = [(-flat, 0.0)], 0.0
@@ -123,7 +123,7 @@ def edge(folder):
     columns = [size[0] * (i / (nodes[0] - 1) - 0.5) for i in range(nodes[0])]
     start = [(x, round(y, 9), round(z, 9)) for y, z in profile for x in columns]
     rows = []
-    for time in times(1.6, 0.05):
+    for time in times(2.4, 0.05):
         gone = time - starts / 2 if time > starts else time * time / (2.0 * starts)
         rows.append((time, [(x, -flat - speed * gone, 0.0) for x in columns]))
     handles = folder.path_of_handles("edge", list(range(nodes[0])), rows)
@@ -135,7 +135,8 @@ def edge(folder):
            "contact_distance": radius}
     mesh = grid(nodes, size, [-size[0] / 2, -flat, 0], [ACROSS, [0, 1, 0]])
     initial = {"positions": folder.positions("edge.start", start)}
-    folder.write("edge", scene(1.6, mesh, initial=initial, handles=handles, obstacles=[box]))
+    folder.write("edge", scene(2.4, mesh, time_step=0.02, initial=initial, handles=handles, obstacles=[box],
+                               materials={"damping": 0.3}))
 
 
 def incline(folder):
