@@ -106,6 +106,25 @@ def sphere(folder):
     folder.write("sphere", scene(0.7, mesh, obstacles=[ball]))
 
 
+def over_edge(along, radius):
+    """(y, z) at the way `along` a profile that is level up to 0, then a quarter of a circle, then vertical."""
+    angle = min(max(along / radius, 0.0), math.pi / 2)
+    beyond = max(along - radius * math.pi / 2, 0.0)
+    return min(along, 0.0) + radius * math.sin(angle), radius * (math.cos(angle) - 1.0) - beyond
+
+
+def step_over_edge(along, spacing, radius):
+    """How far along that profile the next node is, `spacing` away in a straight line: an edge of the mesh is a chord."""
+    low, high = along, along + 2.0 * spacing
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if math.dist(over_edge(along, radius), over_edge(middle, radius)) < spacing:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
 def edge(folder):
     """Lies on a table and hangs over its edge, whose radius is 25 mm; its end on the table is pulled back by 115 mm.
 
@@ -113,13 +132,10 @@ def edge(folder):
     """
     nodes, size, flat, radius, speed, starts = [5, 51], [0.1, 0.4], 0.18, 0.025, 0.05, 0.2
     spacing = size[1] / (nodes[1] - 1)
-    turn = 2.0 * math.asin(spacing / (2.0 * radius))  # between neighbours on the edge
-    profile, direction = [(-flat, 0.0)], 0.0
+    profile, along = [(-flat, 0.0)], -flat
     for _ in range(nodes[1] - 1):
-        y, z = profile[-1]
-        if y > -spacing / 2 and direction < math.pi / 2:  # an edge of the mesh is a chord between two nodes on the arc
-            direction = min(direction + (turn / 2 if direction == 0.0 else turn), math.pi / 2)
-        profile.append((y + spacing * math.cos(direction), z - spacing * math.sin(direction)))
+        along = step_over_edge(along, spacing, radius)
+        profile.append(over_edge(along, radius))
     columns = [size[0] * (i / (nodes[0] - 1) - 0.5) for i in range(nodes[0])]
     start = [(x, round(y, 9), round(z, 9)) for y, z in profile for x in columns]
     rows = []
@@ -190,7 +206,7 @@ def cusick(folder):
             angle = 2.0 * math.pi * i / around
             x, y = round(radius * math.cos(angle), 9), round(radius * math.sin(angle), 9)
             flat.append((x, y, 0.0))
-            start.append((x, y, round(0.005 * beyond**2 * math.cos(waves * angle), 9)))
+            start.append((x, y, round(0.003 * beyond**2 * math.cos(waves * angle), 9)))
     faces = [(0, 1 + i, 1 + (i + 1) % around) for i in range(around)]
     for ring in range(len(radii) - 1):
         for i in range(around):

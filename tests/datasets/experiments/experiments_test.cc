@@ -77,6 +77,24 @@ TEST_P(ExperimentTest, FrictionIsFeltWhereItTouches) {
   EXPECT_GE((nominal.positions(last) - rougher.positions(last)).cwiseAbs().maxCoeff(), GetParam().least_friction);
 }
 
+TEST_P(ExperimentTest, StartsOutsideItsObstaclesWithoutStrain) {
+  for (const SceneObstacle& obstacle : scene_.obstacles) {
+    for (int node = 0; node < scene_.mesh.num_nodes(); ++node) {
+      const SurfacePoint closest = obstacle.shape->Closest(scene_.initial_positions.segment<3>(3 * node));
+      EXPECT_GE(closest.gap - obstacle.contact_distance, -1e-8) << obstacle.name << ", node " << node;
+    }
+  }
+  for (int k = 0; k < scene_.mesh.num_faces(); ++k) {
+    for (int i = 0; i < 3; ++i) {
+      const int a = scene_.mesh.faces(i, k), b = scene_.mesh.faces((i + 1) % 3, k);
+      const double rest = (scene_.mesh.rest_positions.col(a) - scene_.mesh.rest_positions.col(b)).norm();
+      const double start =
+          (scene_.initial_positions.segment<3>(3 * a) - scene_.initial_positions.segment<3>(3 * b)).norm();
+      EXPECT_NEAR(start / rest, 1.0, 0.01) << "nodes " << a << " and " << b;  // `cusick` starts in low waves
+    }
+  }
+}
+
 TEST_P(ExperimentTest, IsAFabricOfMediumWeightInStepsOfSecondOrder) {
   const Fabric* medium = FindFabric("medium");
   EXPECT_EQ(scene_.fabric, "medium");
