@@ -95,6 +95,7 @@ TEST_F(PackageTest, PrefixWorksWhereverItIsMoved) {
   EXPECT_EQ(Success("cd / && '" + root + "/bin/clothid' identify --version").rfind("identify (clothid)", 0), 0u);
   Success("./link simulate --scene " CLOTHID_SOURCE_DIR "/datasets/slope.scene.json --output out.bin");
   Success("./link motion check out.bin");
+  Success("./link simulate --scene moved/share/doc/clothid/datasets/experiments/edge.scene.json --output edge.bin");
 }
 
 // Every page of the sources is there, and no link to a file leads nowhere.

@@ -16,7 +16,7 @@ namespace {
 #define RAW CLOTHID_SOURCE_DIR "/datasets/capture/"
 
 constexpr char kShipped[] = CLOTHID_SOURCE_DIR "/datasets/capture.motion.bin";
-// The command of datasets/README.md.
+// The command of README.md.
 constexpr char kConvert[] =
     "motion convert " RAW "points.npy capture.bin --scene " RAW "scene.json --transform " RAW
     "camera.json --start_at 0 --handle_nodes 0,15,30,45,60,75,90,105,120,135,150,165,180,195,210 "
