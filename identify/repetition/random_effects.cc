@@ -111,11 +111,11 @@ Eigen::VectorXd Without(const Eigen::VectorXd& values, Eigen::Index index) {
   return others;
 }
 
-LeftOut LeaveOut(const Eigen::VectorXd& y, const Eigen::VectorXd& s, Eigen::Index index) {
+LeftOutEstimate LeaveOut(const Eigen::VectorXd& y, const Eigen::VectorXd& s, Eigen::Index index) {
   const auto num = static_cast<int>(y.size());
   const Estimates others(Without(y, index), Without(s, index));
   const double tau2 = num > 2 ? RestrictedTau2(others) : 0.0;
-  LeftOut left_out;
+  LeftOutEstimate left_out;
   left_out.mean = others.Mean(tau2);
   if (num < 3) return left_out;
   const double variance = tau2 + s[index] * s[index] + 1.0 / others.Weights(tau2).sum();

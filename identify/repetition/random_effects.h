@@ -38,7 +38,7 @@
 
 namespace clothid {
 
-struct LeftOut {
+struct LeftOutEstimate {
   double mean = std::numeric_limits<double>::quiet_NaN();       // m_(r), of the others
   double deviation = std::numeric_limits<double>::quiet_NaN();  // in joint standard deviations; NaN: fewer than three
   bool fits = true;                                             // the others
@@ -61,7 +61,7 @@ struct RandomEffects {
   double q = 0.0;                                                 // Cochran's
   double p_value = 1.0;                                           // of Q where tau is 0
   Eigen::VectorXd weights;                                        // [R] w_r/W
-  std::vector<LeftOut> left_out;                                  // [R]
+  std::vector<LeftOutEstimate> left_out;                          // [R]
 
   double scatter() const;  // sqrt(tau^2 + s^2)
   // Q is too large by chance of one in twenty: the recordings differ by more than their s_r say.

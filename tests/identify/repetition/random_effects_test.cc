@@ -99,7 +99,7 @@ TEST(RandomEffectsTest, InventsNoScatterWhereTheDeviationsExplainAll) {
   EXPECT_FALSE(result.varies());
   // Never less than what the deviations leave, though the estimates are closer by chance.
   EXPECT_NEAR(result.mean_std, 0.05, 1e-12);
-  for (const LeftOut& left_out : result.left_out) EXPECT_TRUE(left_out.fits);
+  for (const LeftOutEstimate& left_out : result.left_out) EXPECT_TRUE(left_out.fits);
 }
 
 TEST(RandomEffectsTest, PoolsEqualEstimates) {
