@@ -53,6 +53,10 @@ void ShowProgress(ProgressPrinter* printer, std::vector<std::string>* names, Run
     std::cerr << "identify: " << recording << ": warning: " << finding.what << ": " << finding.value << "; "
               << finding.hint << "\n";
   };
+  options->on_repetition = [](const SingleFit& fit, int num_done, int num) {
+    std::cerr << "identify: " << num_done << " of " << num << " fitted for itself: " << fit.name
+              << (fit.why_not_used.empty() ? "" : ": " + fit.why_not_used) << "\n";
+  };
   options->on_problem = [names](const std::vector<std::string>& of_problem) { *names = of_problem; };
   options->fit.on_progress = [printer](const EvaluationProgress& progress) { printer->Print(progress); };
   options->fit.on_iteration = [printer, names](const FitIteration& iteration) { printer->Print(*names, iteration); };

@@ -17,6 +17,7 @@
 #include "identify/landscape/fit_landscape.h"
 #include "identify/problem/problem.h"
 #include "identify/problem/problem_blocks.h"
+#include "identify/repeated_run.h"
 #include "identify/report/node_prediction.h"
 #include "identify/report/report.h"
 #include "identify/wind/wind_request.h"
@@ -54,6 +55,16 @@ struct RunInputs {
   std::vector<FitLandscape> landscapes;
 };
 
+// As yet without estimates.
+std::vector<SingleFit> NamesOf(const std::vector<RecordedMotion>& motions) {
+  std::vector<SingleFit> fits(motions.size());
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    fits[r].name = motions[r].name;
+    fits[r].sha256 = motions[r].sha256;
+  }
+  return fits;
+}
+
 RunInputs ReadInputs(const RunOptions& options) {
   RunInputs inputs;
   inputs.fitted = options.targets.empty() ? ReadAll(options.target_paths, options) : options.targets;
@@ -73,6 +84,7 @@ RunInputs ReadInputs(const RunOptions& options) {
   for (const std::string& folder : options.landscape_paths) {
     inputs.landscapes.push_back(ReadFitLandscape(folder, inputs.fitted));
   }
+  if (options.repeat) ExpectDifferentRecordings(NamesOf(inputs.fitted));
   if (options.holdout_frames) inputs.held_out = HoldOutFrames(*options.holdout_frames, &inputs.fitted);
   return inputs;
 }
@@ -105,6 +117,8 @@ class Run {
     checks_.seed = fit_options_.seed;
     checks_.num_threads = fit_options_.num_threads;
   }
+
+  void SetSingleFits(std::vector<SingleFit> fits) { single_fits_ = std::move(fits); }
 
   RunResult Finish() {
     TellParameters();
@@ -227,6 +241,7 @@ class Run {
       checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
                                         options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>());
     }
+    if (!single_fits_.empty()) checks_.repetitions = Pool(single_fits_, SharedParameters(summary_));
     if (fit_options_.is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
       summary_.message = kInterruptedMessage;
@@ -259,6 +274,7 @@ class Run {
 
   const RunOptions& options_;
   RunInputs inputs_;
+  std::vector<SingleFit> single_fits_;    // of repetitions
   std::unique_ptr<OutputFolder> folder_;  // null: nothing is written
   FitOptions fit_options_;
   std::unique_ptr<FitProblem> problem_;  // until the files are written
@@ -270,7 +286,10 @@ class Run {
 
 RunResult Identify(const RunOptions& options) {
   options.Validate();
-  return Run(options).Finish();
+  if (options.judges_folders()) return JudgeFinishedFits(options);
+  Run run(options);
+  if (options.repeat) run.SetSingleFits(FitEach(options));
+  return run.Finish();
 }
 
 }  // namespace clothid

@@ -26,6 +26,7 @@
 #include "identify/base/options.h"
 #include "identify/checks/holdout.h"
 #include "identify/fit/fit.h"
+#include "identify/repetition/repetitions.h"
 #include "identify/verdict/verdict.h"
 #include "identify/wind/wind_request.h"
 #include "sim/base/error.h"
@@ -57,6 +58,10 @@ struct RunOptions {
   std::vector<std::string> profiles;         // parameters whose profile likelihood is wanted
   DiscretizationParts discretization;        // the fit again with other time steps, another mesh; widens intervals
   std::vector<std::string> landscape_paths;  // folders that `landscape` wrote of a recording of `target_paths`
+  // The recordings are repetitions of one experiment: each is fitted for itself, too, and their estimates are pooled
+  // (identify/repetition/repetitions.h). `target_paths` may then all be folders of finished fits, or of such folders,
+  // which are pooled without a fit (identify/repetition/finished_fits.h).
+  bool repeat = false;
   // What is written.
   std::string output;                   // the folder; empty: nothing is written
   bool report_page = true;              // report.html as well
@@ -64,13 +69,18 @@ struct RunOptions {
   bool resume = false;                  // goes on with what a killed run left in `output`, and keeps such a journal
   std::string command_line;             // "flags" of result.json
   bool keep_recordings = false;         // in the result, for reports that are made later
-  // Told on the thread of the call; may be empty. What they throw leaves `Identify`.
-  std::function<void(const std::string& recording, const Finding&)> on_finding;  // warnings, before the fit
-  std::function<void(const std::vector<std::string>& names)> on_problem;         // of all parameters, before the fit
-  std::function<void(const FitSummary&)> on_fitted;                              // the main fit has ended
-  std::function<void(const FitSummary&)> on_examined;                            // nothing but the files is left to do
+  // Told on the thread of the call, but `on_repetition` on any, one at a time; may be empty. What they throw leaves
+  // `Identify`.
+  std::function<void(const std::string& recording, const Finding&)> on_finding;    // warnings, before the fit
+  std::function<void(const SingleFit& fit, int num_done, int num)> on_repetition;  // one was fitted for itself
+  std::function<void(const std::vector<std::string>& names)> on_problem;           // of all parameters, before the fit
+  std::function<void(const FitSummary&)> on_fitted;                                // the main fit has ended
+  std::function<void(const FitSummary&)> on_examined;  // nothing but the files is left to do
   // `RunResult::table`, where there is one, before the files are written: what goes wrong there does not lose it.
   std::function<void(const std::string& table)> on_table;
+
+  // Whether `repeat` is of finished fits: every one of `target_paths` is a folder.
+  bool judges_folders() const;
 
   // Throws `Error` (kUsage) naming the first value that is out of range or goes with no other.
   void Validate() const;
@@ -78,6 +88,8 @@ struct RunOptions {
 
 struct RunResult {
   // Without an estimate (`FitSummary::has_estimate`) its message says why, nothing was written, and `table` is empty.
+  // Of recordings the joint fit; of finished fits (`RunOptions::judges_folders`) it has status, message and, as
+  // estimates, the means alone.
   FitSummary summary;
   FitChecks checks;
   ExitCode exit_code = kExitNotConverged;  // of the verdict

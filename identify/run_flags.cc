@@ -45,6 +45,7 @@ void ParseReading(const RunFlags& flags, ReadMotionOptions* reading) {
 RunOptions ParseRunFlags(const RunFlags& flags) {
   RunOptions options;
   options.target_paths = ParseNames(flags.target, "--target");
+  options.repeat = flags.repeat;
   options.holdout_paths = ParseNames(flags.holdout, "--holdout");
   if (!flags.holdout_frames.empty()) {
     options.holdout_frames = ParseFrameRange(flags.holdout_frames, "--holdout_frames");

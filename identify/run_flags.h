@@ -13,6 +13,7 @@ namespace clothid {
 // As `identify --help all` explains them, with the values that they have where nobody gives them.
 struct RunFlags {
   std::string target, scene, fabric;
+  bool repeat = false;
   std::string fit, each, field;
   double field_weight = 0.0;
   std::string wind_profile;
@@ -37,6 +38,7 @@ struct RunFlags {
 template <typename Visit>
 void VisitRunFlags(RunFlags* flags, const Visit& visit) {
   visit("target", &flags->target);
+  visit("repeat", &flags->repeat);
   visit("scene", &flags->scene);
   visit("fabric", &flags->fabric);
   visit("fit", &flags->fit);

@@ -1,11 +1,57 @@
 // What of the options of a run goes with what.
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include "identify/base/knot_names.h"
 #include "identify/run.h"
 
 namespace clothid {
+
+namespace {
+
+bool IsFolder(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored);
+}
+
+void ValidateRepeat(const RunOptions& options) {
+  if (!options.repeat) return;
+  const std::vector<std::string>& paths = options.target_paths;
+  if (!options.judges_folders()) {
+    ExpectUsage(std::none_of(paths.begin(), paths.end(), IsFolder),
+                "--target: expected recordings or folders of finished fits, not both");
+    ExpectUsage(paths.size() + options.targets.size() > 1, "--repeat: expected at least two recordings");
+    return;
+  }
+  const auto expect_absent = [](bool is_absent, const std::string& flag) {
+    ExpectUsage(is_absent, flag + ": expected recordings as --target; these fits are finished");
+  };
+  expect_absent(options.holdout_paths.empty() && options.holdouts.empty(), "--holdout");
+  expect_absent(!options.holdout_frames, "--holdout_frames");
+  expect_absent(options.profiles.empty(), "--profile");
+  expect_absent(!options.discretization.any(), "--discretization");
+  expect_absent(options.landscape_paths.empty(), "--landscape");
+  expect_absent(options.time_step.seconds == 0.0 && !options.time_step.is_automatic, "--time_step");
+  expect_absent(options.fit.num_starts == 1, "--starts");
+  expect_absent(options.fit.fields.empty(), "--field");
+  expect_absent(!options.wind.is_given(), "--wind_profile");
+  expect_absent(options.reading.scene_path.empty(), "--scene");
+  expect_absent(!options.check_gradients, "--check_gradients");
+  expect_absent(!options.resume, "--resume");
+  const ParameterOverrides& given = options.fit.overrides;
+  expect_absent(given.start.empty(), "--start");
+  expect_absent(given.lower_bounds.empty(), "--lower");
+  expect_absent(given.upper_bounds.empty(), "--upper");
+  expect_absent(given.priors.empty(), "--prior");
+}
+
+}  // namespace
+
+bool RunOptions::judges_folders() const {
+  return repeat && !target_paths.empty() && std::all_of(target_paths.begin(), target_paths.end(), IsFolder);
+}
 
 void RunOptions::Validate() const {
   fit.Validate();
@@ -17,6 +63,7 @@ void RunOptions::Validate() const {
               "--holdout_frames: expected without --holdout");
   ExpectUsage(landscape_paths.empty() || (report_page && !output.empty()),
               "--landscape: is shown in report.html; expected without --report=false");
+  ValidateRepeat(*this);
   ExpectUsage(!resume || !output.empty(), "--resume: expected with --output");
   ExpectUsage(fit.seed == 0 || fit.num_starts > 1, "--seed: expected with --starts, whose points it chooses");
   ExpectUsage(simulators.empty() || !output.empty(), "--export: expected with --output");

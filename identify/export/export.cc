@@ -32,8 +32,20 @@ std::string TextOf(const std::string& simulator, const Scene& scene, const Expor
   return PpfScript(constants);
 }
 
-// The estimates of a result.json by name.
-std::map<std::string, double> ReadEstimates(const std::string& path) {
+// In place of estimates the means of what was pooled, and what stands beside them.
+void TakeMeans(const nlohmann::json& result, ExportedEstimates* estimates) {
+  const nlohmann::json parameters =
+      result.value(nlohmann::json::json_pointer("/repetitions/parameters"), nlohmann::json::object());
+  for (const auto& [name, parameter] : parameters.items()) {
+    if (!parameter.is_object() || !parameter.contains("mean") || !parameter["mean"].is_number()) continue;
+    estimates->values[name] = parameter["mean"].get<double>();
+    const nlohmann::json words = parameter.value("words", nlohmann::json());
+    if (words.is_string()) estimates->remarks[name] = Printable(words.get<std::string>());
+  }
+}
+
+// The estimates of a result.json.
+ExportedEstimates ReadEstimates(const std::string& path) {
   const std::string text = ReadText(path, kMaxJsonBytes);
   ParseJson(text, path);  // an error names the line
   const nlohmann::json result = nlohmann::json::parse(text);
@@ -41,17 +53,30 @@ std::map<std::string, double> ReadEstimates(const std::string& path) {
   if (!is_result || !result.contains("parameters") || !result["parameters"].is_object()) {
     throw Error(ErrorKind::kBadData, path + ": key 'schema': expected \"clothid.result/1\", with 'parameters'");
   }
-  std::map<std::string, double> values;
+  ExportedEstimates estimates;
   for (const auto& [name, parameter] : result["parameters"].items()) {
     if (!parameter.is_object() || !parameter.contains("value") || !parameter["value"].is_number()) {
       throw Error(ErrorKind::kBadData, path + ": key 'parameters." + Printable(name) + ".value': expected a number");
     }
-    values[name] = parameter["value"].get<double>();
+    estimates.values[name] = parameter["value"].get<double>();
   }
-  return values;
+  TakeMeans(result, &estimates);
+  return estimates;
 }
 
 }  // namespace
+
+void ExportedEstimates::TakeMeans(const Repetitions& repetitions) {
+  for (const PooledParameter& parameter : repetitions.parameters) {
+    if (parameter.is_pooled()) {
+      values[parameter.name] = parameter.mean;
+      remarks[parameter.name] = MeanText(parameter);
+    } else if (repetitions.is_of_folders) {
+      values.erase(parameter.name);
+      remarks[parameter.name] = "told by fewer than two recordings; this is the nominal value";
+    }
+  }
+}
 
 std::vector<std::string> ParseSimulators(const std::string& text, const std::string& flag) {
   std::vector<std::string> simulators;
@@ -81,8 +106,10 @@ Parameters ParametersOfEstimates(const std::map<std::string, double>& values, co
 }
 
 std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& parameters,
-                                      const std::vector<std::string>& simulators) {
-  const ExportConstants constants = MakeExportConstants(scene, parameters);
+                                      const std::vector<std::string>& simulators,
+                                      const std::map<std::string, std::string>& remarks) {
+  ExportConstants constants = MakeExportConstants(scene, parameters);
+  constants.remarks = remarks;
   std::vector<ExportedFile> files;
   bool needs_mesh = false;
   for (const std::string& simulator : simulators) {
@@ -103,13 +130,14 @@ void ExportResult(const std::string& result, const std::string& target, const st
   if (simulators.empty()) throw Error(ErrorKind::kUsage, "--result: expected with --export");
   if (folder.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
   const std::vector<std::string> names = ParseSimulators(simulators, "--export");
-  const std::map<std::string, double> values = ReadEstimates(result);
+  const ExportedEstimates estimates = ReadEstimates(result);
   const std::filesystem::path beside = std::filesystem::path(result).parent_path() / "predicted.bin";
   const Scene scene = ReadMotion(target.empty() ? beside.string() : target).scene;
-  const Parameters parameters = ParametersOfEstimates(values, scene);
+  const Parameters parameters = ParametersOfEstimates(estimates.values, scene);
   ValidateParameters(parameters, scene, result);
   OutputFolder output(folder);
-  for (const ExportedFile& file : ExportCloth(scene, parameters, names)) output.Write(file.name, file.text);
+  for (const ExportedFile& file : ExportCloth(scene, parameters, names, estimates.remarks))
+    output.Write(file.name, file.text);
   output.Commit();
 }
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/repetition/repetitions.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene.h"
 
@@ -22,6 +23,16 @@ struct ExportedFile {
   std::string name, text;
 };
 
+// Estimates by name, and what is to be said beside some of them.
+struct ExportedEstimates {
+  std::map<std::string, double> values;
+  std::map<std::string, std::string> remarks;
+
+  // Of what was pooled the mean over the recordings, with its interval and their scatter beside it; of what could not be
+  // and has no joint estimate nothing, which is said.
+  void TakeMeans(const Repetitions& repetitions);
+};
+
 // "mujoco,newton"; empty: none; "all": every one. Throws `Error` (kUsage), naming `flag`, for others.
 std::vector<std::string> ParseSimulators(const std::string& text, const std::string& flag);
 
@@ -29,16 +40,19 @@ std::vector<std::string> ParseSimulators(const std::string& text, const std::str
 // obstacles. The wind, what is of a recording itself, as time_offset, and of another than the first are left out.
 Parameters ParametersOfEstimates(const std::map<std::string, double>& values, const Scene& scene);
 
-// The files for these simulators. The same arguments, the same texts.
+// The files for these simulators. The same arguments, the same texts. `remarks` by the name of a parameter stand in the
+// comment of its constant.
 std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& parameters,
-                                      const std::vector<std::string>& simulators);
+                                      const std::vector<std::string>& simulators,
+                                      const std::map<std::string, std::string>& remarks = {});
 
 // Whether `ExportCloth` gives files of this name.
 bool IsExportedFile(const std::string& name);
 
 // `identify --result RESULT --export SIMULATORS --output FOLDER`: the estimates of a result.json for the cloth of the
-// recording `target`; empty: of predicted.bin in the folder of the result. All files or none. Throws `Error`: kUsage
-// without simulators or a folder; kIo and kBadData, naming file and key, for what cannot be read.
+// recording `target`; empty: of predicted.bin in the folder of the result. Of repetitions the means. All files or none.
+// Throws `Error`: kUsage without simulators or a folder; kIo and kBadData, naming file and key, for what cannot be
+// read.
 void ExportResult(const std::string& result, const std::string& target, const std::string& simulators,
                   const std::string& folder);
 

@@ -14,6 +14,7 @@
 #ifndef CLOTHID_IDENTIFY_EXPORT_EXPORT_CONSTANTS_H_
 #define CLOTHID_IDENTIFY_EXPORT_EXPORT_CONSTANTS_H_
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,7 @@ struct ExportConstants {
   double area = 0.0, edge_length = 0.0, least_edge = 0.0;     // of the mesh at rest, m^2 and m: mean and shortest edge
   double squared_edges = 0.0;                                 // m^2, the sum of the squares of all edge lengths
   double edge_shape = 0.0;                                    // 1/m, the mean of 3 l/(A_1 + A_2) over the inner edges
+  std::map<std::string, std::string> remarks;                 // by the parameter that a constant comes from
   std::vector<std::string> not_mapped;                        // lines: what the numbers leave out
 };
 

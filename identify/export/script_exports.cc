@@ -14,6 +14,17 @@ constexpr double kPpfBendScale = 1.28e-5;
 
 std::string T(double value) { return ShortestText(value); }
 
+// Lines of what was remarked of parameters `names`, to follow the constant that they make.
+std::string Remarks(const ExportConstants& constants, const std::string& comment,
+                    const std::vector<std::string>& names) {
+  std::string lines;
+  for (const std::string& name : names) {
+    const auto it = constants.remarks.find(name);
+    if (it != constants.remarks.end()) lines += comment + "    " + Printable(name) + ": " + it->second + "\n";
+  }
+  return lines;
+}
+
 double FirstFriction(const ExportConstants& constants) {
   return constants.friction.empty() ? 0.0 : constants.friction.front().second;
 }
@@ -24,13 +35,17 @@ std::string Preamble(const ExportConstants& constants, const std::string& commen
   std::ostringstream out;
   out << comment << "Cloth constants by clothid, SI units:\n"
       << comment << "  density " << T(constants.density) << " kg/m^2\n"
-      << comment << "  k " << T(constants.stiffness)
+      << Remarks(constants, comment, {"density"}) << comment << "  k " << T(constants.stiffness)
       << " N/m: Young's modulus times thickness of the membrane, Poisson's ratio 0\n"
-      << comment << "  D " << T(constants.rigidity) << " N m: flexural rigidity;  k_edge = D/"
-      << T(constants.edge_factor) << " = " << T(constants.edge_bending) << " N m: of bending by edges on this mesh\n"
-      << comment << "  eta/k " << T(constants.damping) << " s: internal damping\n";
+      << Remarks(constants, comment, {"k_stretch", "k_warp", "k_weft", "k_shear", "k_poisson"}) << comment << "  D "
+      << T(constants.rigidity) << " N m: flexural rigidity;  k_edge = D/" << T(constants.edge_factor) << " = "
+      << T(constants.edge_bending) << " N m: of bending by edges on this mesh\n"
+      << Remarks(constants, comment, {"k_bend", "bend_warp", "bend_weft", "bend_twist"}) << comment << "  eta/k "
+      << T(constants.damping) << " s: internal damping\n"
+      << Remarks(constants, comment, {"damping"});
   for (const auto& [name, mu] : constants.friction) {
-    out << comment << "  mu " << T(mu) << " of " << Printable(name) << ", Coulomb friction of cloth and obstacle\n";
+    out << comment << "  mu " << T(mu) << " of " << Printable(name) << ", Coulomb friction of cloth and obstacle\n"
+        << Remarks(constants, comment, {"mu", "mu." + name});
   }
   out << comment << "  contact distance " << T(constants.thickness) << " m\n";
   for (const std::string& line : constants.not_mapped) out << comment << "Not mapped: " << line << "\n";

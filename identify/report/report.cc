@@ -15,6 +15,8 @@
 #include "identify/base/knot_names.h"
 #include "identify/base/version.h"
 #include "identify/export/export.h"
+#include "identify/report/interval_text.h"
+#include "identify/report/repetition_report.h"
 #include "identify/report/report_page.h"
 #include "identify/report/result_json.h"
 #include "identify/verdict/model_error_text.h"
@@ -102,17 +104,11 @@ std::string ErrorRows(const FitSummary& summary) {
   return rows.str();
 }
 
-// "0.2398 .. 0.2402": with as many digits as tell the ends apart.
 std::string Interval(const FitSummary& summary, const FitChecks& checks, int index) {
   if (!HasInterval(summary, checks, index)) return "-";
   const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
-  constexpr int kFewestDigits = 3, kMostDigits = 9;
-  const double std = uncertainty.total_std();
-  const double relative_std = std / std::max(std::abs(summary.parameters[index].value), std);
-  const int digits =
-      2 + static_cast<int>(std::ceil(-std::log10(relative_std + std::numeric_limits<double>::epsilon())));
-  const int shown = std::clamp(digits, kFewestDigits, kMostDigits);
-  return NumberText(uncertainty.lower95, shown) + " .. " + NumberText(uncertainty.upper95, shown);
+  return IntervalText(summary.parameters[index].value, uncertainty.total_std(), uncertainty.lower95,
+                      uncertainty.upper95);
 }
 
 std::string ModelErrorRow(const RecordingFit& recording, std::size_t num_recordings) {
@@ -151,12 +147,14 @@ std::string PredictionName(std::size_t recording) {
 }
 
 // The constants of the cloth for other simulators.
-void WriteExports(const FitSummary& summary, const Scene& scene, const std::vector<std::string>& simulators,
-                  OutputFolder* folder) {
+void WriteExports(const FitSummary& summary, const std::optional<Repetitions>& repetitions, const Scene& scene,
+                  const std::vector<std::string>& simulators, OutputFolder* folder) {
   if (simulators.empty()) return;
-  std::map<std::string, double> values;
-  for (const FittedParameter& parameter : summary.parameters) values[parameter.name] = parameter.value;
-  for (const ExportedFile& file : ExportCloth(scene, ParametersOfEstimates(values, scene), simulators)) {
+  ExportedEstimates estimates;
+  for (const FittedParameter& parameter : summary.parameters) estimates.values[parameter.name] = parameter.value;
+  if (repetitions) estimates.TakeMeans(*repetitions);
+  for (const ExportedFile& file :
+       ExportCloth(scene, ParametersOfEstimates(estimates.values, scene), simulators, estimates.remarks)) {
     folder->Write(file.name, file.text);
   }
 }
@@ -251,7 +249,7 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
     }
   }
   if (!checks.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, checks));
-  WriteExports(summary, motions.front().scene, options.simulators, folder);
+  WriteExports(summary, checks.repetitions, motions.front().scene, options.simulators, folder);
   try {
     WriteLargeFiles(summary, checks, motions, folder, options);
   } catch (const Error& error) {
@@ -260,6 +258,20 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
     throw Error(error.kind(), error.what() + std::string("; result.json is written, without predictions and report"));
   }
   folder->Commit();
+}
+
+void WritePooledReport(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict, const Scene* scene,
+                       const std::vector<std::string>& simulators, OutputFolder* folder) {
+  folder->RemoveOthers(IsReportFile);
+  folder->Write("result.json", PooledResultJson(summary, checks, verdict));
+  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, simulators, folder);
+  folder->Commit();
+}
+
+std::string PooledTable(const FitChecks& checks, const Verdict& verdict) {
+  std::string table = RepetitionRows(*checks.repetitions);
+  for (const std::string& line : verdict.Lines()) table += "verdict         " + line + "\n";
+  return table;
 }
 
 std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
@@ -310,6 +322,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
     table << "note            " << summary.statistics.counts.substeps
           << " substeps were taken: each makes the cost jump a little\n";
   }
+  if (checks.repetitions) table << RepetitionRows(*checks.repetitions);
   for (const std::string& line : Judge(summary, checks).Lines()) table << "verdict         " << line << "\n";
   return table.str();
 }

@@ -40,6 +40,15 @@ struct ReportOptions {
 void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
                  OutputFolder* folder, const ReportOptions& options = {});
 
+// The same for finished fits that were judged together (`FitChecks::repetitions`), which have neither recordings nor a
+// joint fit: result.json and, for the cloth of `scene`, which may be null without `simulators`, the exports. Throws
+// `Error` (kIo), leaving nothing.
+void WritePooledReport(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict, const Scene* scene,
+                       const std::vector<std::string>& simulators, OutputFolder* folder);
+
+// The table of these.
+std::string PooledTable(const FitChecks& checks, const Verdict& verdict);
+
 // The estimates as a small table, with errors in metres, and the verdict.
 std::string ResultTable(const FitSummary& summary, const FitChecks& checks);
 

@@ -9,6 +9,7 @@
 
 #include "identify/base/source_names.h"
 #include "identify/base/version.h"
+#include "identify/report/repetition_report.h"
 #include "identify/report/varying_json.h"
 
 namespace clothid {
@@ -59,6 +60,8 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
                             {"lower95", shown(uncertainty.lower95)},
                             {"upper95", shown(uncertainty.upper95)},
                             {"start", parameter.start},
+                            {"scale", parameter.scale == ParameterScale::kLog ? "log" : "linear"},
+                            {"frozen", parameter.frozen},
                             {"at_bound", parameter.at_bound},
                             {"identifiable", identifiable ? Json(*identifiable) : Json(nullptr)},
                             {"usable", UsabilityName(verdict.parameters[i])}};
@@ -347,6 +350,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   const bool errs = std::any_of(summary.model_errors.begin(), summary.model_errors.end(),
                                 [](const ModelError& error) { return !error.is_zero(); });
   if (errs) json["model_error"] = ModelErrorsJson(summary.model_errors);
+  if (checks.repetitions) json["repetitions"] = RepetitionsJson(*checks.repetitions);
   json["holdout"] = HoldoutJson(checks.holdout);
   json["uncertainty"] = UncertaintyJson(summary);
   json["starts"] = StartsJson(summary, checks);

@@ -19,6 +19,7 @@
 #include "identify/checks/step_choice.h"
 #include "identify/checks/step_error.h"
 #include "identify/landscape/fit_landscape.h"
+#include "identify/repetition/repetitions.h"
 #include "identify/verdict/recording_fit.h"
 #include "identify/wind/wind_result.h"
 
@@ -36,6 +37,7 @@ struct FitChecks {
   StepErrorEstimate step_error;
   std::optional<DiscretizationCheck> discretization;
   std::optional<Holdout> holdout;
+  std::optional<Repetitions> repetitions;
   std::vector<EnergyGain> energy;                // of every recording; empty: nobody looked
   std::vector<RecordingFit> recordings;          // of `DescribeRecordings`; empty: nobody looked
   std::vector<std::vector<Finding>> findings;    // of every recording, before the fit

@@ -47,6 +47,8 @@ void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vec
 void AddPriorReasons(const FitSummary& summary, std::vector<Reason>* reasons);
 // What time step and mesh do to the estimates.
 void AddDiscretizationReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
+// What repetitions tell of the parameters that they share.
+void AddRepetitionReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // What was looked at besides: other starts, profiles, held-out measurements.
 void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 

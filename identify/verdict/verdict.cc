@@ -20,16 +20,22 @@ bool IsGraver(const Reason& a, const Reason& b) {
   return a.usability > b.usability;
 }
 
+void AddReasonsOfFit(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
+  AddModelErrorReasons(summary, checks, reasons);
+  AddMeasuredReasons(summary, reasons);
+  AddDentReasons(summary, checks, reasons);
+  AddFitReasons(summary, checks, reasons);
+  AddParameterReasons(summary, checks, reasons);
+  AddPriorReasons(summary, reasons);
+  AddDiscretizationReasons(summary, checks, reasons);
+  AddCheckReasons(summary, checks, reasons);
+}
+
 std::vector<Reason> FindReasons(const FitSummary& summary, const FitChecks& checks) {
   std::vector<Reason> reasons;
-  AddModelErrorReasons(summary, checks, &reasons);
-  AddMeasuredReasons(summary, &reasons);
-  AddDentReasons(summary, checks, &reasons);
-  AddFitReasons(summary, checks, &reasons);
-  AddParameterReasons(summary, checks, &reasons);
-  AddPriorReasons(summary, &reasons);
-  AddDiscretizationReasons(summary, checks, &reasons);
-  AddCheckReasons(summary, checks, &reasons);
+  AddRepetitionReasons(summary, checks, &reasons);  // first: among reasons of one weight they lead
+  const bool has_fit = !checks.repetitions || !checks.repetitions->is_of_folders;
+  if (has_fit) AddReasonsOfFit(summary, checks, &reasons);
   std::stable_sort(reasons.begin(), reasons.end(), IsGraver);
   return reasons;
 }
@@ -94,7 +100,13 @@ std::string CareText(const std::vector<Reason>& reasons, const std::vector<int>&
   return text;
 }
 
-std::string OverallLine(const FitSummary& summary, const std::vector<Reason>& reasons,
+// Where nothing asks for care.
+std::string UsableText(const FitChecks& checks) {
+  if (!checks.repetitions) return "usable: every fitted parameter is identifiable";
+  return "usable: recordings differ by no more than their intervals say";
+}
+
+std::string OverallLine(const FitSummary& summary, const FitChecks& checks, const std::vector<Reason>& reasons,
                         const std::vector<Usability>& parameters) {
   const auto against_all = std::find_if(reasons.begin(), reasons.end(), [](const Reason& reason) {
     return reason.usability == Usability::kDoNotUse && reason.parameters.empty();
@@ -103,7 +115,7 @@ std::string OverallLine(const FitSummary& summary, const std::vector<Reason>& re
   const std::vector<int> forbidden = Having(summary, parameters, Usability::kDoNotUse);
   const std::vector<int> careful = Having(summary, parameters, Usability::kWithCare);
   const std::vector<int> usable = Having(summary, parameters, Usability::kUsable);
-  if (forbidden.empty() && careful.empty()) return "usable: every fitted parameter is identifiable";
+  if (forbidden.empty() && careful.empty()) return UsableText(checks);
   if (forbidden.empty()) return "usable with care: " + CareText(reasons, careful);
   std::string line = "do not use " + ForbiddenText(summary, reasons, forbidden);
   if (!usable.empty()) line += "; usable: " + NamesText(summary, usable);
@@ -131,7 +143,7 @@ Verdict Judge(const FitSummary& summary, const FitChecks& checks) {
   Verdict verdict;
   verdict.parameters = JudgeParameters(summary, reasons);
   verdict.overall = Overall(summary, verdict.parameters);
-  verdict.line = OverallLine(summary, reasons, verdict.parameters);
+  verdict.line = OverallLine(summary, checks, reasons, verdict.parameters);
   for (const Reason& reason : reasons) {
     if (!reason.line.empty()) verdict.reasons.push_back(reason.line);
   }
