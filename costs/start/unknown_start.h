@@ -74,6 +74,9 @@ class UnknownStart {
   // U (s - m) [u] and its Jacobian U [u x n], u <= n.
   Eigen::VectorXd PriorResiduals(const Eigen::VectorXd& unknowns) const { return root_ * (unknowns - mean_); }
   const Eigen::MatrixXd& prior_jacobian() const { return root_; }
+  // What of it was measured of the handles, alone: a root [r x c] of its precision of c, empty where their path is
+  // exact.
+  const Eigen::MatrixXd& handle_jacobian() const { return handle_root_; }
 
  private:
   // Of the constructor: the directions of the handles and what was measured of them; and U and m.

@@ -76,16 +76,6 @@ void CheckSize(const SyntheticOptions& options, const Scene& scene, Eigen::Index
                   " MB; expected at most " + std::to_string(kMaxTrackBytes >> 20) + " MB");
 }
 
-// [P], ascending; empty: every node.
-std::vector<int> ChooseMarkers(const Scene& scene, const SyntheticOptions& options) {
-  std::vector<int> markers;
-  if (options.num_markers == 0) return markers;
-  const std::vector<int> free = FreeNodes(scene);
-  std::mt19937_64 generator = MakeGenerator(options.seed, Stream::kMarkers);
-  std::sample(free.begin(), free.end(), std::back_inserter(markers), options.num_markers, generator);
-  return markers;
-}
-
 // [3N]: the positions `steps` steps after the start, linear between steps.
 Eigen::VectorXd PositionsAt(const Rollout& rollout, double steps) {
   const int before = static_cast<int>(std::floor(steps));
@@ -216,6 +206,15 @@ Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps) {
   return steps;
 }
 
+std::vector<int> ChooseMarkers(const Scene& scene, int num_markers, std::uint64_t seed) {
+  std::vector<int> markers;
+  if (num_markers == 0) return markers;
+  const std::vector<int> free = FreeNodes(scene);
+  std::mt19937_64 generator = MakeGenerator(seed, Stream::kMarkers);
+  std::sample(free.begin(), free.end(), std::back_inserter(markers), num_markers, generator);
+  return markers;
+}
+
 void CheckSyntheticOptions(const SyntheticOptions& options, const Scene& scene, const std::string& scene_text) {
   CheckRanges(options, scene);
   CheckSize(options, scene, FrameSteps(options.frame_rate, scene.time_step, scene.num_steps()).size());
@@ -231,7 +230,7 @@ MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const st
   motion.times = scene.start_time + (scene.time_step * frame_steps.array());
   motion.single_precision = options.single_precision;
   motion.mesh = scene.mesh;
-  motion.node_index = ChooseMarkers(scene, options);
+  motion.node_index = ChooseMarkers(scene, options.num_markers, options.seed);
   motion.scene_text = RecordingText(scene, scene_text, options);
   motion.provenance = Provenance(options);
   SamplePositions(rollout, frame_steps, options, &motion);

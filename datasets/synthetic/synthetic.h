@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "datasets/formats/point_tracks.h"
 #include "datasets/motion/motion_file.h"
@@ -36,6 +37,9 @@ struct SyntheticOptions {
 // a whole number of steps where that is meant. The last one is at most `num_steps`. Throws `Error` (kUsage) for less
 // than two frames or more than kMaxFrames.
 Eigen::VectorXd FrameSteps(double frame_rate, double time_step, int num_steps);
+
+// The nodes [P] that are seen of so many markers, ascending: of the free ones, chosen by `seed`. 0: empty, every node.
+std::vector<int> ChooseMarkers(const Scene& scene, int num_markers, std::uint64_t seed);
 
 // Throws `Error` (kUsage) where `RecordRollout` would for a rollout of all of `scene`: for options out of range, a
 // start that they spoil, and a recording of more than 4 GB of positions and clouds. To be asked before a long

@@ -159,13 +159,6 @@ void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorX
   }
 }
 
-// Of a value between the bounds before anything is measured, without a prior.
-double BelievedStd(const ParameterBlock& block) {
-  const double widest =
-      block.scale == ParameterScale::kLog ? std::log(kWidestBelief) : std::numeric_limits<double>::infinity();
-  return std::min(block.CoordinateRange(), widest) / std::sqrt(12.0);
-}
-
 // What parameters with a prior would be known without it. `moving`: those off their bounds.
 void CompareWithPriors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                        const Eigen::MatrixXd& jacobian, const std::vector<int>& moving, Uncertainty* uncertainty) {
@@ -256,6 +249,12 @@ void JudgeIntervals(const std::vector<ParameterBlock>& blocks, Uncertainty* unce
         parameter.visible && !parameter.stalled && !parameter.reaches_lower && !parameter.reaches_upper && is_told;
     if (parameter.stalled) parameter.std = parameter.lower95 = parameter.upper95 = std::nan("");
   }
+}
+
+double BelievedStd(const ParameterBlock& block) {
+  const double widest =
+      block.scale == ParameterScale::kLog ? std::log(kWidestBelief) : std::numeric_limits<double>::infinity();
+  return std::min(block.CoordinateRange(), widest) / std::sqrt(12.0);
 }
 
 bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std) {

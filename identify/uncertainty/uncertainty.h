@@ -176,6 +176,10 @@ inline constexpr double kCorrelatedResiduals = 0.3;
 // Residuals below this share of sigma are the rounding of a recording without noise.
 inline constexpr double kRoundingResiduals = 1e-3;
 
+// The standard deviation of q that was believed before anything was measured, without a prior: that of every value
+// between the bounds being as likely, see above.
+double BelievedStd(const ParameterBlock& block);
+
 // Whether a standard deviation of q is that of the optimiser rather than that of noise: below two resolutions.
 bool IsResolution(const ParameterBlock& block, double coordinate, double coordinate_std);
 

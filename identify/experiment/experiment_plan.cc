@@ -1,0 +1,205 @@
+#include "identify/experiment/experiment_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "identify/base/output_folder.h"
+#include "identify/base/parallel_for.h"
+#include "identify/experiment/candidate.h"
+#include "identify/experiment/cloth_information.h"
+#include "identify/experiment/expectation.h"
+#include "identify/experiment/improvement.h"
+#include "identify/experiment/pair.h"
+#include "sim/base/error.h"
+
+namespace clothid {
+namespace {
+
+constexpr int kMostDraws = 1000;
+
+// One plan, from its scenes to what is expected of each.
+class Planner {
+ public:
+  explicit Planner(const PlanOptions& options) : options_(options), candidates_(ReadCandidates(options)) {
+    for (const Candidate& candidate : candidates_) {
+      for (const ParameterBlock& block : candidate.blocks) {
+        // Also those of a recording itself, once they are known.
+        AddName(block.name);
+      }
+    }
+  }
+
+  Plan Run() {
+    SimulateAll();
+    for (const std::vector<ClothInformation>& cloths : cloths_) {
+      for (const ParameterBlock& block : cloths.front().blocks) AddName(block.name);
+    }
+    plan_.candidates.resize(candidates_.size());
+    planned_.resize(candidates_.size());
+    for (std::size_t c = 0; c < candidates_.size(); ++c) Describe(c);
+    for (std::size_t a = 0; a < candidates_.size(); ++a) {
+      for (std::size_t b = a + 1; b < candidates_.size(); ++b) DescribePair(a, b);
+    }
+    for (CandidatePlan& candidate : plan_.candidates) {
+      if (candidate.failure.empty()) SortImprovements(candidate.worst_told, &candidate.improvements);
+    }
+    return std::move(plan_);
+  }
+
+ private:
+  void AddName(const std::string& name) {
+    if (std::find(plan_.parameters.begin(), plan_.parameters.end(), name) == plan_.parameters.end()) {
+      plan_.parameters.push_back(name);
+    }
+  }
+
+  void SimulateAll() {
+    const int num_cloths = 1 + options_.num_draws, num_tasks = num_cloths * static_cast<int>(candidates_.size());
+    cloths_.assign(candidates_.size(), std::vector<ClothInformation>(static_cast<std::size_t>(num_cloths)));
+    ParallelFor(
+        num_tasks, options_.fit.num_threads,
+        [&](int task) {
+          // The nominal cloths first: they take the longest.
+          const int cloth = task / static_cast<int>(candidates_.size());
+          const std::size_t candidate = static_cast<std::size_t>(task) % candidates_.size();
+          cloths_[candidate][static_cast<std::size_t>(cloth)] = InformCloth(options_, candidates_[candidate], cloth);
+        },
+        [&](int, int num_done) {
+          if (options_.on_progress) options_.on_progress(num_done, num_tasks);
+        });
+  }
+
+  void DescribeRecording(std::size_t c) {
+    CandidatePlan& candidate = plan_.candidates[c];
+    const ClothInformation& nominal = cloths_[c].front();
+    const Scene& scene = candidates_[c].scene;
+    candidate.duration = scene.duration;
+    candidate.time_step = scene.time_step;
+    candidate.num_frames = nominal.recording.num_frames();
+    candidate.num_points = nominal.recording.num_points();
+    candidate.num_nodes = static_cast<int>(scene.mesh.num_nodes());
+    candidate.start = nominal.recording.start_source;
+    candidate.map = nominal.map;
+    for (const ParameterBlock& block : nominal.blocks) candidate.map.columns.push_back(IndexOf(block.name));
+    for (const ClothInformation& cloth : cloths_[c]) {
+      if (!cloth.failure.empty()) candidate.failed_cloths.push_back(cloth.failure);
+    }
+    candidate.num_cloths = static_cast<int>(cloths_[c].size() - candidate.failed_cloths.size());
+  }
+
+  void Describe(std::size_t c) {
+    CandidatePlan& candidate = plan_.candidates[c];
+    candidate.name = candidates_[c].name;
+    candidate.failure = cloths_[c].front().failure;
+    if (!candidate.failure.empty()) return;
+    DescribeRecording(c);
+    planned_[c] = std::make_unique<Expectation>(PlannedRows(cloths_[c]), cloths_[c].front().step_errors);
+    const Expectation& planned = *planned_[c];
+    for (const std::string& name : plan_.parameters) {
+      ExpectedParameter missing;
+      missing.name = name;
+      missing.not_told = "its scene does not have it";
+      candidate.parameters.push_back(missing);
+    }
+    double worst = -1.0;
+    for (int i = 0; i < static_cast<int>(planned.blocks().size()); ++i) {
+      const int index = IndexOf(planned.blocks()[static_cast<std::size_t>(i)].name);
+      ExpectedParameter& expected = candidate.parameters[static_cast<std::size_t>(index)];
+      expected = planned.Parameter(i);
+      if (planned.blocks()[static_cast<std::size_t>(i)].frozen || expected.share_of_belief <= worst) continue;
+      worst = expected.share_of_belief;
+      candidate.worst_told = index;
+    }
+    SetKnownStart(c);
+    candidate.improvements = FindImprovements(plan_.parameters, cloths_[c], planned);
+  }
+
+  void SetKnownStart(std::size_t c) {
+    std::vector<ClothRows> known;
+    for (const ClothInformation& cloth : cloths_[c]) {
+      const auto rows = cloth.improved.find(ImprovementKind::kKnownStart);
+      if (cloth.failure.empty() && rows != cloth.improved.end()) {
+        known.push_back({cloth.blocks, cloth.coordinates, rows->second, cloth.num_measurements});
+      }
+    }
+    if (known.empty()) return;
+    const Expectation expectation(known, {});
+    for (int i = 0; i < static_cast<int>(expectation.blocks().size()); ++i) {
+      const int index = IndexOf(expectation.blocks()[static_cast<std::size_t>(i)].name);
+      plan_.candidates[c].parameters[static_cast<std::size_t>(index)].known_start_std = expectation.Std(i);
+    }
+  }
+
+  void DescribePair(std::size_t a, std::size_t b) {
+    if (planned_[a] == nullptr || planned_[b] == nullptr) return;
+    const JointCloths joint = JoinCloths(options_, candidates_[a], candidates_[b], cloths_[a], cloths_[b]);
+    const Expectation expectation(joint.cloths, joint.step_errors);
+    PairPlan pair;
+    pair.first = static_cast<int>(a);
+    pair.second = static_cast<int>(b);
+    pair.num_cloths = static_cast<int>(joint.cloths.size());
+    for (int i = 0; i < static_cast<int>(expectation.blocks().size()); ++i) {
+      pair.parameters.push_back(expectation.Parameter(i));
+    }
+    for (const auto& [own, other] : {std::pair(a, b), std::pair(b, a)}) {
+      plan_.candidates[own].improvements.push_back(
+          FindPartner(plan_.parameters, *planned_[own], expectation, static_cast<int>(other)));
+    }
+    plan_.pairs.push_back(std::move(pair));
+  }
+
+  int IndexOf(const std::string& name) const {
+    return static_cast<int>(std::find(plan_.parameters.begin(), plan_.parameters.end(), name) -
+                            plan_.parameters.begin());
+  }
+
+  const PlanOptions& options_;
+  const std::vector<Candidate> candidates_;
+  std::vector<std::vector<ClothInformation>> cloths_;  // per candidate, the nominal one first
+  std::vector<std::unique_ptr<Expectation>> planned_;  // per candidate; null: it failed
+  Plan plan_;
+};
+
+}  // namespace
+
+void PlanOptions::Validate() const {
+  ExpectUsage(!scene_paths.empty(), "--scenes: expected at least one scene.json");
+  ExpectUsage(!fit.parameters.empty() || !fit.each.empty(), "--fit: expected the parameters that are to be told");
+  ExpectUsage(std::isfinite(sigma) && sigma > 0.0, "--sigma: expected a standard deviation > 0 in m");
+  ExpectUsage(std::isfinite(frame_rate) && frame_rate >= 0.0, "--frame_rate: expected a rate >= 0 in Hz");
+  ExpectUsage(num_markers >= 0, "--markers: expected a number >= 0");
+  ExpectUsage(std::isfinite(force_sigma) && force_sigma > 0.0, "--force_sigma: expected a standard deviation > 0 in N");
+  ExpectUsage(std::isfinite(handle_sigma) && handle_sigma >= 0.0,
+              "--handle_sigma: expected a standard deviation >= 0 in m");
+  ExpectUsage(start == StartSource::kScene || IsUnknown(start), "--initial: expected scene, estimated, rest or moving");
+  ExpectUsage(num_draws >= 0 && num_draws <= kMostDraws,
+              "--draws: expected a number from 0 to " + std::to_string(kMostDraws));
+  ExpectUsage(fit.num_threads >= 1 && fit.num_threads <= kMaxThreads,
+              "--threads: expected a number from 1 to " + std::to_string(kMaxThreads));
+}
+
+bool Plan::has_any() const {
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [](const CandidatePlan& candidate) { return candidate.failure.empty(); });
+}
+
+Plan PlanExperiment(const PlanOptions& options) {
+  options.Validate();
+  std::unique_ptr<OutputFolder> folder;
+  Planner planner(options);
+  if (!options.output.empty()) {
+    for (const std::string& path : options.scene_paths) {
+      ExpectNotReplaced("--scenes", path, options.output, [](const std::string& name) { return name == kPlanFile; });
+    }
+    folder = std::make_unique<OutputFolder>(options.output);
+  }
+  Plan plan = planner.Run();
+  if (folder != nullptr && plan.has_any() && !options.fit.is_cancelled()) {
+    folder->Write(kPlanFile, PlanJson(options, plan));
+    folder->Commit();
+  }
+  return plan;
+}
+
+}  // namespace clothid

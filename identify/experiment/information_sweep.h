@@ -1,0 +1,45 @@
+// The Jacobian of a recorded cloth by one forward sweep, in parts that may be weighed against each other.
+#ifndef CLOTHID_IDENTIFY_EXPERIMENT_INFORMATION_SWEEP_H_
+#define CLOTHID_IDENTIFY_EXPERIMENT_INFORMATION_SWEEP_H_
+
+#include <Eigen/Core>
+#include <array>
+#include <atomic>
+#include <vector>
+
+#include "identify/experiment/recorded_cloth.h"
+#include "identify/problem/problem.h"
+
+namespace clothid {
+
+// Rows of `RecordedCloth::all`.
+enum class RowPart {
+  kPlanned,      // frames and points of the plan
+  kBetween,      // its points, at the frames between
+  kFurther,      // further points at its frames
+  kLater,        // its points, at its frame rate, after its end
+  kForces,       // forces at its frames
+  kLaterForces,  // forces after its end
+};
+inline constexpr int kNumRowParts = 6;
+
+struct InformationSweep {
+  // Rows [r x (p + n)] with the J^T J of each part: of the p blocks, then of the n unknowns of the start.
+  std::array<Eigen::MatrixXd, kNumRowParts> parts;
+  int num_planned = 0;  // rows of kPlanned
+  bool has_forces = false, has_further = false;
+
+  const Eigen::MatrixXd& part(RowPart which) const { return parts[static_cast<std::size_t>(which)]; }
+};
+
+// At the truth, where `problem` of `cloth.planned` starts. Throws std::runtime_error where the sweep fails.
+InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& problem, const std::atomic<bool>* cancel);
+
+// As InformationMap of the planned recording, with a column for each block. `follow` [n x p]: how the start follows;
+// `influence` [p x p]: column i moves parameter i by 1 and all others so as to undo the most.
+InformationMap MapInformation(const RecordedCloth& cloth, const FitProblem& problem, const Eigen::MatrixXd& follow,
+                              const Eigen::MatrixXd& influence, const std::atomic<bool>* cancel);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_EXPERIMENT_INFORMATION_SWEEP_H_

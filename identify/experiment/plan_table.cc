@@ -1,0 +1,142 @@
+// A plan as text for people.
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "identify/base/join_words.h"
+#include "identify/experiment/experiment_plan.h"
+#include "identify/uncertainty/uncertainty.h"
+
+namespace clothid {
+namespace {
+
+constexpr int kNameWidth = 16, kValueWidth = 12, kIntervalWidth = 26;
+
+// As in the names of `--initial`.
+std::string StartWords(StartSource start) {
+  switch (start) {
+    case StartSource::kRest:
+      return "start estimated, at rest";
+    case StartSource::kMoving:
+      return "start estimated, in motion";
+    default:
+      return "start known";
+  }
+}
+
+std::string Padded(const std::string& text, int width) {
+  std::ostringstream padded;
+  padded << std::left << std::setw(width) << text;
+  return padded.str();
+}
+
+std::string IntervalText(const ExpectedParameter& parameter) {
+  if (!parameter.is_told) return "-";
+  return NumberText(parameter.lower95, 4) + " .. " + NumberText(parameter.upper95, 4);
+}
+
+// "noise +- 1.2 %, step +- 3 %" of a logarithm, else in the parameter's own unit.
+std::string PartsText(const ExpectedParameter& parameter) {
+  const double scale = parameter.scale == ParameterScale::kLog ? 100.0 : 1.0;
+  const std::string unit = parameter.scale == ParameterScale::kLog ? " %" : "";
+  std::string text = "noise +- " + NumberText(scale * parameter.std, 2) + unit;
+  if (!std::isnan(parameter.step_error)) text += ", step +- " + NumberText(scale * parameter.step_error, 2) + unit;
+  return text;
+}
+
+std::string Remark(const ExpectedParameter& parameter, int num_cloths) {
+  if (!parameter.is_told) {
+    const std::string made_up = parameter.made_up_by.empty() ? "" : "; made up for: " + parameter.made_up_by;
+    return "not told: " + parameter.not_told + made_up;
+  }
+  if (parameter.told_share == 1.0) return PartsText(parameter);
+  return PartsText(parameter) + "; told in " + std::to_string(std::lround(parameter.told_share * num_cloths)) + " of " +
+         std::to_string(num_cloths) + " cloths";
+}
+
+void AddParameters(const std::vector<ExpectedParameter>& parameters, int num_cloths, std::ostringstream* text) {
+  for (const ExpectedParameter& parameter : parameters) {
+    const std::string value = parameter.is_in_scene ? NumberText(parameter.value, 4) : "-";
+    *text << "  " << Padded(parameter.name, kNameWidth) << Padded(value, kValueWidth)
+          << Padded(IntervalText(parameter), kIntervalWidth) << Remark(parameter, num_cloths) << "\n";
+  }
+}
+
+std::string FactorsText(const Plan& plan, const Improvement& improvement) {
+  std::string text;
+  for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
+    text += (i > 0 ? ", " : "") + plan.parameters[i] + " " +
+            NumberText(improvement.factors[static_cast<Eigen::Index>(i)], 2);
+  }
+  return text + (improvement.tells.empty() ? "" : "; tells " + JoinWords(improvement.tells));
+}
+
+void AddImprovements(const Plan& plan, const CandidatePlan& candidate, std::ostringstream* text) {
+  if (candidate.improvements.empty()) return;
+  *text << "  what would help, and how wide intervals are then, 1 as they are, the least told first ("
+        << plan.parameters[static_cast<std::size_t>(candidate.worst_told)] << "):\n";
+  for (const Improvement& improvement : candidate.improvements) {
+    std::string name = ImprovementName(improvement.kind);
+    if (improvement.partner >= 0) name = "with " + plan.candidates[static_cast<std::size_t>(improvement.partner)].name;
+    *text << "    " << Padded(name, 2 * kNameWidth - 2) << FactorsText(plan, improvement) << "\n";
+  }
+}
+
+void AddCandidate(const Plan& plan, const CandidatePlan& candidate, std::ostringstream* text) {
+  *text << candidate.name << ": ";
+  if (!candidate.failure.empty()) {
+    *text << "failed: " << candidate.failure << "\n";
+    return;
+  }
+  *text << NumberText(candidate.duration, 3) << " s, " << candidate.num_frames << " frames of " << candidate.num_points
+        << " points, " << StartWords(candidate.start) << ", " << candidate.num_cloths << " cloths\n";
+  AddParameters(candidate.parameters, candidate.num_cloths, text);
+  if (!candidate.failed_cloths.empty()) {
+    *text << "  " << candidate.failed_cloths.size()
+          << " more cloths could not be simulated; the first: " << candidate.failed_cloths.front() << "\n";
+  }
+  AddImprovements(plan, candidate, text);
+}
+
+// Of a pair, as long as it is not worth more lines.
+void AddPair(const Plan& plan, const PairPlan& pair, std::ostringstream* text) {
+  *text << plan.candidates[static_cast<std::size_t>(pair.first)].name << " and "
+        << plan.candidates[static_cast<std::size_t>(pair.second)].name << ":\n";
+  AddParameters(pair.parameters, pair.num_cloths, text);
+}
+
+// The candidate that tells a parameter best; -1: none does.
+int BestOf(const Plan& plan, std::size_t parameter) {
+  int best = -1;
+  double least = 0.0;
+  for (std::size_t c = 0; c < plan.candidates.size(); ++c) {
+    if (!plan.candidates[c].failure.empty()) continue;
+    const ExpectedParameter& expected = plan.candidates[c].parameters[parameter];
+    if (!expected.is_told || (best >= 0 && expected.share_of_belief >= least)) continue;
+    best = static_cast<int>(c);
+    least = expected.share_of_belief;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::string PlanTable(const Plan& plan) {
+  std::ostringstream text;
+  for (const CandidatePlan& candidate : plan.candidates) AddCandidate(plan, candidate, &text);
+  for (const PairPlan& pair : plan.pairs) AddPair(plan, pair, &text);
+  for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
+    const int best = BestOf(plan, i);
+    text << Padded("best", kNameWidth + 2) << Padded(plan.parameters[i], kValueWidth);
+    if (best < 0) {
+      text << "not told by any of them\n";
+      continue;
+    }
+    const CandidatePlan& candidate = plan.candidates[static_cast<std::size_t>(best)];
+    text << Padded(IntervalText(candidate.parameters[i]), kIntervalWidth) << candidate.name << "\n";
+  }
+  return text.str();
+}
+
+}  // namespace clothid
