@@ -1,5 +1,6 @@
 // The scripts of tools/slurm without Slurm: an `sbatch` that runs jobs at once and a program that writes down its
-// arguments stand in. tools/slurm/test runs them under a real Slurm.
+// arguments stand in. The last test runs fits under a real Slurm where it is installed; tools/slurm/test does
+// landscapes.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -241,7 +242,7 @@ TEST_F(SlurmTest, BadCommandsAreRefused) {
   expect_refused("result.json ./program\n", "expected FOLDER/RESULT COMMAND");
   expect_refused("../a/result.json ./program\n", "expected FOLDER/RESULT COMMAND");
   expect_refused("/a/result.json ./program\n", "expected FOLDER/RESULT COMMAND");
-  expect_refused("a/result.json ./program 'a\n", "as a shell reads them");
+  expect_refused("a/result.json ./program 'a\n", "words as a shell reads them");
   expect_refused("a/x ./program\na/y ./program\n", "two commands have the folder a");
   ExpectRefused(Call("submit_array", "8 out nothing"), 1, "'nothing'");
 }
