@@ -7,10 +7,10 @@
 //   const RunResult result = Identify(options);
 //   if (result.exit_code == kExitSuccess) Use(result.summary.values());
 //
-// What happens, in this order: the recordings are read and checked, frames are held out, the gradients compared, the
-// fit is run, from one start or several, and where it chooses the time step, again with that, then the profiles, the
-// fits with other steps and meshes and the prediction of what was held out, then the files are written, all or none
-// (but see `WriteReport`).
+// What happens, in this order: the recordings are read and checked, frames are held out, the gradients compared, of
+// repetitions each is fitted for itself, the fit is run, from one start or several, and where it chooses the time step,
+// again with that, then the profiles, the fits with other steps and meshes and the prediction of what was held out,
+// then the files are written, all or none (but see `WriteReport`).
 #ifndef CLOTHID_IDENTIFY_RUN_H_
 #define CLOTHID_IDENTIFY_RUN_H_
 
