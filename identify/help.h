@@ -9,6 +9,8 @@ inline constexpr char kHelp[] = R"(identify: fits friction and stiffness of clot
   identify --target FILE[,FILE...] [flags]
 
   --target FILES      recordings (motion.bin), fitted jointly
+  --repeat            they repeat one experiment: how much they scatter, the mean,
+                      the next specimen
   --scene FILE        scene.json to use instead of the one in each recording
   --fabric NAME       light, medium, heavy, knit or denim: measured constants in
                       place of those that the scene does not give, and bounds
@@ -128,6 +130,12 @@ Beside the fit:
   --holdout_frames A:B  the same for frames A to B - 1 of every recording
   --landscape DIRS    folders that `landscape` wrote of a recording of --target, over two parameters of the fit:
                       report.html shows them as maps, with the estimate and the way to it
+
+Repetitions:
+  --repeat            fits each recording of --target for itself, too, and pools what they share: scatter between
+                      recordings, mean, next specimen, which does not fit the others. --target may be folders of
+                      finished fits, or folders of such, which are pooled without a fit: --fit chooses parameters,
+                      --each leaves out
 
 Files:
   --output DIR        result.json, convergence.csv, predicted.bin, profile.csv, report.html

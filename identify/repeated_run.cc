@@ -68,7 +68,7 @@ RunOptions SingleRun(const RunOptions& options, const RecordedMotion& motion, in
   return single;
 }
 
-SingleFit FitOne(const RunOptions& options, int index) {
+SingleFit FitOne(const RunOptions& options, const RunCall& identify, int index) {
   const auto r = static_cast<std::size_t>(index);
   const RecordedMotion motion =
       options.targets.empty() ? ReadMotion(options.target_paths[r], options.reading) : options.targets[r];
@@ -79,7 +79,7 @@ SingleFit FitOne(const RunOptions& options, int index) {
     none.why_not_used = "it has no parameter of --fit";
     return none;
   }
-  return DescribeSingleFit(motion.name, motion.sha256, Identify(single));
+  return DescribeSingleFit(motion.name, motion.sha256, identify(single));
 }
 
 FitSummary SummaryOfMeans(const Repetitions& repetitions) {
@@ -113,14 +113,15 @@ std::optional<Scene> SceneOf(const RunOptions& options, const std::string& folde
 
 }  // namespace
 
-std::vector<SingleFit> FitEach(const RunOptions& options) {
+std::vector<SingleFit> FitEach(const RunOptions& options, const RunCall& identify) {
   const auto num = static_cast<int>(std::max(options.targets.size(), options.target_paths.size()));
   std::vector<SingleFit> fits(static_cast<std::size_t>(num));
   const auto fit = [&](int r) {
-    if (!options.fit.is_cancelled()) fits[static_cast<std::size_t>(r)] = FitOne(options, r);
+    if (!options.fit.is_cancelled()) fits[static_cast<std::size_t>(r)] = FitOne(options, identify, r);
   };
   const auto tell = [&](int r, int num_done) {
-    if (options.on_repetition) options.on_repetition(fits[static_cast<std::size_t>(r)], num_done, num);
+    const bool is_told = options.on_repetition && !options.fit.is_cancelled();
+    if (is_told) options.on_repetition(fits[static_cast<std::size_t>(r)], num_done, num);
   };
   ParallelFor(num, options.fit.num_threads, fit, tell);
   if (options.fit.is_cancelled()) fits.clear();

@@ -3,20 +3,24 @@
 #ifndef CLOTHID_IDENTIFY_REPEATED_RUN_H_
 #define CLOTHID_IDENTIFY_REPEATED_RUN_H_
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "identify/repetition/repetitions.h"
-#include "identify/run.h"
+#include "identify/run_options.h"
 
 namespace clothid {
+
+// `Identify` (identify/run.h), which this is a part of.
+using RunCall = std::function<RunResult(const RunOptions& options)>;
 
 // Fits every recording of `options` for itself, as a run of its own would that writes nothing: side by side on
 // `FitOptions::num_threads`, each on one. Parameters that a recording does not have are left out of its fit, of bounds
 // and the like "drag@2" counts for the second recording alone. Nothing is looked at beside these fits but what counts
 // in their intervals, and `RunOptions::resume` does not keep them: a resumed run fits them again. Empty where `cancel`
-// ended it. Throws `Error` where `Identify` does for one of them.
-std::vector<SingleFit> FitEach(const RunOptions& options);
+// ended it. Throws `Error` where `identify` does for one of them.
+std::vector<SingleFit> FitEach(const RunOptions& options, const RunCall& identify);
 
 // The estimates of a run of one recording.
 SingleFit DescribeSingleFit(const std::string& name, const std::string& sha256, const RunResult& result);

@@ -288,7 +288,7 @@ RunResult Identify(const RunOptions& options) {
   options.Validate();
   if (options.judges_folders()) return JudgeFinishedFits(options);
   Run run(options);
-  if (options.repeat) run.SetSingleFits(FitEach(options));
+  if (options.repeat) run.SetSingleFits(FitEach(options, Identify));
   return run.Finish();
 }
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "identify/run.h"
+#include "identify/run_options.h"
 
 namespace clothid {
 

@@ -1,11 +1,12 @@
 // What of the options of a run goes with what.
+#include "identify/run_options.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
 
 #include "identify/base/knot_names.h"
-#include "identify/run.h"
 
 namespace clothid {
 

@@ -6,6 +6,7 @@
 
 #include "costs/prediction/alignment.h"
 #include "identify/base/join_words.h"
+#include "identify/base/knot_names.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
@@ -131,7 +132,8 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 std::vector<std::string> NamesOf(const SingleFit& fit, const std::vector<std::string>& own) {
   std::vector<std::string> names;
   for (const SingleEstimate& estimate : fit.estimates) {
-    if (!Contains(own, BaseName(estimate.name)) && !estimate.is_frozen) names.push_back(estimate.name);
+    const bool is_own = Contains(own, BaseName(estimate.name)) || FindKnot(estimate.name);
+    if (!is_own && !estimate.is_frozen) names.push_back(estimate.name);
   }
   return names;
 }

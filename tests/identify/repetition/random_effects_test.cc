@@ -205,7 +205,6 @@ TEST(RandomEffectsTest, FiveRecordingsThatScatterAreCovered) {
   EXPECT_NEAR(coverage.next / 4000.0, 0.95, 0.015);
   EXPECT_NEAR(coverage.tau / 4000.0, 0.95, 0.012);
   EXPECT_GE(coverage.varies / 4000.0, 0.97);
-    std::printf("COV %d %d %d %d\n", coverage.mean, coverage.next, coverage.tau, coverage.varies);
 }
 
 TEST(RandomEffectsTest, ScatterIsNotInvented) {
