@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "costs/prediction/alignment.h"
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/motion_file.h"
+#include "identify/base/fitted_result.h"
 #include "identify/base/output_folder.h"
 #include "identify/export/simulator_exports.h"
 #include "sim/base/error.h"
-#include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
@@ -30,25 +29,6 @@ std::string TextOf(const std::string& simulator, const Scene& scene, const Expor
   if (simulator == "arcsim") return ArcsimJson(constants);
   if (simulator == "blender") return BlenderScript(scene, constants);
   return PpfScript(constants);
-}
-
-// The estimates of a result.json by name.
-std::map<std::string, double> ReadEstimates(const std::string& path) {
-  const std::string text = ReadText(path, kMaxJsonBytes);
-  ParseJson(text, path);  // an error names the line
-  const nlohmann::json result = nlohmann::json::parse(text);
-  const bool is_result = result.is_object() && result.value("schema", nlohmann::json()) == "clothid.result/1";
-  if (!is_result || !result.contains("parameters") || !result["parameters"].is_object()) {
-    throw Error(ErrorKind::kBadData, path + ": key 'schema': expected \"clothid.result/1\", with 'parameters'");
-  }
-  std::map<std::string, double> values;
-  for (const auto& [name, parameter] : result["parameters"].items()) {
-    if (!parameter.is_object() || !parameter.contains("value") || !parameter["value"].is_number()) {
-      throw Error(ErrorKind::kBadData, path + ": key 'parameters." + Printable(name) + ".value': expected a number");
-    }
-    values[name] = parameter["value"].get<double>();
-  }
-  return values;
 }
 
 }  // namespace
