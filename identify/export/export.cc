@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "costs/prediction/alignment.h"
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/motion_file.h"
+#include "identify/base/fitted_result.h"
 #include "identify/base/output_folder.h"
 #include "identify/export/simulator_exports.h"
 #include "sim/base/error.h"
-#include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
@@ -32,35 +31,21 @@ std::string TextOf(const std::string& simulator, const Scene& scene, const Expor
   return PpfScript(constants);
 }
 
-// In place of estimates the means of what was pooled, and what stands beside them.
-void TakeMeans(const nlohmann::json& result, ExportedEstimates* estimates) {
-  const nlohmann::json parameters =
-      result.value(nlohmann::json::json_pointer("/repetitions/parameters"), nlohmann::json::object());
-  for (const auto& [name, parameter] : parameters.items()) {
-    if (!parameter.is_object() || !parameter.contains("mean") || !parameter["mean"].is_number()) continue;
-    estimates->values[name] = parameter["mean"].get<double>();
-    const nlohmann::json words = parameter.value("words", nlohmann::json());
-    if (words.is_string()) estimates->remarks[name] = Printable(words.get<std::string>());
-  }
-}
-
-// The estimates of a result.json.
-ExportedEstimates ReadEstimates(const std::string& path) {
-  const std::string text = ReadText(path, kMaxJsonBytes);
-  ParseJson(text, path);  // an error names the line
-  const nlohmann::json result = nlohmann::json::parse(text);
-  const bool is_result = result.is_object() && result.value("schema", nlohmann::json()) == "clothid.result/1";
-  if (!is_result || !result.contains("parameters") || !result["parameters"].is_object()) {
-    throw Error(ErrorKind::kBadData, path + ": key 'schema': expected \"clothid.result/1\", with 'parameters'");
-  }
+// Of a result.json: in place of estimates the means of what was pooled, and what stands beside them.
+ExportedEstimates ReadExported(const std::string& path) {
   ExportedEstimates estimates;
-  for (const auto& [name, parameter] : result["parameters"].items()) {
-    if (!parameter.is_object() || !parameter.contains("value") || !parameter["value"].is_number()) {
-      throw Error(ErrorKind::kBadData, path + ": key 'parameters." + Printable(name) + ".value': expected a number");
-    }
-    estimates.values[name] = parameter["value"].get<double>();
+  estimates.values = ReadEstimates(path);
+  const JsonValue json = ParseJson(ReadText(path, kMaxJsonBytes), path);
+  const auto repetitions = JsonNode(json, path).Find("repetitions");
+  if (!repetitions) return estimates;
+  const JsonNode parameters = repetitions->Require("parameters", "an object");
+  for (const std::string& name : parameters.keys()) {
+    const JsonNode parameter = *parameters.Find(name);
+    const JsonNode mean = parameter.Require("mean", "a number or null");
+    if (mean.is(JsonValue::Kind::kNull)) continue;
+    estimates.values[name] = mean.Number();
+    estimates.remarks[name] = Printable(parameter.Require("words", "a text").String());
   }
-  TakeMeans(result, &estimates);
   return estimates;
 }
 
@@ -130,7 +115,7 @@ void ExportResult(const std::string& result, const std::string& target, const st
   if (simulators.empty()) throw Error(ErrorKind::kUsage, "--result: expected with --export");
   if (folder.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
   const std::vector<std::string> names = ParseSimulators(simulators, "--export");
-  const ExportedEstimates estimates = ReadEstimates(result);
+  const ExportedEstimates estimates = ReadExported(result);
   const std::filesystem::path beside = std::filesystem::path(result).parent_path() / "predicted.bin";
   const Scene scene = ReadMotion(target.empty() ? beside.string() : target).scene;
   const Parameters parameters = ParametersOfEstimates(estimates.values, scene);

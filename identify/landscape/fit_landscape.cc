@@ -74,6 +74,7 @@ FitLandscape ReadFitLandscape(const std::string& folder, const std::vector<Recor
   const int setting = FindSetting(folder, part.landscape.plan, motion);
   found.num_other_settings = static_cast<int>(part.landscape.plan.settings.size()) - 1;
   found.landscape = OneSetting(std::move(part.landscape), setting);
+  if (part.origin.fit) found.fit = *std::move(part.origin.fit);
   const LandscapeSigma of_fit = SigmaOf(motion);
   // A scan of clothid 0.1 does not say: it had that of the recording.
   const bool is_told = motion.sigma_source == SigmaSource::kGiven || motion.sigma_source == SigmaSource::kEstimated;

@@ -9,6 +9,7 @@
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/landscape/landscape.h"
+#include "identify/landscape/scanned_fit.h"
 
 namespace clothid {
 
@@ -24,8 +25,9 @@ struct FitLandscape {
   Landscape landscape;           // one setting: the scene as it is, in the contact mode of the fit; all windows
   int num_other_settings = 0;    // left out
   bool has_other_sigma = false;  // than the fit
-  // m: rmse of a cell = this sqrt(cost). NaN where the cost does not tell the rmse: points differ in sigma, or the scan
-  // does not say what it had.
+  ScannedFit fit;                // whose cost was scanned; holds and weighs nothing: of none
+  // m: rmse of a cell = this sqrt(cost). NaN where the cost does not tell the rmse: points differ in sigma, frames in
+  // weight, or the scan does not say what it had.
   double rmse_of_root_cost = std::numeric_limits<double>::quiet_NaN();
   LandscapeParameter x, y;          // by `MatchLandscape`
   std::vector<std::string> others;  // fitted as well, but held in all cells; by `MatchLandscape`

@@ -96,6 +96,7 @@ LandscapeOrigin ReadOrigin(const JsonNode& root) {
   for (const std::string& name : truth.keys()) origin.truth[name] = truth.Find(name)->Number();
   origin.fingerprint = root.Require("fingerprint", "a text").String();
   if (const std::optional<JsonNode> sigma = root.Find("sigma")) origin.sigma = ReadSigma(*sigma);
+  if (const std::optional<JsonNode> fit = root.Find("fit")) origin.fit = ReadScannedFit(*fit);
   const JsonNode shard = root.Require("shard", "an object or null");
   if (!shard.is(JsonValue::Kind::kNull)) {
     origin.shard.count = shard.Require("count", "an integer").Integer(2, kMaxLandscapeCells);

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "identify/landscape/landscape.h"
+#include "identify/landscape/scanned_fit.h"
 
 namespace clothid {
 
@@ -31,6 +32,7 @@ struct LandscapeOrigin {
   std::string fingerprint;              // of everything that determines the cells of all shards [64 digits]
   LandscapeShard shard;
   std::optional<LandscapeSigma> sigma;  // of the residuals; absent in scans of clothid 0.1
+  std::optional<ScannedFit> fit;        // absent: of no fit
 };
 
 struct LandscapePart {

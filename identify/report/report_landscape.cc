@@ -22,6 +22,8 @@ constexpr int kMaxWindows = 6;
 // The most reasons that are told apart; failures often differ in a number alone.
 constexpr std::size_t kMaxReasons = 20;
 constexpr int kRegionPoints = 72;
+// Of a value that is the estimate, but for rounding on another processor.
+constexpr double kSameValue = 1e-6;
 constexpr double kFullTurn = 2.0 * 3.14159265358979323846;
 // The 95 % quantile of chi-square with two degrees of freedom: -2 log 0.05.
 constexpr double kChiSquareOfTwo95 = 5.991464547107979;
@@ -83,16 +85,50 @@ Json WindowJson(const Landscape& landscape, int index, int every) {
           {"failures", failures.ToJson()}};
 }
 
+bool IsWeighedAsFit(const FitLandscape& landscape, const FitSummary& summary) {
+  const std::size_t r = static_cast<std::size_t>(landscape.recording);
+  return IsSameWeight(landscape.fit.model_error,
+                      r < summary.model_errors.size() ? summary.model_errors[r] : ModelError());
+}
+
+bool IsEstimate(const std::string& name, double value, const FitSummary& summary) {
+  return std::any_of(summary.parameters.begin(), summary.parameters.end(), [&](const FittedParameter& parameter) {
+    return parameter.name == name && std::abs(parameter.value - value) <= kSameValue * std::abs(value);
+  });
+}
+
+// What was fitted as well, but is held elsewhere in all cells.
+void AddHeld(const FitLandscape& landscape, const FitSummary& summary, std::vector<std::string>* notes) {
+  std::vector<std::string> nominal, moved;
+  for (const std::string& name : landscape.others) {
+    const auto held = landscape.fit.held.find(BaseName(name));
+    if (held == landscape.fit.held.end()) {
+      nominal.push_back(name);
+    } else if (!IsEstimate(name, held->second, summary)) {
+      moved.push_back(name);
+    }
+  }
+  const auto add = [notes](const std::vector<std::string>& names, const char* one, const char* several) {
+    if (names.empty()) return;
+    notes->push_back("In every cell " + JoinWords(names) + (names.size() == 1 ? one : several) +
+                     ", not the estimate: the lowest point of the map need not be that of the fit.");
+  };
+  add(nominal, " has its nominal value", " have their nominal values");
+  add(moved, " has the estimate of another fit", " have the estimates of another fit");
+}
+
 // In what the map is of something else than the fit.
-std::vector<std::string> Notes(const FitLandscape& landscape, const std::vector<RecordedMotion>& motions, int every) {
+std::vector<std::string> Notes(const FitLandscape& landscape, const FitSummary& summary,
+                               const std::vector<RecordedMotion>& motions, int every) {
   const RecordedMotion& motion = motions[landscape.recording];
   const std::size_t num_windows = landscape.landscape.plan.windows.size();
   std::vector<std::string> notes;
   if (motions.size() > 1) notes.push_back("It is the cost of " + motion.name + " alone; the fit is of all recordings.");
-  if (!landscape.others.empty()) {
-    notes.push_back("In every cell " + JoinWords(landscape.others) +
-                    (landscape.others.size() == 1 ? " has its nominal value" : " have their nominal values") +
-                    ", not the estimate: the lowest point of the map need not be that of the fit.");
+  AddHeld(landscape, summary, &notes);
+  if (!IsWeighedAsFit(landscape, summary)) {
+    notes.push_back(
+        "The map does not weigh frames as the fit does, by the error of its model: `landscape --result` with the "
+        "result.json of this fit does.");
   }
   if (motion.centroid) notes.push_back("Frames that were held out of the fit count in the map.");
   if (motion.start_source == StartSource::kSmoothed) {
@@ -118,7 +154,8 @@ std::vector<std::string> Notes(const FitLandscape& landscape, const std::vector<
 double ComparableRmse(const FitLandscape& landscape, const FitSummary& summary,
                       const std::vector<RecordedMotion>& motions) {
   const RecordedMotion& motion = motions[landscape.recording];
-  const bool is_same = motions.size() == 1 && !motion.centroid && motion.start_source != StartSource::kSmoothed;
+  const bool is_same = motions.size() == 1 && !motion.centroid && motion.start_source != StartSource::kSmoothed &&
+                       IsWeighedAsFit(landscape, summary);
   return is_same && std::isfinite(landscape.rmse_of_root_cost) ? summary.error.rmse() : std::nan("");
 }
 
@@ -158,7 +195,7 @@ Json LandscapeJson(const FitLandscape& landscape, const FitSummary& summary, con
           {"rmse_of_root_cost", RoundedJson(landscape.rmse_of_root_cost, 12)},
           {"estimate_rmse_m", RoundedJson(ComparableRmse(landscape, summary, motions), kLandscapeDigits)},
           {"region", RegionJson(landscape, summary, checks)},
-          {"notes", Notes(landscape, motions, every)}};
+          {"notes", Notes(landscape, summary, motions, every)}};
 }
 
 Eigen::Matrix2Xd ConfidenceRegion(const FitLandscape& landscape, const FitSummary& summary) {

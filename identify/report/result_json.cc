@@ -1,12 +1,12 @@
 #include "identify/report/result_json.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "identify/base/model_error_json.h"
 #include "identify/base/source_names.h"
 #include "identify/base/version.h"
 #include "identify/report/repetition_report.h"
@@ -276,20 +276,9 @@ Json RecordingsJson(const FitSummary& summary, const std::vector<RecordedMotion>
   return json;
 }
 
-// Of every recording: tau of a coordinate, a distance or a component over time, and how many rows err alike.
 Json ModelErrorsJson(const std::vector<ModelError>& errors) {
-  constexpr std::array<const char*, kNumPredictedKinds> kNames = {"points", "clouds", "forces"};
   Json json = Json::array();
-  for (const ModelError& error : errors) {
-    Json curves = Json::object();
-    for (std::size_t k = 0; k < kNames.size(); ++k) {
-      const ErrorCurve& curve = error.curves[k];
-      if (curve.is_zero()) continue;
-      const Eigen::VectorXd deviations = curve.variances.cwiseSqrt();
-      curves[kNames[k]] = {{"times", curve.times}, {"deviation", deviations}, {"alike", curve.alike}};
-    }
-    json.push_back(curves);
-  }
+  for (const ModelError& error : errors) json.push_back(ModelErrorJson(error));
   return json;
 }
 

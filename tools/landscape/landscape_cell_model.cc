@@ -38,8 +38,10 @@ std::vector<ParameterBlock> MakeBlocks(const LandscapePlan& plan, const std::map
 }  // namespace
 
 LandscapeCellModel::LandscapeCellModel(const RecordedMotion& motion, const LandscapePlan& plan,
-                                       const std::map<std::string, double>& held)
-    : model_(motion, MakeBlocks(plan, held)) {}
+                                       const std::map<std::string, double>& held, const ModelError& model_error)
+    : model_(motion, MakeBlocks(plan, held)) {
+  model_.SetModelError(model_error);
+}
 
 Eigen::VectorXd LandscapeCellModel::Coordinates(double x, double y) const {
   Eigen::VectorXd coordinates(model_.num_blocks());

@@ -42,6 +42,7 @@ nlohmann::ordered_json PlanJson(const LandscapePlan& plan, const LandscapeOrigin
   json["truth"] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : origin.truth) json["truth"][name] = value;
   if (origin.sigma) json["sigma"] = SigmaJson(*origin.sigma);
+  if (origin.fit) json["fit"] = ScannedFitJson(*origin.fit);
   json["fingerprint"] = origin.fingerprint;
   json["landscape_sha256"] = Sha256Hex({csv});
   json["provenance"] = {{"version", origin.version}, {"git", origin.git}, {"input_sha256", origin.input_sha256}};

@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -12,6 +14,7 @@
 
 #include "datasets/motion/motion_file.h"
 #include "identify/base/command_line.h"
+#include "identify/base/fitted_result.h"
 #include "identify/base/options.h"
 #include "identify/base/output_folder.h"
 #include "identify/base/parallel_for.h"
@@ -43,6 +46,7 @@ DEFINE_string(contact, "", "contact mode: gap, velocity or both; empty: the scen
 DEFINE_string(sigma, "recorded", "standard deviation of a coordinate: recorded, auto or a number in m");
 DEFINE_string(initial, "estimated",
               "where the cloth starts if the scene does not say: estimated, rest, moving, smoothed or first");
+DEFINE_string(result, "", "result.json of a fit of the recording, whose cost is scanned");
 DEFINE_bool(gradients, false, "the adjoint gradient at every cell");
 DEFINE_string(shard, "", "I/N: only the cells I, I + N, I + 2 N, ..");
 DEFINE_bool(resume, false, "continue a scan that was stopped");
@@ -51,6 +55,12 @@ DEFINE_string(output, "landscape_result", "folder for the results");
 
 namespace clothid {
 namespace {
+
+// Tells what the cells hold and are weighed by; a cost whose frames differ in weight does not tell the rmse.
+void TellFit(const LandscapeScanOptions& scan, LandscapeOrigin* origin) {
+  origin->fit = ScannedFit{scan.held, scan.model_error};
+  if (!scan.model_error.is_zero()) origin->sigma->rmse_of_root_cost = std::nan("");
+}
 
 LandscapeRunOptions OptionsFromFlags() {
   if (FLAGS_threads < 1) throw Error(ErrorKind::kUsage, "--threads: expected a number >= 1");
@@ -63,9 +73,14 @@ LandscapeRunOptions OptionsFromFlags() {
   LandscapeRunOptions options;
   options.origin.shard = ParseShard(FLAGS_shard);
   const MotionReader read = [](const ReadMotionOptions& how) { return ReadMotion(FLAGS_target, how); };
+  if (!FLAGS_result.empty() && !truth.empty()) {
+    throw Error(ErrorKind::kUsage, "--set: expected without --result, whose cost is that of what was measured");
+  }
+  std::optional<FittedResult> result;
+  if (!FLAGS_result.empty()) result = ReadFittedResult(FLAGS_result);
   options.scan = SetUpLandscape(
       {FLAGS_x, FLAGS_y, FLAGS_zoom_around, FLAGS_zoom, FLAGS_zoom_only, FLAGS_sweep, FLAGS_contact, FLAGS_gradients},
-      read, reading);
+      read, reading, result ? &*result : nullptr);
   options.scan.num_threads = FLAGS_threads;
   options.scan.cancel = &CatchInterrupts();
   options.origin.version = Version();
@@ -73,11 +88,13 @@ LandscapeRunOptions OptionsFromFlags() {
   options.origin.input_sha256 = options.scan.motions.front().sha256;
   options.origin.truth = truth;
   options.origin.sigma = SigmaOf(options.scan.motions.front());
-  options.origin.fingerprint = LandscapeFingerprint(options.scan.plan, options.scan.motions, truth);
+  if (result) TellFit(options.scan, &options.origin);
+  options.origin.fingerprint = LandscapeFingerprint(options.scan, options.origin);
   if (!truth.empty()) MeasureTruth(truth, &options.scan);
   options.folder = FLAGS_output;
   ExpectNotReplaced("--target", FLAGS_target, FLAGS_output, IsLandscapeFile);
   if (!FLAGS_scene.empty()) ExpectNotReplaced("--scene", FLAGS_scene, FLAGS_output, IsLandscapeFile);
+  if (result) ExpectNotReplaced("--result", FLAGS_result, FLAGS_output, IsLandscapeFile);
   options.resume = FLAGS_resume;
   return options;
 }
@@ -161,13 +178,14 @@ int Plot(const std::vector<std::string>& folders) {
 
 int main(int argc, char** argv) {
   clothid::Program program = {"landscape", clothid::kHelp, clothid::kMoreHelp};
-  program.commands = {{"",
-                       {},
-                       "target scene x y zoom_around zoom zoom_only sweep set contact sigma initial gradients shard "
-                       "resume threads output",
-                       clothid::Scan},
-                      {"merge", {"..."}, "output", clothid::Merge},
-                      {"plot", {"one folder"}, "", clothid::Plot}};
+  program.commands = {
+      {"",
+       {},
+       "target scene x y zoom_around zoom zoom_only sweep set contact sigma initial result gradients shard "
+       "resume threads output",
+       clothid::Scan},
+      {"merge", {"..."}, "output", clothid::Merge},
+      {"plot", {"one folder"}, "", clothid::Plot}};
   program.lists = {{"zoom_around", ','}, {"zoom", ','}, {"set", ','}, {"sweep", ';'}};
   clothid::RunCommandLine(program, argc, argv);
 }

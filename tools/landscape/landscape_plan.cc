@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "costs/prediction/alignment.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/parameters.h"
@@ -103,22 +104,27 @@ void CheckNumCells(const LandscapeWindow& whole, std::size_t num_settings, std::
   }
 }
 
-// What the cells of an axis set, as the scene has it.
-std::vector<double> ValuesOn(const LandscapeAxis& axis, const Scene& scene) {
-  const ParameterId id = ParseParameter(axis.parameter, scene);
+// What cells set with this parameter, as the scene has it.
+std::vector<double> ValuesOf(const std::string& parameter, const Scene& scene) {
+  const ParameterId id = ParseParameter(parameter, scene);
   const Parameters nominal = scene.nominal_parameters();
   if (id.kind == ParameterKind::kFriction && id.obstacle == kAllObstacles) return nominal.friction_coefficients;
   return {GetParameter(nominal, id)};
 }
 
-// `motions`: the recording in every setting of the plan; `own`: the scene that the sweep changes. Throws `Error`
-// (kUsage), naming --sweep, where it changes what is on an axis: every cell sets that itself.
-void CheckSweep(const LandscapePlan& plan, const Scene& own, const std::vector<RecordedMotion>& motions) {
-  const LandscapeWindow& window = plan.windows.front();
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    for (const auto& [flag, axis] : {std::pair("--x", &window.x), std::pair("--y", &window.y)}) {
-      if (ValuesOn(*axis, motions[i].scene) == ValuesOn(*axis, own)) continue;
-      FailOnFlag("--sweep", "'" + plan.settings[i].name + "': changes '" + axis->parameter + "', which is on " + flag);
+// `own`: the scene that the sweep changes. Throws `Error` (kUsage), naming --sweep, where it changes what is on an axis
+// or held: every cell sets that itself.
+void CheckSweep(const LandscapeScanOptions& scan, const Scene& own) {
+  const LandscapeWindow& window = scan.plan.windows.front();
+  std::vector<std::pair<std::string, std::string>> set = {{window.x.parameter, "is on --x"},
+                                                          {window.y.parameter, "is on --y"}};
+  for (const auto& [name, value] : scan.held) {
+    if (!ParseAlignmentId(name)) set.emplace_back(name, "--result holds");
+  }
+  for (std::size_t i = 0; i < scan.motions.size(); ++i) {
+    for (const auto& [name, reason] : set) {
+      if (ValuesOf(name, scan.motions[i].scene) == ValuesOf(name, own)) continue;
+      FailOnFlag("--sweep", "'" + scan.plan.settings[i].name + "': changes '" + name + "', which " + reason);
     }
   }
 }
@@ -138,10 +144,10 @@ LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene)
 }
 
 LandscapeScanOptions SetUpLandscape(const LandscapeFlags& flags, const MotionReader& read,
-                                    const ReadMotionOptions& reading) {
+                                    const ReadMotionOptions& reading, const FittedResult* result) {
   LandscapeScanOptions scan;
-  const Scene own = read(reading).scene;
-  scan.plan = MakeLandscapePlan(flags, own);
+  const RecordedMotion own = read(reading);
+  scan.plan = MakeLandscapePlan(flags, own.scene);
   for (std::size_t i = 0; i < scan.plan.settings.size(); ++i) {
     const LandscapeSetting& setting = scan.plan.settings[i];
     const bool is_as_before = i > 0 && scan.plan.settings[i - 1].name == setting.name;
@@ -149,7 +155,8 @@ LandscapeScanOptions SetUpLandscape(const LandscapeFlags& flags, const MotionRea
                                         : ReadMotionVariant(read, reading, ParseSweep(setting.name).front()));
     scan.motions.back().scene.contact_mode = setting.contact_mode;
   }
-  CheckSweep(scan.plan, own, scan.motions);
+  if (result != nullptr) FollowFit(ScannedFitOf(*result, own), &scan);
+  CheckSweep(scan, own.scene);
   return scan;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "datasets/motion/motion_file.h"
+#include "identify/base/fitted_result.h"
 #include "identify/landscape/landscape.h"
 #include "sim/scene/scene.h"
 #include "tools/landscape/landscape_scan.h"
@@ -27,11 +28,12 @@ struct LandscapeFlags {
 // (kUsage), naming the flag, also where an axis is part of the other.
 LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene);
 
-// The plan of `flags`, and in each of its settings the recording that `read` gives with `reading`. Throws `Error` as
-// `MakeLandscapePlan` and `ReadMotionVariant` do, and (kUsage), naming --sweep, where that changes what is on an axis:
-// every cell sets that itself.
+// The plan of `flags`, and in each of its settings the recording that `read` gives with `reading`; of the cost of the
+// fit `result`, which may be null. Throws `Error` as `MakeLandscapePlan`, `ReadMotionVariant`, `ScannedFitOf` and
+// `FollowFit` do, and (kUsage), naming --sweep, where that changes what is on an axis or held: every cell sets that
+// itself.
 LandscapeScanOptions SetUpLandscape(const LandscapeFlags& flags, const MotionReader& read,
-                                    const ReadMotionOptions& reading);
+                                    const ReadMotionOptions& reading, const FittedResult* result = nullptr);
 
 // "I/N" with 0 <= I < N; empty: the whole. Throws `Error` (kUsage), naming --shard.
 LandscapeShard ParseShard(const std::string& text);

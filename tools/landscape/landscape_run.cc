@@ -56,11 +56,11 @@ void CheckFolder(const LandscapeRunOptions& options) {
 
 }  // namespace
 
-std::string LandscapeFingerprint(const LandscapePlan& plan, const std::vector<RecordedMotion>& motions,
-                                 const std::map<std::string, double>& truth) {
+std::string LandscapeFingerprint(const LandscapeScanOptions& scan, const LandscapeOrigin& origin) {
+  const LandscapePlan& plan = scan.plan;
   std::ostringstream text;
   DescribeProgram(&text);
-  for (const RecordedMotion& motion : motions) DescribeMotion(motion, &text);
+  for (const RecordedMotion& motion : scan.motions) DescribeMotion(motion, &text);
   for (const LandscapeSetting& setting : plan.settings) {
     text << "setting " << setting.name << " " << static_cast<int>(setting.contact_mode) << "\n";
   }
@@ -71,7 +71,8 @@ std::string LandscapeFingerprint(const LandscapePlan& plan, const std::vector<Re
     text << "\n";
   }
   text << "gradients " << plan.has_gradients << "\n";
-  for (const auto& [name, value] : truth) text << "true " << name << " " << value << "\n";
+  for (const auto& [name, value] : origin.truth) text << "true " << name << " " << value << "\n";
+  if (origin.fit) text << "fit " << ScannedFitJson(*origin.fit).dump() << "\n";  // which has every digit
   return Sha256Hex({text.str()});
 }
 

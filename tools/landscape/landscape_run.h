@@ -14,9 +14,8 @@
 namespace clothid {
 
 // The SHA-256 of everything that determines the cells, beside the shard: the program, the recording with the scenes of
-// the settings as it was read (before `MeasureTruth`), the plan and the truth.
-std::string LandscapeFingerprint(const LandscapePlan& plan, const std::vector<RecordedMotion>& motions,
-                                 const std::map<std::string, double>& truth);
+// the settings as it was read (before `MeasureTruth`), the plan, the truth and what a fit weighs and holds.
+std::string LandscapeFingerprint(const LandscapeScanOptions& scan, const LandscapeOrigin& origin);
 
 struct LandscapeRunOptions {
   LandscapeScanOptions scan;  // without `cells` and `on_cell`

@@ -1,13 +1,16 @@
 #include "tools/landscape/landscape_scan.h"
 
 #include <atomic>
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <mutex>
 #include <utility>
 
+#include "costs/prediction/alignment.h"
 #include "identify/base/parallel_for.h"
 #include "sim/base/error.h"
+#include "sim/base/text_file.h"
 #include "sim/scene/parameters.h"
 #include "tools/landscape/landscape_axis.h"
 #include "tools/landscape/landscape_cell_model.h"
@@ -16,7 +19,8 @@ namespace clothid {
 namespace {
 
 std::unique_ptr<LandscapeCellModel> MakeModel(const LandscapeScanOptions& options, int setting) {
-  return std::make_unique<LandscapeCellModel>(options.motions[setting], options.plan, options.held);
+  return std::make_unique<LandscapeCellModel>(options.motions[setting], options.plan, options.held,
+                                              options.model_error);
 }
 
 // Models that no thread uses at the moment, by setting. Cells are taken up in their order, so those of earlier settings
@@ -132,12 +136,30 @@ void CheckValues(const std::map<std::string, double>& values, const Scene& scene
   }
 }
 
+// Parameters of the recording itself. Throws `Error` (kUsage), led by `source`, where it has not what they correct.
+void CheckAlignment(AlignmentId id, const std::string& name, double value, const RecordedMotion& motion,
+                    const std::string& source) {
+  try {
+    ExpectMeasured(id, name, motion);
+  } catch (const Error& error) {
+    throw Error(ErrorKind::kUsage, source + ": " + error.what());
+  }
+  const double largest = LargestAlignmentBound(id, motion);
+  if (std::abs(value) <= largest) return;
+  throw Error(ErrorKind::kUsage, source + ": '" + name + "': expected at most " + ShortestText(largest) + " from zero");
+}
+
 // Throws `Error` (kUsage), led by `source`, where something is held that an axis sets.
 void CheckHeld(const LandscapeScanOptions& options, const std::string& source) {
-  const std::vector<std::string> obstacles = options.motions.front().scene.obstacle_names();
-  CheckValues(options.held, options.motions.front().scene, source);
+  const RecordedMotion& motion = options.motions.front();
+  const std::vector<std::string> obstacles = motion.scene.obstacle_names();
   const LandscapeWindow& window = options.plan.windows.front();
   for (const auto& [name, value] : options.held) {
+    if (const auto alignment = ParseAlignmentId(name)) {
+      CheckAlignment(*alignment, name, value, motion, source);
+      continue;
+    }
+    CheckValues({{name, value}}, motion.scene, source);
     const ParameterId id = ParseParameter(name, obstacles);
     for (const std::string& axis : {window.x.parameter, window.y.parameter}) {
       if (Includes(ParseParameter(axis, obstacles), id)) {
@@ -181,6 +203,14 @@ Landscape ScanLandscape(const LandscapeScanOptions& options) {
   landscape.cells.resize(static_cast<std::size_t>(options.plan.num_cells()));
   Scan(options, &landscape).Run();
   return landscape;
+}
+
+void FollowFit(const ScannedFit& fit, LandscapeScanOptions* options) {
+  options->model_error = fit.model_error;
+  options->held = fit.held;
+  const LandscapeWindow& window = options->plan.windows.front();
+  for (const std::string& axis : {window.x.parameter, window.y.parameter}) options->held.erase(axis);
+  CheckHeld(*options, "--result");
 }
 
 void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptions* options) {

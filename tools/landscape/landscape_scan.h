@@ -15,6 +15,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "identify/landscape/landscape.h"
+#include "identify/landscape/scanned_fit.h"
 
 namespace clothid {
 
@@ -22,8 +23,9 @@ struct LandscapeScanOptions {
   LandscapePlan plan;
   // One for each of plan.settings, in their order: the scene, with the setting's contact mode, and the measured data.
   std::vector<RecordedMotion> motions;
-  // Parameters on no axis that differ from the scene's nominal values, by name.
+  // Parameters on no axis, also of the recording itself, that differ from their nominal values, by name.
   std::map<std::string, double> held;
+  ModelError model_error;                     // that frames are weighed by
   std::optional<std::vector<int>> cells;      // which to evaluate; nothing: all
   int num_threads = 1;                        // cells side by side
   const std::atomic<bool>* cancel = nullptr;  // may be null; true ends the scan with the cells that are done
@@ -39,6 +41,10 @@ struct LandscapeScanOptions {
 // Cells that were not evaluated are as `LandscapeCell` is made: no cost and no failure. Throws `Error` where `Validate`
 // and `RecordingModel` do; a rollout that fails is a cell's failure.
 Landscape ScanLandscape(const LandscapeScanOptions& options);
+
+// Has the cells be of the cost of `fit`, which is of this recording: frames are weighed as there, and what is on no
+// axis is held. Throws `Error` (kUsage), naming --result, where `Validate` does for what is held.
+void FollowFit(const ScannedFit& fit, LandscapeScanOptions* options);
 
 // Replaces what was measured in every one of `options->motions` by what the true parameters predict there, at its
 // points and frames and in its contact mode; what was not seen stays unseen. `truth`: by parameter name; what is

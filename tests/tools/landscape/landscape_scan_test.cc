@@ -9,7 +9,10 @@
 #include <numeric>
 
 #include "costs/rows/rollout_evaluator.h"
+#include "identify/fit/fit.h"
+#include "identify/report/result_json.h"
 #include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
 #include "tests/tools/landscape/landscape_motion.h"
 
 namespace clothid::landscape_scan_test {
@@ -215,6 +218,49 @@ TEST(LandscapeScan, RefusesWhatDoesNotFit) {
   expect_no_truth({{"mu", 0.2}, {"k_stretch", 0.0}}, "k_stretch");
   expect_no_truth({{"mu", 0.2}, {"k_stretch", 50.0}, {"mu.ball", 0.3}}, "mu.ball");
   expect_no_truth({{"mu", 0.2}, {"k_stretch", 50.0}, {"weight", 0.3}}, "weight");
+}
+
+// A fit whose frames count by a known error, told by its result.json: the cell at the estimate has its cost.
+TEST(LandscapeScan, FollowsAFit) {
+  LandscapeScanOptions scan = SmallScan();
+  RecordedMotion& motion = scan.motions[0];
+  motion.sha256 = std::string(64, 'a');
+  FitOptions options;
+  options.parameters = {"mu", "k_stretch", "drag"};
+  options.weighs_model_error = false;
+  ErrorCurve curve{Eigen::Vector3d(0.0, 0.1, 0.3), Eigen::Vector3d(0.0, 1.0 / 3.0, 0.7), 7.1};
+  curve.variances *= 1e-3;
+  options.model_errors.resize(1);
+  options.model_errors[0].CurveOf(PredictedKind::kPoints) = curve;
+  FitProblem problem({motion}, options);
+  const FitSummary summary = Fit(options, &problem);
+  ASSERT_TRUE(summary.has_estimate()) << summary.message;
+  const TemporaryFolder folder;
+  folder.Write("result.json", ResultJson(summary, FitChecks(), {motion}));
+  const FittedResult result = ReadFittedResult(folder.File("result.json"));
+  const ErrorCurve& found = result.model_errors.at(0).CurveOf(PredictedKind::kPoints);
+  EXPECT_EQ(found.times, curve.times);
+  EXPECT_EQ(found.variances, curve.variances);
+  EXPECT_EQ(found.alike, curve.alike);
+
+  FollowFit(ScannedFitOf(result, motion), &scan);
+  EXPECT_EQ(scan.held, (std::map<std::string, double>{{"drag", summary.parameters[2].value}}));
+  LandscapeWindow& window = scan.plan.windows[0];
+  window.x.lower = summary.parameters[0].value;
+  window.y.lower = summary.parameters[1].value;
+  window.x.upper = window.x.lower + 0.1;
+  window.y.upper = 2.0 * window.y.lower;
+  scan.cells = std::vector<int>{0};
+  EXPECT_NEAR(ScanLandscape(scan).cells[0].cost, summary.cost, 1e-9 * summary.cost);
+  scan.model_error = {};
+  EXPECT_GT(ScanLandscape(scan).cells[0].cost, 1.01 * summary.cost);
+
+  RecordedMotion other = motion;
+  other.sha256 = std::string(64, 'b');
+  ExpectError([&] { ScannedFitOf(result, other); }, ErrorKind::kUsage, {"--result", "other recordings"});
+  other = motion;
+  other.sigma_source = SigmaSource::kGiven;
+  ExpectError([&] { ScannedFitOf(result, other); }, ErrorKind::kUsage, {"--result", "another sigma or start"});
 }
 
 }  // namespace

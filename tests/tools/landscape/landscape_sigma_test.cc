@@ -119,5 +119,57 @@ TEST_F(LandscapeSigmaTest, ReportKnowsIt) {
               1e-12);
 }
 
+// `landscape --result`: without it nothing of it is told; shards of it join; the report has no note where both agree.
+TEST_F(LandscapeSigmaTest, FollowsAResult) {
+  CostOfScan("--target known.bin");
+  EXPECT_FALSE(Plan("cost").contains("fit"));
+  const std::string fit = "identify --target known.bin --fit mu,k_stretch,drag --output ";
+  const int code = Run(fit + "fit --start drag=0.1").exit_code;
+  ASSERT_TRUE(code == 0 || code == 4);
+  const std::string path = (folder() / "fit" / "result.json").string();
+  nlohmann::ordered_json result = nlohmann::ordered_json::parse(ReadBytes(path));
+  const std::string whole = "--target known.bin --result fit/result.json";
+  CostOfScan(whole);
+  EXPECT_EQ(Plan("cost")["fit"]["held"], nlohmann::json({{"drag", result["parameters"]["drag"]["value"]}}));
+  const auto notes = [&](const std::string& flags) {
+    EXPECT_LE(Run(fit + "out --start drag=0.1 --landscape cost " + flags).exit_code, 4);
+    const std::string page = ReadBytes(folder() / "out" / "report.html");
+    const std::size_t start = page.find("id=\"data\">") + 10;
+    return nlohmann::json::parse(page.substr(start, page.find("</script>", start) - start))["landscapes"][0];
+  };
+  EXPECT_EQ(notes("")["notes"].dump(), "[]");
+
+  result["model_error"] = nlohmann::json::parse(
+      R"([{"points": {"times": [0, 0.1], "deviation": [0, 0.1], "variance": [0, 0.01], "alike": 3.3}}])");
+  WriteBytes(path, result.dump());
+  const std::string scan = "landscape --x mu=0.4:0.5:2 --y k_stretch=60:90:2 " + whole + " --output ";
+  CostOfScan(whole);
+  for (const std::string shard : {"0", "1"})
+    ExpectSuccess(scan + "part" + shard + " --shard " + shard + "/2 2>/dev/null");
+  ExpectSuccess("landscape merge part1 part0 --output merged");
+  for (const std::string name : {"plan.json", "landscape.csv", "summary.json"}) {
+    EXPECT_EQ(ReadBytes(folder() / "merged" / name), ReadBytes(folder() / "cost" / name)) << name;
+  }
+  EXPECT_TRUE(Plan("cost")["sigma"]["rmse_of_root_cost_m"].is_null());
+  const nlohmann::json other = notes("");
+  EXPECT_NE(other["notes"].dump().find("does not weigh frames as the fit"), std::string::npos) << other["notes"];
+  EXPECT_TRUE(other["estimate_rmse_m"].is_null());
+
+  ExpectRefused(scan + "x --set mu=0.2,k_stretch=90", 1, "--set: expected without --result");
+  ExpectRefused(scan + "x --sweep drag=0.2", 1, "which --result holds");
+  ExpectRefused(scan + "x --target unknown.bin", 1, "is a fit of other recordings");
+  const auto refuse = [&](const char* key, const nlohmann::ordered_json& value, const char* culprit) {
+    nlohmann::ordered_json wrong = result;
+    wrong[key] = value;
+    WriteBytes(path, wrong.dump());
+    ExpectRefused(scan + "x", 2, culprit);
+  };
+  refuse("status", "interrupted", "key 'status'");
+  refuse("model_error", nlohmann::json::array(), "key 'model_error'");
+  refuse("fields", nlohmann::json::object(), "key 'fields'");
+  WriteBytes(path, "{\"schema\"");
+  ExpectRefused(scan + "x", 2, "result.json:1");
+}
+
 }  // namespace
 }  // namespace clothid::landscape_sigma_test
