@@ -10,6 +10,7 @@
 #include "identify/base/output_folder.h"
 #include "identify/export/simulator_exports.h"
 #include "sim/base/error.h"
+#include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
