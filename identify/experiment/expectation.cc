@@ -17,6 +17,10 @@ constexpr double kTakesPart = 0.01;
 
 }  // namespace
 
+ClothRows RowsOf(const ClothInformation& cloth, const Eigen::MatrixXd& rows) {
+  return {cloth.blocks, cloth.coordinates, rows, cloth.num_measurements};
+}
+
 double StdBefore(const ParameterBlock& block) { return block.prior.is_given() ? block.PriorStd() : BelievedStd(block); }
 
 Eigen::VectorXd StdWithBelief(const ClothRows& cloth) {
@@ -83,7 +87,7 @@ ExpectedParameter Expectation::Parameter(int block) const {
   expected.is_told = is_told(block);
   expected.std = Std(block);
   expected.step_error = step_errors_[block];
-  if (!own.frozen) expected.share_of_belief = std::min(1.0, Widths()[block] / StdBefore(own));
+  if (!own.frozen) expected.share_of_belief = std::min(1.0, Widths(1.0)[block] / StdBefore(own));
   if (expected.is_told) {
     const double step = std::isnan(expected.step_error) ? 0.0 : expected.step_error;
     ParameterUncertainty interval;

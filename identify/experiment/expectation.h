@@ -20,6 +20,11 @@ struct ClothRows {
   int num_measurements = 0;
 };
 
+struct ClothInformation;
+
+// `rows`: those of what is planned or of what might be.
+ClothRows RowsOf(const ClothInformation& cloth, const Eigen::MatrixXd& rows);
+
 // The standard deviations [p] of q of what `cloth` tells with what is believed beforehand, of every parameter by
 // itself:
 //   1/sqrt(1/std^2 + 1/believed^2),
@@ -40,8 +45,8 @@ class Expectation {
   double Std(int block) const;
   double told_share(int block) const;
   bool is_told(int block) const { return told_share(block) > 0.5; }
-  // [p] with belief and `step_share` of the step's error: root mean squares over all cloths.
-  Eigen::VectorXd Widths(double step_share = 1.0) const;
+  // [p] standard deviations with belief and `step_share` of the step's error: root mean squares over all cloths.
+  Eigen::VectorXd Widths(double step_share) const;
   const std::vector<ParameterBlock>& blocks() const { return nominal_.blocks; }
 
  private:

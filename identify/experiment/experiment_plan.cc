@@ -21,18 +21,14 @@ constexpr int kMostDraws = 1000;
 // One plan, from its scenes to what is expected of each.
 class Planner {
  public:
-  explicit Planner(const PlanOptions& options) : options_(options), candidates_(ReadCandidates(options)) {
-    for (const Candidate& candidate : candidates_) {
-      for (const ParameterBlock& block : candidate.blocks) {
-        // Also those of a recording itself, once they are known.
-        AddName(block.name);
-      }
-    }
-  }
+  explicit Planner(const PlanOptions& options) : options_(options), candidates_(ReadCandidates(options)) {}
 
   Plan Run() {
     SimulateAll();
-    for (const std::vector<ClothInformation>& cloths : cloths_) {
+    for (const Candidate& candidate : candidates_) {
+      for (const ParameterBlock& block : candidate.blocks) AddName(block.name);
+    }
+    for (const std::vector<ClothInformation>& cloths : cloths_) {  // those of a recording itself as well
       for (const ParameterBlock& block : cloths.front().blocks) AddName(block.name);
     }
     plan_.candidates.resize(candidates_.size());
@@ -107,8 +103,9 @@ class Planner {
       const int index = IndexOf(planned.blocks()[static_cast<std::size_t>(i)].name);
       ExpectedParameter& expected = candidate.parameters[static_cast<std::size_t>(index)];
       expected = planned.Parameter(i);
-      if (planned.blocks()[static_cast<std::size_t>(i)].frozen || expected.share_of_belief <= worst) continue;
-      worst = expected.share_of_belief;
+      const double share = planned.Widths(0.0)[i] / StdBefore(planned.blocks()[static_cast<std::size_t>(i)]);
+      if (!(share > worst)) continue;  // also where it is frozen
+      worst = share;
       candidate.worst_told = index;
     }
     SetKnownStart(c);
@@ -120,7 +117,7 @@ class Planner {
     for (const ClothInformation& cloth : cloths_[c]) {
       const auto rows = cloth.improved.find(ImprovementKind::kKnownStart);
       if (cloth.failure.empty() && rows != cloth.improved.end()) {
-        known.push_back({cloth.blocks, cloth.coordinates, rows->second, cloth.num_measurements});
+        known.push_back(RowsOf(cloth, rows->second));
       }
     }
     if (known.empty()) return;

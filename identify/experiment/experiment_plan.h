@@ -35,9 +35,10 @@
 //   kKnownStart    the start is stated: where the cloth and its handles are, and how fast, is known exactly
 //   kHalfStep      half the time step, whose error is half as large
 //   kBothScenes    another candidate as well
-// each with the factor by which the width of every interval changes. There an interval counts with what was believed
-// before: its prior, or the range between bounds (`BelievedStd`) as one more measurement. So it is finite, and what
-// nothing tells has the factor 1. The worst told parameter is the one whose interval is the widest beside that belief.
+// each with the factor by which the width of every interval changes: of its part from noise, but with kHalfStep of all
+// of it. There an interval counts with what was believed before: its prior, or the range between bounds (`BelievedStd`)
+// as one more measurement. So it is finite, and what nothing tells has the factor 1. The worst told parameter is the
+// one whose interval from noise is the widest beside that belief. kLonger is told of the nominal cloth alone.
 #ifndef CLOTHID_IDENTIFY_EXPERIMENT_EXPERIMENT_PLAN_H_
 #define CLOTHID_IDENTIFY_EXPERIMENT_EXPERIMENT_PLAN_H_
 
@@ -112,7 +113,7 @@ std::string ImprovementName(ImprovementKind kind);  // "twice the frame rate"
 struct Improvement {
   ImprovementKind kind = ImprovementKind::kTwiceFrames;
   int partner = -1;                // of kBothScenes: the other candidate
-  Eigen::VectorXd factors;         // [p] of all parameters of the plan: the width of the interval over what it was
+  Eigen::VectorXd factors;         // [p] of all parameters of the plan: the width over what it was
   double worst = 1.0;              // that of the worst told parameter
   std::vector<std::string> tells;  // parameters that would be told, and are not
 };

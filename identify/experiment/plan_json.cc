@@ -43,6 +43,7 @@ Json ImprovementsJson(const Plan& plan, const CandidatePlan& candidate) {
     }
     Json entry = {{"what", ImprovementName(improvement.kind)}};
     if (improvement.partner >= 0) entry["with"] = plan.candidates[static_cast<std::size_t>(improvement.partner)].name;
+    entry["of"] = improvement.kind == ImprovementKind::kHalfStep ? "interval" : "noise";
     entry["worst"] = improvement.worst;
     entry["factors"] = factors;
     entry["tells"] = improvement.tells;
