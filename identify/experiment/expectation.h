@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
-#include "identify/experiment/experiment_plan.h"
+#include "identify/experiment/planned_experiment.h"
 #include "identify/uncertainty/uncertainty.h"
 
 namespace clothid {
@@ -30,6 +30,8 @@ ClothRows RowsOf(const ClothInformation& cloth, const Eigen::MatrixXd& rows);
 //   1/sqrt(1/std^2 + 1/believed^2),
 // std with the priors of all, believed from the bounds where it has none. NaN of frozen parameters.
 Eigen::VectorXd StdWithBelief(const ClothRows& cloth);
+// What a change of q by 1 is, of the logarithm or of the value.
+double UnitOf(const ParameterBlock& block);
 // What was believed of a block before: the standard deviation of q.
 double StdBefore(const ParameterBlock& block);
 
@@ -41,7 +43,7 @@ class Expectation {
 
   // Of block i, without known_start_std.
   ExpectedParameter Parameter(int block) const;
-  // Root mean square over the cloths that tell it; NaN where none does.
+  // Root mean square over the cloths that tell it, as ExpectedParameter::std; NaN where none does.
   double Std(int block) const;
   double told_share(int block) const;
   bool is_told(int block) const { return told_share(block) > 0.5; }
