@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/experiment/experiment_plan.h"
+#include "identify/experiment/plan_options.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {

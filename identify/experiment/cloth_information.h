@@ -10,7 +10,8 @@
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/experiment/candidate.h"
-#include "identify/experiment/experiment_plan.h"
+#include "identify/experiment/plan_options.h"
+#include "identify/experiment/planned_experiment.h"
 #include "identify/uncertainty/uncertainty.h"
 
 namespace clothid {

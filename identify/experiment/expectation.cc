@@ -17,6 +17,12 @@ constexpr double kTakesPart = 0.01;
 
 }  // namespace
 
+ClothRows RowsOf(const ClothInformation& cloth, const Eigen::MatrixXd& rows) {
+  return {cloth.blocks, cloth.coordinates, rows, cloth.num_measurements};
+}
+
+double UnitOf(const ParameterBlock& block) { return block.scale == ParameterScale::kLog ? 1.0 : block.unit; }
+
 double StdBefore(const ParameterBlock& block) { return block.prior.is_given() ? block.PriorStd() : BelievedStd(block); }
 
 Eigen::VectorXd StdWithBelief(const ClothRows& cloth) {
@@ -64,7 +70,7 @@ double Expectation::Std(int block) const {
     sum += std::pow(cloth.parameters[block].coordinate_std, 2);
     ++count;
   }
-  return count > 0 ? std::sqrt(sum / count) : kNaN;
+  return count > 0 ? UnitOf(nominal_.blocks[block]) * std::sqrt(sum / count) : kNaN;
 }
 
 Eigen::VectorXd Expectation::Widths(double step_share) const {
@@ -82,12 +88,12 @@ ExpectedParameter Expectation::Parameter(int block) const {
   expected.told_share = told_share(block);
   expected.is_told = is_told(block);
   expected.std = Std(block);
-  expected.step_error = step_errors_[block];
-  if (!own.frozen) expected.share_of_belief = std::min(1.0, Widths()[block] / StdBefore(own));
+  expected.step_error = UnitOf(own) * step_errors_[block];
+  if (!own.frozen) expected.share_of_belief = std::min(1.0, Widths(1.0)[block] / StdBefore(own));
   if (expected.is_told) {
     const double step = std::isnan(expected.step_error) ? 0.0 : expected.step_error;
     ParameterUncertainty interval;
-    SetInterval(own, own.ToCoordinate(own.start), kNormal95 * std::hypot(expected.std, step), &interval);
+    SetInterval(own, own.ToCoordinate(own.start), kNormal95 * std::hypot(expected.std, step) / UnitOf(own), &interval);
     expected.lower95 = interval.lower95;
     expected.upper95 = interval.upper95;
     return expected;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
-#include "identify/experiment/experiment_plan.h"
+#include "identify/experiment/planned_experiment.h"
 #include "identify/uncertainty/uncertainty.h"
 
 namespace clothid {
@@ -20,11 +20,18 @@ struct ClothRows {
   int num_measurements = 0;
 };
 
+struct ClothInformation;
+
+// `rows`: those of what is planned or of what might be.
+ClothRows RowsOf(const ClothInformation& cloth, const Eigen::MatrixXd& rows);
+
 // The standard deviations [p] of q of what `cloth` tells with what is believed beforehand, of every parameter by
 // itself:
 //   1/sqrt(1/std^2 + 1/believed^2),
 // std with the priors of all, believed from the bounds where it has none. NaN of frozen parameters.
 Eigen::VectorXd StdWithBelief(const ClothRows& cloth);
+// What a change of q by 1 is, of the logarithm or of the value.
+double UnitOf(const ParameterBlock& block);
 // What was believed of a block before: the standard deviation of q.
 double StdBefore(const ParameterBlock& block);
 
@@ -36,12 +43,12 @@ class Expectation {
 
   // Of block i, without known_start_std.
   ExpectedParameter Parameter(int block) const;
-  // Root mean square over the cloths that tell it; NaN where none does.
+  // Root mean square over the cloths that tell it, as ExpectedParameter::std; NaN where none does.
   double Std(int block) const;
   double told_share(int block) const;
   bool is_told(int block) const { return told_share(block) > 0.5; }
-  // [p] with belief and `step_share` of the step's error: root mean squares over all cloths.
-  Eigen::VectorXd Widths(double step_share = 1.0) const;
+  // [p] standard deviations with belief and `step_share` of the step's error: root mean squares over all cloths.
+  Eigen::VectorXd Widths(double step_share) const;
   const std::vector<ParameterBlock>& blocks() const { return nominal_.blocks; }
 
  private:

@@ -16,23 +16,17 @@
 namespace clothid {
 namespace {
 
-constexpr int kMostDraws = 1000;
-
 // One plan, from its scenes to what is expected of each.
 class Planner {
  public:
-  explicit Planner(const PlanOptions& options) : options_(options), candidates_(ReadCandidates(options)) {
-    for (const Candidate& candidate : candidates_) {
-      for (const ParameterBlock& block : candidate.blocks) {
-        // Also those of a recording itself, once they are known.
-        AddName(block.name);
-      }
-    }
-  }
+  explicit Planner(const PlanOptions& options) : options_(options), candidates_(ReadCandidates(options)) {}
 
   Plan Run() {
     SimulateAll();
-    for (const std::vector<ClothInformation>& cloths : cloths_) {
+    for (const Candidate& candidate : candidates_) {
+      for (const ParameterBlock& block : candidate.blocks) AddName(block.name);
+    }
+    for (const std::vector<ClothInformation>& cloths : cloths_) {  // those of a recording itself as well
       for (const ParameterBlock& block : cloths.front().blocks) AddName(block.name);
     }
     plan_.candidates.resize(candidates_.size());
@@ -81,7 +75,14 @@ class Planner {
     candidate.num_nodes = static_cast<int>(scene.mesh.num_nodes());
     candidate.start = nominal.recording.start_source;
     candidate.map = nominal.map;
-    for (const ParameterBlock& block : nominal.blocks) candidate.map.columns.push_back(IndexOf(block.name));
+    for (std::size_t i = 0; i < nominal.blocks.size(); ++i) {
+      const auto column = static_cast<Eigen::Index>(i);
+      const double per_unit = std::pow(UnitOf(nominal.blocks[i]), -2);
+      candidate.map.columns.push_back(IndexOf(nominal.blocks[i].name));
+      candidate.map.per_node.col(column) *= per_unit;
+      candidate.map.per_frame.col(column) *= per_unit;
+      candidate.map.of_forces[column] *= per_unit;
+    }
     for (const ClothInformation& cloth : cloths_[c]) {
       if (!cloth.failure.empty()) candidate.failed_cloths.push_back(cloth.failure);
     }
@@ -107,8 +108,9 @@ class Planner {
       const int index = IndexOf(planned.blocks()[static_cast<std::size_t>(i)].name);
       ExpectedParameter& expected = candidate.parameters[static_cast<std::size_t>(index)];
       expected = planned.Parameter(i);
-      if (planned.blocks()[static_cast<std::size_t>(i)].frozen || expected.share_of_belief <= worst) continue;
-      worst = expected.share_of_belief;
+      const double share = planned.Widths(0.0)[i] / StdBefore(planned.blocks()[static_cast<std::size_t>(i)]);
+      if (!(share > worst)) continue;  // also where it is frozen
+      worst = share;
       candidate.worst_told = index;
     }
     SetKnownStart(c);
@@ -120,7 +122,7 @@ class Planner {
     for (const ClothInformation& cloth : cloths_[c]) {
       const auto rows = cloth.improved.find(ImprovementKind::kKnownStart);
       if (cloth.failure.empty() && rows != cloth.improved.end()) {
-        known.push_back({cloth.blocks, cloth.coordinates, rows->second, cloth.num_measurements});
+        known.push_back(RowsOf(cloth, rows->second));
       }
     }
     if (known.empty()) return;
@@ -162,22 +164,6 @@ class Planner {
 };
 
 }  // namespace
-
-void PlanOptions::Validate() const {
-  ExpectUsage(!scene_paths.empty(), "--scenes: expected at least one scene.json");
-  ExpectUsage(!fit.parameters.empty() || !fit.each.empty(), "--fit: expected the parameters that are to be told");
-  ExpectUsage(std::isfinite(sigma) && sigma > 0.0, "--sigma: expected a standard deviation > 0 in m");
-  ExpectUsage(std::isfinite(frame_rate) && frame_rate >= 0.0, "--frame_rate: expected a rate >= 0 in Hz");
-  ExpectUsage(num_markers >= 0, "--markers: expected a number >= 0");
-  ExpectUsage(std::isfinite(force_sigma) && force_sigma > 0.0, "--force_sigma: expected a standard deviation > 0 in N");
-  ExpectUsage(std::isfinite(handle_sigma) && handle_sigma >= 0.0,
-              "--handle_sigma: expected a standard deviation >= 0 in m");
-  ExpectUsage(start == StartSource::kScene || IsUnknown(start), "--initial: expected scene, estimated, rest or moving");
-  ExpectUsage(num_draws >= 0 && num_draws <= kMostDraws,
-              "--draws: expected a number from 0 to " + std::to_string(kMostDraws));
-  ExpectUsage(fit.num_threads >= 1 && fit.num_threads <= kMaxThreads,
-              "--threads: expected a number from 1 to " + std::to_string(kMaxThreads));
-}
 
 bool Plan::has_any() const {
   return std::any_of(candidates.begin(), candidates.end(),

@@ -20,11 +20,11 @@
 // of the range off their bounds. All else stays nominal: wind, k_poisson and what belongs to a recording itself.
 //
 // Over the cloths that could be simulated,
-//   std        = root mean square of the standard deviations of q (log of a scale; costs/prediction/parameter_block.h),
-//                over those in which the parameter is told
+//   std        = root mean square of the standard deviations, of the logarithm of what is a scale and else of the value
+//                (ParameterScale), over those in which the parameter is told
 //   told_share = the share of cloths in which a fit would call the parameter identifiable
-//   interval   = nominal value(q -+ 1.96 sqrt(std^2 + step_error^2)), cut at the bounds; step_error is that of the
-//                nominal cloth
+//   interval   = the nominal value -+ 1.96 sqrt(std^2 + step_error^2), or times exp(-+ ..), cut at the bounds;
+//                step_error is that of the nominal cloth
 //
 // What would help most is told by the same sweep with other rows or other weights:
 //   kTwiceFrames   twice the frame rate
@@ -35,134 +35,41 @@
 //   kKnownStart    the start is stated: where the cloth and its handles are, and how fast, is known exactly
 //   kHalfStep      half the time step, whose error is half as large
 //   kBothScenes    another candidate as well
-// each with the factor by which the width of every interval changes. There an interval counts with what was believed
-// before: its prior, or the range between bounds (`BelievedStd`) as one more measurement. So it is finite, and what
-// nothing tells has the factor 1. The worst told parameter is the one whose interval is the widest beside that belief.
+// each with the factor by which the width of every interval changes: of its part from noise, but with kHalfStep of all
+// of it. There an interval counts with what was believed before: its prior, or the range between bounds (`BelievedStd`)
+// as one more measurement. So it is finite, and what nothing tells has the factor 1. The worst told parameter is the
+// one whose interval from noise is the widest beside that belief. kLonger is told of the nominal cloth alone.
 #ifndef CLOTHID_IDENTIFY_EXPERIMENT_EXPERIMENT_PLAN_H_
 #define CLOTHID_IDENTIFY_EXPERIMENT_EXPERIMENT_PLAN_H_
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <functional>
-#include <limits>
 #include <string>
-#include <vector>
 
-#include "costs/prediction/parameter_block.h"
-#include "datasets/motion/recorded_motion.h"
-#include "identify/base/options.h"
+#include "identify/experiment/plan_options.h"
+#include "identify/experiment/planned_experiment.h"
 
 namespace clothid {
-
-struct PlanOptions {
-  std::vector<std::string> scene_paths;  // scene.json of every candidate
-  // What would be fitted: `parameters`, `each`, `overrides`; and `num_threads`, `cancel`. Starting values are the
-  // nominal cloth. Nothing else of it counts. A candidate takes those parameters that its scene has.
-  FitOptions fit;
-  // What would be recorded of each.
-  double sigma = 0.0;         // m, > 0: standard deviation of a coordinate
-  double frame_rate = 0.0;    // Hz; 0: a frame per step
-  int num_markers = 0;        // free nodes, those of `simulate` with this seed; 0: every node
-  bool has_forces = false;    // on all handles together, at every frame
-  double force_sigma = 0.01;  // N, > 0: of a component, with `has_forces` or of the gauge that might help
-  double handle_sigma = 0.0;  // m: of the measured path of handles that move; 0: it is exact
-  StartSource start =
-      StartSource::kEstimated;  // or kRest, kMoving: a fit estimates it; kScene: it is that of the scene
-  int num_draws = 8;            // beside the nominal cloth
-  std::uint64_t seed = 1;       // of draws and markers
-  std::string output;           // the folder of plan.json; empty: nothing is written
-  std::string command_line;     // "flags" of plan.json
-  std::function<void(int num_done, int num_cloths)> on_progress;  // may be empty; never two at a time
-
-  // Throws `Error` (kUsage) naming the first value that is out of range.
-  void Validate() const;
-};
-
-struct ExpectedParameter {
-  std::string name;
-  ParameterScale scale = ParameterScale::kLinear;
-  bool is_in_scene = false;
-  double value = std::numeric_limits<double>::quiet_NaN();  // of the nominal cloth
-  // Of q; NaN where no cloth tells the parameter.
-  double std = std::numeric_limits<double>::quiet_NaN();
-  double known_start_std = std::numeric_limits<double>::quiet_NaN();  // if the start were known; NaN where it is
-  double step_error = std::numeric_limits<double>::quiet_NaN();       // NaN: not known either
-  double lower95 = std::numeric_limits<double>::quiet_NaN();          // of the value
-  double upper95 = std::numeric_limits<double>::quiet_NaN();
-  // Half the width of its interval over that of what was believed before, with that belief: at most 1.
-  double share_of_belief = 1.0;
-  double told_share = 0.0;  // of the cloths
-  bool is_told = false;     // in more than half of them
-  std::string not_told;     // why not, in words; empty where it is told
-  std::string made_up_by;   // "k_stretch and density multiplied by one factor": what can move unseen; may be empty
-};
-
-enum class ImprovementKind {
-  kTwiceFrames,
-  kHalfNoise,
-  kGauge,
-  kMoreMarkers,
-  kLonger,
-  kKnownStart,
-  kHalfStep,
-  kBothScenes,
-};
-std::string ImprovementName(ImprovementKind kind);  // "twice the frame rate"
-
-struct Improvement {
-  ImprovementKind kind = ImprovementKind::kTwiceFrames;
-  int partner = -1;                // of kBothScenes: the other candidate
-  Eigen::VectorXd factors;         // [p] of all parameters of the plan: the width of the interval over what it was
-  double worst = 1.0;              // that of the worst told parameter
-  std::vector<std::string> tells;  // parameters that would be told, and are not
-};
-
-// Where on the nominal cloth and when the information sits. With every other unknown following a parameter so as to
-// undo the most, [J d]^2 summed over the coordinates of a node and over those of a frame: all of it and what is
-// believed add up to the precision 1/std^2 of q. A column for every parameter of the candidate's scene.
-struct InformationMap {
-  Eigen::VectorXd times;      // [T] s
-  std::vector<int> columns;   // [c] which of the plan's parameters they are
-  Eigen::MatrixXd per_node;   // [N x c]
-  Eigen::MatrixXd per_frame;  // [T x c]
-  Eigen::VectorXd of_forces;  // [c]
-};
-
-struct CandidatePlan {
-  std::string name;     // of the file, without .scene.json; the whole path where two have the same
-  std::string failure;  // one line: why the nominal cloth could not be simulated; then there is nothing else
-  double duration = 0.0, time_step = 0.0;  // s
-  int num_frames = 0, num_points = 0, num_nodes = 0;
-  StartSource start = StartSource::kScene;
-  std::vector<std::string> failed_cloths;     // why, in the order of the draws; they do not count
-  int num_cloths = 0;                         // that do
-  std::vector<ExpectedParameter> parameters;  // [p] all of the plan
-  int worst_told = 0;                         // of `parameters`
-  std::vector<Improvement> improvements;      // what helps the worst told parameter the most comes first
-  InformationMap map;
-};
-
-struct PairPlan {
-  int first = 0, second = 0;                  // candidates
-  int num_cloths = 0;                         // that both could simulate
-  std::vector<ExpectedParameter> parameters;  // of the joint fit; of FitOptions::each one of each recording
-};
-
-struct Plan {
-  std::vector<std::string> parameters;    // names [p]
-  std::vector<CandidatePlan> candidates;  // in the order of the options
-  std::vector<PairPlan> pairs;            // of those that did not fail, in that order
-
-  bool has_any() const;  // some candidate could be simulated
-};
 
 // Throws `Error`: kUsage for what `Validate` rejects, for parameters that no scene has and for what is said of those
 // that are not fitted; kIo and kBadData for scenes; kIo for the output. A cloth that cannot be simulated never throws.
 // The same bytes on any number of threads. Where `FitOptions::cancel` turned true, cloths fail, and nothing is written.
 Plan PlanExperiment(const PlanOptions& options);
 
-// Two tables and what would help, for people; and plan.json (identify/experiment/README.md).
+// What is expected of every candidate and of every pair, and what would help, for people.
 std::string PlanTable(const Plan& plan);
+// plan.json, for programs: null for NaN; what follows parameters is by their names.
+//   schema      "clothid.plan/1"
+//   recorded    sigma_m, frame_rate_hz, markers, forces, force_sigma_n, handle_sigma_m, initial, draws, seed
+//   parameters  names
+//   candidates  of each: name, scene (its path), failure (null; else there is nothing more), start (scene, rest or
+//               moving), duration_s, time_step_s, frames, points, nodes, cloths, failed_cloths (why), worst_told, and
+//     parameters    of each: in_scene, scale (log or linear), value, told, told_share, std, known_start_std,
+//     step_error,
+//                   lower95, upper95, share_of_belief, not_told, made_up_by, as in ExpectedParameter
+//     improvements  the best first: what (`ImprovementName`), with (a candidate, of "both scenes" alone), of (noise, or
+//                   the whole interval), worst, factors of each parameter, tells
+//     information   InformationMap: times_s [T], and of each parameter nodes [N], frames [T], forces
+//   pairs       candidates (two names), cloths, parameters as above
+//   provenance  version, git, flags
 std::string PlanJson(const PlanOptions& options, const Plan& plan);
 
 inline constexpr char kPlanFile[] = "plan.json";

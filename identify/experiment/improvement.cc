@@ -14,13 +14,12 @@ int FindBlock(const std::vector<ParameterBlock>& blocks, const std::string& name
   return found == blocks.end() ? -1 : static_cast<int>(found - blocks.begin());
 }
 
-// Compares `improved` with `planned`, whose widths over the same cloths are `before`.
+// From the widths `before`, of `planned`, to those `after`, of `improved`.
 Improvement Compare(ImprovementKind kind, const std::vector<std::string>& names, const Expectation& planned,
-                    const Eigen::VectorXd& before, const Expectation& improved, double step_share) {
+                    const Eigen::VectorXd& before, const Expectation& improved, const Eigen::VectorXd& after) {
   Improvement improvement;
   improvement.kind = kind;
   improvement.factors = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(names.size()));
-  const Eigen::VectorXd after = improved.Widths(step_share);
   for (std::size_t k = 0; k < names.size(); ++k) {
     const int old_block = FindBlock(planned.blocks(), names[k]), new_block = FindBlock(improved.blocks(), names[k]);
     if (new_block < 0 || improved.blocks()[new_block].frozen) continue;
@@ -37,7 +36,7 @@ Improvement Compare(ImprovementKind kind, const std::vector<std::string>& names,
 std::vector<ClothRows> PlannedRows(const std::vector<ClothInformation>& cloths) {
   std::vector<ClothRows> rows;
   for (const ClothInformation& cloth : cloths) {
-    if (cloth.failure.empty()) rows.push_back({cloth.blocks, cloth.coordinates, cloth.planned, cloth.num_measurements});
+    if (cloth.failure.empty()) rows.push_back(RowsOf(cloth, cloth.planned));
   }
   return rows;
 }
@@ -45,21 +44,21 @@ std::vector<ClothRows> PlannedRows(const std::vector<ClothInformation>& cloths) 
 std::vector<Improvement> FindImprovements(const std::vector<std::string>& names,
                                           const std::vector<ClothInformation>& cloths, const Expectation& planned) {
   std::vector<Improvement> improvements;
-  const Eigen::VectorXd& step_errors = cloths.front().step_errors;
   for (const auto& [kind, nominal_rows] : cloths.front().improved) {
     std::vector<ClothRows> before, after;  // of the cloths that it was looked for
     for (const ClothInformation& cloth : cloths) {
       const auto improved = cloth.improved.find(kind);
       if (!cloth.failure.empty() || improved == cloth.improved.end()) continue;
-      before.push_back({cloth.blocks, cloth.coordinates, cloth.planned, cloth.num_measurements});
-      after.push_back({cloth.blocks, cloth.coordinates, improved->second, cloth.num_measurements});
+      before.push_back(RowsOf(cloth, cloth.planned));
+      after.push_back(RowsOf(cloth, improved->second));
     }
+    const Expectation improved(after, {});
     improvements.push_back(
-        Compare(kind, names, planned, Expectation(before, step_errors).Widths(), Expectation(after, step_errors), 1.0));
+        Compare(kind, names, planned, Expectation(before, {}).Widths(0.0), improved, improved.Widths(0.0)));
   }
-  if ((step_errors.array() > 0.0).any()) {
+  if ((cloths.front().step_errors.array() > 0.0).any()) {
     improvements.push_back(
-        Compare(ImprovementKind::kHalfStep, names, planned, planned.Widths(), planned, /*step_share=*/0.5));
+        Compare(ImprovementKind::kHalfStep, names, planned, planned.Widths(1.0), planned, planned.Widths(0.5)));
   }
   return improvements;
 }
@@ -67,7 +66,7 @@ std::vector<Improvement> FindImprovements(const std::vector<std::string>& names,
 Improvement FindPartner(const std::vector<std::string>& names, const Expectation& planned, const Expectation& of_joint,
                         int partner) {
   Improvement improvement =
-      Compare(ImprovementKind::kBothScenes, names, planned, planned.Widths(), of_joint, /*step_share=*/1.0);
+      Compare(ImprovementKind::kBothScenes, names, planned, planned.Widths(0.0), of_joint, of_joint.Widths(0.0));
   improvement.partner = partner;
   return improvement;
 }

@@ -8,7 +8,7 @@
 
 #include "identify/experiment/cloth_information.h"
 #include "identify/experiment/expectation.h"
-#include "identify/experiment/experiment_plan.h"
+#include "identify/experiment/planned_experiment.h"
 
 namespace clothid {
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <vector>
 
+#include "identify/experiment/planned_experiment.h"
 #include "identify/experiment/recorded_cloth.h"
 #include "identify/problem/problem.h"
 

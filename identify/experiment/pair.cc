@@ -41,15 +41,11 @@ ClothRows Join(const std::vector<ParameterBlock>& blocks, const std::array<Membe
   return joint;
 }
 
-ClothRows RowsOf(const ClothInformation& cloth) {
-  return {cloth.blocks, cloth.coordinates, cloth.planned, cloth.num_measurements};
-}
-
 // See `JointCloths::step_errors`.
 Eigen::VectorXd JoinStepErrors(Eigen::Index size, const std::array<Member, 2>& members) {
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(size), precisions = Eigen::VectorXd::Zero(size);
   for (const Member& member : members) {
-    const Eigen::ArrayXd precision = StdWithBelief(RowsOf(*member.cloth)).array().pow(-2);
+    const Eigen::ArrayXd precision = StdWithBelief(RowsOf(*member.cloth, member.cloth->planned)).array().pow(-2);
     const Eigen::ArrayXd& errors = member.cloth->step_errors.array();
     const Eigen::ArrayXd own = errors.isNaN().select(0.0, (precision * errors).square());
     squares(member.places) += own.matrix();

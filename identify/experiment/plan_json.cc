@@ -1,4 +1,4 @@
-// A plan as plan.json: identify/experiment/README.md tells the keys.
+// A plan as plan.json: see the header for the keys.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -18,9 +18,9 @@ Json ParameterJson(const ExpectedParameter& parameter) {
           {"value", parameter.value},
           {"told", parameter.is_told},
           {"told_share", parameter.told_share},
-          {"std_q", parameter.std},
-          {"known_start_std_q", parameter.known_start_std},
-          {"step_error_q", parameter.step_error},
+          {"std", parameter.std},
+          {"known_start_std", parameter.known_start_std},
+          {"step_error", parameter.step_error},
           {"lower95", parameter.lower95},
           {"upper95", parameter.upper95},
           {"share_of_belief", parameter.share_of_belief},
@@ -43,6 +43,7 @@ Json ImprovementsJson(const Plan& plan, const CandidatePlan& candidate) {
     }
     Json entry = {{"what", ImprovementName(improvement.kind)}};
     if (improvement.partner >= 0) entry["with"] = plan.candidates[static_cast<std::size_t>(improvement.partner)].name;
+    entry["of"] = improvement.kind == ImprovementKind::kHalfStep ? "interval" : "noise";
     entry["worst"] = improvement.worst;
     entry["factors"] = factors;
     entry["tells"] = improvement.tells;

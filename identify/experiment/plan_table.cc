@@ -72,14 +72,30 @@ std::string FactorsText(const Plan& plan, const Improvement& improvement) {
   return text + (improvement.tells.empty() ? "" : "; tells " + JoinWords(improvement.tells));
 }
 
+// Names of the parameters whose error of the step is the larger part.
+std::vector<std::string> LedByStep(const CandidatePlan& candidate) {
+  std::vector<std::string> names;
+  for (const ExpectedParameter& parameter : candidate.parameters) {
+    if (parameter.is_told && parameter.step_error > parameter.std) names.push_back(parameter.name);
+  }
+  return names;
+}
+
 void AddImprovements(const Plan& plan, const CandidatePlan& candidate, std::ostringstream* text) {
-  if (candidate.improvements.empty()) return;
-  *text << "  what would help, and how wide intervals are then, 1 as they are, the least told first ("
-        << plan.parameters[static_cast<std::size_t>(candidate.worst_told)] << "):\n";
+  const std::string& worst = plan.parameters[static_cast<std::size_t>(candidate.worst_told)];
+  *text << "  what would help " << worst << ", told the least, and the others: so many times as wide, by noise, are\n";
   for (const Improvement& improvement : candidate.improvements) {
+    if (improvement.kind == ImprovementKind::kHalfStep) continue;
     std::string name = ImprovementName(improvement.kind);
     if (improvement.partner >= 0) name = "with " + plan.candidates[static_cast<std::size_t>(improvement.partner)].name;
     *text << "    " << Padded(name, 2 * kNameWidth - 2) << FactorsText(plan, improvement) << "\n";
+  }
+  const std::vector<std::string> led_by_step = LedByStep(candidate);
+  for (const Improvement& improvement : candidate.improvements) {
+    if (improvement.kind != ImprovementKind::kHalfStep || led_by_step.empty()) continue;
+    *text << "  the error of the time step exceeds the noise of " << JoinWords(led_by_step)
+          << "; with half the step whole intervals are\n    " << Padded("half the time step", 2 * kNameWidth - 2)
+          << FactorsText(plan, improvement) << "\n";
   }
 }
 
@@ -99,7 +115,6 @@ void AddCandidate(const Plan& plan, const CandidatePlan& candidate, std::ostring
   AddImprovements(plan, candidate, text);
 }
 
-// Of a pair, as long as it is not worth more lines.
 void AddPair(const Plan& plan, const PairPlan& pair, std::ostringstream* text) {
   *text << plan.candidates[static_cast<std::size_t>(pair.first)].name << " and "
         << plan.candidates[static_cast<std::size_t>(pair.second)].name << ":\n";

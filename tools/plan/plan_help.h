@@ -52,7 +52,7 @@ The recording:
 It prints, for every candidate and every pair, the 95 % interval that a fit is expected to have, with its parts of noise
 and of the time step, what is not told and what could make up for it, and how much narrower intervals would be with twice
 the frame rate, half the noise, a gauge at the gripper, twice the markers, half as long again, a known start, half the
-time step, or another candidate as well. identify/experiment/README.md has the keys of plan.json.
+time step, or another candidate as well. identify/experiment/experiment_plan.h has the keys of plan.json.
 
 Exit codes: 0 done, even where candidates failed; 1 usage, or a file that cannot be opened or written; 2 bad content;
 3 no candidate could be simulated, 70 internal error, 130 interrupted: nothing is written.

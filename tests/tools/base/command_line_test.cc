@@ -11,7 +11,7 @@
 namespace clothid::command_line_test {
 namespace {
 
-const std::vector<std::string> kPrograms = {"identify", "simulate", "motion", "landscape", "benchmark"};
+const std::vector<std::string> kPrograms = {"identify", "simulate", "motion", "landscape", "plan", "benchmark"};
 
 class CommandLineTest : public ToolTest {
  protected:
