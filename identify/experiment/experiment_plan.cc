@@ -11,6 +11,7 @@
 #include "identify/experiment/expectation.h"
 #include "identify/experiment/improvement.h"
 #include "identify/experiment/pair.h"
+#include "identify/experiment/plan_page.h"
 #include "sim/base/error.h"
 
 namespace clothid {
@@ -77,6 +78,8 @@ class Planner {
     candidate.num_nodes = static_cast<int>(scene.mesh.num_nodes());
     candidate.start = nominal.recording.start_source;
     candidate.map = nominal.map;
+    candidate.motion = {nominal.recording.scene, nominal.recording.times, nominal.nodes, {}};
+    for (const ObservedPoint& point : nominal.recording.points) candidate.motion.seen.push_back(point.nodes[0]);
     for (const ParameterBlock& block : nominal.blocks) candidate.map.columns.push_back(IndexOf(block.name));
     for (const ClothInformation& cloth : cloths_[c]) {
       if (!cloth.failure.empty()) candidate.failed_cloths.push_back(cloth.failure);
@@ -187,13 +190,15 @@ Plan PlanExperiment(const PlanOptions& options) {
   Planner planner(options);
   if (!options.output.empty()) {
     for (const std::string& path : options.scene_paths) {
-      ExpectNotReplaced("--scenes", path, options.output, [](const std::string& name) { return name == kPlanFile; });
+      ExpectNotReplaced("--scenes", path, options.output,
+                        [](const std::string& name) { return name == kPlanFile || name == kPlanPageFile; });
     }
     folder = std::make_unique<OutputFolder>(options.output);
   }
   Plan plan = planner.Run();
   if (folder != nullptr && plan.has_any() && !options.fit.is_cancelled()) {
     folder->Write(kPlanFile, PlanJson(options, plan));
+    folder->Write(kPlanPageFile, PlanHtml(options, plan));
     folder->Commit();
   }
   return plan;

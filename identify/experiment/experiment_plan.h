@@ -52,6 +52,7 @@
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
+#include "sim/scene/scene.h"
 
 namespace clothid {
 
@@ -71,7 +72,7 @@ struct PlanOptions {
       StartSource::kEstimated;  // or kRest, kMoving: a fit estimates it; kScene: it is that of the scene
   int num_draws = 8;            // beside the nominal cloth
   std::uint64_t seed = 1;       // of draws and markers
-  std::string output;           // the folder of plan.json; empty: nothing is written
+  std::string output;           // the folder of plan.json and plan.html; empty: nothing is written
   std::string command_line;     // "flags" of plan.json
   std::function<void(int num_done, int num_cloths)> on_progress;  // may be empty; never two at a time
 
@@ -129,6 +130,14 @@ struct InformationMap {
   Eigen::VectorXd of_forces;  // [c]
 };
 
+// The nominal cloth as it moves, for a replay.
+struct NominalMotion {
+  Scene scene;
+  Eigen::VectorXd times;      // [T] s
+  Eigen::MatrixXf positions;  // [3N x T] m of all nodes
+  std::vector<int> seen;      // nodes that are recorded
+};
+
 struct CandidatePlan {
   std::string name;     // of the file, without .scene.json; the whole path where two have the same
   std::string failure;  // one line: why the nominal cloth could not be simulated; then there is nothing else
@@ -141,6 +150,7 @@ struct CandidatePlan {
   int worst_told = 0;                         // of `parameters`
   std::vector<Improvement> improvements;      // what helps the worst told parameter the most comes first
   InformationMap map;
+  NominalMotion motion;
 };
 
 struct PairPlan {
@@ -162,11 +172,17 @@ struct Plan {
 // The same bytes on any number of threads. Where `FitOptions::cancel` turned true, cloths fail, and nothing is written.
 Plan PlanExperiment(const PlanOptions& options);
 
-// Two tables and what would help, for people; and plan.json (identify/experiment/README.md).
+// What tells parameter i of the plan with the narrowest interval beside what was believed: a candidate, a pair; -1:
+// none tells it.
+int BestCandidate(const Plan& plan, std::size_t parameter);
+int BestPair(const Plan& plan, std::size_t parameter);
+
+// Two tables and what would help, for people; plan.json (identify/experiment/README.md); and plan.html
+// (identify/experiment/plan_page.h).
 std::string PlanTable(const Plan& plan);
 std::string PlanJson(const PlanOptions& options, const Plan& plan);
 
-inline constexpr char kPlanFile[] = "plan.json";
+inline constexpr char kPlanFile[] = "plan.json", kPlanPageFile[] = "plan.html";
 
 }  // namespace clothid
 
