@@ -122,7 +122,8 @@ function advance(now) {
 
 // What would help, the best first.
 function improvementList({improvements, parameters, worst_told: worst}) {
-  const helping = improvements.filter((improvement) => improvement.worst < 0.995 || improvement.tells.length > 0);
+  const helping = improvements.filter(({factors, tells}) => tells.length > 0 ||
+    Object.entries(factors).some(([name, factor]) => parameters[name].in_scene && factor < 0.995));
   if (helping.length === 0) return [];
   const list = element('ol'), title = element('h4', '', 'What would help most');
   list.append(...helping.map(({what, with: partner, factors, tells}) => {
@@ -132,11 +133,13 @@ function improvementList({improvements, parameters, worst_told: worst}) {
     if (tells.length > 0) made.append(element('strong', '', `; tells ${tells.join(' and ')}`));
     return made;
   }));
-  return [title, list, element('p', 'caption', `Widths of intervals, 1 as they are; for ${worst}, the least told, first.`)];
+  return [title, list,
+    element('p', 'caption', `Widths of intervals, 1 as they are; for ${worst}, the least told, first.`)];
 }
 
 function aboutMotion(candidate) {
-  const start = {rest: 'start estimated, at rest', moving: 'start estimated, in motion'}[candidate.start] || 'start known';
+  const start = {rest: 'start estimated, at rest', moving: 'start estimated, in motion'}[candidate.start] ||
+    'start known';
   const seen = candidate.points < candidate.nodes ? `${candidate.points} of ${candidate.nodes} nodes seen`
     : count(candidate.points, 'point');
   return `${number(candidate.duration_s, 3)} s, ${count(candidate.frames, 'frame')}, ${seen}, ${start}`;
@@ -162,7 +165,8 @@ function drawCurve(panel, name) {
     lines: {'': column.frames.map((value) => 100 * value / column.total)}, colours: INFORMATION, height: 130,
     jump: (time) => jump(panel, time - times[0])});
   if (column.forces > 0) {
-    panel.curve.append(element('p', 'caption', `Forces hold ${number(100 * column.forces / column.total, 2)} % of it.`));
+    panel.curve.append(
+      element('p', 'caption', `Forces hold ${number(100 * column.forces / column.total, 2)} % of it.`));
   }
 }
 
@@ -177,7 +181,8 @@ function makePanel(candidate, brush) {
   Object.assign(scrubber, {type: 'range', min: 0, max: panel.length, step: 'any', value: 0});
   scrubber.setAttribute('aria-label', `Time of ${candidate.name}`);
   scrubber.addEventListener('input', () => jump(panel, Number(scrubber.value)));
-  panel.button = makeButton('Play', () => (isInStep() ? playAll(!clock.isPlaying) : playPanel(panel, !panel.isPlaying)));
+  panel.button = makeButton('Play', () =>
+    (isInStep() ? playAll(!clock.isPlaying) : playPanel(panel, !panel.isPlaying)));
   stage.append(canvas);
   scrub.append(scrubber);
   controls.append(panel.button, scrub, label);

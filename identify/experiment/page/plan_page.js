@@ -21,7 +21,9 @@ function fillFacts() {
   add('frame rate', recorded.frame_rate_hz > 0 ? `${number(recorded.frame_rate_hz, 4)} Hz` : 'a frame per time step');
   add('points', recorded.markers > 0 ? count(recorded.markers, 'marker') : 'every node');
   add('forces', recorded.forces ? `on all handles together, ${noise}` : `none; a gauge would have ${noise}`);
-  if (recorded.handle_sigma_m > 0) add('handles', `their path is measured, ± ${number(1e3 * recorded.handle_sigma_m, 3)} mm`);
+  if (recorded.handle_sigma_m > 0) {
+    add('handles', `their path is measured, ± ${number(1e3 * recorded.handle_sigma_m, 3)} mm`);
+  }
   add('start', STARTS[recorded.initial] || recorded.initial);
   add('cloths', `the nominal one and ${count(recorded.draws, 'draw')} of what is believed of it`);
   fillTable('facts', null, rows);
