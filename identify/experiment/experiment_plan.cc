@@ -11,7 +11,6 @@
 #include "identify/experiment/expectation.h"
 #include "identify/experiment/improvement.h"
 #include "identify/experiment/pair.h"
-#include "identify/experiment/plan_page.h"
 #include "sim/base/error.h"
 
 namespace clothid {

@@ -177,10 +177,14 @@ Plan PlanExperiment(const PlanOptions& options);
 int BestCandidate(const Plan& plan, std::size_t parameter);
 int BestPair(const Plan& plan, std::size_t parameter);
 
-// Two tables and what would help, for people; plan.json (identify/experiment/README.md); and plan.html
-// (identify/experiment/plan_page.h).
+// Two tables and what would help, for people; and plan.json (identify/experiment/README.md).
 std::string PlanTable(const Plan& plan);
 std::string PlanJson(const PlanOptions& options, const Plan& plan);
+// plan.html: what plan.json says, as pictures: the motion that tells each parameter best, expected intervals as bars on
+// a common axis, and every motion as a replay in the colours of the information per node, with that per frame below it.
+// The page is like that of a fit (identify/report/report_page.h): one file below kMaxReportBytes, for which frames are
+// left out, that asks no server for anything, in which names are shown and never run. The same bytes for the same plan.
+std::string PlanHtml(const PlanOptions& options, const Plan& plan);
 
 inline constexpr char kPlanFile[] = "plan.json", kPlanPageFile[] = "plan.html";
 

@@ -1,11 +1,11 @@
-#include "identify/experiment/plan_page.h"
-
+// A plan as plan.html.
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <vector>
 
+#include "identify/experiment/experiment_plan.h"
 #include "identify/report/packed_array.h"
 #include "identify/report/page_template.h"
 #include "identify/report/report_page.h"
