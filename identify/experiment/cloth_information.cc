@@ -150,6 +150,7 @@ void Inform(const PlanOptions& options, const Candidate& candidate, RecordedClot
   information->map =
       MapInformation(cloth, problem, marginal.follow, Influence(information->blocks, information->planned), fit.cancel);
   information->recording = std::move(cloth.planned);
+  information->nodes = std::move(cloth.nodes);
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ struct ClothInformation {
   Eigen::VectorXd step_errors;
   InformationMap map;
   RecordedMotion recording;
+  Eigen::MatrixXf nodes;  // [3N x T] m, all of that cloth
 };
 
 ClothInformation InformCloth(const PlanOptions& options, const Candidate& candidate, int cloth);

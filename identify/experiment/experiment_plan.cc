@@ -75,6 +75,8 @@ class Planner {
     candidate.num_nodes = static_cast<int>(scene.mesh.num_nodes());
     candidate.start = nominal.recording.start_source;
     candidate.map = nominal.map;
+    candidate.motion = {nominal.recording.scene, nominal.recording.times, nominal.nodes, {}};
+    for (const ObservedPoint& point : nominal.recording.points) candidate.motion.seen.push_back(point.nodes[0]);
     for (std::size_t i = 0; i < nominal.blocks.size(); ++i) {
       const auto column = static_cast<Eigen::Index>(i);
       const double per_unit = std::pow(UnitOf(nominal.blocks[i]), -2);
@@ -176,13 +178,15 @@ Plan PlanExperiment(const PlanOptions& options) {
   Planner planner(options);
   if (!options.output.empty()) {
     for (const std::string& path : options.scene_paths) {
-      ExpectNotReplaced("--scenes", path, options.output, [](const std::string& name) { return name == kPlanFile; });
+      ExpectNotReplaced("--scenes", path, options.output,
+                        [](const std::string& name) { return name == kPlanFile || name == kPlanPageFile; });
     }
     folder = std::make_unique<OutputFolder>(options.output);
   }
   Plan plan = planner.Run();
   if (folder != nullptr && plan.has_any() && !options.fit.is_cancelled()) {
     folder->Write(kPlanFile, PlanJson(options, plan));
+    folder->Write(kPlanPageFile, PlanHtml(options, plan));
     folder->Commit();
   }
   return plan;

@@ -42,6 +42,7 @@
 #ifndef CLOTHID_IDENTIFY_EXPERIMENT_EXPERIMENT_PLAN_H_
 #define CLOTHID_IDENTIFY_EXPERIMENT_EXPERIMENT_PLAN_H_
 
+#include <cstddef>
 #include <string>
 
 #include "identify/experiment/plan_options.h"
@@ -54,6 +55,11 @@ namespace clothid {
 // The same bytes on any number of threads. Where `FitOptions::cancel` turned true, cloths fail, and nothing is written.
 Plan PlanExperiment(const PlanOptions& options);
 
+// What tells parameter i of the plan with the narrowest interval beside what was believed: a candidate, a pair; -1:
+// none tells it.
+int BestCandidate(const Plan& plan, std::size_t parameter);
+int BestPair(const Plan& plan, std::size_t parameter);
+
 // What is expected of every candidate and of every pair, and what would help, for people.
 std::string PlanTable(const Plan& plan);
 // plan.json, for programs: null for NaN; what follows parameters is by their names.
@@ -63,16 +69,20 @@ std::string PlanTable(const Plan& plan);
 //   candidates  of each: name, scene (its path), failure (null; else there is nothing more), start (scene, rest or
 //               moving), duration_s, time_step_s, frames, points, nodes, cloths, failed_cloths (why), worst_told, and
 //     parameters    of each: in_scene, scale (log or linear), value, told, told_share, std, known_start_std,
-//     step_error,
-//                   lower95, upper95, share_of_belief, not_told, made_up_by, as in ExpectedParameter
+//                   step_error, lower95, upper95, share_of_belief, not_told, made_up_by, as in ExpectedParameter
 //     improvements  the best first: what (`ImprovementName`), with (a candidate, of "both scenes" alone), of (noise, or
 //                   the whole interval), worst, factors of each parameter, tells
 //     information   InformationMap: times_s [T], and of each parameter nodes [N], frames [T], forces
 //   pairs       candidates (two names), cloths, parameters as above
 //   provenance  version, git, flags
 std::string PlanJson(const PlanOptions& options, const Plan& plan);
+// plan.html: what plan.json says, as pictures: the motion that tells each parameter best, expected intervals as bars on
+// a common axis, and every motion as a replay in the colours of the information per node, with that per frame below it.
+// The page is like that of a fit (identify/report/report_page.h): one file below kMaxReportBytes, for which frames are
+// left out, that asks no server for anything, in which names are shown and never run. The same bytes for the same plan.
+std::string PlanHtml(const PlanOptions& options, const Plan& plan);
 
-inline constexpr char kPlanFile[] = "plan.json";
+inline constexpr char kPlanFile[] = "plan.json", kPlanPageFile[] = "plan.html";
 
 }  // namespace clothid
 

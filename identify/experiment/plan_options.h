@@ -28,7 +28,7 @@ struct PlanOptions {
       StartSource::kEstimated;  // or kRest, kMoving: a fit estimates it; kScene: it is that of the scene
   int num_draws = 8;            // beside the nominal cloth
   std::uint64_t seed = 1;       // of draws and markers
-  std::string output;           // the folder of plan.json; empty: nothing is written
+  std::string output;           // the folder of plan.json and plan.html; empty: nothing is written
   std::string command_line;     // "flags" of plan.json
   std::function<void(int num_done, int num_cloths)> on_progress;  // may be empty; never two at a time
 

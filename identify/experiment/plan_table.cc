@@ -121,20 +121,6 @@ void AddPair(const Plan& plan, const PairPlan& pair, std::ostringstream* text) {
   AddParameters(pair.parameters, pair.num_cloths, text);
 }
 
-// The candidate that tells a parameter best; -1: none does.
-int BestOf(const Plan& plan, std::size_t parameter) {
-  int best = -1;
-  double least = 0.0;
-  for (std::size_t c = 0; c < plan.candidates.size(); ++c) {
-    if (!plan.candidates[c].failure.empty()) continue;
-    const ExpectedParameter& expected = plan.candidates[c].parameters[parameter];
-    if (!expected.is_told || (best >= 0 && expected.share_of_belief >= least)) continue;
-    best = static_cast<int>(c);
-    least = expected.share_of_belief;
-  }
-  return best;
-}
-
 }  // namespace
 
 std::string PlanTable(const Plan& plan) {
@@ -142,7 +128,7 @@ std::string PlanTable(const Plan& plan) {
   for (const CandidatePlan& candidate : plan.candidates) AddCandidate(plan, candidate, &text);
   for (const PairPlan& pair : plan.pairs) AddPair(plan, pair, &text);
   for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
-    const int best = BestOf(plan, i);
+    const int best = BestCandidate(plan, i);
     text << Padded("best", kNameWidth + 2) << Padded(plan.parameters[i], kValueWidth);
     if (best < 0) {
       text << "not told by any of them\n";

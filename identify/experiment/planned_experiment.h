@@ -9,6 +9,7 @@
 
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
+#include "sim/scene/scene.h"
 
 namespace clothid {
 
@@ -62,6 +63,14 @@ struct InformationMap {
   Eigen::VectorXd of_forces;  // [c]
 };
 
+// The nominal cloth as it moves, for a replay.
+struct NominalMotion {
+  Scene scene;
+  Eigen::VectorXd times;      // [T] s
+  Eigen::MatrixXf positions;  // [3N x T] m of all nodes
+  std::vector<int> seen;      // nodes that are recorded
+};
+
 struct CandidatePlan {
   std::string name;     // of the file, without .scene.json; the whole path where two have the same
   std::string failure;  // one line: why the nominal cloth could not be simulated; then there is nothing else
@@ -74,6 +83,7 @@ struct CandidatePlan {
   int worst_told = 0;                         // of `parameters`
   std::vector<Improvement> improvements;      // what helps the worst told parameter the most comes first
   InformationMap map;
+  NominalMotion motion;
 };
 
 struct PairPlan {

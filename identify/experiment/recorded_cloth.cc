@@ -163,6 +163,7 @@ RecordedCloth RecordCloth(const PlanOptions& options, const Candidate& candidate
   cloth.is_longer = rollout.num_steps() > scene.num_steps();
   RecordedMotion& planned = cloth.planned;
   planned = ReadPlanned(options, candidate, nodes.planned, num_frames, everything);
+  cloth.nodes = everything.positions(Eigen::all, Eigen::seqN(0, num_frames, 2)).cast<float>();
   planned.scene.initial_positions = rollout.initial_positions;
   planned.scene.initial_velocities = rollout.initial_velocities;
   SetHandles(options, scene, rollout.initial_positions, &planned);

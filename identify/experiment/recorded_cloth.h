@@ -2,6 +2,7 @@
 #ifndef CLOTHID_IDENTIFY_EXPERIMENT_RECORDED_CLOTH_H_
 #define CLOTHID_IDENTIFY_EXPERIMENT_RECORDED_CLOTH_H_
 
+#include <Eigen/Core>
 #include <map>
 #include <string>
 
@@ -17,6 +18,7 @@ struct RecordedCloth {
   // Further frames, points and forces on all handles, which are later than the last of `planned` where `is_longer`.
   RecordedMotion all;
   bool is_longer = false;
+  Eigen::MatrixXf nodes;  // [3N x T] m, all of the cloth at the times of `planned`
 };
 
 // `truth`: true values by name. Where `looks_longer` the motion goes on, unless it fails there.

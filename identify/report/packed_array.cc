@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace clothid {
@@ -38,6 +39,18 @@ std::string PackBytes(std::string_view bytes) {
   if (status != Z_OK) throw std::runtime_error("zlib cannot compress an array");
   packed.resize(size);
   return Base64(packed);
+}
+
+std::string PackMagnitudes(const Eigen::VectorXd& values, double largest) {
+  constexpr double kDecades = 6.0, kLargestByte = 254.0;
+  std::string bytes;
+  bytes.reserve(static_cast<std::size_t>(values.size()));
+  for (const double value : values) {
+    const double q = kLargestByte * (1.0 + std::log10(value / largest) / kDecades);  // -inf for 0
+    bytes +=
+        std::isnan(value) ? '\xff' : static_cast<char>(static_cast<unsigned char>(std::clamp(q, 0.0, kLargestByte)));
+  }
+  return PackBytes(bytes);
 }
 
 PositionGrid GridOver(const Eigen::AlignedBox3d& box) {

@@ -23,6 +23,10 @@ struct PositionGrid {
 // The finest grid that covers `box`, which must not be empty.
 PositionGrid GridOver(const Eigen::AlignedBox3d& box);
 
+// Values >= 0 in a byte each, through `PackBytes`: q stands for largest 10^(-6 (1 - q/254)), 0 for all that is less,
+// 255 for NaN. No value is above `largest`.
+std::string PackMagnitudes(const Eigen::VectorXd& values, double largest);
+
 // Quantised positions; a point that is not seen, or lies outside of the grid, has kUnseenCoordinate in all coordinates.
 inline constexpr std::uint16_t kUnseenCoordinate = 65535;
 using GridPositions = Eigen::Matrix<std::uint16_t, Eigen::Dynamic, Eigen::Dynamic>;

@@ -79,20 +79,6 @@ Eigen::AlignedBox3d Box(const ReplaySource& source) {
   return middle.merged(recorded.intersection(near));
 }
 
-std::string PackErrors(const Eigen::MatrixXd& errors, double largest, const std::vector<int>& frames) {
-  constexpr double kDecades = 6.0, kLargestByte = 254.0;
-  std::string bytes;
-  bytes.reserve(frames.size() * static_cast<std::size_t>(errors.rows()));
-  for (const int frame : frames) {
-    for (const double error : errors.col(frame)) {
-      const double q = kLargestByte * (1.0 + std::log10(error / largest) / kDecades);  // -inf for 0
-      bytes +=
-          std::isnan(error) ? '\xff' : static_cast<char>(static_cast<unsigned char>(std::clamp(q, 0.0, kLargestByte)));
-    }
-  }
-  return PackBytes(bytes);
-}
-
 double Largest(const Eigen::MatrixXd& errors) {
   double largest = 0.0;
   for (const double error : errors.reshaped()) largest = std::max(largest, std::isnan(error) ? 0.0 : error);
@@ -112,7 +98,9 @@ Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double lar
   add("predicted", source.predicted);
   add("nodes", source.nodes);
   add("handle_path", source.handles);
-  if (source.point_errors != nullptr) json["errors"] = PackErrors(*source.point_errors, largest_error, frames);
+  if (source.point_errors != nullptr) {
+    json["errors"] = PackMagnitudes((*source.point_errors)(Eigen::all, frames).reshaped(), largest_error);
+  }
   return json;
 }
 

@@ -15,17 +15,6 @@ function showFrame(frame) {
   redraw();
 }
 
-// The last frame that is not later.
-function frameAt(time) {
-  const {times} = state.replay;
-  let low = 0, high = times.length - 1;
-  while (low < high) {
-    const middle = Math.ceil((low + high) / 2);
-    if (times[middle] <= time) low = middle; else high = middle - 1;
-  }
-  return low;
-}
-
 function play(isPlaying) {
   state.isPlaying = isPlaying;
   part('play').textContent = isPlaying ? 'Pause' : 'Play';
@@ -40,7 +29,7 @@ function advance(now) {
     const {times} = state.replay, first = times[0], length = times[times.length - 1] - first;
     state.clock += elapsed / 1e3 * Number(part('speed').value);
     if (length > 0 && state.clock > first + length) state.clock = first + (state.clock - first) % length;
-    const frame = frameAt(state.clock);
+    const frame = frameAt(times, state.clock);
     if (frame !== state.frame) showFrame(frame);
   }
   if (state.isDirty && state.replay) {
@@ -76,44 +65,6 @@ function showMissing(reason) {
   part('replay-missing').textContent = reason;
 }
 
-// What one pointer, or the first two fingers, do to the view.
-function listenToPointers(canvas) {
-  const held = new Map();
-  const between = () => {
-    const [[ax, ay], [bx, by]] = [...held.values()];
-    return {x: (ax + bx) / 2, y: (ay + by) / 2, spread: Math.hypot(bx - ax, by - ay) || 1};
-  };
-  canvas.addEventListener('pointerdown', (event) => {
-    if (held.size === 2) return;
-    canvas.setPointerCapture(event.pointerId);
-    held.set(event.pointerId, [event.clientX, event.clientY]);
-  });
-  for (const end of ['pointerup', 'pointercancel']) {
-    canvas.addEventListener(end, ({pointerId}) => held.delete(pointerId));
-  }
-  canvas.addEventListener('pointermove', (event) => {
-    const last = held.get(event.pointerId), now = [event.clientX, event.clientY];
-    if (!last || !state.replay) return;
-    const before = held.size === 2 ? between() : null, dx = now[0] - last[0], dy = now[1] - last[1];
-    held.set(event.pointerId, now);
-    if (before) {
-      const after = between();
-      viewer.move(after.x - before.x, after.y - before.y);
-      viewer.zoom(before.spread / after.spread);
-    } else if (event.shiftKey || event.buttons > 1) {
-      viewer.move(dx, dy);
-    } else {
-      viewer.turn(dx, dy);
-    }
-    redraw();
-  });
-  canvas.addEventListener('wheel', (event) => {
-    event.preventDefault();
-    viewer.zoom(Math.exp(0.001 * event.deltaY));
-    redraw();
-  }, {passive: false});
-}
-
 // The viewer and its controls, at a speed of `speed`.
 function makePlayer(speed) {
   for (const factor of [0.05, 0.1, 0.25, 0.5, 1, 2, 4]) addOption('speed', factor, `${factor} ×`, factor === speed);
@@ -126,10 +77,9 @@ function makePlayer(speed) {
     viewer.reset();
     redraw();
   });
-  part('replay-hint').textContent = isTouch ? 'One finger turns, two fingers move and zoom.'
-    : 'Drag to turn, shift and drag to move, wheel to zoom.';
+  part('replay-hint').textContent = POINTER_HINT;
   new ResizeObserver(redraw).observe(part('canvas'));
   viewer = makeViewer(part('canvas'));
-  if (viewer) listenToPointers(part('canvas'));
+  if (viewer) listenToPointers(part('canvas'), viewer, redraw);
   requestAnimationFrame(advance);
 }

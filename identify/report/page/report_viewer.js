@@ -38,8 +38,8 @@ const legendColour = (name) => getComputedStyle(document.documentElement).getPro
 const RECORDED = legendColour('recorded'), PREDICTED = legendColour('predicted'), OBSTACLE = [0.80, 0.84, 0.88];
 const HANDLE = [0.13, 0.15, 0.19], WIND = [0.24, 0.55, 0.37];
 
-// Draws into `canvas`; null where the browser has no WebGL.
-function makeViewer(canvas) {
+// What draws into `canvas`; null where the browser has no WebGL.
+function makeBrush(canvas) {
   const gl = canvas.getContext('webgl2', {antialias: true, preserveDrawingBuffer: true});
   if (!gl) return null;
   const program = gl.createProgram();
@@ -68,6 +68,14 @@ function makeViewer(canvas) {
   gl.enable(gl.DEPTH_TEST);
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  return {gl, uniform, attributes};
+}
+
+// Draws into `canvas`; null without a brush. Many viewers may share one of another canvas, from which theirs is then
+// copied: browsers have few of them.
+function makeViewer(canvas, brush = makeBrush(canvas)) {
+  if (!brush) return null;
+  const {gl, uniform, attributes} = brush, surface = gl.canvas;
   let replay = null, center = [0, 0, 0], radius = 1, yaw = 0, pitch = 0, distance = 1, shift = [0, 0, 0], planes = [];
 
   function draw(mode, positions, indices, colours, {normals, isCloth, push = 0, size = 1, alpha = 1} = {}) {
@@ -168,7 +176,8 @@ function makeViewer(canvas) {
 
   // By itself: a cloth, or points, the smaller the more there are.
   function drawRecordedAlone(frame) {
-    const recorded = positionsAt(replay, replay.recordedGrid, frame), colours = uniformColours(replay.points, RECORDED);
+    const recorded = positionsAt(replay, replay.recordedGrid, frame);
+    const colours = replay.colours || uniformColours(replay.points, RECORDED);
     if (replay.points_are_nodes) {
       const faces = seenOnly(replay.faces, 3, recorded);
       drawCloth(recorded, faces, colours);
@@ -212,9 +221,9 @@ function makeViewer(canvas) {
   }
 
   function drawView(x, width, drawContent) {
-    gl.viewport(x, 0, width, canvas.height);
+    gl.viewport(x, 0, width, surface.height);
     const {back, side, above} = axes();
-    gl.uniformMatrix4fv(uniform.camera, false, cameraMatrix(width / canvas.height));
+    gl.uniformMatrix4fv(uniform.camera, false, cameraMatrix(width / surface.height));
     gl.uniform3fv(uniform.view, add([0, 0, 0], back, -1));
     gl.uniform3fv(uniform.light, unit(add(add(add([0, 0, 0], back, 0.6), above, 0.7), side, -0.35)));
     drawObstacles();
@@ -271,6 +280,7 @@ function makeViewer(canvas) {
       pitch = Math.min(Math.max(pitch + 0.008 * dy, -1.5), 1.5);
     },
     move(dx, dy) {
+      if (!replay) return;
       const {side, above} = axes(), scale = 0.8 * distance / canvas.clientHeight;
       shift = add(add(shift, side, -scale * dx), above, scale * dy);
     },
@@ -278,7 +288,9 @@ function makeViewer(canvas) {
     draw(frame, {sideBySide, withErrors, withStart}) {
       const ratio = window.devicePixelRatio || 1;
       const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
-      if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+      for (const own of new Set([surface, canvas])) {
+        if (own.width !== width || own.height !== height) [own.width, own.height] = [width, height];
+      }
       gl.clearColor(0.933, 0.949, 0.965, 1);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       if (sideBySide) {
@@ -296,6 +308,7 @@ function makeViewer(canvas) {
           drawAround(frame, withStart);
         }
       });
+      if (surface !== canvas) canvas.getContext('2d').drawImage(surface, 0, 0);
     },
   };
   return viewer;

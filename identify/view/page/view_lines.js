@@ -29,10 +29,10 @@ function nearest(times, time) {
   return best;
 }
 
-// {name, unit, times, lines: {x: [values], ..}} into `target`; null is a gap. A click shows the frame of its time. What
-// is returned moves the mark to a time.
-function lineChart(target, {name, unit, times, lines}) {
-  const height = 200, margin = {left: 58, right: 12, top: 26, bottom: 34}, span = [times[0], times[times.length - 1]];
+// {name, unit, times, lines: {x: [values], ..}} into `target`; null is a gap. A click jumps to its time, which shows the
+// frame. What is returned moves the mark to a time.
+function lineChart(target, {name, unit, times, lines, colours = LINE_COLOURS, height = 200, jump = jumpToTime}) {
+  const margin = {left: 58, right: 12, top: 26, bottom: 34}, span = [times[0], times[times.length - 1]];
   const range = roomAround(extent(Object.values(lines).flat())), last = span[1] > span[0] ? span[1] : span[0] + 1;
   let mark = null, across = () => 0, now = span[0];
   const legend = element('div', 'legend');
@@ -60,13 +60,13 @@ function lineChart(target, {name, unit, times, lines}) {
         if (value !== null) path += `${pen}${across(times[i]).toFixed(1)} ${up(value).toFixed(1)}`;
         pen = value === null ? 'M' : 'L';
       });
-      svg.append(svgElement('path', {d: path, stroke: LINE_COLOURS[axis], class: 'curve'}));
+      svg.append(svgElement('path', {d: path, stroke: colours[axis], class: 'curve'}));
     }
     mark = svgElement('line', {y1: margin.top, y2: height - margin.bottom, class: 'mark'});
     svg.append(mark);
     svg.addEventListener('click', (event) => {
       const x = event.clientX - svg.getBoundingClientRect().left;
-      jumpToTime(span[0] + (last - span[0]) * (x - margin.left) / (width - margin.left - margin.right));
+      jump(span[0] + (last - span[0]) * (x - margin.left) / (width - margin.left - margin.right));
     });
     target.replaceChildren(legend, svg);
     show(now);
@@ -78,8 +78,8 @@ function lineChart(target, {name, unit, times, lines}) {
     mark.setAttribute('x2', across(now));
     const i = nearest(times, now);
     legend.replaceChildren(...Object.entries(lines).map(([axis, values]) => {
-      const made = element('span', '', `${name} ${axis}: ${number(values[i], 3)} ${unit}`);
-      made.prepend(swatch(LINE_COLOURS[axis]));
+      const made = element('span', '', `${axis ? `${name} ${axis}` : name}: ${number(values[i], 3)} ${unit}`);
+      made.prepend(swatch(colours[axis]));
       return made;
     }));
   }
