@@ -9,8 +9,8 @@ inline constexpr char kHelp[] = R"(identify: fits friction and stiffness of clot
   identify --target FILE[,FILE...] [flags]
 
   --target FILES      recordings (motion.bin), fitted jointly
-  --repeat            they repeat one experiment: how much they scatter, the mean,
-                      the next specimen
+  --repeat            they repeat one experiment: their scatter, their mean, the
+                      next specimen
   --scene FILE        scene.json to use instead of the one in each recording
   --fabric NAME       light, medium, heavy, knit or denim: measured constants in
                       place of those that the scene does not give, and bounds

@@ -187,8 +187,10 @@ RunResult JudgeFinishedFits(const RunOptions& options) {
   result.table = PooledTable(result.checks, result.verdict);
   if (options.on_table) options.on_table(result.table);
   if (output != nullptr) {
-    WritePooledReport(result.summary, result.checks, result.verdict, scene ? &*scene : nullptr, options.simulators,
-                      output.get());
+    ReportOptions report;
+    report.page = options.report_page;
+    report.simulators = options.simulators;
+    WritePooledReport(result.summary, result.checks, result.verdict, scene ? &*scene : nullptr, output.get(), report);
   }
   return result;
 }

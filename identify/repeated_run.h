@@ -29,7 +29,7 @@ SingleFit DescribeSingleFit(const std::string& name, const std::string& sha256, 
 std::vector<std::string> SharedParameters(const FitSummary& summary);
 
 // Pools finished fits, whose folders are `RunOptions::target_paths` (identify/repetition/finished_fits.h), and writes
-// result.json and exports. `FitOptions::parameters` chooses what is pooled, `FitOptions::each` leaves out.
+// result.json, report.html and exports. `FitOptions::parameters` chooses what is pooled, `FitOptions::each` leaves out.
 // `RunResult::summary` has the means as its estimates, and nothing else of a fit. Throws `Error` as `Identify`.
 RunResult JudgeFinishedFits(const RunOptions& options);
 

@@ -28,8 +28,8 @@ struct ExportedEstimates {
   std::map<std::string, double> values;
   std::map<std::string, std::string> remarks;
 
-  // Of what was pooled the mean over the recordings, with its interval and their scatter beside it; of what could not be
-  // and has no joint estimate nothing, which is said.
+  // Of what was pooled the mean over the recordings, with its interval and their scatter beside it; of what could not
+  // be and has no joint estimate nothing, which is said.
   void TakeMeans(const Repetitions& repetitions);
 };
 

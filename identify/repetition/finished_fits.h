@@ -23,8 +23,9 @@ std::vector<std::string> FindFinishedFits(const std::vector<std::string>& paths)
 std::vector<SingleFit> ReadFinishedFits(const std::vector<std::string>& folders);
 
 // The parameters to pool: those of `chosen`, or all where it is empty, without those of `own`, which every recording
-// has for itself, knots of the wind and frozen ones. Both may have shift, turn and the like (`ExpandAlignmentNames`). Throws `Error`
-// (kBadData, naming the folder and the key) where the fits have different parameters, or not one that is chosen.
+// has for itself, knots of the wind and frozen ones. Both may have shift, turn and the like (`ExpandAlignmentNames`).
+// Throws `Error` (kBadData, naming the folder and the key) where the fits have different parameters, or not one that is
+// chosen.
 std::vector<std::string> SharedParameters(const std::vector<SingleFit>& fits, const std::vector<std::string>& chosen,
                                           const std::vector<std::string>& own);
 

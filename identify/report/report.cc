@@ -16,6 +16,7 @@
 #include "identify/base/version.h"
 #include "identify/export/export.h"
 #include "identify/report/interval_text.h"
+#include "identify/report/repetition_page.h"
 #include "identify/report/repetition_report.h"
 #include "identify/report/report_page.h"
 #include "identify/report/result_json.h"
@@ -261,10 +262,11 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
 }
 
 void WritePooledReport(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict, const Scene* scene,
-                       const std::vector<std::string>& simulators, OutputFolder* folder) {
+                       OutputFolder* folder, const ReportOptions& options) {
   folder->RemoveOthers(IsReportFile);
   folder->Write("result.json", PooledResultJson(summary, checks, verdict));
-  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, simulators, folder);
+  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, options.simulators, folder);
+  if (options.page) folder->Write(kReportName, PooledHtml(summary, checks, verdict));
   folder->Commit();
 }
 

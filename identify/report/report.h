@@ -41,10 +41,10 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
                  OutputFolder* folder, const ReportOptions& options = {});
 
 // The same for finished fits that were judged together (`FitChecks::repetitions`), which have neither recordings nor a
-// joint fit: result.json and, for the cloth of `scene`, which may be null without `simulators`, the exports. Throws
-// `Error` (kIo), leaving nothing.
+// joint fit: result.json, report.html with what they tell and, for the cloth of `scene`, which may be null without
+// simulators, the exports. Throws `Error` (kIo), leaving nothing.
 void WritePooledReport(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict, const Scene* scene,
-                       const std::vector<std::string>& simulators, OutputFolder* folder);
+                       OutputFolder* folder, const ReportOptions& options = {});
 
 // The table of these.
 std::string PooledTable(const FitChecks& checks, const Verdict& verdict);

@@ -9,6 +9,7 @@
 #include "identify/report/cloud_points.h"
 #include "identify/report/fit_quality.h"
 #include "identify/report/page_template.h"
+#include "identify/report/repetition_page.h"
 #include "identify/report/report_fields.h"
 #include "identify/report/report_landscape.h"
 #include "identify/report/report_replay.h"
@@ -18,12 +19,13 @@
 namespace clothid {
 
 // Files embedded by CMake.
-std::string_view ReportPage();             // report_page.html
-std::string_view ReplayScript();           // the scripts that draw and play a replay
-std::string_view ReportScript();           // those of all else
-std::string_view ReportLandscapeScript();  // report_landscape.js
-std::string_view ReportFieldScript();      // report_field.js
-std::string_view ReportWindScript();       // report_wind.js
+std::string_view ReportPage();               // report_page.html
+std::string_view ReplayScript();             // the scripts that draw and play a replay
+std::string_view ReportScript();             // those of all else
+std::string_view ReportLandscapeScript();    // report_landscape.js
+std::string_view ReportFieldScript();        // report_field.js
+std::string_view ReportWindScript();         // report_wind.js
+std::string_view ReportRepetitionsScript();  // report_repetitions.js
 
 namespace {
 
@@ -213,6 +215,7 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
     json["landscapes"].push_back(
         LandscapeJson(landscape, summary, checks, motions, kMaxLandscapeBytes / checks.landscapes.size()));
   }
+  if (checks.repetitions) json["repetition_lines"] = RepetitionLinesJson(*checks.repetitions);
   if (summary.fields) json["fields"] = FieldMapsJson(*summary.fields, motions.front().scene.mesh);
   std::size_t used = library_bytes + ScriptText(json).size() + kMaxCurveBytes;
   for (const RecordedMotion& motion : motions) used += motion.forces.is_empty() ? 0 : kMaxForceBytes;
@@ -228,7 +231,8 @@ Json DataJson(const FitSummary& summary, const FitChecks& checks, const std::vec
 
 std::string ReportHtml(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions) {
   PageParts page = {"Fit report", ReportPage(), {}, /*has_charts=*/true, {ReplayScript(), ReportScript()}};
-  // A page without a landscape, field or profile of the wind has nothing of them.
+  // A page without repetitions, a landscape, field or profile of the wind has nothing of them.
+  if (checks.repetitions) page.scripts.push_back(ReportRepetitionsScript());
   if (summary.fields) page.scripts.push_back(ReportFieldScript());
   if (checks.wind) page.scripts.push_back(ReportWindScript());
   if (!checks.landscapes.empty()) page.scripts.push_back(ReportLandscapeScript());

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "identify/verdict/reason.h"
+#include "identify/verdict/repetition_text.h"
 
 namespace clothid {
 namespace {
@@ -74,13 +75,18 @@ std::string AgreesLine(const PooledParameter& parameter) {
          NextText(parameter);
 }
 
+constexpr char kNotPooled[] = "told by fewer than two recordings";
+
+std::string NotPooledLine(const PooledParameter& parameter) {
+  return parameter.name + " is " + kNotPooled + " alone: nothing is known of how it varies";
+}
+
 // A joint fit may tell what no recording does alone.
 void AddNotPooled(const PooledParameter& parameter, const std::vector<int>& indices, bool is_of_folders,
                   std::vector<Reason>* reasons) {
-  const std::string brief = "told by fewer than two recordings";
-  const std::string line = parameter.name + " is " + brief + " alone: nothing is known of how it varies";
-  reasons->push_back(is_of_folders ? NotTold(indices, brief, line)
-                                   : Careful(indices, parameter.name + " is " + brief + " alone", line));
+  const std::string line = NotPooledLine(parameter);
+  reasons->push_back(is_of_folders ? NotTold(indices, kNotPooled, line)
+                                   : Careful(indices, parameter.name + " is " + kNotPooled + " alone", line));
 }
 
 void AddMisfits(const Repetitions& repetitions, const PooledParameter& parameter, const std::vector<int>& indices,
@@ -107,6 +113,11 @@ void AddNotUsed(const Repetitions& repetitions, std::vector<Reason>* reasons) {
 
 }  // namespace
 
+std::string RepetitionLine(const PooledParameter& parameter) {
+  if (!parameter.is_pooled()) return NotPooledLine(parameter);
+  return parameter.varies() ? VariesLine(parameter) : AgreesLine(parameter);
+}
+
 void AddRepetitionReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
   if (!checks.repetitions) return;
   const Repetitions& repetitions = *checks.repetitions;
@@ -116,9 +127,9 @@ void AddRepetitionReasons(const FitSummary& summary, const FitChecks& checks, st
     if (!parameter.is_pooled()) {
       AddNotPooled(parameter, indices, repetitions.is_of_folders, reasons);
     } else if (parameter.varies()) {
-      reasons->push_back(Careful(indices, DifferBrief(repetitions), VariesLine(parameter)));
+      reasons->push_back(Careful(indices, DifferBrief(repetitions), RepetitionLine(parameter)));
     } else {
-      reasons->push_back(Remark(AgreesLine(parameter), indices));
+      reasons->push_back(Remark(RepetitionLine(parameter), indices));
     }
   }
   for (const PooledParameter& parameter : repetitions.parameters) {

@@ -43,6 +43,20 @@ function element(tag, className, text) {
   return made;
 }
 
+// The name of SVG's space, which is an address, as the browser spells it: the page holds none.
+const SVG_SPACE = (() => {
+  const box = element('div');
+  box.innerHTML = '<svg></svg>';
+  return box.firstChild.namespaceURI;
+})();
+
+function svgElement(tag, attributes, text) {
+  const made = document.createElementNS(SVG_SPACE, tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  if (text !== undefined) made.textContent = text;
+  return made;
+}
+
 // An entry of the <select> of that id.
 function addOption(id, value, text, selected = false) {
   const made = element('option', '', text);

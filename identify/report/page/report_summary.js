@@ -1,29 +1,37 @@
 'use strict';
-// What the fit found, in words and tables: verdict, estimates, tiles, other minima, provenance.
+// What was found, in words and tables: verdict, estimates, tiles, other minima, provenance.
 
 const USABLE = {'yes': ['usable', 'good'], 'with care': ['usable with care', 'warn'], 'no': ['do not use', 'bad']};
 
-function fillHead() {
+// The page is about `names`.
+function fillVerdict(names) {
   let [words, kind] = USABLE[result.usable];
   if (result.usable === 'with care' && result.verdict[0].startsWith('do not use')) words = 'use in part';
-  if (result.status !== 'converged') words += `: ${result.status.replace('_', ' ')}`;
+  if (!['converged', 'pooled'].includes(result.status)) words += `: ${result.status.replace('_', ' ')}`;
   part('status').textContent = words;
   part('status').classList.add(kind);
   part('overall').textContent = result.verdict[0];
   part('overall').classList.add(kind);
-  const names = data.recordings.map((recording) => recording.name).join(', ');
   part('about').textContent = names;
-  document.title = `Fit report: ${names}`;
+  document.title += `: ${names}`;
   fillList('verdict', result.verdict.slice(1));
+}
+
+function fillHead() {
+  fillVerdict(data.recordings.map((recording) => recording.name).join(', '));
   fillList('limits', data.limits.length > 0 ? data.limits : ['Nothing that can be told.']);
 }
 
-// With as many digits as tell its ends apart.
+// As many digits as tell the ends of an interval apart.
+function digitsOf(value, std) {
+  const relative = std > 0 ? std / Math.max(Math.abs(value), std) : 0;
+  return Math.min(Math.max(2 + Math.ceil(-Math.log10(relative + 2e-16)), 3), 9);
+}
+
 function interval(parameter) {
   if (parameter.std === null) return '–';
   const std = Math.hypot(parameter.std, parameter.step_error || 0, parameter.mesh_error || 0);
-  const relative = std / Math.max(Math.abs(parameter.value), std);
-  const digits = Math.min(Math.max(2 + Math.ceil(-Math.log10(relative + 2e-16)), 3), 9);
+  const digits = digitsOf(parameter.value, std);
   return `${number(parameter.lower95, digits)} … ${number(parameter.upper95, digits)}`;
 }
 
@@ -75,14 +83,21 @@ function fillStarts() {
       millimetres(minimum.rmse_m), number(minimum.cost, 5)].map((text) => element('td', 'number', text))));
 }
 
+function codeCell(text) {
+  const cell = element('td');
+  cell.append(element('code', '', text));
+  return cell;
+}
+
+const originRows = ({flags, version, git}) =>
+  [['command line', codeCell(`identify ${flags}`)], ['clothid', codeCell(`${version}, git ${git}`)]];
+
+const fillOrigin = (rows) =>
+  fillTable('provenance', null, rows.map(([name, cell]) => [element('th', '', name), cell]));
+
 function fillProvenance() {
-  const {provenance, seconds} = result, code = (text) => {
-    const cell = element('td');
-    cell.append(element('code', '', text));
-    return cell;
-  };
-  const rows = [['command line', code(`identify ${provenance.flags}`)],
-    ['clothid', code(`${provenance.version}, git ${provenance.git}`)],
+  const {provenance, seconds} = result;
+  const rows = [...originRows(provenance),
     ['seconds', element('td', '', `${number(seconds.total, 3)} in all; summed over recordings: rollouts ` +
       `${number(seconds.rollout, 3)}, derivatives ${number(seconds.derivative, 3)}; solver ${number(seconds.solver, 3)}`)],
     ['work', element('td', '', `${count(result.rollouts, 'rollout')}, ${count(result.sweeps, 'sweep')}, Jacobian ` +
@@ -94,5 +109,5 @@ function fillProvenance() {
     cell.append(element('br'), element('code', '', `sha256 ${recording.sha256}`));
     rows.push(['recording', cell]);
   }
-  fillTable('provenance', null, rows.map(([name, cell]) => [element('th', '', name), cell]));
+  fillOrigin(rows);
 }

@@ -3,20 +3,6 @@
 
 const LINE_COLOURS = {x: '#2d5f9a', y: '#e58a3c', z: '#3c8d5f'};
 
-// The name of SVG's space, which is an address, as the browser spells it: the page holds none.
-const SVG_SPACE = (() => {
-  const box = element('div');
-  box.innerHTML = '<svg></svg>';
-  return box.firstChild.namespaceURI;
-})();
-
-function svgElement(tag, attributes, text) {
-  const made = document.createElementNS(SVG_SPACE, tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  if (text !== undefined) made.textContent = text;
-  return made;
-}
-
 // From the least to the largest with a little room; of a constant that room alone.
 function roomAround([low, high]) {
   const room = high > low ? 0.05 * (high - low) : 0.5 * Math.abs(low) || 1;
