@@ -13,6 +13,9 @@ inline constexpr char kHelp[] = R"(plan: tells before the laboratory which motio
   --fit NAMES         parameters, as mu, k_stretch, k_bend, density, drag
   --prior LIST        what is believed of them, NAME=MEDIAN:FACTOR[,...], as
                       k_bend=1e-5:2
+  --start LIST        nominal values of the cloth, NAME=VALUE[,...] (the
+                      scenes')
+  --lower, --upper    bounds, NAME=VALUE[,...], as of identify
   --sigma SIGMA       standard deviation of a measured coordinate, m
   --frame_rate HZ     frames per second; 0: one per time step (0)
   --markers N         free nodes that are seen; 0: every node (0)
@@ -40,19 +43,18 @@ The cloth:
   --fit NAMES         mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping, and the others that `identify --help
                       all` names. A candidate takes those that its scene has
   --each NAMES        to fit as well, but in a pair one per recording
-  --start LIST        its nominal values, NAME=VALUE[,...] (the scene's)
-  --lower, --upper    bounds, NAME=VALUE[,...], as of identify: what is hardly narrower is not told
-  --prior LIST        as of identify. Without one the cloths that are drawn have the nominal value times 1.5^z, z standard
-                      normal; wind, k_poisson and what belongs to a recording itself stay nominal
+  --lower, --upper    an interval that is hardly narrower than the bounds tells nothing
+  --prior LIST        as of identify. Without one the cloths that are drawn have the nominal value times 1.5^z with a
+                      standard normal z; wind, k_poisson and what belongs to a recording itself stay nominal
 
 The recording:
   --handle_sigma S    standard deviation of a coordinate of the measured path of handles that move, m; 0: exact (0).
                       Handles that stand still are seen as the other nodes are, or not where there are markers
 
 It prints, for every candidate and every pair, the 95 % interval that a fit is expected to have, with its parts of noise
-and of the time step, what is not told and what could make up for it, and how much narrower intervals would be with twice
-the frame rate, half the noise, a gauge at the gripper, twice the markers, half as long again, a known start, half the
-time step, or another candidate as well. identify/experiment/experiment_plan.h has the keys of plan.json.
+and of the time step, what is not told and what could make up for it, and how much narrower intervals would be with
+twice the frame rate, half the noise, a gauge at the gripper, twice the markers, half as long again, a known start, half
+the time step, or another candidate as well. identify/experiment/experiment_plan.h has the keys of plan.json.
 
 Exit codes: 0 done, even where candidates failed; 1 usage, or a file that cannot be opened or written; 2 bad content;
 3 no candidate could be simulated, 70 internal error, 130 interrupted: nothing is written.
