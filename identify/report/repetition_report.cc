@@ -4,11 +4,20 @@
 #include <iomanip>
 #include <limits>
 #include <sstream>
+#include <string_view>
 
 #include "identify/base/version.h"
 #include "identify/report/interval_text.h"
+#include "identify/report/page_template.h"
+#include "identify/verdict/repetition_text.h"
 
 namespace clothid {
+
+// Files embedded by CMake.
+std::string_view PooledPage();               // pooled_page.html
+std::string_view PooledScript();             // its verdict and provenance
+std::string_view ReportRepetitionsScript();  // report_repetitions.js
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -173,6 +182,20 @@ std::string RepetitionRows(const Repetitions& repetitions) {
     if (parameter.is_pooled()) AddPooled(parameter, &rows);
   }
   return rows.Text();
+}
+
+Json RepetitionLinesJson(const Repetitions& repetitions) {
+  Json lines = Json::object();
+  for (const PooledParameter& parameter : repetitions.parameters) lines[parameter.name] = RepetitionLine(parameter);
+  return lines;
+}
+
+std::string PooledHtml(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict) {
+  const Json data = {{"result", Json::parse(PooledResultJson(summary, checks, verdict))},
+                     {"repetition_lines", RepetitionLinesJson(*checks.repetitions)}};
+  const PageParts page = {
+      "Repetitions", PooledPage(), {}, /*has_charts=*/false, {PooledScript(), ReportRepetitionsScript()}};
+  return MakePage(page, ScriptText(data));
 }
 
 }  // namespace clothid

@@ -16,7 +16,6 @@
 #include "identify/base/version.h"
 #include "identify/export/export.h"
 #include "identify/report/interval_text.h"
-#include "identify/report/repetition_page.h"
 #include "identify/report/repetition_report.h"
 #include "identify/report/report_page.h"
 #include "identify/report/result_json.h"

@@ -9,7 +9,7 @@
 #include "identify/report/cloud_points.h"
 #include "identify/report/fit_quality.h"
 #include "identify/report/page_template.h"
-#include "identify/report/repetition_page.h"
+#include "identify/report/repetition_report.h"
 #include "identify/report/report_fields.h"
 #include "identify/report/report_landscape.h"
 #include "identify/report/report_replay.h"

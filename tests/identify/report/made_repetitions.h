@@ -8,7 +8,7 @@
 
 #include "identify/fit/fit.h"
 #include "identify/repetition/repetitions.h"
-#include "identify/report/repetition_page.h"
+#include "identify/report/repetition_report.h"
 #include "identify/verdict/verdict.h"
 
 namespace clothid {

@@ -1,6 +1,4 @@
 // Repetitions in report.html: what the page of a fit holds of them, and that of finished fits.
-#include "identify/report/repetition_page.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
