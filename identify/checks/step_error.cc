@@ -22,13 +22,6 @@ namespace {
 // tells exactly is said to be 1 % off.
 constexpr double kStepTolerance = 1e-5;
 
-// What is predicted of one recording at another step.
-struct StepPrediction {
-  Eigen::MatrixXd points, forces;  // as of `RolloutCost::Predict`
-  std::string failure;             // empty: it worked
-  CostStatistics statistics;
-};
-
 class StepErrorFinder {
  public:
   StepErrorFinder(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem& problem,
@@ -86,33 +79,11 @@ class StepErrorFinder {
 
   std::vector<StepPrediction> PredictAt(double factor) const {
     std::vector<StepPrediction> predictions(motions_.size());
-    ParallelFor(static_cast<int>(motions_.size()), options_.num_threads,
-                [&](int r) { predictions[static_cast<std::size_t>(r)] = PredictRecording(r, factor); });
+    ParallelFor(static_cast<int>(motions_.size()), options_.num_threads, [&](int r) {
+      const auto index = static_cast<std::size_t>(r);
+      predictions[index] = PredictAtStep(factor, motions_[index], options_, problem_, r, summary_->coordinates);
+    });
     return predictions;
-  }
-
-  StepPrediction PredictRecording(int recording, double factor) const {
-    RecordedMotion motion = motions_[static_cast<std::size_t>(recording)];
-    motion.scene.time_step *= factor;
-    motion.scene.solver.step_tolerance = std::max(motion.scene.solver.step_tolerance, kStepTolerance);
-    const RecordingModel& fitted = problem_.cost(recording).model();
-    StepPrediction prediction;
-    const ScopedTimer timer(&prediction.statistics.rollout_seconds);
-    try {
-      RecordingModel model(motion, fitted.blocks(), {}, fitted.shared_start(), problem_.fields());
-      model.SetNumThreads(std::max(1, options_.num_threads / problem_.num_recordings()));
-      ForceTrack forces;
-      const Rollout rollout =
-          model.Simulate(problem_.CoordinatesOf(recording, summary_->coordinates), {Precision::kFull, options_.cancel},
-                         {}, &prediction.points, /*velocities=*/nullptr, &forces);
-      ++prediction.statistics.rollouts;
-      prediction.statistics.counts += rollout.counts;
-      prediction.forces = std::move(forces.predicted);
-      if (!rollout.ok()) prediction.failure = model.name() + ": " + rollout.failure->ToString();
-    } catch (const std::runtime_error& error) {  // a scene that cannot have this step, a system that is singular there
-      prediction.failure = error.what();
-    }
-    return prediction;
   }
 
   std::vector<DiscretizationError> ErrorsFrom(const Eigen::VectorXd& at_half, const Eigen::VectorXd& at_double) const {
@@ -136,6 +107,31 @@ class StepErrorFinder {
 };
 
 }  // namespace
+
+StepPrediction PredictAtStep(double factor, const RecordedMotion& motion, const FitOptions& options,
+                             const FitProblem& problem, int recording, const Eigen::VectorXd& coordinates) {
+  RecordedMotion other = motion;
+  other.scene.time_step *= factor;
+  other.scene.solver.step_tolerance = std::max(other.scene.solver.step_tolerance, kStepTolerance);
+  const RecordingModel& fitted = problem.cost(recording).model();
+  StepPrediction prediction;
+  const ScopedTimer timer(&prediction.statistics.rollout_seconds);
+  try {
+    RecordingModel model(other, fitted.blocks(), {}, fitted.shared_start(), problem.fields());
+    model.SetNumThreads(std::max(1, options.num_threads / problem.num_recordings()));
+    ForceTrack forces;
+    const Rollout rollout =
+        model.Simulate(problem.CoordinatesOf(recording, coordinates), {Precision::kFull, options.cancel}, {},
+                       &prediction.points, /*velocities=*/nullptr, &forces);
+    ++prediction.statistics.rollouts;
+    prediction.statistics.counts += rollout.counts;
+    prediction.forces = std::move(forces.predicted);
+    if (!rollout.ok()) prediction.failure = model.name() + ": " + rollout.failure->ToString();
+  } catch (const std::runtime_error& error) {  // a scene that cannot have this step, a system that is singular there
+    prediction.failure = error.what();
+  }
+  return prediction;
+}
 
 StepErrorEstimate AddStepError(const std::vector<RecordedMotion>& motions, const FitOptions& options,
                                const FitProblem& problem, FitSummary* summary) {

@@ -1,4 +1,5 @@
 // What tells a parameter best.
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -7,13 +8,16 @@
 namespace clothid {
 namespace {
 
-// Goes through those that tell the parameter, and keeps the one whose interval is the narrowest.
+// Goes through those that tell the parameter, and keeps the one whose interval over `told_share` is the narrowest.
 class Best {
  public:
   void Consider(int index, const std::string& name, const std::vector<ExpectedParameter>& parameters) {
     for (const ExpectedParameter& expected : parameters) {
-      if (expected.name != name || !expected.is_told || expected.share_of_belief >= least_) continue;
-      least_ = expected.share_of_belief;
+      if (expected.name != name || !expected.is_told) continue;
+      const double step = std::isnan(expected.step_error) ? 0.0 : expected.step_error;
+      const double width = std::hypot(expected.std, step) / expected.told_share;
+      if (width >= least_) continue;
+      least_ = width;
       index_ = index;
     }
   }

@@ -1,5 +1,6 @@
 #include "identify/experiment/cloth_information.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -7,9 +8,13 @@
 #include <utility>
 
 #include "identify/checks/step_error.h"
+#include "identify/experiment/expectation.h"
 #include "identify/experiment/information_sweep.h"
 #include "identify/experiment/recorded_cloth.h"
 #include "identify/fit/fit_summary.h"
+#include "identify/fit/interval_check.h"
+#include "identify/problem/evaluator.h"
+#include "identify/problem/model_errors.h"
 #include "identify/problem/problem.h"
 #include "identify/uncertainty/marginal.h"
 #include "identify/uncertainty/priors.h"
@@ -72,6 +77,12 @@ class Elimination {
   const UnknownStart* start_;
 };
 
+WeighedParts PlannedParts(const PlanOptions& options) {
+  WeighedParts planned{{{RowPart::kPlanned, 1.0}}};
+  if (options.has_forces) planned.parts.emplace_back(RowPart::kForces, 1.0);
+  return planned;
+}
+
 void ImproveCloth(const PlanOptions& options, const RecordedCloth& cloth, const InformationSweep& sweep,
                   const Elimination& elimination, ClothInformation* information) {
   // Handles that stand still are measured by the points, those that move by what moves them.
@@ -99,22 +110,69 @@ void ImproveCloth(const PlanOptions& options, const RecordedCloth& cloth, const 
   }
 }
 
-// What the error of the step is at the truth, of q.
-Eigen::VectorXd FindStepErrors(const RecordedCloth& cloth, const FitOptions& fit, const FitProblem& problem,
-                               const Eigen::MatrixXd& follow, const Uncertainty& uncertainty,
-                               const Eigen::MatrixXd& rows) {
-  FitSummary summary;
-  summary.coordinates = problem.StartCoordinates();
-  summary.uncertainty = uncertainty;
-  summary.marginal = {follow, rows.transpose() * rows + PriorHessian(problem.blocks())};
-  const StepErrorEstimate estimate = AddStepError({cloth.planned}, fit, problem, &summary);
-  Eigen::VectorXd errors = Eigen::VectorXd::Constant(problem.num_blocks(), std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i < estimate.errors.size(); ++i) {
-    const auto index = static_cast<Eigen::Index>(i);
-    errors[index] = estimate.errors[i] / problem.blocks()[i].ValueDerivative(summary.coordinates[index]);
+// How far the model errs by its step: predictions are about twice as far from the real cloth, which has none, as from
+// those at half the step. Found as a fit finds it.
+std::vector<ModelError> ErrorsOfStep(const RecordedCloth& cloth, const FitOptions& fit, const FitProblem& problem) {
+  const Eigen::VectorXd truth = problem.StartCoordinates();
+  Eigen::MatrixXd points, forces;
+  const StepPrediction half = PredictAtStep(0.5, cloth.planned, fit, problem, 0, truth);
+  if (!half.failure.empty() || !problem.cost(0).Predict(truth, &points, nullptr, &forces)) {
+    return NoModelErrors(problem);
   }
-  return errors;
+  return EstimateModelErrors(fit.loss, problem, {2.0 * half.points - points}, {2.0 * half.forces - forces});
 }
+
+// What a fit of a real recording errs by for the step, of q: its estimate is moved, and, as frames count by the error
+// that the step makes in them, less sure than `of_noise` says.
+class StepEffects {
+ public:
+  StepEffects(const PlanOptions& options, const RecordedCloth& cloth, const FitOptions& fit, int num_measurements)
+      : cloth_(cloth), fit_(fit), problem_({cloth.planned}, fit), truth_(problem_.StartCoordinates()) {
+    problem_.SetModelErrors(ErrorsOfStep(cloth, fit, problem_));
+    const InformationSweep sweep = SweepCloth(cloth, problem_, fit.cancel);
+    marginal_ = Elimination(sweep, problem_).Eliminate(PlannedParts(options));
+    const Eigen::MatrixXd& rows = marginal_.parameters.jacobian;
+    weighed_ = JudgeRows(problem_.blocks(), truth_.head(rows.cols()), rows, num_measurements);
+  }
+
+  // See `ClothRows`.
+  std::vector<int> FindRough() const {
+    FitEvaluator evaluator(&problem_, fit_.num_threads, EvaluationPurpose::kInterval);
+    std::vector<int> rough;
+    for (const DentCheck& check : CheckForDents(problem_.blocks(), truth_, /*cost=*/0.0, weighed_, &evaluator)) {
+      if (check.is_dent()) rough.push_back(check.parameter);
+    }
+    return rough;
+  }
+
+  Eigen::VectorXd FindErrors(const Uncertainty& of_noise) const {
+    const std::vector<ParameterBlock>& blocks = problem_.blocks();
+    const Eigen::MatrixXd& rows = marginal_.parameters.jacobian;
+    FitSummary summary;
+    summary.coordinates = truth_;
+    summary.uncertainty = weighed_;
+    summary.marginal = {marginal_.follow, rows.transpose() * rows + PriorHessian(blocks)};
+    const StepErrorEstimate moved = AddStepError({cloth_.planned}, fit_, problem_, &summary);
+    Eigen::VectorXd errors = Eigen::VectorXd::Constant(rows.cols(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < moved.errors.size(); ++i) {
+      const auto index = static_cast<Eigen::Index>(i);
+      const double std = weighed_.parameters[i].coordinate_std;
+      const double more = std::sqrt(std::max(0.0, std * std - std::pow(of_noise.parameters[i].coordinate_std, 2)));
+      errors[index] = std::hypot(moved.errors[i] / blocks[i].ValueDerivative(truth_[index]), more);
+      // By what the step leaves, nothing tells it any more.
+      if (std::isnan(std) && !std::isnan(of_noise.parameters[i].coordinate_std)) errors[index] = StdBefore(blocks[i]);
+    }
+    return errors;
+  }
+
+ private:
+  const RecordedCloth& cloth_;
+  const FitOptions& fit_;
+  FitProblem problem_;  // with the error of the step for that of the model
+  const Eigen::VectorXd truth_;
+  Marginal marginal_;
+  Uncertainty weighed_;
+};
 
 // Column i: parameter i moves by 1, the others so as to undo the most, within what is believed of them.
 Eigen::MatrixXd Influence(const std::vector<ParameterBlock>& blocks, const Eigen::MatrixXd& rows) {
@@ -134,8 +192,7 @@ void Inform(const PlanOptions& options, const Candidate& candidate, RecordedClot
   information->coordinates = problem.StartCoordinates().head(problem.num_blocks());
   const InformationSweep sweep = SweepCloth(cloth, problem, fit.cancel);
   const Elimination elimination(sweep, problem);
-  WeighedParts planned{{{RowPart::kPlanned, 1.0}}};
-  if (options.has_forces) planned.parts.emplace_back(RowPart::kForces, 1.0);
+  const WeighedParts planned = PlannedParts(options);
   const Marginal marginal = elimination.Eliminate(planned);
   information->planned = marginal.parameters.jacobian;
   information->num_measurements = problem.cost(0).model().observation().num_residuals();
@@ -146,7 +203,9 @@ void Inform(const PlanOptions& options, const Candidate& candidate, RecordedClot
   if (!is_nominal) return;
   const Uncertainty uncertainty =
       JudgeRows(information->blocks, information->coordinates, information->planned, information->num_measurements);
-  information->step_errors = FindStepErrors(cloth, fit, problem, marginal.follow, uncertainty, information->planned);
+  const StepEffects effects(options, cloth, fit, information->num_measurements);
+  information->rough = effects.FindRough();
+  information->step_errors = effects.FindErrors(uncertainty);
   information->map =
       MapInformation(cloth, problem, marginal.follow, Influence(information->blocks, information->planned), fit.cancel);
   information->recording = std::move(cloth.planned);

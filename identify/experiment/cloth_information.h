@@ -27,6 +27,7 @@ struct ClothInformation {
   // Of the nominal cloth: the error of the step [p], of q; NaN: not known. Where the information sits, a column for
   // each of `blocks`; and the recording that was planned.
   Eigen::VectorXd step_errors;
+  std::vector<int> rough;  // see `ClothRows`
   InformationMap map;
   RecordedMotion recording;
   Eigen::MatrixXf nodes;  // [3N x T] m, all of that cloth

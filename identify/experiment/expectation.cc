@@ -18,7 +18,7 @@ constexpr double kTakesPart = 0.01;
 }  // namespace
 
 ClothRows RowsOf(const ClothInformation& cloth, const Eigen::MatrixXd& rows) {
-  return {cloth.blocks, cloth.coordinates, rows, cloth.num_measurements};
+  return {cloth.blocks, cloth.coordinates, rows, cloth.num_measurements, cloth.rough};
 }
 
 double UnitOf(const ParameterBlock& block) { return block.scale == ParameterScale::kLog ? 1.0 : block.unit; }
@@ -50,6 +50,7 @@ Expectation::Expectation(const std::vector<ClothRows>& cloths, const Eigen::Vect
     judged_.push_back(JudgeRows(cloth.blocks, cloth.coordinates, cloth.rows, cloth.num_measurements));
     squared_widths_ += StdWithBelief(cloth).cwiseAbs2() / static_cast<double>(cloths.size());
   }
+  for (const int block : nominal_.rough) squared_widths_[block] = std::pow(StdBefore(nominal_.blocks[block]), 2);
 }
 
 bool Expectation::IsTold(const Uncertainty& cloth, int block) const {
@@ -99,13 +100,14 @@ ExpectedParameter Expectation::Parameter(int block) const {
     return expected;
   }
   expected.not_told = WhyNotTold(block);
-  expected.made_up_by = MadeUpBy(block);
+  if (!is_rough(block)) expected.made_up_by = MadeUpBy(block);
   return expected;
 }
 
 std::string Expectation::WhyNotTold(int block) const {
   const ParameterUncertainty& nominal = judged_.front().parameters[block];
   if (nominal_.blocks[block].frozen) return "the scene freezes it";
+  if (is_rough(block)) return "its cost is rough: 1 % away it has risen by less than a tenth of what its slope says";
   if (nominal.at_bound) return "it stands at its bound";
   if (!nominal.visible) return "between its bounds it moves unseen";
   if (nominal.identifiable) return "told of the nominal cloth, but not of most others";

@@ -3,6 +3,7 @@
 #define CLOTHID_IDENTIFY_EXPERIMENT_EXPECTATION_H_
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct ClothRows {
   Eigen::VectorXd coordinates;  // [p]
   Eigen::MatrixXd rows;         // [r x p] of the parameters alone, without priors
   int num_measurements = 0;
+  // Of the nominal cloth: blocks whose interval would be that of a dent of a rough cost, even where frames count by the
+  // error of the step (identify/fit/interval_check.h). They are not told, and what is known was believed before.
+  std::vector<int> rough;
 };
 
 struct ClothInformation;
@@ -46,13 +50,16 @@ class Expectation {
   // Root mean square over the cloths that tell it, as ExpectedParameter::std; NaN where none does.
   double Std(int block) const;
   double told_share(int block) const;
-  bool is_told(int block) const { return told_share(block) > 0.5; }
+  bool is_told(int block) const { return told_share(block) > 0.5 && !is_rough(block); }
   // [p] standard deviations with belief and `step_share` of the step's error: root mean squares over all cloths.
   Eigen::VectorXd Widths(double step_share) const;
   const std::vector<ParameterBlock>& blocks() const { return nominal_.blocks; }
 
  private:
   bool IsTold(const Uncertainty& cloth, int block) const;
+  bool is_rough(int block) const {
+    return std::find(nominal_.rough.begin(), nominal_.rough.end(), block) != nominal_.rough.end();
+  }
   std::string WhyNotTold(int block) const;
   std::string MadeUpBy(int block) const;
 

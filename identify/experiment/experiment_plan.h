@@ -22,9 +22,14 @@
 // Over the cloths that could be simulated,
 //   std        = root mean square of the standard deviations, of the logarithm of what is a scale and else of the value
 //                (ParameterScale), over those in which the parameter is told
+//   told       = in more than half of the cloths, and not rough: 1 % away the cost of the nominal cloth, frames
+//   counting
+//                by the error of the step, rises by a tenth of what its slope says (identify/fit/interval_check.h)
 //   told_share = the share of cloths in which a fit would call the parameter identifiable
-//   interval   = the nominal value -+ 1.96 sqrt(std^2 + step_error^2), or times exp(-+ ..), cut at the bounds;
-//                step_error is that of the nominal cloth
+//   step_error = how far the step of the nominal cloth moves the estimate of a fit whose frames count by what the step
+//                makes them err (identify/checks/step_error.h, datasets/observation/model_error.h), and how much less
+//                sure they make it
+//   interval   = the nominal value -+ 1.96 sqrt(std^2 + step_error^2), or times exp(-+ ..), cut at the bounds
 //
 // What would help most is told by the same sweep with other rows or other weights:
 //   kTwiceFrames   twice the frame rate
@@ -55,12 +60,12 @@ namespace clothid {
 // The same bytes on any number of threads. Where `FitOptions::cancel` turned true, cloths fail, and nothing is written.
 Plan PlanExperiment(const PlanOptions& options);
 
-// What tells parameter i of the plan with the narrowest interval beside what was believed: a candidate, a pair; -1:
-// none tells it.
+// What tells parameter i of the plan with the narrowest interval, over the share of cloths of which it tells it: a
+// candidate, a pair; -1: none tells it.
 int BestCandidate(const Plan& plan, std::size_t parameter);
 int BestPair(const Plan& plan, std::size_t parameter);
 
-// What is expected of every candidate and of every pair, and what would help, for people.
+// What is expected of every candidate and of the best pairs, and what would help, for people.
 std::string PlanTable(const Plan& plan);
 // plan.json, for programs: null for NaN; what follows parameters is by their names.
 //   schema      "clothid.plan/1"

@@ -10,11 +10,19 @@ namespace {
 
 std::vector<int> FreeBlocks(const FitProblem& problem) { return problem.free_blocks(); }
 
-// Sweeps `model` along `columns`, telling of every frame.
+// Sweeps `model` along `columns`, telling of every frame, with rows that count by what `problem` says of the model.
 void Sweep(const FitProblem& problem, const SweepColumns& columns, const std::atomic<bool>* cancel,
            RecordingModel* model, const RecordingModel::FrameVisitor& visitor) {
+  model->SetModelError(problem.model_errors().front());
+  const Observation& observation = model->observation();
+  const auto weigh = [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
+                         const Eigen::MatrixXd& jacobian) {
+    if (observation.error_weights().size() == 0) return visitor(frame, points, residuals, jacobian);
+    const auto weights = observation.error_weights().segment(observation.first_row(frame), jacobian.rows());
+    visitor(frame, points, residuals, weights.asDiagonal() * jacobian);
+  };
   const SensitivityResult result =
-      model->PushForward(problem.StartCoordinates(), columns, visitor, {Precision::kFull, cancel});
+      model->PushForward(problem.StartCoordinates(), columns, weigh, {Precision::kFull, cancel});
   if (result.failure) throw std::runtime_error(result.failure->ToString());
 }
 

@@ -33,7 +33,8 @@ struct InformationSweep {
   const Eigen::MatrixXd& part(RowPart which) const { return parts[static_cast<std::size_t>(which)]; }
 };
 
-// At the truth, where `problem` of `cloth.planned` starts. Throws std::runtime_error where the sweep fails.
+// At the truth, where `problem` of `cloth.planned` starts; rows count by its model error, if it has one. Throws
+// std::runtime_error where the sweep fails.
 InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& problem, const std::atomic<bool>* cancel);
 
 // As InformationMap of the planned recording, with a column for each block. `follow` [n x p]: how the start follows;

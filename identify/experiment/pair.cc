@@ -37,7 +37,10 @@ ClothRows Join(const std::vector<ParameterBlock>& blocks, const std::array<Membe
   for (int m = 1; m >= 0; --m) joint.coordinates(members[m].places) = members[m].cloth->coordinates;
   joint.rows.topRows(members[0].cloth->planned.rows())(Eigen::all, members[0].places) = members[0].cloth->planned;
   joint.rows.bottomRows(members[1].cloth->planned.rows())(Eigen::all, members[1].places) = members[1].cloth->planned;
-  for (const Member& member : members) joint.num_measurements += member.cloth->num_measurements;
+  for (const Member& member : members) {
+    joint.num_measurements += member.cloth->num_measurements;
+    for (const int block : member.cloth->rough) joint.rough.push_back(member.places[static_cast<std::size_t>(block)]);
+  }
   return joint;
 }
 

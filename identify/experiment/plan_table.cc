@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <set>
 #include <sstream>
 
 #include "identify/base/join_words.h"
@@ -11,6 +12,8 @@
 namespace clothid {
 namespace {
 
+constexpr int kMostPartners = 3;  // of a candidate, the best ones
+constexpr double kHelps = 0.95;   // a factor of an interval that is worth a line
 constexpr int kNameWidth = 16, kValueWidth = 12, kIntervalWidth = 26;
 
 // As in the names of `--initial`.
@@ -81,11 +84,17 @@ std::vector<std::string> LedByStep(const CandidatePlan& candidate) {
   return names;
 }
 
+bool Helps(const Improvement& improvement) {
+  return !improvement.tells.empty() || (improvement.factors.array() < kHelps).any();
+}
+
 void AddImprovements(const Plan& plan, const CandidatePlan& candidate, std::ostringstream* text) {
   const std::string& worst = plan.parameters[static_cast<std::size_t>(candidate.worst_told)];
   *text << "  what would help " << worst << ", told the least, and the others: so many times as wide, by noise, are\n";
+  int num_partners = 0;
   for (const Improvement& improvement : candidate.improvements) {
-    if (improvement.kind == ImprovementKind::kHalfStep) continue;
+    if (improvement.kind == ImprovementKind::kHalfStep || !Helps(improvement)) continue;
+    if (improvement.partner >= 0 && ++num_partners > kMostPartners) continue;
     std::string name = ImprovementName(improvement.kind);
     if (improvement.partner >= 0) name = "with " + plan.candidates[static_cast<std::size_t>(improvement.partner)].name;
     *text << "    " << Padded(name, 2 * kNameWidth - 2) << FactorsText(plan, improvement) << "\n";
@@ -121,12 +130,20 @@ void AddPair(const Plan& plan, const PairPlan& pair, std::ostringstream* text) {
   AddParameters(pair.parameters, pair.num_cloths, text);
 }
 
+// Those that tell some parameter best, each once, in the order of the plan.
+std::set<int> BestPairs(const Plan& plan) {
+  std::set<int> pairs;
+  for (std::size_t i = 0; i < plan.parameters.size(); ++i) pairs.insert(BestPair(plan, i));
+  pairs.erase(-1);
+  return pairs;
+}
+
 }  // namespace
 
 std::string PlanTable(const Plan& plan) {
   std::ostringstream text;
   for (const CandidatePlan& candidate : plan.candidates) AddCandidate(plan, candidate, &text);
-  for (const PairPlan& pair : plan.pairs) AddPair(plan, pair, &text);
+  for (const int pair : BestPairs(plan)) AddPair(plan, plan.pairs[static_cast<std::size_t>(pair)], &text);
   for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
     const int best = BestCandidate(plan, i);
     text << Padded("best", kNameWidth + 2) << Padded(plan.parameters[i], kValueWidth);
