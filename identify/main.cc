@@ -6,13 +6,13 @@
 
 #include <iostream>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "identify/base/command_line.h"
 #include "identify/base/options.h"
 #include "identify/base/parallel_for.h"
 #include "identify/base/progress.h"
+#include "identify/base/register_flag.h"
 #include "identify/base/version.h"
 #include "identify/export/export.h"
 #include "identify/fit/fit.h"
@@ -26,20 +26,6 @@ DEFINE_string(result, "", "result.json of an earlier fit to --export");
 
 namespace clothid {
 namespace {
-
-// Has gflags bind them, which keeps a pointer to each and to its default as long as the process lasts.
-void RegisterFlags(RunFlags* flags) {
-  VisitRunFlags(flags, [](const char* name, auto* field) {
-    auto* const value_of_default = new std::remove_pointer_t<decltype(field)>(*field);
-    gflags::FlagRegisterer(name, "", __FILE__, field, value_of_default);
-  });
-}
-
-std::string CommandLine(int argc, char** argv) {
-  std::string line;
-  for (int i = 1; i < argc; ++i) line += (i > 1 ? " " : "") + std::string(argv[i]);
-  return line;
-}
 
 // 0 where stderr is no terminal.
 int TerminalColumns() {
@@ -103,11 +89,11 @@ int main(int argc, char** argv) {
   FLAGS_minloglevel = google::GLOG_FATAL;
   static clothid::RunFlags flags;
   flags.output = "clothid_result";
-  clothid::RegisterFlags(&flags);
+  clothid::VisitRunFlags(&flags, [](const char* name, auto* field) { clothid::RegisterFlag(name, __FILE__, field); });
   const auto run = [&](const std::vector<std::string>&) {
     if (FLAGS_v > 0) FLAGS_minloglevel = google::GLOG_INFO;
     google::InitGoogleLogging(argv[0]);
-    return clothid::Run(flags, clothid::CommandLine(argc, argv));
+    return clothid::Run(flags, clothid::JoinArguments(argc, argv));
   };
   clothid::Program program = {"identify", clothid::kHelp, clothid::kMoreHelp, {{"", {}, "", run}}};
   for (const char* list : {"target", "fit", "field", "each", "start", "lower", "upper", "prior", "profile", "landscape",

@@ -226,6 +226,12 @@ void ChangeSignals(int how) {
 
 }  // namespace
 
+std::string JoinArguments(int argc, char** argv) {
+  std::string line;
+  for (int i = 1; i < argc; ++i) line += (i > 1 ? " " : "") + std::string(argv[i]);
+  return line;
+}
+
 void RunCommandLine(const Program& program, int argc, char** argv) {
   CatchFileSizeLimit();
   EndProcess(FinishOutput(program.name, ReportErrors(program.name, [&] { return Answer(program, argc, argv); })));

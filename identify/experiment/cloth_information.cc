@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "identify/checks/step_error.h"
-#include "identify/experiment/expectation.h"
 #include "identify/experiment/information_sweep.h"
 #include "identify/experiment/recorded_cloth.h"
 #include "identify/fit/fit_summary.h"
@@ -231,6 +230,8 @@ ClothInformation InformCloth(const PlanOptions& options, const Candidate& candid
   }
   return information;
 }
+
+double StdBefore(const ParameterBlock& block) { return block.prior.is_given() ? block.PriorStd() : BelievedStd(block); }
 
 Uncertainty JudgeRows(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                       const Eigen::MatrixXd& rows, int num_measurements) {

@@ -35,6 +35,9 @@ struct ClothInformation {
 
 ClothInformation InformCloth(const PlanOptions& options, const Candidate& candidate, int cloth);
 
+// What was believed of a block before: the standard deviation of q.
+double StdBefore(const ParameterBlock& block);
+
 // As after a fit that ended at the truth, of rows as above.
 Uncertainty JudgeRows(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                       const Eigen::MatrixXd& rows, int num_measurements);

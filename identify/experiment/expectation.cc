@@ -23,8 +23,6 @@ ClothRows RowsOf(const ClothInformation& cloth, const Eigen::MatrixXd& rows) {
 
 double UnitOf(const ParameterBlock& block) { return block.scale == ParameterScale::kLog ? 1.0 : block.unit; }
 
-double StdBefore(const ParameterBlock& block) { return block.prior.is_given() ? block.PriorStd() : BelievedStd(block); }
-
 Eigen::VectorXd StdWithBelief(const ClothRows& cloth) {
   std::vector<int> free;
   for (int i = 0; i < static_cast<int>(cloth.blocks.size()); ++i) {

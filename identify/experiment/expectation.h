@@ -36,8 +36,6 @@ ClothRows RowsOf(const ClothInformation& cloth, const Eigen::MatrixXd& rows);
 Eigen::VectorXd StdWithBelief(const ClothRows& cloth);
 // What a change of q by 1 is, of the logarithm or of the value.
 double UnitOf(const ParameterBlock& block);
-// What was believed of a block before: the standard deviation of q.
-double StdBefore(const ParameterBlock& block);
 
 // Of recordings of the same kind, a cloth each, the nominal one first.
 class Expectation {

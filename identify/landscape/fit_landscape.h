@@ -9,7 +9,6 @@
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/landscape/landscape.h"
-#include "identify/landscape/scanned_fit.h"
 
 namespace clothid {
 

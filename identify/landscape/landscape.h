@@ -7,11 +7,13 @@
 #define CLOTHID_IDENTIFY_LANDSCAPE_LANDSCAPE_H_
 
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
+#include "datasets/observation/model_error.h"
 #include "sim/rollout/rollout.h"
 #include "sim/scene/scene.h"
 
@@ -84,6 +86,13 @@ struct LandscapeCell {
 struct Landscape {
   LandscapePlan plan;
   std::vector<LandscapeCell> cells;  // [plan.num_cells()]
+};
+
+// The fit whose cost was scanned (`landscape --result`). One recording of it. A scan of no fit
+// holds nothing and weighs all frames alike.
+struct ScannedFit {
+  std::map<std::string, double> held;  // estimates, "drag" that of "drag@2" in the second recording of the fit
+  ModelError model_error;              // that frames are weighed by (datasets/observation/model_error.h)
 };
 
 // The standard deviation by which the costs of a scan were weighed, and what they say of the error in metres.

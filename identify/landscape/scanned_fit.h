@@ -2,22 +2,16 @@
 #ifndef CLOTHID_IDENTIFY_LANDSCAPE_SCANNED_FIT_H_
 #define CLOTHID_IDENTIFY_LANDSCAPE_SCANNED_FIT_H_
 
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/observation/model_error.h"
 #include "identify/base/fitted_result.h"
+#include "identify/landscape/landscape.h"
 #include "sim/base/json_document.h"
 
 namespace clothid {
-
-// Of one recording. A scan of no fit holds nothing and weighs all frames alike.
-struct ScannedFit {
-  std::map<std::string, double> held;  // estimates, "drag" that of "drag@2" in the second recording of the fit
-  ModelError model_error;              // that frames are weighed by (datasets/observation/model_error.h)
-};
 
 // The part of `motion` in a fit. Throws `Error` (kUsage), naming --result, where it is none of its recordings, or was
 // read with another sigma or start.

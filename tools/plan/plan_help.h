@@ -28,8 +28,8 @@ inline constexpr char kHelp[] = R"(plan: tells before the laboratory which motio
                       believed of it (8)
   --seed S            of draws and markers (1)
   --threads N         cloths side by side; no result depends on it (1)
-  --output DIR        folder of plan.json, where on the cloth and when the
-                      information sits among it; empty: none
+  --output DIR        folder of plan.json and of plan.html, a page with the
+                      motions in the colours of what they tell; empty: none
   --help all          every flag, the names of parameters, exit codes
   --version
 
@@ -51,7 +51,7 @@ The recording:
   --handle_sigma S    standard deviation of a coordinate of the measured path of handles that move, m; 0: exact (0).
                       Handles that stand still are seen as the other nodes are, or not where there are markers
 
-It prints, for every candidate and every pair, the 95 % interval that a fit is expected to have, with its parts of noise
+It prints, for every candidate and the best pairs, the 95 % interval that a fit is expected to have, with its parts of noise
 and of the time step, what is not told and what could make up for it, and how much narrower intervals would be with
 twice the frame rate, half the noise, a gauge at the gripper, twice the markers, half as long again, a known start, half
 the time step, or another candidate as well. identify/experiment/experiment_plan.h has the keys of plan.json.

@@ -114,11 +114,10 @@ TEST_F(PlanPageTest, IsSmallWhateverTheMotions) {
   first.map.per_frame = Eigen::MatrixXd::Ones(kFrames, 1);
   first.motion.positions.resize(75, kFrames);
   for (float& coordinate : first.motion.positions.reshaped()) coordinate = uniform(generator);
+  first.improvements.clear();
   plan_.pairs.clear();
-  plan_.candidates.resize(9, first);
+  plan_.candidates.assign(9, CandidatePlan(first));
   options_.scene_paths.resize(9);
-  plan_.candidates[1] = first;
-  for (CandidatePlan& candidate : plan_.candidates) candidate.improvements.clear();
   const std::string html = PlanHtml(options_, plan_);
   EXPECT_LT(html.size(), kMaxReportBytes);
   EXPECT_GT(html.size(), kMaxReportBytes / 2);

@@ -41,6 +41,7 @@ std::set<std::string> DefinedFlags(const std::string& program) {
     flags.insert("result");
     return flags;
   }
+  if (program == "plan") return Find("(visit\\(\")(\\w+)", ReadBytes(root / "identify/experiment/plan_flags.h"));
   for (const auto& entry : std::filesystem::directory_iterator(root / "tools" / program)) {
     if (entry.path().extension() == ".cc") flags.merge(Find("(DEFINE_\\w+\\()(\\w+)", ReadBytes(entry.path())));
   }

@@ -56,6 +56,34 @@ class ProgramTest(unittest.TestCase):
             sigma=0.0015, loss="huber:2", jacobian="sensitivity", horizon="full", profile=["mu"],
             holdout_frames=(15, 18), initial="smoothed", check_gradients=True)
 
+    def test_repetitions_are_judged_the_same(self):
+        again = self.folder / "again.motion.bin"
+        run("simulate", "--scene", self.scene, "--set", "mu=0.2,k_stretch=90", "--noise", "0.001", "--output", again)
+        output = self.folder / "result"
+        run("identify", "--target", f"{self.file},{again}", "--repeat", "--fit", "mu,k_stretch", "--output", output)
+        told = json.loads((output / "result.json").read_text(encoding="utf-8"))["repetitions"]
+        motions = [clothid.Motion.load(file) for file in (self.file, again)]
+        found = clothid.identify(motions, fit=["mu", "k_stretch"], repeat=True).repetitions
+        self.assertEqual(found["parameters"], told["parameters"])
+        self.assertIsNone(clothid.identify(motions[0], fit="mu").repetitions)
+
+    def test_plans_are_the_same(self):
+        output = self.folder / "plan"
+        run("plan", "--scenes", self.scene, "--fit", "mu,k_stretch", "--sigma", "0.002", "--prior", "mu=0.2:0.1",
+            "--draws", "1", "--output", output)
+        told = json.loads((output / "plan.json").read_text(encoding="utf-8"))
+        plan = clothid.plan(self.scene, ["mu", "k_stretch"], sigma=0.002, prior={"mu": (0.2, 0.1)}, draws=1)
+        for data in (told, plan.data):
+            data.pop("provenance")
+        self.assertEqual(plan.data, told)
+        name, = plan.candidates
+        self.assertIn(name, str(plan))
+        lower, upper = plan.interval(name, "mu")
+        self.assertLess(lower, 0.3)
+        self.assertLess(0.3, upper)
+        plan.report(self.folder / "plan.html")
+        self.assertEqual((self.folder / "plan.html").read_bytes()[:15], b"<!DOCTYPE html>")
+
     def test_saved_files_are_those_of_the_program(self):
         output = self.folder / "result"
         run("identify", "--target", self.file, "--fit", "mu", "--output", output)

@@ -65,6 +65,7 @@ void BindMotion(py::module_* module);
 void BindSimulate(py::module_* module);
 void BindRollout(py::module_* module);
 void BindFit(py::module_* module);
+void BindPlan(py::module_* module);
 void BindLandscape(py::module_* module);
 void BindExport(py::module_* module);
 void BindView(py::module_* module);

@@ -2,7 +2,6 @@
 #include <pybind11/stl.h>
 
 #include <map>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -15,28 +14,11 @@
 #include "tools/python/bindings/arrays.h"
 #include "tools/python/bindings/bindings.h"
 #include "tools/python/bindings/errors.h"
+#include "tools/python/bindings/flags.h"
 #include "tools/python/bindings/long_call.h"
 
 namespace clothid {
 namespace {
-
-// Flags of `identify` by name; recordings are no texts here.
-RunFlags ToFlags(const py::dict& values) {
-  RunFlags flags;
-  std::size_t num_taken = 0;
-  VisitRunFlags(&flags, [&](const char* name, auto* field) {
-    if (!values.contains(name)) return;
-    const py::object given = values[name];
-    try {
-      *field = given.cast<std::remove_pointer_t<decltype(field)>>();
-    } catch (const py::cast_error&) {
-      FailArgument(name, "got " + py::repr(given).cast<std::string>() + ", which is of the wrong type or out of range");
-    }
-    ++num_taken;
-  });
-  if (num_taken < values.size()) throw std::logic_error("flags that identify does not have");
-  return flags;
-}
 
 std::vector<RecordedMotion> ReadAll(const std::vector<PyMotion>& motions, const ReadMotionOptions& reading) {
   std::vector<RecordedMotion> result;
@@ -111,7 +93,8 @@ using PyFit = RunResult;
 
 std::unique_ptr<PyFit> RunFit(const std::vector<PyMotion>& motions, const std::vector<PyMotion>& holdouts,
                               const py::dict& values, const std::string& command_line, const Callbacks& callbacks) {
-  RunOptions options = ParseRunFlags(ToFlags(values));
+  RunOptions options =
+      ParseRunFlags(ToFlags<RunFlags>(values, [](RunFlags* flags, const auto& visit) { VisitRunFlags(flags, visit); }));
   options.command_line = command_line;
   options.keep_recordings = true;
   std::vector<std::string> names;

@@ -17,6 +17,7 @@ PYBIND11_MODULE(_clothid, module) {
   clothid::BindSimulate(&module);
   clothid::BindRollout(&module);
   clothid::BindFit(&module);
+  clothid::BindPlan(&module);
   clothid::BindLandscape(&module);
   clothid::BindExport(&module);
   clothid::BindView(&module);

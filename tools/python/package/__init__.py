@@ -24,6 +24,7 @@ from clothid._clothid import (
 )
 from clothid._identify import Finding, Findings, RecordingWarning, check, identify
 from clothid._landscape import Landscape, landscape
+from clothid._plan import Plan, plan
 from clothid._result import Estimate, Result, Verdict
 from clothid._view import View
 
@@ -36,6 +37,7 @@ __all__ = [
     "InputError",
     "Landscape",
     "Motion",
+    "Plan",
     "RecordingWarning",
     "Result",
     "Rollout",
@@ -49,5 +51,6 @@ __all__ = [
     "export",
     "identify",
     "landscape",
+    "plan",
     "simulate",
 ]

@@ -139,6 +139,7 @@ def run_fit(
     on_iteration: Optional[Callable[[Dict[str, Any]], object]],
     on_step: Optional[Callable[[Dict[str, Any]], object]],
 ) -> Fit: ...
+def run_plan(flags: Dict[str, Any], command_line: str) -> Dict[str, str]: ...
 def run_landscape(
     motion: Motion,
     flags: Dict[str, str],

@@ -73,6 +73,10 @@ def _values(values: Mapping[str, float]) -> str:
     return ",".join(f"{name}={float(value)!r}" for name, value in values.items())
 
 
+def _priors(priors: Mapping[str, Tuple[float, float]]) -> str:
+    return ",".join(f"{name}={float(a)!r}:{float(b)!r}" for name, (a, b) in priors.items())
+
+
 def _paths(paths: Union[Path, Iterable[Path]]) -> str:
     several = [paths] if isinstance(paths, (str, os.PathLike)) else paths
     return ",".join(os.fspath(path) for path in several)
@@ -86,6 +90,7 @@ def identify(
     motions: Union[Motion, Sequence[Motion]],
     fit: Names = (),
     *,
+    repeat: bool = False,
     each: Names = (),
     field: Names = (),
     field_weight: float = 0.0,
@@ -129,7 +134,9 @@ def identify(
     motions: a Motion or several. fit, each, profile: names of parameters ("mu", "k_stretch", ..); fit=() fits mu and
     k_stretch. start, lower, upper: {name: value}. prior: {name: (median, factor)} or, of mu and signed parameters,
     {name: (mean, standard deviation)}. sigma, time_step: a text of the program, or a number in m or s.
-    holdout_frames: (first, end). export: simulators for which `output` gets files, see `Result.export`. output: a folder for the files that the program writes; "": none are written.
+    repeat: the motions are repetitions of one experiment, see `Result.repetitions`. holdout_frames: (first, end).
+    export: simulators for which `output` gets files, see `Result.export`. output: a folder for the files that the
+    program writes; "": none are written.
 
     on_iteration is called with {"iteration", "seconds", "cost", "parameters", "gradient_norm", "rollouts"} after every
     iteration, on_step with {"evaluation", "recording", "step", "num_steps", "seconds", "seconds_left"} after every
@@ -141,6 +148,7 @@ def identify(
     reached. Warnings of the check are `RecordingWarning`s. Read `result.verdict` first.
     """
     flags: Dict[str, Any] = {
+        "repeat": repeat,
         "fit": _names(fit),
         "each": _names(each),
         "field": _names(field),
@@ -150,7 +158,7 @@ def identify(
         "start": _values(start or {}),
         "lower": _values(lower or {}),
         "upper": _values(upper or {}),
-        "prior": ",".join(f"{name}={float(a)!r}:{float(b)!r}" for name, (a, b) in (prior or {}).items()),
+        "prior": _priors(prior or {}),
         "scene": os.fspath(scene),
         "fabric": fabric,
         "sigma": sigma if isinstance(sigma, str) else repr(float(sigma)),

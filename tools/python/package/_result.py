@@ -115,6 +115,12 @@ class Result:
         return np.asarray(np.array(rows) * std[:, None] * std[None, :], dtype=np.float64)
 
     @property
+    def repetitions(self) -> Optional[Dict[str, Any]]:
+        """With `repeat`, of result.json: every recording's own fit, and what they tell together; else None."""
+        found: Optional[Dict[str, Any]] = self.data.get("repetitions")
+        return found
+
+    @property
     def status(self) -> str:
         """converged, not_converged or interrupted."""
         return str(self.data["status"])
