@@ -102,10 +102,16 @@ ExpectedParameter Expectation::Parameter(int block) const {
   return expected;
 }
 
+bool Expectation::IsLostToStep(int block) const {
+  const ParameterBlock& own = nominal_.blocks[block];
+  return step_errors_[block] > kHardlyTold * BelievedStd(own);
+}
+
 std::string Expectation::WhyNotTold(int block) const {
   const ParameterUncertainty& nominal = judged_.front().parameters[block];
   if (nominal_.blocks[block].frozen) return "the scene freezes it";
   if (is_rough(block)) return "its cost is rough: 1 % away it has risen by less than a tenth of what its slope says";
+  if (told_share(block) > 0.5 && IsLostToStep(block)) return "the error of the time step leaves nothing of it";
   if (nominal.at_bound) return "it stands at its bound";
   if (!nominal.visible) return "between its bounds it moves unseen";
   if (nominal.identifiable) return "told of the nominal cloth, but not of most others";

@@ -48,7 +48,7 @@ class Expectation {
   // Root mean square over the cloths that tell it, as ExpectedParameter::std; NaN where none does.
   double Std(int block) const;
   double told_share(int block) const;
-  bool is_told(int block) const { return told_share(block) > 0.5 && !is_rough(block); }
+  bool is_told(int block) const { return told_share(block) > 0.5 && !is_rough(block) && !IsLostToStep(block); }
   // [p] standard deviations with belief and `step_share` of the step's error: root mean squares over all cloths.
   Eigen::VectorXd Widths(double step_share) const;
   const std::vector<ParameterBlock>& blocks() const { return nominal_.blocks; }
@@ -58,6 +58,8 @@ class Expectation {
   bool is_rough(int block) const {
     return std::find(nominal_.rough.begin(), nominal_.rough.end(), block) != nominal_.rough.end();
   }
+  // Whether the error of the step leaves it hardly told, as a fit says it (identify/uncertainty/uncertainty.h).
+  bool IsLostToStep(int block) const;
   std::string WhyNotTold(int block) const;
   std::string MadeUpBy(int block) const;
 

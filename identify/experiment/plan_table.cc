@@ -89,8 +89,13 @@ bool Helps(const Improvement& improvement) {
 }
 
 void AddImprovements(const Plan& plan, const CandidatePlan& candidate, std::ostringstream* text) {
+  const bool any = std::any_of(
+      candidate.improvements.begin(), candidate.improvements.end(),
+      [](const auto& improvement) { return improvement.kind != ImprovementKind::kHalfStep && Helps(improvement); });
   const std::string& worst = plan.parameters[static_cast<std::size_t>(candidate.worst_told)];
-  *text << "  what would help " << worst << ", told the least, and the others: so many times as wide, by noise, are\n";
+  if (any)
+    *text << "  what would help " << worst
+          << ", told the least, and the others: so many times as wide, by noise, are\n";
   int num_partners = 0;
   for (const Improvement& improvement : candidate.improvements) {
     if (improvement.kind == ImprovementKind::kHalfStep || !Helps(improvement)) continue;

@@ -75,17 +75,20 @@ UnknownsPosterior PosteriorOf(const FitProblem& problem, const BasisLinearizatio
   return posterior;
 }
 
-// What the squares of the residuals of the first frame have beyond those of noise.
+// What the squares of the residuals of the first frame have beyond those of noise, and beyond what chance adds to their
+// sum, three of its standard deviations.
 double FirstFrameError(const Observation& observation, const Eigen::MatrixXd& predicted,
                        const Eigen::MatrixXd& forces) {
   const Eigen::Index count = observation.first_row(1) - observation.first_row(0);
   if (!observation.sigma_is_known() || count == 0) return 0.0;
   const Eigen::VectorXd residuals = observation.Residuals(predicted, forces).segment(observation.first_row(0), count);
-  double squares = 0.0;
+  double squares = 0.0, variance = 0.0;
   for (Eigen::Index i = 0; i < count; ++i) {
-    squares += (std::pow(residuals[i], 2) - 1.0) * std::pow(observation.SigmaOf(static_cast<int>(i)), 2);
+    const double squared_sigma = std::pow(observation.SigmaOf(static_cast<int>(i)), 2);
+    squares += (std::pow(residuals[i], 2) - 1.0) * squared_sigma;
+    variance += 2.0 * std::pow(squared_sigma, 2);
   }
-  return std::sqrt(std::max(squares, 0.0) / static_cast<double>(count));
+  return std::sqrt(std::max(squares - 3.0 * std::sqrt(variance), 0.0) / static_cast<double>(count));
 }
 
 void FillStarts(const FitProblem& problem, const UnknownsPosterior& posterior, FitSummary* summary) {
