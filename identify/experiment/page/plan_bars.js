@@ -15,7 +15,7 @@ function deviation(name, scale, std) {
   return std < 1 ? `± ${number(100 * std, 2)} %` : `by a factor of ${number(Math.exp(Math.min(std, 700)), 2)}`;
 }
 
-function partsText(name, {scale, std_q: noise, step_error_q: step, told_share: share}, cloths) {
+function partsText(name, {scale, std: noise, step_error: step, told_share: share}, cloths) {
   const words = [`noise ${deviation(name, scale, noise)}`];
   if (step !== null) words.push(`step ${deviation(name, scale, step)}`);
   if (share < 1) words.push(`told in ${Math.round(share * cloths)} of ${cloths} cloths`);

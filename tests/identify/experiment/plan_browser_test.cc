@@ -58,6 +58,7 @@ TEST_F(PlanBrowserTest, SaysWhatIsToldAndFitsEveryWindow) {
   EXPECT_EQ(browser().Evaluate("document.querySelectorAll('.parameter').length"), 2);
   EXPECT_GT(browser().Evaluate("document.querySelectorAll('.track.untold').length").get<int>(), 0);
   EXPECT_NE(Text("intervals").get<std::string>().find("not told: "), std::string::npos);
+  EXPECT_NE(Text("intervals").get<std::string>().find("noise \u00b1 "), std::string::npos);
   for (const int width : {400, 700, 1000, 1400}) {
     browser().Resize(width, 900);
     EXPECT_EQ(browser().WhatStandsOut(), "") << width;
