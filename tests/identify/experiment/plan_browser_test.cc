@@ -22,6 +22,7 @@ class PlanBrowserTest : public PageBrowserTest {
     WriteBytes(folder() / "<img src=x onerror=alert(1)>.json", kSwing);
     WriteBytes(folder() / "fall.json", kFall);
     ASSERT_EQ(Run("plan --scenes '<img src=x onerror=alert(1)>.json,fall.json' --fit k_stretch,density --sigma 0.002 "
+                  "--prior density=0.15:1.05 "
                   "--draws 0 --initial scene --forces=false --output out")
                   .exit_code,
               0);
