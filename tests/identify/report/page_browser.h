@@ -41,6 +41,14 @@ class PageBrowserTest : public ToolTest {
     int colours = 0;
     std::string picture;
   };
+
+  // Charts follow the width of the window a moment later.
+  void WaitForCharts() {
+    browser_->WaitUntil(
+        "[...document.querySelectorAll('.js-plotly-plot')].every(p => Math.abs(p._fullLayout.width - p.clientWidth) < "
+        "1)");
+  }
+
   Look LookAt(const std::string& id) {
     browser_->WaitForFrames();
     Look look;

@@ -135,6 +135,7 @@ TEST_F(RepetitionBrowserTest, AFitHasItsJointEstimateBesideThem) {
   EXPECT_TRUE(browser().Evaluate("!!(part('repetitions').compareDocumentPosition(part('per-frame')) & 4)"));
   for (const int width : {400, 1400}) {
     browser().Resize(width, 900);
+    WaitForCharts();
     EXPECT_EQ(browser().WhatStandsOut(), "") << width;
   }
   ExpectPeace();

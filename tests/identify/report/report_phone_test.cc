@@ -22,10 +22,7 @@ TEST_F(ReportPhoneTest, FitsEveryWindow) {
   browser().Open(page, "state.replay && document.querySelector('#landscape-0 .contour path')");
   for (const int width : {400, 700, 1000, 1400}) {
     browser().Resize(width, 900);
-    // Charts follow a moment later.
-    browser().WaitUntil(
-        "[...document.querySelectorAll('.js-plotly-plot')].every(p => Math.abs(p._fullLayout.width - p.clientWidth) < "
-        "1)");
+    WaitForCharts();
     EXPECT_EQ(browser().WhatStandsOut(), "") << width;
     const std::string plots = "[...document.querySelectorAll('.plot .main-svg')].map(svg => svg.parentNode.parentNode)";
     EXPECT_EQ(browser().Evaluate(plots + ".filter(p => p.clientWidth > p.closest('.card').clientWidth).length"), 0);
