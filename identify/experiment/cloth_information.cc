@@ -125,11 +125,15 @@ std::vector<ModelError> ErrorsOfStep(const RecordedCloth& cloth, const FitOption
 // that the step makes in them, less sure than `of_noise` says.
 class StepEffects {
  public:
-  StepEffects(const PlanOptions& options, const RecordedCloth& cloth, const FitOptions& fit, int num_measurements)
-      : cloth_(cloth), fit_(fit), problem_({cloth.planned}, fit), truth_(problem_.StartCoordinates()) {
+  // `of_noise`: what the recording tells where all frames count the same.
+  StepEffects(const RecordedCloth& cloth, const FitOptions& fit, const Marginal& of_noise, int num_measurements)
+      : cloth_(cloth),
+        fit_(fit),
+        problem_({cloth.planned}, fit),
+        truth_(problem_.StartCoordinates()),
+        marginal_(of_noise) {
     problem_.SetModelErrors(ErrorsOfStep(cloth, fit, problem_));
-    const InformationSweep sweep = SweepCloth(cloth, problem_, fit.cancel);
-    marginal_ = Elimination(sweep, problem_).Eliminate(PlannedParts(options));
+    if (problem_.has_model_error()) Linearize();
     const Eigen::MatrixXd& rows = marginal_.parameters.jacobian;
     weighed_ = JudgeRows(problem_.blocks(), truth_.head(rows.cols()), rows, num_measurements);
   }
@@ -165,6 +169,16 @@ class StepEffects {
   }
 
  private:
+  void Linearize() {
+    FitEvaluator evaluator(&problem_, fit_.num_threads, EvaluationPurpose::kInterval);
+    const int num_start = problem_.num_start_unknowns();
+    Linearization weighed;
+    if (!evaluator.Linearize(truth_, Eigen::MatrixXd::Identity(num_start, num_start), &weighed)) {
+      throw std::runtime_error(evaluator.last_failure());
+    }
+    marginal_ = Marginalize(std::move(weighed), problem_.num_blocks());
+  }
+
   const RecordedCloth& cloth_;
   const FitOptions& fit_;
   FitProblem problem_;  // with the error of the step for that of the model
@@ -202,7 +216,7 @@ void Inform(const PlanOptions& options, const Candidate& candidate, RecordedClot
   if (!is_nominal) return;
   const Uncertainty uncertainty =
       JudgeRows(information->blocks, information->coordinates, information->planned, information->num_measurements);
-  const StepEffects effects(options, cloth, fit, information->num_measurements);
+  const StepEffects effects(cloth, fit, marginal, information->num_measurements);
   information->rough = effects.FindRough();
   information->step_errors = effects.FindErrors(uncertainty);
   information->map =

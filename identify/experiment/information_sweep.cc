@@ -8,21 +8,11 @@
 namespace clothid {
 namespace {
 
-std::vector<int> FreeBlocks(const FitProblem& problem) { return problem.free_blocks(); }
-
-// Sweeps `model` along `columns`, telling of every frame, with rows that count by what `problem` says of the model.
+// Sweeps `model` along `columns`, telling of every frame.
 void Sweep(const FitProblem& problem, const SweepColumns& columns, const std::atomic<bool>* cancel,
            RecordingModel* model, const RecordingModel::FrameVisitor& visitor) {
-  model->SetModelError(problem.model_errors().front());
-  const Observation& observation = model->observation();
-  const auto weigh = [&](int frame, const Eigen::VectorXd& points, const Eigen::VectorXd& residuals,
-                         const Eigen::MatrixXd& jacobian) {
-    if (observation.error_weights().size() == 0) return visitor(frame, points, residuals, jacobian);
-    const auto weights = observation.error_weights().segment(observation.first_row(frame), jacobian.rows());
-    visitor(frame, points, residuals, weights.asDiagonal() * jacobian);
-  };
   const SensitivityResult result =
-      model->PushForward(problem.StartCoordinates(), columns, weigh, {Precision::kFull, cancel});
+      model->PushForward(problem.StartCoordinates(), columns, visitor, {Precision::kFull, cancel});
   if (result.failure) throw std::runtime_error(result.failure->ToString());
 }
 
@@ -50,12 +40,10 @@ class PartCollector {
       return;  // between frames that the plan does not have
     }
     const RowPart own = is_between ? RowPart::kBetween : is_later ? RowPart::kLater : RowPart::kPlanned;
-    if (own == RowPart::kPlanned) num_planned_ += static_cast<int>(num_own);
     Add(own, jacobian.topRows(num_own));
     if (own == RowPart::kPlanned) Add(RowPart::kFurther, jacobian.bottomRows(jacobian.rows() - num_own));
   }
 
-  int num_planned() const { return num_planned_; }
   const Eigen::MatrixXd& Factor(int part) { return collected_[static_cast<std::size_t>(part)].Factor(); }
 
  private:
@@ -67,13 +55,12 @@ class PartCollector {
   const RecordedCloth& cloth_;
   const Observation& observation_;
   std::vector<CompressedJacobian> collected_;
-  int num_planned_ = 0;
 };
 
 }  // namespace
 
 InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& problem, const std::atomic<bool>* cancel) {
-  const std::vector<int> free = FreeBlocks(problem);
+  const std::vector<int> free = problem.free_blocks();
   const int num_free = static_cast<int>(free.size()), num_blocks = problem.num_blocks();
   const int num_start = problem.num_start_unknowns();
   RecordingModel model(cloth.all, problem.blocks(), {}, problem.cost(0).model().shared_start());
@@ -93,7 +80,6 @@ InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& proble
     rows(Eigen::all, free) = factor.leftCols(num_free);
     rows.rightCols(num_start) = factor.middleCols(num_free, num_start);
   }
-  sweep.num_planned = collector.num_planned();
   sweep.has_forces = !cloth.all.forces.is_empty();
   sweep.has_further = cloth.all.num_points() > cloth.planned.num_points();
   return sweep;
@@ -101,7 +87,7 @@ InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& proble
 
 InformationMap MapInformation(const RecordedCloth& cloth, const FitProblem& problem, const Eigen::MatrixXd& follow,
                               const Eigen::MatrixXd& influence, const std::atomic<bool>* cancel) {
-  const std::vector<int> free = FreeBlocks(problem);
+  const std::vector<int> free = problem.free_blocks();
   const auto num_free = static_cast<Eigen::Index>(free.size());
   RecordingModel model(cloth.planned, problem.blocks(), {}, problem.cost(0).model().shared_start());
   SweepColumns columns{free, {}};

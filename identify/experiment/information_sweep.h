@@ -27,13 +27,12 @@ inline constexpr int kNumRowParts = 6;
 struct InformationSweep {
   // Rows [r x (p + n)] with the J^T J of each part: of the p blocks, then of the n unknowns of the start.
   std::array<Eigen::MatrixXd, kNumRowParts> parts;
-  int num_planned = 0;  // rows of kPlanned
   bool has_forces = false, has_further = false;
 
   const Eigen::MatrixXd& part(RowPart which) const { return parts[static_cast<std::size_t>(which)]; }
 };
 
-// At the truth, where `problem` of `cloth.planned` starts; rows count by its model error, if it has one. Throws
+// At the truth, where `problem` of `cloth.planned` starts. Throws
 // std::runtime_error where the sweep fails.
 InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& problem, const std::atomic<bool>* cancel);
 

@@ -88,8 +88,8 @@ struct Landscape {
   std::vector<LandscapeCell> cells;  // [plan.num_cells()]
 };
 
-// The fit whose cost was scanned (`landscape --result`). One recording of it. A scan of no fit
-// holds nothing and weighs all frames alike.
+// One recording of the fit whose cost was scanned (`landscape --result`). A scan of no fit holds nothing and weighs all
+// frames alike.
 struct ScannedFit {
   std::map<std::string, double> held;  // estimates, "drag" that of "drag@2" in the second recording of the fit
   ModelError model_error;              // that frames are weighed by (datasets/observation/model_error.h)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/experiment/expectation.h"
 #include "identify/fit/fit.h"
 #include "tests/expect_error.h"
 #include "tests/identify/sensitivity_fit.h"
@@ -230,6 +231,33 @@ TEST_F(ExperimentPlanTest, IsTheSameOnAnyNumberOfThreads) {
   const std::string table = PlanTable(plan);
   EXPECT_NE(table.find("scene1: failed: "), std::string::npos) << table;
   EXPECT_NE(table.find("scene0 and scene2:\n"), std::string::npos) << table;
+}
+
+// By noise alone either cloth tells the stiffness within 1 %.
+TEST_F(ExperimentPlanTest, ToldIsNeitherWhatTheStepTakesNorADent) {
+  ParameterBlock block;
+  block.name = "k_stretch";
+  block.scale = ParameterScale::kLog;
+  block.start = 100.0;
+  block.lower_bound = 1.0;
+  block.upper_bound = 1e4;
+  ClothRows cloth;
+  cloth.blocks = {block};
+  cloth.coordinates = Eigen::VectorXd::Constant(1, block.ToCoordinate(block.start));
+  cloth.rows = Eigen::MatrixXd::Constant(1, 1, 100.0);
+  cloth.num_measurements = 1000;
+  const double most = BelievedStd(block) / 3.0;
+  const auto expected = [&](double step) {
+    return Expectation({cloth}, Eigen::VectorXd::Constant(1, step)).Parameter(0);
+  };
+  EXPECT_TRUE(expected(0.99 * most).is_told);
+  EXPECT_NEAR(std::log(expected(0.1).upper95 / 100.0), 1.96 * std::hypot(0.01, 0.1), 1e-3);
+  EXPECT_FALSE(expected(1.01 * most).is_told);
+  EXPECT_EQ(expected(1.01 * most).not_told, "the error of the time step leaves nothing of it");
+  cloth.rough = {0};
+  EXPECT_FALSE(expected(0.0).is_told);
+  EXPECT_EQ(expected(0.0).not_told.rfind("its cost is rough", 0), 0u);
+  EXPECT_EQ(expected(0.0).share_of_belief, 1.0);
 }
 
 TEST_F(ExperimentPlanTest, RefusesWhatItCannotPlan) {

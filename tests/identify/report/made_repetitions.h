@@ -10,21 +10,11 @@
 #include "identify/repetition/repetitions.h"
 #include "identify/report/repetition_report.h"
 #include "identify/verdict/verdict.h"
+#include "tests/identify/repetition/single_fits.h"
 
 namespace clothid {
 
 inline constexpr char kHostileRecording[] = "</script><img src=x onerror=document.title=1>.bin";
-
-inline SingleEstimate MadeEstimate(const std::string& name, ParameterScale scale, double value, double std) {
-  SingleEstimate estimate;
-  estimate.name = name;
-  estimate.scale = scale;
-  estimate.value = value;
-  estimate.std = std;
-  estimate.lower95 = value - 1.96 * std;
-  estimate.upper95 = value + 1.96 * std;
-  return estimate;
-}
 
 // k_stretch of five recordings, of which e.bin does not fit the others; one that is not used; mu, which d.bin and e.bin
 // do not tell and c.bin does not have; k_bend, which one recording tells.
@@ -35,15 +25,15 @@ inline Repetitions MadeRepetitions() {
   std::vector<SingleFit> fits(names.size());
   for (std::size_t r = 0; r < fits.size(); ++r) {
     fits[r].name = names[r];
-    fits[r].estimates = {MadeEstimate("k_stretch", ParameterScale::kLog, stiffnesses[r], stds[r])};
+    fits[r].estimates = {Estimate("k_stretch", ParameterScale::kLog, stiffnesses[r], stds[r])};
     if (r != 2) {
       const bool is_told = r == 0 || r == 5;
       fits[r].estimates.push_back(
-          MadeEstimate("mu", ParameterScale::kLinear, 0.3 + 0.01 * static_cast<double>(r), is_told ? 0.02 : nan));
+          Estimate("mu", ParameterScale::kLinear, 0.3 + 0.01 * static_cast<double>(r), is_told ? 0.02 : nan));
     }
-    fits[r].estimates.push_back(MadeEstimate("k_bend", ParameterScale::kLog, 1e-3, r == 0 ? 1e-4 : nan));
+    fits[r].estimates.push_back(Estimate("k_bend", ParameterScale::kLog, 1e-3, r == 0 ? 1e-4 : nan));
   }
-  fits[1].estimates[1] = MadeEstimate("mu", ParameterScale::kLinear, 0.31, 0.03);
+  fits[1].estimates[1] = Estimate("mu", ParameterScale::kLinear, 0.31, 0.03);
   fits[5].why_not_used = "do not use: the fit has not converged";
   return Pool(fits, {"k_stretch", "mu", "k_bend"});
 }
