@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "costs/prediction/alignment.h"
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {

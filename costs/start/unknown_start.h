@@ -29,7 +29,7 @@
 #include "datasets/motion/recorded_motion.h"
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 
 namespace clothid {
 

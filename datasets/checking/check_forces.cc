@@ -4,7 +4,7 @@
 
 #include "datasets/checking/check_handles.h"
 #include "datasets/checking/finding_words.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "datasets/formats/point_tracks.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

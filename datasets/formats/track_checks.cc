@@ -7,7 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {

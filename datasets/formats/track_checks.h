@@ -13,7 +13,7 @@ namespace clothid {
 // The most that the positions of a file may take in memory: what a motion.bin may hold.
 inline constexpr std::uint64_t kMaxTrackBytes = std::uint64_t{1} << 32;
 
-// Throws `Error` (kBadData), prefixed by `source`, unless there are 1 to kMaxNodes (sim/scene/mesh.h) points, 1 to
+// Throws `Error` (kBadData), prefixed by `source`, unless there are 1 to kMaxNodes (sim/mesh/mesh.h) points, 1 to
 // kMaxFrames frames, and the positions fit into kMaxTrackBytes: to be asked before they are allocated.
 void CheckTrackSize(const std::string& source, std::uint64_t num_points, std::uint64_t num_frames);
 

@@ -22,7 +22,7 @@
 #include "datasets/formats/vtp_file.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/obj_file.h"
+#include "sim/mesh/obj_file.h"
 
 namespace clothid {
 namespace {

@@ -13,7 +13,7 @@
 #include "datasets/formats/track_checks.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {

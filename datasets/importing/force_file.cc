@@ -7,8 +7,8 @@
 #include "sim/base/error.h"
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/handle_csv.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
+#include "sim/path/handle_csv.h"
 
 namespace clothid {
 namespace {

@@ -8,8 +8,8 @@
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/handle_csv.h"
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_csv.h"
+#include "sim/path/handle_path.h"
 
 namespace clothid {
 namespace {

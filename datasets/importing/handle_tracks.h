@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "datasets/motion/motion_file.h"
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -25,7 +25,7 @@ void SetHandlePaths(const Handles& handles, MotionTensors* motion);
 // needed between the first and the last frame is left out.
 void KeepHandlePaths(const Handles& handles, MotionTensors* motion);
 
-// A file of handle paths: `time,x0,y0,z0,..` (sim/scene/handle_csv.h), or ROS poses of a tool that holds the nodes
+// A file of handle paths: `time,x0,y0,z0,..` (sim/path/handle_csv.h), or ROS poses of a tool that holds the nodes
 // (datasets/formats/ros_csv.h). In m and s.
 struct HandleFile {
   std::string path;

@@ -13,7 +13,7 @@
 #include "datasets/importing/surface_points.h"
 #include "datasets/importing/track_edit.h"
 #include "datasets/motion/motion_file.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "datasets/formats/point_tracks.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

@@ -6,7 +6,7 @@
 
 #include "datasets/motion/noise_estimate.h"
 #include "sim/base/median.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/motion/force_readings.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

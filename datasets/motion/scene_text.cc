@@ -6,7 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
-#include "sim/scene/triangulated_surface.h"
+#include "sim/obstacle/triangulated_surface.h"
 
 namespace clothid {
 namespace {

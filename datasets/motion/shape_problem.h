@@ -9,7 +9,7 @@
 #include "datasets/motion/recorded_motion.h"
 #include "sim/cloth/cloth_model.h"
 #include "sim/matrix/cholesky.h"
-#include "sim/scene/obstacle.h"
+#include "sim/obstacle/obstacle.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {

@@ -9,8 +9,8 @@
 
 #include "datasets/motion/motion_validation.h"
 #include "sim/base/error.h"
+#include "sim/mesh/mesh.h"
 #include "sim/rollout/handle_forces.h"
-#include "sim/scene/mesh.h"
 
 namespace clothid {
 namespace {

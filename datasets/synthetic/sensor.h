@@ -15,7 +15,7 @@
 
 #include "datasets/formats/point_tracks.h"
 #include "datasets/synthetic/force_sensor.h"
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 
 namespace clothid {
 

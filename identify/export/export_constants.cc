@@ -8,7 +8,7 @@
 #include <map>
 
 #include "sim/cloth/bending_energy.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "identify/export/simulator_exports.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/mesh.h"
-#include "sim/scene/obstacle.h"
+#include "sim/mesh/mesh.h"
+#include "sim/obstacle/obstacle.h"
 
 namespace clothid {
 namespace {

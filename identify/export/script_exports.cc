@@ -4,7 +4,7 @@
 
 #include "identify/export/simulator_exports.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {

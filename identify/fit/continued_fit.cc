@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "identify/problem/model_errors.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/fit/fitted_field.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

@@ -9,7 +9,7 @@
 
 #include "identify/report/packed_array.h"
 #include "identify/report/page_template.h"
-#include "sim/scene/triangulated_surface.h"
+#include "sim/obstacle/triangulated_surface.h"
 
 namespace clothid {
 namespace {

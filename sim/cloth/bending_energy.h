@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "sim/matrix/block_matrix.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

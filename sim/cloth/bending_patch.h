@@ -35,7 +35,7 @@
 
 #include "sim/cloth/bending_energy.h"
 #include "sim/cloth/rest_curvature.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {

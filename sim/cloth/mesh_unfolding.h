@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

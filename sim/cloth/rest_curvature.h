@@ -25,7 +25,7 @@
 
 #include "sim/cloth/triangle_element.h"
 #include "sim/matrix/block_matrix.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

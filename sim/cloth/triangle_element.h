@@ -15,7 +15,7 @@
 
 #include "sim/base/vector_clones.h"
 #include "sim/matrix/block_matrix.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

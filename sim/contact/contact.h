@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/contact/contact_law.h"
-#include "sim/scene/obstacle.h"
+#include "sim/obstacle/obstacle.h"
 
 namespace clothid {
 

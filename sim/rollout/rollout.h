@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "sim/path/handle_path.h"
 #include "sim/rollout/step_record.h"
-#include "sim/scene/handle_path.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/step_counts.h"
 

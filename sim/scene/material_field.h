@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 #include "sim/scene/parameters.h"
 
 namespace clothid {

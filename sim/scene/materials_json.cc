@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/fabric/fabric.h"
-#include "sim/scene/mesh_json.h"
+#include "sim/mesh/mesh_json.h"
 
 namespace clothid {
 namespace {

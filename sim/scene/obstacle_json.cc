@@ -8,10 +8,10 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/mesh.h"
-#include "sim/scene/obj_file.h"
-#include "sim/scene/obstacle.h"
-#include "sim/scene/triangulated_surface.h"
+#include "sim/mesh/mesh.h"
+#include "sim/mesh/obj_file.h"
+#include "sim/obstacle/obstacle.h"
+#include "sim/obstacle/triangulated_surface.h"
 
 namespace clothid {
 namespace {

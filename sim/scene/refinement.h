@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "sim/air/wind.h"
-#include "sim/scene/handle_path.h"
+#include "sim/mesh/mesh.h"
+#include "sim/obstacle/obstacle.h"
+#include "sim/path/handle_path.h"
 #include "sim/scene/material_field.h"
-#include "sim/scene/mesh.h"
-#include "sim/scene/obstacle.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/warp.h"
 

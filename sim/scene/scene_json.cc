@@ -11,9 +11,9 @@
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/handle_csv.h"
+#include "sim/mesh/mesh_json.h"
+#include "sim/path/handle_csv.h"
 #include "sim/scene/materials_json.h"
-#include "sim/scene/mesh_json.h"
 #include "sim/scene/obstacle_json.h"
 
 namespace clothid {

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

@@ -16,10 +16,10 @@
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/observation/observation.h"
+#include "sim/mesh/mesh.h"
+#include "sim/obstacle/obstacle.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
-#include "sim/scene/mesh.h"
-#include "sim/scene/obstacle.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {

@@ -1,5 +1,5 @@
 // Paths of handles as CSV. The first byte chooses the number of handles.
-#include "sim/scene/handle_csv.h"
+#include "sim/path/handle_csv.h"
 #include "tests/fuzz/fuzz_target.h"
 
 int clothid::FuzzHandleCsv(const std::uint8_t* data, std::size_t size) {

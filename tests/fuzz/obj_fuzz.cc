@@ -1,9 +1,9 @@
 // OBJ: as the cloth, and as an obstacle.
 #include <cmath>
 
-#include "sim/scene/mesh.h"
-#include "sim/scene/obj_file.h"
-#include "sim/scene/triangulated_surface.h"
+#include "sim/mesh/mesh.h"
+#include "sim/mesh/obj_file.h"
+#include "sim/obstacle/triangulated_surface.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace clothid {

@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "sim/mesh/mesh.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
-#include "sim/scene/mesh.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {

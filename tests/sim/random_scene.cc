@@ -4,7 +4,7 @@
 #include <limits>
 #include <sstream>
 
-#include "sim/scene/triangulated_surface.h"
+#include "sim/obstacle/triangulated_surface.h"
 #include "tests/sim/random_numbers.h"
 
 namespace clothid {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene/obstacle.h"
+#include "sim/obstacle/obstacle.h"
 #include "sim/scene/scene.h"
 #include "tests/sim/scene/triangle_meshes.h"
 

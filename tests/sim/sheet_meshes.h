@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

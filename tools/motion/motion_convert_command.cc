@@ -18,7 +18,7 @@
 #include "datasets/synthetic/synthetic.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/obj_file.h"
+#include "sim/mesh/obj_file.h"
 #include "sim/scene/scene_json.h"
 #include "tools/motion/force_flags.h"
 #include "tools/motion/motion_commands.h"

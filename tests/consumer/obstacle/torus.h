@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/scene/obstacle.h"
+#include "sim/obstacle/obstacle.h"
 
 //! [torus]
 // All points within `tube_radius` of a horizontal circle. With rho the distance to the axis, e_rho away from it, e_phi

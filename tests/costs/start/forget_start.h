@@ -9,7 +9,7 @@
 #include "datasets/motion/handle_measurements.h"
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/motion/start_state.h"
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 
 namespace clothid {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "sim/cloth/triangle_element.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid::smooth_modes_test {
 namespace {

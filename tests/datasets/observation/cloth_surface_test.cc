@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid::cloth_surface_test {
 namespace {

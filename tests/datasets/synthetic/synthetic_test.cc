@@ -12,9 +12,9 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/obstacle/triangulated_surface.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/scene_json.h"
-#include "sim/scene/triangulated_surface.h"
 #include "tests/expect_error.h"
 #include "tests/sim/scene/triangle_meshes.h"
 #include "tests/temporary_folder.h"

@@ -6,12 +6,12 @@
 #include <map>
 
 #include "datasets/motion/motion_file.h"
+#include "identify/checks/discretization_check.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/holdout.h"
 #include "identify/checks/multi_start.h"
-#include "identify/checks/discretization_check.h"
 #include "identify/fit/fit.h"
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/expect_error.h"
 

@@ -15,7 +15,7 @@
 #include "identify/report/report_replay.h"
 #include "identify/report/result_json.h"
 #include "identify/report/vendor/plotly.h"
-#include "sim/scene/triangulated_surface.h"
+#include "sim/obstacle/triangulated_surface.h"
 #include "tests/costs/synthetic_clouds.h"
 #include "tests/costs/synthetic_motion.h"
 #include "tests/identify/report/packed_page.h"

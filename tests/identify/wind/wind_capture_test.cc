@@ -15,7 +15,7 @@
 
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/obj_file.h"
+#include "sim/mesh/obj_file.h"
 #include "tests/tools/tool_test.h"
 
 namespace clothid::wind_capture_test {

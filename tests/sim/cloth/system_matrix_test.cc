@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "sim/cloth/cloth_model.h"
-#include "sim/scene/obstacle.h"
+#include "sim/obstacle/obstacle.h"
 #include "sim/step/step_problem.h"
 #include "tests/sim/plain_scenes.h"
 

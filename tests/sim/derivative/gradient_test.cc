@@ -13,8 +13,8 @@
 
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
+#include "sim/obstacle/triangulated_surface.h"
 #include "sim/rollout/simulator.h"
-#include "sim/scene/triangulated_surface.h"
 #include "tests/sim/curved_rest.h"
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/scene/triangle_meshes.h"

@@ -10,8 +10,8 @@
 
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
+#include "sim/mesh/mesh.h"
 #include "sim/rollout/simulator.h"
-#include "sim/scene/mesh.h"
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/property_seeds.h"
 #include "tests/sim/random_numbers.h"

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/mesh/mesh.h"
+#include "sim/obstacle/obstacle.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
-#include "sim/scene/mesh.h"
-#include "sim/scene/obstacle.h"
 #include "sim/scene/scene.h"
 #include "tests/sim/plain_scenes.h"
 

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "sim/obstacle/triangulated_surface.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
-#include "sim/scene/triangulated_surface.h"
 #include "tests/sim/scene/triangle_meshes.h"
 
 namespace clothid::continuity_test {

@@ -6,8 +6,8 @@
 
 #include "datasets/motion/motion_file.h"
 #include "datasets/synthetic/synthetic.h"
+#include "sim/obstacle/obstacle.h"
 #include "sim/rollout/simulator.h"
-#include "sim/scene/obstacle.h"
 #include "sim/scene/scene_json.h"
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"

@@ -1,6 +1,6 @@
 #include "tools/benchmark/accuracy/benchmark_accuracy.h"
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <utility>
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 #include "tools/benchmark/base/benchmark_scene.h"
 #include "tools/benchmark/steps/stability_scene.h"
 

@@ -1,4 +1,4 @@
-#include "sim/scene/obstacle.h"
+#include "sim/obstacle/obstacle.h"
 
 #include <gtest/gtest.h>
 

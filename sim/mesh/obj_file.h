@@ -1,13 +1,13 @@
 // Wavefront OBJ files: the surface in their `v` and `f` lines, and the direction of u in the UV map of their `vt`
 // lines.
-#ifndef CLOTHID_SIM_SCENE_OBJ_FILE_H_
-#define CLOTHID_SIM_SCENE_OBJ_FILE_H_
+#ifndef CLOTHID_SIM_MESH_OBJ_FILE_H_
+#define CLOTHID_SIM_MESH_OBJ_FILE_H_
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
 
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 
@@ -23,4 +23,4 @@ Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_SCENE_OBJ_FILE_H_
+#endif  // CLOTHID_SIM_MESH_OBJ_FILE_H_

@@ -1,4 +1,4 @@
-#include "sim/scene/obj_file.h"
+#include "sim/mesh/obj_file.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "sim/scene/triangulated_surface.h"
+#include "sim/obstacle/triangulated_surface.h"
 
 #include <gtest/gtest.h>
 

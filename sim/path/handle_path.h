@@ -1,6 +1,6 @@
 // The prescribed motion of the handles: C1 cubic interpolation of positions given at increasing times.
-#ifndef CLOTHID_SIM_SCENE_HANDLE_PATH_H_
-#define CLOTHID_SIM_SCENE_HANDLE_PATH_H_
+#ifndef CLOTHID_SIM_PATH_HANDLE_PATH_H_
+#define CLOTHID_SIM_PATH_HANDLE_PATH_H_
 
 #include <Eigen/Core>
 
@@ -40,4 +40,4 @@ Eigen::MatrixXd SmoothPath(const Eigen::VectorXd& times, const Eigen::MatrixXd& 
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_SCENE_HANDLE_PATH_H_
+#endif  // CLOTHID_SIM_PATH_HANDLE_PATH_H_

@@ -1,4 +1,4 @@
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>

@@ -1,4 +1,4 @@
-#include "sim/scene/mesh_json.h"
+#include "sim/mesh/mesh_json.h"
 
 #include <Eigen/Geometry>
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
-#include "sim/scene/obj_file.h"
+#include "sim/mesh/obj_file.h"
 
 namespace clothid {
 namespace {

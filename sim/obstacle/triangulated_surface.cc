@@ -1,4 +1,4 @@
-#include "sim/scene/triangulated_surface.h"
+#include "sim/obstacle/triangulated_surface.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/geometry/triangle_tree.h"
 #include "sim/matrix/dense.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 

@@ -2,8 +2,8 @@
 //
 // An obstacle answers one question: at a point x, what are the signed distance phi (positive outside), its gradient n
 // (a unit vector) and dn/dx? Friction and contact distance belong to the scene, not to the shape (see `SceneObstacle`).
-#ifndef CLOTHID_SIM_SCENE_OBSTACLE_H_
-#define CLOTHID_SIM_SCENE_OBSTACLE_H_
+#ifndef CLOTHID_SIM_OBSTACLE_OBSTACLE_H_
+#define CLOTHID_SIM_OBSTACLE_OBSTACLE_H_
 
 #include <Eigen/Core>
 
@@ -68,4 +68,4 @@ class Capsule : public Obstacle {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_SCENE_OBSTACLE_H_
+#endif  // CLOTHID_SIM_OBSTACLE_OBSTACLE_H_

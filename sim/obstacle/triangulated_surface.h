@@ -12,13 +12,13 @@
 // not a smooth function of the state; at a distance outside, edges and vertices act as parts of cylinders and spheres
 // around them. A contact distance (see `SceneObstacle`) therefore rounds off convex edges, with that radius. An edge
 // between faces in one plane is no edge, and a vertex within a straight edge or a flat face is none either.
-#ifndef CLOTHID_SIM_SCENE_TRIANGULATED_SURFACE_H_
-#define CLOTHID_SIM_SCENE_TRIANGULATED_SURFACE_H_
+#ifndef CLOTHID_SIM_OBSTACLE_TRIANGULATED_SURFACE_H_
+#define CLOTHID_SIM_OBSTACLE_TRIANGULATED_SURFACE_H_
 
 #include <Eigen/Core>
 #include <memory>
 
-#include "sim/scene/obstacle.h"
+#include "sim/obstacle/obstacle.h"
 
 namespace clothid {
 
@@ -49,4 +49,4 @@ class TriangulatedSurface : public Obstacle {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_SCENE_TRIANGULATED_SURFACE_H_
+#endif  // CLOTHID_SIM_OBSTACLE_TRIANGULATED_SURFACE_H_

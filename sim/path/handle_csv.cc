@@ -1,4 +1,4 @@
-#include "sim/scene/handle_csv.h"
+#include "sim/path/handle_csv.h"
 
 #include <optional>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // A triangulated piece of cloth at rest.
-#ifndef CLOTHID_SIM_SCENE_MESH_H_
-#define CLOTHID_SIM_SCENE_MESH_H_
+#ifndef CLOTHID_SIM_MESH_MESH_H_
+#define CLOTHID_SIM_MESH_MESH_H_
 
 #include <Eigen/Core>
 #include <array>
@@ -48,4 +48,4 @@ double ClothSize(const Mesh& mesh);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_SCENE_MESH_H_
+#endif  // CLOTHID_SIM_MESH_MESH_H_

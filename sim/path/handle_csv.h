@@ -1,12 +1,12 @@
 // Handle paths as a table.
-#ifndef CLOTHID_SIM_SCENE_HANDLE_CSV_H_
-#define CLOTHID_SIM_SCENE_HANDLE_CSV_H_
+#ifndef CLOTHID_SIM_PATH_HANDLE_CSV_H_
+#define CLOTHID_SIM_PATH_HANDLE_CSV_H_
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
 
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 
 namespace clothid {
 
@@ -22,4 +22,4 @@ std::string HandleCsv(const Eigen::VectorXd& times, const Eigen::MatrixXd& posit
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_SCENE_HANDLE_CSV_H_
+#endif  // CLOTHID_SIM_PATH_HANDLE_CSV_H_

@@ -1,12 +1,12 @@
 // The `mesh` of scene.json.
-#ifndef CLOTHID_SIM_SCENE_MESH_JSON_H_
-#define CLOTHID_SIM_SCENE_MESH_JSON_H_
+#ifndef CLOTHID_SIM_MESH_MESH_JSON_H_
+#define CLOTHID_SIM_MESH_MESH_JSON_H_
 
 #include <Eigen/Core>
 #include <string>
 
 #include "sim/base/json_document.h"
-#include "sim/scene/mesh.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 
@@ -18,7 +18,7 @@ inline constexpr char kMeshForms[] = "{\"grid\": {..}} or {\"obj\": \"FILE\"}";
 // opened. Throws `Error` naming key and line (kBadData) or a file that cannot be read (kIo).
 //
 // `along_u` (may be null): where the warp is to follow the UV map of a file, the direction of u in every triangle
-// [3 x F] (sim/scene/obj_file.h); stays as it is with a grid. The file then has to have the triangles of `recorded`.
+// [3 x F] (sim/mesh/obj_file.h); stays as it is with a grid. The file then has to have the triangles of `recorded`.
 Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u);
 
 // A vector [3] per node or triangle, `count` of them: the .npy file of shape (count, 3) that `node` names, starting at
@@ -28,4 +28,4 @@ Eigen::Matrix3Xd ReadNpyVectors(const JsonNode& node, const std::string& folder,
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_SCENE_MESH_JSON_H_
+#endif  // CLOTHID_SIM_MESH_MESH_JSON_H_

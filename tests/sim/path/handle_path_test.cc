@@ -1,11 +1,11 @@
-#include "sim/scene/handle_path.h"
+#include "sim/path/handle_path.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "sim/scene/handle_csv.h"
+#include "sim/path/handle_csv.h"
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
