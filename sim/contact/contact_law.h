@@ -1,8 +1,8 @@
 // Dry frictional contact of one node (Eq. (8) of the DiffCloth paper) in closed form, and its derivatives.
 //
-// With an isotropic d > 0 and the gradient g of the momentum balance, put  F = d v - g + (d gap_speed) n  in world
-// axes, where gap_speed is phi/h in gap mode and 0 in velocity mode; f_N = n . F, f_T = F - f_N n. Then the impulse on
-// the node is
+// With an isotropic d > 0, the gradient g of the momentum balance and the velocity V of the obstacle's material point,
+// put  F = d (v - V) - g + (d gap_speed) n  in world axes, where gap_speed is phi/h in gap mode and 0 in velocity mode;
+// f_N = n . F, f_T = F - f_N n. Then the impulse on the node is
 //   take-off  f_N >= 0:          r = 0
 //   stick     |f_T| <= -mu f_N:  r = -F
 //   slip      otherwise:         r = -f_N n + mu f_N t,   t = f_T / |f_T|

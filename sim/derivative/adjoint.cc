@@ -22,7 +22,7 @@ void AddParameterGradient(const StepRecord& record, const std::vector<ParameterI
                           const Eigen::MatrixXd& z, const Eigen::MatrixXd& y, const StepDerivative& step,
                           Eigen::MatrixXd* gradient) {
   for (size_t p = 0; p < parameters.size(); ++p) {
-    if (parameters[p].kind != ParameterKind::kFriction) {
+    if (!IsOfContact(parameters[p].kind)) {
       gradient->row(p) -= step.MomentumDerivative(parameters[p]).transpose() * y;
     } else if (!record.contacts.empty()) {
       gradient->row(p) += step.ImpulseDerivative(parameters[p]).transpose() * z;
@@ -145,13 +145,17 @@ class ReverseSweep {
 
   // The rest of that way, now that the first stage is at hand. Returns the gradient by its impulses, if they count.
   Eigen::MatrixXd LeaveSecondStart(const StepRecord& first, const SolveStart& start, const StepDerivative& step) {
-    const SecondStartDerivative second(first, start, step.contacts(), parameters_, simulator_->model());
+    const SecondStartDerivative second(first, start, step, parameters_, simulator_->model());
     second.AddTransposed(by_second_, &by_start_, &lambda_);
     if (!second.has_impacts()) return {};
     fields_.AddSecondStart(second, by_second_);
     for (size_t p = 0; p < ids_.size(); ++p) {
       const Eigen::VectorXd* slopes = step.MassSlopes(ids_[p]);
       if (slopes != nullptr) gradient_->parameters.row(p) += second.MassGradient(*slopes, by_second_);
+      if (IsPlacement(ids_[p].kind)) {
+        gradient_->parameters.row(p) -=
+            second.MotionDerivative(step.MotionChanges(ids_[p])).transpose() * by_second_.velocities;
+      }
     }
     return second.AddImpactsTransposed(by_second_, &by_start_, &lambda_);
   }

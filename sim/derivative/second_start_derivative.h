@@ -11,6 +11,7 @@
 #define CLOTHID_SIM_DERIVATIVE_SECOND_START_DERIVATIVE_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "sim/contact/impact_share.h"
@@ -25,8 +26,8 @@ struct StateColumns {
 
 class SecondStartDerivative {
  public:
-  // After the first stage that `first` ends, `contacts` in which, from `start`.
-  SecondStartDerivative(const StepRecord& first, const SolveStart& start, const std::vector<Contact>& contacts,
+  // After the first stage that `first` ends, from `start`, of which `step` is the derivative.
+  SecondStartDerivative(const StepRecord& first, const SolveStart& start, const StepDerivative& step,
                         const Parameters& parameters, const ClothModel& model);
 
   bool has_impacts() const { return !impacts_.empty(); }  // else r_1 and the masses do not count
@@ -38,6 +39,10 @@ class SecondStartDerivative {
                        StateColumns* second) const;
   // Takes that through a change of the nodes' masses [N] kg off column `column` of dv_s.
   void SubtractMasses(int column, const Eigen::VectorXd& masses, StateColumns* second) const;
+
+  // kappa du/dtheta [3 Nf] at fixed x_n, v_n, v_1 and r_1, where theta is how an obstacle's path is placed and
+  // `changes` are what it changes at the contacts of the first stage.
+  Eigen::VectorXd MotionDerivative(const std::vector<MotionChange>& changes) const;
 
   // The transpose, of gradients by x_s and v_s: adds to those by the start and by the end of the first stage.
   void AddTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
@@ -52,9 +57,11 @@ class SecondStartDerivative {
   struct Impact {
     int node;
     int row;                              // of its node's block
+    std::size_t contact;                  // among those of the first stage
     ImpactVelocityDerivative derivative;  // times kappa
   };
   std::vector<Impact> impacts_;
+  Eigen::Index num_rows_ = 0;  // 3 Nf
 };
 
 }  // namespace clothid

@@ -107,7 +107,7 @@ Eigen::MatrixXd MomentumSide(const StateColumns& start, const std::vector<Parame
   if (step.has_prediction()) right -= step.TimesPrediction(start.positions + step.time_step() * start.velocities);
   further_parts(&right);
   for (size_t p = 0; p < parameters.size(); ++p) {
-    if (parameters[p].kind != ParameterKind::kFriction) right.col(p) -= step.MomentumDerivative(parameters[p]);
+    if (!IsOfContact(parameters[p].kind)) right.col(p) -= step.MomentumDerivative(parameters[p]);
   }
   return right;
 }
@@ -119,7 +119,7 @@ Eigen::MatrixXd RightSide(Eigen::MatrixXd right, const StateColumns& start, cons
   step->jacobian().AddImpulse(&right);
   right -= step->TimesFrames(start.positions);
   for (size_t p = 0; p < parameters.size(); ++p) {
-    if (parameters[p].kind == ParameterKind::kFriction) right.col(p) += step->ImpulseDerivative(parameters[p]);
+    if (IsOfContact(parameters[p].kind)) right.col(p) += step->ImpulseDerivative(parameters[p]);
   }
   return right;
 }
@@ -169,7 +169,7 @@ class TangentSolver {
           first, start, [](Eigen::MatrixXd*) {}, &step, &first_end);
       second_start = StartSecondStage(model, parameters_.material, start, first.positions, first.velocities,
                                       first.time_step, step.contacts());
-      const SecondStartDerivative derivative(first, start, step.contacts(), parameters_, model);
+      const SecondStartDerivative derivative(first, start, step, parameters_, model);
       end = derivative.Times(*tangent, first_end);
       if (derivative.has_impacts()) {
         const Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - momentum;
@@ -177,6 +177,9 @@ class TangentSolver {
         for (size_t p = 0; p < ids_.size(); ++p) {
           const Eigen::VectorXd* slopes = step.MassSlopes(ids_[p]);
           if (slopes != nullptr) derivative.SubtractMasses(static_cast<int>(p), *slopes, &end);
+          if (IsPlacement(ids_[p].kind)) {
+            end.velocities.col(p) -= derivative.MotionDerivative(step.MotionChanges(ids_[p]));
+          }
         }
         fields_.SubtractMasses(derivative, &end);
       }

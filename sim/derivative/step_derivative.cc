@@ -39,7 +39,9 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
     damped_masses_.segment<3>(row) =
         masses_.segment<3>(row).array() + areal_drag * model_.node_areas()[model_.free_nodes()[i]];
   }
-  contacts_ = RestoreContacts(model_, parameters, start.positions, record.times(), record.contacts);
+  if (record.contacts.empty()) return;
+  motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
+  contacts_ = RestoreContacts(model_, parameters, start.positions, record.times(), motions_, record.contacts);
 }
 
 bool StepDerivative::Factor(StepJacobian::Method method) {
@@ -128,7 +130,7 @@ Eigen::MatrixXd StepDerivative::TimesFrames(const Eigen::MatrixXd& columns) cons
   for (const Contact& contact : contacts_) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
     const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
-    product.middleRows<3>(row) = ContactPositionJacobian(contact, mu) * columns.middleRows<3>(row);
+    product.middleRows<3>(row) = ContactPositionJacobian(contact, mu, motion_of(contact)) * columns.middleRows<3>(row);
   }
   return product;
 }
@@ -138,7 +140,8 @@ Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const Eigen::MatrixXd& col
   for (const Contact& contact : contacts_) {
     const int row = 3 * model_.free_index()[contact.candidate.node];
     const double mu = parameters_.friction_coefficients[contact.candidate.obstacle];
-    product.middleRows<3>(row) = ContactPositionJacobian(contact, mu).transpose() * columns.middleRows<3>(row);
+    product.middleRows<3>(row) =
+        ContactPositionJacobian(contact, mu, motion_of(contact)).transpose() * columns.middleRows<3>(row);
   }
   return product;
 }
@@ -170,11 +173,10 @@ Eigen::VectorXd StepDerivative::DragDerivative(ParameterId id) const {
 
 // g = M (v - v_n) - h (rho a g_0 + node_force + c_d a (w - v) + F) - h f_int, F the drag by direction
 Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
+  if (IsOfContact(id.kind)) return Eigen::VectorXd::Zero(3 * model_.num_free());
   const double h = record_.time_step;
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
   switch (id.kind) {
-    case ParameterKind::kFriction:
-      break;
     case ParameterKind::kStretchStiffness:
     case ParameterKind::kWarpStiffness:
     case ParameterKind::kWeftStiffness:
@@ -232,8 +234,31 @@ const Eigen::VectorXd* StepDerivative::MassSlopes(ParameterId id) const {
   return IsSize(id.kind) ? &sizes_->MassSlopes(id.kind) : model_.MassSlopes(id.kind);
 }
 
+std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {
+  const SceneObstacle& obstacle = model_.scene().obstacles[id.obstacle];
+  const SolveMaps maps =
+      ObstacleMapsChange(obstacle, parameters_.placement(id.obstacle), PartOf(id.kind), record_.times());
+  std::vector<MotionChange> changes(contacts_.size());
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const ContactCandidate& candidate = contacts_[i].candidate;
+    if (candidate.obstacle != id.obstacle) continue;
+    changes[i] = motions_[id.obstacle].Differentiate(maps, start_.positions.segment<3>(3 * candidate.node),
+                                                     candidate.normal, candidate.normal_gradient);
+  }
+  return changes;
+}
+
 Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(3 * model_.num_free());
+  if (IsPlacement(id.kind)) {
+    const std::vector<MotionChange> changes = MotionChanges(id);
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      const ContactCandidate& candidate = contacts_[i].candidate;
+      if (candidate.obstacle != id.obstacle) continue;
+      derivative.segment<3>(3 * model_.free_index()[candidate.node]) =
+          ContactMotionDerivative(contacts_[i], parameters_.friction_coefficients[candidate.obstacle], changes[i]);
+    }
+  }
   if (id.kind != ParameterKind::kFriction) return derivative;
   for (const Contact& contact : contacts_) {
     if (contact.response.branch != ContactBranch::kSlip) continue;

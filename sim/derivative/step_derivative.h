@@ -4,7 +4,8 @@
 //   A dv = -[(I + S)(h (H + V) dx_n + N dx^ - M dv_n + dg/dtheta dtheta) + X dx_n - dr/dtheta dtheta]
 // where H = d2(E + W)/dx2 at x_{n+1} as in step_problem.h; V = d2W/(dx dx_n), not symmetric, is there for internal
 // damping alone; N = dg/dx^, through the normals at dx^ = dx_n + h dv_n, for drag by direction alone; dr/dtheta, the
-// impulse at fixed F, for friction alone: f_N t at slipping nodes.
+// impulse at fixed F, for friction f_N t at slipping nodes; for the placement of an
+// obstacle's path that through gap, normal and V at fixed v.
 //
 // A second stage (sim/step/second_start.h) starts from x_s and v_s in place of x_n and v_n. Its strain rate starts from
 // the metric C_s of x_n and x_1, so that h V dx_n gives way to h (V_n dx_n + V_1 dx_1), V_n = (1 - kappa) d2W/(dx dx_n)
@@ -59,12 +60,20 @@ class StepDerivative {
   // Takes h V_n^T y off `step` and h V_1^T y off `first`.
   void SubtractOriginsTransposed(const Eigen::MatrixXd& columns, Eigen::MatrixXd* step, Eigen::MatrixXd* first) const;
 
-  // dg/dtheta [3 Nf]; zero for friction.
+  // dg/dtheta [3 Nf]; zero for parameters of contact.
   Eigen::VectorXd MomentumDerivative(ParameterId id) const;
   // dM/dtheta of every node [N] kg; null for a parameter that has no part in it.
   const Eigen::VectorXd* MassSlopes(ParameterId id) const;
-  // dr/dtheta [3 Nf]; zero unless `id` is a friction coefficient.
+  // dr/dtheta [3 Nf] at fixed v and x_n; zero unless `id` is a parameter of contact.
   Eigen::VectorXd ImpulseDerivative(ParameterId id) const;
+  // Of a placement: what it changes at every contact, nothing at those with other obstacles.
+  std::vector<MotionChange> MotionChanges(ParameterId id) const;
+
+  // How the obstacle of a contact moves over the solve; null: it stands still.
+  const ObstacleMotion* motion_of(const Contact& contact) const {
+    return motions_.empty() || !motions_[contact.candidate.obstacle].moves() ? nullptr
+                                                                             : &motions_[contact.candidate.obstacle];
+  }
 
  private:
   Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& columns) const;  // h H y = (K y - M y - h C y)/h
@@ -83,8 +92,9 @@ class StepDerivative {
   Eigen::VectorXd masses_;         // M [3 Nf]
   Eigen::VectorXd damped_masses_;  // M + h c_d diag(a) [3 Nf]
   HeldTerms held_;
-  Eigen::VectorXd predicted_;      // x^ [3N]; empty without drag by direction
-  std::vector<Contact> contacts_;  // of the record
+  Eigen::VectorXd predicted_;            // x^ [3N]; empty without drag by direction
+  std::vector<ObstacleMotion> motions_;  // empty where no obstacle moves
+  std::vector<Contact> contacts_;        // of the record
 };
 
 }  // namespace clothid

@@ -152,13 +152,12 @@ std::array<Eigen::MatrixXd, 3> HandleForces::Jacobian(int step, const States& st
 }
 
 Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, const States& states) const {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(3 * num_groups());
+  if (IsOfContact(id.kind)) return sums;
   const ForceWindow window = Window(step);
   const Eigen::VectorXd positions = states[static_cast<std::size_t>(window.place)].col(0);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(3 * num_groups());
   switch (id.kind) {
-    case ParameterKind::kFriction:
-      break;
     case ParameterKind::kStretchStiffness:
     case ParameterKind::kWarpStiffness:
     case ParameterKind::kWeftStiffness:
@@ -219,6 +218,8 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
       throw Error(ErrorKind::kUsage, "size.x and size.y: no parameters of a recording with forces at its handles");
     case ParameterKind::kDamping:
       if (damping_) damping_->AddForce(1.0, time_step_, StartMetrics(window, states), positions, &force);
+      break;
+    default:  // of contact, above
       break;
   }
   SubtractSums(force, &sums);

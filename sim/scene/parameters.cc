@@ -61,9 +61,18 @@ constexpr KindName kWindNames[] = {{"wind.x", ParameterKind::kWindX},
 
 constexpr KindName kSizeNames[] = {{"size.x", ParameterKind::kSizeX}, {"size.y", ParameterKind::kSizeY}};
 
+// After the name of an obstacle, in the order of PlacementPart.
+constexpr KindName kPlacementNames[] = {{".time_offset", ParameterKind::kPathTimeOffset},
+                                        {".shift.x", ParameterKind::kPathShiftX},
+                                        {".shift.y", ParameterKind::kPathShiftY},
+                                        {".shift.z", ParameterKind::kPathShiftZ},
+                                        {".turn.x", ParameterKind::kPathTurnX},
+                                        {".turn.y", ParameterKind::kPathTurnY},
+                                        {".turn.z", ParameterKind::kPathTurnZ}};
+
 constexpr std::string_view kFrictionPrefix = "mu.";
 
-// Null for friction, wind and size.
+// Null for friction, wind, size and placements.
 const MaterialName* FindKind(ParameterKind kind) {
   for (const MaterialName& material : kMaterialNames) {
     if (material.kind == kind) return &material;
@@ -90,6 +99,25 @@ std::optional<ParameterId> FindWind(std::string_view name) {
     }
   }
   return std::nullopt;
+}
+
+// "NAME.shift.x".
+std::optional<ParameterId> FindPlacement(const std::string& name, const std::vector<std::string>& obstacle_names) {
+  for (std::size_t i = 0; i < obstacle_names.size(); ++i) {
+    for (const KindName& placement : kPlacementNames) {
+      if (name == obstacle_names[i] + placement.name) return ParameterId{placement.kind, static_cast<int>(i)};
+    }
+  }
+  return std::nullopt;
+}
+
+// The value that `id`, of a placement, names.
+double& PlacementValue(ParameterKind kind, Placement* placement) {
+  const int index = static_cast<int>(PartOf(kind));
+  if (index == 0) return placement->time_offset;
+  return index < static_cast<int>(PlacementPart::kTurnX)
+             ? placement->shift[index - static_cast<int>(PlacementPart::kShiftX)]
+             : placement->turn[index - static_cast<int>(PlacementPart::kTurnX)];
 }
 
 std::size_t SizeAxis(ParameterKind kind) { return kind == ParameterKind::kSizeX ? 0 : 1; }
@@ -136,6 +164,17 @@ bool IsWind(ParameterKind kind) {
 
 bool IsSize(ParameterKind kind) { return kind == ParameterKind::kSizeX || kind == ParameterKind::kSizeY; }
 
+bool IsPlacement(ParameterKind kind) {
+  return std::any_of(std::begin(kPlacementNames), std::end(kPlacementNames),
+                     [kind](const KindName& placement) { return placement.kind == kind; });
+}
+
+bool IsOfContact(ParameterKind kind) { return kind == ParameterKind::kFriction || IsPlacement(kind); }
+
+PlacementPart PartOf(ParameterKind kind) {
+  return static_cast<PlacementPart>(static_cast<int>(kind) - static_cast<int>(ParameterKind::kPathTimeOffset));
+}
+
 bool Material::operator==(const Material& other) const {
   static_assert(sizeof(Material) == std::size(kMaterialNames) * sizeof(double), "every constant is compared");
   return std::all_of(std::begin(kMaterialNames), std::end(kMaterialNames), [&](const MaterialName& material) {
@@ -144,7 +183,7 @@ bool Material::operator==(const Material& other) const {
 }
 
 ParameterDomain DomainOf(ParameterKind kind) {
-  if (IsWind(kind)) return ParameterDomain::kAny;
+  if (IsWind(kind) || IsPlacement(kind)) return ParameterDomain::kAny;
   if (IsSize(kind)) return ParameterDomain::kPositive;
   const MaterialName* material = FindKind(kind);
   return material != nullptr ? material->domain : ParameterDomain::kNotNegative;
@@ -202,6 +241,7 @@ ParameterId ParseParameter(const std::string& name, const std::vector<std::strin
       return {ParameterKind::kFriction, static_cast<int>(found - obstacle_names.begin())};
     }
   }
+  if (const auto placement = FindPlacement(name, obstacle_names)) return *placement;
   throw Error(ErrorKind::kUsage, "unknown parameter '" + name + "'; expected one of " +
                                      ParameterNames(obstacle_names, [](ParameterKind) { return true; }));
 }
@@ -216,6 +256,9 @@ std::string ParameterName(ParameterId id, const std::vector<std::string>& obstac
   for (const KindName& wind : kWindNames) {
     if (id.kind != wind.kind) continue;
     return id.knot == kMeanWind ? wind.name : std::string(wind.name) + "." + std::to_string(id.knot + 1);
+  }
+  for (const KindName& placement : kPlacementNames) {
+    if (id.kind == placement.kind) return obstacle_names.at(static_cast<std::size_t>(id.obstacle)) + placement.name;
   }
   if (id.obstacle == kAllObstacles) return "mu";
   return std::string(kFrictionPrefix) + obstacle_names.at(static_cast<std::size_t>(id.obstacle));
@@ -245,6 +288,10 @@ double GetParameter(const Parameters& parameters, ParameterId id) {
     return WindValue(id, &wind);
   }
   if (IsSize(id.kind)) return parameters.size[SizeAxis(id.kind)];
+  if (IsPlacement(id.kind)) {
+    Placement placement = parameters.placement(id.obstacle);
+    return PlacementValue(id.kind, &placement);
+  }
   if (id.kind != ParameterKind::kFriction) return parameters.material.*MaterialConstant(id.kind);
   const std::vector<double>& mu = parameters.friction_coefficients;
   if (mu.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -257,6 +304,9 @@ void SetParameter(ParameterId id, double value, Parameters* parameters) {
     WindValue(id, &parameters->wind) = value;
   } else if (IsSize(id.kind)) {
     parameters->size[SizeAxis(id.kind)] = value;
+  } else if (IsPlacement(id.kind)) {
+    if (parameters->placements.empty()) parameters->placements.resize(mu.size());
+    PlacementValue(id.kind, &parameters->placements.at(static_cast<std::size_t>(id.obstacle))) = value;
   } else if (id.kind != ParameterKind::kFriction) {
     parameters->material.*MaterialConstant(id.kind) = value;
   } else if (id.obstacle == kAllObstacles) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/air/wind.h"
+#include "sim/path/placement.h"
 
 namespace clothid {
 
@@ -44,6 +45,12 @@ struct Parameters {
   Wind wind = {};  // its profile has the times of the scene's
   // What the rest shape of the scene is stretched by, along the two axes of its front (sim/rollout/sized_scene.h).
   std::array<double, 2> size = {1.0, 1.0};
+  // How the paths of the obstacles are placed, one per obstacle of the scene. Empty: as the scene has them.
+  std::vector<Placement> placements = {};
+
+  Placement placement(int obstacle) const {
+    return placements.empty() ? Placement() : placements.at(static_cast<std::size_t>(obstacle));
+  }
 };
 
 enum class ParameterKind {
@@ -79,6 +86,13 @@ enum class ParameterKind {
   kWindShearZ,
   kSizeX,  // of the cloth at rest
   kSizeY,
+  kPathTimeOffset,  // of an obstacle that moves
+  kPathShiftX,
+  kPathShiftY,
+  kPathShiftZ,
+  kPathTurnX,
+  kPathTurnY,
+  kPathTurnZ,
 };
 
 // The constants of a material, in the order in which lists name them.
@@ -95,8 +109,16 @@ inline constexpr ParameterKind kWindKinds[] = {
     ParameterKind::kGustY,      ParameterKind::kGustZ,     ParameterKind::kGustFrequency, ParameterKind::kGustPhase,
     ParameterKind::kGustWaveX,  ParameterKind::kGustWaveY, ParameterKind::kGustWaveZ,     ParameterKind::kWindShearX,
     ParameterKind::kWindShearY, ParameterKind::kWindShearZ};
+inline constexpr ParameterKind kPlacementKinds[] = {
+    ParameterKind::kPathTimeOffset, ParameterKind::kPathShiftX, ParameterKind::kPathShiftY, ParameterKind::kPathShiftZ,
+    ParameterKind::kPathTurnX,      ParameterKind::kPathTurnY,  ParameterKind::kPathTurnZ};
 bool IsWind(ParameterKind kind);
 bool IsSize(ParameterKind kind);
+bool IsPlacement(ParameterKind kind);
+// Whether a step depends on it by its contacts alone: friction, and how an obstacle's path is placed.
+bool IsOfContact(ParameterKind kind);
+// Of a kind of placement.
+PlacementPart PartOf(ParameterKind kind);
 
 // Values that a parameter can have; finite ones.
 enum class ParameterDomain { kPositive, kNotNegative, kAny };
@@ -110,8 +132,9 @@ inline constexpr int kMeanWind = -1;
 // One scalar of `Parameters`, or the friction of all obstacles at once.
 struct ParameterId {
   ParameterKind kind = ParameterKind::kStretchStiffness;
-  int obstacle = kAllObstacles;  // for kFriction: an index into the scene's obstacles, or kAllObstacles
-  int knot = kMeanWind;          // for kWindX, kWindY and kWindZ: one of the wind's profile, or kMeanWind
+  // An index into the scene's obstacles: for kFriction, or kAllObstacles, and for placements.
+  int obstacle = kAllObstacles;
+  int knot = kMeanWind;  // for kWindX, kWindY and kWindZ: one of the wind's profile, or kMeanWind
 
   bool operator==(const ParameterId& other) const {
     return kind == other.kind && obstacle == other.obstacle && knot == other.knot;
@@ -121,12 +144,13 @@ struct ParameterId {
 // "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson"; "bend_warp",
 // "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass"; "mu" (every obstacle), "mu.NAME" (one of
 // them); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y",
-// "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x", ..; "size.x", "size.y".
+// "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x", ..; "size.x", "size.y";
+// "NAME.time_offset", "NAME.shift.x", .., "NAME.turn.x", .. of the path of an obstacle.
 // `obstacle_names` are the scene's, in its order. Throws `Error` (kUsage) that lists the names it would accept.
 // `ParseParameter` in sim/scene/scene.h also asks whether a scene has the parameter.
 ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names);
 // The names that are accepted, "k_stretch, k_bend, .., mu.ball, wind.x, ..", less those of kinds for which `has` is
-// false, and of knots.
+// false, of knots and of placements.
 std::string ParameterNames(const std::vector<std::string>& obstacle_names,
                            const std::function<bool(ParameterKind)>& has);
 std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names);

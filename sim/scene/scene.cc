@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/base/error.h"
+#include "sim/obstacle/obstacle_motion.h"
 
 namespace clothid {
 namespace {
@@ -233,7 +234,20 @@ bool Scene::has_directional_drag() const {
 
 bool Scene::has_damping() const { return material.damping > 0.0 || nominal_parameters().material.damping > 0.0; }
 
+bool Scene::has_moving_obstacles() const {
+  return std::any_of(obstacles.begin(), obstacles.end(),
+                     [](const SceneObstacle& obstacle) { return obstacle.path != nullptr; });
+}
+
+SurfacePoint SceneObstacle::Closest(const Eigen::Vector3d& position, double time) const {
+  if (path == nullptr) return shape->Closest(position);
+  SolveMaps maps;
+  maps.start = path->At(time).pose;
+  return ObstacleMotion(maps).Closest(*shape, position).surface;
+}
+
 bool Scene::has(ParameterKind kind) const {
+  if (IsPlacement(kind)) return has_moving_obstacles();
   switch (kind) {
     case ParameterKind::kStretchStiffness:
       return membrane == MembraneLaw::kArap;
@@ -255,13 +269,20 @@ bool Scene::has(ParameterKind kind) const {
 
 ParameterId ParseParameter(const std::string& name, const Scene& scene) {
   const std::vector<std::string> obstacles = scene.obstacle_names();
-  const std::string names = ParameterNames(obstacles, [&](ParameterKind kind) { return scene.has(kind); });
+  std::string names = ParameterNames(obstacles, [&](ParameterKind kind) { return scene.has(kind); });
+  for (const SceneObstacle& obstacle : scene.obstacles) {
+    if (obstacle.path == nullptr) continue;
+    for (const char* part : {".time_offset", ".shift.x (y, z)", ".turn.x (y, z)"}) {
+      names.append(", ").append(obstacle.name).append(part);
+    }
+  }
   std::optional<ParameterId> id;
   try {
     id = ParseParameter(name, obstacles);
   } catch (const Error&) {
   }
-  if (id && scene.has(id->kind) && id->knot < scene.wind.profile.num_knots()) return *id;
+  const bool has_path = !id || !IsPlacement(id->kind) || scene.obstacles[id->obstacle].path != nullptr;
+  if (id && scene.has(id->kind) && has_path && id->knot < scene.wind.profile.num_knots()) return *id;
   throw Error(ErrorKind::kUsage,
               (id ? "parameter '" + name + "': the scene has no such term" : "unknown parameter '" + name + "'") +
                   "; expected one of " + names);
@@ -312,6 +333,13 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
     expect(IsInDomain(ParameterDomain::kNotNegative, mu), mu, "mu." + scene.obstacles[i].name,
            "; expected a finite number >= 0");
   }
+  const std::vector<Placement>& placements = parameters.placements;
+  bool fit = placements.empty() || placements.size() == scene.obstacles.size();
+  for (std::size_t i = 0; fit && i < placements.size(); ++i) {
+    fit = (scene.obstacles[i].path != nullptr || placements[i] == Placement()) &&
+          std::isfinite(placements[i].time_offset) && placements[i].shift.allFinite() && placements[i].turn.allFinite();
+  }
+  if (!fit) throw Error(ErrorKind::kBadData, source + ": expected finite placements of obstacles that have a path");
   for (const ParameterKind kind : {ParameterKind::kSizeX, ParameterKind::kSizeY}) {
     const double factor = GetParameter(parameters, {kind});
     expect(factor >= kLeastSize && factor <= kMostSize, factor, ParameterName({kind}, {}),

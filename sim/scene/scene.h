@@ -16,6 +16,7 @@
 #include "sim/mesh/mesh.h"
 #include "sim/obstacle/obstacle.h"
 #include "sim/path/handle_path.h"
+#include "sim/path/rigid_path.h"
 #include "sim/scene/material_field.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/warp.h"
@@ -62,9 +63,13 @@ enum class MembraneLaw {
 
 struct SceneObstacle {
   std::string name;
-  std::shared_ptr<const Obstacle> shape;
-  double friction_coefficient = 0.3;  // mu, the nominal value
-  double contact_distance = 0.0;      // m; the gap is measured from this distance off the surface (cloth thickness)
+  std::shared_ptr<const Obstacle> shape;  // in axes of its own where it has a path, else in the world's
+  double friction_coefficient = 0.3;      // mu, the nominal value
+  double contact_distance = 0.0;          // m; the gap is measured from this distance off the surface (cloth thickness)
+  std::shared_ptr<const RigidPath> path = nullptr;  // times on the scene's clock; null: it stands still
+
+  // Of its surface at `time`, in world axes, where its path is as it was given.
+  SurfacePoint Closest(const Eigen::Vector3d& position, double time) const;
 };
 
 // Nodes with an exact prescribed position. An empty path: they stay where they are at the start.
@@ -137,6 +142,7 @@ struct Scene {
   bool has_air() const { return has_drag() || has_directional_drag(); }
   bool has_wind() const { return has_air() && !nominal_parameters().wind.is_still(); }
   bool has_damping() const;
+  bool has_moving_obstacles() const;
   // Whether the laws of the scene have such a parameter. k_bend, damping, drag of either kind and wind count as there
   // where their term has the nominal value 0.
   bool has(ParameterKind kind) const;
@@ -152,8 +158,9 @@ struct Scene {
 // usable.
 void ValidateScene(const Scene& scene, const std::string& source);
 
-// Throws `Error` (kBadData) unless every value is in its domain, bending stiffness, drag of either kind, damping and
-// the constants of warp and weft are zero where the scene has no such term, the elastic energies are positive
+// Throws `Error` (kBadData) unless every value is in its domain, placements are those of obstacles with a path, bending
+// stiffness, drag of either kind, damping and the constants of warp and weft are zero where the scene has no such term,
+// the elastic energies are positive
 // (`Indefinite`), fields are absent or those of the scene, finite, and the wind's profile has the times of the scene's.
 void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source);
 // The same, whatever the signs of energies are.

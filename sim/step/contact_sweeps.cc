@@ -18,7 +18,7 @@ constexpr double kReduction = 0.1;      // of the residual of a node, at which i
 // F, see contact_law.h.
 Eigen::Vector3d ContactForce(double weight, const ContactCandidate& candidate, const Eigen::Vector3d& velocity,
                              const Eigen::Vector3d& momentum) {
-  return weight * (velocity + candidate.gap_speed * candidate.normal) - momentum;
+  return weight * (velocity - candidate.target) - momentum;
 }
 
 // The equation of one node while its neighbours are held.

@@ -5,7 +5,7 @@
 // ends on another one, the next iteration finds it there, and the one after that back again. Where the branches of
 // neighbours hang together, that goes on for a dozen iterations. A sweep takes node after node and solves its own
 // equation in the quadratic model of the momentum balance,
-//   g(v + dv) = g + K dv,   g_i = r_i(F_i),  F_i = d_i v_i - g_i + (d_i gap_speed) n
+//   g(v + dv) = g + K dv,   g_i = r_i(F_i),  F_i = d_i (v_i - V_i) - g_i + (d_i gap_speed) n
 // for its velocity alone, with the contact law as it is. That takes blocks of K and no linear solve. Nodes whose
 // residual is below their share of what the linear solve has left are passed by.
 #ifndef CLOTHID_SIM_STEP_CONTACT_SWEEPS_H_

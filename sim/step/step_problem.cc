@@ -20,6 +20,13 @@ double SystemDiagonal(const ClothModel& model, const Material& material, double 
   return diagonal;
 }
 
+// See Contact::obstacle_gain.
+Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, const ContactCandidate& candidate,
+                             const Eigen::VectorXd& start_positions) {
+  if (motions.empty()) return Eigen::Vector3d::Zero();
+  return motions[candidate.obstacle].velocity_change().At(start_positions.segment<3>(3 * candidate.node));
+}
+
 }  // namespace
 
 Eigen::VectorXd PredictedPositions(const SolveStart& start, double time_step, const std::vector<int>& handles,
@@ -70,15 +77,17 @@ std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts) 
 
 std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
                                      const Eigen::VectorXd& start_positions, const SolveTimes& times,
+                                     const std::vector<ObstacleMotion>& motions,
                                      const std::vector<ContactRecord>& records) {
   std::vector<Contact> contacts;
   contacts.reserve(records.size());
   for (const ContactRecord& record : records) {
     ContactCandidate candidate;
-    FindCandidate(model, record.node, start_positions, times.gap_time(), &candidate);
+    FindCandidate(model, record.node, start_positions, times.gap_time(), motions, &candidate);
     const double mu = parameters.friction_coefficients[record.obstacle];
     contacts.push_back({candidate, EvaluateContactLaw(record.force, candidate.normal, mu), record.force,
-                        SystemDiagonal(model, parameters.material, times.time_step, record.node)});
+                        SystemDiagonal(model, parameters.material, times.time_step, record.node),
+                        ObstacleGain(motions, candidate, start_positions)});
   }
   return contacts;
 }
@@ -105,7 +114,9 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
   work_.start_momentum = std::sqrt(square);
   if (model.damping() != nullptr) SetStartMetrics(model, start, &work_.held.start_metrics);
   if (model.directional_drag() != nullptr) SetAir(start);
-  if (model.has_contact()) FindCandidates(model, start.positions, times.gap_time(), &work_.candidates);
+  if (!model.has_contact()) return;
+  work_.motions = ObstacleMotions(model.scene(), parameters, times);
+  FindCandidates(model, start.positions, times.gap_time(), work_.motions, &work_.candidates);
 }
 
 StepProblem StepProblem::WithFriction(double share) const {
@@ -266,7 +277,7 @@ void StepProblem::ApplyContactLaw(StepPoint* point) const {
     const int index = static_cast<int>(i);
     const int row = 3 * free_block(index);
     const ContactCandidate& candidate = work_.candidates[i];
-    point->forces[i] = weight(index) * (point->velocities.segment<3>(row) + candidate.gap_speed * candidate.normal) -
+    point->forces[i] = weight(index) * (point->velocities.segment<3>(row) - candidate.target) -
                        point->momentum_gradient.segment<3>(row);
     point->responses[i] = EvaluateContactLaw(point->forces[i], candidate.normal, friction_coefficient(index));
     point->residual.segment<3>(row) -= point->responses[i].impulse;
@@ -288,7 +299,7 @@ void StepProblem::ClipToFeasible(Eigen::VectorXd* velocities) const {
   for (size_t i = 0; i < work_.candidates.size(); ++i) {
     const Eigen::Vector3d& n = work_.candidates[i].normal;
     auto v = velocities->segment<3>(3 * free_block(static_cast<int>(i)));
-    v += std::max(0.0, -work_.candidates[i].gap_speed - n.dot(v)) * n;
+    v += std::max(0.0, work_.candidates[i].least_speed - n.dot(v)) * n;
   }
 }
 
@@ -296,7 +307,8 @@ void StepProblem::FindActiveContacts(const StepPoint& point, std::vector<Contact
   contacts->clear();
   for (size_t i = 0; i < work_.candidates.size(); ++i) {
     if (point.responses[i].branch == ContactBranch::kTakeOff) continue;
-    contacts->push_back({work_.candidates[i], point.responses[i], point.forces[i], weight(static_cast<int>(i))});
+    contacts->push_back({work_.candidates[i], point.responses[i], point.forces[i], weight(static_cast<int>(i)),
+                         ObstacleGain(work_.motions, work_.candidates[i], work_.start_positions)});
   }
 }
 

@@ -2,7 +2,7 @@
 // DiffCloth paper), in the velocity v = v_{n+1}:
 //
 //   g(v) = M (v - v_n) - h f_ext(v) - h f_int(x_n + h v; x_n) = J^T r,   (r, u = J v) in the contact law
-//   Phi(v) = g(v) - J^T r(F(v)),  F = d v - g + (d gap_speed) n     its root is the step
+//   Phi(v) = g(v) - J^T r(F(v)),  F = d (v - V) - g + (d gap_speed) n     its root is the step
 //   K = dg/dv = M + h C + h^2 H(x_n + h v)
 // f_ext is gravity, which does not see the added mass in M, the scene's node force and drag: c_d a (w - v), and that by
 // direction (directional_drag.h). C = c_d diag(a) + d2D/dv2. f_int = -d(E + W)/dx and
@@ -20,6 +20,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact.h"
 #include "sim/scene/parameters.h"
+#include "sim/step/obstacle_motions.h"
 #include "sim/step/stage.h"
 
 namespace clothid {
@@ -62,6 +63,7 @@ struct StepWorkspace {
   Eigen::VectorXd handle_positions;  // at the end, in the order of the scene's handles
   Eigen::VectorXd all_velocities;    // [3N], those of handles set; empty without drag by direction
   HeldTerms held;
+  std::vector<ObstacleMotion> motions;       // empty where no obstacle moves
   std::vector<ContactCandidate> candidates;  // empty without obstacles
   Eigen::VectorXd force;                     // [3N] scratch
 };
@@ -85,9 +87,11 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
 // What a rollout keeps of contacts.
 std::vector<ContactRecord> RecordContacts(const std::vector<Contact>& contacts);
 
-// The contacts behind `records` of a solve from `start_positions` x_n [3N]: the numbers of its solver to the last bit.
+// The contacts behind `records` of a solve from `start_positions` x_n [3N], over which obstacles have `motions`: the
+// numbers of its solver to the last bit.
 std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& parameters,
                                      const Eigen::VectorXd& start_positions, const SolveTimes& times,
+                                     const std::vector<ObstacleMotion>& motions,
                                      const std::vector<ContactRecord>& records);
 
 class StepProblem {
@@ -119,7 +123,7 @@ class StepProblem {
   // Smallest relative residual that rounding allows at `point`: 0.6 eps sqrt(3) |d| |x|_max/(h scale).
   double RoundingFloor(const StepPoint& point) const;
 
-  // v_N <- max(v_N, -gap_speed) at every candidate.
+  // v_N <- max(v_N, V_N - gap_speed) at every candidate.
   void ClipToFeasible(Eigen::VectorXd* velocities) const;
 
   // The sticking and slipping nodes at `point` overwrite `contacts`.

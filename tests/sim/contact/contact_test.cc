@@ -42,7 +42,7 @@ class ContactTest : public ::testing::Test {
     Eigen::VectorXd positions = scene_.initial_positions;
     positions.head<3>() = position;
     ContactCandidate candidate;
-    FindCandidate(model_, 0, positions, kTimeStep, &candidate);
+    FindCandidate(model_, 0, positions, kTimeStep, {}, &candidate);
     return candidate;
   }
 
@@ -77,7 +77,7 @@ TEST_F(ContactTest, TheGapSpeedIsLimitedWhereANodeIsTooDeep) {
 
 TEST_F(ContactTest, EveryFreeNodeIsACandidateInGapMode) {
   std::vector<ContactCandidate> candidates(1);
-  FindCandidates(model_, scene_.initial_positions, kTimeStep, &candidates);
+  FindCandidates(model_, scene_.initial_positions, kTimeStep, {}, &candidates);
   ASSERT_EQ(candidates.size(), 8u);
   for (std::size_t i = 0; i < candidates.size(); ++i)
     EXPECT_EQ(candidates[i].node, static_cast<int>(i < 4 ? i : i + 1));
@@ -98,7 +98,7 @@ TEST_F(VelocityContactTest, OnlyWhoTouchesIsACandidate) {
   positions[3 * 7 + 2] = -0.1 + 0.5 * model_.touch_gap();
   positions[3 * 2 + 2] = -0.1 + 1.5 * model_.touch_gap();
   std::vector<ContactCandidate> candidates;
-  FindCandidates(model_, positions, kTimeStep, &candidates);
+  FindCandidates(model_, positions, kTimeStep, {}, &candidates);
   ASSERT_EQ(candidates.size(), 1u);
   EXPECT_EQ(candidates[0].node, 7);
   EXPECT_EQ(candidates[0].gap_speed, 0.0);

@@ -41,7 +41,7 @@ TEST_P(StoredContactsTest, BringBackThoseOfTheSolver) {
     problem.Evaluate(simulator.model().Gather(record.velocities), &point);
     const std::vector<Contact> solved = problem.ActiveContacts(point);
     const std::vector<Contact> restored =
-        RestoreContacts(simulator.model(), rollout.parameters, start.positions, record.times(), record.contacts);
+        RestoreContacts(simulator.model(), rollout.parameters, start.positions, record.times(), {}, record.contacts);
     ASSERT_EQ(restored.size(), solved.size());
     num_contacts += solved.size();
     for (std::size_t j = 0; j < solved.size(); ++j) {

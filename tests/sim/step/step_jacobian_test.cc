@@ -24,7 +24,7 @@ class StepJacobianTest : public ::testing::TestWithParam<std::string> {
     const StepRecord& record = rollout_.records[i];
     const Eigen::VectorXd& start = i == 0 ? rollout_.initial_positions : rollout_.records[i - 1].positions;
     const std::vector<Contact> contacts =
-        RestoreContacts(simulator_.model(), rollout_.parameters, start, record.times(), record.contacts);
+        RestoreContacts(simulator_.model(), rollout_.parameters, start, record.times(), {}, record.contacts);
     AssembleStepHessian(simulator_.model(), rollout_.parameters, record.time_step, HessianKind::kExact, {},
                         record.positions, record.velocities, hessian);
     jacobian->SetPoint(*hessian, contacts, rollout_.parameters.friction_coefficients);

@@ -32,10 +32,16 @@ bool IsTooDeep(const StepProblem& problem, const StepPoint& point, const StepRec
   for (std::size_t i = 0; i < problem.candidates().size(); ++i) {
     const ContactCandidate& candidate = problem.candidates()[i];
     const SceneObstacle& obstacle = scene.obstacles[candidate.obstacle];
-    const double gap =
-        obstacle.shape->Closest(record.positions.segment<3>(3 * candidate.node)).gap - obstacle.contact_distance;
     const double speed_error = tolerance * point.scale / problem.weight(static_cast<int>(i));
     const double least = candidate.gap - record.time_step * (candidate.gap_speed + speed_error);
+    // Where the obstacle moves, from the plane that the step has in its place.
+    const double moved = record.time_step *
+                         candidate.normal.dot(point.velocities.segment<3>(3 * problem.free_block(static_cast<int>(i))) -
+                                              candidate.target);
+    const double gap =
+        obstacle.path != nullptr
+            ? candidate.gap - record.time_step * candidate.gap_speed + moved
+            : obstacle.shape->Closest(record.positions.segment<3>(3 * candidate.node)).gap - obstacle.contact_distance;
     if (!(gap >= least - Rounding(record.positions))) return true;
   }
   return false;
@@ -57,12 +63,15 @@ void AuditRecord(const StepRecord& record, const SolveStart& start, const Parame
   audit->too_deep += IsTooDeep(problem, point, record, tolerance, model.scene());
 }
 
-double Penetration(const StepRecord& record, const ClothModel& model) {
+double Penetration(const StepRecord& record, const Parameters& parameters, const ClothModel& model) {
   double deepest = 0.0;
   if (!model.has_contact()) return deepest;
   ContactCandidate candidate;
+  // Of a solve that starts where this one ends.
+  const SolveTimes next{record.time_step, record.time + record.time_step};
+  const std::vector<ObstacleMotion> motions = ObstacleMotions(model.scene(), parameters, next);
   for (const int node : model.free_nodes()) {
-    FindCandidate(model, node, record.positions, record.time_step, &candidate);
+    FindCandidate(model, node, record.positions, record.time_step, motions, &candidate);
     deepest = std::max(deepest, -candidate.gap);
   }
   return deepest;
@@ -92,7 +101,7 @@ RolloutAudit AuditRollout(const Rollout& rollout, int num_steps, Simulator* simu
       return audit;
     }
     AuditRecord(record, reader.start(static_cast<int>(i)), rollout.parameters, simulator, &audit);
-    audit.penetration = std::max(audit.penetration, Penetration(record, simulator->model()));
+    audit.penetration = std::max(audit.penetration, Penetration(record, rollout.parameters, simulator->model()));
   }
   return audit;
 }

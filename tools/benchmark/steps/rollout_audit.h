@@ -18,7 +18,7 @@ struct RolloutAudit {
   int unsolved = 0;      // ... the tolerance of the step
   // ... the contact law: a node of the contact set is deeper in its obstacle than phi(x_0) - h gap_speed by more than
   // the tolerance of the step lets it, h |residual|/d. (Obstacles are convex, so what holds for the plane that a
-  // step replaces them by holds for them.)
+  // step replaces them by holds for them; of one that moves, the plane itself is looked at.)
   int too_deep = 0;
   int missing_steps = 0;           // that an ok() rollout has not, or that its solves do not add up to
   double worst_residual = 0.0;     // of all solves, relative to the tolerance

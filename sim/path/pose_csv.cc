@@ -1,0 +1,34 @@
+#include "sim/path/pose_csv.h"
+
+#include "sim/base/error.h"
+#include "sim/path/number_table.h"
+
+namespace clothid {
+namespace {
+
+constexpr char kHeader[] = "time,x,y,z,qx,qy,qz,qw";
+
+}  // namespace
+
+RigidPath ReadPoseCsv(const std::string& path) {
+  const Eigen::MatrixXd table = ReadNumberTable(path, kHeader, kMaxPoseCsvBytes);
+  try {
+    return PathOfTable(table);
+  } catch (const Error& error) {
+    throw Error(ErrorKind::kBadData, path + ": " + error.what());
+  }
+}
+
+RigidPath PathOfTable(const Eigen::MatrixXd& table) {
+  return RigidPath(table.row(0).transpose(), table.middleRows<3>(1), table.bottomRows<4>());
+}
+
+Eigen::MatrixXd TableOfPath(const RigidPath& path) {
+  Eigen::MatrixXd table(8, path.times().size());
+  table << path.times().transpose(), path.positions(), path.rotations();
+  return table;
+}
+
+std::string PoseCsv(const RigidPath& path) { return NumberTable(kHeader, TableOfPath(path)); }
+
+}  // namespace clothid
