@@ -41,7 +41,8 @@ Box Box::Table(const Eigen::Vector3d& top, const Eigen::Vector3d& normal, const 
   const Eigen::Vector3d side = CheckedDirection(along, "a table's sides must run along a direction longer than zero");
   const Eigen::Vector3d in_top = side - up.dot(side) * up;
   if (in_top.norm() < kParallel) {
-    throw Error(ErrorKind::kBadData, "a table's sides must not run along its normal");
+    throw Error(ErrorKind::kBadData,
+                "a table's sides must not run along its normal: choose another direction \"along\"");
   }
   Eigen::Matrix3d axes;
   axes.col(0) = in_top.normalized();
