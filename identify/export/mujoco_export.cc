@@ -10,10 +10,10 @@
 #include <sstream>
 #include <utility>
 
+#include "identify/export/mujoco_geom.h"
 #include "identify/export/simulator_exports.h"
 #include "sim/base/text_file.h"
 #include "sim/mesh/mesh.h"
-#include "sim/obstacle/obstacle.h"
 
 namespace clothid {
 namespace {
@@ -131,34 +131,12 @@ struct FlexNumbers {
   double thickness = kThinnest, young = 0.0;  // m, Pa
 };
 
-std::string Numbers(const Eigen::Vector3d& vector) {
-  return ShortestText(vector[0]) + " " + ShortestText(vector[1]) + " " + ShortestText(vector[2]);
-}
-
-// An obstacle as a geom; a comment where MuJoCo has no such shape.
-std::string Geom(const SceneObstacle& obstacle, double friction) {
-  const std::string tail = " friction=\"" + ShortestText(friction) + " 0.005 0.0001\" condim=\"3\"/>\n";
-  if (const auto* plane = dynamic_cast<const Plane*>(obstacle.shape.get())) {
-    return "    <geom type=\"plane\" size=\"0 0 1\" pos=\"" + Numbers(plane->point()) + "\" zaxis=\"" +
-           Numbers(plane->normal()) + "\"" + tail;
-  }
-  if (const auto* sphere = dynamic_cast<const Sphere*>(obstacle.shape.get())) {
-    return "    <geom type=\"sphere\" size=\"" + ShortestText(sphere->radius()) + "\" pos=\"" +
-           Numbers(sphere->center()) + "\"" + tail;
-  }
-  if (const auto* capsule = dynamic_cast<const Capsule*>(obstacle.shape.get())) {
-    return "    <geom type=\"capsule\" size=\"" + ShortestText(capsule->radius()) + "\" fromto=\"" +
-           Numbers(capsule->from()) + " " + Numbers(capsule->to()) + "\"" + tail;
-  }
-  return "    <!-- an obstacle of another shape is left out; its friction is " + ShortestText(friction) + " -->\n";
-}
-
 void WriteBodies(const Scene& scene, const ExportConstants& constants, std::ostringstream* out) {
   const Eigen::VectorXd areas = NodeAreas(scene.mesh);
   for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
     const std::vector<int>& handles = scene.handles.nodes;
     const bool is_held = std::find(handles.begin(), handles.end(), node) != handles.end();
-    *out << "    <body name=\"n" << node << "\" pos=\"" << Numbers(scene.initial_positions.segment<3>(3 * node))
+    *out << "    <body name=\"n" << node << "\" pos=\"" << MujocoNumbers(scene.initial_positions.segment<3>(3 * node))
          << "\">";
     if (!is_held) {
       *out << "<inertial pos=\"0 0 0\" mass=\"" << ShortestText(constants.density * areas[node])
@@ -217,10 +195,10 @@ std::string MujocoXml(const Scene& scene, const ExportConstants& constants) {
   const FlexOrder order = OrderFlex(scene.mesh);
   std::ostringstream out;
   out << Comment(constants, numbers, order) << "<mujoco model=\"cloth\">\n  <option timestep=\""
-      << ShortestText(std::min(kLongestStep, scene.time_step)) << "\" gravity=\"" << Numbers(scene.gravity)
+      << ShortestText(std::min(kLongestStep, scene.time_step)) << "\" gravity=\"" << MujocoNumbers(scene.gravity)
       << "\" integrator=\"discrete\" solver=\"CG\" cone=\"elliptic\"/>\n  <size memory=\"100M\"/>\n  <worldbody>\n";
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    out << Geom(scene.obstacles[i], constants.friction[i].second);
+    out << MujocoGeom(scene.obstacles[i], constants.friction[i].second);
   }
   WriteBodies(scene, constants, &out);
   out << "  </worldbody>\n  <deformable>\n";

@@ -9,6 +9,8 @@
 
 #include "identify/report/packed_array.h"
 #include "identify/report/page_template.h"
+#include "sim/obstacle/box.h"
+#include "sim/obstacle/round_shapes.h"
 #include "sim/obstacle/triangulated_surface.h"
 
 namespace clothid {
@@ -37,23 +39,69 @@ std::string PackMatrix(const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynami
 
 std::string PackFaces(const Eigen::Matrix3Xi& faces) { return PackMatrix<std::int32_t>(faces.cast<std::int32_t>()); }
 
-// Without a "type" where it is none of these shapes.
+Json AxesJson(const Eigen::Matrix3d& axes) {
+  return {VectorJson(axes.col(0)), VectorJson(axes.col(1)), VectorJson(axes.col(2))};
+}
+
+Json RoundShapeJson(const Obstacle* shape) {
+  if (const auto* cylinder = dynamic_cast<const Cylinder*>(shape)) {
+    return {{"type", "cylinder"},
+            {"from", VectorJson(cylinder->from())},
+            {"to", VectorJson(cylinder->to())},
+            {"radius", cylinder->radius()}};
+  }
+  if (const auto* torus = dynamic_cast<const Torus*>(shape)) {
+    return {{"type", "torus"},
+            {"center", VectorJson(torus->center())},
+            {"axis", VectorJson(torus->axis())},
+            {"radius", torus->radius()},
+            {"tube_radius", torus->tube_radius()}};
+  }
+  if (const auto* bowl = dynamic_cast<const Bowl*>(shape)) {
+    return {{"type", "bowl"},
+            {"center", VectorJson(bowl->center())},
+            {"axis", VectorJson(bowl->axis())},
+            {"radius", bowl->radius()},
+            {"angle", bowl->angle()},
+            {"thickness", bowl->thickness()}};
+  }
+  return Json::object();
+}
+
+// The numbers that a shape is made of, with its type; of lengths in m and angles in rad. Empty where it is none of
+// these.
+Json ShapeJson(const Obstacle* shape) {
+  if (const auto* plane = dynamic_cast<const Plane*>(shape)) {
+    return {{"type", "plane"}, {"point", VectorJson(plane->point())}, {"normal", VectorJson(plane->normal())}};
+  }
+  if (const auto* sphere = dynamic_cast<const Sphere*>(shape)) {
+    return {{"type", "sphere"}, {"center", VectorJson(sphere->center())}, {"radius", sphere->radius()}};
+  }
+  if (const auto* capsule = dynamic_cast<const Capsule*>(shape)) {
+    return {{"type", "capsule"},
+            {"from", VectorJson(capsule->from())},
+            {"to", VectorJson(capsule->to())},
+            {"radius", capsule->radius()}};
+  }
+  if (const auto* box = dynamic_cast<const Box*>(shape)) {
+    return {{"type", "box"},
+            {"center", VectorJson(box->center())},
+            {"axes", AxesJson(box->rotation().toRotationMatrix())},
+            {"size", VectorJson(box->size())},
+            {"radius", box->radius()}};
+  }
+  if (const auto* surface = dynamic_cast<const TriangulatedSurface*>(shape)) {
+    return {{"type", "mesh"},
+            {"vertices", PackMatrix<float>(surface->vertices().cast<float>())},
+            {"faces", PackFaces(surface->faces())}};
+  }
+  return RoundShapeJson(shape);
+}
+
+// Without a "type" where it cannot be drawn.
 Json ObstacleJson(const SceneObstacle& obstacle) {
   Json json = Json::object({{"name", obstacle.name}});
-  if (const auto* plane = dynamic_cast<const Plane*>(obstacle.shape.get())) {
-    json.update({{"type", "plane"}, {"point", VectorJson(plane->point())}, {"normal", VectorJson(plane->normal())}});
-  } else if (const auto* sphere = dynamic_cast<const Sphere*>(obstacle.shape.get())) {
-    json.update({{"type", "sphere"}, {"center", VectorJson(sphere->center())}, {"radius", sphere->radius()}});
-  } else if (const auto* capsule = dynamic_cast<const Capsule*>(obstacle.shape.get())) {
-    json.update({{"type", "capsule"},
-                 {"from", VectorJson(capsule->from())},
-                 {"to", VectorJson(capsule->to())},
-                 {"radius", capsule->radius()}});
-  } else if (const auto* surface = dynamic_cast<const TriangulatedSurface*>(obstacle.shape.get())) {
-    json.update({{"type", "mesh"},
-                 {"vertices", PackMatrix<float>(surface->vertices().cast<float>())},
-                 {"faces", PackFaces(surface->faces())}});
-  }
+  json.update(ShapeJson(obstacle.shape.get()));
   return json;
 }
 
@@ -67,7 +115,7 @@ void AddPoints(const Eigen::MatrixXd& positions, Eigen::AlignedBox3d* box) {
 }
 
 // Of all that moves but recorded points that are astray.
-Eigen::AlignedBox3d Box(const ReplaySource& source) {
+Eigen::AlignedBox3d BoundsOf(const ReplaySource& source) {
   Eigen::AlignedBox3d middle = source.middle, recorded;
   for (const Eigen::MatrixXd* own : {source.predicted, source.nodes, source.handles, source.start}) {
     if (own != nullptr) AddPoints(*own, &middle);
@@ -149,7 +197,7 @@ bool PointsAreNodes(const RecordedMotion& motion) {
 nlohmann::ordered_json ReplayJson(const ReplaySource& source, std::size_t max_bytes) {
   const std::string too_large = "The cloth is too large for a replay in a page of this size.";
   const RecordedMotion& motion = *source.motion;
-  const Eigen::AlignedBox3d box = Box(source);
+  const Eigen::AlignedBox3d box = BoundsOf(source);
   if (box.isEmpty()) return LeftOut("There is nothing to replay.");
   const PositionGrid grid = GridOver(box);
   const double largest_error = source.point_errors != nullptr ? Largest(*source.point_errors) : 0.0;

@@ -162,7 +162,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   std::size_t num_values_ = 0;
 };
 
-std::string Joined(std::initializer_list<const char*> words) {
+std::string Joined(const std::vector<const char*>& words) {
   std::string result;
   for (const char* word : words) result += (result.empty() ? "" : ", ") + std::string(word);
   return result;
@@ -189,7 +189,7 @@ void JsonNode::Expect(Kind kind, const char* expected) const {
   if (!is(kind)) Fail(std::string("expected ") + expected);
 }
 
-void JsonNode::ExpectKeys(std::initializer_list<const char*> known) const {
+void JsonNode::ExpectKeys(const std::vector<const char*>& known) const {
   for (const std::string& key : keys()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
       Find(key)->Fail("unknown key; expected one of " + Joined(known));

@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,7 +45,7 @@ class JsonNode {
   [[noreturn]] void Fail(const std::string& message) const;
 
   // The value must be an object without any other key.
-  void ExpectKeys(std::initializer_list<const char*> known) const;
+  void ExpectKeys(const std::vector<const char*>& known) const;
   std::optional<JsonNode> Find(const std::string& key) const;
   // `expected` completes the message where the key is missing: "expected " + `expected`.
   JsonNode Require(const std::string& key, const std::string& expected) const;

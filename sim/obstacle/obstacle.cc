@@ -2,32 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 
-#include "sim/base/error.h"
+#include "sim/obstacle/shape_checks.h"
 
 namespace clothid {
 namespace {
 
-// Nearer to a centre or an axis than this share of the radius there is no direction to speak of.
-constexpr double kSingular = 1e-12;
-
-[[noreturn]] void FailOnObstacle(const char* message) { throw Error(ErrorKind::kBadData, message); }
-
 double CheckedRadius(double radius) {
-  if (!(radius > 0.0) || !std::isfinite(radius)) FailOnObstacle("an obstacle's radius must be positive and finite");
-  return radius;
-}
-
-Eigen::Vector3d CheckedPoint(const Eigen::Vector3d& point) {
-  if (!point.allFinite()) FailOnObstacle("an obstacle's position must be finite");
-  return point;
-}
-
-Eigen::Vector3d CheckedDirection(const Eigen::Vector3d& direction, const char* message) {
-  const double length = direction.stableNorm();
-  if (!(length > 0.0) || !std::isfinite(length)) FailOnObstacle(message);
-  return direction / length;
+  return CheckedLength(radius, "an obstacle's radius must be positive and finite");
 }
 
 // Of a round surface at the offset `offset` from its centre line. `straight` projects on the directions in which the

@@ -4,6 +4,8 @@
 #include <limits>
 #include <sstream>
 
+#include "sim/obstacle/box.h"
+#include "sim/obstacle/round_shapes.h"
 #include "sim/obstacle/triangulated_surface.h"
 #include "tests/sim/random_numbers.h"
 
@@ -220,25 +222,41 @@ class Builder {
   // Beyond the cloth in `direction`, seen from its middle.
   Shape MakeShape(const Eigen::Vector3d& direction) {
     Shape shape;
-    shape.kind = static_cast<Shape::Kind>(random_.Integer(0, 3));
+    shape.kind = static_cast<Shape::Kind>(random_.Integer(0, 7));
     const Eigen::Vector3d middle = scene_.initial_positions.reshaped(3, scene_.mesh.num_nodes()).rowwise().mean();
     shape.point = middle + 2.0 * size_ * direction;
     shape.radius = random_.Uniform(0.3, 0.8) * size_;
+    shape.normal = -direction;
     if (shape.kind == Shape::Kind::kPlane) {
-      shape.normal = -direction;
       words_ << ", plane";
     } else if (shape.kind == Shape::Kind::kSphere) {
       words_ << ", sphere";
-    } else if (shape.kind == Shape::Kind::kCapsule) {
-      shape.end = shape.point + size_ * random_.Direction();
-      words_ << ", capsule";
-    } else {
+    } else if (shape.kind == Shape::Kind::kSurface) {
       const bool is_cube = random_.Chance(0.5);
       shape.surface = is_cube ? CubeMesh(shape.radius) : IcosphereMesh(random_.Integer(0, 1), shape.radius);
       shape.surface.vertices = (random_.Rotation() * shape.surface.vertices).eval().colwise() + shape.point;
       words_ << (is_cube ? ", cube" : ", icosphere");
+    } else if (shape.kind == Shape::Kind::kBox) {
+      shape.size = 2.0 * shape.radius * (Eigen::Vector3d::Ones() + 0.3 * random_.InCube(3));
+      shape.rotation = random_.Rotation();
+      shape.thickness = random_.Chance(0.3) ? 0.0 : random_.Uniform(0.0, 0.5) * shape.size.minCoeff();
+      words_ << (shape.thickness > 0.0 ? ", round box" : ", box");
+    } else {
+      FinishLongOrHollow(&shape);
     }
     return shape;
+  }
+
+  void FinishLongOrHollow(Shape* shape) {
+    if (shape->kind == Shape::Kind::kCapsule || shape->kind == Shape::Kind::kCylinder) {
+      shape->end = shape->point + size_ * random_.Direction();
+      words_ << (shape->kind == Shape::Kind::kCapsule ? ", capsule" : ", cylinder");
+      return;
+    }
+    shape->normal = (shape->normal + 0.3 * random_.InCube(3)).normalized();
+    shape->thickness = random_.Uniform(0.1, 0.4) * shape->radius;
+    shape->angle = random_.Uniform(0.5, 2.5);
+    words_ << (shape->kind == Shape::Kind::kTorus ? ", torus" : ", bowl");
   }
 
   double SmallestGap(const Shape& shape) const {
@@ -275,6 +293,14 @@ std::shared_ptr<const Obstacle> Shape::Make() const {
       return std::make_shared<Sphere>(point, radius);
     case Kind::kCapsule:
       return std::make_shared<Capsule>(point, end, radius);
+    case Kind::kBox:
+      return std::make_shared<Box>(point, size, Eigen::Quaterniond(rotation), thickness);
+    case Kind::kCylinder:
+      return std::make_shared<Cylinder>(point, end, radius);
+    case Kind::kTorus:
+      return std::make_shared<Torus>(point, normal, radius, thickness);
+    case Kind::kBowl:
+      return std::make_shared<Bowl>(point, normal, radius, angle, thickness);
     case Kind::kSurface:
       break;
   }

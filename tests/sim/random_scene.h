@@ -16,12 +16,16 @@ namespace clothid {
 
 // An obstacle in the numbers that it is made of, which `Obstacle` does not give away: tests move and rescale them.
 struct Shape {
-  enum class Kind { kPlane, kSphere, kCapsule, kSurface };
+  enum class Kind { kPlane, kSphere, kCapsule, kSurface, kBox, kCylinder, kTorus, kBowl };
   Kind kind = Kind::kPlane;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();    // m: of the plane, centre of the sphere, start of the capsule
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the plane
-  Eigen::Vector3d end = Eigen::Vector3d::Zero();      // m: of the capsule
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    // m: of the plane, a centre, start of the capsule and cylinder
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the plane; axis of torus and bowl
+  Eigen::Vector3d end = Eigen::Vector3d::Zero();      // m: of the capsule and cylinder
   double radius = 0.0;                                // m
+  double thickness = 0.0;                             // m: of the bowl; of the torus's tube and the box's round edges
+  double angle = 0.0;                                 // rad: of the bowl
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();     // m: of the box
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // of the box
   TriangleMesh surface;
 
   void Shift(const Eigen::Vector3d& offset);

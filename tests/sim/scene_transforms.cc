@@ -11,6 +11,7 @@ Shape Moved(Shape shape, const RigidMotion& motion) {
   shape.point = motion.OfPoints(shape.point);
   shape.end = motion.OfPoints(shape.end);
   shape.normal = motion.OfVectors(shape.normal);
+  shape.rotation = motion.rotation * shape.rotation;
   if (shape.surface.vertices.cols() > 0) shape.surface.vertices = motion.OfPoints(shape.surface.vertices);
   return shape;
 }
@@ -19,6 +20,8 @@ Shape Rescaled(Shape shape, double length) {
   shape.point *= length;
   shape.end *= length;
   shape.radius *= length;
+  shape.thickness *= length;
+  shape.size *= length;
   shape.surface.vertices *= length;
   return shape;
 }

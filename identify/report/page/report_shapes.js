@@ -28,22 +28,103 @@ function normalsOf(positions, faces) {
   return normals;
 }
 
-// A capsule, or with from = to a sphere, of rings around its axis.
-function capsuleShape(from, to, radius) {
-  const along = add(to, from, -1), axis = Math.hypot(...along) > 0 ? unit(along) : [0, 0, 1];
-  const u = across(axis), v = cross(axis, u), rings = 24, sectors = 36, positions = [], indices = [];
-  for (let ring = 0; ring <= rings; ++ring) {
-    const angle = Math.PI * (ring / rings - 0.5), center = ring <= rings / 2 ? from : to;
+// Points [distance from the axis, height] of an arc, from one angle to another.
+function arcProfile(distance, height, radius, from, to, cells) {
+  return Array.from({length: cells + 1}, (_, i) => {
+    const angle = from + (to - from) * i / cells;
+    return [distance + radius * Math.cos(angle), height + radius * Math.sin(angle)];
+  });
+}
+
+// A profile turned about an axis, its outer side to the right of its way. A point given twice is a sharp rim.
+function revolvedShape(origin, axis, profile) {
+  const u = across(axis), v = cross(axis, u), sectors = 36, positions = [], indices = [];
+  profile.forEach(([distance, height], ring) => {
     for (let sector = 0; sector <= sectors; ++sector) {
       const turn = 2 * Math.PI * sector / sectors;
       const side = add(add([0, 0, 0], u, Math.cos(turn)), v, Math.sin(turn));
-      positions.push(...add(add(center, axis, radius * Math.sin(angle)), side, radius * Math.cos(angle)));
-      if (ring === rings || sector === sectors) continue;
+      positions.push(...add(add(origin, axis, height), side, distance));
+      if (ring === profile.length - 1 || sector === sectors) continue;
       const i = ring * (sectors + 1) + sector, above = i + sectors + 1;
       indices.push(i, i + 1, above, i + 1, above + 1, above);
     }
+  });
+  return {positions: Float32Array.from(positions), indices: Int32Array.from(indices)};
+}
+
+// With from = to a sphere.
+function capsuleShape(from, to, radius) {
+  const along = add(to, from, -1), length = Math.hypot(...along);
+  return revolvedShape(from, length > 0 ? unit(along) : [0, 0, 1],
+    [...arcProfile(0, 0, radius, -Math.PI / 2, 0, 12), ...arcProfile(0, length, radius, 0, Math.PI / 2, 12)]);
+}
+
+function cylinderShape({from, to, radius}) {
+  const along = add(to, from, -1), length = Math.hypot(...along), rims = [[radius, 0], [radius, length]];
+  return revolvedShape(from, unit(along), [[0, 0], rims[0], rims[0], rims[1], rims[1], [0, length]]);
+}
+
+function torusShape({center, axis, radius, tube_radius: tube}) {
+  return revolvedShape(center, axis, arcProfile(radius, 0, tube, -Math.PI, Math.PI, 24));
+}
+
+// The outside from the bottom up, around the rim, and the inside down again.
+function bowlShape({center, axis, radius, angle, thickness}) {
+  const rim = angle - Math.PI / 2, half = 0.5 * thickness, middle = radius + half;
+  return revolvedShape(center, axis, [
+    ...arcProfile(0, 0, radius + thickness, -Math.PI / 2, rim, 16),
+    ...arcProfile(middle * Math.cos(rim), middle * Math.sin(rim), half, rim, rim + Math.PI, 8),
+    ...arcProfile(0, 0, radius, rim, -Math.PI / 2, 16)]);
+}
+
+// A box, its edges round with a radius >= 0: eighths of a sphere moved to the corners, with faces between them.
+function boxShape({center, axes, size, radius}) {
+  const core = size.map((length) => 0.5 * length - radius), cells = radius > 0 ? 6 : 1, positions = [], indices = [];
+  const signs = [[1, 1], [-1, 1], [-1, -1], [1, -1]], sectors = 4 * (cells + 1), rings = 2 * (cells + 1);
+  const place = (local) => positions.push(...local.reduce((point, value, k) => add(point, axes[k], value), center));
+  for (let ring = 0; ring < rings; ++ring) {
+    const top = ring > cells ? 1 : -1, height = Math.PI / 2 * ((ring % (cells + 1)) / cells - (top > 0 ? 0 : 1));
+    for (let sector = 0; sector < sectors; ++sector) {
+      const quadrant = Math.floor(sector / (cells + 1)), [right, far] = signs[quadrant];
+      const turn = Math.PI / 2 * (quadrant + (sector % (cells + 1)) / cells), flat = radius * Math.cos(height);
+      place([right * core[0] + flat * Math.cos(turn), far * core[1] + flat * Math.sin(turn),
+        top * core[2] + radius * Math.sin(height)]);
+      if (ring === rings - 1) continue;
+      const i = ring * sectors + sector, next = ring * sectors + (sector + 1) % sectors;
+      indices.push(i, next, i + sectors, next, next + sectors, i + sectors);
+    }
+  }
+  for (const top of [-1, 1]) {
+    const first = positions.length / 3;
+    for (const [right, far] of signs) place([right * core[0], far * core[1], 0.5 * top * size[2]]);
+    for (const [j, k] of top > 0 ? [[1, 2], [2, 3]] : [[2, 1], [3, 2]]) indices.push(first, first + j, first + k);
   }
   return {positions: Float32Array.from(positions), indices: Int32Array.from(indices)};
+}
+
+// What to draw of an obstacle; null of a plane, which has no end.
+function obstacleShape(obstacle) {
+  switch (obstacle.type) {
+    case 'sphere': return capsuleShape(obstacle.center, obstacle.center, obstacle.radius);
+    case 'capsule': return capsuleShape(obstacle.from, obstacle.to, obstacle.radius);
+    case 'cylinder': return cylinderShape(obstacle);
+    case 'torus': return torusShape(obstacle);
+    case 'bowl': return bowlShape(obstacle);
+    case 'box': return boxShape(obstacle);
+    case 'mesh': return obstacle;
+    default: return null;
+  }
+}
+
+// How far an obstacle of one middle reaches from it; null of the others.
+function obstacleReach({type, radius, size, thickness, tube_radius: tube}) {
+  switch (type) {
+    case 'sphere': return radius;
+    case 'torus': return radius + tube;
+    case 'bowl': return radius + thickness;
+    case 'box': return 0.5 * Math.hypot(...size);
+    default: return null;
+  }
 }
 
 // A cone from a disk around `from` to its tip.

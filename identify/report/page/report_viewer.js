@@ -246,8 +246,9 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
     }
     const cloth = 0.5 * Math.hypot(...add(high, low, -1)) || 1;
     for (const obstacle of replay.obstacles) {
-      if (obstacle.type === 'sphere' && obstacle.radius < cloth) extend(obstacle.center, obstacle.radius);
-      if (obstacle.type === 'capsule' && obstacle.radius < cloth) {
+      const reach = obstacleReach(obstacle);
+      if (reach !== null && reach < cloth) extend(obstacle.center, reach);
+      if (['capsule', 'cylinder'].includes(obstacle.type) && obstacle.radius < cloth) {
         for (const end of [obstacle.from, obstacle.to]) {
           if (Math.hypot(...add(end, low, -1)) < 4 * cloth) extend(end, obstacle.radius);
         }
@@ -262,11 +263,7 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
       replay = unpacked;
       frameScene();
       planes = replay.obstacles.filter(({type}) => type === 'plane').map((plane) => planeShape(plane, center, 1.6 * radius));
-      replay.shapes = replay.obstacles.map((obstacle) => {
-        if (obstacle.type === 'sphere') return capsuleShape(obstacle.center, obstacle.center, obstacle.radius);
-        if (obstacle.type === 'capsule') return capsuleShape(obstacle.from, obstacle.to, obstacle.radius);
-        return obstacle.type === 'mesh' ? obstacle : null;
-      }).filter(Boolean);
+      replay.shapes = replay.obstacles.map(obstacleShape).filter(Boolean);
       viewer.reset();
     },
     reset() {

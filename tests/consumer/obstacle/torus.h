@@ -1,4 +1,4 @@
-// A ring lying flat: an obstacle that clothid does not have, so that its users may see how to add one.
+// A ring lying flat: an obstacle as users of clothid would add one, whose own `clothid::Torus` has any axis.
 #ifndef CLOTHID_TESTS_CONSUMER_OBSTACLE_TORUS_H_
 #define CLOTHID_TESTS_CONSUMER_OBSTACLE_TORUS_H_
 

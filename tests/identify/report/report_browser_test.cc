@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace clothid::report_browser_test {
 namespace {
@@ -69,6 +70,36 @@ TEST_F(ReportBrowserTest, ReplaysTheMotion) {
   browser().Evaluate("showFrame(0)");
   EXPECT_EQ(LookAtReplay().picture, first.picture) << "the same frame, the same picture";
   ExpectPeace();
+}
+
+// Volumes of obstacles as they are drawn, with faces that look outward, in m^3.
+constexpr char kVolumes[] = R"(state.replay.shapes.map(({positions, indices}) => {
+  const point = (i) => [...positions.subarray(3 * i, 3 * i + 3)];
+  let volume = 0;
+  for (let i = 0; i < indices.length; i += 3) {
+    volume += dot(point(indices[i]), cross(point(indices[i + 1]), point(indices[i + 2]))) / 6;
+  }
+  return volume;
+}))";
+
+TEST_F(ReportBrowserTest, DrawsEveryShapeInItsSize) {
+  const auto ball = [](double radius) { return 4.0 / 3.0 * M_PI * std::pow(radius, 3); };
+  const double r = 0.015, rim = 80.0 / 180.0 * M_PI;  // of the table's edges and of the bowl
+  const double rim_from_axis = 0.085 * std::sin(rim) + 4.0 * 0.005 / (3.0 * M_PI) * std::cos(rim);
+  const std::vector<double> expected = {
+      ball(0.1),
+      ball(0.03) + M_PI * 0.03 * 0.03 * 0.5,
+      0.001,
+      2.0 * r * 0.17 * 0.07 + M_PI * r * r * (0.17 + 0.07) + ball(r),
+      M_PI * 0.05 * 0.05 * std::hypot(0.1, 0.1),
+      2.0 * M_PI * M_PI * 0.1 * 0.03 * 0.03,
+      0.5 * (ball(0.09) - ball(0.08)) * (1.0 - std::cos(rim)) + M_PI * M_PI * 0.005 * 0.005 * rim_from_axis,
+      0.001 / 3.0};
+  const std::vector<double> volumes = browser().Evaluate(kVolumes);
+  ASSERT_EQ(volumes.size(), expected.size());
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    EXPECT_NEAR(volumes[i] / expected[i], 1.0, 0.02) << i << ": of so many corners";
+  }
 }
 
 TEST_F(ReportBrowserTest, LooksInEveryWay) {

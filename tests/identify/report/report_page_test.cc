@@ -15,6 +15,8 @@
 #include "identify/report/report_replay.h"
 #include "identify/report/result_json.h"
 #include "identify/report/vendor/plotly.h"
+#include "sim/obstacle/box.h"
+#include "sim/obstacle/round_shapes.h"
 #include "sim/obstacle/triangulated_surface.h"
 #include "tests/costs/synthetic_clouds.h"
 #include "tests/costs/synthetic_motion.h"
@@ -197,17 +199,30 @@ TEST(ReportPageTest, ReplayHasEveryKindOfObstacle) {
       MakeObstacle("floor", std::make_shared<Plane>(Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0, 0, 2))),
       MakeObstacle("ball", std::make_shared<Sphere>(Eigen::Vector3d(1, 2, 3), 0.5)),
       MakeObstacle("rod", std::make_shared<Capsule>(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 3, 4), 0.1)),
-      MakeObstacle("box", std::make_shared<TriangulatedSurface>(cube.vertices, cube.faces)),
+      MakeObstacle("cube", std::make_shared<TriangulatedSurface>(cube.vertices, cube.faces)),
+      MakeObstacle("box", std::make_shared<Box>(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6),
+                                                Eigen::Quaterniond(1, 1, 1, 1), 0.5)),
+      MakeObstacle("tin", std::make_shared<Cylinder>(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 0, 2), 0.5)),
+      MakeObstacle("ring", std::make_shared<Torus>(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 2, 0), 0.5, 0.25)),
+      MakeObstacle("bowl", std::make_shared<Bowl>(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 2, 0), 0.5, 1.5, 0.25)),
       MakeObstacle("slab", std::make_shared<Slab>())};
   const Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(25, 3);
   const Json replay = ReplayJson({&motion, &motion.positions, nullptr, &errors}, 1000000);
   const Json& obstacles = replay["obstacles"];
-  ASSERT_EQ(obstacles.size(), 4u);
+  ASSERT_EQ(obstacles.size(), 8u);
   EXPECT_EQ(obstacles[0]["normal"], Json({0.0, 0.0, 1.0}));
   EXPECT_EQ(obstacles[1]["radius"], 0.5);
   EXPECT_EQ(obstacles[2]["to"], Json({0.0, 3.0, 4.0}));
   EXPECT_EQ(Unpack(obstacles[3]["vertices"]).size(), 12u * cube.vertices.cols());
   EXPECT_EQ(Unpack(obstacles[3]["faces"]).size(), 12u * cube.faces.cols());
+  EXPECT_EQ(obstacles[4]["axes"], (Json{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}));
+  EXPECT_EQ(obstacles[4]["size"], Json({4.0, 5.0, 6.0}));
+  EXPECT_EQ(obstacles[4]["radius"], 0.5);
+  EXPECT_EQ(obstacles[5]["to"], Json({0.0, 0.0, 2.0}));
+  EXPECT_EQ(obstacles[6]["tube_radius"], 0.25);
+  EXPECT_EQ(obstacles[7]["axis"], Json({0.0, 1.0, 0.0}));
+  EXPECT_EQ(obstacles[7]["angle"], 1.5);
+  EXPECT_EQ(obstacles[7]["thickness"], 0.25);
   ASSERT_EQ(replay["notes"].size(), 1u);
   EXPECT_NE(replay["notes"][0].get<std::string>().find("slab"), std::string::npos);
 }

@@ -2,54 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "tests/expect_error.h"
+#include "tests/sim/obstacle/surface_checks.h"
 
 namespace clothid::obstacle_test {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-constexpr double kStep = 1e-5;  // m, of the central differences
-
-// n against differences of phi, and dn/dx against differences of n.
-void ExpectDerivatives(const Obstacle& obstacle, const Vector3d& x) {
-  const SurfacePoint point = obstacle.Closest(x);
-  Vector3d normal;
-  Matrix3d normal_gradient;
-  for (int k = 0; k < 3; ++k) {
-    const Vector3d offset = kStep * Vector3d::Unit(k);
-    const SurfacePoint ahead = obstacle.Closest(x + offset), behind = obstacle.Closest(x - offset);
-    normal[k] = (ahead.gap - behind.gap) / (2.0 * kStep);
-    normal_gradient.col(k) = (ahead.normal - behind.normal) / (2.0 * kStep);
-  }
-  EXPECT_NEAR(point.normal.norm(), 1.0, 1e-15);
-  EXPECT_LT((point.normal - normal).norm(), 1e-8) << x.transpose();
-  EXPECT_LT((point.normal_gradient - normal_gradient).norm(), 1e-7) << x.transpose();
-  EXPECT_LT((point.normal_gradient - point.normal_gradient.transpose()).norm(), 1e-14);
-  EXPECT_LT((point.normal_gradient * point.normal).norm(), 1e-13);
-}
-
-class RandomPoints {
- public:
-  Vector3d Next() { return {uniform_(generator_), uniform_(generator_), uniform_(generator_)}; }
-
- private:
-  std::mt19937 generator_{7};
-  std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
-};
-
-void ExpectFinite(const SurfacePoint& point) {
-  EXPECT_TRUE(std::isfinite(point.gap));
-  EXPECT_NEAR(point.normal.norm(), 1.0, 1e-15);
-  EXPECT_TRUE(point.normal_gradient.allFinite());
-}
 
 TEST(Plane, HasItsDerivatives) {
   const Plane plane({0.1, -0.2, 0.3}, {1.0, 2.0, 3.0});
@@ -94,7 +56,7 @@ TEST(Capsule, HasItsDerivativesOnCapsAndCylinder) {
   for (int i = 0; i < 80; ++i) {
     const Vector3d x = points.Next();
     const double along = axis.dot(x - from), length = (to - from).norm();
-    const bool at_seam = std::abs(along) < 2.0 * kStep || std::abs(along - length) < 2.0 * kStep;
+    const bool at_seam = std::abs(along) < 2.0 * kDifferenceStep || std::abs(along - length) < 2.0 * kDifferenceStep;
     if (at_seam || capsule.Closest(x).gap < -0.15) continue;
     (along > 0.0 && along < length ? on_cylinder : on_caps) += 1;
     ExpectDerivatives(capsule, x);
