@@ -1,12 +1,14 @@
 #include "datasets/motion/scene_text.h"
 
 #include <cstddef>
-#include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/obstacle/triangulated_surface.h"
+#include "sim/path/pose_csv.h"
 
 namespace clothid {
 namespace {
@@ -21,8 +23,18 @@ std::string ColumnsText(const Matrix& matrix) {
   return list.dump();
 }
 
+// [[time, x, y, z, qx, qy, qz, qw], ..] of a path, on one line.
+std::string PathText(const RigidPath& path) {
+  const Eigen::MatrixXd table = TableOfPath(path);
+  Json list = Json::array();
+  for (Eigen::Index i = 0; i < table.cols(); ++i) {
+    list.push_back(std::vector<double>(table.col(i).begin(), table.col(i).end()));
+  }
+  return list.dump();
+}
+
 // Gives the first `key` that is null the value `list`: long lists are not to be indented number by number.
-void Fill(const std::string& key, const std::string& list, std::string* text) {
+void FillFirst(const std::string& key, const std::string& list, std::string* text) {
   const std::string member = "\"" + key + "\": ", null = "null";
   text->replace(text->find(member + null) + member.size(), null.size(), list);
 }
@@ -33,32 +45,49 @@ bool NamesWarp(const Json& json) {
          json["materials"]["warp_direction"].is_string();
 }
 
+// Makes keys null, in the place of what they name, and collects the lists that belong there, in the order of the text.
+class InlineLists {
+ public:
+  InlineLists(const Scene& scene, Json* json) {
+    for (std::size_t i = 0; i < scene.obstacles.size(); ++i)
+      AddObstacle(scene.obstacles[i], &json->at("obstacles").at(i));
+    if (scene.warp.directions.cols() == 0 || !NamesWarp(*json)) return;
+    (*json)["materials"]["warp_direction"] = nullptr;
+    lists_.emplace_back("warp_direction", ColumnsText(scene.warp.directions));
+  }
+
+  bool empty() const { return lists_.empty(); }
+  void Fill(std::string* text) const {
+    for (const auto& [key, list] : lists_) FillFirst(key, list, text);
+  }
+
+ private:
+  void AddObstacle(const SceneObstacle& obstacle, Json* json) {
+    if (const auto* surface = dynamic_cast<const TriangulatedSurface*>(obstacle.shape.get())) {
+      json->erase("obj");
+      for (const char* key : {"vertices", "faces"}) (*json)[key] = nullptr;
+      lists_.emplace_back("vertices", ColumnsText(surface->vertices()));
+      lists_.emplace_back("faces", ColumnsText(surface->faces()));
+    }
+    if (obstacle.path == nullptr || !(*json)["path"].is_string()) return;
+    (*json)["path"] = nullptr;
+    lists_.emplace_back("path", PathText(*obstacle.path));
+  }
+
+  std::vector<std::pair<std::string, std::string>> lists_;
+};
+
 }  // namespace
 
 std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
-  std::map<std::size_t, const TriangulatedSurface*> surfaces;  // by obstacle
-  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    const auto* surface = dynamic_cast<const TriangulatedSurface*>(scene.obstacles[i].shape.get());
-    if (surface != nullptr) surfaces[i] = surface;
-  }
-  const bool has_directions = scene.warp.directions.cols() > 0;
-  if (surfaces.empty() && !has_directions) return scene_text;
+  if (scene.obstacles.empty() && scene.warp.directions.cols() == 0) return scene_text;
   Json json = Json::parse(scene_text);
-  const bool names_warp = has_directions && NamesWarp(json);
-  if (surfaces.empty() && !names_warp) return scene_text;
-  if (names_warp) json["materials"]["warp_direction"] = nullptr;
-  for (const auto& [i, surface] : surfaces) {
-    Json& obstacle = json.at("obstacles").at(i);
-    obstacle.erase("obj");
-    for (const char* key : {"vertices", "faces"}) obstacle[key] = nullptr;
-  }
+  const InlineLists lists(scene, &json);
+  if (lists.empty()) return scene_text;
   std::string text = json.dump(2);
-  for (const auto& [i, surface] : surfaces) {
-    Fill("vertices", ColumnsText(surface->vertices()), &text);
-    Fill("faces", ColumnsText(surface->faces()), &text);
-  }
-  if (names_warp) Fill("warp_direction", ColumnsText(scene.warp.directions), &text);
-  ParseJson(text, "scene with the surfaces of its obstacles and the directions of its warp");  // for its limits
+  lists.Fill(&text);
+  // For its limits.
+  ParseJson(text, "scene with the surfaces and paths of its obstacles and the directions of its warp");
   return text;
 }
 

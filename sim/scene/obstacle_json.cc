@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "sim/base/error.h"
+#include "sim/path/pose_csv.h"
 #include "sim/scene/shape_json.h"
 
 namespace clothid {
@@ -28,6 +30,31 @@ std::string UniqueName(const std::string& type, std::set<std::string>* names) {
   return name;
 }
 
+// Rows time, x, y, z, qx, qy, qz, qw.
+RigidPath ReadRows(const JsonNode& list) {
+  constexpr std::size_t kNumbers = 8;
+  const std::vector<JsonNode> rows = list.items();
+  Eigen::MatrixXd table(kNumbers, static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::vector<JsonNode> numbers = rows[i].items();
+    if (numbers.size() != kNumbers) rows[i].Fail("expected [time, x, y, z, qx, qy, qz, qw]");
+    for (std::size_t k = 0; k < kNumbers; ++k) table(k, i) = numbers[k].Number();
+  }
+  return PathOfTable(table);
+}
+
+std::shared_ptr<const RigidPath> ReadPath(const JsonNode& node, const std::string& folder) {
+  std::string problem;
+  try {
+    const bool is_file = node.is(JsonValue::Kind::kString);
+    return std::make_shared<RigidPath>(is_file ? ReadPoseCsv(node.Path(folder)) : ReadRows(node));
+  } catch (const Error& error) {
+    if (node.is(JsonValue::Kind::kString) || error.kind() != ErrorKind::kBadData) throw;
+    problem = error.what();
+  }
+  node.Fail(problem);
+}
+
 }  // namespace
 
 std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const std::string& folder) {
@@ -44,6 +71,7 @@ std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const std::string
     obstacle.shape = ReadShape(node, folder);
     if (const auto mu = node.Find("mu")) obstacle.friction_coefficient = mu->NonNegativeNumber();
     if (const auto distance = node.Find("contact_distance")) obstacle.contact_distance = distance->NonNegativeNumber();
+    if (const auto path = node.Find("path")) obstacle.path = ReadPath(*path, folder);
     const auto name = node.Find("name");
     obstacle.name = name ? name->String() : UniqueName(node.Find("type")->String(), &names);
     obstacles.push_back(std::move(obstacle));

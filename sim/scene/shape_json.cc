@@ -142,7 +142,7 @@ struct ShapeType {
 };
 
 // What every obstacle may have beside the keys of its type.
-constexpr const char* kCommonKeys[] = {"name", "type", "mu", "contact_distance"};
+constexpr const char* kCommonKeys[] = {"name", "type", "mu", "contact_distance", "path"};
 
 const std::vector<ShapeType>& ShapeTypes() {
   static const std::vector<ShapeType> types = {
