@@ -52,6 +52,8 @@ Parameters, of --fit, --each, --start, --lower, --upper, --prior and --profile:
   of the air          drag_normal, drag_tangential, added_mass, wind.x, .y, .z, gust.x, .y, .z, gust.frequency,
                       gust.phase, gust.wave.x, .., wind.shear.x, .. and wind.x.1, .. of a wind profile
   size.x, size.y      what the cloth at rest is larger by than the scene says
+  OBSTACLE.time_offset, OBSTACLE.shift.x, .., OBSTACLE.turn.x, ..
+                      s, m and rad: what the path of an obstacle is off
   of a recording itself, 0 at the start; each but time_offset is x, y and z, as shift.x:
   time_offset         s, added to the recording's times to meet the clock of the scene and its handles
   shift, turn         m and rad about the centroid of the measured points, added to the prediction to meet the

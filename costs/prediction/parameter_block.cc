@@ -153,6 +153,19 @@ double WindUnit(ParameterKind kind, double nominal) {
   return std::max(least, 2.0 * std::abs(nominal));
 }
 
+// How far a measured path is off at the most, unless bounds are given.
+double PlacementUnit(ParameterKind kind) {
+  constexpr double kTimeOffset = 0.1, kShift = 0.05, kTurn = 0.2;  // s, m, rad
+  const PlacementPart part = PartOf(kind);
+  return part == PlacementPart::kTimeOffset ? kTimeOffset : part < PlacementPart::kTurnX ? kShift : kTurn;
+}
+
+// The value of a parameter that may be negative at q = 1.
+double SignedUnit(ParameterKind kind, double nominal, const Material& material) {
+  if (IsPlacement(kind)) return PlacementUnit(kind);
+  return IsWind(kind) ? WindUnit(kind, nominal) : LargestCoupling(material);
+}
+
 // A start above zero brings a drag into the scene.
 void CheckWindHasDrag(const std::string& name, ParameterId id, const Scene& scene,
                       const ParameterOverrides& overrides) {
@@ -295,9 +308,7 @@ ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, c
   block.name = name;
   block.scale = DefaultScale(id.kind);
   block.is_signed = DomainOf(id.kind) == ParameterDomain::kAny;
-  if (block.is_signed) {
-    block.unit = IsWind(id.kind) ? WindUnit(id.kind, nominal) : LargestCoupling(scene_values.material);
-  }
+  if (block.is_signed) block.unit = SignedUnit(id.kind, nominal, scene_values.material);
   block.frozen = range.frozen;
   block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
   CheckStart(block);

@@ -27,18 +27,6 @@ constexpr double kLightFabric = 0.031, kHeavyFabric = 0.488;  // kg/m^2
 constexpr double kBeyondFabric = 3.0;                     // as a factor: nothing is woven or knitted so light or heavy
 constexpr double kLargeCloth = 10.0, kSmallCloth = 0.01;  // m
 
-// The gap to the obstacle that is nearest to a place, and its normal.
-SurfacePoint NearestSurface(const Scene& scene, const Eigen::Vector3d& place) {
-  SurfacePoint nearest;
-  nearest.gap = std::numeric_limits<double>::infinity();
-  for (const SceneObstacle& obstacle : scene.obstacles) {
-    SurfacePoint surface = obstacle.shape->Closest(place);
-    surface.gap -= obstacle.contact_distance;
-    if (surface.gap < nearest.gap) nearest = surface;
-  }
-  return nearest;
-}
-
 Finding CheckStart(const CheckedMotion& checked) {
   const Scene& scene = checked.motion.scene;
   Finding finding;
@@ -47,7 +35,7 @@ Finding CheckStart(const CheckedMotion& checked) {
   std::vector<int> nodes;
   const double tolerance = kTouching * checked.cloth_size;
   for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
-    const double gap = NearestSurface(scene, scene.initial_positions.segment<3>(3 * node)).gap;
+    const double gap = NearestSurface(scene, scene.initial_positions.segment<3>(3 * node), scene.start_time).gap;
     if (gap < -tolerance) nodes.push_back(node);
     deepest = std::max(deepest, -gap);
   }
@@ -175,7 +163,7 @@ Touch FindTouch(const CheckedMotion& checked) {
     std::vector<double> gaps;
     const Eigen::Matrix3Xd places = checked.Places(frame);
     for (const auto& place : places.colwise()) {
-      const SurfacePoint surface = NearestSurface(motion.scene, place);
+      const SurfacePoint surface = NearestSurface(motion.scene, place, motion.times[frame]);
       gaps.push_back(surface.gap);
       if (!(surface.gap <= near)) continue;
       touching.push_back(surface.gap);

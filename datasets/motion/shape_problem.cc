@@ -16,6 +16,7 @@ Scene ShapeScene(const Scene& scene) {
   shape.mesh = scene.mesh;
   shape.initial_positions = scene.initial_positions;
   shape.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
+  shape.start_time = scene.start_time;
   shape.handles = scene.handles;
   shape.obstacles = scene.obstacles;
   shape.material.bending_stiffness = 1.0;
@@ -104,14 +105,7 @@ Eigen::VectorXd ShapeProblem::Step(const ShapeWeights& weights, const Eigen::Vec
 }
 
 SurfacePoint ShapeProblem::Nearest(const Eigen::Vector3d& position) const {
-  SurfacePoint nearest;
-  nearest.gap = std::numeric_limits<double>::infinity();
-  for (const SceneObstacle& obstacle : scene_.obstacles) {
-    SurfacePoint surface = obstacle.shape->Closest(position);
-    surface.gap -= obstacle.contact_distance;
-    if (surface.gap < nearest.gap) nearest = surface;
-  }
-  return nearest;
+  return NearestSurface(scene_, position, scene_.start_time);
 }
 
 Eigen::Vector3d ShapeProblem::Misfit(std::size_t p, const Eigen::VectorXd& positions) const {

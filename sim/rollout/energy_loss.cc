@@ -58,14 +58,9 @@ InternalForces ForcesAtEnd(const Parameters& parameters, const StepRecord& recor
           DampingForce(parameters.material, record, start, simulator.model())};
 }
 
-namespace {
-
-// The first record of the step or substep that ends in record `last`.
 int FirstOfStep(const Rollout& rollout, int last) {
   return rollout.records[static_cast<std::size_t>(last)].stage == Stage::kSecond ? last - 1 : last;
 }
-
-}  // namespace
 
 VelocityChanges ChangesInStep(const Rollout& rollout, int last, RecordReader* reader) {
   VelocityChanges changes;

@@ -41,6 +41,9 @@ struct EnergyParts {
 EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& positions,
                         const Eigen::VectorXd& velocities, const Simulator& simulator);
 
+// The first record of the step or substep that ends in record `last`.
+int FirstOfStep(const Rollout& rollout, int last);
+
 // What a solve is taken for in its step: kappa times for a first stage.
 double SolveWeight(const StepRecord& record);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -244,6 +245,17 @@ SurfacePoint SceneObstacle::Closest(const Eigen::Vector3d& position, double time
   SolveMaps maps;
   maps.start = path->At(time).pose;
   return ObstacleMotion(maps).Closest(*shape, position).surface;
+}
+
+SurfacePoint NearestSurface(const Scene& scene, const Eigen::Vector3d& position, double time) {
+  SurfacePoint nearest;
+  nearest.gap = std::numeric_limits<double>::infinity();
+  for (const SceneObstacle& obstacle : scene.obstacles) {
+    SurfacePoint surface = obstacle.Closest(position, time);
+    surface.gap -= obstacle.contact_distance;
+    if (surface.gap < nearest.gap) nearest = surface;
+  }
+  return nearest;
 }
 
 bool Scene::has(ParameterKind kind) const {

@@ -154,6 +154,10 @@ struct Scene {
   Parameters nominal_parameters() const;
 };
 
+// The surface of the obstacle that is nearest to `position` at `time`, its gap from the contact distance; without
+// obstacles the gap is infinite.
+SurfacePoint NearestSurface(const Scene& scene, const Eigen::Vector3d& position, double time);
+
 // Throws `Error` (kBadData), prefixed by `source`, unless mesh, handles, initial state, obstacles and numbers are
 // usable.
 void ValidateScene(const Scene& scene, const std::string& source);

@@ -8,6 +8,9 @@
 #include <vector>
 
 #include "sim/obstacle/obstacle.h"
+#include "sim/rollout/contact_work.h"
+#include "sim/rollout/energy_loss.h"
+#include "sim/rollout/record_reader.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/scene.h"
@@ -98,6 +101,39 @@ TEST_P(MovingObstacleTest, APlateThatSpeedsUpCarriesTheCloth) {
               1e-10)
         << step;
   }
+}
+
+// A ball that lifts a cloth does the work that the cloth gains and friction takes, but for what the integrator loses.
+TEST_P(MovingObstacleTest, ABallThatLiftsDoesTheWork) {
+  Scene scene = ClothScene(SquareGrid(8, 0.4), 0.005);
+  scene.integrator = GetParam();
+  scene.material.bending_stiffness = 1e-5;
+  const Eigen::Vector3d middle = scene.mesh.rest_positions.rowwise().mean();
+  const auto rise = [&](double t) {
+    return Eigen::Vector3d(middle + Eigen::Vector3d(0.02 * t, 0.0, -0.082 + 0.3 * (1.0 - std::cos(5.0 * t))));
+  };
+  scene.obstacles.push_back(
+      {"ball", std::make_shared<Sphere>(Eigen::Vector3d::Zero(), 0.08), 0.4, 0.0,
+       PathThrough(0.0, 1.0, 101, rise, [](double t) { return Eigen::Vector3d(0.0, 0.3 * t, 0.2 * t); })});
+  Simulator simulator(scene);
+  const Rollout rollout = Simulate(scene.nominal_parameters(), 80, &simulator);
+  ASSERT_TRUE(rollout.ok());
+  RecordReader reader(rollout, &simulator);
+  double work = 0.0, taken = 0.0;
+  for (int step = 1; step <= rollout.num_steps(); ++step) {
+    const int last = rollout.last_record[step - 1];
+    const ContactWork contact = StepContactWork(rollout, last, &reader, simulator);
+    work += contact.work;
+    taken += contact.friction + StepEnergyLoss(rollout, last, &reader, simulator).total();
+  }
+  const StepRecord& end = reader.record(rollout.last_record.back());
+  const auto energy = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
+    return StateEnergy(rollout.parameters, x, v, simulator).total();
+  };
+  const double gain =
+      energy(end.positions, end.velocities) - energy(rollout.initial_positions, rollout.initial_velocities);
+  EXPECT_GE(work, 0.02);
+  EXPECT_NEAR(gain, work - taken, 1e-8 * work);
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, MovingObstacleTest, testing::Values(Integrator::kEuler, Integrator::kSdirk2),
