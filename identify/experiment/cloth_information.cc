@@ -196,6 +196,11 @@ class ClothInformer {
     information_.blocks = problem_.blocks();
     information_.coordinates = problem_.StartCoordinates().head(problem_.num_blocks());
     information_.num_measurements = problem_.cost(0).model().observation().num_residuals();
+    const UnknownStart* const start = problem_.cost(0).model().unknown_start();
+    if (start == nullptr) return;
+    // Handles whose places are unknown move along offsets, which are zero at the truth.
+    const auto offsets = start->HandleOffsetsAt(Eigen::VectorXd::Zero(start->size()));
+    if (offsets) cloth_.rollout.handle_offsets = *offsets;
   }
 
   ClothInformation InformNominal() {

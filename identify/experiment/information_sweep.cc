@@ -8,14 +8,6 @@
 namespace clothid {
 namespace {
 
-// Sweeps `model` along `columns`, telling of every frame.
-void Sweep(const FitProblem& problem, const SweepColumns& columns, const std::atomic<bool>* cancel,
-           RecordingModel* model, const RecordingModel::FrameVisitor& visitor) {
-  const SensitivityResult result =
-      model->PushForward(problem.StartCoordinates(), columns, visitor, {Precision::kFull, cancel});
-  if (result.failure) throw std::runtime_error(result.failure->ToString());
-}
-
 // Sorts rows of frames into parts.
 class PartCollector {
  public:
@@ -81,10 +73,13 @@ InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& proble
   const RecordingModel& planned = problem.cost(0).model();
   RecordingModel model(cloth.all, problem.blocks(), {}, planned.shared_start());
   PartCollector collector(cloth, model.observation(), planned.observation(), num_free + num_start);
-  Sweep(problem, {free, directions}, cancel, &model,
-        [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
-          collector.AddFrame(frame, jacobian);
-        });
+  model.PushForward(
+      cloth.rollout, problem.StartCoordinates(), {free, directions},
+      [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
+        if (cancel != nullptr && cancel->load()) throw std::runtime_error("interrupted");
+        collector.AddFrame(frame, jacobian);
+      },
+      Precision::kFull);
   InformationSweep sweep;
   for (int part = 0; part < kNumRowParts; ++part) {
     const Eigen::MatrixXd& factor = collector.Factor(part);
@@ -112,21 +107,24 @@ InformationMap MapInformation(const RecordedCloth& cloth, const FitProblem& prob
   map.per_node = Eigen::MatrixXd::Zero(cloth.planned.scene.mesh.num_nodes(), influence.cols());
   map.per_frame = Eigen::MatrixXd::Zero(map.times.size(), influence.cols());
   map.of_forces = Eigen::VectorXd::Zero(influence.cols());
-  Sweep(problem, columns, cancel, &model,
-        [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
-          Eigen::MatrixXd alone = jacobian.leftCols(num_free);
-          if (follow.rows() > 0) alone += jacobian.rightCols(num_free);
-          const Eigen::MatrixXd squared = (alone * influence(free, Eigen::all)).cwiseAbs2();
-          if (frame >= observation.num_frames()) {
-            map.of_forces += squared.colwise().sum().transpose();
-            return;
-          }
-          map.per_frame.row(frame) += squared.colwise().sum();
-          for (Eigen::Index r = 0; r < squared.rows(); ++r) {
-            const SeenCoordinate& seen = observation.coordinates()[observation.first_row(frame) + r];
-            map.per_node.row(cloth.planned.points[seen.point].nodes[0]) += squared.row(r);
-          }
-        });
+  const SensitivityResult result = model.PushForward(
+      problem.StartCoordinates(), columns,
+      [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
+        Eigen::MatrixXd alone = jacobian.leftCols(num_free);
+        if (follow.rows() > 0) alone += jacobian.rightCols(num_free);
+        const Eigen::MatrixXd squared = (alone * influence(free, Eigen::all)).cwiseAbs2();
+        if (frame >= observation.num_frames()) {
+          map.of_forces += squared.colwise().sum().transpose();
+          return;
+        }
+        map.per_frame.row(frame) += squared.colwise().sum();
+        for (Eigen::Index r = 0; r < squared.rows(); ++r) {
+          const SeenCoordinate& seen = observation.coordinates()[observation.first_row(frame) + r];
+          map.per_node.row(cloth.planned.points[seen.point].nodes[0]) += squared.row(r);
+        }
+      },
+      {Precision::kFull, cancel});
+  if (result.failure) throw std::runtime_error(result.failure->ToString());
   return map;
 }
 

@@ -33,9 +33,10 @@ struct InformationSweep {
   const Eigen::MatrixXd& part(RowPart which) const { return parts[static_cast<std::size_t>(which)]; }
 };
 
-// At the truth, where `problem` of `cloth.planned` starts, with its weights where a model errs
-// (datasets/observation/model_error.h) for those of RowPart::kWeighed, which is empty without them. `directions` [n x
-// c]: of its unknown start; without one 0 x 0. Throws std::runtime_error where the sweep fails.
+// Along the rollout of `cloth`, at the truth, where `problem` of `cloth.planned` starts, with its weights where a model
+// errs (datasets/observation/model_error.h) for those of RowPart::kWeighed, which is empty without them. `directions`
+// [n x c]: of its unknown start; without one 0 x 0. Throws std::runtime_error where a system is singular, or `cancel`
+// turned true.
 InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& problem, const Eigen::MatrixXd& directions,
                             const std::atomic<bool>* cancel);
 
