@@ -159,10 +159,10 @@ void DropPoints(const SyntheticOptions& options, MotionTensors* motion) {
 std::string RecordingText(const Scene& scene, const std::string& scene_text, const SyntheticOptions& options) {
   bool start_is_first_frame = false;
   const std::string text = SelfContainedText(scene, scene_text, &start_is_first_frame);
-  ExpectUsage(!start_is_first_frame || (options.noise_sigma == 0.0 && options.num_markers == 0 && !HasCloud(options) &&
-                                        options.drop_fraction == 0.0 && !options.single_precision),
-              "scene: key 'initial.positions': a start read from a file needs an exact first frame, so neither noise, "
-              "markers, clouds, drops nor single precision");
+  ExpectUsage(
+      !start_is_first_frame || (options.num_markers == 0 && !HasCloud(options) && options.drop_fraction == 0.0),
+      "scene: key 'initial.positions': a recording has no start that is read from a file; its first frame, with "
+      "every point, takes its place, so neither markers, clouds nor drops");
   return text;
 }
 

@@ -50,8 +50,8 @@ void CheckSyntheticOptions(const SyntheticOptions& options, const Scene& scene, 
 // linearly. Same arguments, same result. `scene_text` is the JSON that `scene` was read from. The recording is
 // self-contained: what the text takes from files is in its tensors or, the surfaces of obstacles, in the text in it,
 // which no longer mentions the files. Paths of moving handles are sampled at the frames, without noise. Throws `Error`:
-// kUsage for options out of range, where a start read from a file would have to come from a first frame that noise,
-// markers, drops or F32 have spoiled, and before the memory of a recording that is too large is asked for; kBadData
+// kUsage for options out of range, where a start read from a file, of which the recording has its first frame alone,
+// comes with markers, clouds or drops, and before the memory of a recording that is too large is asked for; kBadData
 // where the surfaces are too large for a scene's text.
 MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const std::string& scene_text,
                             const SyntheticOptions& options);

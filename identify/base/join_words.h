@@ -26,6 +26,10 @@ inline std::string NumberText(double value, int digits = 4) {
   text << std::setprecision(digits) << value;
   return text.str();
 }
+// "220 %" of 2.173, with 2 digits: never "2.2e+02 %".
+inline std::string PercentText(double share, int digits) {
+  return NumberText(std::stod(NumberText(100.0 * share, digits)), 15) + " %";
+}
 inline std::string MillimetreText(double metres, int digits = 4) { return NumberText(1e3 * metres, digits) + " mm"; }
 
 }  // namespace clothid

@@ -25,8 +25,8 @@ constexpr double kStepTolerance = 1e-5;
 class StepErrorFinder {
  public:
   StepErrorFinder(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem& problem,
-                  FitSummary* summary)
-      : motions_(motions), options_(options), problem_(problem), summary_(summary) {
+                  FitSummary* summary, std::vector<StepPrediction> at_half)
+      : motions_(motions), options_(options), problem_(problem), summary_(summary), at_half_(std::move(at_half)) {
     for (int i = 0; i < problem.num_blocks(); ++i) {
       if (!std::isnan(summary->uncertainty->parameters[i].coordinate_std)) told_.push_back(i);
     }
@@ -35,20 +35,21 @@ class StepErrorFinder {
   // Of q [p]; empty: not known, and `failure` says why where something failed.
   std::vector<DiscretizationError> Find(std::string* failure) {
     if (told_.empty() || options_.is_cancelled()) return {};
-    const Eigen::VectorXd at_half = EstimateAt(0.5, failure);
+    if (at_half_.empty()) at_half_ = PredictAt(0.5);
+    const Eigen::VectorXd at_half = EstimateFrom(std::move(at_half_), failure);
     if (!failure->empty()) return {};
     std::vector<DiscretizationError> errors = ErrorsFrom(at_half, Nowhere());
     if (!ExceedNoise(errors)) return errors;
     std::string no_order;
-    const Eigen::VectorXd at_double = EstimateAt(2.0, &no_order);
+    const Eigen::VectorXd at_double = EstimateFrom(PredictAt(2.0), &no_order);
     return no_order.empty() ? ErrorsFrom(at_half, at_double) : errors;
   }
 
  private:
-  // Where a fit at `factor` times the step would end [p]: NaN for parameters that are not told.
-  Eigen::VectorXd EstimateAt(double factor, std::string* failure) {
+  // Where a fit at the step of `predictions` would end [p]: NaN for parameters that are not told.
+  Eigen::VectorXd EstimateFrom(std::vector<StepPrediction> predictions, std::string* failure) {
     std::vector<Eigen::MatrixXd> points, forces;
-    for (StepPrediction& prediction : PredictAt(factor)) {
+    for (StepPrediction& prediction : predictions) {
       summary_->statistics += prediction.statistics;
       if (failure->empty()) *failure = prediction.failure;
       points.push_back(std::move(prediction.points));
@@ -103,7 +104,8 @@ class StepErrorFinder {
   const FitOptions& options_;
   const FitProblem& problem_;
   FitSummary* summary_;
-  std::vector<int> told_;  // the parameters that have a standard deviation
+  std::vector<StepPrediction> at_half_;  // empty: not known yet
+  std::vector<int> told_;                // the parameters that have a standard deviation
 };
 
 }  // namespace
@@ -134,11 +136,11 @@ StepPrediction PredictAtStep(double factor, const RecordedMotion& motion, const 
 }
 
 StepErrorEstimate AddStepError(const std::vector<RecordedMotion>& motions, const FitOptions& options,
-                               const FitProblem& problem, FitSummary* summary) {
+                               const FitProblem& problem, FitSummary* summary, std::vector<StepPrediction> at_half) {
   if (!summary->uncertainty || !summary->marginal) return {};
   StepErrorEstimate estimate;
   const std::vector<DiscretizationError> errors =
-      StepErrorFinder(motions, options, problem, summary).Find(&estimate.failure);
+      StepErrorFinder(motions, options, problem, summary, std::move(at_half)).Find(&estimate.failure);
   if (options.is_cancelled()) return {};
   if (errors.empty()) return estimate;
   AddEstimatedStepErrors(problem.blocks(), summary->coordinates.head(problem.num_blocks()), errors,

@@ -45,9 +45,11 @@ struct StepErrorEstimate {
 
 // Finds it and adds it to the intervals of `summary` by `AddEstimatedStepErrors`, and the work to its counts. `motions`
 // are those of `problem`, which is that of `summary`. Nothing is known where the fit has no uncertainty or no parameter
-// a standard deviation, and where options.cancel is true.
+// a standard deviation, and where options.cancel is true. `at_half`: what `PredictAtStep` gives of each recording at
+// half the step, where it is at hand; it is counted where it was made.
 StepErrorEstimate AddStepError(const std::vector<RecordedMotion>& motions, const FitOptions& options,
-                               const FitProblem& problem, FitSummary* summary);
+                               const FitProblem& problem, FitSummary* summary,
+                               std::vector<StepPrediction> at_half = {});
 
 }  // namespace clothid
 

@@ -9,6 +9,7 @@
 
 #include "identify/checks/step_error.h"
 #include "identify/experiment/information_sweep.h"
+#include "identify/experiment/informed_start.h"
 #include "identify/experiment/recorded_cloth.h"
 #include "identify/fit/fit_summary.h"
 #include "identify/fit/interval_check.h"
@@ -32,22 +33,23 @@ struct WeighedParts {
 // Puts the parts together, and eliminates what is no parameter.
 class Elimination {
  public:
-  Elimination(const InformationSweep& sweep, const FitProblem& problem)
-      : sweep_(sweep), num_blocks_(problem.num_blocks()), start_(problem.cost(0).model().unknown_start()) {}
+  // `directions`: those of the sweep.
+  Elimination(const InformationSweep& sweep, const FitProblem& problem, const Eigen::MatrixXd& directions)
+      : sweep_(sweep), num_blocks_(problem.num_blocks()) {
+    const UnknownStart* const start = problem.cost(0).model().unknown_start();
+    if (start == nullptr) return;
+    believed_ = start->prior_jacobian() * directions;
+    if (start->handle_jacobian().rows() == 0) return;
+    handles_ =
+        start->handle_jacobian() * directions.middleRows(start->num_position_unknowns(), start->num_handle_unknowns());
+  }
 
   Marginal Eliminate(const WeighedParts& weighed) const {
-    const Eigen::Index num_start = num_starts();
     Linearization all;
-    all.jacobian = Eigen::MatrixXd(0, num_blocks_ + num_start);
+    all.jacobian = Eigen::MatrixXd(0, num_blocks_ + believed_.cols());
     for (const auto& [part, weight] : weighed.parts) Append(std::sqrt(weight) * sweep_.part(part), 0, &all.jacobian);
-    if (start_ != nullptr) {
-      Append(start_->prior_jacobian(), num_blocks_, &all.jacobian);
-      const Eigen::MatrixXd& handles = start_->handle_jacobian();
-      if (handles.rows() > 0 && weighed.handles > 1.0) {
-        Append(std::sqrt(weighed.handles - 1.0) * handles, num_blocks_ + start_->num_position_unknowns(),
-               &all.jacobian);
-      }
-    }
+    Append(believed_, num_blocks_, &all.jacobian);
+    if (weighed.handles > 1.0) Append(std::sqrt(weighed.handles - 1.0) * handles_, num_blocks_, &all.jacobian);
     all.gradient = Eigen::VectorXd::Zero(all.jacobian.cols());
     return Marginalize(std::move(all), num_blocks_);
   }
@@ -61,8 +63,6 @@ class Elimination {
     return rows;
   }
 
-  Eigen::Index num_starts() const { return start_ == nullptr ? 0 : start_->size(); }
-
  private:
   static void Append(const Eigen::MatrixXd& rows, Eigen::Index first_column, Eigen::MatrixXd* all) {
     const Eigen::Index before = all->rows();
@@ -73,7 +73,8 @@ class Elimination {
 
   const InformationSweep& sweep_;
   Eigen::Index num_blocks_;
-  const UnknownStart* start_;
+  // Along the directions: what is believed of the start [u x c], and what of it was measured of the handles.
+  Eigen::MatrixXd believed_, handles_;
 };
 
 WeighedParts PlannedParts(const PlanOptions& options) {
@@ -111,30 +112,30 @@ void ImproveCloth(const PlanOptions& options, const RecordedCloth& cloth, const 
 
 // How far the model errs by its step: predictions are about twice as far from the real cloth, which has none, as from
 // those at half the step. Found as a fit finds it.
-std::vector<ModelError> ErrorsOfStep(const RecordedCloth& cloth, const FitOptions& fit, const FitProblem& problem) {
-  const Eigen::VectorXd truth = problem.StartCoordinates();
+std::vector<ModelError> ErrorsOfStep(const FitOptions& fit, const FitProblem& problem, const StepPrediction& half) {
   Eigen::MatrixXd points, forces;
-  const StepPrediction half = PredictAtStep(0.5, cloth.planned, fit, problem, 0, truth);
-  if (!half.failure.empty() || !problem.cost(0).Predict(truth, &points, nullptr, &forces)) {
+  if (!half.failure.empty() ||
+      !problem.cost(0).Predict(problem.StartCoordinates(), &points, /*velocities=*/nullptr, &forces)) {
     return NoModelErrors(problem);
   }
   return EstimateModelErrors(fit.loss, problem, {2.0 * half.points - points}, {2.0 * half.forces - forces});
 }
 
 // What a fit of a real recording errs by for the step, of q: its estimate is moved, and, as frames count by the error
-// that the step makes in them, less sure than `of_noise` says.
+// that the step makes in them, less sure than all frames alike would make it.
 class StepEffects {
  public:
-  // `of_noise`: what the recording tells where all frames count the same.
-  StepEffects(const RecordedCloth& cloth, const FitOptions& fit, const Marginal& of_noise, int num_measurements)
+  // `problem`: counts by the errors of the step, as `weighed` does. `half`: what is predicted at half the step.
+  StepEffects(const RecordedCloth& cloth, const FitOptions& fit, const FitProblem& problem, Marginal weighed,
+              const StepPrediction& half)
       : cloth_(cloth),
         fit_(fit),
-        problem_({cloth.planned}, fit),
-        truth_(problem_.StartCoordinates()),
-        marginal_(of_noise) {
-    problem_.SetModelErrors(ErrorsOfStep(cloth, fit, problem_));
-    if (problem_.has_model_error()) Linearize();
+        problem_(problem),
+        half_(half),
+        truth_(problem.StartCoordinates()),
+        marginal_(std::move(weighed)) {
     const Eigen::MatrixXd& rows = marginal_.parameters.jacobian;
+    const int num_measurements = problem.cost(0).model().observation().num_residuals();
     weighed_ = JudgeRows(problem_.blocks(), truth_.head(rows.cols()), rows, num_measurements);
   }
 
@@ -155,7 +156,7 @@ class StepEffects {
     summary.coordinates = truth_;
     summary.uncertainty = weighed_;
     summary.marginal = {marginal_.follow, rows.transpose() * rows + PriorHessian(blocks)};
-    const StepErrorEstimate moved = AddStepError({cloth_.planned}, fit_, problem_, &summary);
+    const StepErrorEstimate moved = AddStepError({cloth_.planned}, fit_, problem_, &summary, {half_});
     Eigen::VectorXd errors = Eigen::VectorXd::Constant(rows.cols(), std::numeric_limits<double>::quiet_NaN());
     for (std::size_t i = 0; i < moved.errors.size(); ++i) {
       const auto index = static_cast<Eigen::Index>(i);
@@ -169,21 +170,12 @@ class StepEffects {
   }
 
  private:
-  void Linearize() {
-    FitEvaluator evaluator(&problem_, fit_.num_threads, EvaluationPurpose::kInterval);
-    const int num_start = problem_.num_start_unknowns();
-    Linearization weighed;
-    if (!evaluator.Linearize(truth_, Eigen::MatrixXd::Identity(num_start, num_start), &weighed)) {
-      throw std::runtime_error(evaluator.last_failure());
-    }
-    marginal_ = Marginalize(std::move(weighed), problem_.num_blocks());
-  }
-
   const RecordedCloth& cloth_;
   const FitOptions& fit_;
-  FitProblem problem_;  // with the error of the step for that of the model
+  const FitProblem& problem_;
+  const StepPrediction& half_;
   const Eigen::VectorXd truth_;
-  Marginal marginal_;
+  const Marginal marginal_;
   Uncertainty weighed_;
 };
 
@@ -196,46 +188,92 @@ Eigen::MatrixXd Influence(const std::vector<ParameterBlock>& blocks, const Eigen
   return inverse * inverse.diagonal().cwiseInverse().asDiagonal();
 }
 
-void Inform(const PlanOptions& options, const Candidate& candidate, RecordedCloth cloth,
-            const std::map<std::string, double>& truth, bool is_nominal, ClothInformation* information) {
-  FitOptions fit = candidate.fit;
-  for (const auto& [name, value] : truth) fit.overrides.start[name] = value;
-  const FitProblem problem({cloth.planned}, fit);
-  information->blocks = problem.blocks();
-  information->coordinates = problem.StartCoordinates().head(problem.num_blocks());
-  const InformationSweep sweep = SweepCloth(cloth, problem, fit.cancel);
-  const Elimination elimination(sweep, problem);
-  const WeighedParts planned = PlannedParts(options);
-  const Marginal marginal = elimination.Eliminate(planned);
-  information->planned = marginal.parameters.jacobian;
-  information->num_measurements = problem.cost(0).model().observation().num_residuals();
-  ImproveCloth(options, cloth, sweep, elimination, information);
-  if (elimination.num_starts() > 0) {
-    information->improved[ImprovementKind::kKnownStart] = elimination.WithKnownStart(planned);
+// One cloth, from its sweep to what it tells.
+class ClothInformer {
+ public:
+  ClothInformer(const PlanOptions& options, const FitOptions& fit, RecordedCloth cloth)
+      : options_(options), fit_(fit), cloth_(std::move(cloth)), problem_({cloth_.planned}, fit_) {
+    information_.blocks = problem_.blocks();
+    information_.coordinates = problem_.StartCoordinates().head(problem_.num_blocks());
+    information_.num_measurements = problem_.cost(0).model().observation().num_residuals();
+    const UnknownStart* const start = problem_.cost(0).model().unknown_start();
+    if (start == nullptr) return;
+    // Handles whose places are unknown move along offsets, which are zero at the truth.
+    const auto offsets = start->HandleOffsetsAt(Eigen::VectorXd::Zero(start->size()));
+    if (offsets) cloth_.rollout.handle_offsets = *offsets;
   }
-  if (!is_nominal) return;
-  const Uncertainty uncertainty =
-      JudgeRows(information->blocks, information->coordinates, information->planned, information->num_measurements);
-  const StepEffects effects(cloth, fit, marginal, information->num_measurements);
-  information->rough = effects.FindRough();
-  information->step_errors = effects.FindErrors(uncertainty);
-  information->map =
-      MapInformation(cloth, problem, marginal.follow, Influence(information->blocks, information->planned), fit.cancel);
-  information->recording = std::move(cloth.planned);
-  information->nodes = std::move(cloth.nodes);
-}
+
+  ClothInformation InformNominal() {
+    const StepPrediction half =
+        PredictAtStep(0.5, cloth_.planned, fit_, problem_, /*recording=*/0, problem_.StartCoordinates());
+    problem_.SetModelErrors(ErrorsOfStep(fit_, problem_, half));
+    const Eigen::MatrixXd all_directions = AllDirections();
+    const InformationSweep sweep = SweepCloth(cloth_, problem_, all_directions, fit_.cancel);
+    const Elimination elimination(sweep, problem_, all_directions);
+    const Marginal marginal = Eliminate(sweep, elimination);
+    if (const UnknownStart* start = problem_.cost(0).model().unknown_start()) {
+      information_.start_directions =
+          InformedDirections(sweep.part(RowPart::kPlanned).rightCols(all_directions.cols()), start->prior_jacobian());
+    }
+    const bool is_weighed = problem_.has_model_error();
+    const StepEffects effects(cloth_, fit_, problem_,
+                              is_weighed ? elimination.Eliminate({{{RowPart::kWeighed, 1.0}}}) : marginal, half);
+    information_.rough = effects.FindRough();
+    information_.step_errors = effects.FindErrors(
+        JudgeRows(information_.blocks, information_.coordinates, information_.planned, information_.num_measurements));
+    information_.map = MapInformation(cloth_, problem_, marginal.follow,
+                                      Influence(information_.blocks, information_.planned), fit_.cancel);
+    information_.recording = std::move(cloth_.planned);
+    information_.nodes = std::move(cloth_.nodes);
+    return std::move(information_);
+  }
+
+  // `nominal_directions`: of the start of the nominal cloth, which may have others, as it may move at first.
+  ClothInformation InformOther(const Eigen::MatrixXd& nominal_directions) {
+    const bool is_alike = nominal_directions.rows() == problem_.num_start_unknowns();
+    const Eigen::MatrixXd directions = is_alike ? nominal_directions : AllDirections();
+    const InformationSweep sweep = SweepCloth(cloth_, problem_, directions, fit_.cancel);
+    Eliminate(sweep, Elimination(sweep, problem_, directions));
+    return std::move(information_);
+  }
+
+ private:
+  Eigen::MatrixXd AllDirections() const {
+    return Eigen::MatrixXd::Identity(problem_.num_start_unknowns(), problem_.num_start_unknowns());
+  }
+
+  Marginal Eliminate(const InformationSweep& sweep, const Elimination& elimination) {
+    const WeighedParts planned = PlannedParts(options_);
+    Marginal marginal = elimination.Eliminate(planned);
+    information_.planned = marginal.parameters.jacobian;
+    ImproveCloth(options_, cloth_, sweep, elimination, &information_);
+    if (problem_.num_start_unknowns() > 0) {
+      information_.improved[ImprovementKind::kKnownStart] = elimination.WithKnownStart(planned);
+    }
+    return marginal;
+  }
+
+  const PlanOptions& options_;
+  const FitOptions fit_;
+  RecordedCloth cloth_;
+  FitProblem problem_;
+  ClothInformation information_;
+};
 
 }  // namespace
 
-ClothInformation InformCloth(const PlanOptions& options, const Candidate& candidate, int cloth) {
+ClothInformation InformCloth(const PlanOptions& options, const Candidate& candidate, int cloth,
+                             const ClothInformation& nominal) {
   ClothInformation information;
   try {
     const std::map<std::string, double> truth = DrawCloth(options, candidate, cloth);
     RecordedCloth recorded = RecordCloth(options, candidate, truth, /*looks_longer=*/cloth == 0);
     information.failure = recorded.failure;
-    if (information.failure.empty()) {
-      Inform(options, candidate, std::move(recorded), truth, cloth == 0, &information);
-    }
+    if (!information.failure.empty()) return information;
+    FitOptions fit = candidate.fit;
+    for (const auto& [name, value] : truth) fit.overrides.start[name] = value;
+    ClothInformer informer(options, fit, std::move(recorded));
+    return cloth == 0 ? informer.InformNominal() : informer.InformOther(nominal.start_directions);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::kUsage && cloth == 0) throw;
     information.failure = error.what();

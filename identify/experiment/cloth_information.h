@@ -30,10 +30,13 @@ struct ClothInformation {
   std::vector<int> rough;  // see `ClothRows`
   InformationMap map;
   RecordedMotion recording;
-  Eigen::MatrixXf nodes;  // [3N x T] m, all of that cloth
+  Eigen::MatrixXf nodes;             // [3N x T] m, all of that cloth
+  Eigen::MatrixXd start_directions;  // [n x c] of its unknown start (identify/experiment/informed_start.h)
 };
 
-ClothInformation InformCloth(const PlanOptions& options, const Candidate& candidate, int cloth);
+// `nominal`: that of cloth 0, along whose directions the starts of others are looked at; of cloth 0 it does not matter.
+ClothInformation InformCloth(const PlanOptions& options, const Candidate& candidate, int cloth,
+                             const ClothInformation& nominal);
 
 // What was believed of a block before: the standard deviation of q.
 double StdBefore(const ParameterBlock& block);

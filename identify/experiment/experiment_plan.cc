@@ -48,19 +48,29 @@ class Planner {
     }
   }
 
+  // The nominal cloths first: the others need to know of them, and they take the longest.
   void SimulateAll() {
-    const int num_cloths = 1 + options_.num_draws, num_tasks = num_cloths * static_cast<int>(candidates_.size());
-    cloths_.assign(candidates_.size(), std::vector<ClothInformation>(static_cast<std::size_t>(num_cloths)));
+    const int num_candidates = static_cast<int>(candidates_.size());
+    cloths_.assign(candidates_.size(), std::vector<ClothInformation>(static_cast<std::size_t>(1 + options_.num_draws)));
+    Simulate(0, num_candidates);
+    Simulate(num_candidates, options_.num_draws * num_candidates);
+  }
+
+  // `count` cloths from `first` on, those of the same number side by side.
+  void Simulate(int first, int count) {
+    const int num_candidates = static_cast<int>(candidates_.size()),
+              num_all = (1 + options_.num_draws) * num_candidates;
     ParallelFor(
-        num_tasks, options_.fit.num_threads,
+        count, options_.fit.num_threads,
         [&](int task) {
-          // The nominal cloths first: they take the longest.
-          const int cloth = task / static_cast<int>(candidates_.size());
-          const std::size_t candidate = static_cast<std::size_t>(task) % candidates_.size();
-          cloths_[candidate][static_cast<std::size_t>(cloth)] = InformCloth(options_, candidates_[candidate], cloth);
+          const int cloth = (first + task) / num_candidates;
+          const auto candidate = static_cast<std::size_t>((first + task) % num_candidates);
+          std::vector<ClothInformation>& own = cloths_[candidate];
+          if (cloth > 0 && !own.front().failure.empty()) return;  // nothing is said of such a candidate
+          own[static_cast<std::size_t>(cloth)] = InformCloth(options_, candidates_[candidate], cloth, own.front());
         },
         [&](int, int num_done) {
-          if (options_.on_progress) options_.on_progress(num_done, num_tasks);
+          if (options_.on_progress) options_.on_progress(first + num_done, num_all);
         });
   }
 

@@ -17,7 +17,9 @@
 // What is known beforehand decides what a motion tells. So the cloth is the nominal one and `num_draws` others, the
 // same draws for every candidate. Parameters of the cloth and of obstacles are drawn from their priors; without one,
 // stiffness, density, drag, damping and friction are the nominal ones times 1.5^z with a standard normal z, within 1 %
-// of the range off their bounds. All else stays nominal: wind, k_poisson and what belongs to a recording itself.
+// of the range off their bounds. All else stays nominal: wind, k_poisson and what belongs to a recording itself. Of an
+// unknown start these others are swept along the directions that the nominal cloth tells of
+// (identify/experiment/informed_start.h).
 //
 // Over the cloths that could be simulated,
 //   std        = root mean square of the standard deviations, of the logarithm of what is a scale and else of the value

@@ -8,25 +8,22 @@
 namespace clothid {
 namespace {
 
-// Sweeps `model` along `columns`, telling of every frame.
-void Sweep(const FitProblem& problem, const SweepColumns& columns, const std::atomic<bool>* cancel,
-           RecordingModel* model, const RecordingModel::FrameVisitor& visitor) {
-  const SensitivityResult result =
-      model->PushForward(problem.StartCoordinates(), columns, visitor, {Precision::kFull, cancel});
-  if (result.failure) throw std::runtime_error(result.failure->ToString());
-}
-
 // Sorts rows of frames into parts.
 class PartCollector {
  public:
-  PartCollector(const RecordedCloth& cloth, const Observation& observation, int num_columns)
-      : cloth_(cloth), observation_(observation), collected_(kNumRowParts, CompressedJacobian(num_columns)) {}
+  // `observation`: of `cloth.all`; `planned`: of `cloth.planned`.
+  PartCollector(const RecordedCloth& cloth, const Observation& observation, const Observation& planned, int num_columns)
+      : cloth_(cloth),
+        observation_(observation),
+        planned_(planned),
+        collected_(kNumRowParts, CompressedJacobian(num_columns)) {}
 
   void AddFrame(int frame, const Eigen::MatrixXd& jacobian) {
     const int reading = frame - observation_.num_frames();
     if (reading >= 0) {
       const bool is_later = reading >= cloth_.planned.num_frames();
       Add(is_later ? RowPart::kLaterForces : RowPart::kForces, jacobian);
+      if (!is_later && !cloth_.planned.forces.is_empty()) AddWeighed(planned_.num_frames() + reading, jacobian);
       return;
     }
     const int first = observation_.first_row(frame), num_points = cloth_.planned.num_points();
@@ -41,7 +38,9 @@ class PartCollector {
     }
     const RowPart own = is_between ? RowPart::kBetween : is_later ? RowPart::kLater : RowPart::kPlanned;
     Add(own, jacobian.topRows(num_own));
-    if (own == RowPart::kPlanned) Add(RowPart::kFurther, jacobian.bottomRows(jacobian.rows() - num_own));
+    if (own != RowPart::kPlanned) return;
+    AddWeighed(frame / 2, jacobian.topRows(num_own));
+    Add(RowPart::kFurther, jacobian.bottomRows(jacobian.rows() - num_own));
   }
 
   const Eigen::MatrixXd& Factor(int part) { return collected_[static_cast<std::size_t>(part)].Factor(); }
@@ -52,25 +51,35 @@ class PartCollector {
     collected_[static_cast<std::size_t>(part)].Add(jacobian, Eigen::VectorXd::Zero(jacobian.rows()));
   }
 
+  // A frame of the plan, or a reading after all frames.
+  void AddWeighed(int frame, const Eigen::MatrixXd& jacobian) {
+    const Eigen::VectorXd& weights = planned_.error_weights();
+    if (weights.size() == 0) return;
+    Add(RowPart::kWeighed, weights.segment(planned_.first_row(frame), jacobian.rows()).asDiagonal() * jacobian);
+  }
+
   const RecordedCloth& cloth_;
-  const Observation& observation_;
+  const Observation &observation_, &planned_;
   std::vector<CompressedJacobian> collected_;
 };
 
 }  // namespace
 
-InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& problem, const std::atomic<bool>* cancel) {
+InformationSweep SweepCloth(const RecordedCloth& cloth, const FitProblem& problem, const Eigen::MatrixXd& directions,
+                            const std::atomic<bool>* cancel) {
   const std::vector<int> free = problem.free_blocks();
   const int num_free = static_cast<int>(free.size()), num_blocks = problem.num_blocks();
-  const int num_start = problem.num_start_unknowns();
-  RecordingModel model(cloth.all, problem.blocks(), {}, problem.cost(0).model().shared_start());
-  SweepColumns columns{free, {}};
-  if (num_start > 0) columns.combinations = Eigen::MatrixXd::Identity(num_start, num_start);
-  PartCollector collector(cloth, model.observation(), num_free + num_start);
-  Sweep(problem, columns, cancel, &model,
-        [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
-          collector.AddFrame(frame, jacobian);
-        });
+  const int num_start = static_cast<int>(directions.cols());
+  const RecordingModel& planned = problem.cost(0).model();
+  RecordingModel model(cloth.all, problem.blocks(), {}, planned.shared_start());
+  PartCollector collector(cloth, model.observation(), planned.observation(), num_free + num_start);
+  model.PushForward(
+      cloth.rollout, problem.StartCoordinates(), {free, directions},
+      [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
+        if (cancel != nullptr && cancel->load()) throw std::runtime_error("interrupted");
+        collector.AddFrame(frame, jacobian);
+      },
+      Precision::kFull);
   InformationSweep sweep;
   for (int part = 0; part < kNumRowParts; ++part) {
     const Eigen::MatrixXd& factor = collector.Factor(part);
@@ -98,21 +107,24 @@ InformationMap MapInformation(const RecordedCloth& cloth, const FitProblem& prob
   map.per_node = Eigen::MatrixXd::Zero(cloth.planned.scene.mesh.num_nodes(), influence.cols());
   map.per_frame = Eigen::MatrixXd::Zero(map.times.size(), influence.cols());
   map.of_forces = Eigen::VectorXd::Zero(influence.cols());
-  Sweep(problem, columns, cancel, &model,
-        [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
-          Eigen::MatrixXd alone = jacobian.leftCols(num_free);
-          if (follow.rows() > 0) alone += jacobian.rightCols(num_free);
-          const Eigen::MatrixXd squared = (alone * influence(free, Eigen::all)).cwiseAbs2();
-          if (frame >= observation.num_frames()) {
-            map.of_forces += squared.colwise().sum().transpose();
-            return;
-          }
-          map.per_frame.row(frame) += squared.colwise().sum();
-          for (Eigen::Index r = 0; r < squared.rows(); ++r) {
-            const SeenCoordinate& seen = observation.coordinates()[observation.first_row(frame) + r];
-            map.per_node.row(cloth.planned.points[seen.point].nodes[0]) += squared.row(r);
-          }
-        });
+  const SensitivityResult result = model.PushForward(
+      problem.StartCoordinates(), columns,
+      [&](int frame, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::MatrixXd& jacobian) {
+        Eigen::MatrixXd alone = jacobian.leftCols(num_free);
+        if (follow.rows() > 0) alone += jacobian.rightCols(num_free);
+        const Eigen::MatrixXd squared = (alone * influence(free, Eigen::all)).cwiseAbs2();
+        if (frame >= observation.num_frames()) {
+          map.of_forces += squared.colwise().sum().transpose();
+          return;
+        }
+        map.per_frame.row(frame) += squared.colwise().sum();
+        for (Eigen::Index r = 0; r < squared.rows(); ++r) {
+          const SeenCoordinate& seen = observation.coordinates()[observation.first_row(frame) + r];
+          map.per_node.row(cloth.planned.points[seen.point].nodes[0]) += squared.row(r);
+        }
+      },
+      {Precision::kFull, cancel});
+  if (result.failure) throw std::runtime_error(result.failure->ToString());
   return map;
 }
 

@@ -41,10 +41,11 @@ std::string IntervalText(const ExpectedParameter& parameter) {
 
 // "noise +- 1.2 %, step +- 3 %" of a logarithm, else in the parameter's own unit.
 std::string PartsText(const ExpectedParameter& parameter) {
-  const double scale = parameter.scale == ParameterScale::kLog ? 100.0 : 1.0;
-  const std::string unit = parameter.scale == ParameterScale::kLog ? " %" : "";
-  std::string text = "noise +- " + NumberText(scale * parameter.std, 2) + unit;
-  if (!std::isnan(parameter.step_error)) text += ", step +- " + NumberText(scale * parameter.step_error, 2) + unit;
+  const auto part = [&](double std) {
+    return parameter.scale == ParameterScale::kLog ? PercentText(std, 2) : NumberText(std, 2);
+  };
+  std::string text = "noise +- " + part(parameter.std);
+  if (!std::isnan(parameter.step_error)) text += ", step +- " + part(parameter.step_error);
   return text;
 }
 
@@ -149,6 +150,7 @@ std::string PlanTable(const Plan& plan) {
   std::ostringstream text;
   for (const CandidatePlan& candidate : plan.candidates) AddCandidate(plan, candidate, &text);
   for (const int pair : BestPairs(plan)) AddPair(plan, plan.pairs[static_cast<std::size_t>(pair)], &text);
+  if (!plan.has_any()) return text.str();
   for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
     const int best = BestCandidate(plan, i);
     text << Padded("best", kNameWidth + 2) << Padded(plan.parameters[i], kValueWidth);

@@ -150,8 +150,9 @@ RecordedCloth RecordCloth(const PlanOptions& options, const Candidate& candidate
                           const std::map<std::string, double>& truth, bool looks_longer) {
   Scene scene = candidate.scene;
   const Parameters parameters = SetTrueParameters(truth, "--start", candidate.path, &scene);
-  const Rollout rollout = RunCloth(candidate, parameters, scene, looks_longer);
   RecordedCloth cloth;
+  cloth.rollout = RunCloth(candidate, parameters, scene, looks_longer);
+  const Rollout& rollout = cloth.rollout;
   if (!rollout.ok()) {
     cloth.failure = rollout.failure->ToString();
     return cloth;

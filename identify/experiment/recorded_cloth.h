@@ -8,6 +8,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "identify/experiment/candidate.h"
+#include "sim/rollout/rollout.h"
 
 namespace clothid {
 
@@ -18,6 +19,7 @@ struct RecordedCloth {
   // Further frames, points and forces on all handles, which are later than the last of `planned` where `is_longer`.
   RecordedMotion all;
   bool is_longer = false;
+  Rollout rollout;        // that they show
   Eigen::MatrixXf nodes;  // [3N x T] m, all of the cloth at the times of `planned`
 };
 

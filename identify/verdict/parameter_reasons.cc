@@ -35,8 +35,7 @@ void AddHidden(const FitSummary& summary, const std::vector<int>& hidden, std::v
 
 // "1 %": how far `step` of its coordinate takes a parameter.
 std::string StepText(const FittedParameter& parameter, double step) {
-  return NumberText(100.0 * step / (parameter.scale == ParameterScale::kLog ? 1.0 : std::abs(parameter.value)), 2) +
-         " %";
+  return PercentText(step / (parameter.scale == ParameterScale::kLog ? 1.0 : std::abs(parameter.value)), 2);
 }
 
 // "+- 10 %", or "+- 3 % (mu) and 10 % (k_stretch)".

@@ -233,6 +233,15 @@ TEST_F(ExperimentPlanTest, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_NE(table.find("scene0 and scene2:\n"), std::string::npos) << table;
 }
 
+TEST_F(ExperimentPlanTest, NothingIsBestWhereAllFail) {
+  std::string torn = kDrape;
+  torn.insert(torn.size() - 1, R"(, "solver": {"max_newton_iterations": 1, "max_substep_halvings": 0})");
+  const Plan plan = PlanExperiment(OptionsOf({torn}, {"mu"}));
+  EXPECT_FALSE(plan.has_any());
+  EXPECT_EQ(PlanTable(plan).rfind("scene0: failed: ", 0), 0u) << PlanTable(plan);
+  EXPECT_EQ(PlanTable(plan).find("best"), std::string::npos) << PlanTable(plan);
+}
+
 // By noise alone either cloth tells the stiffness within 1 %.
 TEST_F(ExperimentPlanTest, ToldIsNeitherWhatTheStepTakesNorADent) {
   ParameterBlock block;
