@@ -1,5 +1,6 @@
 #include "datasets/motion/scene_text.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -33,6 +34,26 @@ bool NamesWarp(const Json& json) {
          json["materials"]["warp_direction"].is_string();
 }
 
+// Whether a piece of the cloth is a group of a file.
+bool NamesGroups(const Json& json) {
+  const Json pieces = json.value("pieces", Json::object());
+  return std::any_of(pieces.begin(), pieces.end(), [](const Json& piece) { return !piece.contains("triangles"); });
+}
+
+// [[first, last], ..] of the triangles of a piece, on one line.
+std::string TrianglesText(const Mesh& mesh, int piece) {
+  Json list = Json::array();
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    if (mesh.face_pieces[static_cast<std::size_t>(face)] != piece) continue;
+    if (!list.empty() && list.back()[1] == face - 1) {
+      list.back()[1] = face;
+    } else {
+      list.push_back({face, face});
+    }
+  }
+  return list.dump();
+}
+
 }  // namespace
 
 std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
@@ -42,15 +63,20 @@ std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
     if (surface != nullptr) surfaces[i] = surface;
   }
   const bool has_directions = scene.warp.directions.cols() > 0;
-  if (surfaces.empty() && !has_directions) return scene_text;
+  const bool has_pieces = !scene.mesh.piece_names.empty();
+  if (surfaces.empty() && !has_directions && !has_pieces) return scene_text;
   Json json = Json::parse(scene_text);
   const bool names_warp = has_directions && NamesWarp(json);
-  if (surfaces.empty() && !names_warp) return scene_text;
+  const bool names_groups = has_pieces && NamesGroups(json);
+  if (surfaces.empty() && !names_warp && !names_groups) return scene_text;
   if (names_warp) json["materials"]["warp_direction"] = nullptr;
   for (const auto& [i, surface] : surfaces) {
     Json& obstacle = json.at("obstacles").at(i);
     obstacle.erase("obj");
     for (const char* key : {"vertices", "faces"}) obstacle[key] = nullptr;
+  }
+  for (const std::string& name : scene.mesh.piece_names) {
+    if (names_groups) json["pieces"][name]["triangles"] = nullptr;
   }
   std::string text = json.dump(2);
   for (const auto& [i, surface] : surfaces) {
@@ -58,7 +84,11 @@ std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
     Fill("faces", ColumnsText(surface->faces()), &text);
   }
   if (names_warp) Fill("warp_direction", ColumnsText(scene.warp.directions), &text);
-  ParseJson(text, "scene with the surfaces of its obstacles and the directions of its warp");  // for its limits
+  for (int piece = 0; names_groups && piece < static_cast<int>(scene.mesh.piece_names.size()); ++piece) {
+    Fill("triangles", TrianglesText(scene.mesh, piece), &text);
+  }
+  // For its limits.
+  ParseJson(text, "scene with the surfaces of its obstacles, the directions of its warp and its pieces");
   return text;
 }
 

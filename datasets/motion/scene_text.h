@@ -8,8 +8,9 @@
 
 namespace clothid {
 
-// `scene_text`, the JSON that `scene` was read from, with the vertices and faces of its triangulated obstacles and the
-// directions of its warp in place of the files that they are from; unchanged where it names none. Numbers read back
+// `scene_text`, the JSON that `scene` was read from, with the vertices and faces of its triangulated obstacles, the
+// directions of its warp and the triangles of its pieces in place of the files that they are from; unchanged where it
+// names none. Numbers read back
 // exactly. Throws `Error` (kBadData) where they are too many for one JSON text.
 std::string WithInlineLists(const std::string& scene_text, const Scene& scene);
 

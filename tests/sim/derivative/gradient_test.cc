@@ -17,6 +17,7 @@
 #include "sim/rollout/simulator.h"
 #include "tests/sim/curved_rest.h"
 #include "tests/sim/derivative/same_branches.h"
+#include "tests/sim/pieces_scene.h"
 #include "tests/sim/scene/triangle_meshes.h"
 #include "tests/sim/shipped_scenes.h"
 #include "tests/sim/woven_scene.h"
@@ -48,7 +49,7 @@ class GradientCase {
   bool has_influence(int i) const { return std::abs(Magnitude(i) * adjoint_[i]) > 1e-8 * Cost(rollout_); }
 
   std::string name(int i) const {
-    if (i < num_parameters()) return ParameterName(ids_[i], scene_.obstacle_names());
+    if (i < num_parameters()) return ParameterName(ids_[i], scene_.obstacle_names(), scene_.mesh.piece_names);
     return i == num_parameters() ? "x_0" : "v_0";
   }
 
@@ -94,6 +95,7 @@ class GradientCase {
     for (const ParameterKind kind : kMaterialKinds) {
       if (scene_.has(kind) && parameters_.material.*MaterialConstant(kind) != 0.0) ids_.push_back({kind});
     }
+    for (const ParameterId id : scene_.piece_parameters()) ids_.push_back(id);
   }
 
   void MakeDirections() {
@@ -136,9 +138,11 @@ class GradientCase {
     Scene scene = scene_;
     Parameters parameters = parameters_;
     if (i < num_parameters()) {
-      // Friction of all obstacles at once moves each from where it is.
+      // Friction of all obstacles at once moves each from where it is, and so do constants of all pieces.
       if (ids_[i] == ParameterId{ParameterKind::kFriction, kAllObstacles}) {
         for (double& mu : parameters.friction_coefficients) mu += step;
+      } else if (scene_.has_of_pieces(ids_[i].kind) && ids_[i].piece == kWholeCloth) {
+        for (Material& piece : parameters.pieces) piece.*MaterialConstant(ids_[i].kind) += step;
       } else {
         SetParameter(ids_[i], Magnitude(i) + step, &parameters);
       }
@@ -298,6 +302,33 @@ INSTANTIATE_TEST_SUITE_P(Scenes, WovenGradientTest,
                                                               {"drape", ContactMode::kVelocity},
                                                               {"wind", ContactMode::kGap}})),
                          CaseName);
+
+// Constants of pieces, and of all of them at once, isotropic and woven.
+class PiecesGradientTest : public GradientTest {};
+
+TEST_P(PiecesGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
+  for (const bool woven : {false, true}) {
+    Scene scene = SceneOf(GetParam(), 7);
+    scene.duration *= 0.25;
+    scene.bending.law = BendingLaw::kPatches;
+    if (woven) scene = Woven(scene);
+    scene.material.damping = woven ? 0.3 : 0.5;
+    scene.material.drag = 0.05;
+    const GradientCase gradient(InPieces(scene, 1.5, 0.6));
+    for (const char* name : {"density.a", "density.b", "damping.a", "drag.b"}) {
+      EXPECT_TRUE(gradient.HasInfluence(name)) << name;
+    }
+    for (const char* name : {"k_stretch.a", "k_bend.a"}) EXPECT_NE(gradient.HasInfluence(name), woven) << name;
+    for (const char* name : {"k_warp.b", "k_poisson.a", "bend_weft.b"}) {
+      EXPECT_EQ(gradient.HasInfluence(name), woven) << name;
+    }
+    ExpectAgreement(gradient, 1e-6);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, PiecesGradientTest,
+    ::testing::ValuesIn(WithIntegrators({{"drape", ContactMode::kGap}, {"wind", ContactMode::kGap}})), CaseName);
 
 // With bending about a curved rest shape, of one constant and of three.
 class CurvedGradientTest : public GradientTest {};
