@@ -78,7 +78,7 @@ class ClothModel {
   }
   // dM/dtheta of every node [N]; null for a constant that has no part in it.
   const Eigen::VectorXd* MassSlopes(ParameterId id) const;
-  // What c_d `id` of a scene with drag is per area of [N] m^2.
+  // The areas [N] m^2 that c_d `id` multiplies, of a scene with drag.
   const Eigen::VectorXd& DragAreas(ParameterId id) const;
   // Adds factor * (-d2E/(dx dtheta)) to `force` [3N], theta a constant of bending.
   void AddBendingDerivative(ParameterId id, double factor, const Eigen::VectorXd& positions,
@@ -125,7 +125,7 @@ class ClothModel {
   std::vector<int> free_nodes_, free_index_;
   std::shared_ptr<const BlockPattern> pattern_;
   Eigen::VectorXd node_areas_, laplacian_diagonal_;
-  Eigen::VectorXd mass_areas_;  // empty without a field of the density
+  Eigen::VectorXd mass_areas_;  // empty where the density does not vary
   double touch_gap_ = 0.0;
   std::shared_ptr<const TriangleElements> triangles_;
   std::optional<Membrane> membrane_;

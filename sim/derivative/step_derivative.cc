@@ -189,13 +189,15 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
     case ParameterKind::kTwistBending:
       model_.AddBendingDerivative(id, -h, record_.positions, &derivative);
       break;
-    case ParameterKind::kDensity:
+    case ParameterKind::kDensity: {
+      const Eigen::VectorXd& areas = *model_.MassSlopes(id);
       for (const int node : model_.free_nodes()) {
         derivative.segment<3>(3 * node) =
-            (*model_.MassSlopes(id))[node] * (record_.velocities.segment<3>(3 * node) -
-                                              start_.velocities.segment<3>(3 * node) - h * model_.scene().gravity);
+            areas[node] * (record_.velocities.segment<3>(3 * node) - start_.velocities.segment<3>(3 * node) -
+                           h * model_.scene().gravity);
       }
       break;
+    }
     case ParameterKind::kDrag:
       if (model_.drag() == nullptr) break;
       for (const int node : model_.free_nodes()) {

@@ -145,6 +145,22 @@ Eigen::VectorXd PieceWeights(const Parameters& parameters, ParameterKind kind, c
   return weights;
 }
 
+Material MeanMaterial(const Parameters& parameters, const Mesh& mesh) {
+  Material mean = parameters.material;
+  if (parameters.pieces.empty()) return mean;
+  const Eigen::VectorXd areas = TriangleAreas(mesh);
+  for (const ParameterKind kind : kMaterialKinds) {
+    double Material::*const constant = MaterialConstant(kind);
+    if (!CanBeOfPiece(kind)) continue;
+    double sum = 0.0;
+    for (int f = 0; f < mesh.num_faces(); ++f) {
+      sum += areas[f] * (parameters.pieces[static_cast<std::size_t>(mesh.face_pieces[f])].*constant);
+    }
+    mean.*constant = sum / areas.sum();
+  }
+  return mean;
+}
+
 void ReadPieces(const JsonNode& node, const FaceGroups& groups, Scene* scene) {
   Mesh& mesh = scene->mesh;
   mesh.piece_names = node.keys();

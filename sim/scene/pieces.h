@@ -1,6 +1,6 @@
 // Pieces of a cloth: groups of its triangles (Mesh::piece_names, Mesh::face_pieces) with a material each
-// (Scene::pieces), from which the constants that a piece does not give are those of the scene. What is in no piece has
-// the scene's.
+// (Scene::pieces). Constants that a piece does not give are those of the scene, as is the material of what is in no
+// piece.
 #ifndef CLOTHID_SIM_SCENE_PIECES_H_
 #define CLOTHID_SIM_SCENE_PIECES_H_
 
@@ -17,12 +17,16 @@ namespace clothid {
 // a material, and what is in none has one, too.
 void ValidatePieces(const Scene& scene, const std::string& source);
 
-// Throws `Error` (kBadData), prefixed by `source`, unless there are materials for the pieces of `scene`, with values in
-// their domain, that differ from the level in constants that `Scene::has_of_pieces` alone, and where that is not 0.
+// Throws `Error` (kBadData), prefixed by `source`, unless `parameters` has a material for each piece of `scene`, in its
+// domain. It may differ from that of the whole in constants of `Scene::has_of_pieces` alone, where that is not 0.
 void ValidatePieceMaterials(const Parameters& parameters, const Scene& scene, const std::string& source);
 
 // Of every triangle [F] the constant of its piece over that of the whole cloth, which is 0 where all are: then 1.
 Eigen::VectorXd PieceWeights(const Parameters& parameters, ParameterKind kind, const Mesh& mesh);
+
+// The material of a cloth, of pieces the mean over its area: that of as much mass, and of as much energy in a uniform
+// strain.
+Material MeanMaterial(const Parameters& parameters, const Mesh& mesh);
 
 // The `pieces` of scene.json: by name, the constants of a piece and its `triangles`, [first, last] or one alone;
 // without them, those of that group in `groups`, of an OBJ file. After mesh, `materials` and `fields`, before

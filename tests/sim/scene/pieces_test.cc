@@ -180,6 +180,14 @@ TEST(PieceParameters, AreNoneOfAField) {
   EXPECT_EQ(scene.pieces[0].density, scene.material.density);
 }
 
+TEST(MeanMaterial, HasTheMassOfTheCloth) {
+  const Scene scene = Read(R"({"a": {"triangles": [[0, 5]], "density": 0.4, "k_stretch": 10}})");
+  const Material mean = MeanMaterial(scene.nominal_parameters(), scene.mesh);
+  EXPECT_NEAR(mean.density, 0.75 * 0.4 + 0.25 * 0.15, 1e-15);
+  EXPECT_NEAR(mean.stretch_stiffness, 0.75 * 10.0 + 0.25 * 100.0, 1e-13);
+  EXPECT_EQ(mean.added_mass, scene.material.added_mass);
+}
+
 TEST(ValidatePieces, NamesWhatIsMissing) {
   Scene scene = Read(kTwoPieces);
   const auto expect = [](const Scene& wrong, const char* fragment) {
