@@ -40,6 +40,16 @@ FieldRequest ParseRequest(std::string_view item) {
   return request;
 }
 
+// A constant varies as a field or from piece to piece.
+void ExpectNoPieces(const Scene& scene, ParameterId id) {
+  double Material::*const constant = MaterialConstant(id.kind);
+  for (const Material& piece : scene.pieces) {
+    if (piece.*constant == scene.material.*constant) continue;
+    throw Error(ErrorKind::kUsage, "--field: '" + ParameterName(id, {}) +
+                                       "' differs between the pieces of the scene, so it can be no field");
+  }
+}
+
 }  // namespace
 
 std::vector<FieldRequest> ParseFieldRequests(const std::string& text) {
@@ -74,9 +84,11 @@ void SetField(const GridField& field, std::vector<RecordedMotion>* motions) {
     double level = 0.0;
     FieldOverTriangles(field, scene.mesh, &level);
     const ParameterId id{field.kind, kAllObstacles};
+    ExpectNoPieces(scene, id);
     Parameters parameters{scene.material, {}, nullptr};
+    parameters.pieces = scene.pieces;
     SetParameter(id, level, &parameters);
-    scene.material = parameters.material;
+    scene.SetMaterials(parameters);
     const auto range = scene.parameters.find(ParameterName(id, {}));
     if (range != scene.parameters.end() && !std::isnan(range->second.nominal)) range->second.nominal = level;
   }

@@ -126,6 +126,11 @@ double LargestCoupling(const Material& material) {
   return std::sqrt(material.warp_stiffness * material.weft_stiffness);
 }
 
+// That `id` is a constant of.
+const Material& MaterialOf(ParameterId id, const Parameters& parameters) {
+  return id.piece == kWholeCloth ? parameters.material : parameters.pieces.at(static_cast<std::size_t>(id.piece));
+}
+
 // What was measured of the constant `kind`; null: nothing.
 const MeasuredConstant* Measured(const Fabric& fabric, ParameterKind kind) {
   switch (kind) {
@@ -308,7 +313,7 @@ ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, c
   block.name = name;
   block.scale = DefaultScale(id.kind);
   block.is_signed = DomainOf(id.kind) == ParameterDomain::kAny;
-  if (block.is_signed) block.unit = SignedUnit(id.kind, nominal, scene_values.material);
+  if (block.is_signed) block.unit = SignedUnit(id.kind, nominal, MaterialOf(id, scene_values));
   block.frozen = range.frozen;
   block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
   CheckStart(block);

@@ -36,7 +36,7 @@ Scene WithHandlePath(Scene scene) {
 
 // The scene whose material has every term that the fit will change.
 Scene SceneAtStart(Scene scene, const Parameters& start) {
-  scene.material = start.material;
+  scene.SetMaterials(start);
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     scene.obstacles[i].friction_coefficient = start.friction_coefficients[i];
   }

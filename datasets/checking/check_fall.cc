@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "datasets/checking/finding_words.h"
+#include "sim/scene/pieces.h"
 
 namespace clothid {
 namespace {
@@ -33,7 +34,7 @@ bool HasOtherForces(const Scene& scene) {
 // m/s^2, of cloth that nothing but its weight moves: that moves the mass of the air along. Energies per mass are those
 // of this pull, too.
 Eigen::Vector3d FreeFall(const Scene& scene) {
-  const Material material = scene.nominal_parameters().material;
+  const Material material = MeanMaterial(scene.nominal_parameters(), scene.mesh);
   return scene.gravity * (material.density / material.areal_inertia());
 }
 

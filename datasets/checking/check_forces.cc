@@ -5,6 +5,7 @@
 #include "datasets/checking/check_handles.h"
 #include "datasets/checking/finding_words.h"
 #include "sim/mesh/mesh.h"
+#include "sim/scene/pieces.h"
 
 namespace clothid {
 namespace {
@@ -87,7 +88,8 @@ std::vector<Finding> CheckConstant(const RecordedMotion& motion) {
 // What all handles bear of the cloth at rest, upwards, N; 0: the scene does not tell.
 double Weight(const Scene& scene) {
   if (!scene.obstacles.empty() || !scene.node_force.isZero(0.0)) return 0.0;
-  return scene.nominal_parameters().material.density * NodeAreas(scene.mesh).sum() * scene.gravity.norm();
+  return MeanMaterial(scene.nominal_parameters(), scene.mesh).density * NodeAreas(scene.mesh).sum() *
+         scene.gravity.norm();
 }
 
 // Against the weight that the handles bear on the mean over the recording, where they have a force each.

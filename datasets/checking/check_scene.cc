@@ -7,6 +7,7 @@
 #include <set>
 
 #include "datasets/checking/finding_words.h"
+#include "sim/scene/pieces.h"
 
 namespace clothid {
 namespace {
@@ -126,7 +127,7 @@ std::vector<Finding> CheckGravitySize(const Scene& scene) {
 }
 
 std::vector<Finding> CheckDensity(const Scene& scene) {
-  const double density = scene.nominal_parameters().material.density;
+  const double density = MeanMaterial(scene.nominal_parameters(), scene.mesh).density;
   if (density >= kLightFabric && density <= kHeavyFabric) return {};
   const std::string value = Rounded(density) + " kg/m^2; nine in ten fabrics have 0.031 to 0.488";
   if (density >= kLightFabric / kBeyondFabric && density <= kBeyondFabric * kHeavyFabric) {

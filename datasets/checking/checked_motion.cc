@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "sim/scene/pieces.h"
+
 namespace clothid {
 namespace {
 
@@ -105,7 +107,7 @@ CheckedMotion::CheckedMotion(const RecordedMotion& recorded)
     is_held.push_back(IsHeld(motion.points[p], handles));
   }
   // The bending length is that of Peirce (1930).
-  const Material material = motion.scene.nominal_parameters().material;
+  const Material material = MeanMaterial(motion.scene.nominal_parameters(), motion.scene.mesh);
   const double weight = material.density * motion.scene.gravity.norm();
   const double rigidity = std::max({material.bending_stiffness, material.warp_bending, material.weft_bending});
   stands_out = weight > 0.0 && std::cbrt(rigidity / weight) > kStiff * cloth_size;

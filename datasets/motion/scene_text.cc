@@ -1,5 +1,6 @@
 #include "datasets/motion/scene_text.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -45,15 +46,37 @@ bool NamesWarp(const Json& json) {
          json["materials"]["warp_direction"].is_string();
 }
 
+// Whether a piece of the cloth is a group of a file.
+bool NamesGroups(const Json& json) {
+  const Json pieces = json.value("pieces", Json::object());
+  return std::any_of(pieces.begin(), pieces.end(), [](const Json& piece) { return !piece.contains("triangles"); });
+}
+
+// [[first, last], ..] of the triangles of a piece, on one line.
+std::string TrianglesText(const Mesh& mesh, int piece) {
+  Json list = Json::array();
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    if (mesh.face_pieces[static_cast<std::size_t>(face)] != piece) continue;
+    if (!list.empty() && list.back()[1] == face - 1) {
+      list.back()[1] = face;
+    } else {
+      list.push_back({face, face});
+    }
+  }
+  return list.dump();
+}
+
 // Makes keys null, in the place of what they name, and collects the lists that belong there, in the order of the text.
 class InlineLists {
  public:
   InlineLists(const Scene& scene, Json* json) {
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i)
       AddObstacle(scene.obstacles[i], &json->at("obstacles").at(i));
-    if (scene.warp.directions.cols() == 0 || !NamesWarp(*json)) return;
-    (*json)["materials"]["warp_direction"] = nullptr;
-    lists_.emplace_back("warp_direction", ColumnsText(scene.warp.directions));
+    if (scene.warp.directions.cols() > 0 && NamesWarp(*json)) {
+      (*json)["materials"]["warp_direction"] = nullptr;
+      lists_.emplace_back("warp_direction", ColumnsText(scene.warp.directions));
+    }
+    if (!scene.mesh.piece_names.empty() && NamesGroups(*json)) AddPieces(scene.mesh, &(*json)["pieces"]);
   }
 
   bool empty() const { return lists_.empty(); }
@@ -74,20 +97,27 @@ class InlineLists {
     lists_.emplace_back("path", PathText(*obstacle.path));
   }
 
+  void AddPieces(const Mesh& mesh, Json* json) {
+    for (std::size_t piece = 0; piece < mesh.piece_names.size(); ++piece) {
+      (*json)[mesh.piece_names[piece]]["triangles"] = nullptr;
+      lists_.emplace_back("triangles", TrianglesText(mesh, static_cast<int>(piece)));
+    }
+  }
+
   std::vector<std::pair<std::string, std::string>> lists_;
 };
 
 }  // namespace
 
 std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
-  if (scene.obstacles.empty() && scene.warp.directions.cols() == 0) return scene_text;
+  if (scene.obstacles.empty() && scene.warp.directions.cols() == 0 && scene.mesh.piece_names.empty()) return scene_text;
   Json json = Json::parse(scene_text);
   const InlineLists lists(scene, &json);
   if (lists.empty()) return scene_text;
   std::string text = json.dump(2);
   lists.Fill(&text);
   // For its limits.
-  ParseJson(text, "scene with the surfaces and paths of its obstacles and the directions of its warp");
+  ParseJson(text, "scene with the surfaces and paths of its obstacles, the directions of its warp and its pieces");
   return text;
 }
 

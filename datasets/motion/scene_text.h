@@ -9,15 +9,16 @@
 namespace clothid {
 
 // `scene_text`, the JSON that `scene` was read from, with the vertices and faces of its triangulated obstacles, the
-// paths of those that move and the directions of its warp in place of the files that they are from; unchanged where it
-// names none. Numbers read back exactly. Throws `Error` (kBadData) where they are too many for one JSON text.
+// paths of those that move, the directions of its warp and the triangles of its pieces in place of the files that they
+// are from; unchanged where it names none. Numbers read back exactly. Throws `Error` (kBadData) where they are too many
+// for one JSON text.
 std::string WithInlineLists(const std::string& scene_text, const Scene& scene);
 
 // The text of a recording of `scene`, which was read from `scene_text`: every value of the original, without the names
 // of files and with an explicit start. Surfaces, paths and directions come into it as by WithInlineLists; mesh and
 // paths of handles go into the recording's tensors. A start read from a file goes: the first frame has to take its
-// place, and `*start_is_first_frame` says so. Throws `Error` (kBadData) where WithInlineLists does and where the text is
-// no JSON object.
+// place, and `*start_is_first_frame` says so. Throws `Error` (kBadData) where WithInlineLists does and where the text
+// is no JSON object.
 std::string SelfContainedText(const Scene& scene, const std::string& scene_text, bool* start_is_first_frame);
 
 }  // namespace clothid

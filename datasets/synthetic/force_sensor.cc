@@ -12,9 +12,9 @@ namespace {
 
 // After every step [3G x (steps + 1)].
 Eigen::MatrixXd ForcesAfterSteps(const Rollout& rollout, Scene scene, const std::vector<std::vector<int>>& groups) {
-  scene.material = rollout.parameters.material;  // bending and air are there where the rollout has them
+  scene.SetMaterials(rollout.parameters);  // bending and air are there where the rollout has them
   ClothModel model(scene);
-  if (rollout.parameters.fields != nullptr) model.SetFields(rollout.parameters.fields.get());
+  model.SetVariation(rollout.parameters);
   const HandleForces forces(model, rollout.parameters, rollout.num_steps(), groups);
   Eigen::MatrixXd states(3 * static_cast<Eigen::Index>(forces.nodes().size()), rollout.num_steps() + 1);
   for (int step = 0; step <= rollout.num_steps(); ++step) states.col(step) = forces.Gather(rollout.positions(step));

@@ -100,6 +100,9 @@ GridScene ReadGridScene(const std::string& path) {
   if (!result.scene.node_force.isZero(0.0)) {
     throw Error(ErrorKind::kBadData, path + ": key 'node_force': expected none; on another grid it is another force");
   }
+  if (!result.scene.pieces.empty()) {
+    throw Error(ErrorKind::kBadData, path + ": key 'pieces': expected none; they are of the triangles of this grid");
+  }
   result.nodes = mesh["grid"]["nodes"].get<std::array<int, 2>>();
   return result;
 }

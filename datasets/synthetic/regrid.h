@@ -21,7 +21,8 @@ struct GridScene {
 };
 
 // Throws `Error`: what `ReadScene` throws, and kBadData where the scene cannot be put on another grid: its mesh is not
-// a grid, or it has a force per node, which on another grid would be another force.
+// a grid, it has a force per node, which on another grid would be another force, or pieces, which are of the triangles
+// of its own.
 GridScene ReadGridScene(const std::string& path);
 
 // The scene with `nodes[0]` x `nodes[1]` nodes on the same rectangle. Start and paths of handles are interpolated

@@ -14,7 +14,7 @@ Parameters SetTrueParameters(const std::map<std::string, double>& truth, const s
       throw Error(ErrorKind::kUsage, flag + ": '" + name + "': the scene has no obstacle");
     }
   }
-  scene->material = parameters.material;
+  scene->SetMaterials(parameters);
   try {
     ValidateParameters(parameters, *scene, truth.empty() ? source : flag);
   } catch (const Error& error) {

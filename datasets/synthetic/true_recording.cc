@@ -30,7 +30,7 @@ Rollout SimulateTruth(const std::vector<TrueParameter>& truth, const std::string
     SetParameter(ParseParameter(parameter.name, scene), parameter.value, &parameters);
   }
   scene.wind = parameters.wind;
-  scene.material = parameters.material;  // bending and air are there where the truth has them
+  scene.SetMaterials(parameters);  // bending and air are there where the truth has them
   const int num_steps = scene.num_steps();
   Simulator simulator(std::move(scene));
   Rollout rollout = Simulate(parameters, num_steps, &simulator, nullptr, options);

@@ -30,7 +30,7 @@ std::string StartWords(StartSource start) {
 
 std::string Padded(const std::string& text, int width) {
   std::ostringstream padded;
-  padded << std::left << std::setw(width) << text;
+  padded << std::left << std::setw(width - 1) << text << ' ';
   return padded.str();
 }
 

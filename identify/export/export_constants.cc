@@ -9,6 +9,7 @@
 
 #include "sim/cloth/bending_energy.h"
 #include "sim/mesh/mesh.h"
+#include "sim/scene/pieces.h"
 
 namespace clothid {
 namespace {
@@ -115,7 +116,7 @@ void SetBending(const Scene& scene, const Material& material, ExportConstants* c
 }  // namespace
 
 ExportConstants MakeExportConstants(const Scene& scene, const Parameters& parameters) {
-  const Material& material = parameters.material;
+  const Material material = MeanMaterial(parameters, scene.mesh);
   ExportConstants constants;
   constants.density = material.density;
   SetMembrane(scene, material, &constants);
@@ -128,6 +129,8 @@ ExportConstants MakeExportConstants(const Scene& scene, const Parameters& parame
     constants.thickness = std::max(constants.thickness, scene.obstacles[i].contact_distance);
   }
   if (scene.has_air()) constants.not_mapped.push_back("drag and wind: every simulator has another law of the air");
+  if (!scene.pieces.empty())
+    constants.not_mapped.push_back("pieces: the means of their constants over the cloth are here");
   if (!scene.fields.empty()) constants.not_mapped.push_back("constants that vary over the cloth: their means are here");
   if (scene.handles.path.num_handles() > 0) {
     constants.not_mapped.push_back("the path of the handles: they stand where the motion starts");

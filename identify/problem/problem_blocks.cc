@@ -39,15 +39,19 @@ const RecordedMotion& RecordingOf(const std::string& name, const std::vector<Rec
   return found == motions.end() ? motions.front() : *found;
 }
 
-// "mu" is the friction of every obstacle, so it cannot be fitted beside the friction of one of them.
+// "mu" is the friction of every obstacle, so it cannot be fitted beside the friction of one of them; nor a constant of
+// the whole cloth beside that of a piece.
 void CheckOverlap(const std::vector<std::string>& names) {
-  if (std::find(names.begin(), names.end(), "mu") == names.end()) return;
-  for (const std::string& name : names) {
-    if (name.rfind("mu.", 0) == 0) {
+  const auto check = [&](const std::string& whole, const std::string& what) {
+    if (std::find(names.begin(), names.end(), whole) == names.end()) return;
+    for (const std::string& name : names) {
+      if (name.rfind(whole + ".", 0) != 0) continue;
       throw Error(ErrorKind::kUsage,
-                  "--fit: 'mu' sets the friction of every obstacle, so '" + name + "' cannot be fitted beside it");
+                  "--fit: '" + whole + "' sets " + what + ", so '" + name + "' cannot be fitted beside it");
     }
-  }
+  };
+  check("mu", "the friction of every obstacle");
+  for (const ParameterKind kind : kMaterialKinds) check(ParameterName({kind}, {}), "that of every piece");
 }
 
 // Expands groups of names, and refuses names that would not come out.
@@ -180,8 +184,14 @@ void SetFlatFields(const FitOptions& options, std::vector<RecordedMotion>* motio
 
 bool HasParameter(const Scene& scene, const std::string& name) {
   const std::string prefix = "mu.", base = BaseName(name);
+  const std::size_t dot = std::min(base.find('.'), base.size());
   for (const ParameterKind kind : kMaterialKinds) {
-    if (base == ParameterName({kind}, {})) return scene.has(kind);
+    if (base.substr(0, dot) != ParameterName({kind}, {})) continue;
+    const std::vector<std::string>& pieces = scene.mesh.piece_names;
+    const bool is_whole = dot == base.size();
+    return is_whole ? scene.has(kind)
+                    : scene.has_of_pieces(kind) &&
+                          std::find(pieces.begin(), pieces.end(), base.substr(dot + 1)) != pieces.end();
   }
   if (base.rfind("wind.", 0) == 0) {
     const int knot = ParseParameter(base, scene.obstacle_names()).knot;

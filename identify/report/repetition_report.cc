@@ -87,7 +87,8 @@ class Rows {
  public:
   void Add(const std::string& name, const std::string& value, const std::string& interval, const std::string& remark) {
     std::ostringstream row;
-    row << std::left << std::setw(16) << name << std::setw(13) << value << " " << std::setw(28) << interval << remark;
+    row << std::left << std::setw(15) << name << ' ' << std::setw(13) << value << " " << std::setw(28) << interval
+        << remark;
     const std::string text = row.str();
     rows_ << text.substr(0, text.find_last_not_of(' ') + 1) << "\n";
   }

@@ -280,7 +280,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
   const auto print_row = [&](const std::string& name, const std::string& estimate, const std::string& interval,
                              const std::string& start, const std::string& remark) {
     // Small negative numbers fill their column.
-    table << std::left << std::setw(16) << name << std::setw(13) << estimate << " " << std::setw(28) << interval
+    table << std::left << std::setw(15) << name << ' ' << std::setw(13) << estimate << " " << std::setw(28) << interval
           << (remark.empty() ? start : start + "  " + remark) << "\n";
   };
   print_row("parameter", "estimate", "95 % interval", "start", "");

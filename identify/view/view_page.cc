@@ -78,6 +78,9 @@ Json SceneJson(const Scene& scene) {
     const ParameterId id = {kind};
     constants[ParameterName(id, scene.obstacle_names())] = RoundedJson(GetParameter(nominal, id), kViewDigits);
   }
+  for (const ParameterId id : scene.piece_parameters()) {
+    constants[ParameterName(id, {}, scene.mesh.piece_names)] = RoundedJson(GetParameter(nominal, id), kViewDigits);
+  }
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     obstacles.push_back({{"name", scene.obstacles[i].name}, {"mu", nominal.friction_coefficients[i]}});
   }

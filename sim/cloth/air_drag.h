@@ -4,6 +4,7 @@
 #define CLOTHID_SIM_CLOTH_AIR_DRAG_H_
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "sim/scene/scene.h"
@@ -17,8 +18,9 @@ class AirDrag {
  public:
   explicit AirDrag(const Scene& scene);
 
-  // a_j [N], m^2.
+  // a_j [N], m^2; with drag by pieces times their share of the level.
   const Eigen::VectorXd& areas() const { return areas_; }
+  void SetAreas(Eigen::VectorXd areas) { areas_ = std::move(areas); }
 
   // w at time t and rest position X_j, m/s, and its derivative by the parameter `id` of the wind.
   Eigen::Vector3d WindAt(int node, double time, const Wind& wind) const { return wind.At(time, places_[node]); }

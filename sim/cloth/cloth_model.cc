@@ -1,10 +1,12 @@
 #include "sim/cloth/cloth_model.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "sim/cloth/bending_patch.h"
 #include "sim/matrix/fill_reducing_order.h"
+#include "sim/scene/pieces.h"
 
 namespace clothid {
 namespace {
@@ -128,18 +130,30 @@ ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothMod
   stretch_.emplace(triangles_);
   if (scene.has_directional_drag()) directional_drag_.emplace(scene, triangles_, free_index_, *pattern_);
   if (scene.has_damping()) damping_.emplace(triangles_);
+  if (!scene.pieces.empty()) MakePieces();
 }
 
 std::vector<BendingMatrix> ClothModel::MakeBending() {
-  if (!scene_->has_bending() || !HasField(*scene_, ParameterKind::kBendingStiffness)) {
-    return BendingMatrices(*scene_, *chosen_on_);
+  const bool varies = !scene_->pieces.empty() || HasField(*scene_, ParameterKind::kBendingStiffness);
+  if (!scene_->has_bending() || !varies) return BendingMatrices(*scene_, *chosen_on_);
+  std::vector<ParameterKind> kinds = {ParameterKind::kBendingStiffness};
+  if (scene_->bending.orthotropic) {
+    kinds = {ParameterKind::kWarpBending, ParameterKind::kWeftBending, ParameterKind::kTwistBending};
   }
-  weighted_bending_ = std::make_unique<WeightedBending>(*scene_, *chosen_on_);
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(scene_->mesh.num_faces());
   std::vector<BendingMatrix> bending;
-  bending.push_back(
-      {ParameterKind::kBendingStiffness, weighted_bending_->Matrix(ones), weighted_bending_->Moments(ones)});
+  for (const ParameterKind kind : kinds) {
+    weighted_bending_.emplace_back(*scene_, kind, *chosen_on_);
+    bending.push_back(weighted_bending_.back().Of(ones));
+  }
   return bending;
+}
+
+void ClothModel::MakePieces() {
+  pieces_ = std::make_unique<const ClothPieces>(*scene_, weighted_bending_);
+  const bool has_axes = scene_->membrane == MembraneLaw::kOrthotropic;
+  if (PiecesOf(has_axes ? ParameterKind::kWarpStiffness : ParameterKind::kStretchStiffness) == nullptr) return;
+  membrane_.emplace(MembraneParts(scene_->membrane, *triangles_, scene_->mesh.face_pieces, scene_->pieces));
 }
 
 const BendingEnergy* ClothModel::bending() const {
@@ -147,9 +161,50 @@ const BendingEnergy* ClothModel::bending() const {
   return isotropic ? &bending_terms_[0].energy : nullptr;
 }
 
-const Eigen::VectorXd* ClothModel::MassSlopes(ParameterKind kind) const {
-  if (kind == ParameterKind::kDensity) return &mass_areas();
-  return kind == ParameterKind::kAddedMass ? &node_areas_ : nullptr;
+const Eigen::VectorXd* ClothModel::MassSlopes(ParameterId id) const {
+  if (id.kind == ParameterKind::kAddedMass) return &node_areas_;
+  if (id.kind != ParameterKind::kDensity) return nullptr;
+  const ClothPieces* pieces = PiecesOf(id.kind);
+  return pieces != nullptr ? &pieces->areas(id.piece) : &mass_areas();
+}
+
+const Eigen::VectorXd& ClothModel::DragAreas(ParameterId id) const {
+  const ClothPieces* pieces = PiecesOf(ParameterKind::kDrag);
+  return pieces != nullptr ? pieces->areas(id.piece) : drag_->areas();
+}
+
+void ClothModel::AddBendingDerivative(ParameterId id, double factor, const Eigen::VectorXd& positions,
+                                      Eigen::VectorXd* force) const {
+  if (const ClothPieces* pieces = PiecesOf(id.kind)) {
+    for (const BendingMatrix& term : pieces->bending(id.piece)) {
+      if (term.kind == id.kind) term.AddForce(factor, positions, force);
+    }
+    return;
+  }
+  for (const BendingTerm& term : bending_terms_) {
+    if (term.kind == id.kind) term.AddForce(factor, positions, force);
+  }
+}
+
+StrainRateDamping ClothModel::DampingOf(ParameterId id) const {
+  if (PiecesOf(id.kind) == nullptr) return *damping_;
+  return StrainRateDamping(WeightedTriangles(*triangles_, PieceMask(id.piece, scene_->mesh.face_pieces)));
+}
+
+bool ClothModel::SetVariation(const Parameters& parameters) {
+  const bool has_fields = parameters.fields == fields_;
+  const bool has_pieces =
+      pieces_ == nullptr || (parameters.pieces == piece_materials_ && parameters.material == level_);
+  if (has_fields && has_pieces) return false;
+  fields_ = parameters.fields;
+  if (!has_fields) SetFields(fields_.get());
+  if (!has_pieces) SetPieces(parameters);
+  return true;
+}
+
+void ClothModel::SetBending(std::size_t term, const Eigen::VectorXd& weights) {
+  bending_terms_[term].energy = BendingEnergy(weighted_bending_[term].Matrix(weights), free_index_, *pattern_);
+  bending_terms_[term].curvature = MakeCurvature(weighted_bending_[term].Moments(weights));
 }
 
 void ClothModel::SetFields(const std::vector<FieldFactors>* fields) {
@@ -163,11 +218,26 @@ void ClothModel::SetFields(const std::vector<FieldFactors>* fields) {
       stretch_.emplace(weighted);
     }
     if (kind == ParameterKind::kDensity) mass_areas_ = WeightedNodeAreas(scene_->mesh, factors);
-    if (kind == ParameterKind::kBendingStiffness && weighted_bending_ != nullptr) {
-      bending_terms_.front().energy = BendingEnergy(weighted_bending_->Matrix(factors), free_index_, *pattern_);
-      bending_terms_.front().curvature = MakeCurvature(weighted_bending_->Moments(factors));
-    }
+    if (kind == ParameterKind::kBendingStiffness && !weighted_bending_.empty()) SetBending(0, factors);
   }
+}
+
+void ClothModel::SetPieces(const Parameters& parameters) {
+  if (parameters.pieces.size() != scene_->pieces.size()) {
+    throw std::logic_error("the parameters of a cloth of pieces: expected a material for each");
+  }
+  level_ = parameters.material;
+  piece_materials_ = parameters.pieces;
+  membrane_->SetMaterials(piece_materials_);
+  const auto weights = [&](ParameterKind kind) { return PieceWeights(parameters, kind, scene_->mesh); };
+  if (PiecesOf(ParameterKind::kDensity) != nullptr) {
+    mass_areas_ = WeightedNodeAreas(scene_->mesh, weights(ParameterKind::kDensity));
+  }
+  for (std::size_t i = 0; i < bending_terms_.size(); ++i) {
+    if (PiecesOf(bending_terms_[i].kind) != nullptr) SetBending(i, weights(bending_terms_[i].kind));
+  }
+  if (drag_) drag_->SetAreas(WeightedNodeAreas(scene_->mesh, weights(ParameterKind::kDrag)));
+  if (damping_) damping_.emplace(WeightedTriangles(*triangles_, weights(ParameterKind::kDamping)));
 }
 
 std::shared_ptr<const RestCurvature> ClothModel::MakeCurvature(std::vector<RestMoment> moments) const {

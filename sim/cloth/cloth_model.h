@@ -1,6 +1,6 @@
 // The terms that a scene has, built once per simulator: no obstacle, no contact; k_b = 0, no bending; c_d = 0, no drag
 // that is the same in every direction; c_n = c_t = 0, none by direction; eta = 0, no internal damping. Constants that
-// vary over the cloth (sim/scene/material_field.h) are put into the terms by SetFields.
+// vary over the cloth (sim/scene/material_field.h, sim/scene/pieces.h) are put into the terms by SetVariation.
 #ifndef CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_
 #define CLOTHID_SIM_CLOTH_CLOTH_MODEL_H_
 
@@ -11,6 +11,7 @@
 
 #include "sim/cloth/air_drag.h"
 #include "sim/cloth/bending_energy.h"
+#include "sim/cloth/cloth_pieces.h"
 #include "sim/cloth/directional_drag.h"
 #include "sim/cloth/field_terms.h"
 #include "sim/cloth/membrane.h"
@@ -21,13 +22,6 @@
 #include "sim/scene/scene.h"
 
 namespace clothid {
-
-// Q [N x N] of a term of bending, and what a curved rest shape adds to it.
-struct BendingMatrix {
-  ParameterKind kind;
-  Eigen::SparseMatrix<double> matrix;
-  std::vector<RestMoment> moments;
-};
 
 // A bending energy times one constant of a material.
 struct BendingTerm {
@@ -55,8 +49,9 @@ class ClothModel {
   // squares are there on rectangles.
   ClothModel(const Scene& scene, const ClothModel& like);
 
-  // Null: the constants are the same everywhere, as at first; else those of the scene's fields, `ValidateParameters`.
-  void SetFields(const std::vector<FieldFactors>* fields);
+  // Puts in how the constants vary over the cloth: not, as at first, or as the fields and pieces of `parameters` do,
+  // which `ValidateParameters` accepts. Whether that changes anything.
+  bool SetVariation(const Parameters& parameters);
 
   const Scene& scene() const { return *scene_; }
   const Mesh& chosen_on() const { return *chosen_on_; }  // for the model of another size
@@ -75,14 +70,21 @@ class ClothModel {
 
   const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
   const Eigen::VectorXd& node_areas() const { return node_areas_; }  // [N] m^2
-  // [N] m^2, those times the factors of the density, if it is a field. Times density: what has weight.
+  // [N] m^2, those times the factors of the density, if it varies. Times density: what has weight.
   const Eigen::VectorXd& mass_areas() const { return has_density_field() ? mass_areas_ : node_areas_; }
   // M of a node, kg: of the cloth and of the air that moves with it.
   double mass(const Material& material, int node) const {
     return material.density * mass_areas()[node] + material.added_mass * node_areas_[node];
   }
   // dM/dtheta of every node [N]; null for a constant that has no part in it.
-  const Eigen::VectorXd* MassSlopes(ParameterKind kind) const;
+  const Eigen::VectorXd* MassSlopes(ParameterId id) const;
+  // The areas [N] m^2 that c_d `id` multiplies, of a scene with drag.
+  const Eigen::VectorXd& DragAreas(ParameterId id) const;
+  // Adds factor * (-d2E/(dx dtheta)) to `force` [3N], theta a constant of bending.
+  void AddBendingDerivative(ParameterId id, double factor, const Eigen::VectorXd& positions,
+                            Eigen::VectorXd* force) const;
+  // What eta `id` of a scene with damping multiplies; it takes the metrics of damping().
+  StrainRateDamping DampingOf(ParameterId id) const;
   bool has_density_field() const { return mass_areas_.size() > 0; }
   const Eigen::VectorXd& laplacian_diagonal() const { return laplacian_diagonal_; }  // [N] of L, triangle_element.h
   const TriangleElements& triangles() const { return *triangles_; }
@@ -97,13 +99,24 @@ class ClothModel {
     return directional_drag_ ? &*directional_drag_ : nullptr;
   }                                                                                     // ditto
   const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
-  const WeightedBending* weighted_bending() const { return weighted_bending_.get(); }   // null: k_b is no field
+  // Of k_b that is a field; else meaningless, or null.
+  const WeightedBending* weighted_bending() const {
+    return weighted_bending_.empty() ? nullptr : &weighted_bending_.front();
+  }
+  // Null: the constant is the same in all pieces, or there is but one.
+  const ClothPieces* PiecesOf(ParameterKind kind) const {
+    return pieces_ != nullptr && scene_->has_of_pieces(kind) ? pieces_.get() : nullptr;
+  }
   bool has_contact() const { return !scene_->obstacles.empty(); }
   double touch_gap() const { return touch_gap_; }  // m, velocity mode: the gap that counts as contact
 
  private:
   ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothModel* like);
   std::vector<BendingMatrix> MakeBending();
+  void MakePieces();
+  void SetFields(const std::vector<FieldFactors>* fields);
+  void SetPieces(const Parameters& parameters);
+  void SetBending(std::size_t term, const Eigen::VectorXd& weights);
   void NumberFreeNodes(const std::vector<BendingMatrix>& bending);
   std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> moments) const;  // null of none
 
@@ -112,13 +125,18 @@ class ClothModel {
   std::vector<int> free_nodes_, free_index_;
   std::shared_ptr<const BlockPattern> pattern_;
   Eigen::VectorXd node_areas_, laplacian_diagonal_;
-  Eigen::VectorXd mass_areas_;  // empty without a field of the density
+  Eigen::VectorXd mass_areas_;  // empty where the density does not vary
   double touch_gap_ = 0.0;
   std::shared_ptr<const TriangleElements> triangles_;
   std::optional<Membrane> membrane_;
   std::optional<StretchEnergy> stretch_;
   std::vector<BendingTerm> bending_terms_;
-  std::unique_ptr<const WeightedBending> weighted_bending_;
+  std::vector<WeightedBending> weighted_bending_;  // of every term; empty: none varies
+  std::unique_ptr<const ClothPieces> pieces_;      // null: one
+  // How constants vary in the terms.
+  std::shared_ptr<const std::vector<FieldFactors>> fields_;
+  Material level_;
+  std::vector<Material> piece_materials_;
   std::optional<AirDrag> drag_;
   std::optional<DirectionalDrag> directional_drag_;
   std::optional<StrainRateDamping> damping_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sim/cloth/bending_patch.h"
+#include "sim/scene/warp.h"
 
 namespace clothid {
 namespace {
@@ -18,6 +19,14 @@ Eigen::MatrixX3d NodeRows(const BendingElement& element, const double* all) {
   return rows;
 }
 
+// Per unit of the constant `kind`.
+FlexuralRigidity UnitRigidity(ParameterKind kind, double poisson) {
+  const OrthotropicShares shares = SharesOfRigidity(poisson);
+  if (kind == ParameterKind::kWarpBending) return shares.warp;
+  if (kind == ParameterKind::kWeftBending) return shares.weft;
+  return kind == ParameterKind::kTwistBending ? shares.twist : IsotropicRigidity(1.0, poisson);
+}
+
 }  // namespace
 
 std::shared_ptr<const TriangleElements> WeightedTriangles(const TriangleElements& triangles,
@@ -29,6 +38,28 @@ std::shared_ptr<const TriangleElements> WeightedTriangles(const TriangleElements
   return weighted;
 }
 
+TriangleElements SelectTriangles(const TriangleElements& triangles, const std::vector<int>& faces) {
+  TriangleElements selected((faces.size() + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < selected.size() * kLanes; ++i) {
+    const bool fills = i >= faces.size();
+    const auto face = static_cast<std::size_t>(fills ? faces.back() : faces[i]);
+    const TriangleBatch& from = triangles[face / kLanes];
+    TriangleBatch& batch = selected[i / kLanes];
+    const std::size_t source = face % kLanes, lane = i % kLanes;
+    batch.area[lane] = fills ? 0.0 : from.area[source];
+    for (int corner = 0; corner < 3; ++corner) {
+      batch.rows[corner][lane] = from.rows[corner][source];
+      if (!fills) batch.blocks[corner][lane] = from.blocks[corner][source];
+    }
+    for (int k = 0; k < 2; ++k) {
+      for (int axis = 0; axis < 2; ++axis) {
+        batch.shape_gradients[k][axis][lane] = from.shape_gradients[k][axis][source];
+      }
+    }
+  }
+  return selected;
+}
+
 Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weights) {
   const Eigen::VectorXd thirds = TriangleAreas(mesh).cwiseProduct(weights) / 3.0;
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.num_nodes());
@@ -38,13 +69,24 @@ Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weigh
   return areas;
 }
 
-WeightedBending::WeightedBending(const Scene& scene, const Mesh& chosen_on) : num_nodes_(scene.mesh.num_nodes()) {
+void BendingMatrix::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
+  const Eigen::Index num_nodes = positions.size() / 3;
+  // Q is symmetric.
+  force->reshaped(3, num_nodes) -= stiffness * (positions.reshaped(3, num_nodes) * matrix);
+  for (const RestMoment& moment : moments) AddMomentForce(moment, stiffness, positions, force);
+}
+
+WeightedBending::WeightedBending(const Scene& scene, ParameterKind kind, const Mesh& chosen_on)
+    : num_nodes_(scene.mesh.num_nodes()), kind_(kind) {
   if (scene.bending.law == BendingLaw::kEdges) {
     elements_ = EdgeBendingElements(scene.mesh);
     return;
   }
-  const BendingPatches patches(scene.mesh, FirstEdges(scene.mesh), RestOf(scene), chosen_on);
-  const FlexuralRigidity rigidity = IsotropicRigidity(1.0, scene.bending.poisson);
+  const bool orthotropic = scene.bending.orthotropic;
+  const BendingPatches patches(scene.mesh,
+                               orthotropic ? WarpDirections(scene.warp, scene.mesh) : FirstEdges(scene.mesh),
+                               RestOf(scene), chosen_on);
+  const FlexuralRigidity rigidity = UnitRigidity(kind, scene.bending.poisson);
   elements_ = patches.Elements(rigidity);
   moments_ = patches.Moments(rigidity);
 }

@@ -1,5 +1,5 @@
-// What a constant of the material that varies over the cloth does to the terms of its model: every energy is a sum over
-// triangles, and so is the mass, so a field is a weight for each triangle.
+// What a constant of the material that varies over the cloth, as a field or from piece to piece, does to the terms of
+// its model: every energy is a sum over triangles, and so is the mass, so it is a weight for each triangle.
 #ifndef CLOTHID_SIM_CLOTH_FIELD_TERMS_H_
 #define CLOTHID_SIM_CLOTH_FIELD_TERMS_H_
 
@@ -19,14 +19,30 @@ namespace clothid {
 std::shared_ptr<const TriangleElements> WeightedTriangles(const TriangleElements& triangles,
                                                           const Eigen::VectorXd& weights);
 
+// Those of `triangles` that are `faces` of the mesh.
+TriangleElements SelectTriangles(const TriangleElements& triangles, const std::vector<int>& faces);
+
 // A third of the rest area of the triangles at every node times their `weights` [F]: [N] m^2.
 Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weights);
 
-// Bending whose k_b is a field: an edge has the mean weight of its two triangles.
+// Q [N x N] of a term of bending, and what a curved rest shape adds to it.
+struct BendingMatrix {
+  ParameterKind kind;
+  Eigen::SparseMatrix<double> matrix;
+  std::vector<RestMoment> moments;
+
+  // Adds stiffness * (-Q x), and the force of the moments, to `force` [3N].
+  void AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+};
+
+// Bending by a constant that varies: an edge has the mean weight of its two triangles.
 class WeightedBending {
  public:
-  // `chosen_on`: of patches, as `BendingPatches` has it.
-  WeightedBending(const Scene& scene, const Mesh& chosen_on);
+  // `kind`: k_b, or one of those along warp, weft and twist. `chosen_on`: of patches, as `BendingPatches` has it.
+  WeightedBending(const Scene& scene, ParameterKind kind, const Mesh& chosen_on);
+
+  ParameterKind kind() const { return kind_; }
+  BendingMatrix Of(const Eigen::VectorXd& weights) const { return {kind_, Matrix(weights), Moments(weights)}; }
 
   // Q with its elements times the `weights` [F]: [N x N]. Its pattern is the same for all weights, those of zero too.
   Eigen::SparseMatrix<double> Matrix(const Eigen::VectorXd& weights) const;
@@ -42,6 +58,7 @@ class WeightedBending {
 
  private:
   int num_nodes_;
+  ParameterKind kind_;
   std::vector<BendingElement> elements_;
   std::vector<RestMoment> moments_;
 };

@@ -44,8 +44,10 @@ Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const 
   TripletAssembly assembly(model);
   const double areal_mass = material.areal_inertia() + (model.drag() != nullptr ? h * material.drag : 0.0);
   for (const int node : model.free_nodes()) {
-    const double further_area = model.mass_areas()[node] - model.node_areas()[node];  // 0 unless density is a field
-    assembly.Add(node, node, areal_mass * model.node_areas()[node] + material.density * further_area);
+    const double further_area = model.mass_areas()[node] - model.node_areas()[node];  // 0 unless density varies
+    const double further_drag =
+        model.drag() != nullptr ? h * material.drag * (model.drag()->areas()[node] - model.node_areas()[node]) : 0.0;
+    assembly.Add(node, node, areal_mass * model.node_areas()[node] + material.density * further_area + further_drag);
   }
   const double damping = model.damping() != nullptr ? material.damping : 0.0;
   AddMatrix(h * h * model.membrane().SystemStiffness(material) + h * damping,

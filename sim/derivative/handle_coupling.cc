@@ -23,10 +23,7 @@ HandleCoupling::HandleCoupling(const ClothModel& model)
 
 void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters) {
   record_ = &record;
-  if (parameters.fields != fields_) {
-    fields_ = parameters.fields;
-    whole_.SetFields(fields_.get());
-  }
+  whole_.SetVariation(parameters);
   damping_ = parameters.material.damping;
   drag_ = DragConstantsOf(parameters.material);
   times_ = {record.time};

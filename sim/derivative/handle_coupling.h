@@ -55,7 +55,6 @@ class HandleCoupling {
   const ClothModel& model_;
   Scene scene_;       // without handles
   ClothModel whole_;  // of that scene, with the fields of the latest step
-  std::shared_ptr<const std::vector<FieldFactors>> fields_;
   BlockMatrix hessian_;
   HeldTerms held_;
   Eigen::VectorXd predicted_;  // x^ [3N]; empty without drag by direction

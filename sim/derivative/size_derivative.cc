@@ -72,7 +72,7 @@ SizeDerivative::SizeDerivative(const Parameters& parameters, const std::vector<P
         sized.weight = kWeights[i] / (12.0 * kShareOfSize * parameters.size[axis]);
         sized.scene = std::make_unique<const Scene>(SizedScene(simulator.scene(), size));
         auto model = std::make_unique<ClothModel>(*sized.scene, simulator.model());
-        if (parameters.fields != nullptr) model->SetFields(parameters.fields.get());
+        model->SetVariation(parameters);
         for (int node = 0; node < model->num_nodes(); ++node) {
           mass_slopes_[axis][node] += sized.weight * model->mass(parameters.material, node);
         }

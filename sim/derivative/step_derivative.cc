@@ -37,7 +37,8 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
   for (int i = 0; model_.has_density_field() && i < model_.num_free(); ++i) {
     const int row = 3 * i;
     damped_masses_.segment<3>(row) =
-        masses_.segment<3>(row).array() + areal_drag * model_.node_areas()[model_.free_nodes()[i]];
+        masses_.segment<3>(row).array() +
+        (model_.drag() ? areal_drag * model_.drag()->areas()[model_.free_nodes()[i]] : 0.0);
   }
   if (record.contacts.empty()) return;
   motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
@@ -182,28 +183,28 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
     case ParameterKind::kWeftStiffness:
     case ParameterKind::kShearStiffness:
     case ParameterKind::kPoissonStiffness:
-      model_.membrane().AddForceDerivative(id.kind, -h, record_.positions, &derivative);
+      model_.membrane().AddForceDerivative(id, -h, record_.positions, &derivative);
       break;
     case ParameterKind::kBendingStiffness:
     case ParameterKind::kWarpBending:
     case ParameterKind::kWeftBending:
     case ParameterKind::kTwistBending:
-      for (const BendingTerm& term : model_.bending_terms()) {
-        if (term.kind == id.kind) term.AddForce(-h, record_.positions, &derivative);
-      }
+      model_.AddBendingDerivative(id, -h, record_.positions, &derivative);
       break;
-    case ParameterKind::kDensity:
+    case ParameterKind::kDensity: {
+      const Eigen::VectorXd& areas = *model_.MassSlopes(id);
       for (const int node : model_.free_nodes()) {
         derivative.segment<3>(3 * node) =
-            model_.mass_areas()[node] * (record_.velocities.segment<3>(3 * node) -
-                                         start_.velocities.segment<3>(3 * node) - h * model_.scene().gravity);
+            areas[node] * (record_.velocities.segment<3>(3 * node) - start_.velocities.segment<3>(3 * node) -
+                           h * model_.scene().gravity);
       }
       break;
+    }
     case ParameterKind::kDrag:
       if (model_.drag() == nullptr) break;
       for (const int node : model_.free_nodes()) {
         derivative.segment<3>(3 * node) =
-            h * model_.drag()->areas()[node] *
+            h * model_.DragAreas(id)[node] *
             (record_.velocities.segment<3>(3 * node) - model_.drag()->WindAt(node, record_.time, parameters_.wind));
       }
       break;
@@ -223,7 +224,7 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
       break;
     case ParameterKind::kDamping:
       if (model_.damping() != nullptr) {
-        model_.damping()->AddForce(-h, h, held_.start_metrics, record_.positions, &derivative);
+        model_.DampingOf(id).AddForce(-h, h, held_.start_metrics, record_.positions, &derivative);
       }
       break;
   }
@@ -231,7 +232,7 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
 }
 
 const Eigen::VectorXd* StepDerivative::MassSlopes(ParameterId id) const {
-  return IsSize(id.kind) ? &sizes_->MassSlopes(id.kind) : model_.MassSlopes(id.kind);
+  return IsSize(id.kind) ? &sizes_->MassSlopes(id.kind) : model_.MassSlopes(id);
 }
 
 std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <string>
+#include <vector>
 
 namespace clothid {
 
@@ -15,6 +16,9 @@ inline constexpr int kMaxFaces = 2 * kMaxNodes;
 struct Mesh {
   Eigen::Matrix3Xd rest_positions;  // [3 x N] m
   Eigen::Matrix3Xi faces;           // [3 x F] node indices, consistently oriented
+  // Groups of triangles with a name, whose constants may differ. Empty: the cloth is one.
+  std::vector<std::string> piece_names = {};  // [P]
+  std::vector<int> face_pieces = {};          // [F] 0 to P - 1, or P: of none
 
   int num_nodes() const { return static_cast<int>(rest_positions.cols()); }
   int num_faces() const { return static_cast<int>(faces.cols()); }

@@ -6,7 +6,6 @@
 
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
-#include "sim/mesh/obj_file.h"
 
 namespace clothid {
 namespace {
@@ -50,19 +49,22 @@ Mesh RecordedGrid(const JsonNode& grid, const GridOptions& options, const Mesh& 
   return recorded;
 }
 
-Mesh ReadUvFile(const JsonNode& obj, const std::string& path, const Mesh* recorded, Eigen::Matrix3Xd* along_u) {
-  Mesh mesh = ReadObjWithUv(path, along_u);
+Mesh ReadFile(const JsonNode& obj, const std::string& path, const Mesh* recorded, Eigen::Matrix3Xd* along_u,
+              FaceGroups* groups) {
+  Mesh mesh = along_u != nullptr ? ReadObjWithUv(path, along_u, groups) : ReadObjWithGroups(path, groups);
   ValidateMesh(mesh, path);
   if (recorded == nullptr) return mesh;
   if (mesh.num_faces() != recorded->num_faces() || mesh.faces != recorded->faces) {
-    obj.Fail("expected the triangles of the recording, whose warp is to follow u in " + Printable(path));
+    const std::string purpose = along_u != nullptr ? "whose warp is to follow u" : "whose pieces are to be groups";
+    obj.Fail("expected the triangles of the recording, " + purpose + " in " + Printable(path));
   }
   return *recorded;
 }
 
 }  // namespace
 
-Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u) {
+Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u,
+              FaceGroups* groups) {
   node.ExpectKeys({"grid", "obj"});
   const auto grid = node.Find("grid"), obj = node.Find("obj");
   if (grid.has_value() == obj.has_value()) node.Fail(std::string("expected either ") + kMeshForms);
@@ -71,11 +73,8 @@ Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recor
     return recorded == nullptr ? MakeGrid(options) : RecordedGrid(*grid, options, *recorded);
   }
   const std::string path = obj->Path(folder);
-  if (along_u != nullptr) return ReadUvFile(*obj, path, recorded, along_u);
-  if (recorded != nullptr) return *recorded;
-  Mesh mesh = ReadObj(path);
-  ValidateMesh(mesh, path);
-  return mesh;
+  if (recorded != nullptr && along_u == nullptr && groups == nullptr) return *recorded;
+  return ReadFile(*obj, path, recorded, along_u, groups);
 }
 
 Eigen::Matrix3Xd ReadNpyVectors(const JsonNode& node, const std::string& folder, int count) {

@@ -7,6 +7,7 @@
 
 #include "sim/base/json_document.h"
 #include "sim/mesh/mesh.h"
+#include "sim/mesh/obj_file.h"
 
 namespace clothid {
 
@@ -18,8 +19,10 @@ inline constexpr char kMeshForms[] = "{\"grid\": {..}} or {\"obj\": \"FILE\"}";
 // opened. Throws `Error` naming key and line (kBadData) or a file that cannot be read (kIo).
 //
 // `along_u` (may be null): where the warp is to follow the UV map of a file, the direction of u in every triangle
-// [3 x F] (sim/mesh/obj_file.h); stays as it is with a grid. The file then has to have the triangles of `recorded`.
-Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u);
+// [3 x F] (sim/mesh/obj_file.h); stays as it is with a grid. `groups` (may be null): likewise, its groups of triangles.
+// With either, the file has to have the triangles of `recorded`.
+Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u,
+              FaceGroups* groups);
 
 // A vector [3] per node or triangle, `count` of them: the .npy file of shape (count, 3) that `node` names, starting at
 // `folder`. Throws `Error` naming key and file unless it holds as many, all finite (kBadData), or where it cannot be

@@ -21,7 +21,8 @@ constexpr double kOnALine = 1e-6;
 // Collects the lines of an OBJ file. Of its UV map, where that is asked for.
 class ObjReader {
  public:
-  ObjReader(const std::string& path, bool with_uv) : path_(path), with_uv_(with_uv) {}
+  ObjReader(const std::string& path, bool with_uv, FaceGroups* groups)
+      : path_(path), with_uv_(with_uv), groups_(groups) {}
 
   Mesh Read() {
     const std::string text = ReadText(path_, kMaxObjBytes);
@@ -32,6 +33,12 @@ class ObjReader {
       if (keyword == "v") ReadVertex(*line);
       if (keyword == "vt" && with_uv_) ReadTextureCoordinates(*line);
       if (keyword == "f") ReadFace(*line);
+      if (groups_ == nullptr) continue;
+      if (keyword == "g") Begin(*line, &group_);
+      if (keyword == "usemtl") Begin(*line, &material_);
+    }
+    if (groups_ != nullptr) {
+      for (OpenGroups* open : {&group_, &material_}) End(open);
     }
     Mesh mesh;
     mesh.rest_positions = Eigen::Map<Eigen::Matrix3Xd>(coordinates_.data(), 3, NumVertices());
@@ -46,6 +53,29 @@ class ObjReader {
     int vertex = 0;
     Eigen::Vector2d uv = Eigen::Vector2d::Zero();
   };
+
+  // Names that the next triangles have, of one keyword.
+  struct OpenGroups {
+    std::vector<std::string> names;
+    Eigen::Index first = 0;
+  };
+
+  void Begin(std::string_view line, OpenGroups* open) {
+    End(open);
+    open->first = NumFaces();
+    for (std::string_view name = TakeWord(&line); !name.empty(); name = TakeWord(&line)) {
+      open->names.emplace_back(name);
+      (*groups_)[open->names.back()];
+    }
+  }
+
+  void End(OpenGroups* open) {
+    for (const std::string& name : open->names) {
+      const FaceRange range = {static_cast<int>(open->first), static_cast<int>(NumFaces()) - 1};
+      if (range[0] <= range[1]) (*groups_)[name].push_back(range);
+    }
+    open->names.clear();
+  }
 
   [[noreturn]] void FailHere(const std::string& message) const {
     throw Error(ErrorKind::kBadData, path_ + ":" + std::to_string(line_) + ": " + message);
@@ -147,7 +177,9 @@ class ObjReader {
 
   const std::string& path_;
   const bool with_uv_;
+  FaceGroups* const groups_;  // null: not asked for
   int line_ = 0;
+  OpenGroups group_, material_;           // of `g`, of `usemtl`
   std::vector<double> coordinates_, uv_;  // of vertices, three each, and of `vt` lines, two each
   std::vector<int> indices_;              // of faces, three each
   std::vector<double> along_u_;           // of faces, three each
@@ -155,10 +187,12 @@ class ObjReader {
 
 }  // namespace
 
-Mesh ReadObj(const std::string& path) { return ObjReader(path, false).Read(); }
+Mesh ReadObj(const std::string& path) { return ObjReader(path, false, nullptr).Read(); }
 
-Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u) {
-  ObjReader reader(path, true);
+Mesh ReadObjWithGroups(const std::string& path, FaceGroups* groups) { return ObjReader(path, false, groups).Read(); }
+
+Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u, FaceGroups* groups) {
+  ObjReader reader(path, true, groups);
   Mesh mesh = reader.Read();
   *along_u = reader.along_u();
   return mesh;

@@ -1,11 +1,14 @@
-// Wavefront OBJ files: the surface in their `v` and `f` lines, and the direction of u in the UV map of their `vt`
-// lines.
+// Wavefront OBJ files: the surface in their `v` and `f` lines, the direction of u in the UV map of their `vt` lines,
+// and the groups of their `g` and `usemtl` lines.
 #ifndef CLOTHID_SIM_MESH_OBJ_FILE_H_
 #define CLOTHID_SIM_MESH_OBJ_FILE_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "sim/mesh/mesh.h"
 
@@ -13,13 +16,20 @@ namespace clothid {
 
 inline constexpr std::uint64_t kMaxObjBytes = std::uint64_t{1} << 29;
 
+using FaceRange = std::array<int, 2>;  // the first and the last of triangles that follow each other
+using FaceRanges = std::vector<FaceRange>;
+// The triangles of every group by its name: those after a `g` line that names it, up to the next, or after a `usemtl`
+// line. A name may have none.
+using FaceGroups = std::map<std::string, FaceRanges>;
+
 // The `v` and `f` lines; polygons are split into fans. Throws `Error` naming file and line.
 Mesh ReadObj(const std::string& path);
+Mesh ReadObjWithGroups(const std::string& path, FaceGroups* groups);
 
 // The same, and in `along_u` [3 x F] of every triangle the unit vector dX/du: where points X of the surface go when u
 // grows and v does not. Throws `Error`, too, where a corner has no texture coordinates, or where those of a triangle
 // lie on a line, so that it has no such direction; names file, line and triangle.
-Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u);
+Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u, FaceGroups* groups = nullptr);
 
 }  // namespace clothid
 

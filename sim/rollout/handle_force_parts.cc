@@ -8,6 +8,7 @@
 #include "sim/cloth/field_terms.h"
 #include "sim/rollout/handle_forces.h"
 #include "sim/scene/material_field.h"
+#include "sim/scene/pieces.h"
 #include "sim/scene/warp.h"
 
 namespace clothid {
@@ -115,27 +116,51 @@ void HandleForces::MakeTriangles(const Parameters& parameters) {
   if (has_axes) warp = WarpDirections(scene.warp, scene.mesh)(Eigen::all, faces_);
   std::shared_ptr<const TriangleElements> triangles = std::make_shared<const TriangleElements>(
       MakeTriangleElements(mesh, index, *pattern_, has_axes ? &warp : nullptr));
+  triangles_ = triangles;
   if (model_.damping() != nullptr) damping_.emplace(triangles);
   if (const Eigen::VectorXd* factors = LogFactors(parameters, ParameterKind::kStretchStiffness)) {
     triangles = WeightedTriangles(*triangles, (*factors)(faces_).array().exp());
     stretch_.emplace(triangles);
   }
   membrane_.emplace(scene.membrane, triangles);
+  if (!scene.pieces.empty()) MakePieces(parameters);
+}
+
+void HandleForces::MakePieces(const Parameters& parameters) {
+  const Scene& scene = model_.scene();
+  if (damping_) {
+    const Eigen::VectorXd weights = PieceWeights(parameters, ParameterKind::kDamping, scene.mesh)(faces_);
+    damping_.emplace(WeightedTriangles(*triangles_, weights));
+  }
+  if (stretch_) return;  // a field
+  std::vector<int> pieces;
+  for (const int face : faces_) pieces.push_back(scene.mesh.face_pieces[static_cast<std::size_t>(face)]);
+  membrane_.emplace(MembraneParts(scene.membrane, *triangles_, pieces, parameters.pieces));
 }
 
 void HandleForces::MakeBending() {
   for (const BendingTerm& term : model_.bending_terms()) {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (const Handle& handle : handles_) {
-      // Q is symmetric.
-      for (Eigen::SparseMatrix<double>::InnerIterator it(term.energy.matrix(), handle.node); it; ++it) {
-        entries.emplace_back(handle.group, local_[it.row()], it.value());
-      }
-    }
-    Bending bending{term.kind, term.stiffness(material_), {num_groups(), static_cast<Eigen::Index>(nodes_.size())}};
-    bending.rows.setFromTriplets(entries.begin(), entries.end());
-    bending_.push_back(std::move(bending));
+    bending_.push_back({term.kind, term.stiffness(material_), RowsOf(term.energy.matrix())});
   }
+}
+
+Eigen::SparseMatrix<double> HandleForces::RowsOf(const Eigen::SparseMatrix<double>& matrix) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Handle& handle : handles_) {
+    // Q is symmetric.
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, handle.node); it; ++it) {
+      entries.emplace_back(handle.group, local_[it.row()], it.value());
+    }
+  }
+  Eigen::SparseMatrix<double> rows(num_groups(), static_cast<Eigen::Index>(nodes_.size()));
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
+}
+
+StrainRateDamping HandleForces::DampingOf(ParameterId id) const {
+  if (model_.PiecesOf(id.kind) == nullptr) return *damping_;
+  const Eigen::VectorXd mask = PieceMask(id.piece, model_.scene().mesh.face_pieces)(faces_);
+  return StrainRateDamping(WeightedTriangles(*triangles_, mask));
 }
 
 }  // namespace clothid

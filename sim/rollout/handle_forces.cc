@@ -163,19 +163,26 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
     case ParameterKind::kWeftStiffness:
     case ParameterKind::kShearStiffness:
     case ParameterKind::kPoissonStiffness:
-      membrane_->AddForceDerivative(id.kind, 1.0, positions, &force);
+      membrane_->AddForceDerivative(id, 1.0, positions, &force);
       break;
     case ParameterKind::kBendingStiffness:
     case ParameterKind::kWarpBending:
     case ParameterKind::kWeftBending:
     case ParameterKind::kTwistBending:
+      if (const ClothPieces* pieces = model_.PiecesOf(id.kind)) {
+        for (const BendingMatrix& term : pieces->bending(id.piece)) {
+          if (term.kind == id.kind) AddBending({term.kind, 1.0, RowsOf(term.matrix)}, 1.0, positions, &sums);
+        }
+        break;
+      }
       for (const Bending& bending : bending_) {
         if (bending.kind == id.kind) AddBending(bending, 1.0, positions, &sums);
       }
       break;
     case ParameterKind::kDensity:
       for (const Handle& handle : handles_) {
-        sums.segment<3>(3 * handle.group) += handle.mass_area * (Acceleration(handle, states) - model_.scene().gravity);
+        sums.segment<3>(3 * handle.group) +=
+            (*model_.MassSlopes(id))[handle.node] * (Acceleration(handle, states) - model_.scene().gravity);
       }
       break;
     case ParameterKind::kAddedMass:
@@ -210,14 +217,14 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
     case ParameterKind::kDrag:
       for (const Handle& handle : handles_) {
         if (model_.drag() == nullptr) break;
-        sums.segment<3>(3 * handle.group) += handle.drag_area * AirSpeed(step, handle, states);
+        sums.segment<3>(3 * handle.group) += model_.DragAreas(id)[handle.node] * AirSpeed(step, handle, states);
       }
       break;
     case ParameterKind::kSizeX:
     case ParameterKind::kSizeY:
       throw Error(ErrorKind::kUsage, "size.x and size.y: no parameters of a recording with forces at its handles");
     case ParameterKind::kDamping:
-      if (damping_) damping_->AddForce(1.0, time_step_, StartMetrics(window, states), positions, &force);
+      if (damping_) DampingOf(id).AddForce(1.0, time_step_, StartMetrics(window, states), positions, &force);
       break;
     default:  // of contact, above
       break;

@@ -102,7 +102,12 @@ class HandleForces {
 
   void FindNodes(const std::vector<std::vector<int>>& groups);
   void MakeTriangles(const Parameters& parameters);
+  void MakePieces(const Parameters& parameters);
   void MakeBending();
+  // Those of Q [N x N], as `Bending` has them.
+  Eigen::SparseMatrix<double> RowsOf(const Eigen::SparseMatrix<double>& matrix) const;
+  // What eta `id` multiplies.
+  StrainRateDamping DampingOf(ParameterId id) const;
   Eigen::Vector3d Derivative(const std::array<double, 3>& weights, const Handle& handle, const States& states) const;
   Eigen::Vector3d Acceleration(const Handle& handle, const States& states) const;  // a, m/s^2
   // The velocity of a handle to the air around it, m/s; and dR/dx_k of drag, kg/s. All that is said of air is here.
@@ -138,6 +143,7 @@ class HandleForces {
   std::optional<Membrane> membrane_;                         // of the triangles at handles, over nodes_
   std::optional<StretchEnergy> stretch_;                     // of the same, where stretch is a field
   std::optional<StrainRateDamping> damping_;                 // likewise
+  std::shared_ptr<const TriangleElements> triangles_;        // what all of them are made of
   std::vector<Bending> bending_;
 };
 

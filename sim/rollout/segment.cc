@@ -53,7 +53,7 @@ class StepLoop {
 
   SegmentOutcome Run(const StepVisitor& visitor, StepState* state) {
     simulator_->step_solver().Reset(segment_.end_with_factors);
-    const std::string problem = Indefinite(parameters_.material, scene_);
+    const std::string problem = Indefinite(parameters_, scene_);
     if (!problem.empty()) {
       outcome_.failure = FailureWithout(segment_.first_step, "was not tried: " + problem);
       return std::move(outcome_);

@@ -31,7 +31,6 @@ struct Simulator::State {
     }
     sized_scene = std::move(sized);
     size = other;
-    fields.reset();
     workspace = StepWorkspace();  // its masses are those of another size
   }
 
@@ -41,8 +40,7 @@ struct Simulator::State {
   std::shared_ptr<const BlockPattern> own_pattern;  // of the scene's own size
   std::unique_ptr<StepSolver> solver;               // of the model's pattern
   StepWorkspace workspace;
-  std::shared_ptr<const std::vector<FieldFactors>> fields;  // in the model
-  std::array<double, 2> size = Parameters().size;           // likewise
+  std::array<double, 2> size = Parameters().size;  // in the model
 };
 
 namespace {
@@ -63,10 +61,7 @@ void Simulator::SetNumThreads(int num_threads) { state_->solver->jacobian().SetN
 
 void Simulator::UseParameters(const Parameters& parameters) {
   if (parameters.size != state_->size) state_->SetSize(parameters.size);
-  if (parameters.fields == state_->fields) return;
-  state_->fields = parameters.fields;
-  state_->model.SetFields(parameters.fields.get());
-  state_->workspace.time_step = 0.0;  // its masses are those of other fields
+  if (state_->model.SetVariation(parameters)) state_->workspace.time_step = 0.0;  // its masses are others
 }
 
 const Scene& Simulator::scene() const { return state_->scene; }

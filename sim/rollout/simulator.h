@@ -27,9 +27,9 @@ class Simulator {
   // nodes and cost nothing elsewhere. Results do not depend on them.
   void SetNumThreads(int num_threads);
 
-  // Puts the fields and the size of `parameters` into the model, which is const to all others: what runs a rollout or a
-  // sweep does that first. Nothing where they are there already. Throws `Error` for a size where the rest shape has no
-  // front.
+  // Puts the fields, the pieces and the size of `parameters` into the model, which is const to all others: what runs a
+  // rollout or a sweep does that first. Nothing where they are there already. Throws `Error` for a size where the rest
+  // shape has no front.
   void UseParameters(const Parameters& parameters);
 
   const Scene& scene() const;       // as it was given: of its own size

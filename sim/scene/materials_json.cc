@@ -216,12 +216,13 @@ std::vector<GridField> ReadFields(const JsonNode& node) {
 
 void SetLevels(Scene* scene) {
   Parameters parameters{scene->material, {}, nullptr};
+  parameters.pieces = scene->pieces;
   for (const GridField& field : scene->fields) {
     double level = 0.0;
     FieldOverTriangles(field, scene->mesh, &level);
     SetParameter({field.kind, kAllObstacles}, level, &parameters);
   }
-  scene->material = parameters.material;
+  scene->SetMaterials(parameters);
 }
 
 }  // namespace clothid

@@ -111,6 +111,19 @@ std::optional<ParameterId> FindPlacement(const std::string& name, const std::vec
   return std::nullopt;
 }
 
+// "k_stretch.NAME" of a piece.
+std::optional<ParameterId> FindOfPiece(std::string_view name, const std::vector<std::string>& piece_names) {
+  const std::size_t dot = name.find('.');
+  if (dot == name.npos) return std::nullopt;
+  const auto piece = std::find(piece_names.begin(), piece_names.end(), name.substr(dot + 1));
+  if (piece == piece_names.end()) return std::nullopt;
+  for (const MaterialName& material : kMaterialNames) {
+    if (name.substr(0, dot) != material.name || !CanBeOfPiece(material.kind)) continue;
+    return ParameterId{material.kind, kAllObstacles, kMeanWind, static_cast<int>(piece - piece_names.begin())};
+  }
+  return std::nullopt;
+}
+
 // The value that `id`, of a placement, names.
 double& PlacementValue(ParameterKind kind, Placement* placement) {
   const int index = static_cast<int>(PartOf(kind));
@@ -156,10 +169,27 @@ double& WindValue(ParameterId id, Wind* wind) {
   return wind->profile.velocities(axis, id.knot);
 }
 
+void SetConstant(ParameterId id, double value, Parameters* parameters) {
+  double Material::*constant = MaterialConstant(id.kind);
+  double& level = parameters->material.*constant;
+  if (id.piece == kWholeCloth) {
+    level = value;
+    for (Material& piece : parameters->pieces) piece.*constant = value;
+  } else {
+    parameters->pieces.at(static_cast<std::size_t>(id.piece)).*constant = value;
+    if (level == 0.0) level = value;
+  }
+}
+
 }  // namespace
 
 bool IsWind(ParameterKind kind) {
   return std::find(std::begin(kWindKinds), std::end(kWindKinds), kind) != std::end(kWindKinds);
+}
+
+bool CanBeOfPiece(ParameterKind kind) {
+  return FindKind(kind) != nullptr && kind != ParameterKind::kNormalDrag && kind != ParameterKind::kTangentialDrag &&
+         kind != ParameterKind::kAddedMass;
 }
 
 bool IsSize(ParameterKind kind) { return kind == ParameterKind::kSizeX || kind == ParameterKind::kSizeY; }
@@ -212,7 +242,7 @@ double Material::*MaterialConstant(ParameterKind kind) {
 }
 
 std::string ParameterNames(const std::vector<std::string>& obstacle_names,
-                           const std::function<bool(ParameterKind)>& has) {
+                           const std::function<bool(ParameterKind)>& has, const std::vector<std::string>& piece_names) {
   std::string names;
   for (const MaterialName& material : kMaterialNames) {
     if (has(material.kind)) names += std::string(material.name) + ", ";
@@ -223,10 +253,14 @@ std::string ParameterNames(const std::vector<std::string>& obstacle_names,
     if (has(wind.kind)) names.append(", ").append(wind.name);
   }
   for (const KindName& size : kSizeNames) names.append(", ").append(size.name);
+  if (piece_names.empty()) return names;
+  names += "; with a piece behind a constant of the cloth, as in";
+  for (const std::string& piece : piece_names) names += (piece == piece_names[0] ? " density." : ", density.") + piece;
   return names;
 }
 
-ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names) {
+ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names,
+                           const std::vector<std::string>& piece_names) {
   for (const MaterialName& material : kMaterialNames) {
     if (name == material.name) return {material.kind, kAllObstacles};
   }
@@ -242,13 +276,19 @@ ParameterId ParseParameter(const std::string& name, const std::vector<std::strin
     }
   }
   if (const auto placement = FindPlacement(name, obstacle_names)) return *placement;
+  if (const auto of_piece = FindOfPiece(name, piece_names)) return *of_piece;
   throw Error(ErrorKind::kUsage, "unknown parameter '" + name + "'; expected one of " +
-                                     ParameterNames(obstacle_names, [](ParameterKind) { return true; }));
+                                     ParameterNames(
+                                         obstacle_names, [](ParameterKind) { return true; }, piece_names));
 }
 
-std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names) {
+std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names,
+                          const std::vector<std::string>& piece_names) {
   for (const MaterialName& material : kMaterialNames) {
-    if (id.kind == material.kind) return material.name;
+    if (id.kind != material.kind) continue;
+    return id.piece == kWholeCloth
+               ? material.name
+               : std::string(material.name) + "." + piece_names.at(static_cast<std::size_t>(id.piece));
   }
   for (const KindName& size : kSizeNames) {
     if (id.kind == size.kind) return size.name;
@@ -262,6 +302,11 @@ std::string ParameterName(ParameterId id, const std::vector<std::string>& obstac
   }
   if (id.obstacle == kAllObstacles) return "mu";
   return std::string(kFrictionPrefix) + obstacle_names.at(static_cast<std::size_t>(id.obstacle));
+}
+
+bool Includes(ParameterId whole, ParameterId part) {
+  return whole.kind == part.kind && (whole.obstacle == kAllObstacles || whole.obstacle == part.obstacle) &&
+         (whole.piece == kWholeCloth || whole.piece == part.piece);
 }
 
 std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag) {
@@ -292,7 +337,12 @@ double GetParameter(const Parameters& parameters, ParameterId id) {
     Placement placement = parameters.placement(id.obstacle);
     return PlacementValue(id.kind, &placement);
   }
-  if (id.kind != ParameterKind::kFriction) return parameters.material.*MaterialConstant(id.kind);
+  if (id.kind != ParameterKind::kFriction) {
+    const bool is_whole = id.piece == kWholeCloth;
+    const Material& material =
+        is_whole ? parameters.material : parameters.pieces.at(static_cast<std::size_t>(id.piece));
+    return material.*MaterialConstant(id.kind);
+  }
   const std::vector<double>& mu = parameters.friction_coefficients;
   if (mu.empty()) return std::numeric_limits<double>::quiet_NaN();
   return id.obstacle == kAllObstacles ? mu.front() : mu.at(static_cast<std::size_t>(id.obstacle));
@@ -308,7 +358,7 @@ void SetParameter(ParameterId id, double value, Parameters* parameters) {
     if (parameters->placements.empty()) parameters->placements.resize(mu.size());
     PlacementValue(id.kind, &parameters->placements.at(static_cast<std::size_t>(id.obstacle))) = value;
   } else if (id.kind != ParameterKind::kFriction) {
-    parameters->material.*MaterialConstant(id.kind) = value;
+    SetConstant(id, value, parameters);
   } else if (id.obstacle == kAllObstacles) {
     std::fill(mu.begin(), mu.end(), value);
   } else {

@@ -1,4 +1,5 @@
-// What a fit may change: the constants of the material, the friction of the obstacles and the wind, and their names.
+// What a fit may change: the constants of the material, or of those of its pieces, the friction of the obstacles and
+// the wind, and their names.
 #ifndef CLOTHID_SIM_SCENE_PARAMETERS_H_
 #define CLOTHID_SIM_SCENE_PARAMETERS_H_
 
@@ -51,6 +52,9 @@ struct Parameters {
   Placement placement(int obstacle) const {
     return placements.empty() ? Placement() : placements.at(static_cast<std::size_t>(obstacle));
   }
+  // Of each piece of the scene's mesh, then of the triangles in no piece [P + 1]. Empty: the cloth has no pieces. Where
+  // it has, a constant of `material` is a level that no triangle need have; it is zero only where theirs all are.
+  std::vector<Material> pieces = {};
 };
 
 enum class ParameterKind {
@@ -128,16 +132,22 @@ const char* DomainWords(ParameterDomain domain);  // "a finite number > 0"
 
 inline constexpr int kAllObstacles = -1;
 inline constexpr int kMeanWind = -1;
+inline constexpr int kWholeCloth = -1;
 
-// One scalar of `Parameters`, or the friction of all obstacles at once.
+// Whether pieces of a cloth can have such a constant of their own: all of the material but added mass and drag by
+// direction.
+bool CanBeOfPiece(ParameterKind kind);
+
+// One scalar of `Parameters`, or the friction of all obstacles, or a constant of all pieces, at once.
 struct ParameterId {
   ParameterKind kind = ParameterKind::kStretchStiffness;
   // An index into the scene's obstacles: for kFriction, or kAllObstacles, and for placements.
   int obstacle = kAllObstacles;
-  int knot = kMeanWind;  // for kWindX, kWindY and kWindZ: one of the wind's profile, or kMeanWind
+  int knot = kMeanWind;     // for kWindX, kWindY and kWindZ: one of the wind's profile, or kMeanWind
+  int piece = kWholeCloth;  // for what CanBeOfPiece: a piece of the scene's mesh, or kWholeCloth
 
   bool operator==(const ParameterId& other) const {
-    return kind == other.kind && obstacle == other.obstacle && knot == other.knot;
+    return kind == other.kind && obstacle == other.obstacle && knot == other.knot && piece == other.piece;
   }
 };
 
@@ -145,15 +155,22 @@ struct ParameterId {
 // "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass"; "mu" (every obstacle), "mu.NAME" (one of
 // them); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y",
 // "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x", ..; "size.x", "size.y";
-// "NAME.time_offset", "NAME.shift.x", .., "NAME.turn.x", .. of the path of an obstacle.
-// `obstacle_names` are the scene's, in its order. Throws `Error` (kUsage) that lists the names it would accept.
-// `ParseParameter` in sim/scene/scene.h also asks whether a scene has the parameter.
-ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names);
+// "NAME.time_offset", "NAME.shift.x", .., "NAME.turn.x", .. of the path of an obstacle;
+// "k_stretch.NAME", .. of one piece (without, of the whole cloth). `obstacle_names` are the scene's, `piece_names` its
+// mesh's, in their order. Throws `Error` (kUsage) that lists the names it would accept. `ParseParameter` in
+// sim/scene/scene.h also asks whether a scene has the parameter.
+ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names,
+                           const std::vector<std::string>& piece_names = {});
 // The names that are accepted, "k_stretch, k_bend, .., mu.ball, wind.x, ..", less those of kinds for which `has` is
-// false, of knots and of placements.
+// false, of knots and of placements; those of pieces in short.
 std::string ParameterNames(const std::vector<std::string>& obstacle_names,
-                           const std::function<bool(ParameterKind)>& has);
-std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names);
+                           const std::function<bool(ParameterKind)>& has,
+                           const std::vector<std::string>& piece_names = {});
+std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names,
+                          const std::vector<std::string>& piece_names = {});
+// Whether setting `whole` sets `part` too: it is the same, or the friction of all obstacles that of one, or a constant
+// of all pieces that of one.
+bool Includes(ParameterId whole, ParameterId part);
 
 // "mu=0.3, k_stretch=300" -> {{"k_stretch", 300}, {"mu", 0.3}}. Empty text: empty map. Throws `Error` (kUsage), naming
 // `flag`, unless every item is NAME=NUMBER with a finite number and every name is there once. The names may be any.
@@ -162,8 +179,9 @@ std::map<std::string, double> ParseParameterValues(const std::string& text, cons
 // The constant of a material that `kind` names; null for friction, wind and size.
 double Material::*MaterialConstant(ParameterKind kind);
 
-// The value of `id`. For the friction of all obstacles: that of the first; NaN where there is no obstacle. Throw
-// `std::out_of_range` for an obstacle or a knot that the parameters do not have.
+// The value of `id`. For the friction of all obstacles: that of the first; NaN where there is no obstacle. For a
+// constant of all pieces: that of `material`. Setting that sets those of all pieces. Throw `std::out_of_range` for an
+// obstacle, a knot or a piece that the parameters do not have.
 double GetParameter(const Parameters& parameters, ParameterId id);
 void SetParameter(ParameterId id, double value, Parameters* parameters);
 

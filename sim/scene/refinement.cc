@@ -88,6 +88,8 @@ RefinedMesh RefineMesh(const Mesh& mesh) {
         ab, b, bc, bc,  //
         ca, bc, c, ca;
   }
+  refined.mesh.piece_names = mesh.piece_names;
+  for (const int piece : mesh.face_pieces) refined.mesh.face_pieces.insert(refined.mesh.face_pieces.end(), 4, piece);
   return refined;
 }
 

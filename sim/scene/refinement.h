@@ -4,7 +4,7 @@
 //       / \          Nodes keep their numbers; the midpoints follow them, ordered by the ends of their edges.
 //     ca - bc        Rest shape, start and paths of handles are those of the coarse mesh, linear along every edge.
 //     / \ / \        A midpoint between two handles is a handle, too.
-//    a - ab - b       Triangle f becomes 4 f to 4 f + 3, which have its direction of the warp.
+//    a - ab - b       Triangle f becomes 4 f to 4 f + 3, which have its direction of the warp and its piece.
 #ifndef CLOTHID_SIM_SCENE_REFINEMENT_H_
 #define CLOTHID_SIM_SCENE_REFINEMENT_H_
 

@@ -11,6 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/obstacle/obstacle_motion.h"
+#include "sim/scene/pieces.h"
 
 namespace clothid {
 namespace {
@@ -207,17 +208,24 @@ std::vector<std::string> Scene::obstacle_names() const {
 Parameters Scene::nominal_parameters() const {
   Parameters result;
   result.material = material;
+  result.pieces = pieces;
   result.wind = wind;
   for (const SceneObstacle& obstacle : obstacles) {
     result.friction_coefficients.push_back(obstacle.friction_coefficient);
   }
   if (!fields.empty()) SetFields(*this, &result);
-  // In the order of the map "mu" comes before every "mu.NAME", so the special name overrides the general one.
+  // In the order of the map "mu" comes before every "mu.NAME", so the special name overrides the general one; likewise
+  // "k_stretch" and "k_stretch.NAME".
   const std::vector<std::string> names = obstacle_names();
   for (const auto& [name, range] : parameters) {
-    if (!std::isnan(range.nominal)) SetParameter(ParseParameter(name, names), range.nominal, &result);
+    if (!std::isnan(range.nominal)) SetParameter(ParseParameter(name, names, mesh.piece_names), range.nominal, &result);
   }
   return result;
+}
+
+void Scene::SetMaterials(const Parameters& parameters_of_both) {
+  material = parameters_of_both.material;
+  pieces = parameters_of_both.pieces;
 }
 
 bool Scene::has_bending() const {
@@ -279,9 +287,26 @@ bool Scene::has(ParameterKind kind) const {
   }
 }
 
+bool Scene::has_of_pieces(ParameterKind kind) const {
+  return !pieces.empty() && CanBeOfPiece(kind) && has(kind) &&
+         std::none_of(fields.begin(), fields.end(), [kind](const GridField& field) { return field.kind == kind; });
+}
+
+std::vector<ParameterId> Scene::piece_parameters() const {
+  std::vector<ParameterId> ids;
+  for (int i = 0; i < static_cast<int>(mesh.piece_names.size()); ++i) {
+    for (const ParameterKind kind : kMaterialKinds) {
+      if (has_of_pieces(kind) && HasTerm(*this, kind)) ids.push_back({kind, kAllObstacles, kMeanWind, i});
+    }
+  }
+  return ids;
+}
+
 ParameterId ParseParameter(const std::string& name, const Scene& scene) {
   const std::vector<std::string> obstacles = scene.obstacle_names();
-  std::string names = ParameterNames(obstacles, [&](ParameterKind kind) { return scene.has(kind); });
+  const std::vector<std::string>& pieces = scene.mesh.piece_names;
+  std::string names = ParameterNames(
+      obstacles, [&](ParameterKind kind) { return scene.has(kind); }, pieces);
   for (const SceneObstacle& obstacle : scene.obstacles) {
     if (obstacle.path == nullptr) continue;
     for (const char* part : {".time_offset", ".shift.x (y, z)", ".turn.x (y, z)"}) {
@@ -290,11 +315,14 @@ ParameterId ParseParameter(const std::string& name, const Scene& scene) {
   }
   std::optional<ParameterId> id;
   try {
-    id = ParseParameter(name, obstacles);
+    id = ParseParameter(name, obstacles, pieces);
   } catch (const Error&) {
   }
   const bool has_path = !id || !IsPlacement(id->kind) || scene.obstacles[id->obstacle].path != nullptr;
-  if (id && scene.has(id->kind) && has_path && id->knot < scene.wind.profile.num_knots()) return *id;
+  if (id && scene.has(id->kind) && has_path && id->knot < scene.wind.profile.num_knots() &&
+      (id->piece == kWholeCloth || scene.has_of_pieces(id->kind))) {
+    return *id;
+  }
   throw Error(ErrorKind::kUsage,
               (id ? "parameter '" + name + "': the scene has no such term" : "unknown parameter '" + name + "'") +
                   "; expected one of " + names);
@@ -314,6 +342,7 @@ void ValidateScene(const Scene& scene, const std::string& source) {
     check.Expect(scene.has(field.kind), "fields." + name,
                  "none where the scene has constants along warp and weft instead");
   }
+  ValidatePieces(scene, source);
   ValidateHandles(scene, check);
   ValidateObstacles(scene, check);
   ValidateRanges(scene, check);
@@ -358,11 +387,14 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
            "; expected a factor from 0.1 to 10");
   }
   ValidateFactors(parameters, scene, source);
+  ValidatePieceMaterials(parameters, scene, source);
   ValidateWind(parameters.wind, source);
   if (parameters.wind.profile.times != scene.wind.profile.times) {
     throw Error(ErrorKind::kBadData, source + ": expected a wind with the times of the scene's profile");
   }
 }
+
+namespace {
 
 std::string Indefinite(const Material& material, const Scene& scene) {
   const auto compare = [](const std::string& coupling, double value, const std::string& names, double product) {
@@ -384,9 +416,22 @@ std::string Indefinite(const Material& material, const Scene& scene) {
   return "";
 }
 
+}  // namespace
+
+std::string Indefinite(const Parameters& parameters, const Scene& scene) {
+  std::string problem = parameters.pieces.empty() ? Indefinite(parameters.material, scene) : "";
+  for (std::size_t i = 0; i < parameters.pieces.size() && problem.empty(); ++i) {
+    problem = Indefinite(parameters.pieces[i], scene);
+    if (!problem.empty() && i < scene.mesh.piece_names.size()) {
+      problem = "in piece '" + scene.mesh.piece_names[i] + "' " + problem;
+    }
+  }
+  return problem;
+}
+
 void ValidateParameters(const Parameters& parameters, const Scene& scene, const std::string& source) {
   ValidateDomains(parameters, scene, source);
-  const std::string problem = Indefinite(parameters.material, scene);
+  const std::string problem = Indefinite(parameters, scene);
   if (!problem.empty()) throw Error(ErrorKind::kBadData, source + ": " + problem);
 }
 

@@ -131,6 +131,7 @@ struct Scene {
   MembraneLaw membrane = MembraneLaw::kArap;
   Warp warp;                      // of a membrane or bending that is orthotropic
   std::vector<GridField> fields;  // constants that vary over the cloth; their levels replace those of `material`
+  std::vector<Material> pieces;   // nominal, as `Parameters` has them: the mesh has piece_names
   std::map<std::string, ParameterRange> parameters;  // by parameter name
   SolverOptions solver;
 
@@ -146,12 +147,17 @@ struct Scene {
   // Whether the laws of the scene have such a parameter. k_bend, damping, drag of either kind and wind count as there
   // where their term has the nominal value 0.
   bool has(ParameterKind kind) const;
+  // Whether its pieces have such a parameter each: not of a constant that is a field.
+  bool has_of_pieces(ParameterKind kind) const;
+  std::vector<ParameterId> piece_parameters() const;  // those, piece by piece, of terms that the scene has
 
   int num_steps() const;  // the least number of steps that covers `duration`
   std::vector<std::string> obstacle_names() const;
-  // `parameters` where they give a nominal value, else the levels of `fields`, `material`, the obstacles' mu and
-  // `wind`.
+  // `parameters` where they give a nominal value, else the levels of `fields`, `material`, `pieces`, the obstacles' mu
+  // and `wind`.
   Parameters nominal_parameters() const;
+  // Takes `material` and `pieces` over, so that the scene has the terms that the parameters have.
+  void SetMaterials(const Parameters& parameters);
 };
 
 // The surface of the obstacle that is nearest to `position` at `time`, its gap from the contact distance; without
@@ -172,7 +178,7 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
 
 // Why an elastic energy is negative for some strain: "k_poisson^2 must be below k_warp k_weft, and is ..". Empty where
 // none is. No single parameter is out of its domain, so a fit that comes there has to turn back.
-std::string Indefinite(const Material& material, const Scene& scene);
+std::string Indefinite(const Parameters& parameters, const Scene& scene);
 
 // `ParseParameter` of sim/scene/parameters.h for a parameter of the scene. Throws `Error` (kUsage) that lists those
 // that it has.

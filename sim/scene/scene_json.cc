@@ -15,6 +15,7 @@
 #include "sim/path/handle_csv.h"
 #include "sim/scene/materials_json.h"
 #include "sim/scene/obstacle_json.h"
+#include "sim/scene/pieces.h"
 
 namespace clothid {
 namespace {
@@ -29,9 +30,9 @@ class SceneReader {
 
   Scene Read() {
     root_.ExpectKeys(
-        {"clothid_scene",       "time_step", "integrator", "duration",   "gravity",    "contact", "touch",
-         "depenetration_speed", "wind",      "air",        "node_force", "mesh",       "initial", "handles",
-         "obstacles",           "fabric",    "materials",  "fields",     "parameters", "solver"});
+        {"clothid_scene",       "time_step", "integrator", "duration",   "gravity", "contact",    "touch",
+         "depenetration_speed", "wind",      "air",        "node_force", "mesh",    "initial",    "handles",
+         "obstacles",           "fabric",    "materials",  "fields",     "pieces",  "parameters", "solver"});
     ReadVersion();
     ReadTime();
     ReadForces();
@@ -43,6 +44,7 @@ class SceneReader {
     if (const auto fabric = root_.Find("fabric")) ReadFabric(*fabric, &scene_);
     if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, folder_, &scene_);
     if (const auto fields = root_.Find("fields")) scene_.fields = ReadFields(*fields);
+    if (const auto pieces = root_.Find("pieces")) ReadPieces(*pieces, groups_, &scene_);
     ReadParameters();
     ReadSolver();
     return std::move(scene_);
@@ -121,7 +123,9 @@ class SceneReader {
     } else {
       const auto materials = root_.Find("materials");
       Eigen::Matrix3Xd* along_u = materials && WarpFollowsUv(*materials) ? &scene_.warp.directions : nullptr;
-      scene_.mesh = clothid::ReadMesh(root_.Require("mesh", kMeshForms), folder_, recorded, along_u);
+      const auto pieces = root_.Find("pieces");
+      FaceGroups* groups = pieces && NeedGroups(*pieces) ? &groups_ : nullptr;
+      scene_.mesh = clothid::ReadMesh(root_.Require("mesh", kMeshForms), folder_, recorded, along_u, groups);
     }
   }
 
@@ -262,6 +266,7 @@ class SceneReader {
   const JsonNode root_;
   const std::string& folder_;
   const SceneDefaults& defaults_;
+  FaceGroups groups_;  // of the file of the mesh, where pieces need them
   Scene scene_;
 };
 

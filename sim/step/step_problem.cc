@@ -62,7 +62,8 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
   for (int i = 0; i < model.num_free(); ++i) {
     const int node = model.free_nodes()[i];
     hessian->block(pattern.Diagonal(i)).diagonal().array() +=
-        material.density * (model.mass_areas()[node] - model.node_areas()[node]);
+        material.density * (model.mass_areas()[node] - model.node_areas()[node]) +
+        (model.drag() ? h * material.drag * (model.drag()->areas()[node] - model.node_areas()[node]) : 0.0);
   }
 }
 

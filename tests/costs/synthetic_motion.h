@@ -88,7 +88,7 @@ struct MotionOptions {
 inline RecordedMotion MakeMotion(const Scene& scene, const MotionOptions& options) {
   Parameters parameters = scene.nominal_parameters();
   for (const auto& [name, value] : options.true_values) {
-    SetParameter(ParseParameter(name, scene.obstacle_names()), value, &parameters);
+    SetParameter(ParseParameter(name, scene), value, &parameters);
   }
   const double interval = options.frame_interval > 0.0 ? options.frame_interval : scene.time_step;
   const int num_frames = static_cast<int>(scene.duration / interval + 1e-9) + 1;

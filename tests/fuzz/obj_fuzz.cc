@@ -35,6 +35,13 @@ int clothid::FuzzObj(const std::uint8_t* data, std::size_t size) {
   if (Accepts([&] { ReadObjWithUv(file.path(), &along_u); }, file.path())) {
     Check(along_u.cols() == mesh.num_faces(), "a direction of u in every triangle");
   }
+  FaceGroups groups;
+  ReadObjWithGroups(file.path(), &groups);
+  for (const auto& [name, ranges] : groups) {
+    for (const auto& [first, last] : ranges) {
+      Check(0 <= first && first <= last && last < mesh.num_faces(), "triangles of a group that are there");
+    }
+  }
   if (Accepts([&] { ValidateMesh(mesh, "cloth"); }, "cloth")) Check(ClothSize(mesh) > 0.0, "a cloth with an area");
   Accepts([&] { CheckSurface(mesh); }, "triangulated surface");
   return 0;

@@ -17,10 +17,10 @@ namespace {
 }
 
 ParameterKind ParseKind(const std::string& name, const std::string& flag,
-                        const std::vector<std::string>& obstacle_names) {
+                        const std::vector<std::string>& obstacle_names, const std::vector<std::string>& piece_names) {
   ParameterId id;
   try {
-    id = ParseParameter(name, obstacle_names);
+    id = ParseParameter(name, obstacle_names, piece_names);
   } catch (const Error& error) {
     throw Error(ErrorKind::kUsage, flag + ": " + error.what());
   }
@@ -35,7 +35,7 @@ double FromScale(ParameterScale scale, double value) { return scale == Parameter
 }  // namespace
 
 LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
-                        const std::vector<std::string>& obstacle_names) {
+                        const std::vector<std::string>& obstacle_names, const std::vector<std::string>& piece_names) {
   const std::size_t equals = std::min(text.find('='), text.size());
   std::vector<std::string> items = Split(std::string_view(text).substr(std::min(equals + 1, text.size())), ':');
   const bool has_scale = items.size() == 4;
@@ -52,7 +52,7 @@ LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
   axis.lower = *lower;
   axis.upper = *upper;
   axis.num_cells = static_cast<int>(std::min<long long>(*num_cells, std::numeric_limits<int>::max()));
-  const ParameterKind kind = ParseKind(axis.parameter, flag, obstacle_names);
+  const ParameterKind kind = ParseKind(axis.parameter, flag, obstacle_names, piece_names);
   if (!(axis.lower < axis.upper)) FailOnAxis(flag, text, "expected a lower end below the upper one");
   if (*num_cells < 2) FailOnAxis(flag, text, "expected at least 2 cells");
   if (has_scale && !(axis.lower > 0.0)) FailOnAxis(flag, text, "expected a lower end above 0 on a log axis");
@@ -61,10 +61,6 @@ LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
     FailOnAxis(flag, text, above ? "expected a lower end above 0" : "expected a lower end of at least 0");
   }
   return axis;
-}
-
-bool Includes(ParameterId whole, ParameterId part) {
-  return whole.kind == part.kind && (whole.obstacle == kAllObstacles || whole.obstacle == part.obstacle);
 }
 
 LandscapeAxis ZoomInto(const LandscapeAxis& whole, double center, double zoom, const std::string& flag) {

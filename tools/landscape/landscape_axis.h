@@ -10,14 +10,12 @@
 
 namespace clothid {
 
-// NAME=LOWER:UPPER:CELLS[:log], NAME a parameter of a scene with these obstacles. Throws `Error` (kUsage), naming
-// `flag`, unless the name is known, LOWER < UPPER are values that the parameter can have, of a log axis above 0, and
-// CELLS is at least 2.
+// NAME=LOWER:UPPER:CELLS[:log], NAME a parameter of a scene with these obstacles and pieces. Throws `Error` (kUsage),
+// naming `flag`, unless the name is known, LOWER < UPPER are values that the parameter can have, of a log axis above 0,
+// and CELLS is at least 2.
 LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
-                        const std::vector<std::string>& obstacle_names);
-
-// Whether setting `whole` sets `part` too: it is the same, or the friction of all obstacles that of one.
-bool Includes(ParameterId whole, ParameterId part);
+                        const std::vector<std::string>& obstacle_names,
+                        const std::vector<std::string>& piece_names = {});
 
 // The part of `whole` of `zoom` times its range in its own scale, of as many cells, with `center` in the middle or as
 // near to it as `whole` ends. Throws `Error` (kUsage), naming `flag`, where its cells would fall on each other.

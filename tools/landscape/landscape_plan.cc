@@ -19,14 +19,16 @@ namespace {
   throw Error(ErrorKind::kUsage, flag + ": " + problem);
 }
 
-LandscapeWindow ParseWhole(const LandscapeFlags& flags, const std::vector<std::string>& obstacle_names) {
+LandscapeWindow ParseWhole(const LandscapeFlags& flags, const Scene& scene) {
   if (flags.x.empty()) FailOnFlag("--x", "is missing; see landscape --help");
   if (flags.y.empty()) FailOnFlag("--y", "is missing; see landscape --help");
   LandscapeWindow whole;
-  whole.x = ParseAxis(flags.x, "--x", obstacle_names);
-  whole.y = ParseAxis(flags.y, "--y", obstacle_names);
-  const ParameterId x = ParseParameter(whole.x.parameter, obstacle_names);
-  const ParameterId y = ParseParameter(whole.y.parameter, obstacle_names);
+  const std::vector<std::string> obstacles = scene.obstacle_names();
+  const std::vector<std::string>& pieces = scene.mesh.piece_names;
+  whole.x = ParseAxis(flags.x, "--x", obstacles, pieces);
+  whole.y = ParseAxis(flags.y, "--y", obstacles, pieces);
+  const ParameterId x = ParseParameter(whole.x.parameter, obstacles, pieces);
+  const ParameterId y = ParseParameter(whole.y.parameter, obstacles, pieces);
   if (x == y) FailOnFlag("--y", "'" + whole.y.parameter + "' is on --x already");
   if (Includes(x, y) || Includes(y, x)) {
     FailOnFlag("--y", "'" + whole.y.parameter + "' and '" + whole.x.parameter + "' on --x include each other");
@@ -109,7 +111,12 @@ std::vector<double> ValuesOf(const std::string& parameter, const Scene& scene) {
   const ParameterId id = ParseParameter(parameter, scene);
   const Parameters nominal = scene.nominal_parameters();
   if (id.kind == ParameterKind::kFriction && id.obstacle == kAllObstacles) return nominal.friction_coefficients;
-  return {GetParameter(nominal, id)};
+  std::vector<double> values = {GetParameter(nominal, id)};
+  double Material::*const constant = MaterialConstant(id.kind);
+  for (const Material& piece : nominal.pieces) {
+    if (constant != nullptr && id.piece == kWholeCloth) values.push_back(piece.*constant);
+  }
+  return values;
 }
 
 // `own`: the scene that the sweep changes. Throws `Error` (kUsage), naming --sweep, where it changes what is on an axis
@@ -132,7 +139,7 @@ void CheckSweep(const LandscapeScanOptions& scan, const Scene& own) {
 }  // namespace
 
 LandscapePlan MakeLandscapePlan(const LandscapeFlags& flags, const Scene& scene) {
-  const LandscapeWindow whole = ParseWhole(flags, scene.obstacle_names());
+  const LandscapeWindow whole = ParseWhole(flags, scene);
   LandscapePlan plan;
   plan.settings = ParseSettings(flags, scene);
   // Before the windows, which look at every cell of an axis.

@@ -153,6 +153,7 @@ void CheckAlignment(AlignmentId id, const std::string& name, double value, const
 void CheckHeld(const LandscapeScanOptions& options, const std::string& source) {
   const RecordedMotion& motion = options.motions.front();
   const std::vector<std::string> obstacles = motion.scene.obstacle_names();
+  const std::vector<std::string>& pieces = motion.scene.mesh.piece_names;
   const LandscapeWindow& window = options.plan.windows.front();
   for (const auto& [name, value] : options.held) {
     if (const auto alignment = ParseAlignmentId(name)) {
@@ -160,9 +161,9 @@ void CheckHeld(const LandscapeScanOptions& options, const std::string& source) {
       continue;
     }
     CheckValues({{name, value}}, motion.scene, source);
-    const ParameterId id = ParseParameter(name, obstacles);
+    const ParameterId id = ParseParameter(name, obstacles, pieces);
     for (const std::string& axis : {window.x.parameter, window.y.parameter}) {
-      if (Includes(ParseParameter(axis, obstacles), id)) {
+      if (Includes(ParseParameter(axis, obstacles, pieces), id)) {
         throw Error(ErrorKind::kUsage, source + ": '" + name + "' is set by '" + axis + "', an axis");
       }
     }

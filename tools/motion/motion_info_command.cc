@@ -141,6 +141,10 @@ void PrintScene(const Scene& scene) {
     std::cout << ", " << ParameterName({kind}, {}) << " " << value << UnitOf(kind, scene.air_law);
   }
   std::cout << "\n";
+  for (const ParameterId id : scene.piece_parameters()) {
+    const std::string name = ParameterName(id, {}, scene.mesh.piece_names);
+    std::cout << "  " << name << " " << GetParameter(nominal, id) << UnitOf(id.kind, scene.air_law) << "\n";
+  }
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
     std::cout << "  obstacle " << scene.obstacles[i].name << ": mu " << nominal.friction_coefficients[i]
               << ", contact distance " << scene.obstacles[i].contact_distance << " m\n";

@@ -36,6 +36,11 @@ void SetTrueFields(const std::string& text, Scene* scene) {
     if (!seen.insert(field.kind).second) {
       throw Error(ErrorKind::kUsage, "--set_field: '" + name + "' is given twice");
     }
+    double Material::*const constant = MaterialConstant(field.kind);
+    for (const Material& piece : scene->pieces) {
+      if (piece.*constant == scene->material.*constant) continue;
+      throw Error(ErrorKind::kUsage, "--set_field: '" + name + "' differs between the pieces of the scene");
+    }
     std::vector<GridField>& fields = scene->fields;
     fields.erase(
         std::remove_if(fields.begin(), fields.end(), [&](const GridField& other) { return other.kind == field.kind; }),

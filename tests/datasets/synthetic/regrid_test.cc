@@ -92,6 +92,7 @@ TEST_F(RegridTest, RefusesWhatIsNotTheSameCloth) {
       },
       ErrorKind::kUsage, {"--nodes", "3 x 2", "handle 1"});
   ExpectError([&] { Read(R"({"node_force": [0, 0, 0.1]})"); }, ErrorKind::kBadData, {"scene.json", "node_force"});
+  ExpectError([&] { Read(R"({"pieces": {"a": {"triangles": [0]}}})"); }, ErrorKind::kBadData, {"'pieces'", "none"});
   folder().Write("cloth.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   ExpectError([&] { Read(R"({"mesh": {"grid": null, "obj": "cloth.obj"}, "handles": [0]})"); }, ErrorKind::kBadData,
               {"scene.json", "'mesh'", "grid"});

@@ -47,7 +47,7 @@ class GradientCase {
   bool has_influence(int i) const { return std::abs(Magnitude(i) * adjoint_[i]) > 1e-8 * Cost(rollout_); }
 
   std::string name(int i) const {
-    if (i < num_parameters()) return ParameterName(ids_[i], scene_.obstacle_names());
+    if (i < num_parameters()) return ParameterName(ids_[i], scene_.obstacle_names(), scene_.mesh.piece_names);
     return i == num_parameters() ? "x_0" : "v_0";
   }
 
@@ -98,6 +98,7 @@ class GradientCase {
     for (const ParameterKind kind : kMaterialKinds) {
       if (scene_.has(kind) && parameters_.material.*MaterialConstant(kind) != 0.0) ids_.push_back({kind});
     }
+    for (const ParameterId id : scene_.piece_parameters()) ids_.push_back(id);
   }
 
   void MakeDirections() {
@@ -140,9 +141,11 @@ class GradientCase {
     Scene scene = scene_;
     Parameters parameters = parameters_;
     if (i < num_parameters()) {
-      // Friction of all obstacles at once moves each from where it is.
+      // Friction of all obstacles at once moves each from where it is, and so do constants of all pieces.
       if (ids_[i] == ParameterId{ParameterKind::kFriction, kAllObstacles}) {
         for (double& mu : parameters.friction_coefficients) mu += step;
+      } else if (scene_.has_of_pieces(ids_[i].kind) && ids_[i].piece == kWholeCloth) {
+        for (Material& piece : parameters.pieces) piece.*MaterialConstant(ids_[i].kind) += step;
       } else {
         SetParameter(ids_[i], GetParameter(parameters_, ids_[i]) + step, &parameters);
       }

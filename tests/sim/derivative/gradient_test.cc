@@ -13,6 +13,7 @@
 #include "sim/obstacle/triangulated_surface.h"
 #include "tests/sim/curved_rest.h"
 #include "tests/sim/derivative/gradient_case.h"
+#include "tests/sim/pieces_scene.h"
 #include "tests/sim/scene/triangle_meshes.h"
 #include "tests/sim/shipped_scenes.h"
 #include "tests/sim/woven_scene.h"
@@ -138,6 +139,33 @@ INSTANTIATE_TEST_SUITE_P(Scenes, WovenGradientTest,
                                                               {"drape", ContactMode::kVelocity},
                                                               {"wind", ContactMode::kGap}})),
                          CaseName);
+
+// Constants of pieces, and of all of them at once, isotropic and woven.
+class PiecesGradientTest : public GradientTest {};
+
+TEST_P(PiecesGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
+  for (const bool woven : {false, true}) {
+    Scene scene = SceneOf(GetParam(), 7);
+    scene.duration *= 0.25;
+    scene.bending.law = BendingLaw::kPatches;
+    if (woven) scene = Woven(scene);
+    scene.material.damping = woven ? 0.3 : 0.5;
+    scene.material.drag = 0.05;
+    const GradientCase gradient(InPieces(scene, 1.5, 0.6));
+    for (const char* name : {"density.a", "density.b", "damping.a", "drag.b"}) {
+      EXPECT_TRUE(gradient.HasInfluence(name)) << name;
+    }
+    for (const char* name : {"k_stretch.a", "k_bend.a"}) EXPECT_NE(gradient.HasInfluence(name), woven) << name;
+    for (const char* name : {"k_warp.b", "k_poisson.a", "bend_weft.b"}) {
+      EXPECT_EQ(gradient.HasInfluence(name), woven) << name;
+    }
+    ExpectAgreement(gradient, 1e-6);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, PiecesGradientTest,
+    ::testing::ValuesIn(WithIntegrators({{"drape", ContactMode::kGap}, {"wind", ContactMode::kGap}})), CaseName);
 
 // With bending about a curved rest shape, of one constant and of three.
 class CurvedGradientTest : public GradientTest {};

@@ -42,12 +42,13 @@ py::dict NominalValues(const PyScene& self) {
   const Parameters parameters = scene.nominal_parameters();
   py::dict values;
   const auto add = [&](ParameterId id) {
-    values[py::str(ParameterName(id, scene.obstacle_names()))] = GetParameter(parameters, id);
+    values[py::str(ParameterName(id, scene.obstacle_names(), scene.mesh.piece_names))] = GetParameter(parameters, id);
   };
   for (int i = 0; i < static_cast<int>(scene.obstacles.size()); ++i) add({ParameterKind::kFriction, i});
   for (const ParameterKind kind : kMaterialKinds) {
     if (scene.has(kind)) add({kind});
   }
+  for (const ParameterId id : scene.piece_parameters()) add(id);
   if (!scene.has_wind()) return values;
   for (const ParameterKind kind : kWindKinds) add({kind});
   return values;
@@ -78,6 +79,11 @@ void BindShape(py::class_<PyScene>* scene) {
         return names;
       },
       "The names of the obstacles.");
+  scene->def_property_readonly(
+      "pieces", [](const PyScene& self) { return self.scene->mesh.piece_names; }, "The names of the cloth's pieces.");
+  scene->def_property_readonly(
+      "face_pieces", [](const PyScene& self) { return FromIndices(self.scene->mesh.face_pieces); },
+      "(F,): the piece of every triangle, len(pieces) where it is in none; (0,) of a cloth without pieces.");
 }
 
 }  // namespace
