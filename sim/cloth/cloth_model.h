@@ -15,6 +15,7 @@
 #include "sim/cloth/field_terms.h"
 #include "sim/cloth/membrane.h"
 #include "sim/cloth/rest_curvature.h"
+#include "sim/cloth/seam_energy.h"
 #include "sim/cloth/strain_rate_damping.h"
 #include "sim/cloth/stretch_energy.h"
 #include "sim/matrix/block_matrix.h"
@@ -96,6 +97,7 @@ class ClothModel {
   const DirectionalDrag* directional_drag() const {
     return directional_drag_ ? &*directional_drag_ : nullptr;
   }                                                                                     // ditto
+  const SeamEnergy* seams() const { return seams_ ? &*seams_ : nullptr; }               // null: the mesh has no link
   const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
   const WeightedBending* weighted_bending() const { return weighted_bending_.get(); }   // null: k_b is no field
   bool has_contact() const { return !scene_->obstacles.empty(); }
@@ -104,7 +106,8 @@ class ClothModel {
  private:
   ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothModel* like);
   std::vector<BendingMatrix> MakeBending();
-  void NumberFreeNodes(const std::vector<BendingMatrix>& bending);
+  // By what they couple beside triangles.
+  void NumberFreeNodes(const std::vector<BendingMatrix>& bending, const Eigen::SparseMatrix<double>& seams);
   std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> moments) const;  // null of none
 
   const Scene* scene_;
@@ -117,6 +120,7 @@ class ClothModel {
   std::shared_ptr<const TriangleElements> triangles_;
   std::optional<Membrane> membrane_;
   std::optional<StretchEnergy> stretch_;
+  std::optional<SeamEnergy> seams_;
   std::vector<BendingTerm> bending_terms_;
   std::unique_ptr<const WeightedBending> weighted_bending_;
   std::optional<AirDrag> drag_;

@@ -2,11 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
 #include "sim/mesh/obj_file.h"
+#include "sim/mesh/sewing.h"
 
 namespace clothid {
 namespace {
@@ -60,22 +63,111 @@ Mesh ReadUvFile(const JsonNode& obj, const std::string& path, const Mesh* record
   return *recorded;
 }
 
+std::vector<int> ReadChain(const JsonNode& seam, const char* key) {
+  std::vector<int> nodes;
+  for (const JsonNode& item : seam.Require(key, "a list of nodes along the border").items()) {
+    nodes.push_back(item.Integer(0, kMaxNodes - 1));
+  }
+  return nodes;
+}
+
+Seam ReadSeam(const JsonNode& node) {
+  node.ExpectKeys({"a", "b", "fold", "closes", "stiffness", "ease"});
+  Seam seam;
+  seam.a = ReadChain(node, "a");
+  seam.b = ReadChain(node, "b");
+  if (const auto fold = node.Find("fold")) seam.is_fold = fold->Boolean();
+  if (const auto ease = node.Find("ease")) seam.is_eased = ease->Boolean();
+  const auto closes = node.Find("closes"), stiffness = node.Find("stiffness");
+  seam.is_drawn = closes.has_value();
+  if (closes) seam.closing_time = closes->NonNegativeNumber();
+  if (stiffness) seam.stiffness = stiffness->PositiveNumber();
+  const bool is_joined = !seam.is_drawn && seam.a.size() == seam.b.size();
+  if (stiffness && is_joined) stiffness->Fail("expected \"closes\" beside it; a seam that joins has no stiffness");
+  return seam;
+}
+
+// Errors of `sew` as those of the key.
+template <typename Function>
+void SewAt(const JsonNode& node, const Function& sew) {
+  std::string problem;
+  try {
+    return sew();
+  } catch (const Error& error) {
+    problem = error.what();
+  }
+  node.Fail(problem);
+}
+
+// By the seams and buttons of the object `node`; they count the nodes of `mesh`.
+void SewMesh(const JsonNode& node, const std::string& source, Mesh* mesh) {
+  const auto seams = node.Find("seams"), buttons = node.Find("buttons");
+  if (!seams && !buttons) return;
+  Sewing sewing(mesh);
+  for (const JsonNode& item : seams ? seams->items() : std::vector<JsonNode>()) {
+    SewAt(item, [&] { sewing.Add(ReadSeam(item)); });
+  }
+  for (const JsonNode& item : buttons ? buttons->items() : std::vector<JsonNode>()) {
+    const std::vector<JsonNode> nodes = Pair(item, "two nodes");
+    SewAt(item, [&] { sewing.AddButton(nodes[0].Integer(0, kMaxNodes - 1), nodes[1].Integer(0, kMaxNodes - 1)); });
+  }
+  sewing.Finish();
+  ValidateMesh(*mesh, source + ": sewn");
+}
+
+// Whether the UV map is the rest shape, and with how many m per unit.
+bool RestIsUv(const JsonNode& node, double* scale) {
+  const auto rest = node.Find("rest"), uv_scale = node.Find("uv_scale");
+  if (uv_scale) *scale = uv_scale->PositiveNumber();
+  if (!rest) {
+    if (uv_scale) uv_scale->Fail("expected \"rest\": \"uv\" beside it");
+    return false;
+  }
+  if (!rest->is(JsonValue::Kind::kString) || rest->String() != "uv") rest->Fail("expected \"uv\"");
+  if (!node.Find("obj")) rest->Fail("expected a mesh from an OBJ file beside it, whose UV map it is");
+  return true;
+}
+
+// A mesh whose rest shape is its UV map. That of a recording brings it, or has to have the triangles of the file.
+Mesh ReadGarment(const JsonNode& node, const JsonNode& obj, const std::string& path, double scale,
+                 const Mesh* recorded) {
+  if (recorded != nullptr && recorded->has_corner_rest()) return *recorded;
+  Mesh mesh = ReadObjWithUvRest(path, scale);
+  ValidateMesh(mesh, path);
+  SewMesh(node, path, &mesh);
+  if (recorded == nullptr) return mesh;
+  if (mesh.num_faces() != recorded->num_faces() || mesh.faces != recorded->faces) {
+    obj.Fail("expected the triangles of the recording, whose rest shape is to be the UV map of " + Printable(path));
+  }
+  mesh.rest_positions = recorded->rest_positions;
+  return mesh;
+}
+
+// `mesh`, and where it has no seams yet those of the object `node`.
+Mesh WithSeams(Mesh mesh, const JsonNode& node, const std::string& source) {
+  if (mesh.links.empty()) SewMesh(node, source, &mesh);
+  return mesh;
+}
+
 }  // namespace
 
 Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u) {
-  node.ExpectKeys({"grid", "obj"});
+  node.ExpectKeys({"grid", "obj", "rest", "uv_scale", "seams", "buttons"});
   const auto grid = node.Find("grid"), obj = node.Find("obj");
   if (grid.has_value() == obj.has_value()) node.Fail(std::string("expected either ") + kMeshForms);
+  double uv_scale = 1.0;
+  const bool rest_is_uv = RestIsUv(node, &uv_scale);
   if (grid) {
     const GridOptions options = ReadGrid(*grid);
-    return recorded == nullptr ? MakeGrid(options) : RecordedGrid(*grid, options, *recorded);
+    return WithSeams(recorded == nullptr ? MakeGrid(options) : RecordedGrid(*grid, options, *recorded), node, "grid");
   }
   const std::string path = obj->Path(folder);
-  if (along_u != nullptr) return ReadUvFile(*obj, path, recorded, along_u);
-  if (recorded != nullptr) return *recorded;
+  if (rest_is_uv) return ReadGarment(node, *obj, path, uv_scale, recorded);
+  if (along_u != nullptr) return WithSeams(ReadUvFile(*obj, path, recorded, along_u), node, path);
+  if (recorded != nullptr) return WithSeams(*recorded, node, path);
   Mesh mesh = ReadObj(path);
   ValidateMesh(mesh, path);
-  return mesh;
+  return WithSeams(std::move(mesh), node, path);
 }
 
 Eigen::Matrix3Xd ReadNpyVectors(const JsonNode& node, const std::string& folder, int count) {
