@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -115,12 +116,27 @@ void SewMesh(const JsonNode& node, const std::string& source, Mesh* mesh) {
   ValidateMesh(*mesh, source + ": sewn");
 }
 
+// A map that is this much larger or smaller than the surface has another unit: nobody starts with such a strain.
+constexpr double kMostScale = 2.0;
+
+void ExpectScale(const JsonNode& obj, const Mesh& mesh, double scale) {
+  Mesh surface = mesh;
+  surface.corner_rest.resize(2, 0);
+  const double ratio = ClothSize(surface) / ClothSize(mesh);
+  if (ratio <= kMostScale && ratio >= 1.0 / kMostScale) return;
+  std::ostringstream text;
+  text << "expected a UV map as large as the surface, which is " << ratio
+       << " times its size; is \"uv_scale\": " << ratio * scale << " meant?";
+  obj.Fail(text.str());
+}
+
 // Whether the UV map is the rest shape, and with how many m per unit.
 bool RestIsUv(const JsonNode& node, double* scale) {
   const auto rest = node.Find("rest"), uv_scale = node.Find("uv_scale");
   if (uv_scale) *scale = uv_scale->PositiveNumber();
   if (!rest) {
-    if (uv_scale) uv_scale->Fail("expected \"rest\": \"uv\" beside it");
+    const auto ease = node.Find("ease");
+    if (uv_scale || ease) (uv_scale ? uv_scale : ease)->Fail("expected \"rest\": \"uv\" beside it");
     return false;
   }
   if (!rest->is(JsonValue::Kind::kString) || rest->String() != "uv") rest->Fail("expected \"uv\"");
@@ -134,6 +150,9 @@ Mesh ReadGarment(const JsonNode& node, const JsonNode& obj, const std::string& p
   if (recorded != nullptr && recorded->has_corner_rest()) return *recorded;
   Mesh mesh = ReadObjWithUvRest(path, scale);
   ValidateMesh(mesh, path);
+  const auto ease = node.Find("ease");
+  if (!ease || !ease->Boolean()) ExpectEvenSeams(mesh, path);
+  ExpectScale(obj, mesh, scale);
   SewMesh(node, path, &mesh);
   if (recorded == nullptr) return mesh;
   if (mesh.num_faces() != recorded->num_faces() || mesh.faces != recorded->faces) {
@@ -152,7 +171,7 @@ Mesh WithSeams(Mesh mesh, const JsonNode& node, const std::string& source) {
 }  // namespace
 
 Mesh ReadMesh(const JsonNode& node, const std::string& folder, const Mesh* recorded, Eigen::Matrix3Xd* along_u) {
-  node.ExpectKeys({"grid", "obj", "rest", "uv_scale", "seams", "buttons"});
+  node.ExpectKeys({"grid", "obj", "rest", "uv_scale", "ease", "seams", "buttons"});
   const auto grid = node.Find("grid"), obj = node.Find("obj");
   if (grid.has_value() == obj.has_value()) node.Fail(std::string("expected either ") + kMeshForms);
   double uv_scale = 1.0;

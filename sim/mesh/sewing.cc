@@ -165,6 +165,23 @@ void Sewing::AddButton(int a, int b) {
   links_.push_back({a, {b, b}, 0.0, kButtonStiffness, 0.0});
 }
 
+void ExpectEvenSeams(const Mesh& mesh, const std::string& source) {
+  std::map<std::pair<int, int>, double> lengths;  // of the first side
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    for (int side = 0; side < 3; ++side) {
+      const double length = RestLength(mesh, face, side);
+      const std::pair<int, int> edge = std::minmax(int{mesh.faces(side, face)}, int{mesh.faces((side + 1) % 3, face)});
+      const double other = lengths.emplace(edge, length).first->second;
+      if (std::abs(length - other) <= kMostEase * std::max(length, other)) continue;
+      std::ostringstream text;
+      text << "edge " << edge.first << "-" << edge.second << " is " << other << " m long on one side in the UV map and "
+           << length << " m on the other, in triangle " << face << "; expected the same within " << 100.0 * kMostEase
+           << " %, or \"ease\": true of the mesh";
+      FailOnData(source, text.str());
+    }
+  }
+}
+
 void Sewing::Finish() {
   std::vector<int> kept, number(now_.size(), 0);
   for (std::size_t node = 0; node < now_.size(); ++node) {

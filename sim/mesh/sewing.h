@@ -71,6 +71,10 @@ class Sewing {
   std::vector<SeamLink> links_;                 // likewise
 };
 
+// Of a mesh with a rest place per corner, whose pieces share nodes already: throws `Error` (kBadData), led by `source`,
+// where the two sides of an edge differ in length by more than kMostEase of the longer one, as in a map that distorts.
+void ExpectEvenSeams(const Mesh& mesh, const std::string& source);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_MESH_SEWING_H_

@@ -40,7 +40,7 @@ struct EnergyParts {
 
 // Of the state [3N] given, with seams as they are drawn at `time`, s on the scene's clock.
 EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& positions,
-                        const Eigen::VectorXd& velocities, const Simulator& simulator, double time = 0.0);
+                        const Eigen::VectorXd& velocities, const Simulator& simulator, double time);
 
 // What a solve is taken for in its step: kappa times for a first stage.
 double SolveWeight(const StepRecord& record);

@@ -35,6 +35,11 @@ int clothid::FuzzObj(const std::uint8_t* data, std::size_t size) {
   if (Accepts([&] { ReadObjWithUv(file.path(), &along_u); }, file.path())) {
     Check(along_u.cols() == mesh.num_faces(), "a direction of u in every triangle");
   }
+  Mesh garment;
+  if (Accepts([&] { garment = ReadObjWithUvRest(file.path(), 0.5); }, file.path())) {
+    Check(garment.corner_rest.cols() == 3 * garment.num_faces(), "a place at rest for every corner");
+    Accepts([&] { ValidateMesh(garment, "garment"); }, "garment");
+  }
   if (Accepts([&] { ValidateMesh(mesh, "cloth"); }, "cloth")) Check(ClothSize(mesh) > 0.0, "a cloth with an area");
   Accepts([&] { CheckSurface(mesh); }, "triangulated surface");
   return 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/cloth/system_matrix.h"
 #include "tests/sim/plain_scenes.h"
 
 namespace clothid::seam_energy_test {
@@ -94,6 +95,25 @@ TEST(SeamEnergyTest, HessianIsTheMatrix) {
     EXPECT_LT((dense(of_axis, of_axis) - 2.0 * free).norm(), 1e-12);
     EXPECT_EQ(dense(of_axis, Eigen::seqN((axis + 1) % 3, model.num_free(), 3)).norm(), 0.0);
   }
+}
+
+// P has it, with the weights of contacts on its diagonal.
+TEST(SeamEnergyTest, IsPartOfTheSystemMatrix) {
+  const Scene scene = Linked();
+  Scene plain = scene;
+  plain.mesh.links.clear();
+  const ClothModel model(scene), without(plain);
+  const auto over_nodes = [](const ClothModel& of, const Material& material) {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(16, 16);
+    all(of.free_nodes(), of.free_nodes()) = Eigen::MatrixXd(AssembleSystemMatrix(of, material, 0.02));
+    return all;
+  };
+  Eigen::MatrixXd expected = 0.02 * 0.02 * Eigen::MatrixXd(model.seams()->matrix());
+  for (const int handle : scene.handles.nodes) {
+    expected.row(handle).setZero();
+    expected.col(handle).setZero();
+  }
+  EXPECT_LT((over_nodes(model, scene.material) - over_nodes(without, scene.material) - expected).norm(), 1e-13);
 }
 
 TEST(SeamEnergyTest, IsAbsentWithoutLinks) {

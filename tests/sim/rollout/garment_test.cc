@@ -8,7 +8,9 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/energy_loss.h"
+#include "sim/rollout/handle_forces.h"
 #include "sim/rollout/sized_scene.h"
+#include "tests/expect_error.h"
 #include "tests/sim/garments.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/sheet_meshes.h"
@@ -66,6 +68,29 @@ TEST(UvRestTest, PiecesMayLieElsewhere) {
   EXPECT_LT((force - turned_force).norm(), 1e-12 * force.norm());
   const Eigen::MatrixXd q = ClothModel(one).bending()->matrix();
   EXPECT_LT((q - Eigen::MatrixXd(ClothModel(other).bending()->matrix())).norm(), 1e-9 * q.norm());
+}
+
+TEST(UvRestTest, HasTheSameForcesAtHandles) {
+  const Mesh sheet = MakeSheet(SheetKind::kIrregular, SquareGrid(6, 0.3));
+  Eigen::VectorXd forces[2];
+  for (int i = 0; i < 2; ++i) {
+    const Scene scene = Swinging(i == 0 ? sheet : WithUvRest(sheet), Integrator::kSdirk2);
+    const Rollout rollout = SimulateNominal(scene, 5);
+    const ClothModel model(scene);
+    const HandleForces at_handles(model, scene.nominal_parameters(), 5, {{0}, {1}});
+    forces[i] = at_handles.At(4, {at_handles.Gather(rollout.positions(3)), at_handles.Gather(rollout.positions(4)),
+                                  at_handles.Gather(rollout.positions(5))});
+  }
+  EXPECT_GT(forces[0].norm(), 1e-3);
+  EXPECT_EQ(forces[0], forces[1]);
+}
+
+TEST(DrawnSeamTest, LeavesForcesAtHandlesUnknown) {
+  Scene scene = Swinging(MakeGrid(SquareGrid(6, 0.3)), Integrator::kSdirk2);
+  scene.mesh.links = {{20, {1, 1}, 0.0, 10.0, 0.0}};
+  const ClothModel model(scene);
+  ExpectError([&] { HandleForces(model, scene.nominal_parameters(), 5, {{0}}); }, ErrorKind::kBadData,
+              {"forces at handles: expected no seam that closes and no button at a handle, found one at node 1"});
 }
 
 // size.x and size.y stretch along u and v.

@@ -50,8 +50,8 @@ TEST_F(GarmentJsonTest, TakesTheMapAsTheRestShape) {
   EXPECT_EQ(scene.mesh.corner_rest, cut_.mesh.corner_rest);
   EXPECT_EQ(scene.mesh.rest_positions, cut_.mesh.rest_positions);
   EXPECT_EQ(scene.initial_positions, cut_.mesh.rest_positions.reshaped());
-  mesh_.erase("uv_scale");
-  EXPECT_EQ(Parse().mesh.corner_rest, 2.0 * cut_.mesh.corner_rest);
+  mesh_["uv_scale"] = 0.75;
+  EXPECT_EQ(Parse().mesh.corner_rest, 1.5 * cut_.mesh.corner_rest);
 }
 
 TEST_F(GarmentJsonTest, JoinsDrawsAndButtons) {
@@ -141,7 +141,18 @@ TEST_F(GarmentJsonTest, NamesKeyOrLineOfWhatIsBad) {
   WriteObj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0.9 0.2\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
   ExpectBad(
       {"cloth.obj: triangle 0 and triangle 1 lie on each other in the UV map, which is folded along their edge 0-2"});
+  WriteObj(
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 2 2\nvt 3.2 2\nvt 2 3.2\nf 1/1 2/2 3/3\nf 1/4 "
+      "3/5 4/6\n");
+  ExpectBad({"cloth.obj: edge 0-2 is 1.41421 m long on one side in the UV map and 1.2 m on the other, in triangle 1"});
+  mesh_["ease"] = true;
+  EXPECT_NO_THROW(Parse());
+  mesh_.erase("ease");
+  mesh_["uv_scale"] = 0.1;
   WriteObj(good);
+  ExpectBad(
+      {"key 'mesh.obj': expected a UV map as large as the surface, which is 10 times its size", "is \"uv_scale\": 1"});
+  mesh_.erase("uv_scale");
   mesh_["seams"] = {{{"a", {0, 1, 6}}, {"b", {4, 3, 2}}}};
   ExpectBad({"scene.json:", "key 'mesh.seams[0]': node 6 of a is not on the border of the mesh"});
   mesh_["seams"] = {seam_, seam_};
