@@ -114,9 +114,9 @@ TEST_F(GarmentRecordingTest, ReadsNoPlaceOfAnotherMesh) {
   ExpectError([&] { WriteMotion(tensors, folder_.File("bad.bin")); }, ErrorKind::kBadData,
               {"bad.bin", "link 0 of a seam: expected two other nodes"});
   tensors.mesh.links.clear();
-  tensors.mesh.folds[0] = {0, 9};
+  tensors.mesh.folds[0] = {0, 20};
   ExpectError([&] { WriteMotion(tensors, folder_.File("bad.bin")); }, ErrorKind::kBadData,
-              {"bad.bin", "fold 0-9 is no edge of two triangles"});
+              {"bad.bin", "fold 0-20 is no edge of two triangles"});
 }
 
 }  // namespace
