@@ -13,6 +13,7 @@
 #include "identify/checks/multi_start.h"
 #include "identify/checks/profile.h"
 #include "identify/checks/step_error.h"
+#include "identify/export/export.h"
 #include "identify/fit/fit.h"
 #include "identify/landscape/fit_landscape.h"
 #include "identify/problem/problem.h"
@@ -108,6 +109,7 @@ class Run {
     for (const std::string& name : options.profiles) FindFreeBlock(*problem_, name, "--profile");
     for (const RecordedMotion& motion : inputs_.fitted) {
       if (options.discretization.mesh) ExpectRefinable(motion.scene, "--discretization: " + motion.name);
+      if (!options.simulators.empty()) ExpectExportable(motion.scene, "--export: " + motion.name);
     }
     for (FitLandscape& landscape : inputs_.landscapes) MatchLandscape(problem_->blocks(), &landscape);
     checks_.landscapes = std::move(inputs_.landscapes);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -40,15 +41,16 @@ std::vector<PointPair> MeshPairs(const RecordedMotion& motion) {
   for (int p = 0; p < motion.num_points(); ++p) {
     if (motion.points[p].num_nodes == 1) point_of_node[motion.points[p].nodes[0]] = p;
   }
-  std::set<std::pair<int, int>> edges;
+  std::map<std::pair<int, int>, double> lengths;  // of edges, m at rest
   for (int face = 0; face < mesh.num_faces(); ++face) {
-    for (int k = 0; k < 3; ++k) edges.insert(std::minmax({mesh.faces(k, face), mesh.faces((k + 1) % 3, face)}));
+    for (int k = 0; k < 3; ++k) {
+      lengths[std::minmax({mesh.faces(k, face), mesh.faces((k + 1) % 3, face)})] = RestLength(mesh, face, k);
+    }
   }
   std::vector<PointPair> pairs;
-  for (const auto& [low, high] : edges) {
-    if (point_of_node[low] < 0 || point_of_node[high] < 0) continue;
-    const double length = (mesh.rest_positions.col(low) - mesh.rest_positions.col(high)).norm();
-    pairs.push_back({point_of_node[low], point_of_node[high], length});
+  for (const auto& [edge, length] : lengths) {
+    const int first = point_of_node[edge.first], second = point_of_node[edge.second];
+    if (first >= 0 && second >= 0) pairs.push_back({first, second, length});
   }
   return pairs;
 }
@@ -88,8 +90,7 @@ std::vector<PointPair> FindPairs(const RecordedMotion& motion, const Eigen::Matr
 double MedianEdge(const Mesh& mesh) {
   std::vector<double> lengths;
   for (int face = 0; face < mesh.num_faces(); ++face) {
-    lengths.push_back(
-        (mesh.rest_positions.col(mesh.faces(0, face)) - mesh.rest_positions.col(mesh.faces(1, face))).norm());
+    lengths.push_back(RestLength(mesh, face, 0));
   }
   return Median(std::move(lengths));
 }

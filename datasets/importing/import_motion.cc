@@ -168,6 +168,7 @@ void SetScene(const ImportOptions& options, const std::string& source, MotionTen
     ExpectOneClock(motion.scene.handles, tensors->times, options.scene_path);
     KeepHandlePaths(motion.scene.handles, tensors);
   }
+  tensors->mesh = motion.scene.mesh;  // with the rest shape and the seams that the scene gives it
   tensors->scene_text = WithoutFiles(motion.scene_text, options.scene_path, options.mesh.has_value());
 }
 

@@ -24,7 +24,8 @@ constexpr std::string_view kTensorNames[] = {
     "positions",     "times",         "rest_positions",  "faces",        "node_index",
     "face_index",    "barycentric",   "point_kind",      "handle_index", "handle_positions",
     "sigma",         "cloud_offsets", "cloud_positions", "cloud_sigma",  "handle_times",
-    "handle_forces", "force_times",   "force_sigma",     "force_nodes",  "force_offsets"};
+    "handle_forces", "force_times",   "force_sigma",     "force_nodes",  "force_offsets",
+    "corner_rest",   "folds",         "link_nodes",      "link_values"};
 
 class TensorReader {
  public:
@@ -168,6 +169,24 @@ ForceReadings ReadForces(const TensorReader& reader, const std::string& path) {
   return forces;
 }
 
+// What a mesh may have beside its nodes and faces.
+void ReadSewing(const TensorReader& reader, Mesh* mesh) {
+  const std::vector<TensorType> f64 = {TensorType::kF64}, i32 = {TensorType::kI32};
+  if (reader.Has("corner_rest")) {
+    mesh->corner_rest = reader.Doubles(reader.Require("corner_rest", f64, {mesh->num_faces(), 3, 2}), 2);
+  }
+  if (reader.Has("folds")) {
+    const Eigen::MatrixXi folds = reader.Integers(reader.Require("folds", i32, {kAny, 2}), 2);
+    for (const auto& fold : folds.colwise()) mesh->folds.push_back({fold[0], fold[1]});
+  }
+  if (!reader.Has("link_nodes") && !reader.Has("link_values")) return;
+  const Eigen::MatrixXi nodes = reader.Integers(reader.Require("link_nodes", i32, {kAny, 3}), 3);
+  const Eigen::MatrixXd values = reader.Doubles(reader.Require("link_values", f64, {nodes.cols(), 3}), 3);
+  for (Eigen::Index i = 0; i < nodes.cols(); ++i) {
+    mesh->links.push_back({nodes(0, i), {nodes(1, i), nodes(2, i)}, values(0, i), values(1, i), values(2, i)});
+  }
+}
+
 MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) {
   RejectUnknownTensors(file, path);
   const TensorReader reader(file, path);
@@ -183,6 +202,7 @@ MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) 
   tensors.positions = reader.Doubles(positions, 3 * num_points);
   tensors.mesh.rest_positions = reader.Doubles(reader.Require("rest_positions", f64, {kAny, 3}), 3);
   tensors.mesh.faces = reader.Integers(reader.Require("faces", i32, {kAny, 3}), 3);
+  ReadSewing(reader, &tensors.mesh);
   if (reader.Has("node_index")) tensors.node_index = reader.Indices("node_index", num_points);
   if (reader.Has("face_index")) tensors.face_index = reader.Indices("face_index", num_points);
   if (reader.Has("barycentric")) {

@@ -1,5 +1,6 @@
 #include "datasets/motion/motion_file.h"
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -56,6 +57,18 @@ void AddDoubles(const MotionTensors& tensors, std::vector<TensorBytes>* result) 
   result->push_back({"times", f64, {tensors.times.size()}, ToBytes<double>(tensors.times)});
   result->push_back(
       {"rest_positions", f64, {tensors.mesh.num_nodes(), 3}, ToBytes<double>(tensors.mesh.rest_positions)});
+  const Mesh& mesh = tensors.mesh;
+  if (mesh.has_corner_rest()) {
+    result->push_back({"corner_rest", f64, {mesh.num_faces(), 3, 2}, ToBytes<double>(mesh.corner_rest)});
+  }
+  if (!mesh.links.empty()) {
+    Eigen::Matrix3Xd values(3, static_cast<Eigen::Index>(mesh.links.size()));
+    for (Eigen::Index i = 0; i < values.cols(); ++i) {
+      const SeamLink& link = mesh.links[static_cast<std::size_t>(i)];
+      values.col(i) << link.share, link.stiffness, link.closing_time;
+    }
+    result->push_back({"link_values", f64, {values.cols(), 3}, ToBytes<double>(values)});
+  }
   if (!tensors.face_index.empty()) {
     result->push_back({"barycentric", f64, {num_points, 3}, ToBytes<double>(tensors.barycentric)});
   }
@@ -96,9 +109,20 @@ void AddMeasured(const MotionTensors& tensors, std::vector<TensorBytes>* result)
   result->push_back({"cloud_offsets", TensorType::kI32, {num_times + 1}, ToBytes(offsets)});
 }
 
+void AddSewing(const Mesh& mesh, std::vector<TensorBytes>* result) {
+  std::vector<int> folds, nodes;
+  for (const std::array<int, 2>& fold : mesh.folds) folds.insert(folds.end(), fold.begin(), fold.end());
+  for (const SeamLink& link : mesh.links) nodes.insert(nodes.end(), {link.node, link.edge[0], link.edge[1]});
+  const auto num_folds = static_cast<long long>(mesh.folds.size()),
+             num_links = static_cast<long long>(mesh.links.size());
+  if (num_folds > 0) result->push_back({"folds", TensorType::kI32, {num_folds, 2}, ToBytes(folds)});
+  if (num_links > 0) result->push_back({"link_nodes", TensorType::kI32, {num_links, 3}, ToBytes(nodes)});
+}
+
 void AddIndices(const MotionTensors& tensors, std::vector<TensorBytes>* result) {
   result->push_back(
       {"faces", TensorType::kI32, {tensors.mesh.num_faces(), 3}, ToBytes<std::int32_t>(tensors.mesh.faces)});
+  AddSewing(tensors.mesh, result);
   const auto add = [&](const char* name, const std::vector<int>& indices) {
     if (indices.empty()) return;
     result->push_back({name, TensorType::kI32, {static_cast<long long>(indices.size())}, ToBytes(indices)});

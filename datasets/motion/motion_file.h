@@ -1,13 +1,14 @@
 // motion.bin: a safetensors container (8-byte little-endian header length, JSON header, raw little-endian tensors).
 //
 // Tensors: `positions` F32|F64 [T, P, 3] m, NaN = missing; `times` F64 [T] s, strictly increasing; `rest_positions` F64
-// [N, 3]; `faces` I32 [F, 3]; optional `node_index` I32 [P], or `face_index` I32 [P] + `barycentric` F64 [P, 3];
-// optional `point_kind` I32 [P], 0 material, 1 of the surface, 2 of its border (`PointKind`); without it all are
-// material; optional `handle_index` I32 [H] + `handle_positions` F64 [T, H, 3], or [K, H, 3] with `handle_times` F64
-// [K] s, strictly increasing: what moves the handles is often known at other times than the cloth is seen; optional
-// `sigma` F64 [P] m; optional `cloud_positions` F32|F64 [M, 3] m with `cloud_offsets` I32 [T + 1], unordered points of
-// the surface, of which frame i has the rows offsets[i] .. offsets[i + 1] - 1, and `cloud_sigma` F64 [1] m. With them P
-// may be 0.
+// [N, 3]; `faces` I32 [F, 3]; optional `corner_rest` F64 [F, 3, 2] m, `folds` I32 [E, 2], and `link_nodes` I32 [L, 3]
+// (p, q_0, q_1) with `link_values` F64 [L, 3] (s, k_s, T), all as in sim/mesh/mesh.h; optional `node_index` I32 [P], or
+// `face_index` I32 [P] + `barycentric` F64 [P, 3]; optional `point_kind` I32 [P], 0 material, 1 of the surface, 2 of
+// its border (`PointKind`); without it all are material; optional `handle_index` I32 [H] + `handle_positions` F64 [T,
+// H, 3], or [K, H, 3] with `handle_times` F64 [K] s, strictly increasing: what moves the handles is often known at
+// other times than the cloth is seen; optional `sigma` F64 [P] m; optional `cloud_positions` F32|F64 [M, 3] m with
+// `cloud_offsets` I32 [T + 1], unordered points of the surface, of which frame i has the rows offsets[i] .. offsets[i +
+// 1] - 1, and `cloud_sigma` F64 [1] m. With them P may be 0.
 // `__metadata__` (strings): `format` = "clothid.motion", `version` = "1", `scene` = JSON text, `provenance`, `sha256`
 // of the tensor bytes, and `header_sha256` (optional on reading) of the header with that field's value blank: the
 // SHA-256 of all header bytes after the length, padding included, in which the 64 digits of that value are replaced by

@@ -97,6 +97,10 @@ GridScene ReadGridScene(const std::string& path) {
   if (!mesh.contains("grid")) {
     throw Error(ErrorKind::kBadData, path + ": key 'mesh': expected a grid; no other mesh can be refined");
   }
+  if (!result.scene.mesh.links.empty()) {
+    throw Error(ErrorKind::kBadData,
+                path + ": key 'mesh': expected no seams and buttons; they count the nodes of a grid");
+  }
   if (!result.scene.node_force.isZero(0.0)) {
     throw Error(ErrorKind::kBadData, path + ": key 'node_force': expected none; on another grid it is another force");
   }

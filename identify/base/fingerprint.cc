@@ -43,6 +43,19 @@ void DescribeForces(const ForceReadings& forces, std::ostream* text) {
   *text << "\n";
 }
 
+// Nothing of a mesh that has only nodes and faces.
+std::string DescribeSewing(const Mesh& mesh) {
+  std::ostringstream text;
+  text << std::hexfloat;
+  if (mesh.has_corner_rest()) text << " " << Digest(mesh.corner_rest);
+  for (const auto& [low, high] : mesh.folds) text << " fold " << low << " " << high;
+  for (const SeamLink& link : mesh.links) {
+    text << " link " << link.node << " " << link.edge[0] << " " << link.edge[1] << " " << link.share << " "
+         << link.stiffness << " " << link.closing_time;
+  }
+  return text.str();
+}
+
 }  // namespace
 
 void DescribeProgram(std::ostream* text) {
@@ -56,7 +69,8 @@ void DescribeMotion(const RecordedMotion& motion, std::ostream* text) {
         << Digest(motion.sigma) << (motion.centroid ? " " + Digest(*motion.centroid) : "") << "\n"
         << "scene " << Sha256Hex({motion.scene_text}) << " " << IntegratorName(scene.integrator) << " "
         << scene.time_step << " " << scene.start_time << " " << scene.duration << "\n"
-        << "mesh " << Digest(scene.mesh.rest_positions) << " " << Digest(scene.mesh.faces.cast<double>()) << "\n"
+        << "mesh " << Digest(scene.mesh.rest_positions) << " " << Digest(scene.mesh.faces.cast<double>())
+        << DescribeSewing(scene.mesh) << "\n"
         << "start " << Digest(scene.initial_positions) << " " << Digest(scene.initial_velocities) << "\n"
         << "handles " << Digest(scene.handles.path.times()) << " " << Digest(scene.handles.path.positions()) << "\n"
         << "solver " << scene.solver.step_tolerance << " " << scene.solver.adjoint_tolerance << " "

@@ -91,9 +91,18 @@ Parameters ParametersOfEstimates(const std::map<std::string, double>& values, co
   return parameters;
 }
 
+void ExpectExportable(const Scene& scene, const std::string& source) {
+  const Mesh& mesh = scene.mesh;
+  if (!mesh.has_corner_rest() && mesh.links.empty() && mesh.folds.empty()) return;
+  throw Error(ErrorKind::kUsage, source +
+                                     ": expected a cloth without seams whose nodes each have one place at rest, not "
+                                     "\"rest\": \"uv\"");
+}
+
 std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& parameters,
                                       const std::vector<std::string>& simulators,
                                       const std::map<std::string, std::string>& remarks) {
+  ExpectExportable(scene, "export");
   ExportConstants constants = MakeExportConstants(scene, parameters);
   constants.remarks = remarks;
   std::vector<ExportedFile> files;

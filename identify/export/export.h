@@ -40,8 +40,12 @@ std::vector<std::string> ParseSimulators(const std::string& text, const std::str
 // obstacles. The wind, what is of a recording itself, as time_offset, and of another than the first are left out.
 Parameters ParametersOfEstimates(const std::map<std::string, double>& values, const Scene& scene);
 
-// The files for these simulators. The same arguments, the same texts. `remarks` by the name of a parameter stand in the
-// comment of its constant.
+// Throws `Error` (kUsage), led by `source`, for a cloth that no file here can tell: one that is sewn, or whose rest
+// shape is a UV map.
+void ExpectExportable(const Scene& scene, const std::string& source);
+
+// The files for these simulators. Throws as `ExpectExportable` does. The same arguments, the same texts. `remarks` by
+// the name of a parameter stand in the comment of its constant.
 std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& parameters,
                                       const std::vector<std::string>& simulators,
                                       const std::map<std::string, std::string>& remarks = {});

@@ -9,23 +9,25 @@
 namespace clothid {
 namespace {
 
-// The triangles at an edge and their nodes opposite to it: one at the border, two inside.
-struct OppositeNodes {
-  std::vector<int> nodes, faces;
+// The triangles at an edge and which side of them it is: one at the border, two inside.
+struct EdgeSides {
+  std::vector<int> faces, sides;
 };
-using EdgeNeighbours = std::map<std::pair<int, int>, OppositeNodes>;  // of edges (low, high)
+using EdgeNeighbours = std::map<std::pair<int, int>, EdgeSides>;  // of edges (low, high)
 
-EdgeNeighbours FindOppositeNodes(const Mesh& mesh) {
-  EdgeNeighbours opposite;
+// But for folds, across which nothing bends.
+EdgeNeighbours FindEdges(const Mesh& mesh) {
+  EdgeNeighbours edges;
   for (int f = 0; f < mesh.num_faces(); ++f) {
     for (int i = 0; i < 3; ++i) {
       const int a = mesh.faces(i, f), b = mesh.faces((i + 1) % 3, f);
-      OppositeNodes& edge = opposite[std::minmax(a, b)];
-      edge.nodes.push_back(mesh.faces((i + 2) % 3, f));
+      EdgeSides& edge = edges[std::minmax(a, b)];
       edge.faces.push_back(f);
+      edge.sides.push_back(i);
     }
   }
-  return opposite;
+  for (const auto& [low, high] : mesh.folds) edges.erase({low, high});
+  return edges;
 }
 
 // Cotangent of the angle at `apex` between `a` and `b`.
@@ -36,16 +38,19 @@ double Cotangent(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Ei
 }  // namespace
 
 std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh) {
-  const auto position = [&mesh](int node) -> Eigen::Vector3d { return mesh.rest_positions.col(node); };
   std::vector<BendingElement> elements;
-  for (const auto& [edge, opposite] : FindOppositeNodes(mesh)) {
-    if (opposite.faces.size() != 2) continue;
-    const std::array<int, 4> nodes = {edge.first, edge.second, opposite.nodes[0], opposite.nodes[1]};
-    const Eigen::Vector3d x0 = position(nodes[0]), x1 = position(nodes[1]);
+  for (const auto& [edge, beside] : FindEdges(mesh)) {
+    if (beside.faces.size() != 2) continue;
+    std::array<int, 4> nodes = {edge.first, edge.second, 0, 0};
     std::array<double, 4> weights = {0.0, 0.0, 0.0, 0.0};
     double area = 0.0;
-    for (int side = 0; side < 2; ++side) {
-      const Eigen::Vector3d apex = position(nodes[2 + side]);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const int face = beside.faces[side], first = beside.sides[side], last = (first + 1) % 3, tip = (first + 2) % 3;
+      nodes[2 + side] = mesh.faces(tip, face);
+      const bool rises = mesh.faces(first, face) == edge.first;
+      const Eigen::Vector3d x0 = RestCorner(mesh, face, rises ? first : last);
+      const Eigen::Vector3d x1 = RestCorner(mesh, face, rises ? last : first);
+      const Eigen::Vector3d apex = RestCorner(mesh, face, tip);
       const double at_0 = Cotangent(x0, x1, apex), at_1 = Cotangent(x1, x0, apex);
       weights[0] += at_1;
       weights[1] += at_0;
@@ -56,7 +61,7 @@ std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh) {
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < 4; ++j) block(i, j) = 3.0 / area * weights[i] * weights[j];
     }
-    elements.push_back({{nodes.begin(), nodes.end()}, opposite.faces, std::move(block)});
+    elements.push_back({{nodes.begin(), nodes.end()}, beside.faces, std::move(block)});
   }
   return elements;
 }

@@ -5,7 +5,8 @@
 // By edges (Bergou et al. 2006, "A quadratic bending model for inextensible surfaces"):
 //   Q = sum over interior edges of 3/(A_1 + A_2) c c^T, c the four cotangent weights of the edge's two triangles.
 // k_b belongs to the mesh: an edge holds the curvature across it alone, so a cylinder whose axis runs along one of the
-// three edge directions of a right-angled grid has three times the energy k_b/2 area/R^2 of the continuum.
+// three edge directions of a right-angled grid has three times the energy k_b/2 area/R^2 of the continuum. Each
+// triangle of an edge gives its own cotangents and area, as it is at rest; a fold is no interior edge.
 //
 // By patches of triangles (bending_patch.h): k_b is the flexural rigidity of the cloth, N m, on any mesh.
 #ifndef CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_

@@ -18,7 +18,8 @@ constexpr double kSameDistance = 1e-9;  // of triangles from the middle of the c
 constexpr double kExact = 1e-12;        // of the error of a slope, relative to the length of the edge
 constexpr double kCancelled = 1e-13;    // of an entry of Q, relative to what it is a sum of
 
-// Of the middles of triangles from that of the cloth [F], relative to its size.
+// Of the middles of triangles from that of the cloth [F], relative to its size: with a rest place per corner those of
+// the nodes' positions, in which pieces lie as they are sewn.
 Eigen::VectorXd DistancesFromCentre(const Mesh& mesh, const Eigen::VectorXd& areas) {
   Eigen::Matrix3Xd middles(3, mesh.num_faces());
   for (int face = 0; face < mesh.num_faces(); ++face) {
@@ -198,7 +199,7 @@ Eigen::Vector3d SymmetricProduct(const Eigen::Vector2d& a, const Eigen::Vector2d
 
 // Along `warp` in the plane of a triangle, and a right angle further [3 x 2].
 Eigen::Matrix<double, 3, 2> TriangleAxes(const Mesh& mesh, int face, const Eigen::Vector3d& warp) {
-  const auto corner = [&](int k) -> Eigen::Vector3d { return mesh.rest_positions.col(mesh.faces(k, face)); };
+  const auto corner = [&](int k) { return RestCorner(mesh, face, k); };
   const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(1)).normalized();
   Eigen::Matrix<double, 3, 2> axes;
   axes.col(0) = (warp - warp.dot(normal) * normal).normalized();
@@ -208,11 +209,9 @@ Eigen::Matrix<double, 3, 2> TriangleAxes(const Mesh& mesh, int face, const Eigen
 
 // Two edges of a triangle in axes of it [2 x 2].
 Eigen::Matrix2d EdgesIn(const Eigen::Matrix<double, 3, 2>& axes, const Mesh& mesh, int face) {
-  const Eigen::Vector3d corner = mesh.rest_positions.col(mesh.faces(0, face));
+  const Eigen::Vector3d corner = RestCorner(mesh, face, 0);
   Eigen::Matrix2d edges;
-  for (int k = 0; k < 2; ++k) {
-    edges.col(k) = axes.transpose() * (mesh.rest_positions.col(mesh.faces(k + 1, face)) - corner);
-  }
+  for (int k = 0; k < 2; ++k) edges.col(k) = axes.transpose() * (RestCorner(mesh, face, k + 1) - corner);
   return edges;
 }
 
@@ -236,7 +235,7 @@ void TakeAlong(const Mesh& from, const Eigen::Vector3d& from_axis, const Mesh& t
 BendingPatch MakePatch(const Mesh& mesh, int face, double area, const Eigen::Vector3d& warp, const EdgeSlopes& slopes) {
   const Eigen::Vector3i nodes = mesh.faces.col(face);
   const auto edge = [&](int side) -> Eigen::Vector3d {
-    return mesh.rest_positions.col(nodes[(side + 1) % 3]) - mesh.rest_positions.col(nodes[side]);
+    return RestCorner(mesh, face, (side + 1) % 3) - RestCorner(mesh, face, side);
   };
   const Eigen::Matrix<double, 3, 2> axes = TriangleAxes(mesh, face, warp);
   PatchBuilder builder(nodes);
@@ -295,7 +294,7 @@ BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, B
     : num_nodes_(mesh.num_nodes()), rest_(rest) {
   const Eigen::VectorXd areas = TriangleAreas(chosen_on);
   const EdgeSlopes slopes(chosen_on, areas);
-  const bool is_other = chosen_on.rest_positions != mesh.rest_positions;
+  const bool is_other = chosen_on.rest_positions != mesh.rest_positions || chosen_on.corner_rest != mesh.corner_rest;
   const Eigen::Matrix3Xd axes = is_other ? FirstEdges(chosen_on) : warp;
   patches_.reserve(static_cast<std::size_t>(mesh.num_faces()));
   for (int face = 0; face < mesh.num_faces(); ++face) {
@@ -349,14 +348,15 @@ std::vector<RestMoment> BendingPatches::Moments(const FlexuralRigidity& rigidity
 }
 
 BendingRest RestOf(const Scene& scene) {
-  const bool is_flat = scene.bending.law == BendingLaw::kEdges || scene.bending.is_flat_at_rest || IsFlat(scene.mesh);
+  const bool is_flat = scene.bending.law == BendingLaw::kEdges || scene.bending.is_flat_at_rest ||
+                       scene.mesh.has_corner_rest() || IsFlat(scene.mesh);
   return is_flat ? BendingRest::kFlat : BendingRest::kMesh;
 }
 
 Eigen::Matrix3Xd FirstEdges(const Mesh& mesh) {
   Eigen::Matrix3Xd edges(3, mesh.num_faces());
   for (int f = 0; f < mesh.num_faces(); ++f) {
-    edges.col(f) = mesh.rest_positions.col(mesh.faces(1, f)) - mesh.rest_positions.col(mesh.faces(0, f));
+    edges.col(f) = RestCorner(mesh, f, 1) - RestCorner(mesh, f, 0);
   }
   return edges;
 }

@@ -23,6 +23,9 @@
 // by those nodes of the triangles that touch them that tell most. So the patch of a triangle has 6 to some 12 nodes,
 // and a row of Q has 13 entries on grids, 18 on equilateral triangles and 29 on irregular ones.
 //
+// Across a seam the triangles beyond it are unfolded as others are, each with its own shape at rest; a fold counts as a
+// border.
+//
 // It is the triangle of L. S. D. Morley (The triangular equilibrium element in the solution of plate bending problems,
 // 1968), with the slopes taken from nodes as in the shells of E. Onate and F. Zarate (Rotation-free triangular plate
 // and shell elements, 2000).

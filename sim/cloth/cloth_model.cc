@@ -30,9 +30,11 @@ std::vector<BendingMatrix> BendingMatrices(const Scene& scene, const Mesh& chose
           term(ParameterKind::kTwistBending, shares.twist)};
 }
 
-// Neighbours of each free node: those that share a triangle, and with bending those that have an entry in its matrices.
+// Neighbours of each free node: those that share a triangle, and those that have an entry in the matrices of bending
+// and of `seams`.
 std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector<int>& free_index, int num_free,
-                                             const std::vector<BendingMatrix>& bending) {
+                                             const std::vector<BendingMatrix>& bending,
+                                             const Eigen::SparseMatrix<double>& seams) {
   std::vector<std::vector<int>> neighbours(num_free);
   const auto add = [&](int a, int b) {
     if (a != b && free_index[a] >= 0 && free_index[b] >= 0) neighbours[free_index[a]].push_back(free_index[b]);
@@ -42,12 +44,16 @@ std::vector<std::vector<int>> FreeNeighbours(const Mesh& mesh, const std::vector
       for (int j = 0; j < 3; ++j) add(mesh.faces(i, f), mesh.faces(j, f));
     }
   }
-  for (const BendingMatrix& term : bending) {
-    for (int column = 0; column < term.matrix.outerSize(); ++column) {
-      for (Eigen::SparseMatrix<double>::InnerIterator it(term.matrix, column); it; ++it) {
+  const auto add_entries = [&](const Eigen::SparseMatrix<double>& matrix) {
+    for (int column = 0; column < matrix.outerSize(); ++column) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it) {
         add(static_cast<int>(it.row()), static_cast<int>(it.col()));
       }
     }
+  };
+  add_entries(seams);
+  for (const BendingMatrix& term : bending) {
+    add_entries(term.matrix);
     for (const RestMoment& moment : term.moments) {
       for (const int node : moment.nodes) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -104,16 +110,19 @@ ClothModel::ClothModel(const Scene& scene, const ClothModel& like) : ClothModel(
 ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothModel* like)
     : scene_(&scene), chosen_on_(&chosen_on), node_areas_(NodeAreas(scene.mesh)) {
   std::vector<BendingMatrix> bending = MakeBending();
+  Eigen::SparseMatrix<double> seams;
+  if (!scene.mesh.links.empty()) seams = SeamMatrix(scene.mesh);
   if (like == nullptr) {
-    NumberFreeNodes(bending);
-    pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending));
+    NumberFreeNodes(bending, seams);
+    pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending, seams));
     if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
   } else {
     free_nodes_ = like->free_nodes_;
     free_index_ = like->free_index_;
     touch_gap_ = like->touch_gap_;
-    pattern_ = PatternFor(FreeNeighbours(scene.mesh, free_index_, num_free(), bending), like->pattern_);
+    pattern_ = PatternFor(FreeNeighbours(scene.mesh, free_index_, num_free(), bending, seams), like->pattern_);
   }
+  if (!scene.mesh.links.empty()) seams_.emplace(scene.mesh, std::move(seams), free_index_, *pattern_);
   if (scene.has_drag()) drag_.emplace(scene);
   for (BendingMatrix& term : bending) {
     bending_terms_.push_back({term.kind, MaterialConstant(term.kind),
@@ -245,7 +254,7 @@ std::shared_ptr<const RestCurvature> ClothModel::MakeCurvature(std::vector<RestM
   return std::make_shared<const RestCurvature>(std::move(moments), free_index_, *pattern_);
 }
 
-void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending) {
+void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending, const Eigen::SparseMatrix<double>& seams) {
   free_index_.assign(num_nodes(), 0);
   for (const int handle : scene_->handles.nodes) free_index_[handle] = -1;
   std::vector<int> ascending;
@@ -255,7 +264,7 @@ void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending) {
     ascending.push_back(node);
   }
   const int num_free = static_cast<int>(ascending.size());
-  for (const int k : FillReducingOrder(FreeNeighbours(scene_->mesh, free_index_, num_free, bending))) {
+  for (const int k : FillReducingOrder(FreeNeighbours(scene_->mesh, free_index_, num_free, bending, seams))) {
     free_nodes_.push_back(ascending[k]);
   }
   for (int i = 0; i < num_free; ++i) free_index_[free_nodes_[i]] = i;

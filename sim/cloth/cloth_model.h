@@ -16,6 +16,7 @@
 #include "sim/cloth/field_terms.h"
 #include "sim/cloth/membrane.h"
 #include "sim/cloth/rest_curvature.h"
+#include "sim/cloth/seam_energy.h"
 #include "sim/cloth/strain_rate_damping.h"
 #include "sim/cloth/stretch_energy.h"
 #include "sim/matrix/block_matrix.h"
@@ -98,6 +99,7 @@ class ClothModel {
   const DirectionalDrag* directional_drag() const {
     return directional_drag_ ? &*directional_drag_ : nullptr;
   }                                                                                     // ditto
+  const SeamEnergy* seams() const { return seams_ ? &*seams_ : nullptr; }               // null: the mesh has no link
   const StrainRateDamping* damping() const { return damping_ ? &*damping_ : nullptr; }  // null: the scene has none
   // Of k_b that is a field; else meaningless, or null.
   const WeightedBending* weighted_bending() const {
@@ -117,7 +119,8 @@ class ClothModel {
   void SetFields(const std::vector<FieldFactors>* fields);
   void SetPieces(const Parameters& parameters);
   void SetBending(std::size_t term, const Eigen::VectorXd& weights);
-  void NumberFreeNodes(const std::vector<BendingMatrix>& bending);
+  // By what they couple beside triangles.
+  void NumberFreeNodes(const std::vector<BendingMatrix>& bending, const Eigen::SparseMatrix<double>& seams);
   std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> moments) const;  // null of none
 
   const Scene* scene_;
@@ -130,6 +133,7 @@ class ClothModel {
   std::shared_ptr<const TriangleElements> triangles_;
   std::optional<Membrane> membrane_;
   std::optional<StretchEnergy> stretch_;
+  std::optional<SeamEnergy> seams_;
   std::vector<BendingTerm> bending_terms_;
   std::vector<WeightedBending> weighted_bending_;  // of every term; empty: none varies
   std::unique_ptr<const ClothPieces> pieces_;      // null: one

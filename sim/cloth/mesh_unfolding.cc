@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace clothid {
@@ -29,10 +30,13 @@ Eigen::Matrix3Xi OppositeFaces(const Mesh& mesh) {
   }
   std::sort(edges.begin(), edges.end(),
             [](const Edge& a, const Edge& b) { return std::pair(a.low, a.high) < std::pair(b.low, b.high); });
+  std::vector<std::array<int, 2>> folds = mesh.folds;
+  std::sort(folds.begin(), folds.end());
   Eigen::Matrix3Xi opposite = Eigen::Matrix3Xi::Constant(3, mesh.num_faces(), -1);
   for (std::size_t i = 1; i < edges.size(); ++i) {
     const Edge &a = edges[i - 1], &b = edges[i];
     if (a.low != b.low || a.high != b.high) continue;
+    if (std::binary_search(folds.begin(), folds.end(), std::array<int, 2>{a.low, a.high})) continue;
     opposite(a.side, a.face) = b.face;
     opposite(b.side, b.face) = a.face;
   }
@@ -41,11 +45,9 @@ Eigen::Matrix3Xi OppositeFaces(const Mesh& mesh) {
 
 MeshUnfolding::MeshUnfolding(const Mesh& mesh, const Eigen::Matrix3Xi& opposite, int face, int side)
     : mesh_(mesh), opposite_(opposite) {
-  const int start = mesh.faces(side, face), end = mesh.faces((side + 1) % 3, face),
-            apex = mesh.faces((side + 2) % 3, face);
-  const auto rest = [&mesh](int node) -> Eigen::Vector3d { return mesh.rest_positions.col(node); };
-  const double length = (rest(end) - rest(start)).norm();
-  const Eigen::Vector2d tip = TipOver(rest(start), rest(end), rest(apex));
+  const Eigen::Vector3d start = RestCorner(mesh, face, side), end = RestCorner(mesh, face, (side + 1) % 3);
+  const double length = (end - start).norm();
+  const Eigen::Vector2d tip = TipOver(start, end, RestCorner(mesh, face, (side + 2) % 3));
   Laid first{face, {}};
   first.corners.col(side) << -0.5 * length, 0.0;
   first.corners.col((side + 1) % 3) << 0.5 * length, 0.0;
@@ -99,14 +101,15 @@ void MeshUnfolding::LayNeighbours(std::size_t i) {
 }
 
 // The triangle beyond edge `side` of one that is laid: on the right of the edge, as triangles run counter-clockwise.
+// Where it has that edge longer or shorter, as an eased seam does, it is scaled to it.
 void MeshUnfolding::LayBeside(std::size_t i, int side) {
   const Laid from = laid_[i];
   const int start = mesh_.faces(side, from.face), end = mesh_.faces((side + 1) % 3, from.face);
   Laid laid{opposite_(side, from.face), {}};
   int apex = 0;
   while (mesh_.faces(apex, laid.face) == start || mesh_.faces(apex, laid.face) == end) ++apex;
-  const Eigen::Vector2d tip = TipOver(mesh_.rest_positions.col(start), mesh_.rest_positions.col(end),
-                                      mesh_.rest_positions.col(mesh_.faces(apex, laid.face)));
+  const Eigen::Vector2d tip = TipOver(RestCorner(mesh_, laid.face, (apex + 2) % 3),
+                                      RestCorner(mesh_, laid.face, (apex + 1) % 3), RestCorner(mesh_, laid.face, apex));
   const Eigen::Vector2d a = from.corners.col(side), b = from.corners.col((side + 1) % 3), edge = b - a;
   laid.corners.col(apex) = a + tip.x() * edge + tip.y() * Eigen::Vector2d(edge.y(), -edge.x());
   laid.corners.col((apex + 1) % 3) = b;  // where it runs along the edge the other way

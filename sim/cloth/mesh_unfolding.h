@@ -10,7 +10,8 @@
 
 namespace clothid {
 
-// The triangle on the other side of every edge [3 x F]: edge i runs from corner i to corner i + 1; -1: a border.
+// The triangle on the other side of every edge [3 x F]: edge i runs from corner i to corner i + 1; -1: a border
+// or a fold, across which nothing bends.
 Eigen::Matrix3Xi OppositeFaces(const Mesh& mesh);
 
 // Triangles are laid down one after the other, each beside one that lies there, so that lengths and angles of every

@@ -43,7 +43,7 @@ struct RestMoment {
 double AddMomentForce(const RestMoment& moment, double factor, const Eigen::VectorXd& positions,
                       Eigen::VectorXd* force);
 
-// Whether a mesh lies in a plane but for 1e-5 of its size, which is more than the rounding of a file.
+// Whether the nodes of a mesh lie in a plane but for 1e-5 of its size, which is more than the rounding of a file.
 bool IsFlat(const Mesh& mesh);
 
 class RestCurvature {

@@ -55,6 +55,7 @@ Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const 
   for (const BendingTerm& term : model.bending_terms()) {
     AddMatrix(h * h * term.stiffness(material), term.energy.matrix(), &assembly);
   }
+  if (model.seams() != nullptr) AddMatrix(h * h, model.seams()->matrix(), &assembly);
   return assembly.Matrix(model.num_free());
 }
 

@@ -1,8 +1,9 @@
-// P = M + h C + h^2 (k L + k_b Q) + h eta L, the constant matrix of projective dynamics (DiffCloth paper, section 3).
+// P = M + h C + h^2 (k L + k_b Q + Q_s) + h eta L, the constant matrix of projective dynamics (DiffCloth paper, section
+// 3).
 //
 // M with the added mass; drag by direction has no part in P. L_ij = sum over triangles of a g_i . g_j, Q as in
-// bending_energy.h. P is the same for the three axes, so it is one scalar matrix over the free nodes that is factored
-// once for a whole rollout.
+// bending_energy.h, Q_s as in seam_energy.h. P is the same for the three axes, so it is one scalar matrix over the free
+// nodes that is factored once for a whole rollout.
 #ifndef CLOTHID_SIM_CLOTH_SYSTEM_MATRIX_H_
 #define CLOTHID_SIM_CLOTH_SYSTEM_MATRIX_H_
 

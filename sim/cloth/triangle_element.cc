@@ -6,14 +6,15 @@
 namespace clothid {
 namespace {
 
-// The corners of face `face`, free nodes first and in their order.
+// The corners of face `face`, 0 to 2: free nodes first and in their order.
 std::array<int, 3> SortedCorners(const Mesh& mesh, const std::vector<int>& free_index, int face) {
-  std::array<int, 3> nodes = {mesh.faces(0, face), mesh.faces(1, face), mesh.faces(2, face)};
-  const auto order = [&](int node) {
-    return free_index[node] < 0 ? std::numeric_limits<int>::max() : free_index[node];
+  std::array<int, 3> corners = {0, 1, 2};
+  const auto order = [&](int corner) {
+    const int index = free_index[mesh.faces(corner, face)];
+    return index < 0 ? std::numeric_limits<int>::max() : index;
   };
-  std::sort(nodes.begin(), nodes.end(), [&](int a, int b) { return order(a) < order(b); });
-  return nodes;
+  std::sort(corners.begin(), corners.end(), [&](int a, int b) { return order(a) < order(b); });
+  return corners;
 }
 
 // The columns of `gradients`, in the axes of `ShapeGradientsOf`, in axes of which the first is `axis`.
@@ -49,11 +50,15 @@ TriangleElements MakeTriangleElements(const Mesh& mesh, const std::vector<int>& 
     TriangleBatch& batch = triangles[f / kLanes];
     const int lane = f % kLanes;
     const bool fills = f > last_face;
-    const std::array<int, 3> nodes = SortedCorners(mesh, free_index, std::min(f, last_face));
-    const Eigen::Vector3d e1 = mesh.rest_positions.col(nodes[1]) - mesh.rest_positions.col(nodes[0]);
-    const Eigen::Vector3d e2 = mesh.rest_positions.col(nodes[2]) - mesh.rest_positions.col(nodes[0]);
+    const int face = std::min(f, last_face);
+    const std::array<int, 3> corners = SortedCorners(mesh, free_index, face);
+    const std::array<int, 3> nodes = {mesh.faces(corners[0], face), mesh.faces(corners[1], face),
+                                      mesh.faces(corners[2], face)};
+    const Eigen::Vector3d origin = RestCorner(mesh, face, corners[0]);
+    const Eigen::Vector3d e1 = RestCorner(mesh, face, corners[1]) - origin;
+    const Eigen::Vector3d e2 = RestCorner(mesh, face, corners[2]) - origin;
     Eigen::Matrix2d gradients = ShapeGradientsOf(e1, e2);
-    if (first_axes != nullptr) gradients = InAxes(gradients, first_axes->col(std::min(f, last_face)), e1, e2);
+    if (first_axes != nullptr) gradients = InAxes(gradients, first_axes->col(face), e1, e2);
     batch.area[lane] = fills ? 0.0 : 0.5 * e1.cross(e2).norm();
     for (int i = 0; i < 3; ++i) batch.rows[i][lane] = 3 * nodes[i];
     for (int i = 0; i < 2; ++i) {

@@ -14,7 +14,8 @@ constexpr std::array<int, 4> kPlaces = {-2, -1, 1, 2};              // k
 constexpr std::array<double, 4> kWeights = {1.0, -8.0, 8.0, -1.0};  // times 1/(12 e s)
 constexpr std::array<ParameterKind, 2> kSizes = {ParameterKind::kSizeX, ParameterKind::kSizeY};
 
-// The force [3N] of all terms but gravity, the scene's node force and the drag that is the same in every direction.
+// The force [3N] of all terms but gravity, the scene's node force, seams, which have no size, and the drag that is the
+// same in every direction.
 Eigen::VectorXd Force(const ClothModel& model, const Parameters& parameters, const StepRecord& record,
                       const SolveStart& start) {
   const Material& material = parameters.material;

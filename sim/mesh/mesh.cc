@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -17,7 +18,7 @@ constexpr double kDegenerate = 1e-7;
 // An edge of a triangle, from its smaller to its larger node.
 struct HalfEdge {
   int low, high;
-  int face;
+  int face, side;
   bool forward;  // the triangle runs from low to high
 
   bool SameEdge(const HalfEdge& other) const { return low == other.low && high == other.high; }
@@ -25,21 +26,22 @@ struct HalfEdge {
 
 std::string Triangle(int face) { return "triangle " + std::to_string(face); }
 
-Eigen::Vector3d Corner(const Mesh& mesh, int face, int corner) {
-  return mesh.rest_positions.col(mesh.faces(corner, face));
+Eigen::Vector3d AreaVector(const Eigen::Matrix3d& corners) {
+  return 0.5 * (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
 }
 
-Eigen::Vector3d AreaVector(const Mesh& mesh, int face) {
-  const Eigen::Vector3d origin = Corner(mesh, face, 0);
-  return 0.5 * (Corner(mesh, face, 1) - origin).cross(Corner(mesh, face, 2) - origin);
+Eigen::Matrix3d RestCorners(const Mesh& mesh, int face) {
+  Eigen::Matrix3d corners;
+  for (int k = 0; k < 3; ++k) corners.col(k) = RestCorner(mesh, face, k);
+  return corners;
 }
 
-double LongestSideSquared(const Mesh& mesh, int face) {
-  double longest = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    longest = std::max(longest, (Corner(mesh, face, (k + 1) % 3) - Corner(mesh, face, k)).squaredNorm());
-  }
-  return longest;
+void ValidateArea(const Eigen::Matrix3d& corners, const std::string& source, const std::string& what) {
+  double longest = 0.0;  // squared
+  for (int k = 0; k < 3; ++k) longest = std::max(longest, (corners.col((k + 1) % 3) - corners.col(k)).squaredNorm());
+  const double area = AreaVector(corners).norm();
+  if (!(2.0 * area > kDegenerate * longest)) FailOnData(source, what + " has no area");
+  if (!std::isfinite(area)) FailOnData(source, what + " is too large for its area to be a number");
 }
 
 void ValidateFaces(const Mesh& mesh, const std::string& source) {
@@ -54,9 +56,8 @@ void ValidateFaces(const Mesh& mesh, const std::string& source) {
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
       FailOnData(source, Triangle(f) + " has the same node at two corners");
     }
-    const double area = AreaVector(mesh, f).norm();
-    if (!(2.0 * area > kDegenerate * LongestSideSquared(mesh, f))) FailOnData(source, Triangle(f) + " has no area");
-    if (!std::isfinite(area)) FailOnData(source, Triangle(f) + " is too large for its area to be a number");
+    ValidateArea(mesh.rest_positions(Eigen::all, face), source, Triangle(f));
+    if (mesh.has_corner_rest()) ValidateArea(RestCorners(mesh, f), source, Triangle(f) + " of the UV map");
   }
 }
 
@@ -67,7 +68,7 @@ std::vector<HalfEdge> SortedHalfEdges(const Mesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const int from = mesh.faces(k, f);
       const int to = mesh.faces((k + 1) % 3, f);
-      edges.push_back({std::min(from, to), std::max(from, to), f, from < to});
+      edges.push_back({std::min(from, to), std::max(from, to), f, k, from < to});
     }
   }
   std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
@@ -77,19 +78,39 @@ std::vector<HalfEdge> SortedHalfEdges(const Mesh& mesh) {
   return edges;
 }
 
-void ValidateEdges(const Mesh& mesh, const std::string& source) {
-  const std::vector<HalfEdge> edges = SortedHalfEdges(mesh);
+std::string Place(const Mesh& mesh, const HalfEdge& edge) {
+  const Eigen::Vector3d middle = 0.5 * (mesh.rest_positions.col(edge.low) + mesh.rest_positions.col(edge.high));
+  std::ostringstream text;
+  text << " at (" << middle.x() << ", " << middle.y() << ", " << middle.z() << ") m";
+  return text.str();
+}
+
+// Of two triangles that share an edge, the places of its corners too: they must not lie on the same side of it there.
+void ValidateUnfolded(const Mesh& mesh, const HalfEdge& a, const HalfEdge& b, const std::string& source) {
+  const auto start = [&](const HalfEdge& edge) { return RestCorner(mesh, edge.face, edge.side); };
+  const auto end = [&](const HalfEdge& edge) { return RestCorner(mesh, edge.face, (edge.side + 1) % 3); };
+  if (start(a) != end(b) || end(a) != start(b)) return;
+  const auto area = [&](const HalfEdge& edge) { return AreaVector(RestCorners(mesh, edge.face)).z(); };
+  if (area(a) * area(b) > 0.0) return;
+  FailOnData(source, Triangle(a.face) + " and " + Triangle(b.face) +
+                         " lie on each other in the UV map, which is folded" + " along their edge " +
+                         std::to_string(a.low) + "-" + std::to_string(a.high));
+}
+
+void ValidateEdges(const Mesh& mesh, const std::vector<HalfEdge>& edges, const std::string& source) {
   for (std::size_t i = 1; i < edges.size(); ++i) {
     if (!edges[i].SameEdge(edges[i - 1])) continue;
     const std::string edge = "edge " + std::to_string(edges[i].low) + "-" + std::to_string(edges[i].high);
     if (i >= 2 && edges[i].SameEdge(edges[i - 2])) {
       FailOnData(source, edge + " belongs to more than two triangles (" + std::to_string(edges[i - 2].face) + ", " +
-                             std::to_string(edges[i - 1].face) + ", " + std::to_string(edges[i].face) + ")");
+                             std::to_string(edges[i - 1].face) + ", " + std::to_string(edges[i].face) + ")" +
+                             Place(mesh, edges[i]));
     }
     if (edges[i].forward == edges[i - 1].forward) {
       FailOnData(source, Triangle(edges[i].face) + " is inverted relative to " + Triangle(edges[i - 1].face) +
                              " (both run along " + edge + " in the same direction)");
     }
+    if (mesh.has_corner_rest()) ValidateUnfolded(mesh, edges[i - 1], edges[i], source);
   }
 }
 
@@ -104,7 +125,49 @@ void ValidateNodes(const Mesh& mesh, const std::string& source) {
   }
 }
 
+void ValidateFolds(const Mesh& mesh, const std::vector<HalfEdge>& edges, const std::string& source) {
+  for (const auto& [low, high] : mesh.folds) {
+    const HalfEdge fold{low, high, 0, 0, true};
+    const auto [first, last] = std::equal_range(edges.begin(), edges.end(), fold, [](const auto& a, const auto& b) {
+      return a.low != b.low ? a.low < b.low : a.high < b.high;
+    });
+    if (last - first == 2) continue;
+    FailOnData(source, "fold " + std::to_string(low) + "-" + std::to_string(high) + " is no edge of two triangles");
+  }
+}
+
+void ValidateLinks(const Mesh& mesh, const std::string& source) {
+  const auto is_node = [&](int node) { return node >= 0 && node < mesh.num_nodes(); };
+  for (std::size_t i = 0; i < mesh.links.size(); ++i) {
+    const SeamLink& link = mesh.links[i];
+    const bool nodes_fit = is_node(link.node) && is_node(link.edge[0]) && is_node(link.edge[1]) &&
+                           link.node != link.edge[0] && link.node != link.edge[1];
+    const std::string name = "link " + std::to_string(i) + " of a seam: expected ";
+    if (!nodes_fit)
+      FailOnData(source, name + "two other nodes than its first, from 0 to " + std::to_string(mesh.num_nodes() - 1));
+    if (!(link.share >= 0.0 && link.share <= 1.0)) FailOnData(source, name + "a share between 0 and 1");
+    if (!(link.stiffness > 0.0 && std::isfinite(link.stiffness))) FailOnData(source, name + "a stiffness > 0");
+    if (!(link.closing_time >= 0.0 && std::isfinite(link.closing_time))) FailOnData(source, name + "a time >= 0");
+  }
+}
+
+void ValidateCornerRest(const Mesh& mesh, const std::string& source) {
+  if (!mesh.has_corner_rest()) return;
+  if (mesh.corner_rest.cols() != 3 * static_cast<Eigen::Index>(mesh.num_faces())) {
+    FailOnData(source, "expected a place in the UV map for each of the " + std::to_string(mesh.num_faces()) +
+                           " triangles' corners");
+  }
+  for (Eigen::Index c = 0; c < mesh.corner_rest.cols(); ++c) {
+    if (mesh.corner_rest.col(c).allFinite()) continue;
+    FailOnData(source, Triangle(static_cast<int>(c / 3)) + " has a place in the UV map that is not finite");
+  }
+}
+
 }  // namespace
+
+double RestLength(const Mesh& mesh, int face, int side) {
+  return (RestCorner(mesh, face, (side + 1) % 3) - RestCorner(mesh, face, side)).norm();
+}
 
 Mesh MakeGrid(const GridOptions& options) {
   const auto [columns, rows] = options.nodes;
@@ -139,14 +202,18 @@ void ValidateMesh(const Mesh& mesh, const std::string& source) {
       FailOnData(source, "the rest position of node " + std::to_string(i) + " is not finite");
     }
   }
+  ValidateCornerRest(mesh, source);
   ValidateFaces(mesh, source);
-  ValidateEdges(mesh, source);
+  const std::vector<HalfEdge> edges = SortedHalfEdges(mesh);
+  ValidateEdges(mesh, edges, source);
   ValidateNodes(mesh, source);
+  ValidateFolds(mesh, edges, source);
+  ValidateLinks(mesh, source);
 }
 
 Eigen::VectorXd TriangleAreas(const Mesh& mesh) {
   Eigen::VectorXd areas(mesh.num_faces());
-  for (int f = 0; f < mesh.num_faces(); ++f) areas[f] = AreaVector(mesh, f).norm();
+  for (int f = 0; f < mesh.num_faces(); ++f) areas[f] = AreaVector(RestCorners(mesh, f)).norm();
   return areas;
 }
 

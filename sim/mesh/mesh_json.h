@@ -18,6 +18,9 @@ inline constexpr char kMeshForms[] = "{\"grid\": {..}} or {\"obj\": \"FILE\"}";
 // a recording brings itself. It is what is then returned; a grid in the text has to be of its size, and a file is not
 // opened. Throws `Error` naming key and line (kBadData) or a file that cannot be read (kIo).
 //
+// Seams and buttons sew it (sewing.h); that of a recording is sewn already. With `"rest": "uv"` its rest shape is the
+// UV map of the file, and `along_u` stays as it is: the warp is along u anyway.
+//
 // `along_u` (may be null): where the warp is to follow the UV map of a file, the direction of u in every triangle
 // [3 x F] (sim/mesh/obj_file.h); stays as it is with a grid. `groups` (may be null): likewise, its groups of triangles.
 // With either, the file has to have the triangles of `recorded`.

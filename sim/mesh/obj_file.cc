@@ -18,11 +18,13 @@ constexpr long long kMaxTextureCoordinates = 3LL * kMaxFaces;
 // Twice the area of a triangle of the UV map that counts as none, relative to its longest side squared.
 constexpr double kOnALine = 1e-6;
 
+// What the UV map is read for.
+enum class UvUse { kNone, kWarp, kRest };
+
 // Collects the lines of an OBJ file. Of its UV map, where that is asked for.
 class ObjReader {
  public:
-  ObjReader(const std::string& path, bool with_uv, FaceGroups* groups)
-      : path_(path), with_uv_(with_uv), groups_(groups) {}
+  ObjReader(const std::string& path, UvUse use, FaceGroups* groups) : path_(path), use_(use), groups_(groups) {}
 
   Mesh Read() {
     const std::string text = ReadText(path_, kMaxObjBytes);
@@ -31,7 +33,7 @@ class ObjReader {
       ++line_;
       const std::string_view keyword = TakeWord(&*line);
       if (keyword == "v") ReadVertex(*line);
-      if (keyword == "vt" && with_uv_) ReadTextureCoordinates(*line);
+      if (keyword == "vt" && use_ != UvUse::kNone) ReadTextureCoordinates(*line);
       if (keyword == "f") ReadFace(*line);
       if (groups_ == nullptr) continue;
       if (keyword == "g") Begin(*line, &group_);
@@ -46,6 +48,9 @@ class ObjReader {
     return mesh;
   }
 
+  Eigen::Matrix2Xd corner_uv() const {
+    return Eigen::Map<const Eigen::Matrix2Xd>(corner_uv_.data(), 2, 3 * NumFaces());
+  }
   Eigen::Matrix3Xd along_u() const { return Eigen::Map<const Eigen::Matrix3Xd>(along_u_.data(), 3, NumFaces()); }
 
  private:
@@ -127,14 +132,14 @@ class ObjReader {
     }
     Corner corner;
     corner.vertex = static_cast<int>(*vertex);
-    if (with_uv_) corner.uv = ReadUv(word, slash == std::string_view::npos ? "" : word.substr(slash + 1));
+    if (use_ != UvUse::kNone) corner.uv = ReadUv(word, slash == std::string_view::npos ? "" : word.substr(slash + 1));
     return corner;
   }
 
   Eigen::Vector2d ReadUv(std::string_view word, std::string_view after_vertex) const {
     const std::string_view text = after_vertex.substr(0, after_vertex.find('/'));
     const std::string corner = "face corner '" + Printable(word) + "' of triangle " + std::to_string(NumFaces());
-    if (text.empty()) FailHere(corner + " has no texture coordinates, which the warp is to follow");
+    if (text.empty()) FailHere(corner + " has no texture coordinates, which " + purpose());
     const std::optional<long long> place = Place(text, NumTextureCoordinates());
     if (!place) {
       FailHere(corner + " has none of the " + std::to_string(NumTextureCoordinates()) +
@@ -153,20 +158,24 @@ class ObjReader {
     if (num_faces > kMaxFaces) FailHere("more than " + std::to_string(kMaxFaces) + " triangles");
     for (std::size_t k = 2; k < corners.size(); ++k) {
       const std::array<Corner, 3> triangle = {corners[0], corners[k - 1], corners[k]};
-      if (with_uv_) AddAlongU(triangle);
+      if (use_ != UvUse::kNone) AddUv(triangle);
       for (const Corner& corner : triangle) indices_.push_back(corner.vertex);
     }
   }
 
+  const char* purpose() const { return use_ == UvUse::kWarp ? "the warp is to follow" : "are to be its shape at rest"; }
+
   // X is linear over the triangle, so that its edges are dX/du du + dX/dv dv.
-  void AddAlongU(const std::array<Corner, 3>& triangle) {
+  void AddUv(const std::array<Corner, 3>& triangle) {
     const Eigen::Vector2d a = triangle[1].uv - triangle[0].uv, b = triangle[2].uv - triangle[0].uv;
     const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()});
     const double twice_area = a.x() * b.y() - a.y() * b.x();
     if (!(std::abs(twice_area) > kOnALine * longest)) {
-      FailHere("triangle " + std::to_string(NumFaces()) +
-               " has no direction of u, which the warp is to follow: its texture coordinates lie on a line");
+      const std::string missing = use_ == UvUse::kWarp ? " has no direction of u, which the warp is to follow"
+                                                       : " has no area in the UV map, its shape at rest";
+      FailHere("triangle " + std::to_string(NumFaces()) + missing + ": its texture coordinates lie on a line");
     }
+    for (const Corner& corner : triangle) corner_uv_.insert(corner_uv_.end(), corner.uv.begin(), corner.uv.end());
     const Eigen::Vector3d origin = Vertex(triangle[0]);
     const double scale = std::copysign(1.0 / std::sqrt(longest), twice_area);
     const Eigen::Vector3d direction =
@@ -176,25 +185,35 @@ class ObjReader {
   }
 
   const std::string& path_;
-  const bool with_uv_;
+  const UvUse use_;
   FaceGroups* const groups_;  // null: not asked for
   int line_ = 0;
   OpenGroups group_, material_;           // of `g`, of `usemtl`
   std::vector<double> coordinates_, uv_;  // of vertices, three each, and of `vt` lines, two each
   std::vector<int> indices_;              // of faces, three each
   std::vector<double> along_u_;           // of faces, three each
+  std::vector<double> corner_uv_;         // of faces, six each
 };
 
 }  // namespace
 
-Mesh ReadObj(const std::string& path) { return ObjReader(path, false, nullptr).Read(); }
+Mesh ReadObj(const std::string& path) { return ObjReader(path, UvUse::kNone, nullptr).Read(); }
 
-Mesh ReadObjWithGroups(const std::string& path, FaceGroups* groups) { return ObjReader(path, false, groups).Read(); }
+Mesh ReadObjWithGroups(const std::string& path, FaceGroups* groups) {
+  return ObjReader(path, UvUse::kNone, groups).Read();
+}
 
 Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u, FaceGroups* groups) {
-  ObjReader reader(path, true, groups);
+  ObjReader reader(path, UvUse::kWarp, groups);
   Mesh mesh = reader.Read();
   *along_u = reader.along_u();
+  return mesh;
+}
+
+Mesh ReadObjWithUvRest(const std::string& path, double scale, FaceGroups* groups) {
+  ObjReader reader(path, UvUse::kRest, groups);
+  Mesh mesh = reader.Read();
+  mesh.corner_rest = scale * reader.corner_uv();
   return mesh;
 }
 

@@ -1,5 +1,5 @@
-// Wavefront OBJ files: the surface in their `v` and `f` lines, the direction of u in the UV map of their `vt` lines,
-// and the groups of their `g` and `usemtl` lines.
+// Wavefront OBJ files: the surface in their `v` and `f` lines, the UV map of their `vt` lines, for the direction of u
+// in it or as a rest shape, and the groups of their `g` and `usemtl` lines.
 #ifndef CLOTHID_SIM_MESH_OBJ_FILE_H_
 #define CLOTHID_SIM_MESH_OBJ_FILE_H_
 
@@ -30,6 +30,10 @@ Mesh ReadObjWithGroups(const std::string& path, FaceGroups* groups);
 // grows and v does not. Throws `Error`, too, where a corner has no texture coordinates, or where those of a triangle
 // lie on a line, so that it has no such direction; names file, line and triangle.
 Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u, FaceGroups* groups = nullptr);
+
+// The same with the UV map as the rest shape, `scale` m per unit, in `corner_rest`. Throws `Error`, too, where a corner
+// has no texture coordinates, or where those of a triangle lie on a line; names file, line and triangle.
+Mesh ReadObjWithUvRest(const std::string& path, double scale, FaceGroups* groups = nullptr);
 
 }  // namespace clothid
 

@@ -12,15 +12,16 @@
 namespace clothid {
 namespace {
 
-// -d(stretch + bending)/dx [3N], with the energies.
+// -d(stretch + bending + seams)/dx [3N], with the energies.
 Eigen::VectorXd ElasticForce(const Material& material, const Eigen::VectorXd& positions, const ClothModel& model,
-                             EnergyParts* parts) {
+                             double time, EnergyParts* parts) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
   parts->stretch = model.membrane().AddForce(material, positions, &force);
   for (const BendingTerm& term : model.bending_terms()) {
     const double stiffness = term.stiffness(material);
     parts->bending += stiffness * term.AddForce(stiffness, positions, &force);
   }
+  if (model.seams() != nullptr) parts->seams = model.seams()->AddForce(time, positions, &force);
   return force;
 }
 
@@ -37,10 +38,10 @@ Eigen::VectorXd DampingForce(const Material& material, const StepRecord& record,
 }  // namespace
 
 EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& positions,
-                        const Eigen::VectorXd& velocities, const Simulator& simulator) {
+                        const Eigen::VectorXd& velocities, const Simulator& simulator, double time) {
   const ClothModel& model = simulator.model();
   EnergyParts parts;
-  ElasticForce(parameters.material, positions, model, &parts);
+  ElasticForce(parameters.material, positions, model, time, &parts);
   for (const int node : model.free_nodes()) {
     const double weighty = parameters.material.density * model.mass_areas()[node];  // kg; air has no weight
     parts.kinetic += 0.5 * model.mass(parameters.material, node) * velocities.segment<3>(3 * node).squaredNorm();
@@ -54,7 +55,7 @@ double SolveWeight(const StepRecord& record) { return record.stage == Stage::kFi
 InternalForces ForcesAtEnd(const Parameters& parameters, const StepRecord& record, const SolveStart& start,
                            const Simulator& simulator) {
   EnergyParts parts;
-  return {ElasticForce(parameters.material, record.positions, simulator.model(), &parts),
+  return {ElasticForce(parameters.material, record.positions, simulator.model(), record.time, &parts),
           DampingForce(parameters.material, record, start, simulator.model())};
 }
 
@@ -88,6 +89,16 @@ Eigen::VectorXd NodeInertiaLoss(const Parameters& parameters, const VelocityChan
   return loss;
 }
 
+double SeamWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
+  const SeamEnergy* seams = simulator.model().seams();
+  double work = 0.0;
+  for (int i = FirstOfStep(rollout, last); i <= last && seams != nullptr; ++i) {
+    const StepRecord& record = reader->record(i);
+    work += SolveWeight(record) * record.time_step * seams->Power(record.time, record.positions);
+  }
+  return work;
+}
+
 EnergyLoss StepEnergyLoss(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
   const Parameters& parameters = rollout.parameters;
   const int first = FirstOfStep(rollout, last);
@@ -100,16 +111,18 @@ EnergyLoss StepEnergyLoss(const Rollout& rollout, int last, RecordReader* reader
     loss.damping -= forces.viscous.dot(displacement);
     loss.elastic -= forces.elastic.dot(displacement);
   }
+  loss.elastic += SeamWork(rollout, last, reader, simulator);
   const SolveStart start = reader->start(first);
-  loss.elastic += StateEnergy(parameters, start.positions, start.velocities, simulator).elastic();
+  const double start_time = reader->record(first).time - reader->record(first).time_step;
+  loss.elastic += StateEnergy(parameters, start.positions, start.velocities, simulator, start_time).elastic();
   const StepRecord& end = reader->record(last);
-  loss.elastic -= StateEnergy(parameters, end.positions, end.velocities, simulator).elastic();
+  loss.elastic -= StateEnergy(parameters, end.positions, end.velocities, simulator, end.time).elastic();
   return loss;
 }
 
 EnergyGain FindEnergyGain(const Rollout& rollout, Simulator* simulator) {
-  const EnergyParts start =
-      StateEnergy(rollout.parameters, rollout.initial_positions, rollout.initial_velocities, *simulator);
+  const EnergyParts start = StateEnergy(rollout.parameters, rollout.initial_positions, rollout.initial_velocities,
+                                        *simulator, rollout.start_time);
   EnergyGain gain;
   gain.time = rollout.start_time;
   gain.largest_energy = start.kinetic + start.elastic();
@@ -119,7 +132,8 @@ EnergyGain FindEnergyGain(const Rollout& rollout, Simulator* simulator) {
     if (!rollout.records[static_cast<std::size_t>(i)].ends_step()) continue;
     sum -= StepEnergyLoss(rollout, i, &reader, *simulator).total();
     const StepRecord& record = reader.record(i);
-    const EnergyParts end = StateEnergy(rollout.parameters, record.positions, record.velocities, *simulator);
+    const EnergyParts end =
+        StateEnergy(rollout.parameters, record.positions, record.velocities, *simulator, record.time);
     gain.largest_energy =
         std::max(gain.largest_energy, end.kinetic + end.elastic() + std::abs(end.gravitational - start.gravitational));
     if (sum <= gain.energy) continue;

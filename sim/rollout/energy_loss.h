@@ -2,15 +2,16 @@
 //
 // A step has one solve (backward Euler) or two (SDIRK2, sim/step/stage.h). Solve s, of size h_s, ends with the
 // velocities v_s, and counts with the weight w_s = h_s, but kappa h_s in a first stage, so that x_{n+1} - x_n = sum of
-// w_s v_s. With U stretch and bending energy, f = -dU/dx and f_d internal damping at the end of the solve, sums over
-// the solves of the step, kinetic, gravitational and elastic energy together change by the work of all forces from
-// outside (gravity apart) less
+// w_s v_s. With U stretch, bending and seam energy, f = -dU/dx and f_d internal damping at the end of the solve, sums
+// over the solves of the step, kinetic, gravitational and elastic energy together change by the work of all forces from
+// outside (gravity apart; what draws seams does the work sum of w_s dU/dt, at the ends of the solves) less
 //   D_inertia = 1/2 b . M b + c . M (kappa u - c/2), b the change of velocity over the last solve, c + u that over the
 //               first stage, u what stopped an impact there (sim/step/second_start.h), c = 0 without a first stage:
 //               backward Euler takes it from every change of velocity; with stages it is of third order in h, of either
 //               sign, where nothing hits an obstacle (b . M b - c . M c)/2
 //   D_damping = -w_s f_d . v_s over all nodes, what internal damping takes
-//   D_elastic = U(x_n) - U(x_{n+1}) - sum w_s f . v_s over all nodes: of backward Euler >= 0 where U is convex from x_n
+//   D_elastic = U_n - U_{n+1} - sum w_s (f . v_s - dU/dt) over all nodes: of backward Euler >= 0 where U is convex from
+//   x_n
 //               to x_{n+1}, which it is not where cloth is compressed; of SDIRK2 an error of third order
 // A step whose sum of these is negative gains energy that no work pays for: a property of its integrator, not an error
 // of its solver.
@@ -31,15 +32,15 @@ class Simulator;
 struct EnergyParts {
   double kinetic = 0.0;
   double gravitational = 0.0;  // 0 at the origin
-  double stretch = 0.0, bending = 0.0;
+  double stretch = 0.0, bending = 0.0, seams = 0.0;
 
-  double elastic() const { return stretch + bending; }
+  double elastic() const { return stretch + bending + seams; }
   double total() const { return kinetic + gravitational + elastic(); }
 };
 
-// Of the state [3N] given.
+// Of the state [3N] given, with seams as they are drawn at `time`, s on the scene's clock.
 EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& positions,
-                        const Eigen::VectorXd& velocities, const Simulator& simulator);
+                        const Eigen::VectorXd& velocities, const Simulator& simulator, double time);
 
 // The first record of the step or substep that ends in record `last`.
 int FirstOfStep(const Rollout& rollout, int last);
@@ -63,6 +64,9 @@ VelocityChanges ChangesInStep(const Rollout& rollout, int last, RecordReader* re
 // D_inertia at each node [N], J.
 Eigen::VectorXd NodeInertiaLoss(const Parameters& parameters, const VelocityChanges& changes,
                                 const Simulator& simulator);
+
+// What draws the seams in the step or substep that ends in record `last`, J.
+double SeamWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator);
 
 // What a step loses, J.
 struct EnergyLoss {

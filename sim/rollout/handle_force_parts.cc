@@ -40,6 +40,15 @@ HandleForces::HandleForces(const ClothModel& model, const Parameters& parameters
         "forces at handles: the derivative of what drag by direction adds to them is not known; expected a scene "
         "without drag_normal and drag_tangential");
   }
+  for (const SeamLink& link : model.scene().mesh.links) {
+    for (const int node : {link.node, link.edge[0], link.edge[1]}) {
+      if (model.free_index()[node] >= 0) continue;
+      throw Error(ErrorKind::kBadData,
+                  "forces at handles: expected no seam that closes and no button at a handle, found "
+                  "one at node " +
+                      std::to_string(node));
+    }
+  }
   for (const BendingTerm& term : model.bending_terms()) {
     if (term.curvature == nullptr) continue;
     throw Error(ErrorKind::kBadData, "forces at handles: expected a cloth that is flat at rest");
@@ -99,6 +108,12 @@ void HandleForces::MakeTriangles(const Parameters& parameters) {
   Mesh mesh;
   mesh.rest_positions = scene.mesh.rest_positions(Eigen::all, nodes_);
   mesh.faces = scene.mesh.faces(Eigen::all, faces_);
+  if (scene.mesh.has_corner_rest()) {
+    mesh.corner_rest.resize(2, 3 * mesh.faces.cols());
+    for (int f = 0; f < mesh.num_faces(); ++f) {
+      mesh.corner_rest.middleCols<3>(3 * f) = scene.mesh.corner_rest.middleCols<3>(3 * faces_[f]);
+    }
+  }
   for (int& node : mesh.faces.reshaped()) node = local_[node];
   std::vector<std::vector<int>> neighbours(nodes_.size());
   for (int f = 0; f < mesh.num_faces(); ++f) {

@@ -34,6 +34,7 @@ bool CanBeField(ParameterKind kind) {
 }
 
 Eigen::Matrix<double, 3, 2> FrontAxes(const Mesh& mesh, const std::string& source) {
+  if (mesh.has_corner_rest()) return Eigen::Matrix<double, 3, 2>::Identity();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of twice the areas, as vectors
   double size = 0.0;
   for (int f = 0; f < mesh.num_faces(); ++f) {
@@ -62,6 +63,11 @@ Eigen::Matrix<double, 3, 2> FrontAxes(const Mesh& mesh, const std::string& sourc
 }
 
 Eigen::Matrix2Xd FrontView(const Mesh& mesh, const std::string& source) {
+  if (mesh.has_corner_rest()) {
+    throw Error(ErrorKind::kBadData, source +
+                                         ": expected a cloth without \"rest\": \"uv\"; its nodes have no one "
+                                         "place at rest, over which a field could spread");
+  }
   const Eigen::Matrix2Xd nodes = FrontAxes(mesh, source).transpose() * mesh.rest_positions;
   return nodes.colwise() - nodes.rowwise().minCoeff();
 }

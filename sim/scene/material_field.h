@@ -38,7 +38,8 @@ struct FieldFactors {
 // Which constants can be fields: k_stretch, k_bend, density.
 bool CanBeField(ParameterKind kind);
 
-// The columns' and the rows' direction of that view [3 x 2], unit vectors. Throws as `FieldCoordinates` does.
+// The columns' and the rows' direction of that view [3 x 2], unit vectors; with a rest place per corner those of u and
+// v. Throws as `FieldCoordinates` does.
 Eigen::Matrix<double, 3, 2> FrontAxes(const Mesh& mesh, const std::string& source);
 
 // The nodes at rest as that view shows them [2 x N] m, from a corner of the box around them. Throws as
@@ -46,7 +47,8 @@ Eigen::Matrix<double, 3, 2> FrontAxes(const Mesh& mesh, const std::string& sourc
 Eigen::Matrix2Xd FrontView(const Mesh& mesh, const std::string& source);
 
 // Where the centres of the triangles are in the box around the cloth [2 x F]: along the columns and along the rows, 0
-// to 1. Throws `Error` (kBadData), prefixed by `source`, where the rest shape has no front: its normals cancel.
+// to 1. Throws `Error` (kBadData), prefixed by `source`, where the rest shape has no front: its normals cancel,
+// or there is a place per corner of a triangle.
 Eigen::Matrix2Xd FieldCoordinates(const Mesh& mesh, const std::string& source);
 
 // W [F x rows columns], the control nodes row by row. Throws as `FieldCoordinates` does.

@@ -110,7 +110,7 @@ void ReadWarpDirection(const JsonNode& node, const std::string& folder, Scene* s
   if (node.is(Kind::kString)) {
     if (node.String() != kWarpByUv) {
       warp.directions = ReadNpyVectors(node, folder, scene->mesh.num_faces());
-    } else if (warp.directions.cols() == 0) {
+    } else if (warp.directions.cols() == 0 && !scene->mesh.has_corner_rest()) {
       node.Fail("expected a mesh from an OBJ file beside it, whose UV map it is to follow");
     }
     return;

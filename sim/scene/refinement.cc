@@ -46,6 +46,22 @@ Handles RefineHandles(const Handles& handles, const RefinedMesh& refined) {
   return result;
 }
 
+// The corners of the four triangles that follow in the place of one, as sums of two corners of it: the four of
+// RefineMesh, in their order.
+constexpr int kParts[4][3][2] = {
+    {{0, 0}, {0, 1}, {2, 0}}, {{0, 1}, {1, 1}, {1, 2}}, {{2, 0}, {1, 2}, {2, 2}}, {{0, 1}, {1, 2}, {2, 0}}};
+
+Eigen::Matrix2Xd RefineCornerRest(const Eigen::Matrix2Xd& places) {
+  Eigen::Matrix2Xd result(2, 4 * places.cols());
+  Eigen::Index column = 0;
+  for (Eigen::Index f = 0; f < places.cols(); f += 3) {
+    for (const auto& part : kParts) {
+      for (const auto& [i, k] : part) result.col(column++) = 0.5 * (places.col(f + i) + places.col(f + k));
+    }
+  }
+  return result;
+}
+
 // [3 x F], or none: every triangle lends its own to the four that follow in its place.
 Eigen::Matrix3Xd RefineDirections(const Eigen::Matrix3Xd& directions) {
   Eigen::Matrix3Xd result(3, 4 * directions.cols());
@@ -90,6 +106,12 @@ RefinedMesh RefineMesh(const Mesh& mesh) {
   }
   refined.mesh.piece_names = mesh.piece_names;
   for (const int piece : mesh.face_pieces) refined.mesh.face_pieces.insert(refined.mesh.face_pieces.end(), 4, piece);
+  refined.mesh.corner_rest = RefineCornerRest(mesh.corner_rest);
+  for (const auto& [low, high] : mesh.folds) {
+    const int middle = refined.Midpoint(low, high);
+    refined.mesh.folds.push_back({low, middle});
+    refined.mesh.folds.push_back({high, middle});
+  }
   return refined;
 }
 
@@ -107,6 +129,11 @@ void ExpectRefinable(const Scene& scene, const std::string& source) {
   if (!scene.node_force.isZero(0.0)) {
     throw Error(ErrorKind::kUsage,
                 source + ": key 'node_force': expected none; on a finer mesh it would be another force");
+  }
+  if (!scene.mesh.links.empty()) {
+    throw Error(
+        ErrorKind::kUsage,
+        source + ": key 'mesh': expected no seams that close and no buttons; they are drawn at their nodes alone");
   }
   // A mesh has at most three edges per triangle.
   if (scene.mesh.num_nodes() + 3LL * scene.mesh.num_faces() > kMaxNodes) {

@@ -12,10 +12,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kLeastShare = 1e-3;  // of the direction that must lie in the plane of a triangle
 
 Eigen::Vector3d Normal(const Mesh& mesh, int face) {
-  const Eigen::Vector3d corner = mesh.rest_positions.col(mesh.faces(0, face));
-  return (mesh.rest_positions.col(mesh.faces(1, face)) - corner)
-      .cross(mesh.rest_positions.col(mesh.faces(2, face)) - corner)
-      .normalized();
+  const Eigen::Vector3d corner = RestCorner(mesh, face, 0);
+  return (RestCorner(mesh, face, 1) - corner).cross(RestCorner(mesh, face, 2) - corner).normalized();
 }
 
 Eigen::Vector3d InPlane(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {

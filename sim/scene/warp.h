@@ -11,7 +11,8 @@ namespace clothid {
 
 // In a triangle the warp is `direction`, or that of the triangle in `directions`, projected onto its plane and turned
 // there by `angle`, counter-clockwise as seen from the side of its normal, about which its corners run
-// counter-clockwise. The weft is a right angle further.
+// counter-clockwise. The weft is a right angle further. Of a mesh with a rest place per corner, directions are
+// (u, v, 0): the default is along u.
 struct Warp {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
   double angle = 0.0;                // degrees

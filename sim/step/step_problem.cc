@@ -9,7 +9,7 @@
 namespace clothid {
 namespace {
 
-// d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q) + h eta L.
+// d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q + Q_s) + h eta L.
 double SystemDiagonal(const ClothModel& model, const Material& material, double h, int node) {
   double diagonal = (material.areal_inertia() + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
   diagonal += h * h * model.membrane().SystemStiffness(material) * model.laplacian_diagonal()[node];
@@ -17,6 +17,7 @@ double SystemDiagonal(const ClothModel& model, const Material& material, double 
   for (const BendingTerm& term : model.bending_terms()) {
     diagonal += h * h * term.stiffness(material) * term.energy.diagonal()[node];
   }
+  if (model.seams() != nullptr) diagonal += h * h * model.seams()->diagonal()[node];
   return diagonal;
 }
 
@@ -46,6 +47,7 @@ void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, 
   for (const BendingTerm& term : model.bending_terms()) {
     term.AddHessian(h * h * term.stiffness(material), kind, positions, hessian);
   }
+  if (model.seams() != nullptr) model.seams()->AddHessian(h * h, hessian);
   if (model.damping() != nullptr) {
     model.damping()->AddHessian(h * h * material.damping, h, kind, held.start_metrics, positions, hessian);
   }
@@ -248,6 +250,7 @@ void StepProblem::AddElasticForce(StepPoint* point) const {
     const double stiffness = term.stiffness(material);
     energy += stiffness * term.AddForce(stiffness, point->positions, &work_.force);
   }
+  if (model_.seams() != nullptr) energy += model_.seams()->AddForce(end_time_, point->positions, &work_.force);
   AddForce(energy, point);
 }
 

@@ -6,11 +6,11 @@
 //   K = dg/dv = M + h C + h^2 H(x_n + h v)
 // f_ext is gravity, which does not see the added mass in M, the scene's node force and drag: c_d a (w - v), and that by
 // direction (directional_drag.h). C = c_d diag(a) + d2D/dv2. f_int = -d(E + W)/dx and
-// H = d2(E + W)/dx2, E the energy of stretch and bending, W the dissipation potential of internal damping, which alone
-// depends on x_n and h as well (strain_rate_damping.h). The normals of drag by direction are those at the positions
-// x^ = x_n + h v_n, handles at the end of the step; handles have there the velocity (x_{n+1} - x_n)/h. d_j = P_jj, the
-// diagonal of PD's constant matrix P = M + h c_d diag(a) + h^2 (k L + k_b Q) + h eta L. All vectors over free nodes [3
-// Nf] unless marked [3N].
+// H = d2(E + W)/dx2, E the energy of stretch, bending and, at the end of the step, seams, W the dissipation potential
+// of internal damping, which alone depends on x_n and h as well (strain_rate_damping.h). The normals of drag by
+// direction are those at the positions x^ = x_n + h v_n, handles at the end of the step; handles have there the
+// velocity (x_{n+1} - x_n)/h. d_j = P_jj, the diagonal of PD's constant matrix P = M + h c_d diag(a) + h^2 (k L + k_b Q
+// + Q_s) + h eta L, Q_s of seams. All vectors over free nodes [3 Nf] unless marked [3N].
 #ifndef CLOTHID_SIM_STEP_STEP_PROBLEM_H_
 #define CLOTHID_SIM_STEP_STEP_PROBLEM_H_
 

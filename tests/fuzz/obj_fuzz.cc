@@ -42,6 +42,11 @@ int clothid::FuzzObj(const std::uint8_t* data, std::size_t size) {
       Check(0 <= first && first <= last && last < mesh.num_faces(), "triangles of a group that are there");
     }
   }
+  Mesh garment;
+  if (Accepts([&] { garment = ReadObjWithUvRest(file.path(), 0.5); }, file.path())) {
+    Check(garment.corner_rest.cols() == 3 * garment.num_faces(), "a place at rest for every corner");
+    Accepts([&] { ValidateMesh(garment, "garment"); }, "garment");
+  }
   if (Accepts([&] { ValidateMesh(mesh, "cloth"); }, "cloth")) Check(ClothSize(mesh) > 0.0, "a cloth with an area");
   Accepts([&] { CheckSurface(mesh); }, "triangulated surface");
   return 0;

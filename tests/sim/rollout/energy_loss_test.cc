@@ -25,7 +25,7 @@ struct TestRun {
   }
 
   double EnergyAfter(const StepRecord& record) const {
-    return StateEnergy(rollout.parameters, record.positions, record.velocities, simulator).total();
+    return StateEnergy(rollout.parameters, record.positions, record.velocities, simulator, record.time).total();
   }
 };
 
@@ -52,7 +52,8 @@ void ExpectLossesToBeTheChange(const Scene& scene) {
   }
   const Rollout& rollout = run.rollout;
   const double before =
-      StateEnergy(rollout.parameters, rollout.initial_positions, rollout.initial_velocities, run.simulator).total();
+      StateEnergy(rollout.parameters, rollout.initial_positions, rollout.initial_velocities, run.simulator, 0.0)
+          .total();
   EXPECT_GT(largest, 1e-6);
   EXPECT_NEAR(run.EnergyAfter(rollout.records.back()), before - lost, 1e-9 * std::abs(before - lost));
 }

@@ -215,7 +215,7 @@ TEST(HandleForcesTest, DoesTheWorkThatAStretchedClothStores) {
     }
     const Eigen::VectorXd end = run.rollout.positions(scene.num_steps());
     const double stored =
-        StateEnergy(run.rollout.parameters, end, Eigen::VectorXd::Zero(end.size()), run.simulator).elastic();
+        StateEnergy(run.rollout.parameters, end, Eigen::VectorXd::Zero(end.size()), run.simulator, 0.0).elastic();
     EXPECT_NEAR(work, stored, 2e-3 * stored);
     EXPECT_NEAR(run.values(0, scene.num_steps()), -run.values(3, scene.num_steps()), 1e-3 * run.values(3, 200));
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tests/expect_error.h"
+#include "tests/sim/garments.h"
 
 namespace clothid::refinement_test {
 namespace {
@@ -73,6 +74,26 @@ TEST(RefineMeshTest, WorksOnMeshesThatAreNoGrids) {
   EXPECT_NO_THROW(ValidateMesh(refined.mesh, "refined"));
   EXPECT_EQ(refined.mesh.num_nodes(), 4 + 6);
   EXPECT_NEAR(ClothSize(refined.mesh), ClothSize(mesh), 1e-15);
+}
+
+// A sheet with a rest place per corner is refined as the sheet is; a fold becomes two.
+TEST(RefineMeshTest, HalvesTheMapToo) {
+  GridOptions grid;
+  grid.nodes = {4, 3};
+  Mesh mesh = WithUvRest(MakeGrid(grid));
+  mesh.folds = {{1, 5}};
+  const RefinedMesh refined = RefineMesh(mesh);
+  const Mesh expected = WithUvRest(refined.mesh);
+  EXPECT_LT((refined.mesh.corner_rest - expected.corner_rest).norm(), 1e-15);
+  EXPECT_NO_THROW(ValidateMesh(refined.mesh, "refined"));
+  const int middle = refined.Midpoint(1, 5);
+  EXPECT_EQ(refined.mesh.folds, (std::vector<std::array<int, 2>>{{1, middle}, {5, middle}}));
+}
+
+TEST(RefineSceneTest, RefusesLinks) {
+  Scene scene = SmallScene();
+  scene.mesh.links = {{0, {5, 5}, 0.0, 10.0, 0.0}};
+  ExpectError([&] { ExpectRefinable(scene, "a.bin"); }, ErrorKind::kUsage, {"a.bin", "no seams that close"});
 }
 
 TEST(RefineSceneTest, StartsOnTheSameSurface) {

@@ -6,10 +6,11 @@
 // Its impulses J^T r_s count likewise as R_s = r_s, but kappa (r_s - M u) in a first stage: that part of them which is
 // carried on (sim/step/second_start.h). With U stretch and bending, f = -dU/dx and f_d internal damping at the end of
 // the solve, e its residual, sums over the solves of the step, it is exactly
-//   E_{n+1} - E_n = W_force + W_air + W_handles + W_contact - D_inertia - D_damping - D_elastic + sum e . v_s
+//   E_{n+1} - E_n = W_force + W_air + W_handles + W_contact + W_seams - D_inertia - D_damping - D_elastic + sum e . v_s
 //   W_force   = sum over free nodes of w_s node_force . v_s
 //   W_air     = sum over free nodes of w_s c_d a (w - v_s) . v_s
 //   W_handles = -w_s (f + f_d) . v_s over the handles: what holds a handle acts against the cloth
+//   W_seams   = what draws seams (sim/rollout/energy_loss.h)
 //   W_contact = sum over contacts of R_s . v_s: not positive but for W_push, that part of normal impulses which does
 //               positive work, where a node starts inside an obstacle
 //   D_inertia, D_damping, D_elastic: what the integrator takes (sim/rollout/energy_loss.h)
@@ -40,13 +41,13 @@ namespace clothid {
 // The balance of one step, or of several: they add up. J.
 struct EnergyFlow {
   double change = 0.0;  // E_1 - E_0
-  double force_work = 0.0, air_work = 0.0, handle_work = 0.0, contact_work = 0.0;
+  double force_work = 0.0, air_work = 0.0, handle_work = 0.0, contact_work = 0.0, seam_work = 0.0;
   double push_work = 0.0;     // part of contact_work
   double contact_gain = 0.0;  // what contacts gain, over the nodes where it is positive
   EnergyLoss loss;
   double tolerance = 0.0;  // of unexplained(): that of the solver, |v_1| times the residual, and of rounding
 
-  double work() const { return force_work + air_work + handle_work + contact_work; }
+  double work() const { return force_work + air_work + handle_work + contact_work + seam_work; }
   // E_1 - E_0 beyond the work: positive where energy was gained without a source.
   double excess() const { return change - work(); }
   // e . v_1 and rounding.
@@ -139,9 +140,9 @@ inline void AddContacts(const StepRecord& record, const SolveStart& start, const
 }
 
 inline EnergyFlow& EnergyFlow::operator+=(const EnergyFlow& other) {
-  for (double EnergyFlow::*const term :
-       {&EnergyFlow::change, &EnergyFlow::force_work, &EnergyFlow::air_work, &EnergyFlow::handle_work,
-        &EnergyFlow::contact_work, &EnergyFlow::push_work, &EnergyFlow::contact_gain, &EnergyFlow::tolerance}) {
+  for (double EnergyFlow::*const term : {&EnergyFlow::change, &EnergyFlow::force_work, &EnergyFlow::air_work,
+                                         &EnergyFlow::handle_work, &EnergyFlow::contact_work, &EnergyFlow::seam_work,
+                                         &EnergyFlow::push_work, &EnergyFlow::contact_gain, &EnergyFlow::tolerance}) {
     this->*term += other.*term;
   }
   for (double EnergyLoss::*const term : {&EnergyLoss::inertia, &EnergyLoss::damping, &EnergyLoss::elastic}) {
@@ -166,23 +167,26 @@ inline EnergyFlow StepEnergyFlow(const Rollout& rollout, int last, RecordReader*
     AddAir(record, parameters, model, &flow);
     AddHandles(record, start, parameters, *simulator, &flow);
     AddContacts(record, start, i < last ? changes.impact : no_impacts, parameters, simulator, &flow, &nodes);
-    flow.tolerance += EnergyRounding(StateEnergy(parameters, record.positions, record.velocities, *simulator),
-                                     parameters.material, record.positions, model);
+    flow.tolerance +=
+        EnergyRounding(StateEnergy(parameters, record.positions, record.velocities, *simulator, record.time),
+                       parameters.material, record.positions, model);
   }
   flow.loss = StepEnergyLoss(rollout, last, reader, *simulator);
   const Eigen::VectorXd node_loss = NodeInertiaLoss(parameters, changes, *simulator);
   flow.contact_gain = (nodes.in_contact * (nodes.work - node_loss.array())).max(0.0).sum();
   const SolveStart start = reader->start(first);
-  const EnergyParts before = StateEnergy(parameters, start.positions, start.velocities, *simulator);
-  flow.change = StateEnergy(parameters, end.positions, end.velocities, *simulator).total() - before.total();
+  flow.seam_work = SeamWork(rollout, last, reader, *simulator);
+  const double start_time = reader->record(first).time - reader->record(first).time_step;
+  const EnergyParts before = StateEnergy(parameters, start.positions, start.velocities, *simulator, start_time);
+  flow.change = StateEnergy(parameters, end.positions, end.velocities, *simulator, end.time).total() - before.total();
   flow.tolerance += EnergyRounding(before, parameters.material, start.positions, model);
   return flow;
 }
 
 inline EnergyBalance BalanceEnergy(const Rollout& rollout, Simulator* simulator) {
   EnergyBalance balance;
-  const EnergyParts start =
-      StateEnergy(rollout.parameters, rollout.initial_positions, rollout.initial_velocities, *simulator);
+  const EnergyParts start = StateEnergy(rollout.parameters, rollout.initial_positions, rollout.initial_velocities,
+                                        *simulator, rollout.start_time);
   balance.start_energy = start.total();
   balance.largest_energy = start.kinetic + start.elastic();
   balance.excess_time = rollout.start_time;
@@ -199,7 +203,8 @@ inline EnergyBalance BalanceEnergy(const Rollout& rollout, Simulator* simulator)
       balance.excess = balance.total.excess();
       balance.excess_time = record.time;
     }
-    const EnergyParts end = StateEnergy(rollout.parameters, record.positions, record.velocities, *simulator);
+    const EnergyParts end =
+        StateEnergy(rollout.parameters, record.positions, record.velocities, *simulator, record.time);
     balance.largest_energy = std::max(balance.largest_energy,
                                       end.kinetic + end.elastic() + std::abs(end.gravitational - start.gravitational));
   }

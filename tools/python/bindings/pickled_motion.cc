@@ -3,7 +3,10 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <array>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "datasets/motion/motion_validation.h"
 
@@ -18,6 +21,8 @@ void VisitFields(Tensors* tensors, const Visit& visit) {
   visit("single_precision", &tensors->single_precision);
   visit("rest_positions", &tensors->mesh.rest_positions);
   visit("faces", &tensors->mesh.faces);
+  visit("corner_rest", &tensors->mesh.corner_rest);
+  visit("folds", &tensors->mesh.folds);
   visit("node_index", &tensors->node_index);
   visit("face_index", &tensors->face_index);
   visit("barycentric", &tensors->barycentric);
@@ -44,6 +49,11 @@ py::dict PickledMotion(const PyMotion& motion) {
   state["name"] = motion.name;
   state["sha256"] = motion.sha256;
   VisitFields(motion.tensors.get(), [&](const char* name, const auto* field) { state[name] = py::cast(*field); });
+  py::list links;
+  for (const SeamLink& link : motion.tensors->mesh.links) {
+    links.append(py::make_tuple(link.node, link.edge, link.share, link.stiffness, link.closing_time));
+  }
+  state["links"] = links;
   return state;
 }
 
@@ -52,6 +62,10 @@ PyMotion UnpickledMotion(const py::dict& state) {
   VisitFields(&tensors, [&](const char* name, auto* field) {
     *field = state[name].cast<std::remove_reference_t<decltype(*field)>>();
   });
+  using Link = std::tuple<int, std::array<int, 2>, double, double, double>;
+  for (const auto& [node, edge, share, stiffness, time] : state["links"].cast<std::vector<Link>>()) {
+    tensors.mesh.links.push_back({node, edge, share, stiffness, time});
+  }
   std::string name = state["name"].cast<std::string>();
   ValidateMotionTensors(tensors, name);
   return {std::make_shared<const MotionTensors>(std::move(tensors)), std::move(name),
