@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "sim/cloth/triangle_element.h"
 #include "sim/matrix/dense.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/cloth/triangle_element.h"
 #include "sim/matrix/block_product.h"
 #include "sim/matrix/dense.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 namespace {

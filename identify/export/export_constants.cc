@@ -7,9 +7,9 @@
 #include <limits>
 #include <map>
 
-#include "sim/cloth/bending_energy.h"
 #include "sim/mesh/mesh.h"
 #include "sim/scene/pieces.h"
+#include "sim/shell/bending_energy.h"
 
 namespace clothid {
 namespace {

@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/cloth/bending_patch.h"
 #include "sim/matrix/fill_reducing_order.h"
 #include "sim/scene/pieces.h"
+#include "sim/shell/bending_patch.h"
 
 namespace clothid {
 namespace {

@@ -10,17 +10,17 @@
 #include <vector>
 
 #include "sim/cloth/air_drag.h"
-#include "sim/cloth/bending_energy.h"
 #include "sim/cloth/cloth_pieces.h"
 #include "sim/cloth/directional_drag.h"
 #include "sim/cloth/field_terms.h"
 #include "sim/cloth/membrane.h"
-#include "sim/cloth/rest_curvature.h"
-#include "sim/cloth/seam_energy.h"
 #include "sim/cloth/strain_rate_damping.h"
 #include "sim/cloth/stretch_energy.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/scene/scene.h"
+#include "sim/shell/bending_energy.h"
+#include "sim/shell/rest_curvature.h"
+#include "sim/shell/seam_energy.h"
 
 namespace clothid {
 

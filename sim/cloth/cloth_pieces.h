@@ -8,8 +8,8 @@
 
 #include "sim/cloth/field_terms.h"
 #include "sim/cloth/membrane.h"
-#include "sim/cloth/triangle_element.h"
 #include "sim/scene/scene.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 

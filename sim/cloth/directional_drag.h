@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "sim/air/wind.h"
-#include "sim/cloth/triangle_element.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/scene/scene.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 

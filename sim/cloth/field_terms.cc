@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <utility>
 
-#include "sim/cloth/bending_patch.h"
 #include "sim/scene/warp.h"
+#include "sim/shell/bending_patch.h"
 
 namespace clothid {
 namespace {

@@ -8,10 +8,10 @@
 #include <memory>
 #include <vector>
 
-#include "sim/cloth/bending_energy.h"
-#include "sim/cloth/rest_curvature.h"
-#include "sim/cloth/triangle_element.h"
 #include "sim/scene/scene.h"
+#include "sim/shell/bending_energy.h"
+#include "sim/shell/rest_curvature.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 

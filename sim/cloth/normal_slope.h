@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "sim/air/wind.h"
-#include "sim/cloth/triangle_element.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 

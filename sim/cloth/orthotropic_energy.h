@@ -18,7 +18,7 @@
 #include <memory>
 #include <utility>
 
-#include "sim/cloth/triangle_element.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 

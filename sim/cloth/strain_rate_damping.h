@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/cloth/triangle_element.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 

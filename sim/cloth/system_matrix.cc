@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "sim/cloth/triangle_element.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 namespace {

@@ -13,7 +13,7 @@ namespace clothid {
 inline constexpr int kMaxNodes = 4000000;
 inline constexpr int kMaxFaces = 2 * kMaxNodes;
 
-// Draws node p to the point (1 - s) q_0 + s q_1 of an edge: sim/cloth/seam_energy.h.
+// Draws node p to the point (1 - s) q_0 + s q_1 of an edge: sim/shell/seam_energy.h.
 struct SeamLink {
   int node = 0;                      // p
   std::array<int, 2> edge = {0, 0};  // q_0 and q_1; twice the same: to that node

@@ -23,7 +23,7 @@ struct Material {
   double damping = 0.0;              // eta, N s/m; 0: the scene has no internal damping. eta/k is a relaxation time
   // Of an orthotropic membrane, in place of k: C_11, C_22, C_66 and C_12, N/m (sim/cloth/orthotropic_energy.h).
   double warp_stiffness = 0.0, weft_stiffness = 0.0, shear_stiffness = 0.0, poisson_stiffness = 0.0;
-  // Of orthotropic bending, in place of k_b: D_11, D_22 and D_66, N m (sim/cloth/bending_patch.h).
+  // Of orthotropic bending, in place of k_b: D_11, D_22 and D_66, N m (sim/shell/bending_patch.h).
   double warp_bending = 0.0, weft_bending = 0.0, twist_bending = 0.0;
 
   // c_n and c_t of drag by direction: kg/(m^2 s), or kg/m^3 where the law of the air is quadratic

@@ -6,8 +6,8 @@
 #include <Eigen/SparseCore>
 #include <cmath>
 
-#include "sim/cloth/triangle_element.h"
 #include "sim/mesh/mesh.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid::smooth_modes_test {
 namespace {

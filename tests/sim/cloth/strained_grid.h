@@ -12,9 +12,9 @@
 #include <random>
 #include <vector>
 
-#include "sim/cloth/triangle_element.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/mesh/mesh.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 

@@ -1,4 +1,4 @@
-#include "sim/cloth/seam_energy.h"
+#include "sim/shell/seam_energy.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,6 +1,6 @@
 // The neighbourhood of some triangles of a cloth at rest, unfolded into their plane. Internal to sim/cloth.
-#ifndef CLOTHID_SIM_CLOTH_MESH_UNFOLDING_H_
-#define CLOTHID_SIM_CLOTH_MESH_UNFOLDING_H_
+#ifndef CLOTHID_SIM_SHELL_MESH_UNFOLDING_H_
+#define CLOTHID_SIM_SHELL_MESH_UNFOLDING_H_
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -53,4 +53,4 @@ class MeshUnfolding {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_MESH_UNFOLDING_H_
+#endif  // CLOTHID_SIM_SHELL_MESH_UNFOLDING_H_

@@ -1,4 +1,4 @@
-#include "sim/cloth/mesh_unfolding.h"
+#include "sim/shell/mesh_unfolding.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -9,8 +9,8 @@
 // triangle of an edge gives its own cotangents and area, as it is at rest; a fold is no interior edge.
 //
 // By patches of triangles (bending_patch.h): k_b is the flexural rigidity of the cloth, N m, on any mesh.
-#ifndef CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_
-#define CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_
+#ifndef CLOTHID_SIM_SHELL_BENDING_ENERGY_H_
+#define CLOTHID_SIM_SHELL_BENDING_ENERGY_H_
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -58,4 +58,4 @@ class BendingEnergy {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_BENDING_ENERGY_H_
+#endif  // CLOTHID_SIM_SHELL_BENDING_ENERGY_H_

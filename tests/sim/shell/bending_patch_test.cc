@@ -1,5 +1,5 @@
 // The bending energy by patches against the energy of a plate, on every kind of mesh.
-#include "sim/cloth/bending_patch.h"
+#include "sim/shell/bending_patch.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "sim/cloth/bending_energy.h"
+#include "sim/shell/bending_energy.h"
 #include "tests/sim/sheet_meshes.h"
 
 namespace clothid::bending_patch_test {

@@ -4,8 +4,8 @@
 // gradient, and from a stress P = dE/dF the forces -P g_i on its nodes. Triangles are kept and computed in batches of
 // kLanes, one in each lane: a quantity is an array over the lanes, and a formula a loop over them that the compiler
 // turns into vector instructions. What fills the last batch has area 0 and no place in any matrix.
-#ifndef CLOTHID_SIM_CLOTH_TRIANGLE_ELEMENT_H_
-#define CLOTHID_SIM_CLOTH_TRIANGLE_ELEMENT_H_
+#ifndef CLOTHID_SIM_SHELL_TRIANGLE_ELEMENT_H_
+#define CLOTHID_SIM_SHELL_TRIANGLE_ELEMENT_H_
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -155,4 +155,4 @@ CLOTHID_ALWAYS_INLINE Symmetric2 ClampEigenvalues(const Symmetric2& m, double lo
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_TRIANGLE_ELEMENT_H_
+#endif  // CLOTHID_SIM_SHELL_TRIANGLE_ELEMENT_H_

@@ -1,4 +1,4 @@
-#include "sim/cloth/triangle_element.h"
+#include "sim/shell/triangle_element.h"
 
 #include <Eigen/Dense>
 #include <array>

@@ -1,5 +1,5 @@
 // The bending energy against differences and closed forms.
-#include "sim/cloth/bending_energy.h"
+#include "sim/shell/bending_energy.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <numeric>
 #include <vector>
 
-#include "sim/cloth/bending_patch.h"
 #include "sim/scene/scene.h"
+#include "sim/shell/bending_patch.h"
 #include "tests/sim/cloth/strained_grid.h"
 
 namespace clothid::bending_energy_test {

@@ -1,5 +1,5 @@
 // Bending about a curved rest shape: differences, cylinders, and a curved beam.
-#include "sim/cloth/rest_curvature.h"
+#include "sim/shell/rest_curvature.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "sim/cloth/bending_patch.h"
 #include "sim/cloth/cloth_model.h"
+#include "sim/shell/bending_patch.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/sheet_meshes.h"
 

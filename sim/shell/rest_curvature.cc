@@ -1,4 +1,4 @@
-#include "sim/cloth/rest_curvature.h"
+#include "sim/shell/rest_curvature.h"
 
 #include <Eigen/Geometry>
 #include <cstddef>

@@ -5,17 +5,17 @@
 // over the node p and the ends q_0, q_1 of an edge, with w = (1, s - 1, -s). d_0 = sum_i w_i X_i m: the gap between the
 // `rest_positions` X of the mesh, from which it starts unless its scene says otherwise. The Hessian Q kron I3,
 // Q = sum k_s w w^T, is constant; its rows have the sum zero.
-#ifndef CLOTHID_SIM_CLOTH_SEAM_ENERGY_H_
-#define CLOTHID_SIM_CLOTH_SEAM_ENERGY_H_
+#ifndef CLOTHID_SIM_SHELL_SEAM_ENERGY_H_
+#define CLOTHID_SIM_SHELL_SEAM_ENERGY_H_
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <array>
 #include <vector>
 
-#include "sim/cloth/bending_energy.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/mesh/mesh.h"
+#include "sim/shell/bending_energy.h"
 
 namespace clothid {
 
@@ -57,4 +57,4 @@ class SeamEnergy {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_SEAM_ENERGY_H_
+#endif  // CLOTHID_SIM_SHELL_SEAM_ENERGY_H_

@@ -1,5 +1,5 @@
 // The finite elements that the energies share, against closed forms.
-#include "sim/cloth/triangle_element.h"
+#include "sim/shell/triangle_element.h"
 
 #include <gtest/gtest.h>
 

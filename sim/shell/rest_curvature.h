@@ -16,16 +16,16 @@
 //             (p . n) g_k . g_l n n^T - (p . g_l) n g_k^T - (p . g_k) g_l n^T between two corners,
 //   clamped:  e g_k . g_l n n^T instead, which with Q is the square of the change of h - kappa n.
 // All per unit of k_b. Rows of the Hessian have the sum zero.
-#ifndef CLOTHID_SIM_CLOTH_REST_CURVATURE_H_
-#define CLOTHID_SIM_CLOTH_REST_CURVATURE_H_
+#ifndef CLOTHID_SIM_SHELL_REST_CURVATURE_H_
+#define CLOTHID_SIM_SHELL_REST_CURVATURE_H_
 
 #include <Eigen/Core>
 #include <array>
 #include <vector>
 
-#include "sim/cloth/triangle_element.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/mesh/mesh.h"
+#include "sim/shell/triangle_element.h"
 
 namespace clothid {
 
@@ -72,4 +72,4 @@ class RestCurvature {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_REST_CURVATURE_H_
+#endif  // CLOTHID_SIM_SHELL_REST_CURVATURE_H_

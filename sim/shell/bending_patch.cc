@@ -1,4 +1,4 @@
-#include "sim/cloth/bending_patch.h"
+#include "sim/shell/bending_patch.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <numeric>
 
-#include "sim/cloth/mesh_unfolding.h"
 #include "sim/geometry/quadratic_fit.h"
+#include "sim/shell/mesh_unfolding.h"
 
 namespace clothid {
 namespace {

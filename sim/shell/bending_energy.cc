@@ -1,4 +1,4 @@
-#include "sim/cloth/bending_energy.h"
+#include "sim/shell/bending_energy.h"
 
 #include <Eigen/Geometry>
 #include <array>

@@ -29,17 +29,17 @@
 // It is the triangle of L. S. D. Morley (The triangular equilibrium element in the solution of plate bending problems,
 // 1968), with the slopes taken from nodes as in the shells of E. Onate and F. Zarate (Rotation-free triangular plate
 // and shell elements, 2000).
-#ifndef CLOTHID_SIM_CLOTH_BENDING_PATCH_H_
-#define CLOTHID_SIM_CLOTH_BENDING_PATCH_H_
+#ifndef CLOTHID_SIM_SHELL_BENDING_PATCH_H_
+#define CLOTHID_SIM_SHELL_BENDING_PATCH_H_
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "sim/cloth/bending_energy.h"
-#include "sim/cloth/rest_curvature.h"
 #include "sim/mesh/mesh.h"
 #include "sim/scene/scene.h"
+#include "sim/shell/bending_energy.h"
+#include "sim/shell/rest_curvature.h"
 
 namespace clothid {
 
@@ -113,4 +113,4 @@ Eigen::Matrix3Xd FirstEdges(const Mesh& mesh);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_BENDING_PATCH_H_
+#endif  // CLOTHID_SIM_SHELL_BENDING_PATCH_H_
