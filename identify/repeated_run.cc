@@ -145,6 +145,8 @@ SingleFit DescribeSingleFit(const std::string& name, const std::string& sha256, 
     estimate.scale = parameter.scale;
     estimate.is_frozen = parameter.frozen;
     estimate.value = parameter.value;
+    estimate.lower_bound = parameter.lower_bound;
+    estimate.upper_bound = parameter.upper_bound;
     if (HasInterval(summary, result.checks, i)) {
       const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[static_cast<std::size_t>(i)];
       estimate.std = uncertainty.std;

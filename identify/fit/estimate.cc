@@ -26,6 +26,8 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
     parameter.name = block.name;
     parameter.frozen = block.frozen;
     parameter.start = block.start;
+    parameter.lower_bound = block.lower_bound;
+    parameter.upper_bound = block.upper_bound;
     parameter.value = block.frozen ? block.start : values[i];
     parameter.at_bound = !block.frozen && block.IsAtBound(best.coordinates[i]);
     parameter.prior = block.prior;

@@ -62,6 +62,7 @@ struct FittedParameter {
   std::string name;
   double value = 0.0;
   double start = 0.0;
+  double lower_bound = -std::numeric_limits<double>::infinity(), upper_bound = std::numeric_limits<double>::infinity();
   bool frozen = false;
   bool at_bound = false;
   ParameterPrior prior;  // as in its block

@@ -1,6 +1,7 @@
 #include "identify/repetition/finished_fits.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -73,6 +74,8 @@ SingleEstimate ReadEstimate(const std::string& name, const JsonNode& node) {
   estimate.upper95 = NumberOrUnknown(node, "upper95");
   estimate.step_error = NumberOrUnknown(node, "step_error");
   estimate.mesh_error = NumberOrUnknown(node, "mesh_error");
+  estimate.lower_bound = std::fmax(estimate.lower_bound, NumberOrUnknown(node, "lower_bound"));
+  estimate.upper_bound = std::fmin(estimate.upper_bound, NumberOrUnknown(node, "upper_bound"));
   return estimate;
 }
 

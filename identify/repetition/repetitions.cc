@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "identify/base/join_words.h"
 #include "sim/base/error.h"
@@ -45,9 +46,22 @@ void FillUnknown(Eigen::VectorXd* errors) {
   }
 }
 
-void SetOwnUnits(PooledParameter* parameter) {
+// The widest bounds of the fits; infinite where one has none.
+std::pair<double, double> CommonBounds(const std::vector<const SingleEstimate*>& estimates) {
+  std::pair<double, double> bounds(estimates.front()->lower_bound, estimates.front()->upper_bound);
+  for (const SingleEstimate* estimate : estimates) {
+    bounds.first = std::min(bounds.first, estimate->lower_bound);
+    bounds.second = std::max(bounds.second, estimate->upper_bound);
+  }
+  return bounds;
+}
+
+void SetOwnUnits(const std::pair<double, double>& bounds, PooledParameter* parameter) {
   const RandomEffects& effects = parameter->effects;
-  const auto at = [&](double half_width) { return ToValue(parameter->scale, effects.mean + half_width); };
+  const auto at = [&](double half_width) {
+    const double value = ToValue(parameter->scale, effects.mean + half_width);
+    return std::isnan(value) ? value : std::clamp(value, bounds.first, bounds.second);
+  };
   parameter->mean = at(0.0);
   parameter->lower95 = at(-effects.mean_half_width);
   parameter->upper95 = at(effects.mean_half_width);
@@ -78,7 +92,7 @@ PooledParameter PoolParameter(const std::vector<SingleFit>& fits, const std::str
   }
   FillUnknown(&errors);
   parameter.effects = PoolRepetitions(y, s, errors);
-  SetOwnUnits(&parameter);
+  SetOwnUnits(CommonBounds(estimates), &parameter);
   return parameter;
 }
 
@@ -122,7 +136,7 @@ Repetitions Pool(const std::vector<SingleFit>& fits, const std::vector<std::stri
 }
 
 std::string DifferenceText(ParameterScale scale, double difference) {
-  return scale == ParameterScale::kLog ? NumberText(100.0 * difference, 2) + " %" : NumberText(difference, 2);
+  return scale == ParameterScale::kLog ? PercentText(difference, 2) : NumberText(difference, 2);
 }
 
 std::string MeanText(const PooledParameter& parameter) {

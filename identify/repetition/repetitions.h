@@ -27,6 +27,8 @@ struct SingleEstimate {
   double std = std::numeric_limits<double>::quiet_NaN();  // without the errors of time step and mesh
   double lower95 = std::numeric_limits<double>::quiet_NaN(), upper95 = std::numeric_limits<double>::quiet_NaN();
   double step_error = std::numeric_limits<double>::quiet_NaN(), mesh_error = std::numeric_limits<double>::quiet_NaN();
+  // Of the fit; infinite: not known.
+  double lower_bound = -std::numeric_limits<double>::infinity(), upper_bound = std::numeric_limits<double>::infinity();
 
   // Has an estimate to pool.
   bool is_told() const;
@@ -48,7 +50,8 @@ struct PooledParameter {
   ParameterScale scale = ParameterScale::kLinear;
   std::vector<int> fits;  // those that are pooled, indices into Repetitions::fits, rising
   RandomEffects effects;  // of these, in the coordinate; meaningless where there are fewer than two
-  // In the parameter's own unit; NaN where fewer recordings were pooled than they take.
+  // In the parameter's own unit, cut at the widest bounds of the fits; NaN where fewer recordings were pooled than they
+  // take.
   double mean = std::numeric_limits<double>::quiet_NaN();
   double lower95 = std::numeric_limits<double>::quiet_NaN(), upper95 = std::numeric_limits<double>::quiet_NaN();
   double next_lower95 = std::numeric_limits<double>::quiet_NaN(),

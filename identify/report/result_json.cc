@@ -60,6 +60,8 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
                             {"lower95", shown(uncertainty.lower95)},
                             {"upper95", shown(uncertainty.upper95)},
                             {"start", parameter.start},
+                            {"lower_bound", parameter.lower_bound},
+                            {"upper_bound", parameter.upper_bound},
                             {"scale", parameter.scale == ParameterScale::kLog ? "log" : "linear"},
                             {"frozen", parameter.frozen},
                             {"at_bound", parameter.at_bound},

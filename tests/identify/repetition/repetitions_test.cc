@@ -33,6 +33,30 @@ TEST(RepetitionsTest, PoolsStiffnessByItsLogarithmAndFrictionByItsValue) {
   EXPECT_EQ(second.next_lower95, mu.mean - mu.next_half_width);
 }
 
+TEST(RepetitionsTest, IntervalsEndAtTheBounds) {
+  SingleEstimate a = Friction(0.02, 0.01), b = Friction(0.1, 0.01), c = Friction(0.06, 0.01);
+  for (SingleEstimate *estimate : {&a, &b, &c}) {
+    estimate->lower_bound = 0.0;
+    estimate->upper_bound = 2.0;
+  }
+  b.upper_bound = 0.15;
+  const PooledParameter open =
+      Pool({Fit("a", {Friction(0.02, 0.01)}), Fit("b", {Friction(0.1, 0.01)}), Fit("c", {Friction(0.06, 0.01)})},
+           {"mu"})
+          .parameters[0];
+  EXPECT_LT(open.lower95, 0.0);
+  const PooledParameter cut = Pool({Fit("a", {a}), Fit("b", {b}), Fit("c", {c})}, {"mu"}).parameters[0];
+  EXPECT_EQ(cut.lower95, 0.0);
+  EXPECT_EQ(cut.next_lower95, 0.0);
+  EXPECT_EQ(cut.upper95, open.upper95) << "the widest bounds count";
+  EXPECT_EQ(cut.mean, open.mean);
+}
+
+TEST(RepetitionsTest, TellsLargeDifferencesInPlainNumbers) {
+  EXPECT_EQ(DifferenceText(ParameterScale::kLog, 2.173), "220 %");
+  EXPECT_EQ(DifferenceText(ParameterScale::kLog, 0.0217), "2.2 %");
+}
+
 TEST(RepetitionsTest, ErrorsOfStepAndMeshAreCommon) {
   SingleEstimate a = Stiffness(60.0, 3.0), b = Stiffness(80.0, 4.0), c = Stiffness(70.0, 3.5);
   const Repetitions without = Pool({Fit("a", {a}), Fit("b", {b}), Fit("c", {c})}, {"k_stretch"});
