@@ -39,6 +39,8 @@ void ValidateRepeat(const RunOptions& options) {
   expect_absent(options.fit.fields.empty(), "--field");
   expect_absent(!options.wind.is_given(), "--wind_profile");
   expect_absent(options.reading.scene_path.empty(), "--scene");
+  expect_absent(options.reading.sigma_source == SigmaSource::kRecorded, "--sigma");
+  expect_absent(!options.fit.loss.is_robust(), "--loss");
   expect_absent(!options.check_gradients, "--check_gradients");
   expect_absent(!options.resume, "--resume");
   const ParameterOverrides& given = options.fit.overrides;

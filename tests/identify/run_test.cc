@@ -315,5 +315,22 @@ TEST_F(RunTest, RefusesWhatGoesWithNoOther) {
   ExpectInvalid(options, "--profile: 'mu'");
 }
 
+// Two recordings of one experiment, and the same from folders of their finished fits.
+TEST_F(RunTest, TheProgramJudgesRepetitions) {
+  const std::string fit = " --fit k_stretch --report=false --output ";
+  const ToolResult joint = Run("identify --repeat --target fitted.bin,held_out.bin" + fit + "joint");
+  ASSERT_TRUE(std::filesystem::exists(folder() / "joint/result.json")) << joint.err;
+  EXPECT_NE(joint.out.find("of 2 recordings\n"), std::string::npos) << joint.out;
+  Run("identify --target fitted.bin" + fit + "fits/1");
+  Run("identify --target held_out.bin" + fit + "fits/2");
+  ExpectSuccess("identify --repeat --target fits --report=false --output pooled");
+  const auto pooled = [&](const std::string& path) {
+    return Json::parse(ReadBytes(folder() / path)).at("repetitions").at("parameters").dump();
+  };
+  EXPECT_EQ(pooled("pooled/result.json"), pooled("joint/result.json"));
+  ExpectRefused("identify --repeat --target fits --sigma 0.001 --output none", 1, "--sigma");
+  ExpectRefused("identify --repeat --target fits --loss huber:2 --output none", 1, "--loss");
+}
+
 }  // namespace
 }  // namespace clothid::run_test

@@ -234,6 +234,13 @@ TEST_F(RepeatedRunTest, RefusesWhatContradictsIt) {
   ExpectInvalid(folders, {"expected a parameter that all fits share"});
   folders.holdout_paths = {options.target_paths[3]};
   ExpectInvalid(folders, {"--holdout: expected recordings as --target"});
+  folders.holdouts.clear();
+  folders.holdout_paths.clear();
+  folders.reading.sigma_source = SigmaSource::kEstimated;
+  ExpectInvalid(folders, {"--sigma: expected recordings as --target"});
+  folders.reading.sigma_source = SigmaSource::kRecorded;
+  folders.fit.loss = ParseRobustLoss("huber:2");
+  ExpectInvalid(folders, {"--loss: expected recordings as --target"});
 }
 
 }  // namespace
