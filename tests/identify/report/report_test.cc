@@ -86,8 +86,11 @@ TEST(ReportTest, ResultHasItsSchema) {
   EXPECT_EQ(json["exit_code"], 0);
   EXPECT_EQ(Keys(json["parameters"]), (std::vector<std::string>{"mu.ball", "k_stretch"}));
   const Json& stretch = json["parameters"]["k_stretch"];
-  EXPECT_EQ(Keys(stretch), (std::vector<std::string>{"value", "std", "lower95", "upper95", "start", "scale", "frozen",
-                                                     "at_bound", "identifiable", "usable"}));
+  EXPECT_EQ(Keys(stretch),
+            (std::vector<std::string>{"value", "std", "lower95", "upper95", "start", "lower_bound", "upper_bound",
+                                      "scale", "frozen", "at_bound", "identifiable", "usable"}));
+  EXPECT_EQ(stretch["lower_bound"].get<double>(), summary.parameters[1].lower_bound);
+  EXPECT_EQ(stretch["upper_bound"].get<double>(), summary.parameters[1].upper_bound);
   EXPECT_EQ(stretch["value"].get<double>(), summary.parameters[1].value) << "numbers read back exactly";
   EXPECT_EQ(stretch["identifiable"], true);
   EXPECT_EQ(stretch["usable"], "yes");
