@@ -128,7 +128,7 @@ TEST_P(MovingObstacleTest, ABallThatLiftsDoesTheWork) {
   }
   const StepRecord& end = reader.record(rollout.last_record.back());
   const auto energy = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
-    return StateEnergy(rollout.parameters, x, v, simulator).total();
+    return StateEnergy(rollout.parameters, x, v, simulator, 0.0).total();
   };
   const double gain =
       energy(end.positions, end.velocities) - energy(rollout.initial_positions, rollout.initial_velocities);
