@@ -184,6 +184,22 @@ std::string Comment(const ExportConstants& constants, const FlexNumbers& numbers
   return out.str();
 }
 
+// A body that is moved from outside, where its path has it first.
+void WriteObstacle(const SceneObstacle& obstacle, double friction, double start_time, std::ostringstream* out) {
+  const std::string geom = MujocoGeom(obstacle, friction);
+  if (obstacle.path == nullptr) {
+    *out << geom;
+    return;
+  }
+  const AffineMap pose = obstacle.path->At(start_time).pose;
+  const Eigen::Quaterniond turn(Eigen::Matrix3d(pose.leftCols<3>()));
+  *out << "    <!-- " << obstacle.name
+       << " follows the path of the scene: set data.mocap_pos and data.mocap_quat at every step -->\n"
+       << "    <body name=\"" << obstacle.name << "\" mocap=\"true\" pos=\"" << MujocoNumbers(pose.col(3))
+       << "\" quat=\"" << ShortestText(turn.w()) << " " << MujocoNumbers(turn.vec()) << "\">\n"
+       << geom << "    </body>\n";
+}
+
 }  // namespace
 
 std::string MujocoXml(const Scene& scene, const ExportConstants& constants) {
@@ -198,7 +214,7 @@ std::string MujocoXml(const Scene& scene, const ExportConstants& constants) {
       << ShortestText(std::min(kLongestStep, scene.time_step)) << "\" gravity=\"" << MujocoNumbers(scene.gravity)
       << "\" integrator=\"discrete\" solver=\"CG\" cone=\"elliptic\"/>\n  <size memory=\"100M\"/>\n  <worldbody>\n";
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    out << MujocoGeom(scene.obstacles[i], constants.friction[i].second);
+    WriteObstacle(scene.obstacles[i], constants.friction[i].second, scene.start_time, &out);
   }
   WriteBodies(scene, constants, &out);
   out << "  </worldbody>\n  <deformable>\n";

@@ -133,6 +133,18 @@ double Largest(const Eigen::MatrixXd& errors) {
   return largest;
 }
 
+// [x, y, z, qx, qy, qz, qw] of an obstacle that moves, at every one of `frames`.
+Json PosesJson(const RigidPath& path, const RecordedMotion& motion, const std::vector<int>& frames) {
+  Json poses = Json::array();
+  for (const int frame : frames) {
+    const AffineMap pose = path.At(motion.times[frame]).pose;
+    Eigen::VectorXd numbers(7);
+    numbers << pose.col(3), Eigen::Quaterniond(Eigen::Matrix3d(pose.leftCols<3>())).coeffs();
+    poses.push_back(RoundedJson(numbers, kReplayDigits));
+  }
+  return poses;
+}
+
 // What changes over time.
 Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double largest_error, int every) {
   const RecordedMotion& motion = *source.motion;
@@ -146,6 +158,9 @@ Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double lar
   add("predicted", source.predicted);
   add("nodes", source.nodes);
   add("handle_path", source.handles);
+  for (const SceneObstacle& obstacle : motion.scene.obstacles) {
+    if (obstacle.path != nullptr) json["poses"][obstacle.name] = PosesJson(*obstacle.path, motion, frames);
+  }
   if (source.point_errors != nullptr) {
     json["errors"] = PackMagnitudes((*source.point_errors)(Eigen::all, frames).reshaped(), largest_error);
   }

@@ -81,6 +81,18 @@ inline Mesh Sewn(Mesh mesh, const std::vector<Seam>& seams) {
   return mesh;
 }
 
+// Two meshes with a rest place per corner as one; the nodes of `b` follow those of `a`.
+inline Mesh Together(const Mesh& a, const Mesh& b) {
+  Mesh both;
+  both.rest_positions.resize(3, a.num_nodes() + b.num_nodes());
+  both.rest_positions << a.rest_positions, b.rest_positions;
+  both.faces.resize(3, a.num_faces() + b.num_faces());
+  both.faces << a.faces, (b.faces.array() + a.num_nodes()).matrix();
+  both.corner_rest.resize(2, 3 * both.faces.cols());
+  both.corner_rest << a.corner_rest, b.corner_rest;
+  return both;
+}
+
 // `scene` with this mesh, at rest on its nodes.
 inline Scene WithMesh(Scene scene, const Mesh& mesh) {
   scene.mesh = mesh;

@@ -75,6 +75,13 @@ void PrintForceTensors(const ForceReadings& forces) {
   PrintTensor("force_offsets", "I32", 0, forces.num_groups() + 1, 1);
 }
 
+void PrintSewing(const Mesh& mesh) {
+  if (mesh.has_corner_rest()) PrintTensor("corner_rest", "F64", mesh.num_faces(), 3, 2);
+  PrintTensor("folds", "I32", 0, static_cast<Eigen::Index>(mesh.folds.size()), 2);
+  PrintTensor("link_nodes", "I32", 0, static_cast<Eigen::Index>(mesh.links.size()), 3);
+  PrintTensor("link_values", "F64", 0, static_cast<Eigen::Index>(mesh.links.size()), 3);
+}
+
 void PrintTensors(const MotionTensors& tensors) {
   const Eigen::Index num_frames = tensors.times.size();
   std::cout << "tensors\n";
@@ -82,6 +89,7 @@ void PrintTensors(const MotionTensors& tensors) {
   PrintTensor("times", "F64", 0, num_frames, 1);
   PrintTensor("rest_positions", "F64", 0, tensors.mesh.num_nodes(), 3);
   PrintTensor("faces", "I32", 0, tensors.mesh.num_faces(), 3);
+  PrintSewing(tensors.mesh);
   PrintTensor("node_index", "I32", 0, static_cast<Eigen::Index>(tensors.node_index.size()), 1);
   PrintTensor("face_index", "I32", 0, static_cast<Eigen::Index>(tensors.face_index.size()), 1);
   PrintTensor("barycentric", "F64", 0, tensors.barycentric.cols(), 3);

@@ -116,6 +116,20 @@ function obstacleShape(obstacle) {
   }
 }
 
+// A point of a body at a pose [x, y, z, qx, qy, qz, qw]; without one, where it is.
+function posed(point, pose) {
+  if (!pose) return point;
+  const axis = pose.slice(3, 6), twice = add([0, 0, 0], cross(axis, point), 2);
+  return add(add(add(pose.slice(0, 3), point), twice, pose[6]), cross(axis, twice));
+}
+
+function posedAll(positions, pose) {
+  if (!pose) return positions;
+  const made = new Float32Array(positions.length);
+  for (let i = 0; i < positions.length; i += 3) made.set(posed([...positions.subarray(i, i + 3)], pose), i);
+  return made;
+}
+
 // How far an obstacle of one middle reaches from it; null of the others.
 function obstacleReach({type, radius, size, thickness, tube_radius: tube}) {
   switch (type) {

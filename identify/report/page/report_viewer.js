@@ -123,15 +123,24 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
     draw(gl.POINTS, shownPositions.subarray(0, count), null, shownColours.subarray(0, count), {push: -0.012, size});
   }
 
-  function drawObstacles() {
+  // Where an obstacle is that moves; undefined of one that stands still.
+  const poseOf = ({name}, frame) => replay.poses && replay.poses[name] && replay.poses[name][frame];
+
+  function planeAt(plane, frame) {
+    const pose = poseOf(plane, frame), normal = posed(plane.normal, pose && [0, 0, 0, ...pose.slice(3)]);
+    return planeShape({point: posed(plane.point, pose), normal}, center, 1.6 * radius);
+  }
+
+  function drawObstacles(frame) {
     gl.depthMask(false);
-    for (const plane of planes) {
+    for (const plane of planes.map((flat) => planeAt(flat, frame))) {
       draw(gl.TRIANGLES, plane.positions, plane.indices, uniformColours(4, [0.86, 0.89, 0.92]), {alpha: 0.8});
       draw(gl.LINES, plane.lines, null, uniformColours(plane.lines.length / 3, [0.70, 0.75, 0.80]), {alpha: 0.6});
     }
     gl.depthMask(true);
     for (const shape of replay.shapes) {
-      drawSurface(shape.positions, shape.indices, uniformColours(shape.positions.length / 3, OBSTACLE), {push: 0.02});
+      const positions = posedAll(shape.positions, poseOf(shape, frame));
+      drawSurface(positions, shape.indices, uniformColours(positions.length / 3, OBSTACLE), {push: 0.02});
     }
   }
 
@@ -220,13 +229,13 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
       .concat([fx * tx, fy * ty, a * tz + b, -tz]));
   }
 
-  function drawView(x, width, drawContent) {
+  function drawView(x, width, frame, drawContent) {
     gl.viewport(x, 0, width, surface.height);
     const {back, side, above} = axes();
     gl.uniformMatrix4fv(uniform.camera, false, cameraMatrix(width / surface.height));
     gl.uniform3fv(uniform.view, add([0, 0, 0], back, -1));
     gl.uniform3fv(uniform.light, unit(add(add(add([0, 0, 0], back, 0.6), above, 0.7), side, -0.35)));
-    drawObstacles();
+    drawObstacles(frame);
     drawContent();
   }
 
@@ -246,10 +255,10 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
     }
     const cloth = 0.5 * Math.hypot(...add(high, low, -1)) || 1;
     for (const obstacle of replay.obstacles) {
-      const reach = obstacleReach(obstacle);
-      if (reach !== null && reach < cloth) extend(obstacle.center, reach);
+      const reach = obstacleReach(obstacle), pose = poseOf(obstacle, 0);
+      if (reach !== null && reach < cloth) extend(posed(obstacle.center, pose), reach);
       if (['capsule', 'cylinder'].includes(obstacle.type) && obstacle.radius < cloth) {
-        for (const end of [obstacle.from, obstacle.to]) {
+        for (const end of [posed(obstacle.from, pose), posed(obstacle.to, pose)]) {
           if (Math.hypot(...add(end, low, -1)) < 4 * cloth) extend(end, obstacle.radius);
         }
       }
@@ -262,8 +271,8 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
     load(unpacked) {
       replay = unpacked;
       frameScene();
-      planes = replay.obstacles.filter(({type}) => type === 'plane').map((plane) => planeShape(plane, center, 1.6 * radius));
-      replay.shapes = replay.obstacles.map(obstacleShape).filter(Boolean);
+      planes = replay.obstacles.filter(({type}) => type === 'plane');
+      replay.shapes = replay.obstacles.filter(obstacleShape).map((obstacle) => ({...obstacleShape(obstacle), name: obstacle.name}));
       viewer.reset();
     },
     reset() {
@@ -292,11 +301,11 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       if (sideBySide) {
         const half = Math.floor(width / 2);
-        drawView(0, half, () => drawRecordedAlone(frame));
-        drawView(half, width - half, () => drawPredicted(frame, withErrors));
+        drawView(0, half, frame, () => drawRecordedAlone(frame));
+        drawView(half, width - half, frame, () => drawPredicted(frame, withErrors));
         return;
       }
-      drawView(0, width, () => {
+      drawView(0, width, frame, () => {
         if (replay.hasPrediction) {
           drawPredicted(frame, withErrors);
           drawRecordedOver(frame, withErrors);

@@ -227,6 +227,21 @@ TEST(ReportPageTest, ReplayHasEveryKindOfObstacle) {
   EXPECT_NE(replay["notes"][0].get<std::string>().find("slab"), std::string::npos);
 }
 
+TEST(ReportPageTest, ReplayHasThePosesOfObstaclesThatMove) {
+  RecordedMotion motion = WavingMotion(5, 3, 0.0);
+  const double end = motion.times[2];
+  motion.scene.obstacles = {MakeObstacle("still", std::make_shared<Sphere>(Eigen::Vector3d(1, 2, 3), 0.5)),
+                            MakeObstacle("bar", std::make_shared<Sphere>(Eigen::Vector3d(0, 0, 0), 0.5))};
+  motion.scene.obstacles[1].path = std::make_shared<RigidPath>(
+      Eigen::Vector2d(0.0, end), Eigen::Matrix3Xd((Eigen::Matrix<double, 3, 2>() << 0, 1, 0, 2, 0, 4).finished()),
+      Eigen::Matrix4Xd(Eigen::Vector4d::UnitW().replicate(1, 2)));
+  const Json replay = ReplayJson({&motion, &motion.positions, nullptr, nullptr}, 1000000);
+  EXPECT_EQ(replay["poses"], (Json{{"bar",
+                                    {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0},
+                                     {0.5, 1.0, 2.0, 0.0, 0.0, 0.0, 1.0},
+                                     {1.0, 2.0, 4.0, 0.0, 0.0, 0.0, 1.0}}}}));
+}
+
 TEST(ReportPageTest, MarkersComeWithTheWholeCloth) {
   RecordedMotion motion = TwoMotions()[0];
   motion.points.erase(motion.points.begin(), motion.points.begin() + 5);

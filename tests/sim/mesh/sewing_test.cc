@@ -77,19 +77,39 @@ TEST(SewingTest, GoesOnOverASeam) {
   EXPECT_EQ(sewn.num_nodes(), kColumns * (kRows - 1));
 }
 
-// Five nodes against three: the nodes between are drawn to the points at their shares of the length.
+// Two sleeves, ring to ring: closed chains over the seams of both.
+TEST(SewingTest, JoinsRings) {
+  const CutMesh panel = SleevePanel(9, 4, 0.4, 0.15);
+  CutMesh upper = panel;
+  upper.mesh.rest_positions.row(2).array() += 0.15;
+  Seam side = SeamOf(panel), upper_side = side, ring;
+  for (int& node : upper_side.a) node += 36;
+  for (int& node : upper_side.b) node += 36;
+  for (int i = 0; i < 9; ++i) {
+    ring.a.push_back(27 + i);
+    ring.b.push_back(36 + i);
+  }
+  const Mesh both = Together(panel.mesh, upper.mesh);
+  const Mesh joined = Sewn(both, {side, upper_side, ring});
+  EXPECT_EQ(joined.num_nodes(), 2 * 32 - 8);
+  const Eigen::VectorXd areas = NodeAreas(joined);
+  for (int i = 0; i < 8; i += 2) {  // of a pair around the ring, with as much on either side
+    EXPECT_NEAR(areas[24 + i] + areas[25 + i], 2.0 * 0.05 * 0.05, 1e-15);
+  }
+  ring.is_drawn = true;
+  const Mesh drawn = Sewn(both, {side, upper_side, ring});
+  double stiffness = 0.0;
+  for (const SeamLink& link : drawn.links) stiffness += link.stiffness;
+  EXPECT_NEAR(stiffness, kSeamStiffness * 0.4, 1e-9);
+}
+
+// Four nodes against nine: the nodes between are drawn to the points at their shares of the length.
 TEST(SewingTest, DrawsOtherNumbersToPointsOnEdges) {
   GridOptions fine = Grid();
   fine.nodes = {3, 9};
-  Mesh mesh = WithUvRest(MakeGrid(Grid())), other = WithUvRest(MakeGrid(fine));
+  const Mesh mesh = WithUvRest(MakeGrid(Grid())), other = WithUvRest(MakeGrid(fine));
   const int first = mesh.num_nodes();
-  Mesh both = mesh;
-  both.rest_positions.resize(3, first + other.num_nodes());
-  both.rest_positions << mesh.rest_positions, other.rest_positions;
-  both.faces.resize(3, mesh.num_faces() + other.num_faces());
-  both.faces << mesh.faces, (other.faces.array() + first).matrix();
-  both.corner_rest.resize(2, 3 * both.num_faces());
-  both.corner_rest << mesh.corner_rest, other.corner_rest;
+  const Mesh both = Together(mesh, other);
   Seam seam;
   seam.a = GridLine(kColumns, kRows, true, 4);
   for (const int node : GridLine(3, 9, true, 0)) seam.b.push_back(first + node);

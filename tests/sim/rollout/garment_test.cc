@@ -12,6 +12,7 @@
 #include "sim/rollout/sized_scene.h"
 #include "tests/expect_error.h"
 #include "tests/sim/garments.h"
+#include "tests/sim/order_of_convergence.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/sheet_meshes.h"
 #include "tests/sim/woven_scene.h"
@@ -259,6 +260,23 @@ TEST(DrawnSeamTest, ClosesInItsTime) {
       }
     }
   }
+}
+
+// Each stage draws the seam as far as it is at the stage's own time: without that the order would be 1.
+TEST(DrawnSeamTest, IsOfTheOrderOfItsIntegrator) {
+  CutMesh cut =
+      Cut(MakeGrid(SquareGrid(4, 0.3)), GridLine(4, 4, true, 1), [](const Eigen::Vector3d& x) { return x.x() > 0.1; });
+  for (const int node : cut.beyond) cut.mesh.rest_positions(2, node) += 0.05;
+  Seam seam = SeamOf(cut);
+  seam.is_drawn = true;
+  seam.closing_time = 0.2;
+  seam.stiffness = 100.0;
+  Scene scene = WithMesh(ClothScene(SquareGrid(4, 0.3), 0.01), Sewn(cut.mesh, {seam}));
+  scene.duration = 0.08;
+  scene.handles.nodes = {0, 12};
+  scene.material.stretch_stiffness = 20.0;
+  EXPECT_NEAR(Order(scene, Integrator::kEuler, 4), 1.0, 0.2);
+  EXPECT_NEAR(Order(scene, Integrator::kSdirk2, 4), 2.0, 0.2);
 }
 
 // Energy changes by the work of what draws the seam less the losses of the integrator.

@@ -124,7 +124,6 @@ TEST_F(GarmentJsonTest, TakesTheMeshOfARecording) {
 }
 
 TEST_F(GarmentJsonTest, NamesKeyOrLineOfWhatIsBad) {
-  const std::string good = ObjText(cut_.mesh);
   mesh_["rest"] = "flat";
   ExpectBad({"scene.json:", "key 'mesh.rest': expected \"uv\""});
   mesh_.erase("rest");
@@ -147,12 +146,13 @@ TEST_F(GarmentJsonTest, NamesKeyOrLineOfWhatIsBad) {
   ExpectBad({"cloth.obj: edge 0-2 is 1.41421 m long on one side in the UV map and 1.2 m on the other, in triangle 1"});
   mesh_["ease"] = true;
   EXPECT_NO_THROW(Parse());
-  mesh_.erase("ease");
-  mesh_["uv_scale"] = 0.1;
-  WriteObj(good);
-  ExpectBad(
-      {"key 'mesh.obj': expected a UV map as large as the surface, which is 10 times its size", "is \"uv_scale\": 1"});
-  mesh_.erase("uv_scale");
+}
+
+TEST_F(GarmentJsonTest, NamesTheSeamThatIsBad) {
+  mesh_ = {{"obj", "cloth.obj"}, {"rest", "uv"}, {"uv_scale", 0.05}};
+  ExpectBad({"key 'mesh.obj': expected a UV map as large as the surface, which is 10 times its size",
+             "is \"uv_scale\": 0.5"});
+  mesh_["uv_scale"] = 0.5;
   mesh_["seams"] = {{{"a", {0, 1, 6}}, {"b", {4, 3, 2}}}};
   ExpectBad({"scene.json:", "key 'mesh.seams[0]': node 6 of a is not on the border of the mesh"});
   mesh_["seams"] = {seam_, seam_};
