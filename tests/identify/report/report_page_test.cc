@@ -201,7 +201,7 @@ TEST(ReportPageTest, ReplayHasEveryKindOfObstacle) {
       MakeObstacle("rod", std::make_shared<Capsule>(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 3, 4), 0.1)),
       MakeObstacle("cube", std::make_shared<TriangulatedSurface>(cube.vertices, cube.faces)),
       MakeObstacle("box", std::make_shared<Box>(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6),
-                                                Eigen::Quaterniond(1, 0, 0, 1), 0.5)),
+                                                Eigen::Quaterniond(1, 1, 1, 1), 0.5)),
       MakeObstacle("tin", std::make_shared<Cylinder>(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 0, 2), 0.5)),
       MakeObstacle("ring", std::make_shared<Torus>(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 2, 0), 0.5, 0.25)),
       MakeObstacle("bowl", std::make_shared<Bowl>(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 2, 0), 0.5, 1.5, 0.25)),
@@ -215,7 +215,7 @@ TEST(ReportPageTest, ReplayHasEveryKindOfObstacle) {
   EXPECT_EQ(obstacles[2]["to"], Json({0.0, 3.0, 4.0}));
   EXPECT_EQ(Unpack(obstacles[3]["vertices"]).size(), 12u * cube.vertices.cols());
   EXPECT_EQ(Unpack(obstacles[3]["faces"]).size(), 12u * cube.faces.cols());
-  EXPECT_EQ(obstacles[4]["axes"], (Json{{0.0, 1.0, 0.0}, {-1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}}));
+  EXPECT_EQ(obstacles[4]["axes"], (Json{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}));
   EXPECT_EQ(obstacles[4]["size"], Json({4.0, 5.0, 6.0}));
   EXPECT_EQ(obstacles[4]["radius"], 0.5);
   EXPECT_EQ(obstacles[5]["to"], Json({0.0, 0.0, 2.0}));
@@ -229,12 +229,12 @@ TEST(ReportPageTest, ReplayHasEveryKindOfObstacle) {
 
 TEST(ReportPageTest, ReplayHasThePosesOfObstaclesThatMove) {
   RecordedMotion motion = WavingMotion(5, 3, 0.0);
-  const double end = motion.times[2];
   motion.scene.obstacles = {MakeObstacle("still", std::make_shared<Sphere>(Eigen::Vector3d(1, 2, 3), 0.5)),
                             MakeObstacle("bar", std::make_shared<Sphere>(Eigen::Vector3d(0, 0, 0), 0.5))};
   motion.scene.obstacles[1].path = std::make_shared<RigidPath>(
-      Eigen::Vector2d(0.0, end), Eigen::Matrix3Xd((Eigen::Matrix<double, 3, 2>() << 0, 1, 0, 2, 0, 4).finished()),
+      Eigen::Vector2d(0.0, 1.0), Eigen::Matrix3Xd((Eigen::Matrix<double, 3, 2>() << 0, 1, 0, 2, 0, 4).finished()),
       Eigen::Matrix4Xd(Eigen::Vector4d::UnitW().replicate(1, 2)));
+  motion.times = Eigen::Vector3d(0.0, 0.5, 1.0);
   const Json replay = ReplayJson({&motion, &motion.positions, nullptr, nullptr}, 1000000);
   EXPECT_EQ(replay["poses"], (Json{{"bar",
                                     {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0},

@@ -197,8 +197,8 @@ TEST_F(SimulateTest, RefusesUnusableScenes) {
   scene["obstacles"][0]["mu"] = -0.3;
   ExpectSceneRefused(scene, 2, "obstacles[0].mu");
   scene = SphereScene();
-  scene["obstacles"][0]["type"] = "torus";
-  ExpectSceneRefused(scene, 2, "torus");
+  scene["obstacles"][0]["type"] = "knot";
+  ExpectSceneRefused(scene, 2, "knot");
   scene = SphereScene();
   scene["materials"]["k_stretch"] = -1.0;
   ExpectSceneRefused(scene, 2, "materials.k_stretch");
