@@ -1,4 +1,4 @@
-"""The script of datasets/experiments writes what stands there."""
+"""The scripts of datasets/experiments and datasets/garment write what stands there."""
 
 import pathlib
 import subprocess
@@ -8,19 +8,21 @@ import unittest
 
 from small_scene import SOURCE
 
-FOLDER = SOURCE / "datasets/experiments"
-SCRIPT = FOLDER / "make_experiments.py"
-
 
 class ExperimentsTest(unittest.TestCase):
-    def test_the_script_writes_the_shipped_files(self):
+    def expect_shipped(self, script):
+        script = SOURCE / "datasets" / script
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([sys.executable, "-B", SCRIPT, folder], check=True)
+            subprocess.run([sys.executable, "-B", script, folder], check=True)
             made = {path.name: path.read_bytes() for path in pathlib.Path(folder).iterdir()}
-        shipped = {path.name: path.read_bytes() for path in FOLDER.iterdir() if path != SCRIPT}
+        shipped = {path.name: path.read_bytes() for path in script.parent.iterdir() if path != script}
         self.assertEqual(sorted(made), sorted(shipped))
         for name, content in shipped.items():
             self.assertEqual(made[name], content, name)
+
+    def test_the_scripts_write_the_shipped_files(self):
+        self.expect_shipped("experiments/make_experiments.py")
+        self.expect_shipped("garment/make_shirt.py")
 
 
 if __name__ == "__main__":
