@@ -1,4 +1,4 @@
-// Rigid, static obstacles: signed distance and its first two derivatives.
+// Shapes of rigid obstacles: signed distance and its first two derivatives.
 //
 // An obstacle answers one question: at a point x, what are the signed distance phi (positive outside), its gradient n
 // (a unit vector) and dn/dx? Friction and contact distance belong to the scene, not to the shape (see `SceneObstacle`).
