@@ -13,6 +13,7 @@
 #include "sim/base/text_file.h"
 #include "sim/mesh/mesh_json.h"
 #include "sim/path/handle_csv.h"
+#include "sim/scene/attached_handles.h"
 #include "sim/scene/materials_json.h"
 #include "sim/scene/obstacle_json.h"
 #include "sim/scene/pieces.h"
@@ -41,6 +42,7 @@ class SceneReader {
     ReadHandles();
     ReadInitial();
     if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles, folder_);
+    AttachHandles();
     if (const auto fabric = root_.Find("fabric")) ReadFabric(*fabric, &scene_);
     if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, folder_, &scene_);
     if (const auto fields = root_.Find("fields")) scene_.fields = ReadFields(*fields);
@@ -135,7 +137,8 @@ class SceneReader {
     if (!handles) return;
     std::vector<int> nodes;
     if (handles->is(Kind::kObject)) {
-      handles->ExpectKeys({"nodes", "path"});
+      handles->ExpectKeys({"nodes", "path", "attach"});
+      if (handles->Find("path") && handles->Find("attach")) handles->Fail("expected either \"path\" or \"attach\"");
       nodes = ReadHandleNodes(handles->Require("nodes", "a list of nodes"));
     } else {
       if (!handles->is(Kind::kArray))
@@ -169,6 +172,19 @@ class SceneReader {
     }
     if (static_cast<int>(nodes.size()) == num_nodes) list.Fail("expected at least one node that is not a handle");
     return nodes;
+  }
+
+  // Those of a recording have their path from it.
+  void AttachHandles() {
+    const auto handles = root_.Find("handles");
+    const auto attach = handles && handles->is(Kind::kObject) ? handles->Find("attach") : std::nullopt;
+    if (!attach || !defaults_.handles.nodes.empty()) return;
+    for (const SceneObstacle& obstacle : scene_.obstacles) {
+      if (obstacle.name != attach->String() || obstacle.path == nullptr) continue;
+      scene_.handles.path = AttachedPath(scene_, *obstacle.path);
+      return;
+    }
+    attach->Fail("expected the name of an obstacle that has a path");
   }
 
   void ReadInitial() {

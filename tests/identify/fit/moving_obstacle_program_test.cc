@@ -75,6 +75,23 @@ TEST_F(MovingObstacleProgramTest, GoFromThePathToTheResult) {
   EXPECT_EQ(scan.exit_code, 0) << scan.err;
 }
 
+TEST_F(MovingObstacleProgramTest, TakesAttachedNodesAlong) {
+  scene_["handles"] = {{"nodes", {0, 1}}, {"attach", "bar"}};
+  scene_["obstacles"].push_back({{"name", "floor"}, {"type", "plane"}, {"point", {0, 0, -2}}, {"normal", {0, 0, 1}}});
+  WriteScene(scene_);
+  ExpectSuccess("simulate --scene scene.json --output held.bin");
+  const ToolResult info = Run("motion info held.bin");
+  EXPECT_NE(info.out.find("handles 2 (moving)"), std::string::npos) << info.out;
+  ExpectSuccess("motion check held.bin");
+  const auto expect = [&](const Json& handles, const char* message) {
+    scene_["handles"] = handles;
+    WriteScene(scene_, "wrong.json");
+    ExpectRefused("simulate --scene wrong.json --output x.bin", 2, message);
+  };
+  expect({{"nodes", {0, 1}}, {"attach", "floor"}}, "handles.attach': expected the name of an obstacle that has a path");
+  expect({{"nodes", {0, 1}}, {"attach", "bar"}, {"path", "bar.csv"}}, "expected either \"path\" or \"attach\"");
+}
+
 TEST_F(MovingObstacleProgramTest, WrongPathsAreOneLineEach) {
   ExpectRefused("simulate --scene scene.json --set bar.shift=0.1 --output x.bin", 1, "unknown parameter 'bar.shift'");
   Json& bar = scene_["obstacles"][0];
