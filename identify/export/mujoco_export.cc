@@ -14,6 +14,7 @@
 #include "identify/export/simulator_exports.h"
 #include "sim/base/text_file.h"
 #include "sim/mesh/mesh.h"
+#include "sim/obstacle/obstacle.h"
 
 namespace clothid {
 namespace {
@@ -184,20 +185,55 @@ std::string Comment(const ExportConstants& constants, const FlexNumbers& numbers
   return out.str();
 }
 
-// A body that is moved from outside, where its path has it first.
-void WriteObstacle(const SceneObstacle& obstacle, double friction, double start_time, std::ostringstream* out) {
-  const std::string geom = MujocoGeom(obstacle, friction);
-  if (obstacle.path == nullptr) {
-    *out << geom;
-    return;
-  }
+// MuJoCo takes a mocap body for still in contacts, so that its friction carries nothing. So what moves is a body of its
+// own, welded to the mocap body; planes cannot be.
+bool IsWelded(const SceneObstacle& obstacle) {
+  return obstacle.path != nullptr && dynamic_cast<const Plane*>(obstacle.shape.get()) == nullptr;
+}
+
+// Where its path has it first.
+void WriteMovingObstacle(const SceneObstacle& obstacle, const std::string& geom, double start_time,
+                         std::ostringstream* out) {
   const AffineMap pose = obstacle.path->At(start_time).pose;
   const Eigen::Quaterniond turn(Eigen::Matrix3d(pose.leftCols<3>()));
+  const std::string place = "pos=\"" + MujocoNumbers(pose.col(3)) + "\" quat=\"" + ShortestText(turn.w()) + " " +
+                            MujocoNumbers(turn.vec()) + "\"";
   *out << "    <!-- " << obstacle.name
-       << " follows the path of the scene: set data.mocap_pos and data.mocap_quat at every step -->\n"
-       << "    <body name=\"" << obstacle.name << "\" mocap=\"true\" pos=\"" << MujocoNumbers(pose.col(3))
-       << "\" quat=\"" << ShortestText(turn.w()) << " " << MujocoNumbers(turn.vec()) << "\">\n"
-       << geom << "    </body>\n";
+       << " follows the path of the scene: set data.mocap_pos and data.mocap_quat at every step";
+  if (IsWelded(obstacle)) {
+    *out
+        << ". It is welded to the mocap body, 4 steps behind, for friction of a mocap body itself carries nothing -->\n"
+        << "    <body name=\"" << obstacle.name << ".path\" mocap=\"true\" " << place << "/>\n    <body name=\""
+        << obstacle.name << "\" gravcomp=\"1\" " << place
+        << ">\n    <freejoint/>\n    <inertial pos=\"0 0 0\" mass=\"10\" diaginertia=\"1 1 1\"/>\n";
+  } else {
+    *out << ". MuJoCo takes it for still in contacts: its friction carries nothing, that of a box would -->\n"
+         << "    <body name=\"" << obstacle.name << "\" mocap=\"true\" " << place << ">\n";
+  }
+  *out << geom << "    </body>\n";
+}
+
+void WriteObstacles(const Scene& scene, const ExportConstants& constants, std::ostringstream* out) {
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const SceneObstacle& obstacle = scene.obstacles[i];
+    const std::string geom = MujocoGeom(obstacle, constants.friction[i].second);
+    if (obstacle.path == nullptr) {
+      *out << geom;
+    } else {
+      WriteMovingObstacle(obstacle, geom, scene.start_time, out);
+    }
+  }
+}
+
+// As stiff as MuJoCo allows: it raises the time constant to two steps. Obstacles do not touch each other.
+void WriteWelds(const Scene& scene, std::ostringstream* out) {
+  if (std::none_of(scene.obstacles.begin(), scene.obstacles.end(), IsWelded)) return;
+  *out << "  <default>\n    <geom contype=\"0\"/>\n  </default>\n  <equality>\n";
+  for (const SceneObstacle& obstacle : scene.obstacles) {
+    if (!IsWelded(obstacle)) continue;
+    *out << "    <weld body1=\"" << obstacle.name << ".path\" body2=\"" << obstacle.name << "\" solref=\"1e-6 1\"/>\n";
+  }
+  *out << "  </equality>\n";
 }
 
 }  // namespace
@@ -212,10 +248,10 @@ std::string MujocoXml(const Scene& scene, const ExportConstants& constants) {
   std::ostringstream out;
   out << Comment(constants, numbers, order) << "<mujoco model=\"cloth\">\n  <option timestep=\""
       << ShortestText(std::min(kLongestStep, scene.time_step)) << "\" gravity=\"" << MujocoNumbers(scene.gravity)
-      << "\" integrator=\"discrete\" solver=\"CG\" cone=\"elliptic\"/>\n  <size memory=\"100M\"/>\n  <worldbody>\n";
-  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    WriteObstacle(scene.obstacles[i], constants.friction[i].second, scene.start_time, &out);
-  }
+      << "\" integrator=\"discrete\" solver=\"CG\" cone=\"elliptic\"/>\n  <size memory=\"100M\"/>\n";
+  WriteWelds(scene, &out);
+  out << "  <worldbody>\n";
+  WriteObstacles(scene, constants, &out);
   WriteBodies(scene, constants, &out);
   out << "  </worldbody>\n  <deformable>\n";
   WriteFlex(order, constants, numbers, &out);

@@ -68,8 +68,9 @@ TEST_F(MovingObstacleProgramTest, GoFromThePathToTheResult) {
   expect_held("mu", 0.4, 0.6);
   expect_held("bar.time_offset", 0.012, 0.03);
   expect_held("bar.shift.z", 0.004, 0.01);
-  EXPECT_NE(ReadBytes(folder() / "result" / "export_mujoco.xml").find("<body name=\"bar\" mocap=\"true\""),
-            std::string::npos);
+  const std::string model = ReadBytes(folder() / "result" / "export_mujoco.xml");
+  EXPECT_NE(model.find("<body name=\"bar.path\" mocap=\"true\""), std::string::npos);
+  EXPECT_NE(model.find("<weld body1=\"bar.path\" body2=\"bar\""), std::string::npos);
   const ToolResult scan =
       Run("landscape --target cloth.bin --x bar.time_offset=0:0.02:3 --y mu=0.3:0.5:3 --output map");
   EXPECT_EQ(scan.exit_code, 0) << scan.err;

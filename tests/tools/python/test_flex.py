@@ -53,6 +53,30 @@ class FlexTest(unittest.TestCase):
         motion = mujoco_flex.record(scene, TRUTH, mujoco_folder())
         self.expect_found(motion, ["k_stretch"], 0.05)
 
+    def test_a_table_that_moves_carries_a_cloth(self):
+        seconds, time_step, speed = 0.3, 1e-3, 0.2
+        path = [[0, 0, 0, 0, 0, 0, 0, 1], [seconds, speed * seconds, 0, 0, 0, 0, 0, 1]]
+        table = {"type": "box", "center": [0, 0, -0.05], "size": [1, 1, 0.1], "mu": 0.5, "path": path}
+        floor = {"type": "plane", "point": [0, 0, -0.05], "normal": [0, 0, 1], "mu": 0.5}  # through the table
+        scene = {
+            "clothid_scene": 2,
+            "time_step": time_step,
+            "duration": seconds,
+            "mesh": {"grid": {"nodes": [4, 4], "size": [0.12, 0.12], "origin": [-0.06, -0.06, 0.001]}},
+            "initial": {"positions": "rest"},
+            "materials": {"density": 0.2, "k_stretch": 100},
+        }
+        poses = np.tile([0.0, 0, 0, 1, 0, 0, 0], (round(seconds / time_step), 1))
+        poses[:, 0] = speed * time_step * np.arange(len(poses))
+        alone, with_floor = (
+            mujoco_flex.positions_of(clothid.export(each, None, "mujoco")["export_mujoco.xml"], seconds,
+                                     mujoco_folder(), poses)
+            for each in ({**scene, "obstacles": [table]}, {**scene, "obstacles": [table, floor]}))
+        carried = (alone[-1] - alone[0])[:, 0]
+        slid = speed**2 / (2 * 0.5 * 9.81)  # until it has the speed of the table
+        np.testing.assert_allclose(carried, speed * seconds - slid, rtol=0, atol=0.002)
+        np.testing.assert_array_equal(alone, with_floor, "obstacles do not touch each other")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import clothid
 import numpy as np
@@ -37,16 +37,20 @@ def model_of(scene: Dict[str, Any], parameters: Dict[str, float], time_step: flo
     return text.replace('condim="3"/>', f'condim="3" solref="{time_constant:g} 1"/>')
 
 
-def positions_of(model: str, seconds: float, folder: pathlib.Path) -> NDArray[np.float64]:
-    """Positions of the nodes, (T, N, 3) m, in the order of the scene. folder: where npm has put MuJoCo."""
+def positions_of(model: str, seconds: float, folder: pathlib.Path,
+                 poses: Optional[NDArray[np.float64]] = None) -> NDArray[np.float64]:
+    """Positions of the nodes, (T, N, 3) m, in the order of the scene. folder: where npm has put MuJoCo. poses: (S, 7),
+    x, y, z, qw, qx, qy, qz of the obstacle that moves, if there is one, at the start of every step."""
     flex = xml.etree.ElementTree.fromstring(model).find("deformable/flex")
     assert flex is not None
     order = [int(name[1:]) for name in flex.attrib["body"].split()]  # n5 is node 5
     program = shutil.copy(pathlib.Path(__file__).with_suffix(".mjs"), folder)
-    with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
-        file.write(model)
-        file.flush()
-        printed = subprocess.run(["node", program, file.name, str(seconds), str(RATE)], check=True, stdout=subprocess.PIPE)
+    with tempfile.TemporaryDirectory() as scratch:
+        files = [pathlib.Path(scratch) / name for name in ("model.xml", "poses.json")]
+        files[0].write_text(model, encoding="utf-8")
+        files[1].write_text(json.dumps([] if poses is None else poses.tolist()), encoding="utf-8")
+        printed = subprocess.run(["node", program, files[0], str(seconds), str(RATE), files[1]], check=True,
+                                 stdout=subprocess.PIPE)
     frames = np.array(json.loads(printed.stdout)).reshape(-1, len(order), 3)
     positions = np.empty_like(frames)
     positions[:, order] = frames
