@@ -220,17 +220,14 @@ std::vector<Finding> CheckCoverage(const CheckedMotion& checked) {
 
 std::vector<Finding> CheckTimes(const CheckedMotion& checked) { return {CheckFrameRate(checked), CheckGaps(checked)}; }
 
-std::vector<Finding> CheckPathTimes(const CheckedMotion& checked) {
+std::string UnknownTimes(const CheckedMotion& checked, const Eigen::VectorXd& times, const Eigen::MatrixXd& positions) {
   const RecordedMotion& motion = checked.motion;
-  const HandlePath& path = motion.scene.handles.path;
-  const Eigen::VectorXd& times = path.times();
-  if (times.size() < 3 || (times.size() == motion.times.size() && times == motion.times)) return {};
   const double first = motion.times[0], last = motion.times[motion.num_frames() - 1];
   const Eigen::VectorXd intervals = times.tail(times.size() - 1) - times.head(times.size() - 1);
   const double usual = Median(intervals);
   const auto moved = [&](Eigen::Index from, Eigen::Index to) {
-    const Eigen::VectorXd step = path.positions().col(to) - path.positions().col(from);
-    return step.reshaped(3, path.num_handles()).colwise().norm().maxCoeff();
+    const Eigen::VectorXd step = positions.col(to) - positions.col(from);
+    return step.reshaped(3, step.size() / 3).colwise().norm().maxCoeff();
   };
   const double least = kMovedAcross * checked.spacing + checked.noise_floor;
   std::string holes;
@@ -240,11 +237,19 @@ std::vector<Finding> CheckPathTimes(const CheckedMotion& checked) {
       continue;
     add(Rounded(intervals[i]) + " s from " + Rounded(times[i]) + " s on");
   }
-  // A path that ends where the handles stand says all there is.
+  // A path that ends where what follows it stands says all there is.
   const Eigen::Index end = times.size() - 1, few = std::min<Eigen::Index>(kFewSamples, end);
   const auto speed = [&](Eigen::Index from, Eigen::Index to) { return moved(from, to) / (times[to] - times[from]); };
   if (speed(end - few, end) * (last - times[end]) > least) add("all after its end at " + Rounded(times[end]) + " s");
   if (speed(0, few) * (times[0] - first) > least) add("all before its start at " + Rounded(times[0]) + " s");
+  return holes;
+}
+
+std::vector<Finding> CheckPathTimes(const CheckedMotion& checked) {
+  const RecordedMotion& motion = checked.motion;
+  const Eigen::VectorXd& times = motion.scene.handles.path.times();
+  if (times.size() < 3 || (times.size() == motion.times.size() && times == motion.times)) return {};
+  const std::string holes = UnknownTimes(checked, times, motion.scene.handles.path.positions());
   if (holes.empty()) return {};
   Finding finding;
   finding.what = "path of handles";

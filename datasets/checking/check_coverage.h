@@ -2,6 +2,8 @@
 #ifndef CLOTHID_DATASETS_CHECKING_CHECK_COVERAGE_H_
 #define CLOTHID_DATASETS_CHECKING_CHECK_COVERAGE_H_
 
+#include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "datasets/checking/checked_motion.h"
@@ -13,6 +15,9 @@ namespace clothid {
 std::vector<Finding> CheckCoverage(const CheckedMotion& checked);
 // Frame rate and gaps alone, for clouds without tracked points.
 std::vector<Finding> CheckTimes(const CheckedMotion& checked);
+// Where a path with the positions [3P x K] m of points at `times` [K >= 2] s is not known although they move, in words:
+// "0.5 s from 0.6 s on, all after its end at 1.2 s". Empty where it is known.
+std::string UnknownTimes(const CheckedMotion& checked, const Eigen::VectorXd& times, const Eigen::MatrixXd& positions);
 // Whether the path of the handles is known all the time; for handles that move. Empty where it is.
 std::vector<Finding> CheckPathTimes(const CheckedMotion& checked);
 // The time step of the scene against the frame rate.

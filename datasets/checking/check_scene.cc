@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "datasets/checking/check_coverage.h"
 #include "datasets/checking/finding_words.h"
 #include "sim/scene/pieces.h"
 
@@ -24,6 +25,9 @@ constexpr double kSideways = 60.0;             // degrees
 constexpr double kRadian = 57.29577951308232;  // degrees
 constexpr double kEarth = 9.81;                // m/s^2
 constexpr double kEarthTolerance = 0.05;       // by share; the poles and the equator differ by 0.5 %
+constexpr double kBodyJump = 0.25;             // of the spacing: less is no jump of a body, as of a handle
+constexpr double kFastBody = 1.0;              // m/s: so fast are robots and hands at most, where rows are far apart
+constexpr double kMarkerReach = 0.5;           // of the cloth's size
 constexpr double kLightFabric = 0.031, kHeavyFabric = 0.488;  // kg/m^2
 constexpr double kBeyondFabric = 3.0;                     // as a factor: nothing is woven or knitted so light or heavy
 constexpr double kLargeCloth = 10.0, kSmallCloth = 0.01;  // m
@@ -50,6 +54,28 @@ Finding CheckStart(const CheckedMotion& checked) {
   return finding;
 }
 
+// How deep a point has to be inside an obstacle that it cannot be in, m.
+double FarInside(const CheckedMotion& checked) { return kDeep * checked.cloth_size + checked.noise_floor; }
+
+// "an obstacle"; of several the names of those that points are deep inside in `frames`.
+std::string DeepIn(const CheckedMotion& checked, const std::vector<int>& frames) {
+  const Scene& scene = checked.motion.scene;
+  if (scene.obstacles.size() < 2) return "an obstacle";
+  std::string names;
+  for (const SceneObstacle& obstacle : scene.obstacles) {
+    const auto is_around = [&](int frame) {
+      const double limit = obstacle.contact_distance - FarInside(checked);
+      const Eigen::Matrix3Xd places = checked.Places(frame);
+      for (const auto& place : places.colwise()) {
+        if (obstacle.Closest(place, checked.motion.times[frame]).gap < limit) return true;
+      }
+      return false;
+    };
+    if (std::any_of(frames.begin(), frames.end(), is_around)) names += (names.empty() ? "" : ", ") + obstacle.name;
+  }
+  return names;
+}
+
 Finding TellTouch(const CheckedMotion& checked, const Touch& touch) {
   Finding finding;
   finding.what = "contact";
@@ -62,7 +88,7 @@ Finding TellTouch(const CheckedMotion& checked, const Touch& touch) {
   } else if (!touch.deep.empty()) {
     finding.frames = touch.deep;
     finding.severity = Severity::kWarning;
-    finding.hint = "points are deep inside an obstacle in " + Named("frame", touch.deep) +
+    finding.hint = "points are deep inside " + DeepIn(checked, touch.deep) + " in " + Named("frame", touch.deep) +
                    ": check frame of reference, unit and obstacles";
   } else if (touch.share > kManyTouch && touch.depth > kSunk * checked.cloth_size + checked.noise_floor / 3.0) {
     finding.severity = Severity::kWarning;
@@ -147,6 +173,58 @@ std::vector<Finding> CheckClothSize(const CheckedMotion& checked) {
                   "points, mesh, handles and obstacles are in m: motion convert --scale, and numbers in the scene")};
 }
 
+// Six points of the body, `reach` m to either side of its origin along each of its axes [18 x T] m: of a body that only
+// turns most of them move, too.
+Eigen::MatrixXd BodyMarkers(const RigidPath& path, double reach) {
+  Eigen::MatrixXd markers(18, path.times().size());
+  for (Eigen::Index row = 0; row < markers.cols(); ++row) {
+    const AffineMap pose = path.At(path.times()[row]).pose;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d arm = reach * Eigen::Vector3d::Unit(axis);
+      markers.col(row).segment<6>(6 * axis) << Apply(pose, arm), Apply(pose, -arm);
+    }
+  }
+  return markers;
+}
+
+void Warn(const std::string& value, const std::string& hint, Finding* finding) {
+  finding->severity = Severity::kWarning;
+  finding->value += "; " + value;
+  finding->hint += (finding->hint.empty() ? "" : "; ") + hint;
+}
+
+Finding CheckPath(const CheckedMotion& checked, const SceneObstacle& obstacle) {
+  const Eigen::VectorXd &times = obstacle.path->times(), &frames = checked.motion.times;
+  const double first = times[0], last = times[times.size() - 1];
+  Finding finding;
+  finding.what = "path of " + obstacle.name;
+  finding.value = "one pose: it stands still";
+  if (times.size() < 2) return finding;
+  finding.value = std::to_string(times.size()) + " poses from " + Rounded(first) + " s to " + Rounded(last) + " s";
+  if (first >= frames[frames.size() - 1] || last <= frames[0]) {
+    Warn("the recording lasts from " + Rounded(frames[0]) + " s to " + Rounded(frames[frames.size() - 1]) + " s",
+         "it stands still all the time: another clock? See motion convert --obstacle_time_offset", &finding);
+    return finding;
+  }
+  const Eigen::MatrixXd markers = BodyMarkers(*obstacle.path, kMarkerReach * checked.cloth_size);
+  const std::string unknown = UnknownTimes(checked, times, markers);
+  if (!unknown.empty()) {
+    Warn("not known for " + unknown,
+         "a smooth curve, or a standstill, is put there: complete the path, or leave these frames out (motion convert "
+         "--frames, --skip_frames)",
+         &finding);
+  }
+  const double interval = Median(times.tail(times.size() - 1) - times.head(times.size() - 1));
+  const double floor = std::max(kBodyJump * checked.spacing + checked.noise_floor, kFastBody * interval);
+  const std::vector<int> jumps = ClothJumps(times, markers, floor);
+  if (!jumps.empty()) {
+    Warn("jumps at " + Rounded(times[jumps.front()]) + " s" +
+             (jumps.size() > 1 ? " and until " + Rounded(times[jumps.back()]) + " s" : ""),
+         "the simulated cloth is hit or left behind there: smooth the path, or leave those rows out", &finding);
+  }
+  return finding;
+}
+
 }  // namespace
 
 Touch FindTouch(const CheckedMotion& checked) {
@@ -157,7 +235,7 @@ Touch FindTouch(const CheckedMotion& checked) {
   if (motion.scene.obstacles.empty()) return touch;
   const Eigen::Vector3d down = motion.scene.gravity.normalized();
   const double near = kTouching * checked.cloth_size + checked.noise_floor;
-  const double far_inside = kDeep * checked.cloth_size + checked.noise_floor;
+  const double far_inside = FarInside(checked);
   std::vector<double> touching;  // gaps
   double num_places = 0.0;
   for (int frame = 0; frame < motion.num_frames(); ++frame) {
@@ -194,6 +272,14 @@ std::vector<Finding> CheckContact(const CheckedMotion& checked, const Touch& tou
   contact.what = "contact";
   contact.value = "no obstacles: friction has no meaning";
   return {contact};
+}
+
+std::vector<Finding> CheckObstaclePaths(const CheckedMotion& checked) {
+  std::vector<Finding> findings;
+  for (const SceneObstacle& obstacle : checked.motion.scene.obstacles) {
+    if (obstacle.path != nullptr) findings.push_back(CheckPath(checked, obstacle));
+  }
+  return findings;
 }
 
 std::vector<Finding> CheckGravity(const CheckedMotion& checked, const Touch& touch) {

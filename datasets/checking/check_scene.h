@@ -23,6 +23,9 @@ Touch FindTouch(const CheckedMotion& checked);
 
 // The start and contact.
 std::vector<Finding> CheckContact(const CheckedMotion& checked, const Touch& touch);
+// "path of NAME" of every obstacle that has one, in their order: whether it is known while the recording lasts, and
+// whether it jumps.
+std::vector<Finding> CheckObstaclePaths(const CheckedMotion& checked);
 // The direction of gravity against obstacles that carry the cloth, or against handles where none does; may have nothing
 // to say.
 std::vector<Finding> CheckGravity(const CheckedMotion& checked, const Touch& touch);

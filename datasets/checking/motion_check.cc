@@ -33,8 +33,8 @@ std::vector<std::string> Wrapped(const std::string& text, std::size_t width) {
 std::vector<Finding> CheckAgainstScene(const CheckedMotion& checked) {
   std::vector<Finding> findings = CheckHandles(checked);
   const Touch touch = FindTouch(checked);
-  for (const std::vector<Finding>& more :
-       {CheckContact(checked, touch), CheckGravity(checked, touch), CheckFall(checked, touch.num_free)}) {
+  for (const std::vector<Finding>& more : {CheckObstaclePaths(checked), CheckContact(checked, touch),
+                                           CheckGravity(checked, touch), CheckFall(checked, touch.num_free)}) {
     findings.insert(findings.end(), more.begin(), more.end());
   }
   return findings;
@@ -78,18 +78,21 @@ Severity Worst(const std::vector<Finding>& findings) {
 }
 
 std::string FindingsTable(const std::vector<Finding>& findings) {
-  constexpr int kWhatWidth = 22, kSeverityWidth = 9;
+  constexpr int kSeverityWidth = 9;
   constexpr std::size_t kTextWidth = 88;
+  std::size_t what_width = 22;
+  for (const Finding& finding : findings) what_width = std::max(what_width, finding.what.size() + 1);
   std::ostringstream table;
   table << std::left;
   for (const Finding& finding : findings) {
-    table << std::setw(kWhatWidth) << finding.what << std::setw(kSeverityWidth) << SeverityName(finding.severity);
+    table << std::setw(static_cast<int>(what_width)) << finding.what << std::setw(kSeverityWidth)
+          << SeverityName(finding.severity);
     std::vector<std::string> lines = Wrapped(finding.value, kTextWidth);
     if (!finding.hint.empty()) {
       for (const std::string& line : Wrapped("-> " + finding.hint, kTextWidth)) lines.push_back(line);
     }
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      table << (i == 0 ? "" : std::string(kWhatWidth + kSeverityWidth, ' ')) << lines[i] << "\n";
+      table << (i == 0 ? "" : std::string(what_width + kSeverityWidth, ' ')) << lines[i] << "\n";
     }
   }
   return table.str();

@@ -1,10 +1,10 @@
 #include "datasets/importing/handle_tracks.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 #include "datasets/formats/ros_csv.h"
+#include "datasets/importing/path_times.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
@@ -52,41 +52,12 @@ HandlePath PathOfTool(const HandleFile& file, const std::vector<int>& nodes) {
   }
 }
 
-[[noreturn]] void FailOfClock(const HandlePath& path, const Eigen::VectorXd& times, const std::string& source,
-                              const std::string& expected) {
-  const Eigen::VectorXd& known = path.times();
-  throw Error(ErrorKind::kBadData, source + ": is known from " + std::to_string(known[0]) + " s to " +
-                                       std::to_string(known[known.size() - 1]) +
-                                       " s on the clock of the recording, which lasts from " +
-                                       std::to_string(times[0]) + " s to " + std::to_string(times[times.size() - 1]) +
-                                       " s; expected " + expected);
-}
-
-void ExpectCovered(const HandlePath& path, const Eigen::VectorXd& times, const std::string& source) {
-  const Eigen::VectorXd& known = path.times();
-  double longest = 0.0;
-  for (Eigen::Index i = 1; i < known.size(); ++i) longest = std::max(longest, known[i] - known[i - 1]);
-  const double first = known[0], last = known[known.size() - 1];
-  if (known.size() == 1 || (times[0] >= first - longest && times[times.size() - 1] <= last + longest)) return;
-  FailOfClock(path, times, source, "another time offset");
-}
-
-// The knots that the path between `first` and `last` s depends on: those between, and two on either side, for slopes
-// are those of parabolas through three.
-auto NeededKnots(const Eigen::VectorXd& knots, double first, double last) {
-  constexpr Eigen::Index kBeside = 2;
-  const double *begin = knots.data(), *end = begin + knots.size();
-  const Eigen::Index from = std::lower_bound(begin, end, first) - begin,
-                     to = std::upper_bound(begin, end, last) - begin;
-  return Eigen::seq(std::max<Eigen::Index>(0, from - kBeside), std::min(knots.size(), to + kBeside) - 1);
-}
-
 }  // namespace
 
 void ExpectOneClock(const Handles& handles, const Eigen::VectorXd& times, const std::string& source) {
   const Eigen::VectorXd& known = handles.path.times();
   if (known.size() < 2 || (times[0] <= known[known.size() - 1] && times[times.size() - 1] >= known[0])) return;
-  FailOfClock(handles.path, times, source + ": the path of its handles", "one clock for both");
+  FailOfClock(known, times, source + ": the path of its handles", "one clock for both");
 }
 
 void SetHandlePaths(const Handles& handles, MotionTensors* motion) {
@@ -103,10 +74,10 @@ void SetHandlePaths(const Handles& handles, MotionTensors* motion) {
 void KeepHandlePaths(const Handles& handles, MotionTensors* motion) {
   if (handles.nodes.empty() || handles.path.num_handles() == 0) return;
   const Eigen::VectorXd &knots = handles.path.times(), &times = motion->times;
-  const auto needed = NeededKnots(knots, times[0], times[times.size() - 1]);
+  const KnotRange needed = NeededKnots(knots, times);
   motion->handle_index = handles.nodes;
-  motion->handle_times = knots(needed);
-  motion->handle_positions = handles.path.positions()(Eigen::all, needed);
+  motion->handle_times = knots.segment(needed.first, needed.count);
+  motion->handle_positions = handles.path.positions().middleCols(needed.first, needed.count);
 }
 
 HandlePath ReadHandlePath(const HandleFile& file, const std::vector<int>& nodes, const Eigen::VectorXd& times,
@@ -121,7 +92,7 @@ HandlePath ReadHandlePath(const HandleFile& file, const std::vector<int>& nodes,
     }
   }
   HandlePath path((own.times().array() - file.time_offset) + time_shift, positions);
-  ExpectCovered(path, times, file.path);
+  ExpectCovered(path.times(), times, file.path);
   return path;
 }
 

@@ -232,6 +232,7 @@ MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& optio
   tensors.scene_text = "{}";
   ValidateMotionTensors(tensors, tracks.name);
   SetScene(options, tracks.name, &tensors);
+  SetObstaclePaths(options.obstacle_files, edited.time_shift, tracks.name, &tensors);
   Verify(tensors, tracks.name);
   return tensors;
 }
@@ -262,7 +263,12 @@ MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& nam
   SetKinds(options.surface, name, &result);
   result.provenance = options.provenance;
   ValidateMotionTensors(result, name);
-  if (!options.scene_path.empty()) SetScene(options, name, &result);
+  if (options.scene_path.empty()) {
+    EditObstacleClocks(options.edit, edited.time_shift, name, &result);
+  } else {
+    SetScene(options, name, &result);
+  }
+  SetObstaclePaths(options.obstacle_files, edited.time_shift, name, &result);
   Verify(result, name);
   return result;
 }

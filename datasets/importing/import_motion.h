@@ -9,6 +9,7 @@
 #include "datasets/formats/point_tracks.h"
 #include "datasets/importing/force_file.h"
 #include "datasets/importing/handle_tracks.h"
+#include "datasets/importing/obstacle_tracks.h"
 #include "datasets/importing/point_map.h"
 #include "datasets/importing/surface_points.h"
 #include "datasets/importing/track_edit.h"
@@ -36,10 +37,11 @@ struct ImportOptions {
   double map_distance = 0.0;          // m, of kNearest and kMarkers, see `PlacementOptions`
   SurfaceMarks surface;  // without `as_surface` what a recording says is kept, and imported points are material
   std::vector<int> handle_nodes;
-  std::optional<HandleFile> handle_file;  // paths of the handles; without it those of their measured points
-  std::optional<HandlePath> handle_path;  // the same, from memory, on the clock of the recording; one of both
-  std::optional<ForceFile> force_file;    // what the handles bear; without it what a recording has
-  double sigma = 0.0;                     // m, of every point; 0: not known
+  std::optional<HandleFile> handle_file;     // paths of the handles; without it those of their measured points
+  std::optional<HandlePath> handle_path;     // the same, from memory, on the clock of the recording; one of both
+  std::vector<ObstacleFile> obstacle_files;  // paths of obstacles, in place of those that the scene gives them
+  std::optional<ForceFile> force_file;       // what the handles bear; without it what a recording has
+  double sigma = 0.0;                        // m, of every point; 0: not known
   std::string provenance;
 };
 
@@ -49,8 +51,9 @@ struct ImportOptions {
 // and kBadData for files, naming file, line or key.
 MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& options);
 
-// The same for a recording: unit, frame of reference, clock and frames change; paths of handles go with the points.
-// Scene, mesh with map, handles, forces and sigma are replaced where `options` give them.
+// The same for a recording: unit, frame of reference, clock and frames change; paths of handles go with the points,
+// those of obstacles with the clock.
+// Scene, mesh with map, handles, paths of obstacles, forces and sigma are replaced where `options` give them.
 MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& name, const ImportOptions& options);
 
 // The observed points of a recording, for export; with the faces of its mesh where point p is node p.

@@ -22,6 +22,7 @@
 #include "sim/scene/scene_json.h"
 #include "tools/motion/force_flags.h"
 #include "tools/motion/motion_commands.h"
+#include "tools/motion/obstacle_flags.h"
 
 DEFINE_string(scene, "", "convert: scene.json of the recording");
 DEFINE_string(faces, "", "convert: OBJ file with the mesh at rest");
@@ -54,7 +55,8 @@ namespace {
 // Flags that only a motion.bin can keep, and the others.
 constexpr char kSceneFlags[] =
     "scene map map_distance as_surface borders corners sigma handle_nodes handles handle_offsets handle_transform "
-    "handle_time_offset forces force_times force_sigma force_nodes force_axis force_scale force_time_offset";
+    "handle_time_offset obstacle obstacle_transform obstacle_time_offset forces force_times force_sigma force_nodes "
+    "force_axis force_scale force_time_offset";
 constexpr char kPointFlags[] =
     "faces grid transpose transform invert_transform scale times frame_rate time_scale start_at skip_frames frames";
 
@@ -172,7 +174,9 @@ void CheckOutputs(const std::string& input, const std::string& output) {
                                   FLAGS_handle_offsets, FLAGS_handle_transform}) {
     inputs.push_back(file);
   }
-  for (const std::string& file : ForceInputs()) inputs.push_back(file);
+  for (const std::vector<std::string>& more : {ForceInputs(), ObstacleInputs()}) {
+    inputs.insert(inputs.end(), more.begin(), more.end());
+  }
   if (!FLAGS_scene.empty()) {
     for (const std::string& file : FilesOfScene(FLAGS_scene)) inputs.push_back(file);
   }
@@ -189,7 +193,8 @@ std::string Provenance(const std::string& input) {
     const bool is_file = info.current_value.find('/') != std::string::npos;
     text += " --" + flag;
     if (info.type == "bool") return;
-    text += " " + (is_file                           ? std::filesystem::path(info.current_value).filename().string()
+    text += " " + (flag == "obstacle"                ? ObstacleWords()
+                   : is_file                         ? std::filesystem::path(info.current_value).filename().string()
                    : info.type == "double" && number ? ShortestText(*number)
                                                      : info.current_value);
   };
@@ -216,6 +221,7 @@ int ToMotionFile(const std::string& input, const std::string& output, ImportOpti
   SetMap(&options);
   SetHandleFile(&options);
   options.force_file = ForceFileFromFlags();
+  options.obstacle_files = ObstacleFilesFromFlags();
   options.sigma = FLAGS_sigma;
   MotionTensors motion;
   if (IsMotionName(input)) {

@@ -83,6 +83,11 @@ Handles:
   --handle_transform FILE   of the handles' frame of reference, as --transform
   --handle_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
 
+Obstacles that move:
+  --obstacle LIST      NAME=FILE,..: the path of an obstacle of the scene, CSV time,x,y,z,qx,qy,qz,qw (s, m) or ROS poses
+  --obstacle_transform FILE   of the frame of reference of their paths, as --transform
+  --obstacle_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
+
 Forces:
   --forces FILE        forces on the cloth at its handles, N: CSV time,x,y,z (or time,x0,y0,z0,x1,.. of several groups;
                        columns that are not there were not measured) or .npy of shape (F, 3), (F, G, 3) or (F)

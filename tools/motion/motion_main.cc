@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
       {"borders corners", FlagRule::kWith, "as_surface"},
       {"handles", FlagRule::kWith, "handle_nodes"},
       {"handle_offsets handle_transform handle_time_offset", FlagRule::kWith, "handles"},
+      {"obstacle_transform obstacle_time_offset", FlagRule::kWith, "obstacle"},
       {"force_times force_sigma force_nodes force_axis force_scale force_time_offset", FlagRule::kWith, "forces"},
       {"seed", FlagRule::kWith, "max_points"}};
   clothid::RunCommandLine(program, argc, argv);

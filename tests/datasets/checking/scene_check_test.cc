@@ -2,7 +2,13 @@
 // that its hints name what is wrong.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "datasets/checking/check_start.h"
 #include "datasets/checking/motion_check.h"
@@ -156,6 +162,86 @@ TEST(SceneCheck, FindsHolesInThePathOfHandles) {
   tensors.handle_positions = tensors.handle_positions(Eigen::all, kept).eval();
   EXPECT_NE(FindingOf(tensors, "path of handles").value.find("0.567 s from 0.633 s on"), std::string::npos)
       << FindingOf(tensors, "path of handles").value;
+}
+
+// The capture, with a bar that goes along x beside it, 0.01 m and 0.02 rad per row at 30 Hz, but for what `change`
+// does.
+MotionTensors WithBar(int num_rows, const std::function<void(nlohmann::json*)>& change) {
+  MotionTensors tensors = MadeUpCapture();
+  nlohmann::json rows = nlohmann::json::array();
+  for (int i = 0; i < num_rows; ++i) {
+    rows.push_back({i / kCaptureRate, 0.01 * i, 0.3, 0.5, 0.0, 0.0, std::sin(0.01 * i), std::cos(0.01 * i)});
+  }
+  change(&rows);
+  nlohmann::json scene = nlohmann::json::parse(tensors.scene_text);
+  scene["obstacles"] = {{{"name", "bar"}, {"type", "sphere"}, {"center", {0, 0, 0}}, {"radius", 0.1}, {"path", rows}},
+                        {{"name", "floor"}, {"type", "plane"}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}}};
+  tensors.scene_text = scene.dump();
+  return tensors;
+}
+
+TEST(SceneCheck, FindsEndsAndHolesOfThePathOfAnObstacle) {
+  const auto keep = [](nlohmann::json*) {};
+  const Finding whole = FindingOf(WithBar(kCaptureFrames, keep), "path of bar");
+  EXPECT_EQ(whole.severity, Severity::kOk) << whole.value;
+  EXPECT_EQ(whole.value, "60 poses from 0 s to 1.97 s");
+  EXPECT_EQ(FindingOf(WithBar(kCaptureFrames, keep), "path of floor").what, "");
+  EXPECT_EQ(FindingOf(WithBar(1, keep), "path of bar").severity, Severity::kOk);
+  ExpectWarning(WithBar(37, keep), "path of bar", "complete the path");
+  EXPECT_NE(FindingOf(WithBar(37, keep), "path of bar").value.find("not known for all after its end at 1.2 s"),
+            std::string::npos);
+  const auto rest_at_end = [](nlohmann::json* rows) {
+    for (std::size_t i = 31; i < rows->size(); ++i) {
+      for (std::size_t k = 1; k < 8; ++k) (*rows)[i][k] = (*rows)[30][k];
+    }
+  };
+  EXPECT_EQ(FindingOf(WithBar(37, rest_at_end), "path of bar").severity, Severity::kOk);
+  const auto leave_out = [](nlohmann::json* rows) { rows->erase(rows->begin() + 20, rows->begin() + 30); };
+  EXPECT_NE(FindingOf(WithBar(kCaptureFrames, leave_out), "path of bar").value.find("0.367 s from 0.633 s on"),
+            std::string::npos);
+}
+
+TEST(SceneCheck, FindsThePathOfAnObstacleOnAnotherClock) {
+  const auto late = [](nlohmann::json* rows) {
+    for (auto& row : *rows) row[0] = row[0].get<double>() + 100.0;
+  };
+  ExpectWarning(WithBar(kCaptureFrames, late), "path of bar", "--obstacle_time_offset");
+}
+
+TEST(SceneCheck, FindsJumpsOfThePathOfAnObstacle) {
+  const auto shift = [](nlohmann::json* rows) { (*rows)[25][2] = 0.42; };
+  const auto turn = [](nlohmann::json* rows) {
+    (*rows)[25][6] = std::sin(0.85);
+    (*rows)[25][7] = std::cos(0.85);
+  };
+  const auto lasting = [](nlohmann::json* rows) {
+    for (std::size_t i = 40; i < rows->size(); ++i) (*rows)[i][3] = 0.7;
+  };
+  for (const auto& [change, value] :
+       {std::pair<std::function<void(nlohmann::json*)>, const char*>{shift, "jumps at 0.833 s and until 0.867 s"},
+        {turn, "jumps at 0.833 s and until 0.867 s"},
+        {lasting, "jumps at 1.33 s"}}) {
+    const MotionTensors tensors = WithBar(kCaptureFrames, change);
+    ExpectWarning(tensors, "path of bar", "hit or left behind");
+    const std::string found = FindingOf(tensors, "path of bar").value;
+    EXPECT_NE(found.find(value), std::string::npos) << found;
+  }
+}
+
+// A ball flies into the cloth and stays there from 1 s on.
+TEST(SceneCheck, NamesTheObstacleThatPointsAreDeepInside) {
+  const MotionTensors tensors = WithBar(kCaptureFrames, [](nlohmann::json* rows) {
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+      (*rows)[i][1] = 0.14;
+      (*rows)[i][2] = i < 30 ? 0.3 - 0.01 * static_cast<double>(i) : 0.0;
+      (*rows)[i][3] = 0.86;
+    }
+  });
+  ExpectWarning(tensors, "contact", "deep inside bar in frames");
+  const std::vector<int> frames = FindingOf(tensors, "contact").frames;
+  ASSERT_FALSE(frames.empty());
+  EXPECT_GT(frames.front(), 20);
+  EXPECT_EQ(frames.back(), kCaptureFrames - 1);
 }
 
 TEST(SceneCheck, FindsCopies) {

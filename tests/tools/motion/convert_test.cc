@@ -136,6 +136,23 @@ TEST_F(ConvertTest, RefusesWrongFlags) {
   ExpectRefused("motion check grid.csv --grid 2x2:1x1", 1, "--grid: is a flag of convert");
 }
 
+TEST_F(ConvertTest, BringsThePathOfAnObstacle) {
+  WriteBytes(folder() / "scene.json",
+             R"({"clothid_scene": 2, "obstacles": [{"type": "sphere", "center": [0, 0, -1], "radius": 0.1}]})");
+  WriteBytes(folder() / "ball.csv", "time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n0.2,0.1,0,0,0,0,0,1\n");
+  const std::string command = kConvert;
+  ExpectRefused(command + " --obstacle ball.csv", 1, "--obstacle: expected NAME=FILE");
+  ExpectRefused(command + " --obstacle bar=ball.csv", 1, "ball.csv: a path of the obstacle 'bar'");
+  ExpectRefused(command + " --obstacle_time_offset 1", 1, "--obstacle_time_offset: expected with --obstacle");
+  ExpectRefused("motion convert grid.csv ball.bin --scene scene.json --grid 2x2:0.1x0.2 --obstacle sphere=ball.bin", 1,
+                "ball.bin: would replace an input");
+  ExpectRefused(command + " --obstacle sphere=ball.csv", 2, "another time offset");
+  ExpectSuccess(command + " --obstacle_time_offset -1600000000 --obstacle sphere=" + (folder() / "ball.csv").string());
+  const MotionTensors motion = Read("cloth.bin");
+  EXPECT_EQ(nlohmann::json::parse(motion.scene_text)["obstacles"][0]["path"].size(), 2U);
+  EXPECT_NE(motion.provenance.find(" --obstacle sphere=ball.csv"), std::string::npos) << motion.provenance;
+}
+
 TEST_F(ConvertTest, RefusesBadFiles) {
   const std::string command = kConvert;
   WriteBytes(folder() / "bad.json", "{\n\"matrix\": 3}");
