@@ -1,9 +1,5 @@
 // A small rigid motion of points,  p' = R(w) (p - c) + c + s,  and its derivatives.
-//
-// R(w) = exp([w]x) = I + sin(a)/a [w]x + (1 - cos(a))/a^2 [w]x^2,  a = |w|  (Rodrigues), [w]x y = w x y.
-// Its derivative is that of the left Jacobian of the rotations,
-//   J(w) = I + (1 - cos(a))/a^2 [w]x + (a - sin(a))/a^3 [w]x^2,   d(R(w) y)/dw = -[R(w) y]x J(w),
-// smooth at w = 0, where R = J = I.
+// R(w) and its derivative: sim/path/rotation_vector.h.
 #ifndef CLOTHID_COSTS_PREDICTION_RIGID_CORRECTION_H_
 #define CLOTHID_COSTS_PREDICTION_RIGID_CORRECTION_H_
 

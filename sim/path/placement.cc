@@ -7,7 +7,7 @@ namespace clothid {
 PoseJet PlacedPose(const RigidPath& path, const Placement& placement, double time) {
   PoseJet jet = path.At(time + placement.time_offset);
   if (!placement.turn.isZero(0.0)) {
-    const Eigen::Matrix3d turn = ExponentialOf(placement.turn).toRotationMatrix();
+    const Eigen::Matrix3d turn = RotationByVector(placement.turn).rotation;
     const Eigen::Vector3d centre = path.positions().col(0);
     jet.pose = turn * jet.pose;
     jet.pose.col(3) += centre - turn * centre;
@@ -29,8 +29,8 @@ PoseJet PlacedPoseChange(const RigidPath& path, const Placement& placement, Plac
   } else if (index < static_cast<int>(PlacementPart::kTurnX)) {
     change.pose(index - static_cast<int>(PlacementPart::kShiftX), 3) = 1.0;
   } else {
-    const Eigen::Matrix3d spin =
-        CrossMatrix(LeftJacobian(placement.turn).col(index - static_cast<int>(PlacementPart::kTurnX)));
+    const Eigen::Matrix3d spin = CrossMatrix(
+        RotationByVector(placement.turn).left_jacobian.col(index - static_cast<int>(PlacementPart::kTurnX)));
     const Eigen::Vector3d centre = path.positions().col(0);
     change.pose = spin * jet.pose;
     change.pose.col(3) -= spin * (centre + placement.shift);

@@ -29,6 +29,4 @@ Eigen::MatrixXd TableOfPath(const RigidPath& path) {
   return table;
 }
 
-std::string PoseCsv(const RigidPath& path) { return NumberTable(kHeader, TableOfPath(path)); }
-
 }  // namespace clothid

@@ -21,9 +21,6 @@ RigidPath PathOfTable(const Eigen::MatrixXd& table);
 // Its inverse.
 Eigen::MatrixXd TableOfPath(const RigidPath& path);
 
-// The text of such a file, whose numbers read back exactly.
-std::string PoseCsv(const RigidPath& path);
-
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_PATH_POSE_CSV_H_

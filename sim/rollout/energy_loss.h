@@ -10,9 +10,8 @@
 //               backward Euler takes it from every change of velocity; with stages it is of third order in h, of either
 //               sign, where nothing hits an obstacle (b . M b - c . M c)/2
 //   D_damping = -w_s f_d . v_s over all nodes, what internal damping takes
-//   D_elastic = U_n - U_{n+1} - sum w_s (f . v_s - dU/dt) over all nodes: of backward Euler >= 0 where U is convex from
-//   x_n
-//               to x_{n+1}, which it is not where cloth is compressed; of SDIRK2 an error of third order
+//   D_elastic = U_n - U_{n+1} - sum w_s (f . v_s - dU/dt) over all nodes: of backward Euler >= 0 where U is convex
+//               from x_n to x_{n+1}, which it is not where cloth is compressed; of SDIRK2 an error of third order
 // A step whose sum of these is negative gains energy that no work pays for: a property of its integrator, not an error
 // of its solver.
 #ifndef CLOTHID_SIM_ROLLOUT_ENERGY_LOSS_H_

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 
+#include "sim/path/number_table.h"
 #include "sim/path/placement.h"
 #include "sim/path/pose_csv.h"
 #include "sim/path/rotation_vector.h"
@@ -113,7 +114,7 @@ TEST(RigidPathTest, IsReadFromItsOwnText) {
   const TemporaryFolder folder;
   const std::string name = folder.File("path.csv");
   const RigidPath path = Tumbling();
-  std::ofstream(name) << PoseCsv(path);
+  std::ofstream(name) << NumberTable("time,x,y,z,qx,qy,qz,qw", TableOfPath(path));
   const RigidPath read = ReadPoseCsv(name);
   EXPECT_EQ(read.times(), path.times());
   EXPECT_EQ(read.positions(), path.positions());
