@@ -6,9 +6,9 @@
 
 #include "datasets/files/atomic_file.h"
 #include "datasets/files/file_group.h"
-#include "datasets/files/frame_names.h"
 #include "datasets/formats/track_checks.h"
 #include "sim/base/error.h"
+#include "sim/base/frame_names.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {

@@ -20,7 +20,7 @@ struct MeshFormat {
 // The OBJ text with every digit; `positions` [3 x N] must be finite.
 std::string ObjText(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const Eigen::Matrix3Xi& faces);
 
-// Reads the files that `path` stands for (FramePaths of datasets/files/frame_names.h). Faces are those of the first,
+// Reads the files that `path` stands for (FramePaths of sim/base/frame_names.h). Faces are those of the first,
 // and the others must have as many vertices, and the same faces where they have any. The files know no times, but their
 // numbers (FrameNumbers). Throws `Error`, naming the file.
 PointTracks ReadMeshSequence(const std::string& path, const MeshFormat& format);

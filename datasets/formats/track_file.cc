@@ -10,7 +10,6 @@
 
 #include "datasets/files/atomic_file.h"
 #include "datasets/files/file_kind.h"
-#include "datasets/files/frame_names.h"
 #include "datasets/formats/mesh_sequence.h"
 #include "datasets/formats/npy_tracks.h"
 #include "datasets/formats/pc2_file.h"
@@ -21,6 +20,7 @@
 #include "datasets/formats/trc_file.h"
 #include "datasets/formats/vtp_file.h"
 #include "sim/base/error.h"
+#include "sim/base/frame_names.h"
 #include "sim/base/text_file.h"
 #include "sim/mesh/obj_file.h"
 

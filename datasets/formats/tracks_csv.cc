@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/files/frame_names.h"
 #include "datasets/formats/track_cells.h"
 #include "datasets/formats/track_checks.h"
 #include "sim/base/error.h"
+#include "sim/base/frame_names.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {

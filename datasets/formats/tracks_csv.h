@@ -23,7 +23,7 @@ bool IsTracksCsvHeader(std::string_view line);
 
 // Reads such a file. Rows come in any order, as long as those of one time stand together; frames are sorted by time.
 // Points are sorted by id in natural order, in which runs of digits count as numbers (NaturalLess of
-// datasets/files/frame_names.h): the order of the rows, and who is missing in which frame, do not matter. Labels are
+// sim/base/frame_names.h): the order of the rows, and who is missing in which frame, do not matter. Labels are
 // the ids, or none where these are 0, 1, .., P - 1. Throws `Error`: kIo where the file cannot be read, else kBadData
 // naming file, line and column, also for a file of more than kMaxTracksCsvBytes.
 PointTracks ReadTracksCsv(const std::string& path);

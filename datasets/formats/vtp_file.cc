@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "datasets/files/file_group.h"
-#include "datasets/files/frame_names.h"
 #include "sim/base/byte_order.h"
+#include "sim/base/frame_names.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {

@@ -15,7 +15,7 @@
 #include <system_error>
 #include <utility>
 
-#include "datasets/files/frame_names.h"
+#include "sim/base/frame_names.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/importing/track_edit.h"
 #include "datasets/motion/motion_validation.h"

@@ -30,7 +30,7 @@ struct CloudImportOptions {
 };
 
 // The files of `input` in order. Throws `Error`: kIo where the folder cannot be read, kBadData where there are none or
-// more than kMaxCloudFiles, kUsage where ExpectOneSequence does (datasets/files/frame_names.h).
+// more than kMaxCloudFiles, kUsage where ExpectOneSequence does (sim/base/frame_names.h).
 std::vector<std::string> ListCloudFiles(const std::string& input);
 
 // One frame: shape (M, 3), float32 or float64, in m after `scale`; rows with a NaN or an infinity are left out. Throws

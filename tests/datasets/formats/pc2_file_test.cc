@@ -59,9 +59,9 @@ TEST_F(Pc2FileTest, RefusesWhatIsNoCache) {
   ExpectRefused(16, "\xff\xff\xff\xff", "at least one point, found -1");
   ExpectRefused(16, std::string(4, '\0'), "at least one point, found 0");
   ExpectRefused(16, "\xff\xff\xff\x7f", "more than 4000000 points");
-  ExpectRefused(16, "\x02", "expected 48 bytes of positions, found 24");
+  ExpectRefused(16, "\x02", "expected 24 bytes of positions in each of 2 samples, found 24");
   ExpectRefused(28, "\xff\xff\xff\x7f", "more than 10000000 frames");
-  ExpectRefused(28, "\x01", "expected 12 bytes of positions, found 24");
+  ExpectRefused(28, "\x01", "expected 12 bytes of positions in each of 1 samples, found 24");
   ExpectRefused(28, std::string(4, '\0'), "at least one sample");
   ExpectRefused(20, std::string("\x00\x00\xc0\x7f", 4), "finite first frame");
   ExpectRefused(24, std::string("\x00\x00\x80\x7f", 4), "finite first frame and sample rate");

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/files/frame_names.h"
+#include "sim/base/frame_names.h"
 #include "sim/base/text_file.h"
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"

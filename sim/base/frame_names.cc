@@ -1,4 +1,4 @@
-#include "datasets/files/frame_names.h"
+#include "sim/base/frame_names.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,6 +1,6 @@
-// The files of a sequence, one per frame. Internal to datasets/.
-#ifndef CLOTHID_DATASETS_FILES_FRAME_NAMES_H_
-#define CLOTHID_DATASETS_FILES_FRAME_NAMES_H_
+// The files of a sequence, one per frame.
+#ifndef CLOTHID_SIM_BASE_FRAME_NAMES_H_
+#define CLOTHID_SIM_BASE_FRAME_NAMES_H_
 
 #include <string>
 #include <string_view>
@@ -35,4 +35,4 @@ std::string FrameName(const std::string& pattern, long long number);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_DATASETS_FILES_FRAME_NAMES_H_
+#endif  // CLOTHID_SIM_BASE_FRAME_NAMES_H_
