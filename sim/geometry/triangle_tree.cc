@@ -48,35 +48,46 @@ void VisitTriangle(const SearchTriangle& triangle, const Vector3d& x, Nearest* n
   }
 }
 
-double SquaredDistance(const Tree::Volume& box, const Vector3d& x) {
+double SquaredDistance(const Eigen::AlignedBox3d& box, const Vector3d& x) {
   return (box.min() - x).cwiseMax(x - box.max()).cwiseMax(0.0).squaredNorm();
 }
 
 // Goes down the tree, nearer boxes first. (Eigen::BVMinimize would allocate a queue for every point.)
-void VisitTree(const Tree& tree, const std::vector<SearchTriangle>& triangles, int node, const Vector3d& x,
-               Nearest* nearest) {
+void VisitTree(const Tree& tree, const std::vector<Eigen::AlignedBox3d>& bounds,
+               const std::vector<SearchTriangle>& triangles, int node, const Vector3d& x, Nearest* nearest) {
   Tree::VolumeIterator box = nullptr, box_end = nullptr;
   Tree::ObjectIterator face = nullptr, face_end = nullptr;
   tree.getChildren(node, box, box_end, face, face_end);
   for (; face != face_end; ++face) VisitTriangle(triangles[*face], x, nearest);
   std::array<std::pair<double, int>, 2> boxes;
   std::size_t num_boxes = 0;
-  for (; box != box_end; ++box) boxes[num_boxes++] = {SquaredDistance(tree.getVolume(*box), x), *box};
+  for (; box != box_end; ++box) boxes[num_boxes++] = {SquaredDistance(bounds[*box], x), *box};
   if (num_boxes == 2 && boxes[1].first < boxes[0].first) std::swap(boxes[0], boxes[1]);
   for (std::size_t i = 0; i < num_boxes; ++i) {
-    if (boxes[i].first <= nearest->squared_distance) VisitTree(tree, triangles, boxes[i].second, x, nearest);
+    if (boxes[i].first <= nearest->squared_distance) VisitTree(tree, bounds, triangles, boxes[i].second, x, nearest);
   }
 }
 
-Tree BuildTree(const std::vector<SearchTriangle>& triangles) {
+Eigen::AlignedBox3d BoxAround(const SearchTriangle& triangle) {
+  Eigen::AlignedBox3d box(triangle.corners[0]);
+  return box.extend(triangle.corners[1]).extend(triangle.corners[2]);
+}
+
+std::shared_ptr<const Tree> BuildTree(const std::vector<SearchTriangle>& triangles) {
   std::vector<int> faces;
   std::vector<Tree::Volume> boxes;
   for (const SearchTriangle& triangle : triangles) {
     faces.push_back(static_cast<int>(faces.size()));
-    boxes.emplace_back(triangle.corners[0]);
-    boxes.back().extend(triangle.corners[1]).extend(triangle.corners[2]);
+    boxes.push_back(BoxAround(triangle));
   }
-  return Tree(faces.begin(), faces.end(), boxes.begin(), boxes.end());
+  return std::make_shared<const Tree>(faces.begin(), faces.end(), boxes.begin(), boxes.end());
+}
+
+// Of the nodes of a tree, of which children come before their parents and the root is the last.
+std::vector<Eigen::AlignedBox3d> BoxesOf(const Tree& tree) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (int node = 0; node <= tree.getRootIndex(); ++node) boxes.push_back(tree.getVolume(node));
+  return boxes;
 }
 
 }  // namespace
@@ -97,11 +108,26 @@ Vector3d SearchTriangle::Barycentric(const Vector3d& x) const {
 }
 
 TriangleTree::TriangleTree(std::vector<SearchTriangle> triangles)
-    : triangles_(std::move(triangles)), tree_(BuildTree(triangles_)) {}
+    : triangles_(std::move(triangles)), tree_(BuildTree(triangles_)), boxes_(BoxesOf(*tree_)) {}
+
+void TriangleTree::Refit(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& faces) {
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    const auto corners = faces.col(static_cast<Eigen::Index>(i));
+    triangles_[i].Place(vertices.col(corners[0]), vertices.col(corners[1]), vertices.col(corners[2]));
+  }
+  for (std::size_t node = 0; node < boxes_.size(); ++node) {
+    Tree::VolumeIterator child = nullptr, child_end = nullptr;
+    Tree::ObjectIterator face = nullptr, face_end = nullptr;
+    tree_->getChildren(static_cast<int>(node), child, child_end, face, face_end);
+    boxes_[node].setEmpty();
+    for (; face != face_end; ++face) boxes_[node].extend(BoxAround(triangles_[*face]));
+    for (; child != child_end; ++child) boxes_[node].extend(boxes_[*child]);
+  }
+}
 
 int TriangleTree::ClosestFeature(const Vector3d& x) const {
   Nearest nearest;
-  VisitTree(tree_, triangles_, tree_.getRootIndex(), x, &nearest);
+  VisitTree(*tree_, boxes_, triangles_, tree_->getRootIndex(), x, &nearest);
   return nearest.feature;
 }
 

@@ -3,7 +3,9 @@
 #define CLOTHID_SIM_GEOMETRY_TRIANGLE_TREE_H_
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
+#include <memory>
 #include <unsupported/Eigen/BVH>
 #include <vector>
 
@@ -24,11 +26,15 @@ struct SearchTriangle {
   Eigen::Vector3d Barycentric(const Eigen::Vector3d& x) const;
 };
 
-// Immutable; `ClosestFeature` may be called from several threads and allocates nothing.
+// `ClosestFeature` may be called from several threads and allocates nothing. Copies share the hierarchy.
 class TriangleTree {
  public:
   TriangleTree() = default;
   explicit TriangleTree(std::vector<SearchTriangle> triangles);
+
+  // Moves the corners of the triangles to the columns of `vertices` that `faces` [3 x F] names. The hierarchy stays,
+  // its boxes are fitted again, in time proportional to F.
+  void Refit(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& faces);
 
   // The feature that is nearest to x, the lowest one where several are equally near. There must be a triangle.
   int ClosestFeature(const Eigen::Vector3d& x) const;
@@ -38,7 +44,8 @@ class TriangleTree {
  private:
   std::vector<SearchTriangle> triangles_;
   // Other libraries have trees of triangles, too: Embree's is in single precision, CGAL's comes under the GPL.
-  Eigen::KdBVH<double, 3, int> tree_;
+  std::shared_ptr<const Eigen::KdBVH<double, 3, int>> tree_;
+  std::vector<Eigen::AlignedBox3d> boxes_;  // of its nodes; those of the tree itself stay where it was built
 };
 
 }  // namespace clothid

@@ -11,10 +11,6 @@
 namespace clothid {
 namespace {
 
-// Twice the area of a triangle that counts as having none, relative to its longest side squared: the rounding of
-// coordinates given to seven digits.
-constexpr double kDegenerate = 1e-7;
-
 // An edge of a triangle, from its smaller to its larger node.
 struct HalfEdge {
   int low, high;

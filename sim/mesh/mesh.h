@@ -12,6 +12,9 @@ namespace clothid {
 // The most that a mesh may have: bounds to check before memory is asked for.
 inline constexpr int kMaxNodes = 4000000;
 inline constexpr int kMaxFaces = 2 * kMaxNodes;
+// Twice the area of a triangle that counts as having none, relative to its longest side squared: the rounding of
+// coordinates given to seven digits.
+inline constexpr double kDegenerate = 1e-7;
 
 // Draws node p to the point (1 - s) q_0 + s q_1 of an edge: sim/shell/seam_energy.h.
 struct SeamLink {

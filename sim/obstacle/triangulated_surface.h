@@ -17,13 +17,22 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
 
 #include "sim/obstacle/obstacle.h"
+#include "sim/obstacle/surface_features.h"
 
 namespace clothid {
 
 // The most faces a surface may have: what fits into the text of a scene, in which a recording carries it.
 inline constexpr int kMaxSurfaceFaces = 100000;
+
+// What is closest to a point.
+struct NearestFeature {
+  SurfaceFeature feature;
+  int face = 0;  // that it belongs to
+  SurfacePoint point;
+};
 
 // Immutable; copies share their data. `Closest` is a function of the position alone, may be called from several threads
 // and allocates nothing. Where features are equally near, which one counts is arbitrary but always the same.
@@ -38,12 +47,21 @@ class TriangulatedSurface : public Obstacle {
 
   // Where |q| is lost to rounding, n is the pseudonormal and dn/dx = 0.
   SurfacePoint Closest(const Eigen::Vector3d& position) const override;
+  NearestFeature Nearest(const Eigen::Vector3d& position) const;
+
+  // The same faces between other places of the vertices: its search tree is that of this one, refitted. Nothing is
+  // checked. Where faces lie flat on each other or have no area, n is that of one side.
+  TriangulatedSurface MovedTo(Eigen::Matrix3Xd vertices) const;
+  // Why it cannot be an obstacle where it was moved to: "triangle 5 has no area", .. Empty where it can.
+  std::string Flaw() const;
 
   const Eigen::Matrix3Xd& vertices() const;
   const Eigen::Matrix3Xi& faces() const;
 
  private:
   struct Data;
+  explicit TriangulatedSurface(std::shared_ptr<const Data> data);
+
   std::shared_ptr<const Data> data_;
 };
 
