@@ -28,6 +28,7 @@ constexpr double kEarthTolerance = 0.05;       // by share; the poles and the eq
 constexpr double kBodyJump = 0.25;             // of the spacing: less is no jump of a body, as of a handle
 constexpr double kFastBody = 1.0;              // m/s: so fast are robots and hands at most, where rows are far apart
 constexpr double kMarkerReach = 0.5;           // of the cloth's size
+constexpr int kFewVertices = 100;              // of a body that deforms are looked at
 constexpr double kLightFabric = 0.031, kHeavyFabric = 0.488;  // kg/m^2
 constexpr double kBeyondFabric = 3.0;                     // as a factor: nothing is woven or knitted so light or heavy
 constexpr double kLargeCloth = 10.0, kSmallCloth = 0.01;  // m
@@ -39,8 +40,9 @@ Finding CheckStart(const CheckedMotion& checked) {
   double deepest = 0.0;
   std::vector<int> nodes;
   const double tolerance = kTouching * checked.cloth_size;
+  const SurfacesAt surfaces(scene, scene.start_time);
   for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
-    const double gap = NearestSurface(scene, scene.initial_positions.segment<3>(3 * node), scene.start_time).gap;
+    const double gap = surfaces.Nearest(scene.initial_positions.segment<3>(3 * node)).gap;
     if (gap < -tolerance) nodes.push_back(node);
     deepest = std::max(deepest, -gap);
   }
@@ -66,8 +68,9 @@ std::string DeepIn(const CheckedMotion& checked, const std::vector<int>& frames)
     const auto is_around = [&](int frame) {
       const double limit = obstacle.contact_distance - FarInside(checked);
       const Eigen::Matrix3Xd places = checked.Places(frame);
+      const std::shared_ptr<const Obstacle> shape = obstacle.ShapeAt(checked.motion.times[frame]);
       for (const auto& place : places.colwise()) {
-        if (obstacle.Closest(place, checked.motion.times[frame]).gap < limit) return true;
+        if (shape->Closest(place).gap < limit) return true;
       }
       return false;
     };
@@ -187,27 +190,48 @@ Eigen::MatrixXd BodyMarkers(const RigidPath& path, double reach) {
   return markers;
 }
 
+// How an obstacle moves: what its rows are called, and points of it [3M x T] at the times of those.
+struct BodyTrack {
+  std::string name, row;
+  const Eigen::VectorXd& times;
+  Eigen::MatrixXd markers;
+};
+
+// Of a sequence, which may have very many vertices, some.
+BodyTrack TrackOf(const SceneObstacle& obstacle, double reach) {
+  if (obstacle.path != nullptr) {
+    return {"path of " + obstacle.name, "pose", obstacle.path->times(), BodyMarkers(*obstacle.path, reach)};
+  }
+  const SurfaceSequence& sequence = *obstacle.sequence;
+  const int every = sequence.num_vertices() / kFewVertices + 1;
+  const int count = (sequence.num_vertices() - 1) / every + 1;
+  Eigen::MatrixXd markers(3 * count, sequence.times().size());
+  for (int i = 0; i < count; ++i) markers.middleRows<3>(3 * i) = sequence.positions().middleRows<3>(3 * every * i);
+  return {"sequence of " + obstacle.name, "frame", sequence.times(), markers};
+}
+
 void Warn(const std::string& value, const std::string& hint, Finding* finding) {
   finding->severity = Severity::kWarning;
   finding->value += "; " + value;
   finding->hint += (finding->hint.empty() ? "" : "; ") + hint;
 }
 
-Finding CheckPath(const CheckedMotion& checked, const SceneObstacle& obstacle) {
-  const Eigen::VectorXd &times = obstacle.path->times(), &frames = checked.motion.times;
+Finding CheckMotionOf(const CheckedMotion& checked, const SceneObstacle& obstacle) {
+  const BodyTrack track = TrackOf(obstacle, kMarkerReach * checked.cloth_size);
+  const Eigen::VectorXd &times = track.times, &frames = checked.motion.times;
   const double first = times[0], last = times[times.size() - 1];
   Finding finding;
-  finding.what = "path of " + obstacle.name;
-  finding.value = "one pose: it stands still";
+  finding.what = track.name;
+  finding.value = "one " + track.row + ": it stands still";
   if (times.size() < 2) return finding;
-  finding.value = std::to_string(times.size()) + " poses from " + Rounded(first) + " s to " + Rounded(last) + " s";
+  finding.value =
+      std::to_string(times.size()) + " " + track.row + "s from " + Rounded(first) + " s to " + Rounded(last) + " s";
   if (first >= frames[frames.size() - 1] || last <= frames[0]) {
     Warn("the recording lasts from " + Rounded(frames[0]) + " s to " + Rounded(frames[frames.size() - 1]) + " s",
          "it stands still all the time: another clock? See motion convert --obstacle_time_offset", &finding);
     return finding;
   }
-  const Eigen::MatrixXd markers = BodyMarkers(*obstacle.path, kMarkerReach * checked.cloth_size);
-  const std::string unknown = UnknownTimes(checked, times, markers);
+  const std::string unknown = UnknownTimes(checked, times, track.markers);
   if (!unknown.empty()) {
     Warn("not known for " + unknown,
          "a smooth curve, or a standstill, is put there: complete the path, or leave these frames out (motion convert "
@@ -216,11 +240,11 @@ Finding CheckPath(const CheckedMotion& checked, const SceneObstacle& obstacle) {
   }
   const double interval = Median(times.tail(times.size() - 1) - times.head(times.size() - 1));
   const double floor = std::max(kBodyJump * checked.spacing + checked.noise_floor, kFastBody * interval);
-  const std::vector<int> jumps = ClothJumps(times, markers, floor);
+  const std::vector<int> jumps = ClothJumps(times, track.markers, floor);
   if (!jumps.empty()) {
     Warn("jumps at " + Rounded(times[jumps.front()]) + " s" +
              (jumps.size() > 1 ? " and until " + Rounded(times[jumps.back()]) + " s" : ""),
-         "the simulated cloth is hit or left behind there: smooth the path, or leave those rows out", &finding);
+         "the simulated cloth is hit or left behind there: smooth it, or leave those rows out", &finding);
   }
   return finding;
 }
@@ -241,8 +265,9 @@ Touch FindTouch(const CheckedMotion& checked) {
   for (int frame = 0; frame < motion.num_frames(); ++frame) {
     std::vector<double> gaps;
     const Eigen::Matrix3Xd places = checked.Places(frame);
+    const SurfacesAt surfaces(motion.scene, motion.times[frame]);
     for (const auto& place : places.colwise()) {
-      const SurfacePoint surface = NearestSurface(motion.scene, place, motion.times[frame]);
+      const SurfacePoint surface = surfaces.Nearest(place);
       gaps.push_back(surface.gap);
       if (!(surface.gap <= near)) continue;
       touching.push_back(surface.gap);
@@ -277,7 +302,7 @@ std::vector<Finding> CheckContact(const CheckedMotion& checked, const Touch& tou
 std::vector<Finding> CheckObstaclePaths(const CheckedMotion& checked) {
   std::vector<Finding> findings;
   for (const SceneObstacle& obstacle : checked.motion.scene.obstacles) {
-    if (obstacle.path != nullptr) findings.push_back(CheckPath(checked, obstacle));
+    if (obstacle.moves()) findings.push_back(CheckMotionOf(checked, obstacle));
   }
   return findings;
 }

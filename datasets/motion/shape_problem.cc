@@ -36,7 +36,11 @@ Eigen::Vector3d PointAt(const ObservedPoint& point, const Eigen::VectorXd& posit
 }  // namespace
 
 ShapeProblem::ShapeProblem(const Scene& scene, ShapeTargets targets)
-    : scene_(ShapeScene(scene)), targets_(std::move(targets)), model_(scene_), solver_(model_.pattern()) {
+    : scene_(ShapeScene(scene)),
+      surfaces_(scene_, scene_.start_time),
+      targets_(std::move(targets)),
+      model_(scene_),
+      solver_(model_.pattern()) {
   double sum = 0.0;
   for (Eigen::Index p = 0; p < targets_.weights.size(); ++p) {
     if (targets_.values.col(p).allFinite()) sum += targets_.weights[p];
@@ -104,9 +108,7 @@ Eigen::VectorXd ShapeProblem::Step(const ShapeWeights& weights, const Eigen::Vec
   return step;
 }
 
-SurfacePoint ShapeProblem::Nearest(const Eigen::Vector3d& position) const {
-  return NearestSurface(scene_, position, scene_.start_time);
-}
+SurfacePoint ShapeProblem::Nearest(const Eigen::Vector3d& position) const { return surfaces_.Nearest(position); }
 
 Eigen::Vector3d ShapeProblem::Misfit(std::size_t p, const Eigen::VectorXd& positions) const {
   return PointAt((*targets_.points)[p], positions) - targets_.values.col(static_cast<Eigen::Index>(p));

@@ -58,6 +58,7 @@ class ShapeProblem {
   void AddPenetrations(double weight, const Eigen::VectorXd& positions, BlockMatrix* hessian) const;
 
   Scene scene_;
+  SurfacesAt surfaces_;  // at the start
   ShapeTargets targets_;
   ClothModel model_;
   CholeskySolver solver_;

@@ -10,6 +10,7 @@ namespace {
 struct NearestObstacle {
   double slope = 1.0;                      // of its gap
   const ObstacleMotion* motion = nullptr;  // null: it stands still
+  int face = 0;                            // of one that deforms
 };
 
 // The obstacle with the smallest gap, and the geometry there.
@@ -27,7 +28,7 @@ NearestObstacle FindNearestObstacle(const Scene& scene, const Eigen::Vector3d& p
     candidate->gap = gap;
     candidate->normal = point.surface.normal;
     candidate->normal_gradient = point.surface.normal_gradient;
-    nearest = {point.slope, moves ? &motions[i] : nullptr};
+    nearest = {point.slope, moves ? &motions[i] : nullptr, point.face};
   }
   return nearest;
 }
@@ -50,7 +51,7 @@ void FindCandidate(const ClothModel& model, int node, const Eigen::VectorXd& pos
   candidate->target = -candidate->gap_speed * candidate->normal;
   candidate->least_speed = -candidate->gap_speed;
   if (nearest.motion == nullptr) return;
-  const Eigen::Vector3d velocity = nearest.motion->velocity().At(position);
+  const Eigen::Vector3d velocity = nearest.motion->VelocityAt(position, nearest.face);
   candidate->target += velocity;
   candidate->least_speed += candidate->normal.dot(velocity);
 }
@@ -70,7 +71,7 @@ void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, d
 }
 
 Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, double friction_coefficient,
-                                        const ObstacleMotion* motion) {
+                                        const AffineMotion* motion) {
   const ContactCandidate& candidate = contact.candidate;
   const Eigen::Vector3d& n = candidate.normal;
   const Eigen::Matrix3d impulse_gradient = ImpulseForceJacobian(contact.response, n, friction_coefficient);

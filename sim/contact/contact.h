@@ -59,9 +59,9 @@ void FindCandidates(const ClothModel& model, const Eigen::VectorXd& positions, d
                     const std::vector<ObstacleMotion>& motions, std::vector<ContactCandidate>* candidates);
 
 // dPhi/dx_n of a contact through normal, gap and V: X = -[D + S d (gap_speed_slope n n^T + gap_speed N' - W)], W =
-// dV/dx of its obstacle; `motion` may be null: it stands still.
+// dV/dx of its obstacle; `motion` is that near the node, or null: it stands still.
 Eigen::Matrix3d ContactPositionJacobian(const Contact& contact, double friction_coefficient,
-                                        const ObstacleMotion* motion = nullptr);
+                                        const AffineMotion* motion = nullptr);
 
 // d(J^T r)/dtheta of a contact at fixed v and x_n, where its obstacle's motion depends on theta: `change`.
 Eigen::Vector3d ContactMotionDerivative(const Contact& contact, double friction_coefficient,

@@ -17,7 +17,7 @@ Eigen::Vector3d ImpactVelocity(const Contact& contact, double mass, const Eigen:
 
 ImpactVelocityDerivative DifferentiateImpactVelocity(const Contact& contact, double mass,
                                                      const Eigen::Vector3d& velocity_change,
-                                                     const ObstacleMotion* motion) {
+                                                     const AffineMotion* motion) {
   ImpactVelocityDerivative derivative;
   const double share = ImpactShare(contact, mass, velocity_change);
   if (share == 0.0) return derivative;

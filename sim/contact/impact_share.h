@@ -38,7 +38,7 @@ struct ImpactVelocityDerivative {
 };
 ImpactVelocityDerivative DifferentiateImpactVelocity(const Contact& contact, double mass,
                                                      const Eigen::Vector3d& velocity_change,
-                                                     const ObstacleMotion* motion = nullptr);
+                                                     const AffineMotion* motion = nullptr);
 
 }  // namespace clothid
 

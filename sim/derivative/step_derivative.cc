@@ -43,6 +43,16 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
   if (record.contacts.empty()) return;
   motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
   contacts_ = RestoreContacts(model_, parameters, start.positions, record.times(), motions_, record.contacts);
+  if (motions_.empty()) return;
+  for (const Contact& contact : contacts_) {
+    const Eigen::Vector3d place = start.positions.segment<3>(3 * contact.candidate.node);
+    contact_motions_.push_back(motions_[contact.candidate.obstacle].Near(place));
+  }
+}
+
+const AffineMotion* StepDerivative::motion_of(const Contact& contact) const {
+  if (motions_.empty() || !motions_[contact.candidate.obstacle].moves()) return nullptr;
+  return &contact_motions_[static_cast<std::size_t>(&contact - contacts_.data())];
 }
 
 bool StepDerivative::Factor(StepJacobian::Method method) {
@@ -236,15 +246,15 @@ const Eigen::VectorXd* StepDerivative::MassSlopes(ParameterId id) const {
 }
 
 std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {
-  const SceneObstacle& obstacle = model_.scene().obstacles[id.obstacle];
-  const SolveMaps maps =
-      ObstacleMapsChange(obstacle, parameters_.placement(id.obstacle), PartOf(id.kind), record_.times());
   std::vector<MotionChange> changes(contacts_.size());
+  if (contacts_.empty()) return changes;
+  const ObstacleChange change(model_.scene().obstacles[id.obstacle], motions_[id.obstacle],
+                              parameters_.placement(id.obstacle), PartOf(id.kind), record_.times());
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const ContactCandidate& candidate = contacts_[i].candidate;
     if (candidate.obstacle != id.obstacle) continue;
-    changes[i] = motions_[id.obstacle].Differentiate(maps, start_.positions.segment<3>(3 * candidate.node),
-                                                     candidate.normal, candidate.normal_gradient);
+    changes[i] =
+        change.At(start_.positions.segment<3>(3 * candidate.node), candidate.normal, candidate.normal_gradient);
   }
   return changes;
 }

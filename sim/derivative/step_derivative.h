@@ -69,11 +69,8 @@ class StepDerivative {
   // Of a placement: what it changes at every contact, nothing at those with other obstacles.
   std::vector<MotionChange> MotionChanges(ParameterId id) const;
 
-  // How the obstacle of a contact moves over the solve; null: it stands still.
-  const ObstacleMotion* motion_of(const Contact& contact) const {
-    return motions_.empty() || !motions_[contact.candidate.obstacle].moves() ? nullptr
-                                                                             : &motions_[contact.candidate.obstacle];
-  }
+  // How the obstacle of one of `contacts()` moves there over the solve; null: it stands still.
+  const AffineMotion* motion_of(const Contact& contact) const;
 
  private:
   Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& columns) const;  // h H y = (K y - M y - h C y)/h
@@ -92,9 +89,10 @@ class StepDerivative {
   Eigen::VectorXd masses_;         // M [3 Nf]
   Eigen::VectorXd damped_masses_;  // M + h c_d diag(a) [3 Nf]
   HeldTerms held_;
-  Eigen::VectorXd predicted_;            // x^ [3N]; empty without drag by direction
-  std::vector<ObstacleMotion> motions_;  // empty where no obstacle moves
-  std::vector<Contact> contacts_;        // of the record
+  Eigen::VectorXd predicted_;                  // x^ [3N]; empty without drag by direction
+  std::vector<ObstacleMotion> motions_;        // empty where no obstacle moves
+  std::vector<Contact> contacts_;              // of the record
+  std::vector<AffineMotion> contact_motions_;  // of their obstacles there, per contact; empty where no obstacle moves
 };
 
 }  // namespace clothid

@@ -21,6 +21,20 @@ bool IsBetweenKnots(const Eigen::VectorXd& times, Eigen::Index i) { return i >= 
 
 }  // namespace
 
+HermiteWeights::HermiteWeights(const Eigen::VectorXd& times, double time) {
+  const Eigen::Index i = IntervalAt(times, time);
+  first = second = std::max<Eigen::Index>(i, 0);
+  if (!IsBetweenKnots(times, i)) return;
+  second = i + 1;
+  const double interval = times[second] - times[first], s = (time - times[first]) / interval;
+  const Eigen::Vector3d scale(1.0, interval, interval);
+  value = scale.cwiseProduct(Eigen::Vector3d(s * s * (3.0 - 2.0 * s), s * (1.0 - s) * (1.0 - s), -s * s * (1.0 - s)));
+  rate = scale.cwiseProduct(Eigen::Vector3d(6.0 * s * (1.0 - s), (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0))) /
+         interval;
+  acceleration =
+      scale.cwiseProduct(Eigen::Vector3d(6.0 - 12.0 * s, 6.0 * s - 4.0, 6.0 * s - 2.0)) / (interval * interval);
+}
+
 Eigen::Index IntervalAt(const Eigen::VectorXd& times, double time) {
   return std::upper_bound(times.begin(), times.end(), time) - times.begin() - 1;
 }

@@ -19,6 +19,16 @@ Eigen::MatrixXd ParabolaSlopes(const Eigen::VectorXd& times, const Eigen::Matrix
 Eigen::VectorXd HermiteValue(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, const Eigen::MatrixXd& slopes,
                              double time);
 
+// The same curves, many at a time: what their values and derivatives are combined of at `time`. Of one with the values
+// a and b and the slopes p and q at the ends of the interval, any of them is
+//   w_0 (b - a) + w_1 p + w_2 q,   the value: a plus that.
+struct HermiteWeights {
+  Eigen::Index first = 0, second = 0;  // knots; the same where the curves stand still: all weights are zero
+  Eigen::Vector3d value = Eigen::Vector3d::Zero(), rate = value, acceleration = value;
+
+  HermiteWeights(const Eigen::VectorXd& times, double time);
+};
+
 // Likewise their derivatives by time, from the right where they jump: the first, /s, and the second, /s^2.
 Eigen::VectorXd HermiteRate(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, const Eigen::MatrixXd& slopes,
                             double time);

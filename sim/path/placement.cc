@@ -4,11 +4,9 @@
 
 namespace clothid {
 
-PoseJet PlacedPose(const RigidPath& path, const Placement& placement, double time) {
-  PoseJet jet = path.At(time + placement.time_offset);
+PoseJet Placed(PoseJet jet, const Placement& placement, const Eigen::Vector3d& centre) {
   if (!placement.turn.isZero(0.0)) {
     const Eigen::Matrix3d turn = RotationByVector(placement.turn).rotation;
-    const Eigen::Vector3d centre = path.positions().col(0);
     jet.pose = turn * jet.pose;
     jet.pose.col(3) += centre - turn * centre;
     jet.rate = turn * jet.rate;
@@ -18,10 +16,11 @@ PoseJet PlacedPose(const RigidPath& path, const Placement& placement, double tim
   return jet;
 }
 
-PoseJet PlacedPoseChange(const RigidPath& path, const Placement& placement, PlacementPart part, double time) {
+PoseJet PlacedChange(const PoseJet& unplaced, const Placement& placement, const Eigen::Vector3d& centre,
+                     PlacementPart part) {
   PoseJet change;
   change.pose.setZero();
-  const PoseJet jet = PlacedPose(path, placement, time);
+  const PoseJet jet = Placed(unplaced, placement, centre);
   const int index = static_cast<int>(part);
   if (part == PlacementPart::kTimeOffset) {
     change.pose = jet.rate;
@@ -31,12 +30,19 @@ PoseJet PlacedPoseChange(const RigidPath& path, const Placement& placement, Plac
   } else {
     const Eigen::Matrix3d spin = CrossMatrix(
         RotationByVector(placement.turn).left_jacobian.col(index - static_cast<int>(PlacementPart::kTurnX)));
-    const Eigen::Vector3d centre = path.positions().col(0);
     change.pose = spin * jet.pose;
     change.pose.col(3) -= spin * (centre + placement.shift);
     change.rate = spin * jet.rate;
   }
   return change;
+}
+
+PoseJet PlacedPose(const RigidPath& path, const Placement& placement, double time) {
+  return Placed(path.At(time + placement.time_offset), placement, path.positions().col(0));
+}
+
+PoseJet PlacedPoseChange(const RigidPath& path, const Placement& placement, PlacementPart part, double time) {
+  return PlacedChange(path.At(time + placement.time_offset), placement, path.positions().col(0), part);
 }
 
 }  // namespace clothid

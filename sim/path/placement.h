@@ -8,7 +8,8 @@
 
 namespace clothid {
 
-// x(t) = c + exp(turn) (A(t + time_offset) p - c) + shift, c where the path has the body's origin first.
+// x(t) = c + exp(turn) (A(t + time_offset) p - c) + shift, c where the path has the body's origin first; of a surface
+// that deforms (sim/obstacle/surface_sequence.h) the middle of its vertices then.
 struct Placement {
   double time_offset = 0.0;                         // s
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m
@@ -21,6 +22,11 @@ struct Placement {
 
 // One number of a placement.
 enum class PlacementPart { kTimeOffset, kShiftX, kShiftY, kShiftZ, kTurnX, kTurnY, kTurnZ };
+
+// `jet`, that of an affine map at t + time_offset, shifted, and turned about c. PlacedChange is its derivative by a
+// part of the placement, without the acceleration.
+PoseJet Placed(PoseJet jet, const Placement& placement, const Eigen::Vector3d& centre);
+PoseJet PlacedChange(const PoseJet& jet, const Placement& placement, const Eigen::Vector3d& centre, PlacementPart part);
 
 // The path at `placement`.
 PoseJet PlacedPose(const RigidPath& path, const Placement& placement, double time);

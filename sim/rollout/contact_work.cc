@@ -25,9 +25,10 @@ void AddSolve(const StepRecord& record, const SolveStart& start, const Parameter
       impulse -= mass * ImpactVelocity(contact, mass, change);
     }
     impulse *= SolveWeight(record);
-    const Eigen::Vector3d carried =
-        motions.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero())
-                        : motions[contact.candidate.obstacle].velocity().At(start.positions.segment<3>(row));
+    const Eigen::Vector3d place = start.positions.segment<3>(row);
+    const Eigen::Vector3d carried = motions.empty()
+                                        ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+                                        : motions[contact.candidate.obstacle].Near(place).velocity().At(place);
     work->work += impulse.dot(carried);
     work->friction -= impulse.dot(record.velocities.segment<3>(row) - carried);
   }

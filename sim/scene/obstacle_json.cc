@@ -7,6 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/path/pose_csv.h"
+#include "sim/scene/sequence_json.h"
 #include "sim/scene/shape_json.h"
 
 namespace clothid {
@@ -57,7 +58,8 @@ std::shared_ptr<const RigidPath> ReadPath(const JsonNode& node, const std::strin
 
 }  // namespace
 
-std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const std::string& folder) {
+std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const RecordedSequences& recorded,
+                                         const std::string& folder) {
   if (list.items().size() > kMaxObstacles) {
     list.Fail("expected at most " + std::to_string(kMaxObstacles) + " obstacles");
   }
@@ -74,6 +76,12 @@ std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const std::string
     if (const auto path = node.Find("path")) obstacle.path = ReadPath(*path, folder);
     const auto name = node.Find("name");
     obstacle.name = name ? name->String() : UniqueName(node.Find("type")->String(), &names);
+    if (const auto sequence = node.Find("sequence")) {
+      if (obstacle.path != nullptr) sequence->Fail("expected none beside \"path\": frames are in world axes");
+      const auto own = recorded.find(obstacle.name);
+      const Eigen::MatrixXd* positions = own == recorded.end() ? nullptr : &own->second;
+      obstacle.sequence = ReadSequence(*sequence, *obstacle.shape, positions, folder);
+    }
     obstacles.push_back(std::move(obstacle));
   }
   return obstacles;

@@ -2,6 +2,8 @@
 #ifndef CLOTHID_SIM_SCENE_OBSTACLE_JSON_H_
 #define CLOTHID_SIM_SCENE_OBSTACLE_JSON_H_
 
+#include <Eigen/Core>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,10 +12,15 @@
 
 namespace clothid {
 
-// Reads the array `list`. Relative names of files in it start at `folder`. Obstacles without a name get that of their
+// The places over time of the vertices of surfaces [3V x T] m, by the names of their obstacles.
+using RecordedSequences = std::map<std::string, Eigen::MatrixXd>;
+
+// Reads the array `list`. Relative names of files in it start at `folder`. `recorded`: what a recording brings of
+// sequences, which stand where the text names no file of them. Obstacles without a name get that of their
 // type, made unique: "sphere", "sphere2", ... Throws `Error` naming key and line (kBadData) or a file that cannot be
 // read (kIo).
-std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const std::string& folder);
+std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const RecordedSequences& recorded,
+                                         const std::string& folder);
 
 }  // namespace clothid
 

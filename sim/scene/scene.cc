@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/obstacle/obstacle_motion.h"
+#include "sim/obstacle/affine_motion.h"
 
 namespace clothid {
 namespace {
@@ -84,22 +84,25 @@ bool Scene::has_damping() const { return material.damping > 0.0 || nominal_param
 
 bool Scene::has_moving_obstacles() const {
   return std::any_of(obstacles.begin(), obstacles.end(),
-                     [](const SceneObstacle& obstacle) { return obstacle.path != nullptr; });
+                     [](const SceneObstacle& obstacle) { return obstacle.moves(); });
 }
 
-SurfacePoint SceneObstacle::Closest(const Eigen::Vector3d& position, double time) const {
-  if (path == nullptr) return shape->Closest(position);
-  SolveMaps maps;
-  maps.start = path->At(time).pose;
-  return ObstacleMotion(maps).Closest(*shape, position).surface;
+std::shared_ptr<const Obstacle> SceneObstacle::ShapeAt(double time) const {
+  if (path != nullptr) return std::make_shared<MovedShape>(shape, path->At(time).pose);
+  if (sequence == nullptr) return shape;
+  return std::make_shared<TriangulatedSurface>(sequence->MovedTo(sequence->At({}, time).pose));
 }
 
-SurfacePoint NearestSurface(const Scene& scene, const Eigen::Vector3d& position, double time) {
+SurfacesAt::SurfacesAt(const Scene& scene, double time) : scene_(scene) {
+  for (const SceneObstacle& obstacle : scene.obstacles) shapes_.push_back(obstacle.ShapeAt(time));
+}
+
+SurfacePoint SurfacesAt::Nearest(const Eigen::Vector3d& position) const {
   SurfacePoint nearest;
   nearest.gap = std::numeric_limits<double>::infinity();
-  for (const SceneObstacle& obstacle : scene.obstacles) {
-    SurfacePoint surface = obstacle.Closest(position, time);
-    surface.gap -= obstacle.contact_distance;
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    SurfacePoint surface = shapes_[i]->Closest(position);
+    surface.gap -= scene_.obstacles[i].contact_distance;
     if (surface.gap < nearest.gap) nearest = surface;
   }
   return nearest;
@@ -163,7 +166,7 @@ ParameterId ParseParameter(const std::string& name, const Scene& scene) {
   std::string names = ParameterNames(
       obstacles, [&](ParameterKind kind) { return scene.has(kind); }, pieces);
   for (const SceneObstacle& obstacle : scene.obstacles) {
-    if (obstacle.path == nullptr) continue;
+    if (!obstacle.moves()) continue;
     for (const char* part : {".time_offset", ".shift.x (y, z)", ".turn.x (y, z)"}) {
       names.append(", ").append(obstacle.name).append(part);
     }
@@ -173,8 +176,8 @@ ParameterId ParseParameter(const std::string& name, const Scene& scene) {
     id = ParseParameter(name, obstacles, pieces);
   } catch (const Error&) {
   }
-  const bool has_path = !id || !IsPlacement(id->kind) || scene.obstacles[id->obstacle].path != nullptr;
-  if (id && scene.has(id->kind) && has_path && id->knot < scene.wind.profile.num_knots() &&
+  const bool moves = !id || !IsPlacement(id->kind) || scene.obstacles[id->obstacle].moves();
+  if (id && scene.has(id->kind) && moves && id->knot < scene.wind.profile.num_knots() &&
       (id->piece == kWholeCloth || scene.has_of_pieces(id->kind))) {
     return *id;
   }

@@ -15,6 +15,7 @@
 #include "sim/air/wind.h"
 #include "sim/mesh/mesh.h"
 #include "sim/obstacle/obstacle.h"
+#include "sim/obstacle/surface_sequence.h"
 #include "sim/path/handle_path.h"
 #include "sim/path/rigid_path.h"
 #include "sim/scene/material_field.h"
@@ -66,10 +67,13 @@ struct SceneObstacle {
   std::shared_ptr<const Obstacle> shape;  // in axes of its own where it has a path, else in the world's
   double friction_coefficient = 0.3;      // mu, the nominal value
   double contact_distance = 0.0;          // m; the gap is measured from this distance off the surface (cloth thickness)
-  std::shared_ptr<const RigidPath> path = nullptr;  // times on the scene's clock; null: it stands still
+  // At most one of them; times on the scene's clock. Without one it stands still.
+  std::shared_ptr<const RigidPath> path = nullptr;
+  std::shared_ptr<const SurfaceSequence> sequence = nullptr;  // of `shape`, a TriangulatedSurface; in world axes
 
-  // Of its surface at `time`, in world axes, where its path is as it was given.
-  SurfacePoint Closest(const Eigen::Vector3d& position, double time) const;
+  bool moves() const { return path != nullptr || sequence != nullptr; }
+  // Its shape at `time`, in world axes, where path or sequence are as they were given.
+  std::shared_ptr<const Obstacle> ShapeAt(double time) const;
 };
 
 // Nodes with an exact prescribed position. An empty path: they stay where they are at the start.
@@ -162,15 +166,24 @@ struct Scene {
   void SetMaterials(const Parameters& parameters);
 };
 
-// The surface of the obstacle that is nearest to `position` at `time`, its gap from the contact distance; without
-// obstacles the gap is infinite.
-SurfacePoint NearestSurface(const Scene& scene, const Eigen::Vector3d& position, double time);
+// The obstacles of a scene, which must outlive it, at one time.
+class SurfacesAt {
+ public:
+  SurfacesAt(const Scene& scene, double time);
+  // The surface of the obstacle that is nearest to `position`, its gap from the contact distance; without obstacles the
+  // gap is infinite.
+  SurfacePoint Nearest(const Eigen::Vector3d& position) const;
+
+ private:
+  const Scene& scene_;
+  std::vector<std::shared_ptr<const Obstacle>> shapes_;
+};
 
 // Throws `Error` (kBadData), prefixed by `source`, unless mesh, handles, initial state, obstacles and numbers are
 // usable.
 void ValidateScene(const Scene& scene, const std::string& source);
 
-// Throws `Error` (kBadData) unless every value is in its domain, placements are those of obstacles with a path, bending
+// Throws `Error` (kBadData) unless every value is in its domain, placements are those of obstacles that move, bending
 // stiffness, drag of either kind, damping and the constants of warp and weft are zero where the scene has no such term,
 // the elastic energies are positive
 // (`Indefinite`), fields are absent or those of the scene, finite, and the wind's profile has the times of the scene's.

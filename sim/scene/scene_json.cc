@@ -17,6 +17,7 @@
 #include "sim/scene/materials_json.h"
 #include "sim/scene/obstacle_json.h"
 #include "sim/scene/pieces.h"
+#include "sim/scene/sequence_json.h"
 
 namespace clothid {
 namespace {
@@ -41,7 +42,8 @@ class SceneReader {
     ReadMesh();
     ReadHandles();
     ReadInitial();
-    if (const auto obstacles = root_.Find("obstacles")) scene_.obstacles = ReadObstacles(*obstacles, folder_);
+    if (const auto obstacles = root_.Find("obstacles"))
+      scene_.obstacles = ReadObstacles(*obstacles, defaults_.sequences, folder_);
     AttachHandles();
     if (const auto fabric = root_.Find("fabric")) ReadFabric(*fabric, &scene_);
     if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, folder_, &scene_);
@@ -288,17 +290,20 @@ class SceneReader {
 
 std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
 
-// The texts of the keys that JsonNode::Path is asked of.
-void CollectFiles(const JsonValue& value, const std::string& folder, std::vector<std::string>* files) {
+// The texts of the keys that JsonNode::Path is asked of, in `value`, which stands under `key`.
+void CollectFiles(const JsonValue& value, const std::string& key, const std::string& folder,
+                  std::vector<std::string>* files) {
+  const bool is_start = key == "positions" && value.text != "rest";
+  const bool is_warp = key == "warp_direction" && value.text != kWarpByUv;
+  const bool is_sequence = key == "file";
+  const std::string path = (std::filesystem::path(folder) / value.text).string();
+  if (value.kind == Kind::kString && (key == "obj" || key == "path" || key == "times" || is_start || is_warp)) {
+    files->push_back(path);
+  } else if (value.kind == Kind::kString && is_sequence) {
+    for (const std::string& file : FilesOfSequence(path)) files->push_back(file);
+  }
   for (std::size_t i = 0; i < value.items.size(); ++i) {
-    const JsonValue& item = value.items[i];
-    const std::string key = i < value.keys.size() ? value.keys[i] : "";
-    const bool is_start = key == "positions" && item.text != "rest";
-    const bool is_warp = key == "warp_direction" && item.text != kWarpByUv;
-    if (item.kind == Kind::kString && (key == "obj" || key == "path" || is_start || is_warp)) {
-      files->push_back((std::filesystem::path(folder) / item.text).string());
-    }
-    CollectFiles(item, folder, files);
+    CollectFiles(value.items[i], i < value.keys.size() ? value.keys[i] : is_sequence ? key : "", folder, files);
   }
 }
 
@@ -319,7 +324,7 @@ std::vector<std::string> FilesOfScene(const std::string& path) {
   std::vector<std::string> files = {path};
   std::error_code ignored;
   if (std::filesystem::is_fifo(path, ignored)) return files;
-  CollectFiles(ParseJson(ReadText(path, kMaxJsonBytes), path), FolderOf(path), &files);
+  CollectFiles(ParseJson(ReadText(path, kMaxJsonBytes), path), "", FolderOf(path), &files);
   return files;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/scene/obstacle_json.h"
 #include "sim/scene/scene.h"
 
 namespace clothid {
@@ -17,6 +18,7 @@ struct SceneDefaults {
   double start_time = 0.0;
   double duration = 0.0;
   Handles handles;  // used for the path where the recording carries one
+  RecordedSequences sequences;
 };
 
 // Reads the text of a scene. `source` names it in errors ("scene.json" or "motion.bin: scene"); `folder` is where

@@ -207,10 +207,10 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
   const std::vector<Placement>& placements = parameters.placements;
   bool fit = placements.empty() || placements.size() == scene.obstacles.size();
   for (std::size_t i = 0; fit && i < placements.size(); ++i) {
-    fit = (scene.obstacles[i].path != nullptr || placements[i] == Placement()) &&
-          std::isfinite(placements[i].time_offset) && placements[i].shift.allFinite() && placements[i].turn.allFinite();
+    fit = (scene.obstacles[i].moves() || placements[i] == Placement()) && std::isfinite(placements[i].time_offset) &&
+          placements[i].shift.allFinite() && placements[i].turn.allFinite();
   }
-  if (!fit) throw Error(ErrorKind::kBadData, source + ": expected finite placements of obstacles that have a path");
+  if (!fit) throw Error(ErrorKind::kBadData, source + ": expected finite placements of obstacles that move");
   for (const ParameterKind kind : {ParameterKind::kSizeX, ParameterKind::kSizeY}) {
     const double factor = GetParameter(parameters, {kind});
     expect(factor >= kLeastSize && factor <= kMostSize, factor, ParameterName({kind}, {}),

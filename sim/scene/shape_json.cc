@@ -154,7 +154,7 @@ const std::vector<ShapeType>& ShapeTypes() {
       {"cylinder", {"from", "to", "radius"}, ReadCylinder},
       {"torus", {"center", "axis", "radius", "tube_radius"}, ReadTorus},
       {"bowl", {"center", "axis", "radius", "angle", "thickness"}, ReadBowl},
-      {"mesh", {"obj", "vertices", "faces"}, ReadSurface},
+      {"mesh", {"obj", "vertices", "faces", "sequence"}, ReadSurface},
   };
   return types;
 }

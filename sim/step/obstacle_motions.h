@@ -8,10 +8,12 @@
 // So a node that sticks to a point p of an obstacle ends the step exactly where that point is, A(t_{n+1}) p: the second
 // stage starts with it at A_s p, where the state of the cloth is taken to by the first (second_start.h), and its E is
 // A'(t_{n+1}) but for terms of second order in h. In the first stage the mean (A(t_1) - A(t_n))/eta would leave an
-// error of first order. What stops an impact there is told by the change of V from A'(t_n) on.
+// error of first order. What stops an impact there is told by the change of V from A'(t_n) on. Of a surface that
+// deforms A is the map of each of its faces (sim/obstacle/deformed_surface.h).
 #ifndef CLOTHID_SIM_STEP_OBSTACLE_MOTIONS_H_
 #define CLOTHID_SIM_STEP_OBSTACLE_MOTIONS_H_
 
+#include <functional>
 #include <vector>
 
 #include "sim/obstacle/obstacle_motion.h"
@@ -24,9 +26,22 @@ namespace clothid {
 // One per obstacle; empty where none moves.
 std::vector<ObstacleMotion> ObstacleMotions(const Scene& scene, const Parameters& parameters, const SolveTimes& times);
 
-// The change of an obstacle's maps with a part of its placement. The obstacle has a path.
-SolveMaps ObstacleMapsChange(const SceneObstacle& obstacle, const Placement& placement, PlacementPart part,
-                             const SolveTimes& times);
+// What a part of the placement of an obstacle that moves changes at places. Keeps references to `obstacle` and
+// `motion`, its motion over the solve.
+class ObstacleChange {
+ public:
+  ObstacleChange(const SceneObstacle& obstacle, const ObstacleMotion& motion, const Placement& placement,
+                 PlacementPart part, const SolveTimes& times);
+
+  // At a node where n and dn/dx are those.
+  MotionChange At(const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
+                  const Eigen::Matrix3d& normal_gradient) const;
+
+ private:
+  const ObstacleMotion& motion_;
+  SolveMaps maps_;                            // of a rigid body
+  std::function<SolveMaps(int face)> faces_;  // of what deforms
+};
 
 }  // namespace clothid
 

@@ -25,7 +25,8 @@ double SystemDiagonal(const ClothModel& model, const Material& material, double 
 Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, const ContactCandidate& candidate,
                              const Eigen::VectorXd& start_positions) {
   if (motions.empty()) return Eigen::Vector3d::Zero();
-  return motions[candidate.obstacle].velocity_change().At(start_positions.segment<3>(3 * candidate.node));
+  const Eigen::Vector3d position = start_positions.segment<3>(3 * candidate.node);
+  return motions[candidate.obstacle].Near(position).velocity_change().At(position);
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ class GradientCase {
       ids_.push_back({ParameterKind::kFriction, static_cast<int>(i)});
     }
     for (int i = 0; i < static_cast<int>(scene_.obstacles.size()); ++i) {
-      if (scene_.obstacles[i].path == nullptr) continue;
+      if (!scene_.obstacles[i].moves()) continue;
       for (const ParameterKind kind : kPlacementKinds) ids_.push_back({kind, i});
     }
     for (const ParameterKind kind : kMaterialKinds) {

@@ -38,10 +38,9 @@ bool IsTooDeep(const StepProblem& problem, const StepPoint& point, const StepRec
     const double moved = record.time_step *
                          candidate.normal.dot(point.velocities.segment<3>(3 * problem.free_block(static_cast<int>(i))) -
                                               candidate.target);
-    const double gap =
-        obstacle.path != nullptr
-            ? candidate.gap - record.time_step * candidate.gap_speed + moved
-            : obstacle.shape->Closest(record.positions.segment<3>(3 * candidate.node)).gap - obstacle.contact_distance;
+    const double gap = obstacle.moves() ? candidate.gap - record.time_step * candidate.gap_speed + moved
+                                        : obstacle.shape->Closest(record.positions.segment<3>(3 * candidate.node)).gap -
+                                              obstacle.contact_distance;
     if (!(gap >= least - Rounding(record.positions))) return true;
   }
   return false;

@@ -1,5 +1,5 @@
 // Obstacles that move: the surface where they are, and what a change of their motion does.
-#include "sim/obstacle/obstacle_motion.h"
+#include "sim/obstacle/affine_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -30,11 +30,11 @@ const Capsule& Shape() {
   return shape;
 }
 
-TEST(ObstacleMotionTest, APoseTakesTheSurfaceAlong) {
+TEST(AffineMotionTest, APoseTakesTheSurfaceAlong) {
   SolveMaps maps;
   maps.start.leftCols<3>() = ExponentialOf({0.4, -0.7, 0.2}).toRotationMatrix();
   maps.start.col(3) << 0.05, 0.02, -0.04;
-  const MovedSurfacePoint moved = ObstacleMotion(maps).Closest(Shape(), kPlace);
+  const MovedSurfacePoint moved = AffineMotion(maps).Closest(Shape(), kPlace);
   const Capsule there(Apply(maps.start, Shape().from()), Apply(maps.start, Shape().to()), Shape().radius());
   const SurfacePoint expected = there.Closest(kPlace);
   EXPECT_NEAR(moved.surface.gap, expected.gap, 1e-15);
@@ -43,8 +43,8 @@ TEST(ObstacleMotionTest, APoseTakesTheSurfaceAlong) {
   EXPECT_LE((moved.surface.normal_gradient - expected.normal_gradient).norm(), 1e-13);
 }
 
-TEST(ObstacleMotionTest, NormalAndItsGradientAreDerivatives) {
-  const ObstacleMotion motion(Maps());
+TEST(AffineMotionTest, NormalAndItsGradientAreDerivatives) {
+  const AffineMotion motion(Maps());
   const MovedSurfacePoint point = motion.Closest(Shape(), kPlace);
   constexpr double kStep = 1e-6;
   for (int axis = 0; axis < 3; ++axis) {
@@ -61,15 +61,15 @@ TEST(ObstacleMotionTest, NormalAndItsGradientAreDerivatives) {
 }
 
 // V is the velocity map at the body's point that is there.
-TEST(ObstacleMotionTest, MovesItsMaterialPoint) {
+TEST(AffineMotionTest, MovesItsMaterialPoint) {
   const SolveMaps maps = Maps();
   const Eigen::Vector3d point(0.2, -0.1, 0.3);
-  const ObstacleMotion motion(maps);
+  const AffineMotion motion(maps);
   EXPECT_LE((motion.velocity().At(Apply(maps.start, point)) - Apply(maps.velocity, point)).norm(), 1e-14);
   EXPECT_LE((motion.velocity_change().At(Apply(maps.start, point)) - Apply(maps.velocity_change, point)).norm(), 1e-14);
 }
 
-TEST(ObstacleMotionTest, ChangesOfTheMapsAreDerivatives) {
+TEST(AffineMotionTest, ChangesOfTheMapsAreDerivatives) {
   SolveMaps change;
   change.start << 0.2, -0.1, 0.4, 0.3, 0.5, 0.1, -0.2, -0.6, 0.3, 0.2, -0.4, 0.1;
   change.velocity = 2.0 * change.start.rowwise().reverse();
@@ -79,13 +79,13 @@ TEST(ObstacleMotionTest, ChangesOfTheMapsAreDerivatives) {
     maps.start += amount * change.start;
     maps.velocity += amount * change.velocity;
     maps.velocity_change += amount * change.velocity_change;
-    return ObstacleMotion(maps);
+    return AffineMotion(maps);
   };
-  const ObstacleMotion motion = motion_at(0.0);
+  const AffineMotion motion = motion_at(0.0);
   const SurfacePoint surface = motion.Closest(Shape(), kPlace).surface;
   const MotionChange result = motion.Differentiate(change, kPlace, surface.normal, surface.normal_gradient);
   constexpr double kStep = 1e-6;
-  const ObstacleMotion plus = motion_at(kStep), minus = motion_at(-kStep);
+  const AffineMotion plus = motion_at(kStep), minus = motion_at(-kStep);
   const MovedSurfacePoint at_plus = plus.Closest(Shape(), kPlace), at_minus = minus.Closest(Shape(), kPlace);
   const auto slope = [](const auto& a, const auto& b) { return (a - b) / (2.0 * kStep); };
   EXPECT_NEAR(slope(at_plus.surface.gap, at_minus.surface.gap), motion.Closest(Shape(), kPlace).slope * result.distance,
