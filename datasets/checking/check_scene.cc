@@ -8,6 +8,7 @@
 
 #include "datasets/checking/check_coverage.h"
 #include "datasets/checking/finding_words.h"
+#include "sim/obstacle/surface_sequence.h"
 #include "sim/scene/pieces.h"
 
 namespace clothid {

@@ -38,7 +38,7 @@ void ValidateFrame(const TriangulatedSurface& surface, const Eigen::VectorXd& ti
     FailOnFrame(frame, "the sequence jumps: " + vertex + " has a speed of " + std::to_string(speed) +
                            " m/s from the frame before; expected at most " + std::to_string(kMostPathSpeed));
   }
-  const std::string flaw = surface.MovedTo(positions.col(frame).reshaped(3, positions.rows() / 3)).Flaw();
+  const std::string flaw = surface.FlawAt(positions.col(frame).reshaped(3, positions.rows() / 3));
   if (!flaw.empty()) FailOnFrame(frame, flaw);
 }
 

@@ -26,6 +26,16 @@ void Validate(const Mesh& mesh) {
   ValidateMesh(mesh, "triangulated surface");
 }
 
+// Whose features have no numbers yet.
+std::vector<SearchTriangle> PlacedTriangles(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& faces) {
+  std::vector<SearchTriangle> triangles(static_cast<std::size_t>(faces.cols()));
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto corners = faces.col(static_cast<Eigen::Index>(i));
+    triangles[i].Place(vertices.col(corners[0]), vertices.col(corners[1]), vertices.col(corners[2]));
+  }
+  return triangles;
+}
+
 double LeastDistance(const Eigen::Matrix3Xd& vertices) { return kSingularDistance * vertices.cwiseAbs().maxCoeff(); }
 
 }  // namespace
@@ -51,12 +61,8 @@ TriangulatedSurface::TriangulatedSurface(Eigen::Matrix3Xd vertices, Eigen::Matri
   Validate(mesh);
   auto data = std::make_shared<Data>();
   data->topology = std::make_shared<SurfaceTopology>(mesh);
-  std::vector<SearchTriangle> triangles(static_cast<std::size_t>(mesh.num_faces()));
+  std::vector<SearchTriangle> triangles = PlacedTriangles(mesh.rest_positions, mesh.faces);
   data->topology->NumberFeatures(&triangles);
-  for (int face = 0; face < mesh.num_faces(); ++face) {
-    const auto corner = [&](int k) -> Eigen::Vector3d { return mesh.rest_positions.col(mesh.faces(k, face)); };
-    triangles[face].Place(corner(0), corner(1), corner(2));
-  }
   const std::string flaw = data->topology->FlawAt(triangles);
   if (!flaw.empty()) FailOnSurface(flaw);
   for (int i = 0; i < data->topology->num_features(); ++i) {
@@ -84,12 +90,16 @@ TriangulatedSurface TriangulatedSurface::MovedTo(Eigen::Matrix3Xd vertices) cons
   return TriangulatedSurface(std::move(data));
 }
 
-std::string TriangulatedSurface::Flaw() const { return data_->topology->FlawAt(data_->tree.triangles()); }
+std::string TriangulatedSurface::FlawAt(const Eigen::Matrix3Xd& vertices) const {
+  return data_->topology->FlawAt(PlacedTriangles(vertices, *data_->faces));
+}
 
 SurfacePoint TriangulatedSurface::Closest(const Eigen::Vector3d& position) const {
   const int feature = data_->tree.ClosestFeature(position);
-  return data_->features.empty() ? EvaluateFeature(data_->Feature(feature), position, data_->least_distance)
-                                 : EvaluateFeature(data_->features[feature], position, data_->least_distance);
+  if (!data_->features.empty()) {
+    return EvaluateFeature(data_->features[feature], position, data_->least_distance);
+  }
+  return EvaluateFeature(data_->Feature(feature), position, data_->least_distance);
 }
 
 NearestFeature TriangulatedSurface::Nearest(const Eigen::Vector3d& position) const {

@@ -52,8 +52,8 @@ class TriangulatedSurface : public Obstacle {
   // The same faces between other places of the vertices: its search tree is that of this one, refitted. Nothing is
   // checked. Where faces lie flat on each other or have no area, n is that of one side.
   TriangulatedSurface MovedTo(Eigen::Matrix3Xd vertices) const;
-  // Why it cannot be an obstacle where it was moved to: "triangle 5 has no area", .. Empty where it can.
-  std::string Flaw() const;
+  // Why it cannot be an obstacle there: "triangle 5 has no area", .. Empty where it can.
+  std::string FlawAt(const Eigen::Matrix3Xd& vertices) const;
 
   const Eigen::Matrix3Xd& vertices() const;
   const Eigen::Matrix3Xi& faces() const;

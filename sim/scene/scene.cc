@@ -11,6 +11,8 @@
 
 #include "sim/base/error.h"
 #include "sim/obstacle/affine_motion.h"
+#include "sim/obstacle/surface_sequence.h"
+#include "sim/obstacle/triangulated_surface.h"
 
 namespace clothid {
 namespace {

@@ -15,7 +15,6 @@
 #include "sim/air/wind.h"
 #include "sim/mesh/mesh.h"
 #include "sim/obstacle/obstacle.h"
-#include "sim/obstacle/surface_sequence.h"
 #include "sim/path/handle_path.h"
 #include "sim/path/rigid_path.h"
 #include "sim/scene/material_field.h"
@@ -23,6 +22,8 @@
 #include "sim/scene/warp.h"
 
 namespace clothid {
+
+class SurfaceSequence;  // sim/obstacle/surface_sequence.h
 
 // Bounds that keep a slip of the pen from asking for all memory or time.
 inline constexpr int kMaxSceneSteps = 10000000;

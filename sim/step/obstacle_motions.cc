@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "sim/obstacle/deformed_surface.h"
+#include "sim/obstacle/surface_sequence.h"
 
 namespace clothid {
 namespace {
