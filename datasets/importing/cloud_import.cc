@@ -15,13 +15,13 @@
 #include <system_error>
 #include <utility>
 
-#include "sim/base/frame_names.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/importing/track_edit.h"
 #include "datasets/motion/motion_validation.h"
 #include "datasets/motion/scene_text.h"
 #include "datasets/observation/cloth_surface.h"
 #include "sim/base/error.h"
+#include "sim/base/frame_names.h"
 #include "sim/base/json_document.h"
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
@@ -220,6 +220,7 @@ MotionTensors ImportClouds(const CloudImportOptions& options) {
   motion.positions.resize(0, motion.times.size());
   bool start_is_first_frame = false;
   motion.scene_text = SelfContainedText(scene, text, &start_is_first_frame);
+  motion.sequences = SequencesOf(scene);
   if (options.fit_pose) {
     ExpectUsage(!start_is_first_frame && scene.handles.path.num_handles() == 0,
                 "fit_pose: the start and the handle paths that the scene reads from files have a place of their own");

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "datasets/motion/motion_validation.h"
+#include "datasets/motion/scene_text.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
@@ -169,6 +170,7 @@ void SetScene(const ImportOptions& options, const std::string& source, MotionTen
     KeepHandlePaths(motion.scene.handles, tensors);
   }
   tensors->mesh = motion.scene.mesh;  // with the rest shape and the seams that the scene gives it
+  tensors->sequences = SequencesOf(motion.scene);
   tensors->scene_text = WithoutFiles(motion.scene_text, options.scene_path, options.mesh.has_value());
 }
 

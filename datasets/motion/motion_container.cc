@@ -92,10 +92,12 @@ class TensorReader {
   const std::string& path_;
 };
 
+bool IsSequence(const std::string& name) { return name.rfind(kSequencePrefix, 0) == 0; }
+
 void RejectUnknownTensors(const Safetensors& file, const std::string& path) {
   for (const auto& [name, tensor] : file.tensors) {
     const bool is_known = std::find(std::begin(kTensorNames), std::end(kTensorNames), name) != std::end(kTensorNames);
-    if (!is_known) FailOnData(path, "unknown tensor '" + Printable(name) + "'");
+    if (!is_known && !IsSequence(name)) FailOnData(path, "unknown tensor '" + Printable(name) + "'");
   }
 }
 
@@ -221,6 +223,11 @@ MotionTensors ToMotionTensors(const Safetensors& file, const std::string& path) 
   }
   if (reader.Has("sigma")) tensors.sigma = reader.Doubles(reader.Require("sigma", f64, {num_points}), 1).transpose();
   tensors.forces = ReadForces(reader, path);
+  for (const auto& [name, found] : file.tensors) {
+    if (!IsSequence(name)) continue;
+    const TensorInfo& tensor = reader.Require(name, f64, {kAny, kAny, 3});
+    tensors.sequences[name.substr(kSequencePrefix.size())] = reader.Doubles(tensor, 3 * tensor.shape[1]);
+  }
   tensors.scene_text = RequireMetadata(file, path, "scene");
   const auto provenance = file.metadata.find("provenance");
   if (provenance != file.metadata.end()) tensors.provenance = provenance->second;

@@ -82,6 +82,12 @@ void AddDoubles(const MotionTensors& tensors, std::vector<TensorBytes>* result) 
   }
   if (tensors.sigma.size() > 0) result->push_back({"sigma", f64, {num_points}, ToBytes<double>(tensors.sigma)});
   AddForces(tensors.forces, result);
+  for (const auto& [name, positions] : tensors.sequences) {
+    result->push_back({std::string(kSequencePrefix) + name,
+                       f64,
+                       {positions.cols(), positions.rows() / 3, 3},
+                       ToBytes<double>(positions)});
+  }
   if (tensors.cloud_sigma > 0.0) {
     result->push_back({"cloud_sigma", f64, {1}, ToBytes<double>(Eigen::VectorXd::Constant(1, tensors.cloud_sigma))});
   }

@@ -8,7 +8,8 @@
 // H, 3], or [K, H, 3] with `handle_times` F64 [K] s, strictly increasing: what moves the handles is often known at
 // other times than the cloth is seen; optional `sigma` F64 [P] m; optional `cloud_positions` F32|F64 [M, 3] m with
 // `cloud_offsets` I32 [T + 1], unordered points of the surface, of which frame i has the rows offsets[i] .. offsets[i +
-// 1] - 1, and `cloud_sigma` F64 [1] m. With them P may be 0.
+// 1] - 1, and `cloud_sigma` F64 [1] m. With them P may be 0. `sequence.NAME` F64 [S, V, 3] m: the vertices of the
+// obstacle NAME, which deforms, at the times that the scene gives of its `sequence`.
 // `__metadata__` (strings): `format` = "clothid.motion", `version` = "1", `scene` = JSON text, `provenance`, `sha256`
 // of the tensor bytes, and `header_sha256` (optional on reading) of the header with that field's value blank: the
 // SHA-256 of all header bytes after the length, padding included, in which the 64 digits of that value are replaced by

@@ -4,12 +4,16 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "datasets/motion/force_readings.h"
 #include "sim/mesh/mesh.h"
+#include "sim/scene/obstacle_json.h"
 
 namespace clothid {
+
+inline constexpr std::string_view kSequencePrefix = "sequence.";  // of the names of tensors
 
 // The tensors and strings of a motion file (datasets/motion/motion_file.h).
 struct MotionTensors {
@@ -29,6 +33,7 @@ struct MotionTensors {
   bool single_precision_clouds = true;   // they are stored as F32
   double cloud_sigma = 0.0;              // 0: not known
   ForceReadings forces;                  // or empty
+  RecordedSequences sequences;           // or empty
   std::string scene_text;
   std::string provenance;
 };

@@ -172,6 +172,7 @@ SceneDefaults MakeDefaults(const MotionTensors& tensors, const std::vector<Obser
   defaults.start_time = tensors.times[0];
   defaults.duration = tensors.times[tensors.times.size() - 1] - tensors.times[0];
   defaults.handles = MakeHandles(tensors, smooth, path);
+  defaults.sequences = tensors.sequences;
   return defaults;
 }
 

@@ -8,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
+#include "sim/obstacle/surface_sequence.h"
 #include "sim/obstacle/triangulated_surface.h"
 #include "sim/path/pose_csv.h"
 
@@ -98,6 +99,11 @@ class InlineLists {
       lists_.emplace_back("vertices", ColumnsText(surface->vertices()));
       lists_.emplace_back("faces", ColumnsText(surface->faces()));
     }
+    if (obstacle.sequence != nullptr) {
+      (*json)["sequence"] = {{"times", nullptr}};
+      const Eigen::VectorXd& times = obstacle.sequence->times();
+      lists_.emplace_back("times", Json(std::vector<double>(times.begin(), times.end())).dump());
+    }
     if (obstacle.path == nullptr || !(*json)["path"].is_string()) return;
     (*json)["path"] = nullptr;
     lists_.emplace_back("path", PathText(*obstacle.path));
@@ -125,6 +131,14 @@ std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
   // For its limits.
   ParseJson(text, "scene with the surfaces of its obstacles, their paths, the directions of its warp and its pieces");
   return text;
+}
+
+RecordedSequences SequencesOf(const Scene& scene) {
+  RecordedSequences sequences;
+  for (const SceneObstacle& obstacle : scene.obstacles) {
+    if (obstacle.sequence != nullptr) sequences[obstacle.name] = obstacle.sequence->positions();
+  }
+  return sequences;
 }
 
 std::string SelfContainedText(const Scene& original, const std::string& scene_text, bool* start_is_first_frame) {

@@ -236,6 +236,7 @@ MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const st
   SamplePositions(rollout, frame_steps, options, &motion);
   AddClouds(rollout, scene, frame_steps, options, &motion);
   SetHandlePaths(scene.handles, &motion);
+  motion.sequences = SequencesOf(scene);
   if (options.force_sensor) {
     const double rate = options.force_sensor->rate;
     const Eigen::VectorXd steps = rate == 0.0 ? frame_steps : FrameSteps(rate, scene.time_step, rollout.num_steps());

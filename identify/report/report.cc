@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "datasets/importing/handle_tracks.h"
+#include "datasets/motion/scene_text.h"
 #include "identify/base/join_words.h"
 #include "identify/base/knot_names.h"
 #include "identify/base/version.h"
@@ -214,6 +215,7 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
   tensors.mesh = motion.scene.mesh;
   SetPrediction(motion, predicted, &tensors);
   SetHandlePaths(motion.scene.handles, &tensors);
+  tensors.sequences = SequencesOf(motion.scene);
   if (forces.cols() > 0) {
     tensors.forces = motion.forces;
     tensors.forces.values = forces;

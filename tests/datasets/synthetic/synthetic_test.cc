@@ -12,6 +12,7 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/base/npy_file.h"
 #include "sim/obstacle/triangulated_surface.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/scene_json.h"
@@ -238,6 +239,38 @@ TEST(SyntheticOnASurfaceTest, ARecordingSimulatesToTheSameBits) {
   for (int step = 0; step <= rollout.num_steps(); ++step) {
     EXPECT_EQ(recorded.positions(step), rollout.positions(step)) << step;
   }
+}
+
+// The places of a body that deforms go along in tensors.
+TEST(SyntheticWithASequenceTest, ARecordingSimulatesToTheSameBits) {
+  const TemporaryFolder folder;
+  const TriangleMesh cube = CubeMesh(0.06);
+  NpyArray array{{3, 8, 3}, {}};
+  for (const double growth : {1.0, 1.2, 1.5}) {
+    for (const auto& vertex : cube.vertices.colwise()) {
+      for (const double x : Eigen::Vector3d(growth * vertex + Eigen::Vector3d(0.1, 0.1, -0.07)))
+        array.values.push_back(x);
+    }
+  }
+  const std::string file = folder.Write("grow.npy", NpyBytes(array));
+  nlohmann::json json = nlohmann::json::parse(kSceneText), body = {{"type", "mesh"}, {"contact_distance", 0.01}};
+  for (const auto& vertex : cube.vertices.colwise()) body["vertices"].push_back({vertex[0], vertex[1], vertex[2]});
+  for (const auto& face : cube.faces.colwise()) body["faces"].push_back({face[0], face[1], face[2]});
+  body["sequence"] = {{"file", "grow.npy"}, {"frame_rate", 10}};
+  json["obstacles"] = {body};
+  const Scene scene = ParseScene(json.dump(), "scene.json", folder.path());
+  Simulator simulator(scene);
+  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator);
+  ASSERT_TRUE(rollout.ok());
+  ASSERT_GT(rollout.counts.contacts, 0);
+  const std::string path = folder.File("motion.bin");
+  WriteMotion(RecordRollout(rollout, scene, json.dump(), {}), path);
+  std::filesystem::remove(file);
+  const RecordedMotion motion = ReadMotion(path);
+  Simulator again(motion.scene);
+  const Rollout recorded = Simulate(motion.scene.nominal_parameters(), motion.scene.num_steps(), &again);
+  ASSERT_EQ(recorded.num_steps(), rollout.num_steps());
+  EXPECT_EQ(recorded.positions(rollout.num_steps()), rollout.positions(rollout.num_steps()));
 }
 
 // The directions of u stand in the recording one by one, so that it needs no file.

@@ -38,6 +38,7 @@ void VisitFields(Tensors* tensors, const Visit& visit) {
   visit("force_values", &tensors->forces.values);
   visit("force_groups", &tensors->forces.groups);
   visit("force_sigma", &tensors->forces.sigma);
+  visit("sequences", &tensors->sequences);
   visit("scene_text", &tensors->scene_text);
   visit("provenance", &tensors->provenance);
 }
