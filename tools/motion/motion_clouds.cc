@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/scene/scene_json.h"
 #include "tools/motion/motion_commands.h"
+#include "tools/motion/obstacle_flags.h"
 
 DECLARE_string(scene);
 DECLARE_double(frame_rate);
@@ -46,6 +47,7 @@ CloudImportOptions OptionsFromFlags(const std::string& input) {
 std::vector<std::string> InputFiles(const std::string& clouds) {
   std::vector<std::string> files = ListCloudFiles(clouds);
   files.push_back(FLAGS_times);
+  for (const std::string& file : ObstacleInputs()) files.push_back(file);
   if (FLAGS_scene.empty()) return files;
   for (const std::string& file : FilesOfScene(FLAGS_scene)) files.push_back(file);
   return files;
@@ -57,7 +59,8 @@ int MotionConvertClouds(const std::vector<std::string>& arguments) {
   ExpectMotionName(arguments[1]);
   RefuseOverwrite(arguments[1], InputFiles(arguments[0]));
   CheckFileCanBeWritten(arguments[1]);
-  const MotionTensors tensors = ImportClouds(OptionsFromFlags(arguments[0]));
+  MotionTensors tensors = ImportClouds(OptionsFromFlags(arguments[0]));
+  SetObstaclePaths(ObstacleFilesFromFlags(), 0.0, arguments[0], &tensors);
   const RecordedMotion motion = InterpretMotion(tensors, arguments[0]);
   WriteMotion(tensors, arguments[1]);
   std::cout << arguments[1] << ": " << motion.num_frames() << " frames\n";

@@ -84,7 +84,8 @@ Handles:
   --handle_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
 
 Obstacles that move:
-  --obstacle LIST      NAME=FILE,..: the path of an obstacle of the scene, CSV time,x,y,z,qx,qy,qz,qw (s, m) or ROS poses
+  --obstacle LIST      NAME=FILE,..: the path of an obstacle of the scene, CSV time,x,y,z,qx,qy,qz,qw (s, m), ROS poses
+                       or .trc markers on it; or the vertices of one that deforms, .npy, .pc2, .obj or .ply
   --obstacle_transform FILE   of the frame of reference of their paths, as --transform
   --obstacle_time_offset S   the clock of FILE minus that of the recording, before --start_at, s (0)
 
@@ -114,6 +115,7 @@ start, handles and obstacles.
   --sigma S            standard deviation of a coordinate, m (not known)
   --voxel SIZE         keeps the mean of the points in every cube of this side, m (all points)
   --max_points N       keeps N points per frame, chosen by --seed S (all; 1)
+  --obstacle LIST, --obstacle_transform FILE, --obstacle_time_offset S   as of convert
   --fit_pose           moves the mesh as a rigid body onto the first cloud, from where the scene has it
   --float64            clouds in double precision
 )";

@@ -13,6 +13,7 @@
 #include "datasets/checking/check_start.h"
 #include "datasets/checking/motion_check.h"
 #include "tests/datasets/importing/made_up_capture.h"
+#include "tests/sim/scene/triangle_meshes.h"
 
 namespace clothid::scene_check_test {
 namespace {
@@ -178,6 +179,34 @@ MotionTensors WithBar(int num_rows, const std::function<void(nlohmann::json*)>& 
                         {{"name", "floor"}, {"type", "plane"}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}}};
   tensors.scene_text = scene.dump();
   return tensors;
+}
+
+// The capture, with a box that is stretched beside it, by 0.02 of its length per frame at 30 Hz, but for a jump.
+TEST(SceneCheck, FindsJumpsAndEndsOfASequence) {
+  const auto with_box = [](int num_frames, double jump) {
+    MotionTensors tensors = MadeUpCapture();
+    const TriangleMesh box = CubeMesh(0.1);
+    nlohmann::json body = {{"name", "box"}, {"type", "mesh"}}, times;
+    for (const auto& vertex : box.vertices.colwise()) body["vertices"].push_back({vertex[0], vertex[1], vertex[2]});
+    for (const auto& face : box.faces.colwise()) body["faces"].push_back({face[0], face[1], face[2]});
+    Eigen::MatrixXd& positions = tensors.sequences["box"];
+    positions.resize(24, num_frames);
+    for (int i = 0; i < num_frames; ++i) {
+      times.push_back(i / kCaptureRate);
+      positions.col(i) = (1.0 + 0.02 * i) * box.vertices.reshaped();
+      if (i > 20) positions.col(i).array() += jump;
+    }
+    body["sequence"] = {{"times", times}};
+    nlohmann::json scene = nlohmann::json::parse(tensors.scene_text);
+    scene["obstacles"] = {body};
+    tensors.scene_text = scene.dump();
+    return tensors;
+  };
+  const Finding whole = FindingOf(with_box(kCaptureFrames, 0.0), "sequence of box");
+  EXPECT_EQ(whole.severity, Severity::kOk) << whole.value;
+  EXPECT_EQ(whole.value, "60 frames from 0 s to 1.97 s");
+  ExpectWarning(with_box(kCaptureFrames, 0.3), "sequence of box", "hit or left behind");
+  ExpectWarning(with_box(37, 0.0), "sequence of box", "complete the path");
 }
 
 TEST(SceneCheck, FindsEndsAndHolesOfThePathOfAnObstacle) {

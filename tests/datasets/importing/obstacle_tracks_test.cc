@@ -5,13 +5,18 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "datasets/formats/track_file.h"
 #include "datasets/importing/import_motion.h"
+#include "datasets/motion/motion_file.h"
+#include "sim/obstacle/surface_sequence.h"
 #include "sim/path/pose_csv.h"
 #include "tests/datasets/importing/made_up_capture.h"
 #include "tests/expect_error.h"
+#include "tests/sim/scene/triangle_meshes.h"
 #include "tests/temporary_folder.h"
 
 namespace clothid::obstacle_tracks_test {
@@ -149,6 +154,116 @@ TEST_F(ObstacleTracksTest, RefusesWhatDoesNotFit) {
       "%time,p.position.x,p.position.y,p.position.z,"
       "p.orientation.x,p.orientation.y,p.orientation.z,p.orientation.w\n0,0,0,0,0,0,0,1\n0,0,0,0,0,0,0,1\n");
   ExpectError([&] { convert({{"bar", twice}}); }, kBadData, {"twice.csv: row 1", "time"});
+}
+
+// A cube that a capture sees, from another frame of reference: it grows, or goes the way of the bar.
+class BodyTracksTest : public ObstacleTracksTest {
+ protected:
+  BodyTracksTest() : cube_(CubeMesh(0.1)) {
+    nlohmann::json scene = nlohmann::json::parse(kScene);
+    nlohmann::json body = {{"type", "mesh"}, {"name", "body"}};
+    for (const auto& vertex : cube_.vertices.colwise()) body["vertices"].push_back({vertex[0], vertex[1], vertex[2]});
+    for (const auto& face : cube_.faces.colwise()) body["faces"].push_back({face[0], face[1], face[2]});
+    scene["obstacles"].push_back(body);
+    options_.scene_path = folder_.Write("body.json", scene.dump());
+    tracks_.name = "body";
+    tracks_.times = Eigen::VectorXd::LinSpaced(201, 99.0, 103.0);
+  }
+
+  // The vertices in `frame`, which grow: by a factor of its time.
+  Eigen::Matrix3Xd GrownAt(double time) const { return (1.0 + 0.1 * std::sin(time)) * cube_.vertices; }
+  void SetTracks(const std::function<Eigen::Matrix3Xd(double)>& places) {
+    tracks_.positions.resize(places(0.0).size(), tracks_.times.size());
+    for (Eigen::Index i = 0; i < tracks_.times.size(); ++i) {
+      tracks_.positions.col(i) = Eigen::Matrix3Xd(robot_ * places(tracks_.times[i] - 100.0)).reshaped();
+    }
+  }
+  MotionTensors Import(const std::string& path, double time_offset = 100.0) {
+    options_.obstacle_files = {{"body", path, time_offset, robot_.inverse()}};
+    return ImportMotion(ToTracks(capture_, "capture.csv"), options_);
+  }
+  SceneObstacle Body(const MotionTensors& motion) const {
+    return InterpretMotion(motion, "motion.bin", {}).scene.obstacles.at(2);
+  }
+
+  TriangleMesh cube_;
+  PointTracks tracks_;
+};
+
+TEST_F(BodyTracksTest, BringsVerticesOfAnotherClockAndFrameOfReference) {
+  SetTracks([&](double time) { return GrownAt(time); });
+  tracks_.faces = cube_.faces;
+  const std::string path = folder_.File("body.npy");
+  WriteTracks(tracks_, path);
+  const MotionTensors motion = Import(path);
+  const std::string file = folder_.File("motion.bin");
+  WriteMotion(motion, file);
+  const MotionTensors read = ReadMotionTensors(file);
+  EXPECT_EQ(read.sequences.at("body"), motion.sequences.at("body"));
+  EXPECT_EQ(read.scene_text.find("body.npy"), std::string::npos);
+  const SceneObstacle body = Body(read);
+  ASSERT_NE(body.sequence, nullptr);
+  for (const double time : capture_.times) {
+    EXPECT_LE((body.sequence->At({}, time).pose - GrownAt(time)).cwiseAbs().maxCoeff(), 1e-6) << time;
+  }
+  EXPECT_NEAR(body.sequence->times()[0], -0.04, 1e-9);  // what is not needed is left out
+  // It goes with the clock of a recording, and gives way to a path.
+  ImportOptions options;
+  options.edit.time_scale = 0.5;
+  const SceneObstacle faster = Body(ConvertMotion(read, "motion.bin", options));
+  EXPECT_NEAR(faster.sequence->times()[0], -0.02, 1e-9);
+  options.edit.time_scale = 1.0;
+  options.obstacle_files = {{"body", WriteCsv(), 100.0, robot_.inverse()}};
+  const MotionTensors on_path = ConvertMotion(read, "motion.bin", options);
+  EXPECT_TRUE(on_path.sequences.empty());
+  EXPECT_EQ(Body(on_path).sequence, nullptr);
+  EXPECT_LT(Error(on_path, 2), 1e-4);
+}
+
+TEST_F(BodyTracksTest, RefusesVerticesThatDoNotFit) {
+  SetTracks([&](double time) { return GrownAt(time); });
+  const std::string path = folder_.File("body.npy");
+  tracks_.faces = cube_.faces;
+  tracks_.faces.col(0).swap(tracks_.faces.col(1));
+  WriteTracks(tracks_, path);
+  ExpectError([&] { Import(path); }, kBadData, {"body.npy: has other triangles than the mesh of the obstacle"});
+  tracks_.faces.resize(3, 0);
+  tracks_.positions(4, 7) = std::nan("");
+  WriteTracks(tracks_, path);
+  ExpectError([&] { Import(path); }, kBadData, {"body.npy: frame 7: vertex 1 is not finite"});
+  ExpectError([&] { Import(folder_.File("body.pc2")); }, ErrorKind::kIo, {"body.pc2"});
+  WriteTracks(tracks_, folder_.File("body.pc2"));
+  ExpectError([&] { Import(folder_.File("body.pc2")); }, kUsage, {"body.pc2: has 201 frames without times", "60"});
+  tracks_.positions = tracks_.positions.topRows<21>().eval();
+  WriteTracks(tracks_, path);
+  ExpectError([&] { Import(path); }, kBadData, {"body.npy: frames of 7 vertices; expected the 8 of the mesh"});
+  options_.obstacle_files = {{"bar", path, 100.0}};
+  ExpectError([&] { ImportMotion(ToTracks(capture_, "capture.csv"), options_); }, kUsage,
+              {"body.npy", "expected a mesh, and the obstacle 'bar' is none"});
+}
+
+// Four markers of a body that stands, at the first frame of the file, where the scene has it.
+TEST_F(BodyTracksTest, FitsPosesToMarkers) {
+  Eigen::Matrix3Xd markers(3, 4);
+  markers << 0.1, -0.1, 0.0, 0.05, 0.0, 0.1, -0.1, 0.0, 0.0, 0.02, 0.0, 0.1;
+  const Eigen::Isometry3d first = BarPose(-1.0);
+  SetTracks([&](double time) { return Eigen::Matrix3Xd(BarPose(time) * markers); });
+  tracks_.labels = {"a", "b", "c", "d"};
+  tracks_.positions.col(60).head<3>().setConstant(std::nan(""));  // three are enough
+  tracks_.positions.col(62).head<6>().setConstant(std::nan(""));  // two are not: the curve goes on
+  const std::string path = folder_.File("body.trc");
+  WriteTracks(tracks_, path);
+  const RigidPath fitted = *Body(Import(path)).path;
+  for (const double time : capture_.times) {
+    const Eigen::Isometry3d expected = BarPose(time) * first.inverse();
+    EXPECT_LE((fitted.At(time).pose - expected.matrix().topRows<3>()).cwiseAbs().maxCoeff(), 1e-4) << time;
+  }
+  tracks_.positions.col(70).segment<3>(3).swap(tracks_.positions.col(70).segment<3>(6));
+  WriteTracks(tracks_, path);
+  ExpectError([&] { Import(path); }, kBadData, {"body.trc: frame 70: its markers are", "off a rigid body"});
+  tracks_.positions.col(0).head<6>().setConstant(std::nan(""));
+  WriteTracks(tracks_, path);
+  ExpectError([&] { Import(path); }, kBadData, {"body.trc: frame 0: expected three markers"});
 }
 
 }  // namespace
