@@ -61,7 +61,9 @@ std::string MujocoNumbers(const Eigen::Vector3d& vector) {
 std::string MujocoGeom(const SceneObstacle& obstacle, double friction) {
   const std::string shape = GeomShape(obstacle.shape.get());
   if (shape.empty()) {
-    return "    <!-- " + WhatIsMissing(obstacle.shape.get()) + "; its friction is " + ShortestText(friction) + " -->\n";
+    const std::string missing =
+        obstacle.sequence != nullptr ? "a mesh that deforms is left out" : WhatIsMissing(obstacle.shape.get());
+    return "    <!-- " + missing + "; its friction is " + ShortestText(friction) + " -->\n";
   }
   std::string lines;
   const auto* box = dynamic_cast<const Box*>(obstacle.shape.get());

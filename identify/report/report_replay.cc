@@ -11,6 +11,7 @@
 #include "identify/report/page_template.h"
 #include "sim/obstacle/box.h"
 #include "sim/obstacle/round_shapes.h"
+#include "sim/obstacle/surface_sequence.h"
 #include "sim/obstacle/triangulated_surface.h"
 
 namespace clothid {
@@ -145,6 +146,22 @@ Json PosesJson(const RigidPath& path, const RecordedMotion& motion, const std::v
   return poses;
 }
 
+// The vertices of an obstacle that deforms at every one of `frames`, over a grid of its own.
+Json SurfaceJson(const SurfaceSequence& sequence, const RecordedMotion& motion, const std::vector<int>& frames) {
+  Eigen::MatrixXd places(3 * sequence.num_vertices(), static_cast<Eigen::Index>(frames.size()));
+  std::vector<int> all;
+  for (const int frame : frames) {
+    places.col(static_cast<Eigen::Index>(all.size())) = sequence.At({}, motion.times[frame]).pose.reshaped();
+    all.push_back(static_cast<int>(all.size()));
+  }
+  Eigen::AlignedBox3d box;
+  AddPoints(places, &box);
+  const PositionGrid grid = GridOver(box);
+  return {{"origin", VectorJson(grid.origin)},
+          {"step", grid.step},
+          {"positions", PackPositions(Quantize(grid, places, all))}};
+}
+
 // What changes over time.
 Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double largest_error, int every) {
   const RecordedMotion& motion = *source.motion;
@@ -160,6 +177,9 @@ Json FramesJson(const ReplaySource& source, const PositionGrid& grid, double lar
   add("handle_path", source.handles);
   for (const SceneObstacle& obstacle : motion.scene.obstacles) {
     if (obstacle.path != nullptr) json["poses"][obstacle.name] = PosesJson(*obstacle.path, motion, frames);
+    if (obstacle.sequence != nullptr) {
+      json["surfaces"][obstacle.name] = SurfaceJson(*obstacle.sequence, motion, frames);
+    }
   }
   if (source.point_errors != nullptr) {
     json["errors"] = PackMagnitudes((*source.point_errors)(Eigen::all, frames).reshaped(), largest_error);

@@ -55,6 +55,10 @@ async function unpackReplay(replay) {
     obstacle.positions = new Float32Array((await unpackBytes(obstacle.vertices)).buffer);
     obstacle.indices = new Int32Array((await unpackBytes(obstacle.faces)).buffer);
   }
+  for (const surface of Object.values(replay.surfaces || {})) {
+    const obstacle = replay.obstacles.find(({name}) => replay.surfaces[name] === surface);
+    surface.grid = await grid(surface.positions, obstacle.positions.length / 3);
+  }
   return made;
 }
 

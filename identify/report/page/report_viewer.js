@@ -139,7 +139,9 @@ function makeViewer(canvas, brush = makeBrush(canvas)) {
     }
     gl.depthMask(true);
     for (const shape of replay.shapes) {
-      const positions = posedAll(shape.positions, poseOf(shape, frame));
+      const deforming = replay.surfaces && replay.surfaces[shape.name];
+      const positions = deforming ? positionsAt(deforming, deforming.grid, frame, replay.frames)
+        : posedAll(shape.positions, poseOf(shape, frame));
       drawSurface(positions, shape.indices, uniformColours(positions.length / 3, OBSTACLE), {push: 0.02});
     }
   }
