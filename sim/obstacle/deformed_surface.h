@@ -8,7 +8,8 @@
 // against each other.
 //
 //   on a face           gap = p_3, n the normal of A_0
-//   on edge and vertex  the distance from them where A_0 has the corners (triangulated_surface.h)
+//   on edge and vertex  the distance from them where A_0 has the corners (triangulated_surface.h): in the second stage
+//                       of a step off that of a rigid body by a share of second order in the angle of the step
 #ifndef CLOTHID_SIM_OBSTACLE_DEFORMED_SURFACE_H_
 #define CLOTHID_SIM_OBSTACLE_DEFORMED_SURFACE_H_
 
