@@ -28,7 +28,7 @@ struct Recording {
 };
 
 const Recording kRecordings[] = {
-    {"pull", "pull", "mu.table=0.4,k_stretch=25", {{"mu.table", 0.4}, {"k_stretch", 25.0}}, 1.2e-3},
+    {"pull", "pull", "mu.table=0.4,k_stretch=25", {{"mu.table", 0.4}, {"k_stretch", 25.0}}, 1.4e-3},
     {"sleeve", "garment/sleeve", "mu=0.3,k_stretch=25", {{"mu", 0.3}, {"k_stretch", 25.0}}, 2e-4},
     {"shirt", "garment/worn_shirt", "mu=0.3,k_stretch=150", {{"mu", 0.3}, {"k_stretch", 150.0}}, 6e-4},
 };
