@@ -9,8 +9,11 @@ FOLDER is where this script stands, unless given. The same bytes are written eve
 import json
 import math
 import pathlib
-import struct
 import sys
+
+sys.dont_write_bytecode = True
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+from npy_file import write_npy  # noqa: E402
 
 SIDE, NODES = 0.3, 16  # of a square cloth and along each of its edges
 TOP_ROW = list(range(NODES))
@@ -62,13 +65,8 @@ class Folder:
         return {"nodes": nodes, "path": f"{name}.path.csv"}
 
     def positions(self, name, nodes):
-        """Writes the positions of all nodes as float64, version 1.0 of the format .npy; returns the file's name."""
-        header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({len(nodes)}, 3), }}"
-        header += " " * (63 - (10 + len(header)) % 64) + "\n"
-        values = [value for node in nodes for value in node]
-        data = struct.pack(f"<{len(values)}d", *values)
-        (self.path / f"{name}.npy").write_bytes(
-            b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + data)
+        """Writes the positions of all nodes; returns the file's name."""
+        write_npy(self.path / f"{name}.npy", nodes)
         return f"{name}.npy"
 
     def mesh(self, name, nodes, faces):

@@ -7,10 +7,12 @@ FOLDER is where this script stands, unless given; SPACING is the distance of nod
 same bytes are written every time. Lengths are in m, times in s, angles in rad.
 """
 
-import json
 import math
 import pathlib
 import sys
+
+sys.dont_write_bytecode = True
+from garment import about, capsule, cut_cell, path, product, write_obj, write_scene  # noqa: E402
 
 WIDTH, HEIGHT, SLEEVE, CUFF, NECK = 0.56, 0.70, 0.25, 0.20, 0.15  # of a panel
 DEPTH, ABOVE = 0.14, 0.06  # of the panels from the middle of the body, and above its shoulders, at the start
@@ -32,8 +34,11 @@ class Panel:
         self.spacing, self.first_node, self.side, self.shift = spacing, first_node, side, shift
         for row in range(self.rows):
             for column in range(-self.sleeve, self.columns + self.sleeve):
-                if 0 <= column < self.columns or row >= self.rows - self.cuff:
+                if self.has_cell(column, row):
                     self.add_cell(column, row)
+
+    def has_cell(self, column, row):
+        return 0 <= column < self.columns or row >= self.rows - self.cuff
 
     def node(self, column, row):
         if (column, row) not in self.nodes:
@@ -46,7 +51,7 @@ class Panel:
     def add_cell(self, column, row):
         a, b = self.node(column, row), self.node(column + 1, row)
         c, d = self.node(column + 1, row + 1), self.node(column, row + 1)
-        halves = [(a, b, c), (a, c, d)] if (column + row) % 2 == 0 else [(a, b, d), (b, c, d)]
+        halves = cut_cell(a, b, c, d, (column + row) % 2 == 0)
         self.faces += [half if self.side < 0 else half[::-1] for half in halves]
 
     def seams(self):
@@ -58,71 +63,57 @@ class Panel:
             yield [self.nodes[across(i - self.sleeve), self.rows] for i in range(self.sleeve + shoulder + 1)]
 
 
-def about(axis, angle):
-    return [axis[0] * math.sin(angle / 2), axis[1] * math.sin(angle / 2), axis[2] * math.sin(angle / 2),
-            math.cos(angle / 2)]
+def panels(spacing):
+    """Front and back, whose nodes come after those of the front."""
+    front = Panel(spacing, 0, -1, 0.0)
+    return front, Panel(spacing, len(front.places), 1, 3.0)
 
 
-def product(a, b):
-    x, y, z, w = a
-    p, q, r, s = b
-    return [w * p + x * s + y * r - z * q, w * q - x * r + y * s + z * p, w * r + x * q - y * p + z * s,
-            w * s - x * p - y * q - z * r]
+def body(motion, times, mu=0.3):
+    """Its four capsules. `motion(t)` is the place of the trunk, its turn about z and how far the arms are lowered."""
+    def trunk(t):
+        place, turn, _ = motion(t)
+        return place, about((0, 0, 1), turn)
 
+    def arm(side):
+        def pose(t):
+            (x, y, z), turn, lowered = motion(t)
+            place = [x + side * ARM * math.cos(turn), y + side * ARM * math.sin(turn), z + SHOULDER]
+            return place, product(about((0, 0, 1), turn), about((0, 1, 0), side * lowered))
+        return pose
 
-def path(pose):
-    """Rows of a path: the body stands until the shirt is on, then `pose` of the time since then."""
-    rows = []
-    for step in range(STEPS + 1):
-        place, turn = pose(max(step / RATE - 0.8, 0.0))
-        rows.append([round(number, 9) for number in [step / RATE, *place, *turn]])
-    return rows
+    return [capsule("torso", [0, 0, -0.62], [0, 0, -0.15], 0.13, path(trunk, times), mu),
+            capsule("shoulders", [-ARM, 0, SHOULDER], [ARM, 0, SHOULDER], 0.075, path(trunk, times), mu),
+            capsule("left", [0, 0, 0], [-0.42, 0, 0], 0.05, path(arm(-1), times), mu),
+            capsule("right", [0, 0, 0], [0.42, 0, 0], 0.05, path(arm(1), times), mu)]
 
 
 def sway(t):
-    return [0.06 * math.sin(2 * t), 0.04 * (1 - math.cos(2 * t)), 0.0]
+    """The body stands until the shirt is on."""
+    t = max(t - 0.8, 0.0)
+    return [0.06 * math.sin(2 * t), 0.04 * (1 - math.cos(2 * t)), 0.0], 0.3 * math.sin(2 * t), 0.25 * (
+        1 - math.cos(1.5 * t))
 
 
-def trunk(t):
-    return sway(t), about((0, 0, 1), 0.3 * math.sin(2 * t))
+def sewing(front, back, **how):
+    """The keys of `mesh` but the file."""
+    return {"rest": "uv", "seams": [{"a": a, "b": b, **how} for a, b in zip(front.seams(), back.seams())]}
 
 
-def arm(side):
-    def pose(t):
-        (x, y, z), turn = trunk(t)
-        angle = 0.3 * math.sin(2 * t)
-        place = [x + side * ARM * math.cos(angle), y + side * ARM * math.sin(angle), z + SHOULDER]
-        return place, product(turn, about((0, 1, 0), side * 0.25 * (1 - math.cos(1.5 * t))))
-    return pose
-
-
-def capsule(name, start, end, radius, pose):
-    return {"name": name, "type": "capsule", "from": start, "to": end, "radius": radius, "mu": 0.3,
-            "contact_distance": 0.003, "path": path(pose)}
+def write_panels(file, cloth):
+    front, back = cloth
+    write_obj(file, front.places + back.places, front.map + back.map, front.faces + back.faces)
 
 
 def main():
     folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent)
-    spacing = float(sys.argv[2]) if len(sys.argv) > 2 else 0.05
-    front = Panel(spacing, 0, -1, 0.0)
-    back = Panel(spacing, len(front.places), 1, 3.0)
-    lines = [f"v {x:.6g} {y:.6g} {z:.6g}" for x, y, z in front.places + back.places]
-    lines += [f"vt {u:.6g} {v:.6g}" for u, v in front.map + back.map]
-    lines += ["f " + " ".join(f"{node + 1}/{node + 1}" for node in face) for face in front.faces + back.faces]
-    (folder / "shirt.obj").write_text("\n".join(lines) + "\n")
-    scene = {
+    cloth = panels(float(sys.argv[2]) if len(sys.argv) > 2 else 0.05)
+    write_panels(folder / "shirt.obj", cloth)
+    write_scene(folder / "shirt.scene.json", {
         "clothid_scene": 2, "time_step": 1 / RATE, "duration": STEPS / RATE,
-        "mesh": {"obj": "shirt.obj", "rest": "uv",
-                 "seams": [{"a": a, "b": b, "closes": CLOSES} for a, b in zip(front.seams(), back.seams())]},
-        "obstacles": [
-            capsule("torso", [0, 0, -0.62], [0, 0, -0.15], 0.13, trunk),
-            capsule("shoulders", [-ARM, 0, SHOULDER], [ARM, 0, SHOULDER], 0.075, trunk),
-            capsule("left", [0, 0, 0], [-0.42, 0, 0], 0.05, arm(-1)),
-            capsule("right", [0, 0, 0], [0.42, 0, 0], 0.05, arm(1))],
-        "materials": {"density": 0.18, "k_stretch": 200, "k_bend": 2e-5, "damping": 0.5, "drag": 0.05}}
-    text = json.dumps(scene, indent=None, separators=(", ", ": "))
-    (folder / "shirt.scene.json").write_text(text.replace(', "mesh"', ',\n"mesh"').replace('{"name"', '\n{"name"')
-                                             .replace(', "materials"', ',\n"materials"') + "\n")
+        "mesh": {"obj": "shirt.obj", **sewing(*cloth, closes=CLOSES)},
+        "obstacles": body(sway, [step / RATE for step in range(STEPS + 1)]),
+        "materials": {"density": 0.18, "k_stretch": 200, "k_bend": 2e-5, "damping": 0.5, "drag": 0.05}})
 
 
 if __name__ == "__main__":

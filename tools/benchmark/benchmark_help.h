@@ -135,13 +135,13 @@ sweep and its threshold. Prints errors and ms.
 )";
 
 inline constexpr char kStabilityHelp[] =
-    R"(benchmark stability: where the simulation fails or gains energy: a cloth dropped on a sphere, on a
-slope, in a gusty wind for 0.3 s, and extreme scenes one at a time. Every solve is evaluated again from what the rollout
-recorded: one that does not meet its tolerance or the contact law although it says so is a silent
-failure.
+    R"(benchmark stability: where the simulation fails or gains energy: a cloth dropped on a sphere, on one
+that moves and turns, on a slope, in a gusty wind for 0.3 s, and extreme scenes one at a time. Every solve is evaluated
+again from what the rollout recorded: one that does not meet its tolerance or the contact law although it says so is a
+silent failure.
 
   --settings LIST   of grid, extremes, and names of extremes (grid,extremes)
-  --scene LIST      of drape, slope, wind (all)
+  --scene LIST      of drape, push, slope, wind (all)
   --integrator LIST of euler, sdirk2 (both)
   --contact LIST    of gap, velocity (both)
   --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)

@@ -118,7 +118,7 @@ TEST(StabilityTest, AGridHasNoFailures) {
   options.friction_coefficients = {0.0, 0.35};
   options.nodes = kNodes;
   const StabilityBenchmark benchmark = RunStabilityBenchmark(options);
-  ASSERT_EQ(benchmark.grid.size(), 2u * (2 * 2 * 2 * 2 * 2 + 4));
+  ASSERT_EQ(benchmark.grid.size(), 2u * (3 * 2 * 2 * 2 * 2 + 4));
   EXPECT_TRUE(benchmark.extremes.empty());
   for (const StabilityRow& row : benchmark.grid) {
     SCOPED_TRACE(DescribeRow(row));

@@ -177,24 +177,9 @@ Scene TwoPieces(int nodes) {
   return scene;
 }
 
-// The ball, or what is put in its place, follows `place` (t) from where it is and turns with `spin` rad/s about x.
-template <typename Place>
-void MoveObstacle(const Place& place, double spin, Scene* scene) {
-  constexpr int kRows = 301;  // one a millisecond
-  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(kRows, 0.0, 0.3);
-  Eigen::Matrix3Xd positions(3, kRows);
-  Eigen::Matrix4Xd rotations(4, kRows);
-  for (int i = 0; i < kRows; ++i) {
-    positions.col(i) = place(times[i]);
-    const double half = 0.5 * spin * times[i];
-    rotations.col(i) << std::sin(half), 0.0, 0.0, std::cos(half);
-  }
-  scene->obstacles.back().path = std::make_shared<RigidPath>(times, positions, rotations);
-}
-
 // Hits the falling cloth at 5 m/s from below, and stops at once.
 void Ram(Scene* scene) {
-  MoveObstacle([](double t) { return Eigen::Vector3d(0.0, 0.0, std::min(5.0 * t, 0.4)); }, 0.0, scene);
+  MoveLastObstacle([](double t) { return Eigen::Vector3d(0.0, 0.0, std::min(5.0 * t, 0.4)); }, 0.0, scene);
 }
 
 void Spin(Scene* scene) {
@@ -202,19 +187,19 @@ void Spin(Scene* scene) {
   const auto* ball = dynamic_cast<const Sphere*>(scene->obstacles[0].shape.get());
   const Eigen::Vector3d center = ball->center();
   scene->obstacles[0].shape = std::make_shared<Sphere>(Eigen::Vector3d::Zero(), ball->radius());
-  MoveObstacle([center](double) { return center; }, 30.0, scene);
+  MoveLastObstacle([center](double) { return center; }, 30.0, scene);
 }
 
 // A second ball comes down on the cloth and, at the end, into the first one: what lies between cannot be outside of
 // both.
 void Pinch(Scene* scene) {
   AddObstacle("jaw", std::make_shared<Sphere>(Eigen::Vector3d(0.1, 0.0, 0.5), 0.3), kMu, scene);
-  MoveObstacle([](double t) { return Eigen::Vector3d(0.0, 0.0, -2.0 * t); }, 0.0, scene);
+  MoveLastObstacle([](double t) { return Eigen::Vector3d(0.0, 0.0, -2.0 * t); }, 0.0, scene);
 }
 
 // Sweeps through the place where the cloth starts, within it at first.
 void Sweep(Scene* scene) {
-  MoveObstacle([](double t) { return Eigen::Vector3d(0.5 * t, 2.0 * t - 0.2, 0.25); }, 0.0, scene);
+  MoveLastObstacle([](double t) { return Eigen::Vector3d(0.5 * t, 2.0 * t - 0.2, 0.25); }, 0.0, scene);
 }
 
 std::vector<StabilityExtreme> MakeExtremes() {

@@ -17,6 +17,8 @@ constexpr double kDensity = 0.2;            // kg/m^2
 constexpr double kBendingStiffness = 1e-3;  // N m
 constexpr double kWave = 0.005;             // m
 constexpr double kSphereRadius = 0.3;       // m
+constexpr double kPushSpeed = 1.0;          // m/s
+constexpr double kPushSpin = 10.0;          // rad/s
 constexpr double kSlopeAngle = 25.0 * kDegree;
 constexpr double kTilt = 3.0 * kDegree;     // of the cloth over the slope
 constexpr double kTurned = 20.0 * kDegree;  // the cloth about its normal: no row of nodes lands at once
@@ -37,6 +39,15 @@ Scene MakeDrape(int nodes, double friction_coefficient) {
   const Eigen::Vector3d center(0.0, 0.0, -kSphereRadius - 2.0 * kWave);
   AddObstacle("ball", std::make_shared<Sphere>(center, kSphereRadius), friction_coefficient, &scene);
   StartAtRestShape(Eigen::Vector3d(0.0, 0.0, -1.0), &scene);
+  return scene;
+}
+
+Scene MakePush(int nodes, double friction_coefficient) {
+  Scene scene = MakeDrape(nodes, friction_coefficient);
+  scene.obstacles.clear();
+  AddObstacle("ball", std::make_shared<Sphere>(Eigen::Vector3d::Zero(), kSphereRadius), friction_coefficient, &scene);
+  const auto place = [](double t) { return Eigen::Vector3d(0.0, kPushSpeed * t, -kSphereRadius - 2.0 * kWave); };
+  MoveLastObstacle(place, kPushSpin, &scene);
   return scene;
 }
 
@@ -89,11 +100,25 @@ void StartAtRestShape(const Eigen::Vector3d& velocity, Scene* scene) {
   scene->initial_velocities = velocity.replicate(scene->mesh.num_nodes(), 1);
 }
 
+void MoveLastObstacle(const std::function<Eigen::Vector3d(double)>& place, double spin, Scene* scene) {
+  constexpr int kRows = 301;  // one a millisecond
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(kRows, 0.0, kDuration);
+  Eigen::Matrix3Xd positions(3, kRows);
+  Eigen::Matrix4Xd rotations(4, kRows);
+  for (int i = 0; i < kRows; ++i) {
+    positions.col(i) = place(times[i]);
+    const double half = 0.5 * spin * times[i];
+    rotations.col(i) << std::sin(half), 0.0, 0.0, std::cos(half);
+  }
+  scene->obstacles.back().path = std::make_shared<RigidPath>(times, positions, rotations);
+}
+
 bool StabilitySceneHasObstacle(const std::string& name) { return name != "wind"; }
 
 Scene MakeStabilityScene(const StabilityCell& cell, int nodes) {
   Scene scene = !StabilitySceneHasObstacle(cell.scene) ? MakeWind(nodes)
                 : cell.scene == "drape"                ? MakeDrape(nodes, cell.friction_coefficient)
+                : cell.scene == "push"                 ? MakePush(nodes, cell.friction_coefficient)
                                                        : MakeSlope(nodes, cell.friction_coefficient);
   scene.contact_mode = cell.contact_mode;
   scene.time_step = cell.time_step;

@@ -2,6 +2,7 @@
 // 0.3 s.
 //
 //   drape  thrown at 1 m/s on a sphere of radius 0.3 m, off its middle: nodes join, stick, slip and take off
+//   push   the same on a ball that goes sideways with 1 m/s, out from under it, and turns with 10 rad/s
 //   slope  thrown at 0.5 m/s on a plane inclined by 25 degrees, one edge first: slips up to mu = 0.47, else sticks
 //   wind   hung by two corners in a gusty wind, c_d = 0.4 kg/(m^2 s): no obstacle, so neither friction nor contact mode
 // The cloth has at rest the shape in which it starts, waves of 5 mm: a flat cloth that is compressed in its plane
@@ -18,7 +19,7 @@
 
 namespace clothid {
 
-inline const std::vector<std::string> kStabilityScenes = {"drape", "slope", "wind"};
+inline const std::vector<std::string> kStabilityScenes = {"drape", "push", "slope", "wind"};
 
 // One cell of the grid.
 struct StabilityCell {
@@ -43,6 +44,10 @@ Scene MakeStabilityCloth(int nodes, const Eigen::Vector3d& center, const Eigen::
 
 // Lets the cloth start where `scene->mesh` is at rest, every node with the same velocity [m/s].
 void StartAtRestShape(const Eigen::Vector3d& velocity, Scene* scene);
+
+// The last obstacle, whose shape is about its origin, is at `place`(t), m, and turned by `spin` t rad about x; t
+// in s, up to the end of the scene.
+void MoveLastObstacle(const std::function<Eigen::Vector3d(double)>& place, double spin, Scene* scene);
 
 struct StabilityExtreme {
   std::string name;
