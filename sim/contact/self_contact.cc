@@ -1,0 +1,53 @@
+#include "sim/contact/self_contact.h"
+
+namespace clothid {
+
+Eigen::Vector3d PairCandidate::RelativeVelocity(const Eigen::VectorXd& velocities) const {
+  Eigen::Vector3d velocity = held_velocity;
+  for (int i = 0; i < 4; ++i) {
+    if (blocks[i] >= 0) velocity += geometry.weights[i] * velocities.segment<3>(3 * blocks[i]);
+  }
+  return velocity;
+}
+
+PairCandidate MakePairCandidate(const PairFeatures& features, const Eigen::VectorXd& positions,
+                                const std::vector<int>& free_index, double thickness, double gap_time,
+                                double depenetration_speed) {
+  PairCandidate candidate;
+  candidate.features = features;
+  candidate.geometry = EvaluatePair(features, positions);
+  for (int i = 0; i < features.num_nodes(); ++i) candidate.blocks[i] = free_index[features.nodes[i]];
+  candidate.gap = candidate.geometry.distance - thickness;
+  const double speed = candidate.gap / gap_time;
+  const bool limited = speed < -depenetration_speed;
+  candidate.gap_speed = limited ? -depenetration_speed : speed;
+  candidate.gap_speed_slope = limited ? 0.0 : 1.0 / gap_time;
+  return candidate;
+}
+
+// With S of contact_law.h, dPi/da = -S, and da = -d (V dw + dgap_speed n + gap_speed dn).
+Eigen::Matrix<double, 3, 12> PairPositionJacobian(const PairContact& contact, const PairGeometryGradient& gradient,
+                                                  const Eigen::VectorXd& velocities, double friction_coefficient) {
+  const PairCandidate& candidate = contact.candidate;
+  const Eigen::Vector3d& n = candidate.geometry.normal;
+  Eigen::Matrix<double, 3, 12> target =
+      candidate.gap_speed_slope * n * gradient.distance + candidate.gap_speed * gradient.normal;
+  for (int i = 0; i < candidate.features.num_nodes(); ++i) {
+    target += velocities.segment<3>(3 * candidate.features.nodes[i]) * gradient.weights.row(i);
+  }
+  Eigen::Matrix<double, 3, 12> jacobian =
+      -candidate.weight * (ImpulseForceJacobian(contact.response, n, friction_coefficient) * target);
+  for (int i = 0; i < candidate.features.num_nodes(); ++i) {
+    const Eigen::Matrix3d turn = gradient.normal.middleCols<3>(3 * i);
+    jacobian.middleCols<3>(3 * i) -=
+        ImpulsePositionJacobian(contact.response, contact.force, n, turn, friction_coefficient);
+  }
+  return jacobian;
+}
+
+Eigen::Vector3d PairFrictionDerivative(const ContactResponse& response) {
+  if (response.branch != ContactBranch::kSlip) return Eigen::Vector3d::Zero();
+  return -response.normal_force * response.slip_direction;
+}
+
+}  // namespace clothid
