@@ -40,6 +40,7 @@ Scene SceneAtStart(Scene scene, const Parameters& start) {
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     scene.obstacles[i].friction_coefficient = start.friction_coefficients[i];
   }
+  if (scene.self_contact) scene.self_contact->friction_coefficient = start.self_friction;
   return scene;
 }
 
@@ -64,6 +65,12 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
                                          " has forces at its handles, whose derivative by the rest shape is not known; "
                                          "expected a recording without them");
     }
+  }
+  if (scene().self_contact && (values_.move_handles() || !observation_.forces().is_empty())) {
+    throw Error(ErrorKind::kUsage, motion.name +
+                                       ": its cloth meets itself (self_contact), where neither forces at handles nor "
+                                       "the derivative by their path is known; expected a recording without forces, "
+                                       "and no parameter of the handles");
   }
   if (!values_.move_handles()) return;
   const bool turns = values_.Find(AlignmentKind::kHandleTurn) != nullptr;

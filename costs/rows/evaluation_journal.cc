@@ -118,9 +118,9 @@ void Field(Archive* archive, EvaluationKey* key) {
 template <typename Archive>
 void Field(Archive* archive, RolloutCounts* value) {
   auto& [steps, newton, factorizations, linear, fallbacks, substeps, failed, contacts, joined, left, branches,
-         obstacles] = *value;
+         obstacles, pairs, pair_changes, second_solves] = *value;
   Fields(archive, &steps, &newton, &factorizations, &linear, &fallbacks, &substeps, &failed, &contacts, &joined, &left,
-         &branches, &obstacles);
+         &branches, &obstacles, &pairs, &pair_changes, &second_solves);
 }
 
 template <typename Archive>
@@ -161,7 +161,7 @@ std::string BytesOf(Values*... values) {
 }
 
 RecordFile::Kind JournalKind() {
-  return {"clothid journal 6", "a journal of evaluations, version 6",
+  return {"clothid journal 7", "a journal of evaluations, version 7",
           "is the journal of a fit with other recordings, flags or program; remove it, or use another --output"};
 }
 

@@ -30,6 +30,16 @@ void AddParameterGradient(const StepRecord& record, const std::vector<ParameterI
   }
 }
 
+// The same through the contacts of the cloth with itself, whose equations have the multipliers `rho`.
+void AddPairGradient(const std::vector<ParameterId>& parameters, const Eigen::MatrixXd& rho,
+                     const PairDerivative& pairs, Eigen::MatrixXd* gradient) {
+  for (size_t p = 0; p < parameters.size(); ++p) {
+    if (parameters[p].kind == ParameterKind::kSelfFriction) {
+      gradient->row(p) -= pairs.FrictionDerivative().transpose() * rho;
+    }
+  }
+}
+
 // Gathers dC/d(handle offsets) [3 H K x s] over the sweep. Nothing where the rollout has none.
 class HandleGradient {
  public:
@@ -102,13 +112,18 @@ class ReverseSweep {
 
   void PullBackSolve(const StepRecord& record, const SolveStart& start) {
     StepDerivative step(record, start, parameters_, simulator_, &sizes_);
-    Eigen::MatrixXd by_impulse;  // by r_1, where impacts make it count
-    if (record.stage == Stage::kFirst) by_impulse = LeaveSecondStart(record, start, step);
-    Eigen::MatrixXd w = lambda_.velocities + record.time_step * lambda_.positions, z, y;
+    Eigen::MatrixXd by_impulse, by_pairs;  // by r_1 and by r of pairs, where impacts make them count
+    if (record.stage == Stage::kFirst) by_impulse = LeaveSecondStart(record, start, step, &by_pairs);
+    Eigen::MatrixXd w = lambda_.velocities + record.time_step * lambda_.positions, z, y, rho;
     if (by_impulse.size() > 0) w += step.TimesVelocity(by_impulse);
-    solver_.Solve(record, w, &step, &z, &y, &gradient_->work);
+    if (step.pairs() == nullptr) {
+      solver_.Solve(record, w, &step, &z, &y, &gradient_->work);
+    } else {
+      solver_.SolveWithPairs(w, by_impulse, by_pairs, &step, &z, &y, &rho, &gradient_->work);
+    }
     if (by_impulse.size() > 0) y -= by_impulse;
     AddParameterGradient(record, ids_, z, y, step, &gradient_->parameters);
+    if (step.pairs() != nullptr) AddPairGradient(ids_, rho, *step.pairs(), &gradient_->parameters);
     handles_.AddSolve(record, start, y);
     fields_.AddSolve(record, start, y);
     lambda_.velocities = step.TimesMass(y);
@@ -119,6 +134,7 @@ class ReverseSweep {
       lambda_.positions -= by_prediction;
     }
     if (!record.contacts.empty()) lambda_.positions -= step.TimesFramesTransposed(z);
+    if (step.pairs() != nullptr) lambda_.positions -= step.pairs()->TimesGeometryTransposed(rho);
     if (record.stage == Stage::kFirst) {
       lambda_.positions += by_start_.positions;
       lambda_.velocities += by_start_.velocities;
@@ -144,7 +160,9 @@ class ReverseSweep {
   }
 
   // The rest of that way, now that the first stage is at hand. Returns the gradient by its impulses, if they count.
-  Eigen::MatrixXd LeaveSecondStart(const StepRecord& first, const SolveStart& start, const StepDerivative& step) {
+  // `by_pairs`: likewise by the impulses of pairs.
+  Eigen::MatrixXd LeaveSecondStart(const StepRecord& first, const SolveStart& start, const StepDerivative& step,
+                                   Eigen::MatrixXd* by_pairs) {
     const SecondStartDerivative second(first, start, step, parameters_, simulator_->model());
     second.AddTransposed(by_second_, &by_start_, &lambda_);
     if (!second.has_impacts()) return {};
@@ -157,7 +175,7 @@ class ReverseSweep {
             second.MotionDerivative(step.MotionChanges(ids_[p])).transpose() * by_second_.velocities;
       }
     }
-    return second.AddImpactsTransposed(by_second_, &by_start_, &lambda_);
+    return second.AddImpactsTransposed(by_second_, &by_start_, &lambda_, by_pairs);
   }
 
   const Parameters& parameters_;

@@ -33,6 +33,26 @@ void AdjointSolver::Solve(const StepRecord& record, const Eigen::MatrixXd& right
   }
 }
 
+void AdjointSolver::SolveWithPairs(const Eigen::MatrixXd& right, const Eigen::MatrixXd& by_impulse,
+                                   const Eigen::MatrixXd& by_pairs, StepDerivative* step, Eigen::MatrixXd* z,
+                                   Eigen::MatrixXd* y, Eigen::MatrixXd* rho, AdjointWork* work) {
+  if (method_ != AdjointMethod::kReduced) {
+    throw std::logic_error("contacts of the cloth with itself: expected the adjoint method \"reduced\"");
+  }
+  ++work->solves;
+  if (!step->FactorWithPairs()) throw std::runtime_error("singular step Jacobian");
+  PairJacobian& jacobian = step->pair_jacobian();
+  Eigen::MatrixXd pair_right = by_pairs;
+  if (pair_right.size() == 0) {
+    pair_right = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(step->pairs()->contacts().size()), right.cols());
+  }
+  if (by_impulse.size() > 0) pair_right -= jacobian.RelativeVelocities(by_impulse);
+  if (!jacobian.SolveTransposed(right, pair_right, threshold_, z, y, rho)) {
+    throw std::runtime_error("singular step Jacobian");
+  }
+  work->iterations += jacobian.iterations();
+}
+
 bool AdjointSolver::SolveByMethod(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
                                   Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
   switch (method_) {

@@ -1,6 +1,18 @@
 #include "sim/derivative/second_start_derivative.h"
 
+#include "sim/step/second_start.h"
+
 namespace clothid {
+namespace {
+
+// A number of every node [N], of those of a pair.
+Eigen::Vector4d OfPairNodes(const PairCandidate& pair, const Eigen::VectorXd& values) {
+  Eigen::Vector4d result = Eigen::Vector4d::Zero();
+  for (int i = 0; i < pair.features.num_nodes(); ++i) result[i] = values[pair.features.nodes[i]];
+  return result;
+}
+
+}  // namespace
 
 SecondStartDerivative::SecondStartDerivative(const StepRecord& first, const SolveStart& start,
                                              const StepDerivative& step, const Parameters& parameters,
@@ -20,6 +32,58 @@ SecondStartDerivative::SecondStartDerivative(const StepRecord& first, const Solv
     impacts_.push_back({node, 3 * model.free_index()[node], i, derivative});
   }
   num_rows_ = 3 * model.num_free();
+  if (step.pairs() != nullptr) FindPairImpacts(first, start, step, parameters, model);
+}
+
+void SecondStartDerivative::FindPairImpacts(const StepRecord& first, const SolveStart& start,
+                                            const StepDerivative& step, const Parameters& parameters,
+                                            const ClothModel& model) {
+  const std::vector<PairContact>& contacts = step.pairs()->contacts();
+  num_pairs_ = contacts.size();
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const PairCandidate& pair = contacts[c].candidate;
+    const PairImpactNodes nodes = ImpactNodes(model, parameters.material, pair, start.velocities, first.velocities);
+    PairImpactTerm term{&pair, c, EvaluatePairImpact(contacts[c], nodes),
+                        DifferentiatePairImpact(contacts[c], step.pairs()->gradient(c), nodes)};
+    if (term.impact.share == 0.0) continue;
+    term.impact.velocity *= kSecondStageReach;
+    term.derivative.change *= kSecondStageReach;
+    term.derivative.impulse *= kSecondStageReach;
+    term.derivative.position *= kSecondStageReach;
+    pair_impacts_.push_back(term);
+  }
+}
+
+// du_i = p_i dB + B dp_i.
+Eigen::Matrix<double, 12, 12> SecondStartDerivative::PairImpactTerm::ByPosition() const {
+  Eigen::Matrix<double, 12, 12> matrix;
+  for (int i = 0; i < 4; ++i) {
+    matrix.middleRows<3>(3 * i) =
+        impact.portions[i] * derivative.position + impact.velocity * derivative.portions.row(i);
+  }
+  return matrix;
+}
+
+Eigen::Matrix<double, 12, 12> SecondStartDerivative::PairImpactTerm::ByChange() const {
+  Eigen::Matrix<double, 12, 12> matrix;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      matrix.block<3, 3>(3 * i, 3 * j) = impact.portions[i] * pair->geometry.weights[j] * derivative.change;
+    }
+  }
+  return matrix;
+}
+
+Eigen::Matrix<double, 12, 3> SecondStartDerivative::PairImpactTerm::ByImpulse() const {
+  Eigen::Matrix<double, 12, 3> matrix;
+  for (int i = 0; i < 4; ++i) matrix.middleRows<3>(3 * i) = impact.portions[i] * derivative.impulse;
+  return matrix;
+}
+
+Eigen::Matrix<double, 12, 4> SecondStartDerivative::PairImpactTerm::ByMasses() const {
+  Eigen::Matrix<double, 12, 4> matrix;
+  for (int i = 0; i < 4; ++i) matrix.middleRows<3>(3 * i) = impact.velocity * derivative.masses.row(i);
+  return matrix;
 }
 
 StateColumns SecondStartDerivative::Times(const StateColumns& start, const StateColumns& first) const {
@@ -28,17 +92,33 @@ StateColumns SecondStartDerivative::Times(const StateColumns& start, const State
 }
 
 void SecondStartDerivative::SubtractImpacts(const StateColumns& start, const StateColumns& first,
-                                            const Eigen::MatrixXd& impulse, StateColumns* second) const {
+                                            const Eigen::MatrixXd& impulse, const Eigen::MatrixXd& pair_impulses,
+                                            StateColumns* second) const {
   for (const auto& [node, row, contact, impact] : impacts_) {
     second->velocities.middleRows<3>(row) -=
         impact.change * (first.velocities.middleRows<3>(row) - start.velocities.middleRows<3>(row)) +
         impact.impulse * impulse.middleRows<3>(row) + impact.position * start.positions.middleRows<3>(row);
+  }
+  for (const PairImpactTerm& term : pair_impacts_) {
+    const Eigen::Index row = 3 * static_cast<Eigen::Index>(term.contact);
+    ScatterToPair(*term.pair,
+                  term.ByChange() * GatherFromPair(*term.pair, start.velocities - first.velocities) -
+                      term.ByImpulse() * pair_impulses.middleRows<3>(row) -
+                      term.ByPosition() * GatherFromPair(*term.pair, start.positions),
+                  &second->velocities);
   }
 }
 
 void SecondStartDerivative::SubtractMasses(int column, const Eigen::VectorXd& masses, StateColumns* second) const {
   for (const auto& [node, row, contact, impact] : impacts_) {
     second->velocities.col(column).segment<3>(row) -= masses[node] * impact.mass;
+  }
+  for (const PairImpactTerm& term : pair_impacts_) {
+    const Eigen::Matrix<double, 12, 1> change = -term.ByMasses() * OfPairNodes(*term.pair, masses);
+    for (int i = 0; i < 4; ++i) {
+      if (term.pair->blocks[i] < 0) continue;
+      second->velocities.col(column).segment<3>(3 * term.pair->blocks[i]) += change.segment<3>(3 * i);
+    }
   }
 }
 
@@ -50,7 +130,7 @@ void SecondStartDerivative::AddTransposed(const StateColumns& second, StateColum
 }
 
 Eigen::MatrixXd SecondStartDerivative::AddImpactsTransposed(const StateColumns& second, StateColumns* start,
-                                                            StateColumns* first) const {
+                                                            StateColumns* first, Eigen::MatrixXd* pair_impulses) const {
   Eigen::MatrixXd impulse = Eigen::MatrixXd::Zero(second.velocities.rows(), second.velocities.cols());
   for (const auto& [node, row, contact, impact] : impacts_) {
     const Eigen::MatrixXd rows = second.velocities.middleRows<3>(row);
@@ -59,6 +139,15 @@ Eigen::MatrixXd SecondStartDerivative::AddImpactsTransposed(const StateColumns& 
     start->velocities.middleRows<3>(row) += by_change;
     start->positions.middleRows<3>(row) -= impact.position.transpose() * rows;
     impulse.middleRows<3>(row) = -(impact.impulse.transpose() * rows);
+  }
+  *pair_impulses = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(num_pairs_), second.velocities.cols());
+  for (const PairImpactTerm& term : pair_impacts_) {
+    const Eigen::MatrixXd rows = GatherFromPair(*term.pair, second.velocities);
+    const Eigen::MatrixXd by_change = term.ByChange().transpose() * rows;
+    ScatterToPair(*term.pair, -by_change, &first->velocities);
+    ScatterToPair(*term.pair, by_change, &start->velocities);
+    ScatterToPair(*term.pair, -term.ByPosition().transpose() * rows, &start->positions);
+    pair_impulses->middleRows<3>(3 * static_cast<Eigen::Index>(term.contact)) = -term.ByImpulse().transpose() * rows;
   }
   return impulse;
 }
@@ -78,12 +167,22 @@ Eigen::RowVectorXd SecondStartDerivative::MassGradient(const Eigen::VectorXd& sl
   for (const auto& [node, row, contact, impact] : impacts_) {
     gradient -= slopes[node] * (impact.mass.transpose() * second.velocities.middleRows<3>(row));
   }
+  for (const PairImpactTerm& term : pair_impacts_) {
+    gradient -=
+        (term.ByMasses() * OfPairNodes(*term.pair, slopes)).transpose() * GatherFromPair(*term.pair, second.velocities);
+  }
   return gradient;
 }
 
 void SecondStartDerivative::AddMassGradient(const StateColumns& second, Eigen::MatrixXd* gradient) const {
   for (const auto& [node, row, contact, impact] : impacts_) {
     gradient->row(node) -= impact.mass.transpose() * second.velocities.middleRows<3>(row);
+  }
+  for (const PairImpactTerm& term : pair_impacts_) {
+    const Eigen::MatrixXd by_masses = term.ByMasses().transpose() * GatherFromPair(*term.pair, second.velocities);
+    for (int i = 0; i < term.pair->features.num_nodes(); ++i) {
+      gradient->row(term.pair->features.nodes[i]) -= by_masses.row(i);
+    }
   }
 }
 

@@ -6,6 +6,8 @@
 // with the blocks of sim/contact/impact_share.h. The solved first stage has r_1 = g, so with the matrices of
 // step_derivative.h, b = h (H + V) dx_n - M dv_n + dg/dtheta being what does not come by dv_1:
 //   dr_1 = K dv_1 + b
+// Pairs of the cloth with itself that meet add theirs, with their own impulses (sim/contact/pair_impact.h); dr_1 of
+// an obstacle's contact is then K dv_1 + b - J^T dr of them.
 // A gradient by r_1, rho = U_r^T (..), goes back through that: K rho to v_1, and to all else as -rho does in y.
 #ifndef CLOTHID_SIM_DERIVATIVE_SECOND_START_DERIVATIVE_H_
 #define CLOTHID_SIM_DERIVATIVE_SECOND_START_DERIVATIVE_H_
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include "sim/contact/impact_share.h"
+#include "sim/contact/pair_impact.h"
 #include "sim/derivative/step_derivative.h"
 
 namespace clothid {
@@ -30,13 +33,15 @@ class SecondStartDerivative {
   SecondStartDerivative(const StepRecord& first, const SolveStart& start, const StepDerivative& step,
                         const Parameters& parameters, const ClothModel& model);
 
-  bool has_impacts() const { return !impacts_.empty(); }  // else r_1 and the masses do not count
+  bool has_impacts() const {
+    return !impacts_.empty() || !pair_impacts_.empty();
+  }  // else r_1 and the masses do not count
 
   // dx_s and dv_s from those of the step's start and of the end of its first stage, without what impacts add.
   StateColumns Times(const StateColumns& start, const StateColumns& first) const;
-  // Takes kappa du off dv_s. `impulse`: dr_1.
+  // Takes kappa du off dv_s. `impulse`: dr_1. `pair_impulses` [3c x s]: dr of the pairs in the first stage.
   void SubtractImpacts(const StateColumns& start, const StateColumns& first, const Eigen::MatrixXd& impulse,
-                       StateColumns* second) const;
+                       const Eigen::MatrixXd& pair_impulses, StateColumns* second) const;
   // Takes that through a change of the nodes' masses [N] kg off column `column` of dv_s.
   void SubtractMasses(int column, const Eigen::VectorXd& masses, StateColumns* second) const;
 
@@ -46,8 +51,10 @@ class SecondStartDerivative {
 
   // The transpose, of gradients by x_s and v_s: adds to those by the start and by the end of the first stage.
   void AddTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
-  // With impacts: likewise, and returns the gradient by r_1 [3 Nf x s].
-  Eigen::MatrixXd AddImpactsTransposed(const StateColumns& second, StateColumns* start, StateColumns* first) const;
+  // With impacts: likewise, and returns the gradient by r_1 [3 Nf x s]; that by the impulses of pairs goes to
+  // `pair_impulses` [3c x s].
+  Eigen::MatrixXd AddImpactsTransposed(const StateColumns& second, StateColumns* start, StateColumns* first,
+                                       Eigen::MatrixXd* pair_impulses) const;
   // By a parameter of which the nodes' masses have the derivatives `slopes` [N], of each column [1 x s].
   Eigen::RowVectorXd MassGradient(const Eigen::VectorXd& slopes, const StateColumns& second) const;
   // Adds that by every node's mass to `gradient` [N x s].
@@ -60,7 +67,21 @@ class SecondStartDerivative {
     std::size_t contact;                  // among those of the first stage
     ImpactVelocityDerivative derivative;  // times kappa
   };
+  struct PairImpactTerm {
+    const PairCandidate* pair;
+    std::size_t contact;
+    PairImpact impact;                                 // its velocity times kappa
+    PairImpactDerivative derivative;                   // that of the velocity times kappa
+    Eigen::Matrix<double, 12, 12> ByPosition() const;  // kappa du/dx_n
+    Eigen::Matrix<double, 12, 12> ByChange() const;    // kappa du/d(v_1 - v_n)
+    Eigen::Matrix<double, 12, 3> ByImpulse() const;    // kappa du/dr
+    Eigen::Matrix<double, 12, 4> ByMasses() const;     // kappa du/dm
+  };
+  void FindPairImpacts(const StepRecord& first, const SolveStart& start, const StepDerivative& step,
+                       const Parameters& parameters, const ClothModel& model);
   std::vector<Impact> impacts_;
+  std::vector<PairImpactTerm> pair_impacts_;
+  std::size_t num_pairs_ = 0;
   Eigen::Index num_rows_ = 0;  // 3 Nf
 };
 

@@ -124,6 +124,11 @@ Eigen::MatrixXd RightSide(Eigen::MatrixXd right, const StateColumns& start, cons
   return right;
 }
 
+const std::vector<PairContact>& PairsOf(const StepDerivative& step) {
+  static const std::vector<PairContact> kNone;
+  return step.pairs() == nullptr ? kNone : step.pairs()->contacts();
+}
+
 // Gives the steps their factor back, so that the states are those of `Simulate`, bit for bit.
 class KeptFactor {
  public:
@@ -165,15 +170,16 @@ class TangentSolver {
     StateColumns first_end = *tangent, end;
     {
       StepDerivative step(first, start, parameters_, simulator_, &sizes_);
-      const Eigen::MatrixXd momentum = Solve(
+      const SolveChange change = Solve(
           first, start, [](Eigen::MatrixXd*) {}, &step, &first_end);
       second_start = StartSecondStage(model, parameters_.material, start, first.positions, first.velocities,
-                                      first.time_step, step.contacts());
+                                      first.time_step, step.contacts(), PairsOf(step));
       const SecondStartDerivative derivative(first, start, step, parameters_, model);
       end = derivative.Times(*tangent, first_end);
       if (derivative.has_impacts()) {
-        const Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - momentum;
-        derivative.SubtractImpacts(*tangent, first_end, impulse, &end);
+        Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - change.momentum;
+        if (step.pairs() != nullptr) impulse -= step.pair_jacobian().Spread(change.pair_impulses);
+        derivative.SubtractImpacts(*tangent, first_end, impulse, change.pair_impulses, &end);
         for (size_t p = 0; p < ids_.size(); ++p) {
           const Eigen::VectorXd* slopes = step.MassSlopes(ids_[p]);
           if (slopes != nullptr) derivative.SubtractMasses(static_cast<int>(p), *slopes, &end);
@@ -194,10 +200,15 @@ class TangentSolver {
   }
 
  private:
-  // Takes `tangent` to the end of a solve. Returns -b, with what `further_parts` takes off besides the handles.
-  Eigen::MatrixXd Solve(const StepRecord& record, const SolveStart& start,
-                        const std::function<void(Eigen::MatrixXd*)>& further_parts, StepDerivative* step,
-                        StateColumns* tangent) const {
+  // -b of a solve and, where the cloth touches itself, dr of its pairs [3c x s].
+  struct SolveChange {
+    Eigen::MatrixXd momentum, pair_impulses;
+  };
+
+  // Takes `tangent` to the end of a solve. `further_parts` takes off -b what comes besides the handles.
+  SolveChange Solve(const StepRecord& record, const SolveStart& start,
+                    const std::function<void(Eigen::MatrixXd*)>& further_parts, StepDerivative* step,
+                    StateColumns* tangent) const {
     const KeptFactor kept(&simulator_->step_solver().jacobian());
     const Eigen::MatrixXd momentum = MomentumSide(
         *tangent, ids_,
@@ -207,21 +218,42 @@ class TangentSolver {
           further_parts(right);
         },
         *step);
+    if (step->pairs() != nullptr) return SolveWithPairs(record, momentum, step, tangent);
     Eigen::MatrixXd dv;
     if (record.factor != nullptr) {
       step->UseFactor(record.factor);
       if (step->jacobian().Solve(RightSide(momentum, *tangent, ids_, step), tolerance_, &dv)) {
         Move(record, dv, tangent);
-        return momentum;
+        return {momentum, {}};
       }
     }
     for (const auto method : {StepJacobian::Method::kReduced, StepJacobian::Method::kLu}) {
       if (!step->Factor(method)) continue;
       if (!step->jacobian().Solve(RightSide(momentum, *tangent, ids_, step), tolerance_, &dv)) continue;
       Move(record, dv, tangent);
-      return momentum;
+      return {momentum, {}};
     }
     throw std::runtime_error("singular step Jacobian");
+  }
+
+  SolveChange SolveWithPairs(const StepRecord& record, const Eigen::MatrixXd& momentum, StepDerivative* step,
+                             StateColumns* tangent) const {
+    if (!step->FactorWithPairs()) throw std::runtime_error("singular step Jacobian");
+    Eigen::MatrixXd right = momentum, pair_right = -step->pairs()->TimesGeometry(tangent->positions);
+    step->pair_jacobian().AddImpulse(&right);
+    right -= step->TimesFrames(tangent->positions);
+    for (size_t p = 0; p < ids_.size(); ++p) {
+      if (!IsOfContact(ids_[p].kind)) continue;
+      right.col(p) += step->ImpulseDerivative(ids_[p]);
+      if (ids_[p].kind == ParameterKind::kSelfFriction) pair_right.col(p) -= step->pairs()->FrictionDerivative();
+    }
+    SolveChange change{momentum, {}};
+    Eigen::MatrixXd dv;
+    if (!step->pair_jacobian().Solve(right, pair_right, tolerance_, &dv, &change.pair_impulses)) {
+      throw std::runtime_error("singular step Jacobian");
+    }
+    Move(record, dv, tangent);
+    return change;
   }
 
   static void Move(const StepRecord& record, const Eigen::MatrixXd& dv, StateColumns* tangent) {

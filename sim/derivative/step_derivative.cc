@@ -40,6 +40,11 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
         masses_.segment<3>(row).array() +
         (model_.drag() ? areal_drag * model_.drag()->areas()[model_.free_nodes()[i]] : 0.0);
   }
+  if (!record.pairs.empty()) {
+    pairs_ = std::make_unique<PairDerivative>(
+        model_, RestorePairs(model_, parameters, start.positions, record.velocities, record.times(), record.pairs),
+        start.positions, record.velocities, parameters.self_friction);
+  }
   if (record.contacts.empty()) return;
   motions_ = ObstacleMotions(model_.scene(), parameters, record.times());
   contacts_ = RestoreContacts(model_, parameters, start.positions, record.times(), motions_, record.contacts);
@@ -62,6 +67,17 @@ bool StepDerivative::Factor(StepJacobian::Method method) {
 void StepDerivative::UseFactor(std::shared_ptr<const ReducedFactor> factor) {
   jacobian_.SetPoint(hessian_, contacts_, parameters_.friction_coefficients);
   jacobian_.SetFactor(std::move(factor));
+}
+
+bool StepDerivative::FactorWithPairs() {
+  const ScopedTimer timer(&jacobian_.seconds().factorization);
+  std::vector<PairCandidate> candidates;
+  for (const PairContact& contact : pairs_->contacts()) candidates.push_back(contact.candidate);
+  pair_jacobian_ = std::make_unique<PairJacobian>(model_);
+  pair_jacobian_->SetCandidates(candidates);
+  pair_jacobian_->SetPoint(hessian_, contacts_, parameters_.friction_coefficients, pairs_->contacts(),
+                           parameters_.self_friction);
+  return pair_jacobian_->Factor();
 }
 
 Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const {
@@ -89,6 +105,7 @@ Eigen::MatrixXd StepDerivative::TimesStart(const Eigen::MatrixXd& columns) const
   if (model_.damping() != nullptr && !has_origins()) {
     product += TimesMixed(record_.positions, start_.positions, columns);
   }
+  if (pairs_ != nullptr) product += pairs_->TimesWeights(columns);
   return product;
 }
 
@@ -97,6 +114,7 @@ Eigen::MatrixXd StepDerivative::TimesStartTransposed(const Eigen::MatrixXd& colu
   if (model_.damping() != nullptr && !has_origins()) {
     product += TimesMixed(start_.positions, record_.positions, columns);
   }
+  if (pairs_ != nullptr) product += pairs_->TimesWeightsTransposed(columns);
   return product;
 }
 

@@ -7,6 +7,9 @@
 // impulse at fixed F, for friction f_N t at slipping nodes; for the placement of an
 // obstacle's path that through gap, normal and V at fixed v.
 //
+// Contacts of the cloth with itself add their impulses r to the unknowns (sim/step/pair_jacobian.h), and to dg/dx_n at
+// fixed v and r what their weights do (pair_derivative.h).
+//
 // A second stage (sim/step/second_start.h) starts from x_s and v_s in place of x_n and v_n. Its strain rate starts from
 // the metric C_s of x_n and x_1, so that h V dx_n gives way to h (V_n dx_n + V_1 dx_1), V_n = (1 - kappa) d2W/(dx dx_n)
 // and V_1 = kappa d2W/(dx dx_1), as if x_n or x_1 were what the strain rate starts from.
@@ -17,9 +20,11 @@
 #include <memory>
 #include <vector>
 
+#include "sim/derivative/pair_derivative.h"
 #include "sim/derivative/size_derivative.h"
 #include "sim/rollout/rollout.h"
 #include "sim/scene/parameters.h"
+#include "sim/step/pair_jacobian.h"
 #include "sim/step/step_jacobian.h"
 #include "sim/step/step_problem.h"
 
@@ -39,16 +44,22 @@ class StepDerivative {
   StepJacobian& jacobian() { return jacobian_; }
   const std::vector<Contact>& contacts() const { return contacts_; }  // sticking and slipping nodes
 
+  // Of the cloth with itself; null: none is in contact.
+  const PairDerivative* pairs() const { return pairs_.get(); }
+  // Factors the matrix in (v, r) of a step that has such pairs. False where it fails.
+  bool FactorWithPairs();
+  PairJacobian& pair_jacobian() { return *pair_jacobian_; }
+
   double time_step() const { return record_.time_step; }  // h
   // Whether N is there, and may be asked for.
   bool has_prediction() const { return model_.directional_drag() != nullptr; }
 
   // On columns over the free nodes [3 Nf x s].
-  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;                  // M y
-  Eigen::MatrixXd TimesVelocity(const Eigen::MatrixXd& columns) const;              // K y, dg/dv
-  Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;                 // h (H + V) y, dg/dx_n at fixed v
-  Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;       // h (H + V^T) y
-  Eigen::MatrixXd TimesPrediction(const Eigen::MatrixXd& columns) const;            // N y
+  Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;             // M y
+  Eigen::MatrixXd TimesVelocity(const Eigen::MatrixXd& columns) const;         // K y, dg/dv
+  Eigen::MatrixXd TimesStart(const Eigen::MatrixXd& columns) const;            // h (H + V) y, dg/dx_n at fixed v and r
+  Eigen::MatrixXd TimesStartTransposed(const Eigen::MatrixXd& columns) const;  // h (H + V^T) y
+  Eigen::MatrixXd TimesPrediction(const Eigen::MatrixXd& columns) const;       // N y
   Eigen::MatrixXd TimesPredictionTransposed(const Eigen::MatrixXd& columns) const;  // N^T y
   Eigen::MatrixXd TimesFrames(const Eigen::MatrixXd& columns) const;                // X y
   Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;      // X^T y
@@ -93,6 +104,8 @@ class StepDerivative {
   std::vector<ObstacleMotion> motions_;        // empty where no obstacle moves
   std::vector<Contact> contacts_;              // of the record
   std::vector<AffineMotion> contact_motions_;  // of their obstacles there, per contact; empty where no obstacle moves
+  std::unique_ptr<PairDerivative> pairs_;
+  std::unique_ptr<PairJacobian> pair_jacobian_;
 };
 
 }  // namespace clothid

@@ -86,7 +86,7 @@ const Eigen::VectorXd& Rollout::positions(int step) const {
 
 std::size_t Rollout::bytes() const {
   std::size_t numbers = initial_positions.size() + initial_velocities.size();
-  std::size_t contacts = 0;
+  std::size_t contacts = 0, pairs = 0;
   std::size_t factors = 0;
   const ReducedFactor* last_factor = nullptr;
   for (const StepRecord& record : records) {
@@ -94,8 +94,9 @@ std::size_t Rollout::bytes() const {
     last_factor = record.factor.get();
     numbers += record.positions.size() + record.velocities.size();
     contacts += record.contacts.capacity();
+    pairs += record.pairs.capacity();
   }
-  return factors + numbers * sizeof(double) + contacts * sizeof(ContactRecord) +
+  return factors + numbers * sizeof(double) + contacts * sizeof(ContactRecord) + pairs * sizeof(PairContactRecord) +
          records.capacity() * sizeof(StepRecord) + last_record.capacity() * sizeof(int) + sizeof(*this);
 }
 

@@ -14,6 +14,9 @@
 namespace clothid {
 namespace {
 
+// How often a solve is repeated with pairs of the cloth that it lacked.
+constexpr int kMaxSecondSolves = 3;
+
 StepFailure FailureWithout(int step, const std::string& reason) {
   StepFailure failure;
   failure.step = step;
@@ -126,7 +129,7 @@ class StepLoop {
     if (!Solve(step, start, times, guesses, {}, records, failure)) return false;
     const StepRecord& first = records->back();
     const SecondStart second = StartSecondStage(simulator_->model(), parameters_.material, start, first.positions,
-                                                first.velocities, eta, contacts_);
+                                                first.velocities, eta, contacts_, pairs_);
     // Where contacts do not let the stages resemble each other, the second may end near the first.
     std::vector<Eigen::VectorXd> candidates;
     if (!contacts_.empty()) candidates.push_back(point_.velocities);
@@ -139,14 +142,30 @@ class StepLoop {
   bool Solve(int step, const SolveStart& start, const SolveTimes& times, const Eigen::VectorXd* guess,
              const std::vector<Eigen::VectorXd>& candidates, std::vector<StepRecord>* records, StepFailure* failure) {
     StepSolver& solver = simulator_->step_solver();
-    const StepProblem problem(simulator_->model(), parameters_, start, times, &simulator_->step_workspace(),
-                              segment_.handle_offsets);
-    if (!solver.Solve(problem, tolerance_, guess, &point_, &outcome_.counts, candidates)) {
+    StepProblem problem(simulator_->model(), parameters_, start, times, &simulator_->step_workspace(),
+                        segment_.handle_offsets);
+    bool solved = solver.Solve(problem, tolerance_, guess, &point_, &outcome_.counts, candidates);
+    for (int round = 0; solved && round < kMaxSecondSolves && problem.TakesBackPairs(point_); ++round) {
+      ++outcome_.counts.second_solves;
+      const Eigen::VectorXd last = point_.velocities;
+      solved = solver.Solve(problem, tolerance_, &last, &point_, &outcome_.counts);
+    }
+    if (!solved) {
       *failure = DescribeFailure(step, StepSolver::Tolerance(problem, tolerance_, point_), point_);
       return false;
     }
-    StepRecord record{times.end_time,      times.time_step, point_.positions, problem.AllVelocities(point_), {},
-                      solver.end_factor(), times.stage};
+    StepRecord record{times.end_time,
+                      times.time_step,
+                      point_.positions,
+                      problem.AllVelocities(point_),
+                      {},
+                      problem.may_touch_itself() ? nullptr : solver.end_factor(),
+                      times.stage};
+    pairs_.clear();
+    if (problem.may_touch_itself()) {
+      pairs_ = problem.ActivePairs(point_);
+      record.pairs = RecordPairs(pairs_);
+    }
     contacts_.clear();
     if (problem.may_touch()) {
       problem.FindActiveContacts(point_, &contacts_);
@@ -159,6 +178,7 @@ class StepLoop {
   void CountStep(const std::vector<StepRecord>& records, StepState* state) {
     ++outcome_.counts.steps;
     outcome_.counts.substeps += static_cast<int>(records.size()) / num_stages_ - 1;
+    if (scene_.self_contact) CountPairs(records, state);
     if (!simulator_->model().has_contact()) return;
     const std::vector<ContactRecord>* before = state->contacts ? &*state->contacts : &records[num_stages_ - 1].contacts;
     for (const StepRecord& record : records) {
@@ -169,14 +189,25 @@ class StepLoop {
     state->contacts = *before;
   }
 
+  void CountPairs(const std::vector<StepRecord>& records, StepState* state) {
+    const std::vector<PairContactRecord>* before = state->pairs ? &*state->pairs : &records[num_stages_ - 1].pairs;
+    for (const StepRecord& record : records) {
+      if (!record.ends_step()) continue;
+      CountPairChanges(*before, record.pairs, &outcome_.counts);
+      before = &record.pairs;
+    }
+    state->pairs = *before;
+  }
+
   const Parameters& parameters_;
   const Segment& segment_;
   const Scene& scene_;
   const int num_stages_;  // of the scene's integrator
   Simulator* simulator_;
   double tolerance_;
-  StepPoint point_;                // of the last solve
-  std::vector<Contact> contacts_;  // at the end of the last solve that worked
+  StepPoint point_;                 // of the last solve
+  std::vector<Contact> contacts_;   // at the end of the last solve that worked
+  std::vector<PairContact> pairs_;  // likewise
   SegmentOutcome outcome_;
 };
 

@@ -25,6 +25,7 @@ struct StepState {
   Eigen::VectorXd velocities;  // v_n [3N] m/s
   // At the end of the last solve. Absent at the start of a rollout: the contacts of its first solve have not joined.
   std::optional<std::vector<ContactRecord>> contacts = std::nullopt;
+  std::optional<std::vector<PairContactRecord>> pairs = std::nullopt;  // likewise
 };
 
 // The start of a rollout: that of the scene, but with `initial_positions` [3N] m and `initial_velocities` [3N] m/s

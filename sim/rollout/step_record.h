@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/contact/contact.h"
+#include "sim/contact/self_contact.h"
 #include "sim/step/stage.h"
 
 namespace clothid {
@@ -27,6 +28,7 @@ struct StepRecord {
   // not need a factor of their own share one. Null: none is kept.
   std::shared_ptr<const ReducedFactor> factor;
   Stage stage = Stage::kOnly;
+  std::vector<PairContactRecord> pairs = {};  // of the cloth with itself, in contact
 
   SolveTimes times() const { return {time_step, time, stage}; }
   bool ends_step() const { return stage != Stage::kFirst; }  // or a substep

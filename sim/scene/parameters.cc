@@ -71,6 +71,7 @@ constexpr KindName kPlacementNames[] = {{".time_offset", ParameterKind::kPathTim
                                         {".turn.z", ParameterKind::kPathTurnZ}};
 
 constexpr std::string_view kFrictionPrefix = "mu.";
+constexpr const char* kSelfFrictionName = "mu.self";
 
 // Null for friction, wind, size and placements.
 const MaterialName* FindKind(ParameterKind kind) {
@@ -199,7 +200,9 @@ bool IsPlacement(ParameterKind kind) {
                      [kind](const KindName& placement) { return placement.kind == kind; });
 }
 
-bool IsOfContact(ParameterKind kind) { return kind == ParameterKind::kFriction || IsPlacement(kind); }
+bool IsFriction(ParameterKind kind) { return kind == ParameterKind::kFriction || kind == ParameterKind::kSelfFriction; }
+
+bool IsOfContact(ParameterKind kind) { return IsFriction(kind) || IsPlacement(kind); }
 
 PlacementPart PartOf(ParameterKind kind) {
   return static_cast<PlacementPart>(static_cast<int>(kind) - static_cast<int>(ParameterKind::kPathTimeOffset));
@@ -249,6 +252,7 @@ std::string ParameterNames(const std::vector<std::string>& obstacle_names,
   }
   names += "mu";
   for (const std::string& obstacle : obstacle_names) names.append(", ").append(kFrictionPrefix).append(obstacle);
+  if (has(ParameterKind::kSelfFriction)) names.append(", ").append(kSelfFrictionName);
   for (const KindName& wind : kWindNames) {
     if (has(wind.kind)) names.append(", ").append(wind.name);
   }
@@ -275,6 +279,7 @@ ParameterId ParseParameter(const std::string& name, const std::vector<std::strin
       return {ParameterKind::kFriction, static_cast<int>(found - obstacle_names.begin())};
     }
   }
+  if (name == kSelfFrictionName) return {ParameterKind::kSelfFriction};
   if (const auto placement = FindPlacement(name, obstacle_names)) return *placement;
   if (const auto of_piece = FindOfPiece(name, piece_names)) return *of_piece;
   throw Error(ErrorKind::kUsage, "unknown parameter '" + name + "'; expected one of " +
@@ -300,6 +305,7 @@ std::string ParameterName(ParameterId id, const std::vector<std::string>& obstac
   for (const KindName& placement : kPlacementNames) {
     if (id.kind == placement.kind) return obstacle_names.at(static_cast<std::size_t>(id.obstacle)) + placement.name;
   }
+  if (id.kind == ParameterKind::kSelfFriction) return kSelfFrictionName;
   if (id.obstacle == kAllObstacles) return "mu";
   return std::string(kFrictionPrefix) + obstacle_names.at(static_cast<std::size_t>(id.obstacle));
 }
@@ -337,6 +343,7 @@ double GetParameter(const Parameters& parameters, ParameterId id) {
     Placement placement = parameters.placement(id.obstacle);
     return PlacementValue(id.kind, &placement);
   }
+  if (id.kind == ParameterKind::kSelfFriction) return parameters.self_friction;
   if (id.kind != ParameterKind::kFriction) {
     const bool is_whole = id.piece == kWholeCloth;
     const Material& material =
@@ -357,6 +364,8 @@ void SetParameter(ParameterId id, double value, Parameters* parameters) {
   } else if (IsPlacement(id.kind)) {
     if (parameters->placements.empty()) parameters->placements.resize(mu.size());
     PlacementValue(id.kind, &parameters->placements.at(static_cast<std::size_t>(id.obstacle))) = value;
+  } else if (id.kind == ParameterKind::kSelfFriction) {
+    parameters->self_friction = value;
   } else if (id.kind != ParameterKind::kFriction) {
     SetConstant(id, value, parameters);
   } else if (id.obstacle == kAllObstacles) {

@@ -55,6 +55,7 @@ struct Parameters {
   // Of each piece of the scene's mesh, then of the triangles in no piece [P + 1]. Empty: the cloth has no pieces. Where
   // it has, a constant of `material` is a level that no triangle need have; it is zero only where theirs all are.
   std::vector<Material> pieces = {};
+  double self_friction = 0.0;  // mu of the cloth against itself, where the scene has self-contact
 };
 
 enum class ParameterKind {
@@ -97,6 +98,7 @@ enum class ParameterKind {
   kPathTurnX,
   kPathTurnY,
   kPathTurnZ,
+  kSelfFriction,  // of the cloth against itself
 };
 
 // The constants of a material, in the order in which lists name them.
@@ -119,6 +121,7 @@ inline constexpr ParameterKind kPlacementKinds[] = {
 bool IsWind(ParameterKind kind);
 bool IsSize(ParameterKind kind);
 bool IsPlacement(ParameterKind kind);
+bool IsFriction(ParameterKind kind);  // against obstacles or the cloth itself
 // Whether a step depends on it by its contacts alone: friction, and how an obstacle's path is placed.
 bool IsOfContact(ParameterKind kind);
 // Of a kind of placement.
@@ -153,9 +156,9 @@ struct ParameterId {
 
 // "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson"; "bend_warp",
 // "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass"; "mu" (every obstacle), "mu.NAME" (one of
-// them); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y",
-// "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x", ..; "size.x", "size.y";
-// "NAME.time_offset", "NAME.shift.x", .., "NAME.turn.x", .. of the path of an obstacle;
+// them), "mu.self" (of the cloth against itself); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot
+// of the profile), .., "gust.x", "gust.y", "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x",
+// ..; "size.x", "size.y"; "NAME.time_offset", "NAME.shift.x", .., "NAME.turn.x", .. of the path of an obstacle;
 // "k_stretch.NAME", .. of one piece (without, of the whole cloth). `obstacle_names` are the scene's, `piece_names` its
 // mesh's, in their order. Throws `Error` (kUsage) that lists the names it would accept. `ParseParameter` in
 // sim/scene/scene.h also asks whether a scene has the parameter.

@@ -34,9 +34,7 @@ void SetFields(const Scene& scene, Parameters* parameters) {
 
 const char* IntegratorName(Integrator integrator) { return integrator == Integrator::kSdirk2 ? "sdirk2" : "euler"; }
 
-bool IsLogarithmic(ParameterKind kind) {
-  return kind != ParameterKind::kFriction && DomainOf(kind) != ParameterDomain::kAny;
-}
+bool IsLogarithmic(ParameterKind kind) { return !IsFriction(kind) && DomainOf(kind) != ParameterDomain::kAny; }
 
 int Scene::num_steps() const { return std::max(0, static_cast<int>(std::ceil(duration / time_step - kStepRounding))); }
 
@@ -54,6 +52,7 @@ Parameters Scene::nominal_parameters() const {
   for (const SceneObstacle& obstacle : obstacles) {
     result.friction_coefficients.push_back(obstacle.friction_coefficient);
   }
+  if (self_contact) result.self_friction = self_contact->friction_coefficient;
   if (!fields.empty()) SetFields(*this, &result);
   // In the order of the map "mu" comes before every "mu.NAME", so the special name overrides the general one; likewise
   // "k_stretch" and "k_stretch.NAME".
@@ -120,6 +119,8 @@ bool Scene::has(ParameterKind kind) const {
     case ParameterKind::kShearStiffness:
     case ParameterKind::kPoissonStiffness:
       return membrane == MembraneLaw::kOrthotropic;
+    case ParameterKind::kSelfFriction:
+      return self_contact.has_value();
     case ParameterKind::kBendingStiffness:
       return !bending.orthotropic;
     case ParameterKind::kWarpBending:

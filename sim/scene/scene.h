@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,12 @@ struct SceneObstacle {
   std::shared_ptr<const Obstacle> ShapeAt(double time) const;
 };
 
+// How the cloth meets itself: see "The cloth against itself" in sim/README.md.
+struct SelfContact {
+  double friction_coefficient = 0.3;  // mu, the nominal value
+  double thickness = 0.0;             // > 0, m: the least distance of two of its surfaces
+};
+
 // Nodes with an exact prescribed position. An empty path: they stay where they are at the start.
 struct Handles {
   std::vector<int> nodes;
@@ -130,7 +137,8 @@ struct Scene {
   Eigen::VectorXd initial_velocities;  // v_0 [3N] m/s
   Handles handles;
   std::vector<SceneObstacle> obstacles;
-  Material material;   // nominal
+  std::optional<SelfContact> self_contact;  // none: the cloth goes through itself
+  Material material;                        // nominal
   std::string fabric;  // whose measured constants stand in for those that the scene does not give; empty: none
   Bending bending;     // of a cloth with k_b > 0, or with orthotropic bending
   MembraneLaw membrane = MembraneLaw::kArap;

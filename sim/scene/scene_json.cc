@@ -31,10 +31,12 @@ class SceneReader {
       : root_(root), folder_(folder), defaults_(defaults) {}
 
   Scene Read() {
-    root_.ExpectKeys(
-        {"clothid_scene",       "time_step", "integrator", "duration",   "gravity", "contact",    "touch",
-         "depenetration_speed", "wind",      "air",        "node_force", "mesh",    "initial",    "handles",
-         "obstacles",           "fabric",    "materials",  "fields",     "pieces",  "parameters", "solver"});
+    root_.ExpectKeys({"clothid_scene", "time_step", "integrator", "duration",
+                      "gravity",       "contact",   "touch",      "depenetration_speed",
+                      "wind",          "air",       "node_force", "mesh",
+                      "initial",       "handles",   "obstacles",  "self_contact",
+                      "fabric",        "materials", "fields",     "pieces",
+                      "parameters",    "solver"});
     ReadVersion();
     ReadTime();
     ReadForces();
@@ -44,6 +46,7 @@ class SceneReader {
     ReadInitial();
     if (const auto obstacles = root_.Find("obstacles"))
       scene_.obstacles = ReadObstacles(*obstacles, defaults_.sequences, folder_);
+    if (const auto self_contact = root_.Find("self_contact")) ReadSelfContact(*self_contact);
     AttachHandles();
     if (const auto fabric = root_.Find("fabric")) ReadFabric(*fabric, &scene_);
     if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, folder_, &scene_);
@@ -174,6 +177,13 @@ class SceneReader {
     }
     if (static_cast<int>(nodes.size()) == num_nodes) list.Fail("expected at least one node that is not a handle");
     return nodes;
+  }
+
+  void ReadSelfContact(const JsonNode& node) {
+    node.ExpectKeys({"mu", "thickness"});
+    scene_.self_contact.emplace();
+    ReadNonNegative(node, "mu", &scene_.self_contact->friction_coefficient);
+    scene_.self_contact->thickness = node.Require("thickness", "a number > 0 (m)").PositiveNumber();
   }
 
   // Those of a recording have their path from it.

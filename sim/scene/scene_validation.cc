@@ -105,6 +105,16 @@ void ValidateObstacles(const Scene& scene, const Checker& check) {
   }
 }
 
+void ValidateSelfContact(const Scene& scene, const Checker& check) {
+  if (!scene.self_contact) return;
+  check.ExpectNotNegative(scene.self_contact->friction_coefficient, "self_contact.mu");
+  check.ExpectPositive(scene.self_contact->thickness, "self_contact.thickness");
+  check.Expect(scene.contact_mode == ContactMode::kGap, "self_contact", "contact by \"gap\"");
+  for (const SceneObstacle& obstacle : scene.obstacles) {
+    check.Expect(obstacle.name != "self", "obstacles", "another name than \"self\", which is the cloth's");
+  }
+}
+
 // Absent values (NaN) compare as in order with everything.
 void ValidateRange(const ParameterRange& range, ParameterDomain domain, const std::string& key, const Checker& check) {
   const ParameterDomain bounds = domain == ParameterDomain::kPositive ? ParameterDomain::kNotNegative : domain;
@@ -175,6 +185,7 @@ void ValidateScene(const Scene& scene, const std::string& source) {
   ValidatePieces(scene, source);
   ValidateHandles(scene, check);
   ValidateObstacles(scene, check);
+  ValidateSelfContact(scene, check);
   ValidateRanges(scene, check);
   if (scene.nominal_parameters().size != Parameters().size) FrontAxes(scene.mesh, source);
   ValidateParameters(scene.nominal_parameters(), scene, source);
@@ -204,6 +215,8 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
     expect(IsInDomain(ParameterDomain::kNotNegative, mu), mu, "mu." + scene.obstacles[i].name,
            "; expected a finite number >= 0");
   }
+  expect(IsInDomain(ParameterDomain::kNotNegative, parameters.self_friction), parameters.self_friction,
+         ParameterName({ParameterKind::kSelfFriction}, {}), "; expected a finite number >= 0");
   const std::vector<Placement>& placements = parameters.placements;
   bool fit = placements.empty() || placements.size() == scene.obstacles.size();
   for (std::size_t i = 0; fit && i < placements.size(); ++i) {

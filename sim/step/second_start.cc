@@ -4,9 +4,21 @@
 
 namespace clothid {
 
+PairImpactNodes ImpactNodes(const ClothModel& model, const Material& material, const PairCandidate& pair,
+                            const Eigen::VectorXd& start_velocities, const Eigen::VectorXd& end_velocities) {
+  PairImpactNodes nodes;
+  for (int i = 0; i < pair.features.num_nodes(); ++i) {
+    const int node = pair.features.nodes[i];
+    if (pair.blocks[i] >= 0) nodes.inverse_masses[i] = 1.0 / model.mass(material, node);
+    nodes.velocity_changes.col(i) = end_velocities.segment<3>(3 * node) - start_velocities.segment<3>(3 * node);
+  }
+  return nodes;
+}
+
 SecondStart StartSecondStage(const ClothModel& model, const Material& material, const SolveStart& start,
                              const Eigen::VectorXd& first_positions, const Eigen::VectorXd& first_velocities,
-                             double time_step, const std::vector<Contact>& contacts) {
+                             double time_step, const std::vector<Contact>& contacts,
+                             const std::vector<PairContact>& pairs) {
   SecondStart second;
   second.positions = start.positions + kSecondStageReach * (first_positions - start.positions);
   for (const int node : model.free_nodes()) {  // not from a difference of positions, which is rounded more
@@ -19,6 +31,14 @@ SecondStart StartSecondStage(const ClothModel& model, const Material& material, 
     const Eigen::Vector3d change = first_velocities.segment<3>(3 * node) - start.velocities.segment<3>(3 * node);
     second.velocities.segment<3>(3 * node) -=
         kSecondStageReach * ImpactVelocity(contact, model.mass(material, node), change);
+  }
+  for (const PairContact& pair : pairs) {
+    const PairImpact impact =
+        EvaluatePairImpact(pair, ImpactNodes(model, material, pair.candidate, start.velocities, first_velocities));
+    for (int i = 0; i < pair.candidate.features.num_nodes(); ++i) {
+      second.velocities.segment<3>(3 * pair.candidate.features.nodes[i]) -=
+          kSecondStageReach * impact.portions[i] * impact.velocity;
+    }
   }
   return second;
 }

@@ -17,15 +17,22 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact.h"
+#include "sim/contact/pair_impact.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/stage.h"
 
 namespace clothid {
 
-// After a first stage of size `time_step` eta from `start` to x_1 and v_1 [3N], in which `contacts` stuck or slipped.
+// After a first stage of size `time_step` eta from `start` to x_1 and v_1 [3N], in which `contacts` stuck or slipped,
+// as did `pairs` of the cloth with itself, whose impacts are left out likewise (sim/contact/pair_impact.h).
 SecondStart StartSecondStage(const ClothModel& model, const Material& material, const SolveStart& start,
                              const Eigen::VectorXd& first_positions, const Eigen::VectorXd& first_velocities,
-                             double time_step, const std::vector<Contact>& contacts);
+                             double time_step, const std::vector<Contact>& contacts,
+                             const std::vector<PairContact>& pairs);
+
+// What the impact of a pair counts of its nodes; of handles the velocities of their way over a solve.
+PairImpactNodes ImpactNodes(const ClothModel& model, const Material& material, const PairCandidate& pair,
+                            const Eigen::VectorXd& start_velocities, const Eigen::VectorXd& end_velocities);
 
 // C(x_n) of a solve, or C_s of a second stage. `model` has damping; its handles may be others than the scene's.
 void SetStartMetrics(const ClothModel& model, const SolveStart& start, std::vector<MetricBatch>* metrics);

@@ -11,7 +11,9 @@ constexpr int RolloutCounts::*kCounts[] = {&RolloutCounts::steps,           &Rol
                                            &RolloutCounts::fallbacks,       &RolloutCounts::substeps,
                                            &RolloutCounts::failed_steps,    &RolloutCounts::contacts,
                                            &RolloutCounts::nodes_joined,    &RolloutCounts::nodes_left,
-                                           &RolloutCounts::branch_switches, &RolloutCounts::obstacle_switches};
+                                           &RolloutCounts::branch_switches, &RolloutCounts::obstacle_switches,
+                                           &RolloutCounts::self_contacts,   &RolloutCounts::pair_changes,
+                                           &RolloutCounts::second_solves};
 static_assert(sizeof(RolloutCounts) == sizeof(int) * std::size(kCounts), "every count is listed");
 
 }  // namespace
@@ -41,6 +43,19 @@ void CountContactChanges(const std::vector<ContactRecord>& before, const std::ve
       counts->branch_switches += before[i].branch != after[j].branch;
       counts->obstacle_switches += before[i].obstacle != after[j].obstacle;
     }
+    if (!joined) ++i;
+    if (!left) ++j;
+  }
+}
+
+void CountPairChanges(const std::vector<PairContactRecord>& before, const std::vector<PairContactRecord>& after,
+                      RolloutCounts* counts) {
+  counts->self_contacts += static_cast<int>(after.size());
+  size_t i = 0, j = 0;
+  while (i < before.size() || j < after.size()) {
+    const bool left = j == after.size() || (i < before.size() && before[i].features < after[j].features);
+    const bool joined = i == before.size() || (j < after.size() && after[j].features < before[i].features);
+    counts->pair_changes += left || joined || before[i].branch != after[j].branch;
     if (!joined) ++i;
     if (!left) ++j;
   }

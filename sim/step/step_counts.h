@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/contact/contact.h"
+#include "sim/contact/self_contact.h"
 
 namespace clothid {
 
@@ -24,6 +25,11 @@ struct RolloutCounts {
   int nodes_left = 0;         // them
   int branch_switches = 0;    // from stick to slip or back
   int obstacle_switches = 0;  // contacts that jumped from one obstacle to another
+  // Pairs of the cloth with itself in contact at the end of a solve, and how many have come, gone or switched branches:
+  // where a node slides from one triangle to the next, one goes and one comes.
+  int self_contacts = 0;
+  int pair_changes = 0;
+  int second_solves = 0;  // with pairs that were left out at first: derivatives there are not certain
 
   int contact_changes() const { return nodes_joined + nodes_left + branch_switches; }
 
@@ -34,6 +40,10 @@ struct RolloutCounts {
 // Adds the contacts `after` a solve, and their changes since the one before it, to `counts`.
 void CountContactChanges(const std::vector<ContactRecord>& before, const std::vector<ContactRecord>& after,
                          RolloutCounts* counts);
+
+// The same of pairs of the cloth with itself, in ascending order.
+void CountPairChanges(const std::vector<PairContactRecord>& before, const std::vector<PairContactRecord>& after,
+                      RolloutCounts* counts);
 
 }  // namespace clothid
 

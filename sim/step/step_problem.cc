@@ -9,18 +9,6 @@
 namespace clothid {
 namespace {
 
-// d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q + Q_s) + h eta L.
-double SystemDiagonal(const ClothModel& model, const Material& material, double h, int node) {
-  double diagonal = (material.areal_inertia() + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
-  diagonal += h * h * model.membrane().SystemStiffness(material) * model.laplacian_diagonal()[node];
-  if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal()[node];
-  for (const BendingTerm& term : model.bending_terms()) {
-    diagonal += h * h * term.stiffness(material) * term.energy.diagonal()[node];
-  }
-  if (model.seams() != nullptr) diagonal += h * h * model.seams()->diagonal()[node];
-  return diagonal;
-}
-
 // See Contact::obstacle_gain.
 Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, const ContactCandidate& candidate,
                              const Eigen::VectorXd& start_positions) {
@@ -30,6 +18,19 @@ Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, const C
 }
 
 }  // namespace
+
+// d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q + Q_s) + h eta L.
+double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node) {
+  const double h = time_step;
+  double diagonal = (material.areal_inertia() + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
+  diagonal += h * h * model.membrane().SystemStiffness(material) * model.laplacian_diagonal()[node];
+  if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal()[node];
+  for (const BendingTerm& term : model.bending_terms()) {
+    diagonal += h * h * term.stiffness(material) * term.energy.diagonal()[node];
+  }
+  if (model.seams() != nullptr) diagonal += h * h * model.seams()->diagonal()[node];
+  return diagonal;
+}
 
 Eigen::VectorXd PredictedPositions(const SolveStart& start, double time_step, const std::vector<int>& handles,
                                    const Eigen::VectorXd& end_positions) {
@@ -118,15 +119,19 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
   work_.start_momentum = std::sqrt(square);
   if (model.damping() != nullptr) SetStartMetrics(model, start, &work_.held.start_metrics);
   if (model.directional_drag() != nullptr) SetAir(start);
-  if (!model.has_contact()) return;
-  work_.motions = ObstacleMotions(model.scene(), parameters, times);
-  FindCandidates(model, start.positions, times.gap_time(), work_.motions, &work_.candidates);
+  if (model.has_contact()) {
+    work_.motions = ObstacleMotions(model.scene(), parameters, times);
+    FindCandidates(model, start.positions, times.gap_time(), work_.motions, &work_.candidates);
+  }
+  if (model.scene().self_contact) FindPairs(start, times.gap_time());
 }
 
 StepProblem StepProblem::WithFriction(double share) const {
   StepProblem other = *this;
   other.eased_friction_ = parameters_.friction_coefficients;
   for (double& coefficient : other.eased_friction_) coefficient *= share;
+  other.eased_self_friction_ = share * parameters_.self_friction;
+  other.is_eased_ = true;
   return other;
 }
 
@@ -190,12 +195,14 @@ void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) 
   if (model_.drag() != nullptr) AddDrag(point);
   if (model_.directional_drag() != nullptr) AddDirectionalDrag(point);
   if (model_.damping() != nullptr) AddViscousForce(point);
+  if (may_touch_itself()) AddPairImpulses(point);
   if (may_touch()) {
     ApplyContactLaw(point);
   } else {
     point->residual = point->momentum_gradient;
   }
   point->relative_residual = point->residual.norm() / point->scale;
+  if (may_touch_itself()) ApplyPairLaw(point);
 }
 
 // One pass over the nodes for all that has no derivative: x = x_n + h v, M (v - v_n) - h f_ext and its potential.
@@ -298,6 +305,12 @@ void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, Bloc
 double StepProblem::RoundingFloor(const StepPoint& point) const {
   return 0.6 * std::numeric_limits<double>::epsilon() * std::sqrt(3.0) * work_.weight_norm *
          point.positions.lpNorm<Eigen::Infinity>() / (time_step_ * point.scale);
+}
+
+double StepProblem::WeighedSquare(const Eigen::VectorXd& vector) const {
+  double sum = 0.0;
+  for (int i = 0; i < model_.num_free(); ++i) sum += vector.segment<3>(3 * i).squaredNorm() / work_.weights[i];
+  return sum;
 }
 
 void StepProblem::ClipToFeasible(Eigen::VectorXd* velocities) const {

@@ -4,6 +4,8 @@
 //   g(v) = M (v - v_n) - h f_ext(v) - h f_int(x_n + h v; x_n) = J^T r,   (r, u = J v) in the contact law
 //   Phi(v) = g(v) - J^T r(F(v)),  F = d (v - V) - g + (d gap_speed) n     its root is the step
 //   K = dg/dv = M + h C + h^2 H(x_n + h v)
+// Where the cloth may touch itself, the impulses r of those contacts are unknowns, too (sim/contact/self_contact.h):
+// g(v) - sum_c J_c^T r_c stands for g(v) in the above, and R_c(v, r) = 0 beside Phi(v, r) = 0.
 // f_ext is gravity, which does not see the added mass in M, the scene's node force and drag: c_d a (w - v), and that by
 // direction (directional_drag.h). C = c_d diag(a) + d2D/dv2. f_int = -d(E + W)/dx and
 // H = d2(E + W)/dx2, E the energy of stretch, bending and, at the end of the step, seams, W the dissipation potential
@@ -15,10 +17,13 @@
 #define CLOTHID_SIM_STEP_STEP_PROBLEM_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact.h"
+#include "sim/contact/self_contact.h"
+#include "sim/contact/self_contact_search.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/obstacle_motions.h"
 #include "sim/step/stage.h"
@@ -39,9 +44,14 @@ struct StepPoint {
   Eigen::VectorXd residual;                // Phi
   std::vector<Eigen::Vector3d> forces;     // F, per candidate
   std::vector<ContactResponse> responses;  // per candidate
+  // Per pair of the cloth with itself, of which g has the impulses taken off; empty where there are none.
+  Eigen::Matrix3Xd pair_impulses;               // r
+  Eigen::Matrix3Xd pair_residuals;              // R
+  std::vector<Eigen::Vector3d> pair_forces;     // F
+  std::vector<ContactResponse> pair_responses;  // at F
   double potential = 0.0;          // whose gradient is g, J: kinetic distance to v_n, drag, external energy, E and W
   double scale = 0.0;              // largest of h |f_ext|, |M v_n|, h |dE/dx| and h |dW/dx|, N s
-  double relative_residual = 0.0;  // |Phi| / scale
+  double relative_residual = 0.0;  // |(Phi, R)| / scale
 };
 
 // Memory for the problems of one model, one at a time, and nobody's but theirs: from the second step on nothing is
@@ -63,9 +73,14 @@ struct StepWorkspace {
   Eigen::VectorXd handle_positions;  // at the end, in the order of the scene's handles
   Eigen::VectorXd all_velocities;    // [3N], those of handles set; empty without drag by direction
   HeldTerms held;
-  std::vector<ObstacleMotion> motions;       // empty where no obstacle moves
-  std::vector<ContactCandidate> candidates;  // empty without obstacles
-  Eigen::VectorXd force;                     // [3N] scratch
+  std::vector<ObstacleMotion> motions;        // empty where no obstacle moves
+  std::vector<ContactCandidate> candidates;   // empty without obstacles
+  std::unique_ptr<SelfContactSearch> search;  // of the model's mesh; null without self-contact
+  std::vector<int> follow_order;              // of its nodes (sim/contact/pair_thinning.h)
+  std::vector<PairFeatures> near_pairs;       // that it has found
+  std::vector<PairCandidate> left_out;
+  std::vector<PairCandidate> pairs;  // those that the solve covers
+  Eigen::VectorXd force;             // [3N] scratch
 };
 
 // x^ [3N]: where a solve of size `time_step` from `start` would end at its first velocities, `handles` where they are
@@ -94,6 +109,16 @@ std::vector<Contact> RestoreContacts(const ClothModel& model, const Parameters& 
                                      const std::vector<ObstacleMotion>& motions,
                                      const std::vector<ContactRecord>& records);
 
+// The pairs in contact behind `records`, likewise, with the velocities [3N] at the end of the solve, of which those of
+// handles count.
+std::vector<PairContact> RestorePairs(const ClothModel& model, const Parameters& parameters,
+                                      const Eigen::VectorXd& start_positions, const Eigen::VectorXd& end_velocities,
+                                      const SolveTimes& times, const std::vector<PairContactRecord>& records);
+std::vector<PairContactRecord> RecordPairs(const std::vector<PairContact>& contacts);
+
+// d_j of node `node` in a solve of size `time_step`, kg.
+double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node);
+
 class StepProblem {
  public:
   // Model, parameters and workspace must outlive the problem, which has the workspace for itself. `handle_offsets` (may
@@ -109,6 +134,9 @@ class StepProblem {
   const Eigen::VectorXd& start_velocities() const { return work_.start_velocities; }  // v_n
   const std::vector<ContactCandidate>& candidates() const { return work_.candidates; }
   bool may_touch() const { return !work_.candidates.empty(); }
+  const std::vector<PairCandidate>& pairs() const { return work_.pairs; }
+  bool may_touch_itself() const { return !work_.pairs.empty(); }
+  double self_friction() const { return is_eased_ ? eased_self_friction_ : parameters_.self_friction; }
   double weight(int candidate) const;                         // d of its node, kg
   double friction_coefficient(int candidate) const;           // mu of its obstacle
   const std::vector<double>& friction_coefficients() const {  // mu of every obstacle
@@ -123,12 +151,23 @@ class StepProblem {
   // Smallest relative residual that rounding allows at `point`: 0.6 eps sqrt(3) |d| |x|_max/(h scale).
   double RoundingFloor(const StepPoint& point) const;
 
+  // sum |v_i|^2/d_i of a vector over the free nodes.
+  double WeighedSquare(const Eigen::VectorXd& vector) const;
+
   // v_N <- max(v_N, V_N - gap_speed) at every candidate.
   void ClipToFeasible(Eigen::VectorXd* velocities) const;
 
   // The sticking and slipping nodes at `point` overwrite `contacts`.
   void FindActiveContacts(const StepPoint& point, std::vector<Contact>* contacts) const;
   std::vector<Contact> ActiveContacts(const StepPoint& point) const;
+
+  // Adds the pairs that thinning has left out and that `point` draws below half the thickness, without friction. True:
+  // there are some, and the step has to be solved again, with rows that may depend on each other.
+  bool TakesBackPairs(const StepPoint& point) { return !work_.left_out.empty() && TakeBackPairs(point); }
+
+  // The pairs at `point`, those that leave as well, or those in contact alone.
+  std::vector<PairContact> AllPairs(const StepPoint& point) const;
+  std::vector<PairContact> ActivePairs(const StepPoint& point) const;
 
   // The velocities [3N] of the step, with those of the handles.
   Eigen::VectorXd AllVelocities(const StepPoint& point) const;
@@ -139,6 +178,9 @@ class StepProblem {
   void SetExternalImpulse();
   void SetHandles(const HandlePath* offsets);
   void SetAir(const SolveStart& start);
+
+  void FindPairs(const SolveStart& start, double gap_time);
+  bool TakeBackPairs(const StepPoint& point);
 
   // v, x, and the terms of g and its potential that are neither drag nor an internal force.
   void MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const;
@@ -151,12 +193,17 @@ class StepProblem {
   void AddForce(double potential, StepPoint* point) const;  // the one in `work_.force`
   // Phi and the responses, from v and g.
   void ApplyContactLaw(StepPoint* point) const;
+  // Takes J^T r off g.
+  void AddPairImpulses(StepPoint* point) const;
+  void ApplyPairLaw(StepPoint* point) const;
 
   const ClothModel& model_;
   const Parameters& parameters_;
   StepWorkspace& work_;
   double time_step_, end_time_;
   std::vector<double> eased_friction_;  // of WithFriction; empty: that of the parameters
+  double eased_self_friction_ = 0.0;    // likewise, where
+  bool is_eased_ = false;
 };
 
 }  // namespace clothid

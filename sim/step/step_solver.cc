@@ -88,7 +88,9 @@ StepSolver::StepSolver(const ClothModel& model)
       hessian_(model.pattern()),
       jacobian_(model),
       refactor_iterations_(
-          std::clamp(jacobian_.factor_flops_per_entry() / kFlopsPerEntry, kFewestIterations, kMostIterations)) {}
+          std::clamp(jacobian_.factor_flops_per_entry() / kFlopsPerEntry, kFewestIterations, kMostIterations)) {
+  if (model.scene().self_contact) pair_newton_ = std::make_unique<PairNewton>(model, &hessian_);
+}
 
 double StepSolver::Tolerance(const StepProblem& problem, double tolerance, const StepPoint& point) {
   return std::max(tolerance, problem.RoundingFloor(point));
@@ -117,6 +119,8 @@ void StepSolver::StartAt(const StepProblem& problem, const Eigen::VectorXd& velo
 bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
                        RolloutCounts* counts, const std::vector<Eigen::VectorXd>& candidates) {
   const Task task{problem, tolerance, counts};
+  point->pair_impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
+  trial_.pair_impulses = point->pair_impulses;
   if (guess != nullptr) {
     StartAt(problem, *guess, point);
   } else {
@@ -130,6 +134,7 @@ bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen
   } else if (std::isfinite(point->relative_residual)) {
     solved = ContinueInFriction(task, point);
   }
+  if (problem.may_touch_itself()) return solved;
   if (solved && guess != nullptr) Refine(task, point);
   if (solved && ends_with_factors_) EndWithFactor(task, *point);
   return solved;
@@ -165,6 +170,7 @@ void StepSolver::Evaluate(const StepProblem& problem, const Eigen::VectorXd& vel
 void StepSolver::Reset(bool end_with_factors) {
   jacobian_.SetFactor(nullptr);
   acceleration_.resize(0);
+  if (pair_newton_ != nullptr) pair_newton_->Reset();
   ends_with_factors_ = end_with_factors;
   iterations_per_digit_ = 0.0;
   new_factor_is_due_ = false;
@@ -277,6 +283,9 @@ bool StepSolver::Iterate(const Task& task, double forcing, double first_length, 
 
 // The length of the first trial is halved where an iteration undoes the one before it: a cycle between branches.
 bool StepSolver::Newton(const Task& task, StepPoint* point) {
+  if (task.problem.may_touch_itself()) {
+    return pair_newton_->Solve(task.problem, task.tolerance, point, task.counts);
+  }
   StepPoint best = *point;
   Progress progress(*point);
   Eigen::VectorXd change, last_change;  // of the velocities
@@ -309,6 +318,7 @@ bool StepSolver::Newton(const Task& task, StepPoint* point) {
 bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoint& start, StepPoint* point) {
   const StepProblem eased = task.problem.WithFriction(share);
   const Task eased_task{eased, task.tolerance, task.counts};
+  point->pair_impulses = trial_.pair_impulses;  // as many
   if (share == 0.0) {
     Start(eased_task, point);
   } else {
@@ -318,7 +328,9 @@ bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoi
 }
 
 bool StepSolver::ContinueInFriction(const Task& task, StepPoint* point) {
-  if (std::all_of(task.mu().begin(), task.mu().end(), [](double mu) { return mu == 0.0; })) return false;
+  const bool has_friction = std::any_of(task.mu().begin(), task.mu().end(), [](double mu) { return mu > 0.0; }) ||
+                            (task.problem.may_touch_itself() && task.problem.self_friction() > 0.0);
+  if (!has_friction) return false;
   ++task.counts->fallbacks;
   StepPoint reached, next;
   if (!SolveWithFriction(task, 0.0, reached, &next)) return false;

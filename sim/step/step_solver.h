@@ -1,6 +1,7 @@
 // The solver of one implicit step: projected semismooth Newton with a line search, and its fallback, continuation in
 // the friction coefficients, of which the step is a continuous function (section 5.1 of the DiffCloth paper) as long as
-// it stays on one solution. See "The solver of a step" in sim/README.md.
+// it stays on one solution. Where the cloth may touch itself, Newton's method is that of pair_newton.h. See "The solver
+// of a step" in sim/README.md.
 #ifndef CLOTHID_SIM_STEP_STEP_SOLVER_H_
 #define CLOTHID_SIM_STEP_STEP_SOLVER_H_
 
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "sim/step/contact_sweeps.h"
+#include "sim/step/pair_newton.h"
 #include "sim/step/step_counts.h"
 #include "sim/step/step_jacobian.h"
 #include "sim/step/step_problem.h"
@@ -93,10 +95,11 @@ class StepSolver {
   const ClothModel& model_;
   BlockMatrix hessian_;
   StepJacobian jacobian_;
-  double refactor_iterations_;    // a linear solve that takes more costs as much as a new factor
-  StepPoint trial_;               // kept for its memory
-  ContactSweeps sweeps_;          // likewise
-  Eigen::VectorXd acceleration_;  // of the last step, over the free nodes, m/s^2; empty: none
+  double refactor_iterations_;               // a linear solve that takes more costs as much as a new factor
+  std::unique_ptr<PairNewton> pair_newton_;  // null without self-contact
+  StepPoint trial_;                          // kept for its memory
+  ContactSweeps sweeps_;                     // likewise
+  Eigen::VectorXd acceleration_;             // of the last step, over the free nodes, m/s^2; empty: none
   bool ends_with_factors_ = false;
   double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known
   bool new_factor_is_due_ = false;     // the last solve with the one at hand took as long as a new one

@@ -95,6 +95,7 @@ class GradientCase {
       if (!scene_.obstacles[i].moves()) continue;
       for (const ParameterKind kind : kPlacementKinds) ids_.push_back({kind, i});
     }
+    if (scene_.self_contact) ids_.push_back({ParameterKind::kSelfFriction});
     for (const ParameterKind kind : kMaterialKinds) {
       if (scene_.has(kind) && parameters_.material.*MaterialConstant(kind) != 0.0) ids_.push_back({kind});
     }

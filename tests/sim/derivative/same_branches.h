@@ -9,7 +9,8 @@
 
 namespace clothid {
 
-// Both worked, with as many solves, and at the end of each the same nodes stick and slip on the same obstacles.
+// Both worked, with as many solves, and at the end of each the same nodes stick and slip on the same obstacles, and the
+// same pairs of the cloth with itself.
 inline bool HaveSameBranches(const Rollout& one, const Rollout& other) {
   if (!one.ok() || !other.ok() || one.records.size() != other.records.size()) return false;
   for (std::size_t i = 0; i < one.records.size(); ++i) {
@@ -17,6 +18,11 @@ inline bool HaveSameBranches(const Rollout& one, const Rollout& other) {
     if (a.size() != b.size()) return false;
     for (std::size_t j = 0; j < a.size(); ++j) {
       if (a[j].node != b[j].node || a[j].obstacle != b[j].obstacle || a[j].branch != b[j].branch) return false;
+    }
+    const std::vector<PairContactRecord>&c = one.records[i].pairs, &d = other.records[i].pairs;
+    if (c.size() != d.size()) return false;
+    for (std::size_t j = 0; j < c.size(); ++j) {
+      if (!(c[j].features == d[j].features) || c[j].branch != d[j].branch) return false;
     }
   }
   return true;

@@ -238,6 +238,28 @@ TEST(ParseScene, NamesTheFileOfASurface) {
   ExpectError(parse(""), kBadData, {"key 'obstacles[0].obj': expected the name of a file"});
 }
 
+TEST(ParseScene, ReadsHowTheClothMeetsItself) {
+  EXPECT_FALSE(ParseScene(SmallScene(""), "scene.json", "").self_contact);
+  const Scene scene =
+      ParseScene(SmallScene(R"("self_contact": {"thickness": 0.002}, "parameters": {"mu.self": {"nominal": 0.2}})"),
+                 "scene.json", "");
+  ASSERT_TRUE(scene.self_contact);
+  EXPECT_EQ(scene.self_contact->thickness, 0.002);
+  EXPECT_EQ(scene.self_contact->friction_coefficient, 0.3);
+  EXPECT_EQ(scene.nominal_parameters().self_friction, 0.2);
+}
+
+TEST(ParseScene, NamesWhatIsWrongWithSelfContact) {
+  ExpectBadMember(R"("self_contact": {"mu": 0.3})", {"scene.json:2", "thickness"});
+  ExpectBadMember(R"("self_contact": {"thickness": 0})", {"scene.json:2", "thickness", "> 0"});
+  ExpectBadMember(R"("self_contact": {"thickness": 0.002, "mu": -1})", {"scene.json:2", "mu", ">= 0"});
+  ExpectBadMember(R"("self_contact": {"thickness": 0.002}, "contact": "velocity")", {"self_contact", "gap"});
+  ExpectBadMember(R"("self_contact": {"thickness": 0.002}, "obstacles": [{"name": "self", "type": "plane",
+                     "point": [0, 0, -1], "normal": [0, 0, 1]}])",
+                  {"obstacles", "self"});
+  ExpectBadMember(R"("parameters": {"mu.self": {}})", {"mu.self"});
+}
+
 TEST(ParseScene, NamesUnknownKeysAndTheirLine) {
   ExpectBadMember("\"gravty\": [0, 0, 1]", {"scene.json:2: key 'gravty': unknown key", "gravity"});
   ExpectBadMember("\"wind\": {\n\"men\": 1}",

@@ -28,6 +28,24 @@ TEST(ContactChangesTest, TellJoinedLeftAndSwitchedApart) {
   EXPECT_EQ(counts.contact_changes(), 5);
 }
 
+PairContactRecord PairOf(int vertex, int face, ContactBranch branch) {
+  PairContactRecord record;
+  record.features = {PairKind::kVertexFace, {vertex, face, face + 1, face + 2}};
+  record.branch = branch;
+  return record;
+}
+
+// A vertex that slides from one face to the next counts twice.
+TEST(PairChangesTest, CountWhatComesGoesAndSwitches) {
+  const ContactBranch stick = ContactBranch::kStick, slip = ContactBranch::kSlip;
+  RolloutCounts counts;
+  CountPairChanges({PairOf(1, 10, slip), PairOf(2, 10, stick), PairOf(4, 20, slip)},
+                   {PairOf(1, 11, slip), PairOf(2, 10, slip), PairOf(4, 20, slip)}, &counts);
+  EXPECT_EQ(counts.self_contacts, 3);
+  EXPECT_EQ(counts.pair_changes, 3);
+  EXPECT_EQ(counts.contact_changes(), 0);
+}
+
 TEST(RolloutCountsTest, AddUpAndTakeOff) {
   RolloutCounts sum;
   sum.steps = 3;

@@ -1,0 +1,118 @@
+// The matrix of a step whose cloth touches itself, in (v, r): factor and solve, forwards and transposed.
+//
+// With J of the pairs in contact, S and D of the obstacles' contacts (step_jacobian.h) and P = dPi/da of each pair
+// (sim/contact/self_contact.h), diagonal in its axes n, t, b but for friction: P = n n^T + q t n^T + beta b b^T,
+// q = -mu, 0 <= beta < 1 for a pair that slips, the identity for one that sticks, zero for one that leaves,
+//   (I + S)(K dv - J^T dr) - S D dv = f
+//   d P J dv + (I - P) dr           = s
+// What the second row gives at once is taken out: dr of a pair that leaves, and of one that slips all but
+// lambda = n . dr. Left are kappa = d beta/(1 - beta) in the stiffness K~ = K + sum kappa J^T b b^T J and
+//   [ K~   -E^T ] [dv    ]      C, E: rows of J at sticking pairs, n . J and (n + q t) . J at slipping ones
+//   [ C      0  ] [lambda]
+// It is solved by GMRES, with the augmented Lagrangian of a pair without friction as a preconditioner (Benzi and
+// Olshanskii 2006): one Cholesky factor of
+//   M = Z^T (K~ + gamma C^T d C) Z
+// in the frames of the obstacles' contacts (contact_elimination.h). Rows of C that depend on each other do no harm to
+// M.
+#ifndef CLOTHID_SIM_STEP_PAIR_JACOBIAN_H_
+#define CLOTHID_SIM_STEP_PAIR_JACOBIAN_H_
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "sim/cloth/cloth_model.h"
+#include "sim/contact/contact_elimination.h"
+#include "sim/contact/self_contact.h"
+#include "sim/matrix/block_matrix.h"
+#include "sim/matrix/cholesky.h"
+#include "sim/step/wide_pattern.h"
+
+namespace clothid {
+
+class PairJacobian {
+ public:
+  explicit PairJacobian(const ClothModel& model);
+
+  // Makes the pattern wide enough for `candidates`; kept where it is.
+  void SetCandidates(const std::vector<PairCandidate>& candidates);
+  // Forgets the pattern, which numbers depend on in their last digits.
+  void Reset() { pattern_.reset(); }
+
+  // The matrix at a point: `hessian` is K and must outlive the solves; `pairs` are among the candidates, in their
+  // order.
+  void SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,
+                const std::vector<double>& friction_coefficients, const std::vector<PairContact>& pairs,
+                double self_friction);
+
+  // False where M is not positive definite.
+  bool Factor();
+
+  // Columns: dv, f [3 Nf x s], dr, s [3 c x s]. To a relative residual of `tolerance`; false: it was not reached.
+  bool Solve(const Eigen::MatrixXd& f, const Eigen::MatrixXd& s, double tolerance, Eigen::MatrixXd* dv,
+             Eigen::MatrixXd* dr);
+
+  // The transposed matrix times (z, rho) is (w, s); y = (I + S)^T z.
+  bool SolveTransposed(const Eigen::MatrixXd& w, const Eigen::MatrixXd& s, double tolerance, Eigen::MatrixXd* z,
+                       Eigen::MatrixXd* y, Eigen::MatrixXd* rho);
+
+  // On columns: J^T r [3 Nf x s] of [3 c x s], J v, and v <- (I + S) v.
+  Eigen::MatrixXd Spread(const Eigen::MatrixXd& impulses) const;
+  Eigen::MatrixXd RelativeVelocities(const Eigen::MatrixXd& velocities) const;
+  void AddImpulse(Eigen::MatrixXd* vectors) const;
+
+  int iterations() const { return iterations_; }  // of the last solve
+
+ private:
+  struct Pair {
+    ContactBranch branch;
+    Eigen::Matrix3d frame;  // n, t, b of a slipping pair by columns
+    double weight;          // d
+    double coupling;        // q
+    double compliance;      // 1/(1 - beta)
+    double stiffness;       // kappa
+    int row;                // of its first lambda
+
+    int num_rows() const { return branch == ContactBranch::kTakeOff ? 0 : branch == ContactBranch::kStick ? 3 : 1; }
+    // By columns: the directions of its rows in C and in E [3 x num_rows].
+    Eigen::Matrix3Xd constraints() const;
+    Eigen::Matrix3Xd forces() const;
+  };
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  enum class Direction { kForward, kTransposed };
+
+  void SetRows(const std::vector<PairContact>& contacts);
+  Eigen::MatrixXd TimesStiffness(const Eigen::MatrixXd& velocities) const;  // K~ v
+  Eigen::MatrixXd Multiply(Direction direction, const Eigen::MatrixXd& stacked) const;
+  Eigen::MatrixXd Precondition(const Eigen::MatrixXd& stacked) const;
+  bool SolveStacked(Direction direction, const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* solution);
+  // dr of a pair: `right` is its s, `velocities` its J dv.
+  Eigen::MatrixXd Impulse(const Pair& pair, const Eigen::MatrixXd& lambda, const Eigen::MatrixXd& right,
+                          const Eigen::MatrixXd& velocities) const;
+  // The part of J^T dr [3 Nf x s] that `right` gives at once.
+  Eigen::MatrixXd KnownImpulse(const Eigen::MatrixXd& right) const;
+  // rho of a pair; `sum` is its s + J y.
+  Eigen::MatrixXd AdjointImpulse(const Pair& pair, const Eigen::MatrixXd& lambda, const Eigen::MatrixXd& sum) const;
+
+  const ClothModel& model_;
+  std::unique_ptr<WidePattern> pattern_;
+  const BlockMatrix* hessian_ = nullptr;
+  ContactElimination elimination_;
+  bool touches_obstacles_ = false;
+  std::vector<Pair> pairs_;
+  std::vector<std::array<int, 4>> blocks_;  // of the nodes of pairs
+  std::vector<Eigen::Vector4d> weights_;    // w
+  Rows velocity_rows_;                      // J [3c x 3 Nf]
+  Rows constraint_rows_, force_rows_;       // C and E
+  Rows side_rows_;                          // b . J of pairs that slip
+  Eigen::VectorXd row_weights_;             // d of the rows of C
+  Eigen::VectorXd side_stiffness_;          // kappa
+  std::shared_ptr<const CholeskyFactor> factor_;
+  int iterations_ = 0;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_PAIR_JACOBIAN_H_

@@ -1,0 +1,116 @@
+#include "sim/step/pair_newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clothid {
+namespace {
+
+constexpr int kIdleIterations = 3;        // without progress: a cycle of branches, which shorter steps leave, ...
+constexpr double kShortestLength = 0.2;   // ... from a half to about this
+constexpr double kProgressOfMerit = 0.9;  // of the lowest one: progress
+constexpr double kExplosion = 1e4;        // a step is shortened where the merit grows by this factor
+constexpr int kMeritHalvings = 10;        // of the length of a step
+constexpr int kMostPairIterations = 60;   // more of them seldom end: a shorter step does
+constexpr double kPairForcing = 1e-2;     // tolerance of the linear system, ...
+constexpr double kPairGoalShare = 0.1;    // ... and at least this share of what is left to do
+
+// |Phi|^2/P + sum |R|^2/d, kg m^2/s^2.
+double Merit(const StepProblem& problem, const StepPoint& point) {
+  double merit = problem.WeighedSquare(point.residual);
+  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
+    merit += point.pair_residuals.col(static_cast<Eigen::Index>(c)).squaredNorm() / problem.pairs()[c].weight;
+  }
+  return merit;
+}
+
+}  // namespace
+
+PairNewton::PairNewton(const ClothModel& model, BlockMatrix* hessian)
+    : model_(model), hessian_(*hessian), jacobian_(model) {}
+
+void PairNewton::Reset() {
+  impulses_.clear();
+  jacobian_.Reset();
+}
+
+Eigen::Matrix3Xd PairNewton::WarmStart(const StepProblem& problem) const {
+  Eigen::Matrix3Xd impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
+  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
+    const auto found = impulses_.find(problem.pairs()[c].features);
+    if (found != impulses_.end()) {
+      impulses.col(static_cast<Eigen::Index>(c)) = problem.time_step() * found->second;
+    }
+  }
+  return impulses;
+}
+
+void PairNewton::Keep(const StepProblem& problem, const StepPoint& point) {
+  impulses_.clear();
+  for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
+    if (point.pair_responses[c].branch == ContactBranch::kTakeOff) continue;
+    impulses_[problem.pairs()[c].features] =
+        point.pair_impulses.col(static_cast<Eigen::Index>(c)) / problem.time_step();
+  }
+}
+
+bool PairNewton::Solve(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts) {
+  point->pair_impulses = WarmStart(problem);
+  problem.Evaluate(Eigen::VectorXd(point->velocities), point);
+  jacobian_.SetCandidates(problem.pairs());
+  const auto is_solved = [&] { return point->relative_residual <= std::max(tolerance, problem.RoundingFloor(*point)); };
+  const int most = std::min(kMostPairIterations, model_.scene().solver.max_newton_iterations);
+  double length = 1.0, best = std::numeric_limits<double>::infinity();
+  for (int iteration = 0, idle = 0; iteration < most && !is_solved(); ++iteration) {
+    ++counts->newton_iterations;
+    const double merit = Merit(problem, *point);
+    idle = merit < kProgressOfMerit * best ? 0 : idle + 1;
+    best = std::min(best, merit);
+    if (idle == 0) length = std::min(1.0, 2.0 * length);
+    if (idle > 0 && idle % kIdleIterations == 0) length = length > kShortestLength ? 0.5 * length : 1.0;
+    if (!Iterate(problem, tolerance, length, point, counts)) break;
+  }
+  if (is_solved()) Keep(problem, *point);
+  return is_solved();
+}
+
+bool PairNewton::FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point,
+                               RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses) {
+  const std::vector<Contact> contacts = problem.may_touch() ? problem.ActiveContacts(point) : std::vector<Contact>();
+  const std::vector<PairContact> pairs = problem.AllPairs(point);
+  const double forcing = std::min(kPairForcing, kPairGoalShare * tolerance / point.relative_residual);
+  for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
+    problem.AssembleHessian(kind, point, &hessian_);
+    jacobian_.SetPoint(hessian_, contacts, problem.friction_coefficients(), pairs, problem.self_friction());
+    ++counts->factorizations;
+    if (!jacobian_.Factor()) continue;
+    Eigen::MatrixXd dv, dr;
+    const bool solved =
+        jacobian_.Solve(-point.residual, -point.pair_residuals.reshaped(), std::max(forcing, 1e-12), &dv, &dr);
+    counts->linear_iterations += jacobian_.iterations();
+    if (!solved && (dv.size() == 0 || !dv.allFinite() || !dr.allFinite())) continue;
+    *velocities = dv;
+    *impulses = dr.reshaped(3, impulses->cols());
+    return true;
+  }
+  return false;
+}
+
+bool PairNewton::Iterate(const StepProblem& problem, double tolerance, double length, StepPoint* point,
+                         RolloutCounts* counts) {
+  Eigen::VectorXd velocities;
+  Eigen::Matrix3Xd impulses = point->pair_impulses;
+  if (!FindDirection(problem, tolerance, *point, counts, &velocities, &impulses)) return false;
+  const double merit = Merit(problem, *point);
+  for (int halving = 0; halving < kMeritHalvings; ++halving, length *= 0.5) {
+    trial_.pair_impulses = point->pair_impulses + length * impulses;
+    problem.Evaluate(point->velocities + length * velocities, &trial_);
+    if (!std::isfinite(trial_.relative_residual) || Merit(problem, trial_) > kExplosion * merit) continue;
+    std::swap(*point, trial_);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace clothid

@@ -1,0 +1,46 @@
+// The solver of a step whose cloth may touch itself: semismooth Newton on (v, r).
+//
+// The residual rises on the way of a Newton iteration that changes branches, so iterations are taken whole unless the
+// merit |Phi|^2/P + sum |R|^2/d explodes. Where it has not fallen for three of them, branches go in a circle, and
+// shorter steps lead out of it.
+#ifndef CLOTHID_SIM_STEP_PAIR_NEWTON_H_
+#define CLOTHID_SIM_STEP_PAIR_NEWTON_H_
+
+#include <Eigen/Core>
+#include <map>
+
+#include "sim/step/pair_jacobian.h"
+#include "sim/step/step_counts.h"
+#include "sim/step/step_problem.h"
+
+namespace clothid {
+
+class PairNewton {
+ public:
+  // Borrows `hessian`, of the model's pattern.
+  PairNewton(const ClothModel& model, BlockMatrix* hessian);
+
+  // Forgets what earlier steps have left for later ones.
+  void Reset();
+
+  // From the velocities of `point`, which it overwrites. True: it satisfies the step to `tolerance`.
+  bool Solve(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts);
+
+ private:
+  // r of the pairs from the step before, where they were in contact.
+  Eigen::Matrix3Xd WarmStart(const StepProblem& problem) const;
+  void Keep(const StepProblem& problem, const StepPoint& point);
+  bool Iterate(const StepProblem& problem, double tolerance, double length, StepPoint* point, RolloutCounts* counts);
+  bool FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, RolloutCounts* counts,
+                     Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses);
+
+  const ClothModel& model_;
+  BlockMatrix& hessian_;
+  PairJacobian jacobian_;
+  std::map<PairFeatures, Eigen::Vector3d> impulses_;  // of the last step, over its size, N
+  StepPoint trial_;                                   // kept for its memory
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_PAIR_NEWTON_H_

@@ -1,0 +1,185 @@
+// What the contacts of a cloth with itself are in the equations of a step.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/contact/pair_thinning.h"
+#include "sim/step/step_problem.h"
+
+namespace clothid {
+namespace {
+
+// v_i of every handle of a pair, weighed, from their way over a solve of size `time_step`.
+Eigen::Vector3d HeldVelocity(const PairCandidate& pair, const Eigen::VectorXd& velocities) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int i = 0; i < pair.features.num_nodes(); ++i) {
+    if (pair.blocks[i] < 0) sum += pair.geometry.weights[i] * velocities.segment<3>(3 * pair.features.nodes[i]);
+  }
+  return sum;
+}
+
+// d of a pair; infinite where all of its nodes are handles.
+template <typename WeightOf>
+double PairWeight(const PairCandidate& pair, const WeightOf& weight_of) {
+  double compliance = 0.0;
+  for (int i = 0; i < pair.features.num_nodes(); ++i) {
+    const double w = pair.geometry.weights[i];
+    if (pair.blocks[i] >= 0) compliance += w * w / weight_of(i);
+  }
+  return 1.0 / compliance;
+}
+
+// Pairs whose gaps differ by less than this share of the thickness are equally near.
+constexpr double kTie = 0.5;
+// Nodes nearer to an obstacle than this share of the thickness are likely to stick to it.
+constexpr double kNearObstacle = 0.25;
+
+// A pair that was left out and ends with less than this share of the thickness is needed.
+constexpr double kLeastDistance = 0.5;
+
+// Leaves those of `pairs` that thinning accepts, in their order, and puts the others into `left_out`.
+void Thin(const std::vector<bool>& can_follow, const std::vector<int>& follow_order, double thickness,
+          std::vector<PairCandidate>* pairs, std::vector<PairCandidate>* left_out) {
+  std::vector<ThinningPair> all;
+  all.reserve(pairs->size());
+  for (const PairCandidate& pair : *pairs) all.push_back({pair.features, pair.geometry, pair.gap});
+  std::vector<bool> is_kept(pairs->size(), false);
+  for (const AcceptedPair& accepted : ThinPairs(all, can_follow, kTie * thickness, follow_order).accepted) {
+    is_kept[accepted.pair] = true;
+  }
+  left_out->clear();
+  std::size_t num_kept = 0;
+  for (std::size_t c = 0; c < pairs->size(); ++c) {
+    if (is_kept[c]) {
+      std::swap((*pairs)[num_kept++], (*pairs)[c]);
+    } else {
+      left_out->push_back((*pairs)[c]);
+    }
+  }
+  pairs->resize(num_kept);
+}
+
+}  // namespace
+
+void StepProblem::FindPairs(const SolveStart& start, double gap_time) {
+  const Scene& scene = model_.scene();
+  const double thickness = scene.self_contact->thickness;
+  if (work_.search == nullptr) {
+    work_.search = std::make_unique<SelfContactSearch>(scene.mesh, thickness);
+    work_.follow_order = FollowOrder(scene.mesh);
+  }
+  const double fall = scene.gravity.norm() * gap_time * gap_time;
+  work_.search->Find(start.positions, start.velocities, gap_time, fall, &work_.near_pairs);
+  Eigen::VectorXd ends = start.positions;
+  PlaceHandles(&ends);
+  const Eigen::VectorXd held = (ends - start.positions) / time_step_;
+  work_.pairs.clear();
+  for (const PairFeatures& features : work_.near_pairs) {
+    PairCandidate pair = MakePairCandidate(features, start.positions, model_.free_index(), thickness, gap_time,
+                                           scene.depenetration_speed);
+    pair.held_velocity = HeldVelocity(pair, held);
+    pair.weight = PairWeight(pair, [&](int i) { return work_.weights[pair.blocks[i]]; });
+    work_.pairs.push_back(pair);
+  }
+  std::vector<bool> can_follow(model_.num_nodes());
+  for (int node = 0; node < model_.num_nodes(); ++node) can_follow[node] = model_.free_index()[node] >= 0;
+  for (const ContactCandidate& candidate : work_.candidates) {
+    if (candidate.gap < kNearObstacle * thickness) can_follow[candidate.node] = false;
+  }
+  Thin(can_follow, work_.follow_order, thickness, &work_.pairs, &work_.left_out);
+}
+
+bool StepProblem::TakeBackPairs(const StepPoint& point) {
+  const double least = kLeastDistance * model_.scene().self_contact->thickness;
+  const auto is_needed = [&](const PairCandidate& pair) {
+    const double approach = pair.geometry.normal.dot(pair.RelativeVelocity(point.velocities));
+    return pair.geometry.distance > least && pair.geometry.distance + time_step_ * approach < least;
+  };
+  const std::size_t num_before = work_.pairs.size();
+  for (const PairCandidate& pair : work_.left_out) {
+    if (!is_needed(pair)) continue;
+    work_.pairs.push_back(pair);
+    work_.pairs.back().has_friction = false;
+  }
+  if (work_.pairs.size() == num_before) return false;
+  work_.left_out.erase(std::remove_if(work_.left_out.begin(), work_.left_out.end(), is_needed), work_.left_out.end());
+  std::sort(work_.pairs.begin(), work_.pairs.end(),
+            [](const PairCandidate& a, const PairCandidate& b) { return a.features < b.features; });
+  return true;
+}
+
+void StepProblem::AddPairImpulses(StepPoint* point) const {
+  for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
+    const PairCandidate& pair = work_.pairs[c];
+    for (int i = 0; i < 4; ++i) {
+      if (pair.blocks[i] < 0) continue;
+      point->momentum_gradient.segment<3>(3 * pair.blocks[i]) -=
+          pair.geometry.weights[i] * point->pair_impulses.col(static_cast<Eigen::Index>(c));
+    }
+  }
+}
+
+void StepProblem::ApplyPairLaw(StepPoint* point) const {
+  const Eigen::Index num_pairs = static_cast<Eigen::Index>(work_.pairs.size());
+  point->pair_residuals.resize(3, num_pairs);
+  point->pair_forces.resize(work_.pairs.size());
+  point->pair_responses.resize(work_.pairs.size());
+  for (Eigen::Index c = 0; c < num_pairs; ++c) {
+    const PairCandidate& pair = work_.pairs[c];
+    const Eigen::Vector3d& n = pair.geometry.normal;
+    const Eigen::Vector3d impulse = point->pair_impulses.col(c);
+    point->pair_forces[c] = pair.weight * (pair.RelativeVelocity(point->velocities) + pair.gap_speed * n) - impulse;
+    point->pair_responses[c] = EvaluateContactLaw(point->pair_forces[c], n, pair.FrictionOf(self_friction()));
+    point->pair_residuals.col(c) = impulse - point->pair_responses[c].impulse;
+  }
+  point->relative_residual = std::hypot(point->residual.norm(), point->pair_residuals.norm()) / point->scale;
+}
+
+std::vector<PairContact> StepProblem::AllPairs(const StepPoint& point) const {
+  std::vector<PairContact> contacts;
+  for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
+    contacts.push_back({work_.pairs[c], point.pair_responses[c], point.pair_forces[c]});
+  }
+  return contacts;
+}
+
+std::vector<PairContact> StepProblem::ActivePairs(const StepPoint& point) const {
+  std::vector<PairContact> contacts;
+  for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
+    if (point.pair_responses[c].branch == ContactBranch::kTakeOff) continue;
+    contacts.push_back({work_.pairs[c], point.pair_responses[c], point.pair_forces[c]});
+  }
+  return contacts;
+}
+
+std::vector<PairContactRecord> RecordPairs(const std::vector<PairContact>& contacts) {
+  std::vector<PairContactRecord> records;
+  for (const PairContact& contact : contacts) {
+    records.push_back(
+        {contact.candidate.features, contact.force, contact.response.branch, contact.candidate.has_friction});
+  }
+  return records;
+}
+
+std::vector<PairContact> RestorePairs(const ClothModel& model, const Parameters& parameters,
+                                      const Eigen::VectorXd& start_positions, const Eigen::VectorXd& end_velocities,
+                                      const SolveTimes& times, const std::vector<PairContactRecord>& records) {
+  const Scene& scene = model.scene();
+  std::vector<PairContact> contacts;
+  for (const PairContactRecord& record : records) {
+    PairContact contact;
+    contact.candidate = MakePairCandidate(record.features, start_positions, model.free_index(),
+                                          scene.self_contact->thickness, times.gap_time(), scene.depenetration_speed);
+    contact.candidate.held_velocity = HeldVelocity(contact.candidate, end_velocities);
+    contact.candidate.weight = PairWeight(contact.candidate, [&](int i) {
+      return SystemDiagonal(model, parameters.material, times.time_step, record.features.nodes[i]);
+    });
+    contact.candidate.has_friction = record.has_friction;
+    contact.force = record.force;
+    contact.response = EvaluateContactLaw(record.force, contact.candidate.geometry.normal,
+                                          contact.candidate.FrictionOf(parameters.self_friction));
+    contacts.push_back(contact);
+  }
+  return contacts;
+}
+
+}  // namespace clothid

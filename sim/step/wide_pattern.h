@@ -1,0 +1,40 @@
+// The pattern of a step's matrix, widened by couplings between nodes that are no neighbours, and its Cholesky factors,
+// in an elimination order of its own.
+#ifndef CLOTHID_SIM_STEP_WIDE_PATTERN_H_
+#define CLOTHID_SIM_STEP_WIDE_PATTERN_H_
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "sim/matrix/block_matrix.h"
+#include "sim/matrix/cholesky.h"
+
+namespace clothid {
+
+class WidePattern {
+ public:
+  // `cliques`: blocks that are coupled with each other; -1: none.
+  WidePattern(const BlockPattern& pattern, const std::vector<std::array<int, 4>>& cliques);
+
+  bool Covers(const std::vector<std::array<int, 4>>& cliques) const;
+
+  // A matrix with the values of `matrix`, which has the pattern that this one was made of, and zeros.
+  BlockMatrix Widened(const BlockMatrix& matrix) const;
+
+  // A factor of a matrix of this pattern; null where it is not positive definite.
+  std::shared_ptr<const CholeskyFactor> Factor(const Eigen::VectorXd& values);
+  // With a factor that was made here [3 n x s].
+  Eigen::MatrixXd Solve(const CholeskyFactor& factor, const Eigen::MatrixXd& right) const;
+
+ private:
+  std::shared_ptr<const BlockPattern> pattern_;  // as its blocks are numbered
+  std::vector<int> places_;                      // of blocks in the order of elimination
+  std::unique_ptr<CholeskySolver> cholesky_;
+  Eigen::VectorXi ordered_;  // where a value is in the order of elimination
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_STEP_WIDE_PATTERN_H_
