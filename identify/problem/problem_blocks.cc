@@ -18,6 +18,7 @@ std::vector<std::string> FittedNames(const std::vector<RecordedMotion>& motions,
                                          [](const RecordedMotion& motion) { return !motion.scene.obstacles.empty(); });
   std::vector<std::string> names;
   if (has_obstacles) names.emplace_back("mu");
+  if (motions.front().scene.self_contact) names.push_back(ParameterName({ParameterKind::kSelfFriction}, {}));
   if (motions.front().scene.membrane == MembraneLaw::kArap) {
     names.emplace_back("k_stretch");
   } else {
@@ -193,6 +194,7 @@ bool HasParameter(const Scene& scene, const std::string& name) {
                     : scene.has_of_pieces(kind) &&
                           std::find(pieces.begin(), pieces.end(), base.substr(dot + 1)) != pieces.end();
   }
+  if (scene.self_contact && base == ParameterName({ParameterKind::kSelfFriction}, {})) return true;
   if (base.rfind("wind.", 0) == 0) {
     const int knot = ParseParameter(base, scene.obstacle_names()).knot;
     return knot < scene.wind.profile.num_knots();

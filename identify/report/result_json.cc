@@ -241,11 +241,15 @@ Json GradientCheckJson(const std::optional<GradientCheck>& check) {
 }
 
 Json ContactEventsJson(const RolloutCounts& counts) {
-  return {{"contacts", counts.contacts},
-          {"nodes_joined", counts.nodes_joined},
-          {"nodes_left", counts.nodes_left},
-          {"branch_switches", counts.branch_switches},
-          {"obstacle_switches", counts.obstacle_switches}};
+  Json json = {{"contacts", counts.contacts},
+               {"nodes_joined", counts.nodes_joined},
+               {"nodes_left", counts.nodes_left},
+               {"branch_switches", counts.branch_switches},
+               {"obstacle_switches", counts.obstacle_switches}};
+  if (counts.self_contacts == 0 && counts.pair_changes == 0) return json;
+  json["self_contacts"] = counts.self_contacts;
+  json["pair_changes"] = counts.pair_changes;
+  return json;
 }
 
 // Whether the user had a say in what is assumed about a recording.

@@ -26,6 +26,7 @@
 #include "sim/base/json_document.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
+#include "sim/contact/intersections.h"
 #include "sim/fabric/fabric.h"
 #include "sim/path/handle_csv.h"
 #include "sim/rollout/rollout.h"
@@ -85,6 +86,23 @@ int CountStick(const Rollout& rollout) {
     for (const ContactRecord& contact : record.contacts) num_stick += contact.branch == ContactBranch::kStick;
   }
   return num_stick;
+}
+
+// Where the cloth touches itself: how often, and whether it has passed through itself.
+void PrintSelfContact(const Rollout& rollout, const Mesh& mesh) {
+  IntersectionCounter counter(mesh);
+  int num_intersections = 0, first_step = 0;
+  for (int step = 0; step <= rollout.num_steps(); ++step) {
+    const int count = counter.Count(rollout.positions(step)).count;
+    if (count > 0 && num_intersections == 0) first_step = step;
+    num_intersections += count;
+  }
+  std::cout << "the cloth with itself: " << rollout.counts.self_contacts << " contacts over all steps, "
+            << rollout.counts.pair_changes << " changes of them, " << rollout.counts.second_solves
+            << " solves repeated with pairs that were left out, " << num_intersections
+            << " pairs of triangles that cut each other";
+  if (num_intersections > 0) std::cout << ", from step " << first_step << " on";
+  std::cout << "\n";
 }
 
 void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
@@ -195,6 +213,7 @@ int Run(const std::vector<std::string>&) {
   const MotionTensors motion = RecordRollout(rollout, scene, scene_text, OptionsFromFlags());
   WriteMotion(motion, FLAGS_output);
   PrintSummary(rollout, motion);
+  if (scene.self_contact) PrintSelfContact(rollout, scene.mesh);
   WarnOfEnergy("simulate", rollout, &simulator);
   if (!FLAGS_view.empty()) WriteView(motion);
   return kExitSuccess;

@@ -29,10 +29,11 @@ TEST(ShirtTest, IsSewnAndWorn) {
   EXPECT_GE(scene.mesh.links.size(), 40u);
   EXPECT_LE(widest, 0.002);
 
+  const SurfacesAt surfaces(scene, kNumSteps * scene.time_step);
   double highest = -1.0, deepest = 0.0;
   for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
     highest = std::max(highest, place(node).z());
-    deepest = std::min(deepest, NearestSurface(scene, place(node), kNumSteps * scene.time_step).gap);
+    deepest = std::min(deepest, surfaces.Nearest(place(node)).gap);
   }
   EXPECT_GE(highest, -0.06);  // the shoulders reach up to -0.055
   EXPECT_GE(deepest, -0.005);
