@@ -77,10 +77,11 @@ class NodeEquation {
 }  // namespace
 
 double ContactSweeps::Start(const StepProblem& problem, const BlockMatrix& hessian, const StepPoint& point,
-                            const Eigen::VectorXd& direction) {
+                            const Eigen::VectorXd& direction, const Eigen::VectorXd* other_impulse) {
   velocities_ = point.velocities + direction;
   MultiplySymmetric(hessian, direction, &momentum_);
   momentum_ += point.momentum_gradient;
+  if (other_impulse != nullptr) momentum_.col(0) -= *other_impulse;
   candidates_.clear();
   double square = 0.0;
   for (size_t i = 0; i < problem.candidates().size(); ++i) {
@@ -107,9 +108,9 @@ void ContactSweeps::Move(const BlockMatrix& hessian, int block, const Eigen::Vec
 }
 
 bool ContactSweeps::Correct(const StepProblem& problem, const BlockMatrix& hessian, const StepPoint& point,
-                            double tolerance, Eigen::VectorXd* direction) {
+                            double tolerance, Eigen::VectorXd* direction, const Eigen::VectorXd* other_impulse) {
   const double goal = kShare * tolerance * point.residual.norm();
-  if (Start(problem, hessian, point, *direction) <= goal) return false;
+  if (Start(problem, hessian, point, *direction, other_impulse) <= goal) return false;
   // What is left where every node has its share of the goal.
   const double node_goal = goal / std::sqrt(static_cast<double>(candidates_.size()));
   for (int sweep = 0; sweep < kSweeps; ++sweep) {

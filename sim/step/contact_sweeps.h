@@ -23,14 +23,15 @@ class ContactSweeps {
  public:
   // `direction` [3 Nf]: from `point`, with K in `hessian`, solved to the relative residual `tolerance`. Changes it at
   // the nodes that are in contact at `point` or at its end in the model. False, and `direction` as it was, where their
-  // equations hold to what the linear solve has left anyway.
+  // equations hold to what the linear solve has left anyway. `other_impulse` [3 Nf] (may be null): what the impulses of
+  // pairs of the cloth with itself gain along it, which takes as much off g.
   bool Correct(const StepProblem& problem, const BlockMatrix& hessian, const StepPoint& point, double tolerance,
-               Eigen::VectorXd* direction);
+               Eigen::VectorXd* direction, const Eigen::VectorXd* other_impulse = nullptr);
 
  private:
   // The candidates to sweep over, the model at the end of `direction`, and the size of their residual there.
   double Start(const StepProblem& problem, const BlockMatrix& hessian, const StepPoint& point,
-               const Eigen::VectorXd& direction);
+               const Eigen::VectorXd& direction, const Eigen::VectorXd* other_impulse);
   // Adds K's column of `block` times `change` to the momentum balance.
   void Move(const BlockMatrix& hessian, int block, const Eigen::Vector3d& change);
 

@@ -7,14 +7,16 @@
 namespace clothid {
 namespace {
 
+constexpr int kSweptPairIterations = 6;   // with sweeps over the contacts with obstacles
 constexpr int kIdleIterations = 3;        // without progress: a cycle of branches, which shorter steps leave, ...
 constexpr double kShortestLength = 0.2;   // ... from a half to about this
 constexpr double kProgressOfMerit = 0.9;  // of the lowest one: progress
 constexpr double kExplosion = 1e4;        // a step is shortened where the merit grows by this factor
 constexpr int kMeritHalvings = 10;        // of the length of a step
 constexpr int kMostPairIterations = 60;   // more of them seldom end: a shorter step does
-constexpr double kPairForcing = 1e-2;     // tolerance of the linear system, ...
-constexpr double kPairGoalShare = 0.1;    // ... and at least this share of what is left to do
+constexpr double kPairForcing = 1e-4;     // tolerance of the linear system, ...
+constexpr double kPairGoalShare = 0.1;    // ... not below this share of what is left to do, ...
+constexpr double kPairLoosest = 1e-2;     // ... and never above
 
 // |Phi|^2/P + sum |R|^2/d, kg m^2/s^2.
 double Merit(const StepProblem& problem, const StepPoint& point) {
@@ -69,17 +71,17 @@ bool PairNewton::Solve(const StepProblem& problem, double tolerance, StepPoint* 
     best = std::min(best, merit);
     if (idle == 0) length = std::min(1.0, 2.0 * length);
     if (idle > 0 && idle % kIdleIterations == 0) length = length > kShortestLength ? 0.5 * length : 1.0;
-    if (!Iterate(problem, tolerance, length, point, counts)) break;
+    if (!Iterate(problem, tolerance, length, iteration < kSweptPairIterations, point, counts)) break;
   }
   if (is_solved()) Keep(problem, *point);
   return is_solved();
 }
 
-bool PairNewton::FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point,
+bool PairNewton::FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, bool is_swept,
                                RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses) {
   const std::vector<Contact> contacts = problem.may_touch() ? problem.ActiveContacts(point) : std::vector<Contact>();
   const std::vector<PairContact> pairs = problem.AllPairs(point);
-  const double forcing = std::min(kPairForcing, kPairGoalShare * tolerance / point.relative_residual);
+  const double forcing = std::max(kPairForcing, kPairGoalShare * tolerance / point.relative_residual);
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
     problem.AssembleHessian(kind, point, &hessian_);
     jacobian_.SetPoint(hessian_, contacts, problem.friction_coefficients(), pairs, problem.self_friction());
@@ -87,21 +89,25 @@ bool PairNewton::FindDirection(const StepProblem& problem, double tolerance, con
     if (!jacobian_.Factor()) continue;
     Eigen::MatrixXd dv, dr;
     const bool solved =
-        jacobian_.Solve(-point.residual, -point.pair_residuals.reshaped(), std::max(forcing, 1e-12), &dv, &dr);
+        jacobian_.Solve(-point.residual, -point.pair_residuals.reshaped(), std::min(forcing, kPairLoosest), &dv, &dr);
     counts->linear_iterations += jacobian_.iterations();
     if (!solved && (dv.size() == 0 || !dv.allFinite() || !dr.allFinite())) continue;
     *velocities = dv;
+    if (is_swept && problem.may_touch()) {
+      const Eigen::VectorXd impulse = jacobian_.Spread(dr);
+      sweeps_.Correct(problem, hessian_, point, forcing, velocities, &impulse);
+    }
     *impulses = dr.reshaped(3, impulses->cols());
     return true;
   }
   return false;
 }
 
-bool PairNewton::Iterate(const StepProblem& problem, double tolerance, double length, StepPoint* point,
+bool PairNewton::Iterate(const StepProblem& problem, double tolerance, double length, bool is_swept, StepPoint* point,
                          RolloutCounts* counts) {
   Eigen::VectorXd velocities;
   Eigen::Matrix3Xd impulses = point->pair_impulses;
-  if (!FindDirection(problem, tolerance, *point, counts, &velocities, &impulses)) return false;
+  if (!FindDirection(problem, tolerance, *point, is_swept, counts, &velocities, &impulses)) return false;
   const double merit = Merit(problem, *point);
   for (int halving = 0; halving < kMeritHalvings; ++halving, length *= 0.5) {
     trial_.pair_impulses = point->pair_impulses + length * impulses;

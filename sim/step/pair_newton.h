@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <map>
 
+#include "sim/step/contact_sweeps.h"
 #include "sim/step/pair_jacobian.h"
 #include "sim/step/step_counts.h"
 #include "sim/step/step_problem.h"
@@ -30,13 +31,16 @@ class PairNewton {
   // r of the pairs from the step before, where they were in contact.
   Eigen::Matrix3Xd WarmStart(const StepProblem& problem) const;
   void Keep(const StepProblem& problem, const StepPoint& point);
-  bool Iterate(const StepProblem& problem, double tolerance, double length, StepPoint* point, RolloutCounts* counts);
-  bool FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, RolloutCounts* counts,
-                     Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses);
+  // `is_swept`: with ContactSweeps at the obstacles.
+  bool Iterate(const StepProblem& problem, double tolerance, double length, bool is_swept, StepPoint* point,
+               RolloutCounts* counts);
+  bool FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, bool is_swept,
+                     RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses);
 
   const ClothModel& model_;
   BlockMatrix& hessian_;
   PairJacobian jacobian_;
+  ContactSweeps sweeps_;
   std::map<PairFeatures, Eigen::Vector3d> impulses_;  // of the last step, over its size, N
   StepPoint trial_;                                   // kept for its memory
 };

@@ -119,8 +119,10 @@ void StepSolver::StartAt(const StepProblem& problem, const Eigen::VectorXd& velo
 bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
                        RolloutCounts* counts, const std::vector<Eigen::VectorXd>& candidates) {
   const Task task{problem, tolerance, counts};
-  point->pair_impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
-  trial_.pair_impulses = point->pair_impulses;
+  if (problem.may_touch_itself()) {
+    point->pair_impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
+    trial_.pair_impulses = point->pair_impulses;
+  }
   if (guess != nullptr) {
     StartAt(problem, *guess, point);
   } else {
@@ -318,7 +320,7 @@ bool StepSolver::Newton(const Task& task, StepPoint* point) {
 bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoint& start, StepPoint* point) {
   const StepProblem eased = task.problem.WithFriction(share);
   const Task eased_task{eased, task.tolerance, task.counts};
-  point->pair_impulses = trial_.pair_impulses;  // as many
+  if (eased.may_touch_itself()) point->pair_impulses = trial_.pair_impulses;  // as many
   if (share == 0.0) {
     Start(eased_task, point);
   } else {
