@@ -33,8 +33,8 @@ constexpr double kTie = 0.5;
 // Nodes nearer to an obstacle than this share of the thickness are likely to stick to it.
 constexpr double kNearObstacle = 0.25;
 
-// A pair that was left out and ends with less than this share of the thickness is needed.
-constexpr double kLeastDistance = 0.5;
+// A pair that was left out and comes nearer than this share of the thickness is needed.
+constexpr double kLeastDistance = 0.75;
 
 // Leaves those of `pairs` that thinning accepts, in their order, and puts the others into `left_out`.
 void Thin(const std::vector<bool>& can_follow, const std::vector<int>& follow_order, double thickness,
@@ -92,7 +92,7 @@ bool StepProblem::TakeBackPairs(const StepPoint& point) {
   const double least = kLeastDistance * model_.scene().self_contact->thickness;
   const auto is_needed = [&](const PairCandidate& pair) {
     const double approach = pair.geometry.normal.dot(pair.RelativeVelocity(point.velocities));
-    return pair.geometry.distance > least && pair.geometry.distance + time_step_ * approach < least;
+    return approach < 0.0 && pair.geometry.distance + time_step_ * approach < least;
   };
   const std::size_t num_before = work_.pairs.size();
   for (const PairCandidate& pair : work_.left_out) {

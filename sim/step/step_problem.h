@@ -161,7 +161,7 @@ class StepProblem {
   void FindActiveContacts(const StepPoint& point, std::vector<Contact>* contacts) const;
   std::vector<Contact> ActiveContacts(const StepPoint& point) const;
 
-  // Adds the pairs that thinning has left out and that `point` draws below half the thickness, without friction. True:
+  // Adds the pairs that thinning has left out and that `point` brings too near, without friction. True:
   // there are some, and the step has to be solved again, with rows that may depend on each other.
   bool TakesBackPairs(const StepPoint& point) { return !work_.left_out.empty() && TakeBackPairs(point); }
 
