@@ -72,7 +72,6 @@ RestNeighbours::RestNeighbours(const Mesh& mesh, double closest) : first_(1, 0) 
   const Ways ways = WaysAtRest(mesh);
   NearNodes near(ways, closest);
   for (std::size_t i = 0; i < ways.size(); ++i) {
-    for (const Way& way : ways[i]) neighbours_.push_back(way.node);
     neighbours_.push_back(static_cast<int>(i));
     near.Append(static_cast<int>(i), &neighbours_);
     const auto first = neighbours_.begin() + first_.back();

@@ -8,8 +8,8 @@
 
 namespace clothid {
 
-// Neighbours of a node: itself, those that an edge or a link (`Mesh::links`: node and edge) joins to it, and those that
-// are less than `closest`, m, away along edges at rest; links have no length.
+// Neighbours of a node: itself, and those that are less than `closest`, m, away along edges at rest; links
+// (`Mesh::links`: node and edge) have no length.
 class RestNeighbours {
  public:
   RestNeighbours(const Mesh& mesh, double closest);

@@ -12,9 +12,9 @@
 // and what is less belongs to the lower feature: where meshes lie on each other vertex on vertex, rounding then does
 // not choose the kind. Layers that lie flat on each other have no pair of two edges; a distance of zero is no pair.
 //
-// Parts that belong together at rest are no pairs: those of which two nodes, one of each feature, are the same, are
-// joined by an edge, are node and edge of a link (seams and buttons of `Mesh::links`), or are less than twice the
-// thickness apart at rest, along edges and links.
+// Parts that belong together at rest are no pairs: those of which two nodes, one of each feature, are less than twice
+// the thickness apart at rest, along edges and links (seams and buttons of `Mesh::links`), which have no length. So two
+// faces beside an edge may meet where a cloth folds as finely as its mesh.
 #ifndef CLOTHID_SIM_CONTACT_SELF_CONTACT_SEARCH_H_
 #define CLOTHID_SIM_CONTACT_SELF_CONTACT_SEARCH_H_
 

@@ -64,11 +64,7 @@ class BruteForce {
     const int size = mesh_.num_nodes();
     Eigen::MatrixXd ways = Eigen::MatrixXd::Constant(size, size, 1e9);
     ways.diagonal().setZero();
-    const auto join = [&](int a, int b, double length) {
-      ways(a, b) = ways(b, a) = std::min(ways(a, b), length);
-      joined_.insert({a, b});
-      joined_.insert({b, a});
-    };
+    const auto join = [&](int a, int b, double length) { ways(a, b) = ways(b, a) = std::min(ways(a, b), length); };
     for (int f = 0; f < mesh_.num_faces(); ++f) {
       for (int k = 0; k < 3; ++k) join(mesh_.faces(k, f), mesh_.faces((k + 1) % 3, f), RestLength(mesh_, f, k));
     }
