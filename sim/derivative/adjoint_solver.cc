@@ -3,6 +3,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "sim/base/error.h"
 #include "sim/derivative/adjoint_iteration.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_solver.h"
@@ -37,7 +38,7 @@ void AdjointSolver::SolveWithPairs(const Eigen::MatrixXd& right, const Eigen::Ma
                                    const Eigen::MatrixXd& by_pairs, StepDerivative* step, Eigen::MatrixXd* z,
                                    Eigen::MatrixXd* y, Eigen::MatrixXd* rho, AdjointWork* work) {
   if (method_ != AdjointMethod::kReduced) {
-    throw std::logic_error("contacts of the cloth with itself: expected the adjoint method \"reduced\"");
+    throw Error(ErrorKind::kUsage, "contacts of the cloth with itself: expected the adjoint method \"reduced\"");
   }
   ++work->solves;
   if (!step->FactorWithPairs()) throw std::runtime_error("singular step Jacobian");

@@ -26,7 +26,7 @@ class AdjointSolver {
              Eigen::MatrixXd* y, AdjointWork* work);
 
   // The same where the cloth touches itself, with rho of its pairs [3c x s]. `by_impulse` and `by_pairs` (may be
-  // empty): gradients by the impulses of obstacles and pairs. Throws `std::logic_error` for a method other than
+  // empty): gradients by the impulses of obstacles and pairs. Throws `Error` (kUsage) for a method other than
   // kReduced.
   void SolveWithPairs(const Eigen::MatrixXd& right, const Eigen::MatrixXd& by_impulse, const Eigen::MatrixXd& by_pairs,
                       StepDerivative* step, Eigen::MatrixXd* z, Eigen::MatrixXd* y, Eigen::MatrixXd* rho,

@@ -62,7 +62,10 @@ void PairJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contac
                             double self_friction) {
   hessian_ = &hessian;
   touches_obstacles_ = !contacts.empty();
-  if (touches_obstacles_) elimination_.SetContacts(contacts, model_.free_index(), friction_coefficients);
+  if (touches_obstacles_) {
+    elimination_.SetContacts(contacts, model_.free_index(), friction_coefficients);
+    slip_frames_ = elimination_.SlipFrames();
+  }
   pairs_.clear();
   int num_rows = 0;
   for (const PairContact& contact : pairs) {
@@ -188,11 +191,10 @@ Eigen::MatrixXd PairJacobian::Precondition(const Eigen::MatrixXd& stacked) const
   Eigen::MatrixXd v = stacked.topRows(size);
   v += kPenalty * (constraint_rows_.transpose() * e);
   if (touches_obstacles_) {
-    const std::vector<LocalFrame> frames = elimination_.SlipFrames();
     elimination_.Project(&v);
-    ToLocal(frames, &v);
+    ToLocal(slip_frames_, &v);
     v = pattern_->Solve(*factor_, v);
-    ToWorld(frames, &v);
+    ToWorld(slip_frames_, &v);
     elimination_.Project(&v);
   } else {
     v = pattern_->Solve(*factor_, v);

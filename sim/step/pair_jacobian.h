@@ -101,6 +101,7 @@ class PairJacobian {
   const BlockMatrix* hessian_ = nullptr;
   ContactElimination elimination_;
   bool touches_obstacles_ = false;
+  std::vector<LocalFrame> slip_frames_;  // of its contacts
   std::vector<Pair> pairs_;
   std::vector<std::array<int, 4>> blocks_;  // of the nodes of pairs
   std::vector<Eigen::Vector4d> weights_;    // w

@@ -17,7 +17,7 @@ Eigen::Vector3d HeldVelocity(const PairCandidate& pair, const Eigen::VectorXd& v
   return sum;
 }
 
-// d of a pair; infinite where all of its nodes are handles.
+// d of a pair, of which a node is free.
 template <typename WeightOf>
 double PairWeight(const PairCandidate& pair, const WeightOf& weight_of) {
   double compliance = 0.0;
@@ -76,6 +76,8 @@ void StepProblem::FindPairs(const SolveStart& start, double gap_time) {
   for (const PairFeatures& features : work_.near_pairs) {
     PairCandidate pair = MakePairCandidate(features, start.positions, model_.free_index(), thickness, gap_time,
                                            scene.depenetration_speed);
+    const auto& blocks = pair.blocks;
+    if (*std::max_element(blocks.begin(), blocks.end()) < 0) continue;  // of handles alone: nothing can give way
     pair.held_velocity = HeldVelocity(pair, held);
     pair.weight = PairWeight(pair, [&](int i) { return work_.weights[pair.blocks[i]]; });
     work_.pairs.push_back(pair);
