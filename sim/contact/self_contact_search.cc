@@ -9,10 +9,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kInside = 1e-6;         // share of an edge or face from which on a point is inside
-constexpr double kParallel = 1e-4;       // sin^2 of edges that have no closest points
-constexpr double kConeMargin = 0.05;     // rad
-constexpr double kMarginOfReach = 0.25;  // of the thickness
+constexpr double kInside = 1e-6;           // share of an edge or face from which on a point is inside
+constexpr double kParallel = 1e-4;         // sin^2 of edges that have no closest points
+constexpr double kConeMargin = 0.05;       // rad, of one of two edges, ...
+constexpr double kLeastConeMargin = 1e-3;  // ... and of the other one
+constexpr double kMarginOfReach = 0.25;    // of the thickness
 
 // Of the projection of x to the plane through a, b, c: the weights of a, b, c. Not finite in a triangle without area.
 Vector3d Barycentric(const Vector3d& x, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
@@ -75,8 +76,8 @@ struct SelfContactSearch::Search {
   void TestCorner(int node, int corner) const;
   void TestEdges(const Edge& first, const Edge& second) const;
 
-  bool MayTouchEdges(const Edge& edge) const;
-  bool IsInCone(const Edge& edge, const Vector3d& direction) const;
+  bool HasCone(const Edge& edge, double margin) const;
+  double ConeMargin(const Edge& edge, const Vector3d& direction, const Edge& other) const;
 };
 
 // Edges and corners that several faces share are looked at with the first of these alone.
@@ -133,27 +134,32 @@ void SelfContactSearch::Search::TestEdges(const Edge& first, const Edge& second)
   const double share = (bb * at_a - ab * at_b) / det, other_share = (ab * at_a - aa * at_b) / det;
   if (!IsInside(share) || !IsInside(other_share)) return;
   const Vector3d offset = share * along - between - other_share * other_along;
-  if (!IsInCone(first, -offset) || !IsInCone(second, offset)) return;
+  const double margin = ConeMargin(first, -offset, second), other_margin = ConeMargin(second, offset, first);
+  if (!(std::min(margin, other_margin) > std::sin(kLeastConeMargin))) return;
+  if (!(std::max(margin, other_margin) > std::sin(kConeMargin))) return;
   const auto [a, b] = first.nodes;
   const auto [c, d] = second.nodes;
   Add(first.nodes, second.nodes, offset.squaredNorm(), {PairKind::kEdgeEdge, {a, b, c, d}});
 }
 
-bool SelfContactSearch::Search::IsInCone(const Edge& edge, const Vector3d& direction) const {
+// The sine of the angle from `direction` to the nearer border of the normal cone; negative outside. A face that the
+// other edge is joined to is no border: its points nearer to that edge make no pair with it.
+double SelfContactSearch::Search::ConeMargin(const Edge& edge, const Vector3d& direction, const Edge& other) const {
   const Vector3d from = Position(edge.nodes[0]), along = Position(edge.nodes[1]) - from;
-  const double least = std::sin(kConeMargin) * direction.norm();
+  double margin = 1.0;
   for (const int opposite : edge.opposite) {
-    if (opposite >= 0 && !(direction.dot(Across(along, Position(opposite) - from)) <= -least)) return false;
+    if (opposite < 0 || opposite == other.nodes[0] || opposite == other.nodes[1]) continue;
+    margin = std::min(margin, -direction.dot(Across(along, Position(opposite) - from)) / direction.norm());
   }
-  return true;
+  return margin;
 }
 
-// False where the normal cone is narrower than its margins, as in flat cloth.
-bool SelfContactSearch::Search::MayTouchEdges(const Edge& edge) const {
+// False where the normal cone is narrower than twice `margin`, as in flat cloth.
+bool SelfContactSearch::Search::HasCone(const Edge& edge, double margin) const {
   if (edge.opposite[1] < 0) return true;
   const Vector3d from = Position(edge.nodes[0]), along = Position(edge.nodes[1]) - from;
   const Vector3d inward = Across(along, Position(edge.opposite[0]) - from);
-  return inward.dot(Across(along, Position(edge.opposite[1]) - from)) >= -std::cos(1.99 * kConeMargin);
+  return inward.dot(Across(along, Position(edge.opposite[1]) - from)) >= -std::cos(1.99 * margin);
 }
 
 SelfContactSearch::SelfContactSearch(const Mesh& mesh, double thickness)
@@ -249,8 +255,10 @@ void SelfContactSearch::PlaceFaces(const Search& search) {
 }
 
 void SelfContactSearch::PlaceEdges(const Search& search) {
+  sharp_edges_.clear();
   for (std::size_t i = 0; i < edges_.size(); ++i) {
-    edge_boxes_[i] = search.MayTouchEdges(edges_[i]) ? search.Box(edges_[i].nodes) : BoxTree::Box();
+    edge_boxes_[i] = search.HasCone(edges_[i], kLeastConeMargin) ? search.Box(edges_[i].nodes) : BoxTree::Box();
+    if (search.HasCone(edges_[i], kConeMargin)) sharp_edges_.push_back(static_cast<int>(i));
   }
   edge_tree_.Refit(edge_boxes_);
 }
@@ -270,10 +278,9 @@ void SelfContactSearch::Find(const Eigen::VectorXd& positions, const Eigen::Vect
         [&](int face) { search.TestFace(node, face); });
   }
   PlaceEdges(search);
-  for (int i = 0; i < static_cast<int>(edges_.size()); ++i) {
-    if (edge_boxes_[i].isEmpty()) continue;
+  for (const int i : sharp_edges_) {
     edge_tree_.VisitOverlaps(edge_boxes_[i], [&](int other) {
-      if (other > i) search.TestEdges(edges_[i], edges_[other]);
+      if (other != i) search.TestEdges(edges_[std::min(i, other)], edges_[std::max(i, other)]);
     });
   }
   std::sort(pairs->begin(), pairs->end());

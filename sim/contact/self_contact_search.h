@@ -6,8 +6,9 @@
 //   vertex, edge     q is inside the edge, and e points into none of the edge's faces: they hold no closer point
 //   vertex, vertex   e points along none of the edges of one of the two
 //   edge, edge       p and q are inside, sin^2 of the angle between the edges is above 1e-4, and e is within the normal
-//                    cones of both edges, 0.05 rad away from their borders: e points away from the faces of one, -e
-//                    from those of the other
+//                    cones of both edges: e points away from the faces of one, -e from those of the other; .001 rad
+//                    away from the borders of both cones, .05 rad from those of one. Faces that hold a node of the
+//                    other edge do not count: they are no pair with it
 // The vertex of the first three need not be a local minimum itself. "Inside" is by more than 1e-6 of the edge or face,
 // and what is less belongs to the lower feature: where meshes lie on each other vertex on vertex, rounding then does
 // not choose the kind. Layers that lie flat on each other have no pair of two edges; a distance of zero is no pair.
@@ -71,6 +72,7 @@ class SelfContactSearch {
   NormalCones cones_;
   // Of the last search.
   std::vector<double> node_reach_;                                             // [N] gap_time |v|, m
+  std::vector<int> sharp_edges_;                                               // one of two is among these
   std::vector<Eigen::Vector3d> normals_;                                       // [F]
   std::vector<BoxTree::Box> places_, normal_boxes_, face_boxes_, edge_boxes_;  // [F], [F], [F], [E]
 };

@@ -151,18 +151,19 @@ class BruteForce {
     Add({p}, {q}, distance, {PairKind::kVertexVertex, {std::min(p, q), std::max(p, q), -1, -1}});
   }
 
-  // Whether `direction` makes at least a right angle and the margin with every face of an edge.
-  bool IsInCone(const std::array<int, 2>& edge, const Vector3d& direction) const {
+  // By how much the angles of `direction` with the faces of an edge are beyond a right one, rad, without faces that
+  // hold a node of `other`.
+  double ConeMargin(const std::array<int, 2>& edge, const Vector3d& direction, const std::array<int, 2>& other) const {
     const Vector3d along = (x_.col(edge[1]) - x_.col(edge[0])).normalized();
+    double margin = 0.5 * M_PI;
     for (int f = 0; f < mesh_.num_faces(); ++f) {
-      if (!Has(f, edge[0]) || !Has(f, edge[1])) continue;
+      if (!Has(f, edge[0]) || !Has(f, edge[1]) || Has(f, other[0]) || Has(f, other[1])) continue;
       Vector3d inward = x_(Eigen::all, mesh_.faces.col(f)).rowwise().mean() - x_.col(edge[0]);
       inward -= inward.dot(along) * along;
-      if (std::acos(std::clamp(inward.normalized().dot(direction.normalized()), -1.0, 1.0)) < 0.5 * M_PI + 0.05) {
-        return false;
-      }
+      const double cosine = std::clamp(inward.normalized().dot(direction.normalized()), -1.0, 1.0);
+      margin = std::min(margin, std::acos(cosine) - 0.5 * M_PI);
     }
-    return true;
+    return margin;
   }
 
   void TestEdges(const std::array<int, 2>& first, const std::array<int, 2>& second) {
@@ -172,7 +173,8 @@ class BruteForce {
     const Eigen::Vector2d shares = sides.colPivHouseholderQr().solve(x_.col(second[0]) - x_.col(first[0]));
     if (shares.minCoeff() <= kShare || shares.maxCoeff() >= 1.0 - kShare) return;
     const Vector3d offset = x_.col(first[0]) + sides * shares - x_.col(second[0]);
-    if (!IsInCone(first, -offset) || !IsInCone(second, offset)) return;
+    const double margin = ConeMargin(first, -offset, second), other_margin = ConeMargin(second, offset, first);
+    if (std::min(margin, other_margin) <= 1e-3 || std::max(margin, other_margin) <= 0.05) return;
     Add({first[0], first[1]}, {second[0], second[1]}, offset.norm(),
         {PairKind::kEdgeEdge, {first[0], first[1], second[0], second[1]}});
   }
