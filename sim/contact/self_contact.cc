@@ -1,6 +1,14 @@
 #include "sim/contact/self_contact.h"
 
+#include <algorithm>
+
 namespace clothid {
+namespace {
+
+// Thicknesses in which layers that start too near are pushed apart, 1/s: slower than they would fall by one.
+constexpr double kPushRate = 20.0;
+
+}  // namespace
 
 Eigen::Vector3d PairCandidate::RelativeVelocity(const Eigen::VectorXd& velocities) const {
   Eigen::Vector3d velocity = held_velocity;
@@ -18,9 +26,11 @@ PairCandidate MakePairCandidate(const PairFeatures& features, const Eigen::Vecto
   candidate.geometry = EvaluatePair(features, positions);
   for (int i = 0; i < features.num_nodes(); ++i) candidate.blocks[i] = free_index[features.nodes[i]];
   candidate.gap = candidate.geometry.distance - thickness;
-  const double speed = candidate.gap / gap_time;
-  const bool limited = speed < -depenetration_speed;
-  candidate.gap_speed = limited ? -depenetration_speed : speed;
+  // What is nearer than pairs that are left out may be is pushed back there at once, what is not so near slowly.
+  const double near = std::max(candidate.gap, (kLeastPairDistance - 1.0) * thickness), deep = candidate.gap - near;
+  const double near_speed = std::max(near / gap_time, -kPushRate * thickness), speed = near_speed + deep / gap_time;
+  const bool limited = speed < -depenetration_speed || (deep == 0.0 && near_speed > near / gap_time);
+  candidate.gap_speed = std::max(speed, -depenetration_speed);
   candidate.gap_speed_slope = limited ? 0.0 : 1.0 / gap_time;
   return candidate;
 }

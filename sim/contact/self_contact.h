@@ -19,13 +19,16 @@
 
 namespace clothid {
 
+// What thinning leaves out is taken back where it comes nearer than this share of the thickness.
+inline constexpr double kLeastPairDistance = 0.75;
+
 // A pair that the law covers in a solve, with what is held of it.
 struct PairCandidate {
   PairFeatures features;
   PairGeometry geometry;                                    // at x_n
   std::array<int, 4> blocks = {-1, -1, -1, -1};             // of its nodes among the free ones; -1: a handle, or unused
   double gap = 0.0;                                         // m
-  double gap_speed = 0.0;                                   // gap/T, limited below by the depenetration speed, m/s
+  double gap_speed = 0.0;                                   // gap/T, limited below (MakePairCandidate), m/s
   double gap_speed_slope = 0.0;                             // 1/T, or 0 where limited
   Eigen::Vector3d held_velocity = Eigen::Vector3d::Zero();  // w_i v_i of handles, m/s
   double weight = 0.0;                                      // d, kg
@@ -54,7 +57,10 @@ struct PairContactRecord {
 };
 
 // The candidate of `features` at `positions` [3N], but for `weight` and `held_velocity`. `free_index` maps nodes to
-// blocks. `gap_time` as for obstacles (sim/step/stage.h).
+// blocks. `gap_time` as for obstacles (sim/step/stage.h). Layers that start nearer than the thickness are pushed apart
+// with the speed that takes them to kLeastPairDistance in `gap_time`, and the rest of the way with at most 20
+// thicknesses per second; altogether with at most the depenetration speed. Thinning takes in pairs that are somewhat
+// too near, and to push these apart at once would throw the layers off each other.
 PairCandidate MakePairCandidate(const PairFeatures& features, const Eigen::VectorXd& positions,
                                 const std::vector<int>& free_index, double thickness, double gap_time,
                                 double depenetration_speed);

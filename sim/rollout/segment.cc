@@ -1,11 +1,13 @@
 #include "sim/rollout/segment.h"
 
 #include <algorithm>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/contact/intersections.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/second_start.h"
 #include "sim/step/step_problem.h"
@@ -52,10 +54,13 @@ class StepLoop {
         scene_(simulator->scene()),
         num_stages_(NumStages(scene_.integrator)),
         simulator_(simulator),
-        tolerance_(segment.step_tolerance.value_or(scene_.solver.step_tolerance)) {}
+        tolerance_(segment.step_tolerance.value_or(scene_.solver.step_tolerance)) {
+    if (scene_.self_contact) counter_ = std::make_unique<IntersectionCounter>(scene_.mesh);
+  }
 
   SegmentOutcome Run(const StepVisitor& visitor, StepState* state) {
     simulator_->step_solver().Reset(segment_.end_with_factors);
+    is_clean_ = counter_ != nullptr && IsClean(*state);
     const std::string problem = Indefinite(parameters_, scene_);
     if (!problem.empty()) {
       outcome_.failure = FailureWithout(segment_.first_step, "was not tried: " + problem);
@@ -93,12 +98,23 @@ class StepLoop {
                                       std::to_string(most) + ", as the scene's max_substep_halvings says");
     }
     std::optional<StepFailure> failure;
+    std::vector<StepRecord> crossing;  // of an attempt that lets the cloth pass through itself
     for (int num_parts = first; num_parts <= most; num_parts *= 2) {
       StepFailure attempt;
-      if (SolveInParts(step, num_parts, start, guesses, records, &attempt)) return std::nullopt;
+      const bool solved = SolveInParts(step, num_parts, start, guesses, records, &attempt);
+      if (solved && (!is_clean_ || IsClean(records->back()))) return std::nullopt;
+      if (solved) crossing.swap(*records);
       if (num_parts == first) failure = std::move(attempt);
     }
-    return failure;
+    if (crossing.empty()) return failure;
+    is_clean_ = false;
+    records->swap(crossing);
+    return std::nullopt;
+  }
+
+  template <class State>
+  bool IsClean(const State& state) {
+    return counter_->Count(state.positions).count == 0;
   }
 
   // The step as `num_parts` steps of the same length, their solves each from its guess where there are as many.
@@ -205,6 +221,9 @@ class StepLoop {
   const int num_stages_;  // of the scene's integrator
   Simulator* simulator_;
   double tolerance_;
+  std::unique_ptr<IntersectionCounter> counter_;  // null without self-contact
+  // The cloth has not passed through itself so far. Then a step in which it does is cut as one that does not converge.
+  bool is_clean_ = false;
   StepPoint point_;                 // of the last solve
   std::vector<Contact> contacts_;   // at the end of the last solve that worked
   std::vector<PairContact> pairs_;  // likewise

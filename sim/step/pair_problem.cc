@@ -33,9 +33,6 @@ constexpr double kTie = 0.5;
 // Nodes nearer to an obstacle than this share of the thickness are likely to stick to it.
 constexpr double kNearObstacle = 0.25;
 
-// A pair that was left out and comes nearer than this share of the thickness is needed.
-constexpr double kLeastDistance = 0.75;
-
 // Leaves those of `pairs` that thinning accepts, in their order, and puts the others into `left_out`.
 void Thin(const std::vector<bool>& can_follow, const std::vector<int>& follow_order, double thickness,
           std::vector<PairCandidate>* pairs, std::vector<PairCandidate>* left_out) {
@@ -91,10 +88,10 @@ void StepProblem::FindPairs(const SolveStart& start, double gap_time) {
 }
 
 bool StepProblem::TakeBackPairs(const StepPoint& point) {
-  const double least = kLeastDistance * model_.scene().self_contact->thickness;
+  const double least = kLeastPairDistance * model_.scene().self_contact->thickness;
   const auto is_needed = [&](const PairCandidate& pair) {
     const double approach = pair.geometry.normal.dot(pair.RelativeVelocity(point.velocities));
-    return approach < 0.0 && pair.geometry.distance + time_step_ * approach < least;
+    return approach < 0.0 && pair.geometry.distance + gap_time_ * approach < least;
   };
   const std::size_t num_before = work_.pairs.size();
   for (const PairCandidate& pair : work_.left_out) {
@@ -115,31 +112,31 @@ void StepProblem::AddPairImpulses(StepPoint* point) const {
     for (int i = 0; i < 4; ++i) {
       if (pair.blocks[i] < 0) continue;
       point->momentum_gradient.segment<3>(3 * pair.blocks[i]) -=
-          pair.geometry.weights[i] * point->pair_impulses.col(static_cast<Eigen::Index>(c));
+          pair.geometry.weights[i] * point->pairs->impulses.col(static_cast<Eigen::Index>(c));
     }
   }
 }
 
 void StepProblem::ApplyPairLaw(StepPoint* point) const {
   const Eigen::Index num_pairs = static_cast<Eigen::Index>(work_.pairs.size());
-  point->pair_residuals.resize(3, num_pairs);
-  point->pair_forces.resize(work_.pairs.size());
-  point->pair_responses.resize(work_.pairs.size());
+  point->pairs->residuals.resize(3, num_pairs);
+  point->pairs->forces.resize(work_.pairs.size());
+  point->pairs->responses.resize(work_.pairs.size());
   for (Eigen::Index c = 0; c < num_pairs; ++c) {
     const PairCandidate& pair = work_.pairs[c];
     const Eigen::Vector3d& n = pair.geometry.normal;
-    const Eigen::Vector3d impulse = point->pair_impulses.col(c);
-    point->pair_forces[c] = pair.weight * (pair.RelativeVelocity(point->velocities) + pair.gap_speed * n) - impulse;
-    point->pair_responses[c] = EvaluateContactLaw(point->pair_forces[c], n, pair.FrictionOf(self_friction()));
-    point->pair_residuals.col(c) = impulse - point->pair_responses[c].impulse;
+    const Eigen::Vector3d impulse = point->pairs->impulses.col(c);
+    point->pairs->forces[c] = pair.weight * (pair.RelativeVelocity(point->velocities) + pair.gap_speed * n) - impulse;
+    point->pairs->responses[c] = EvaluateContactLaw(point->pairs->forces[c], n, pair.FrictionOf(self_friction()));
+    point->pairs->residuals.col(c) = impulse - point->pairs->responses[c].impulse;
   }
-  point->relative_residual = std::hypot(point->residual.norm(), point->pair_residuals.norm()) / point->scale;
+  point->relative_residual = std::hypot(point->residual.norm(), point->pairs->residuals.norm()) / point->scale;
 }
 
 std::vector<PairContact> StepProblem::AllPairs(const StepPoint& point) const {
   std::vector<PairContact> contacts;
   for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
-    contacts.push_back({work_.pairs[c], point.pair_responses[c], point.pair_forces[c]});
+    contacts.push_back({work_.pairs[c], point.pairs->responses[c], point.pairs->forces[c]});
   }
   return contacts;
 }
@@ -147,8 +144,8 @@ std::vector<PairContact> StepProblem::AllPairs(const StepPoint& point) const {
 std::vector<PairContact> StepProblem::ActivePairs(const StepPoint& point) const {
   std::vector<PairContact> contacts;
   for (std::size_t c = 0; c < work_.pairs.size(); ++c) {
-    if (point.pair_responses[c].branch == ContactBranch::kTakeOff) continue;
-    contacts.push_back({work_.pairs[c], point.pair_responses[c], point.pair_forces[c]});
+    if (point.pairs->responses[c].branch == ContactBranch::kTakeOff) continue;
+    contacts.push_back({work_.pairs[c], point.pairs->responses[c], point.pairs->forces[c]});
   }
   return contacts;
 }

@@ -103,7 +103,8 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
       parameters_(parameters),
       work_(*workspace),
       time_step_(times.time_step),
-      end_time_(times.end_time) {
+      end_time_(times.end_time),
+      gap_time_(times.gap_time()) {
   const bool changed = work_.time_step != time_step_ || !(work_.material == parameters.material);
   if (changed) SetConstants();
   if (changed || model.drag() != nullptr) SetExternalImpulse();  // the wind changes with time

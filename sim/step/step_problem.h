@@ -18,6 +18,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
@@ -36,6 +37,14 @@ struct HeldTerms {
   std::vector<AirBatch> air;               // of drag by direction: normals at x^ and the wind at the end
 };
 
+// The equations of the cloth's pairs with itself, likewise, in their order.
+struct PairPoint {
+  Eigen::Matrix3Xd impulses;               // r
+  Eigen::Matrix3Xd residuals;              // R
+  std::vector<Eigen::Vector3d> forces;     // F
+  std::vector<ContactResponse> responses;  // at F
+};
+
 // The equations evaluated at one velocity.
 struct StepPoint {
   Eigen::VectorXd velocities;              // v
@@ -44,11 +53,7 @@ struct StepPoint {
   Eigen::VectorXd residual;                // Phi
   std::vector<Eigen::Vector3d> forces;     // F, per candidate
   std::vector<ContactResponse> responses;  // per candidate
-  // Per pair of the cloth with itself, of which g has the impulses taken off; empty where there are none.
-  Eigen::Matrix3Xd pair_impulses;               // r
-  Eigen::Matrix3Xd pair_residuals;              // R
-  std::vector<Eigen::Vector3d> pair_forces;     // F
-  std::vector<ContactResponse> pair_responses;  // at F
+  std::optional<PairPoint> pairs;          // whose J^T r are taken off g; none where no parts may touch
   double potential = 0.0;          // whose gradient is g, J: kinetic distance to v_n, drag, external energy, E and W
   double scale = 0.0;              // largest of h |f_ext|, |M v_n|, h |dE/dx| and h |dW/dx|, N s
   double relative_residual = 0.0;  // |(Phi, R)| / scale
@@ -201,6 +206,7 @@ class StepProblem {
   const Parameters& parameters_;
   StepWorkspace& work_;
   double time_step_, end_time_;
+  double gap_time_;                     // T of stage.h
   std::vector<double> eased_friction_;  // of WithFriction; empty: that of the parameters
   double eased_self_friction_ = 0.0;    // likewise, where
   bool is_eased_ = false;

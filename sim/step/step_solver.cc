@@ -120,8 +120,9 @@ bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen
                        RolloutCounts* counts, const std::vector<Eigen::VectorXd>& candidates) {
   const Task task{problem, tolerance, counts};
   if (problem.may_touch_itself()) {
-    point->pair_impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
-    trial_.pair_impulses = point->pair_impulses;
+    point->pairs.emplace();
+    point->pairs->impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
+    trial_.pairs = point->pairs;
   }
   if (guess != nullptr) {
     StartAt(problem, *guess, point);
@@ -320,7 +321,7 @@ bool StepSolver::Newton(const Task& task, StepPoint* point) {
 bool StepSolver::SolveWithFriction(const Task& task, double share, const StepPoint& start, StepPoint* point) {
   const StepProblem eased = task.problem.WithFriction(share);
   const Task eased_task{eased, task.tolerance, task.counts};
-  if (eased.may_touch_itself()) point->pair_impulses = trial_.pair_impulses;  // as many
+  if (eased.may_touch_itself()) point->pairs = trial_.pairs;  // as many
   if (share == 0.0) {
     Start(eased_task, point);
   } else {
