@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <iterator>
+#include <limits>
 
 #include "sim/matrix/block_product.h"
 #include "sim/matrix/krylov.h"
@@ -10,8 +12,9 @@ namespace clothid {
 namespace {
 
 // gamma, over d: the larger, the fewer iterations and the more digits of K are lost in M.
-constexpr double kPenalty = 1e4;
+constexpr double kPenalty = 1e3;
 constexpr int kMaxPairIterations = 120;
+constexpr int kMaxLaggedPairIterations = 15;  // with the factor of another point
 // 1 - beta of a slipping pair is held above this, which bounds kappa as u_T -> 0.
 constexpr double kSmallestSlip = 1e-12;
 
@@ -36,6 +39,15 @@ void AddRows(const PairCandidate& pair, const Eigen::Matrix3Xd& directions, Eige
   }
 }
 
+// Of two ascending lists: entries that are in one of them alone.
+template <class Entry>
+int NumDifferences(const std::vector<Entry>& first, const std::vector<Entry>& second) {
+  std::vector<Entry> differences;
+  std::set_symmetric_difference(first.begin(), first.end(), second.begin(), second.end(),
+                                std::back_inserter(differences));
+  return static_cast<int>(differences.size());
+}
+
 }  // namespace
 
 Eigen::Matrix3Xd PairJacobian::Pair::constraints() const {
@@ -50,21 +62,21 @@ Eigen::Matrix3Xd PairJacobian::Pair::forces() const {
 
 PairJacobian::PairJacobian(const ClothModel& model) : model_(model) {}
 
-void PairJacobian::SetCandidates(const std::vector<PairCandidate>& candidates) {
-  const std::vector<std::array<int, 4>> cliques = Cliques(candidates);
-  if (pattern_ != nullptr && pattern_->Covers(cliques)) return;
+void PairJacobian::SetCandidates(const std::vector<PairCandidate>& candidates) { cliques_ = Cliques(candidates); }
+
+void PairJacobian::Reset() {
+  pattern_.reset();
   factor_.reset();
-  pattern_ = std::make_unique<WidePattern>(*model_.pattern(), cliques);
 }
 
 void PairJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,
                             const std::vector<double>& friction_coefficients, const std::vector<PairContact>& pairs,
                             double self_friction) {
   hessian_ = &hessian;
+  factor_is_of_point_ = false;
   touches_obstacles_ = !contacts.empty();
   if (touches_obstacles_) {
     elimination_.SetContacts(contacts, model_.free_index(), friction_coefficients);
-    slip_frames_ = elimination_.SlipFrames();
   }
   pairs_.clear();
   int num_rows = 0;
@@ -83,7 +95,23 @@ void PairJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contac
     num_rows += pair.num_rows();
     pairs_.push_back(pair);
   }
+  SetBranches(contacts, pairs);
   SetRows(pairs);
+}
+
+void PairJacobian::SetBranches(const std::vector<Contact>& contacts, const std::vector<PairContact>& pairs) {
+  branches_ = {};
+  for (const Contact& contact : contacts) branches_.nodes.emplace_back(contact.candidate.node, contact.response.branch);
+  for (const PairContact& contact : pairs) {
+    if (contact.response.branch == ContactBranch::kTakeOff) continue;
+    branches_.pairs.emplace_back(contact.candidate.features, contact.response.branch);
+  }
+}
+
+int PairJacobian::num_changes() const {
+  if (factor_ == nullptr) return std::numeric_limits<int>::max();
+  return NumDifferences(branches_.nodes, factor_branches_.nodes) +
+         NumDifferences(branches_.pairs, factor_branches_.pairs);
 }
 
 void PairJacobian::SetRows(const std::vector<PairContact>& contacts) {
@@ -118,6 +146,10 @@ void PairJacobian::SetRows(const std::vector<PairContact>& contacts) {
 }
 
 bool PairJacobian::Factor() {
+  factor_.reset();
+  if (pattern_ == nullptr || !pattern_->Covers(cliques_)) {
+    pattern_ = std::make_unique<WidePattern>(*model_.pattern(), cliques_);
+  }
   BlockMatrix wide = pattern_->Widened(*hessian_);
   for (std::size_t c = 0; c < pairs_.size(); ++c) {
     const Pair& pair = pairs_[c];
@@ -133,14 +165,17 @@ bool PairJacobian::Factor() {
       }
     }
   }
-  factor_.reset();
   if (touches_obstacles_) {
     Eigen::VectorXd reduced;
     elimination_.Reduce(wide, &reduced);
     factor_ = pattern_->Factor(reduced);
+    factor_frames_ = elimination_.SlipFrames();
   } else {
     factor_ = pattern_->Factor(wide.values);
+    factor_frames_.clear();
   }
+  factor_branches_ = branches_;
+  factor_is_of_point_ = true;
   return factor_ != nullptr;
 }
 
@@ -190,15 +225,11 @@ Eigen::MatrixXd PairJacobian::Precondition(const Eigen::MatrixXd& stacked) const
   const Eigen::MatrixXd e = stacked.bottomRows(num_rows);
   Eigen::MatrixXd v = stacked.topRows(size);
   v += kPenalty * (constraint_rows_.transpose() * e);
-  if (touches_obstacles_) {
-    elimination_.Project(&v);
-    ToLocal(slip_frames_, &v);
-    v = pattern_->Solve(*factor_, v);
-    ToWorld(slip_frames_, &v);
-    elimination_.Project(&v);
-  } else {
-    v = pattern_->Solve(*factor_, v);
-  }
+  if (touches_obstacles_) elimination_.Project(&v);
+  ToLocal(factor_frames_, &v);
+  v = pattern_->Solve(*factor_, v);
+  ToWorld(factor_frames_, &v);
+  if (touches_obstacles_) elimination_.Project(&v);
   const Eigen::MatrixXd velocities = constraint_rows_ * v;
   Eigen::MatrixXd result(stacked.rows(), stacked.cols());
   result << v, kPenalty * (e - row_weights_.asDiagonal() * velocities);
@@ -207,9 +238,9 @@ Eigen::MatrixXd PairJacobian::Precondition(const Eigen::MatrixXd& stacked) const
 
 bool PairJacobian::SolveStacked(Direction direction, const Eigen::MatrixXd& right, double tolerance,
                                 Eigen::MatrixXd* solution) {
-  const GmresResult result =
-      Gmres([&](const Eigen::MatrixXd& v) { return Multiply(direction, v); },
-            [&](const Eigen::MatrixXd& v) { return Precondition(v); }, right, tolerance, kMaxPairIterations, solution);
+  const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return Multiply(direction, v); },
+                                   [&](const Eigen::MatrixXd& v) { return Precondition(v); }, right, tolerance,
+                                   factor_is_of_point_ ? kMaxPairIterations : kMaxLaggedPairIterations, solution);
   iterations_ = result.iterations;
   return result.converged && solution->allFinite();
 }
@@ -256,6 +287,7 @@ bool PairJacobian::Solve(const Eigen::MatrixXd& f, const Eigen::MatrixXd& s, dou
   stacked << right, constraints;
   if (!SolveStacked(Direction::kForward, stacked, tolerance, &solution)) return false;
   *dv = solution.topRows(size);
+  if (!factor_is_of_point_ && f.cols() == 1 && dv->col(0).dot(TimesStiffness(*dv).col(0)) < 0.0) return false;
   if (touches_obstacles_) *dv += known;
   const Eigen::MatrixXd velocities = RelativeVelocities(*dv);
   dr->resize(s.rows(), s.cols());

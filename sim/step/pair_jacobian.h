@@ -21,6 +21,7 @@
 #include <Eigen/SparseCore>
 #include <array>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
@@ -36,10 +37,10 @@ class PairJacobian {
  public:
   explicit PairJacobian(const ClothModel& model);
 
-  // Makes the pattern wide enough for `candidates`; kept where it is.
+  // The pairs that the next points and factors may have.
   void SetCandidates(const std::vector<PairCandidate>& candidates);
-  // Forgets the pattern, which numbers depend on in their last digits.
-  void Reset() { pattern_.reset(); }
+  // Forgets pattern and factor, which numbers depend on in their last digits.
+  void Reset();
 
   // The matrix at a point: `hessian` is K and must outlive the solves; `pairs` are among the candidates, in their
   // order.
@@ -47,10 +48,14 @@ class PairJacobian {
                 const std::vector<double>& friction_coefficients, const std::vector<PairContact>& pairs,
                 double self_friction);
 
-  // False where M is not positive definite.
+  // Makes the factor of the point. False where M is not positive definite.
   bool Factor();
+  // Contacts that are in another branch than at the point of the factor at hand, which serves the better the fewer they
+  // are; more than there can be without a factor.
+  int num_changes() const;
 
-  // Columns: dv, f [3 Nf x s], dr, s [3 c x s]. To a relative residual of `tolerance`; false: it was not reached.
+  // Columns: dv, f [3 Nf x s], dr, s [3 c x s]. To a relative residual of `tolerance`, with the factor at hand; false:
+  // it was not reached, or, with a factor of another point, the step would go up (see step_jacobian.h).
   bool Solve(const Eigen::MatrixXd& f, const Eigen::MatrixXd& s, double tolerance, Eigen::MatrixXd* dv,
              Eigen::MatrixXd* dr);
 
@@ -80,9 +85,15 @@ class PairJacobian {
     Eigen::Matrix3Xd constraints() const;
     Eigen::Matrix3Xd forces() const;
   };
+  // Of contacts that are closed, with obstacles and with the cloth itself; ascending.
+  struct Branches {
+    std::vector<std::pair<int, ContactBranch>> nodes;
+    std::vector<std::pair<PairFeatures, ContactBranch>> pairs;
+  };
   using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
   enum class Direction { kForward, kTransposed };
 
+  void SetBranches(const std::vector<Contact>& contacts, const std::vector<PairContact>& pairs);
   void SetRows(const std::vector<PairContact>& contacts);
   Eigen::MatrixXd TimesStiffness(const Eigen::MatrixXd& velocities) const;  // K~ v
   Eigen::MatrixXd Multiply(Direction direction, const Eigen::MatrixXd& stacked) const;
@@ -97,11 +108,11 @@ class PairJacobian {
   Eigen::MatrixXd AdjointImpulse(const Pair& pair, const Eigen::MatrixXd& lambda, const Eigen::MatrixXd& sum) const;
 
   const ClothModel& model_;
-  std::unique_ptr<WidePattern> pattern_;
+  std::vector<std::array<int, 4>> cliques_;  // of the candidates
+  std::unique_ptr<WidePattern> pattern_;     // of the factor
   const BlockMatrix* hessian_ = nullptr;
   ContactElimination elimination_;
   bool touches_obstacles_ = false;
-  std::vector<LocalFrame> slip_frames_;  // of its contacts
   std::vector<Pair> pairs_;
   std::vector<std::array<int, 4>> blocks_;  // of the nodes of pairs
   std::vector<Eigen::Vector4d> weights_;    // w
@@ -111,6 +122,9 @@ class PairJacobian {
   Eigen::VectorXd row_weights_;             // d of the rows of C
   Eigen::VectorXd side_stiffness_;          // kappa
   std::shared_ptr<const CholeskyFactor> factor_;
+  std::vector<LocalFrame> factor_frames_;  // of the contacts of its point
+  Branches branches_, factor_branches_;    // of the point, and of that of the factor
+  bool factor_is_of_point_ = false;
   int iterations_ = 0;
 };
 

@@ -17,12 +17,13 @@ constexpr int kMostPairIterations = 60;   // more of them seldom end: a shorter 
 constexpr double kPairForcing = 1e-4;     // tolerance of the linear system, ...
 constexpr double kPairGoalShare = 0.1;    // ... not below this share of what is left to do, ...
 constexpr double kPairLoosest = 1e-2;     // ... and never above
+constexpr int kMostChanges = 4;           // of branches since the factor at hand was made, with which it still serves
 
 // |Phi|^2/P + sum |R|^2/d, kg m^2/s^2.
 double Merit(const StepProblem& problem, const StepPoint& point) {
   double merit = problem.WeighedSquare(point.residual);
   for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
-    merit += point.pair_residuals.col(static_cast<Eigen::Index>(c)).squaredNorm() / problem.pairs()[c].weight;
+    merit += point.pairs->residuals.col(static_cast<Eigen::Index>(c)).squaredNorm() / problem.pairs()[c].weight;
   }
   return merit;
 }
@@ -51,14 +52,14 @@ Eigen::Matrix3Xd PairNewton::WarmStart(const StepProblem& problem) const {
 void PairNewton::Keep(const StepProblem& problem, const StepPoint& point) {
   impulses_.clear();
   for (std::size_t c = 0; c < problem.pairs().size(); ++c) {
-    if (point.pair_responses[c].branch == ContactBranch::kTakeOff) continue;
+    if (point.pairs->responses[c].branch == ContactBranch::kTakeOff) continue;
     impulses_[problem.pairs()[c].features] =
-        point.pair_impulses.col(static_cast<Eigen::Index>(c)) / problem.time_step();
+        point.pairs->impulses.col(static_cast<Eigen::Index>(c)) / problem.time_step();
   }
 }
 
 bool PairNewton::Solve(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts) {
-  point->pair_impulses = WarmStart(problem);
+  point->pairs->impulses = WarmStart(problem);
   problem.Evaluate(Eigen::VectorXd(point->velocities), point);
   jacobian_.SetCandidates(problem.pairs());
   const auto is_solved = [&] { return point->relative_residual <= std::max(tolerance, problem.RoundingFloor(*point)); };
@@ -77,40 +78,55 @@ bool PairNewton::Solve(const StepProblem& problem, double tolerance, StepPoint* 
   return is_solved();
 }
 
-bool PairNewton::FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, bool is_swept,
-                               RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses) {
+void PairNewton::SetPoint(const StepProblem& problem, HessianKind kind, const StepPoint& point) {
+  problem.AssembleHessian(kind, point, &hessian_);
   const std::vector<Contact> contacts = problem.may_touch() ? problem.ActiveContacts(point) : std::vector<Contact>();
-  const std::vector<PairContact> pairs = problem.AllPairs(point);
-  const double forcing = std::max(kPairForcing, kPairGoalShare * tolerance / point.relative_residual);
+  jacobian_.SetPoint(hessian_, contacts, problem.friction_coefficients(), problem.AllPairs(point),
+                     problem.self_friction());
+}
+
+bool PairNewton::SolveAt(const StepPoint& point, double forcing, RolloutCounts* counts, Eigen::MatrixXd* dv,
+                         Eigen::MatrixXd* dr) {
+  const bool solved = jacobian_.Solve(-point.residual, -point.pairs->residuals.reshaped(), forcing, dv, dr);
+  counts->linear_iterations += jacobian_.iterations();
+  return solved;
+}
+
+bool PairNewton::SolveLinearized(const StepProblem& problem, double forcing, const StepPoint& point,
+                                 RolloutCounts* counts, Eigen::MatrixXd* dv, Eigen::MatrixXd* dr) {
+  SetPoint(problem, HessianKind::kExact, point);
+  if (jacobian_.num_changes() <= kMostChanges && SolveAt(point, forcing, counts, dv, dr)) return true;
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
-    problem.AssembleHessian(kind, point, &hessian_);
-    jacobian_.SetPoint(hessian_, contacts, problem.friction_coefficients(), pairs, problem.self_friction());
+    if (kind == HessianKind::kClamped) SetPoint(problem, kind, point);
     ++counts->factorizations;
-    if (!jacobian_.Factor()) continue;
-    Eigen::MatrixXd dv, dr;
-    const bool solved =
-        jacobian_.Solve(-point.residual, -point.pair_residuals.reshaped(), std::min(forcing, kPairLoosest), &dv, &dr);
-    counts->linear_iterations += jacobian_.iterations();
-    if (!solved && (dv.size() == 0 || !dv.allFinite() || !dr.allFinite())) continue;
-    *velocities = dv;
-    if (is_swept && problem.may_touch()) {
-      const Eigen::VectorXd impulse = jacobian_.Spread(dr);
-      sweeps_.Correct(problem, hessian_, point, forcing, velocities, &impulse);
-    }
-    *impulses = dr.reshaped(3, impulses->cols());
-    return true;
+    if (jacobian_.Factor() && SolveAt(point, forcing, counts, dv, dr)) return true;
   }
   return false;
+}
+
+bool PairNewton::FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, bool is_swept,
+                               RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses) {
+  const double forcing = std::max(kPairForcing, kPairGoalShare * tolerance / point.relative_residual);
+  Eigen::MatrixXd dv, dr;
+  if (!SolveLinearized(problem, std::min(forcing, kPairLoosest), point, counts, &dv, &dr)) return false;
+  *velocities = dv;
+  if (is_swept && problem.may_touch()) {
+    const Eigen::VectorXd impulse = jacobian_.Spread(dr);
+    sweeps_.Correct(problem, hessian_, point, forcing, velocities, &impulse);
+  }
+  *impulses = dr.reshaped(3, impulses->cols());
+  return true;
 }
 
 bool PairNewton::Iterate(const StepProblem& problem, double tolerance, double length, bool is_swept, StepPoint* point,
                          RolloutCounts* counts) {
   Eigen::VectorXd velocities;
-  Eigen::Matrix3Xd impulses = point->pair_impulses;
+  Eigen::Matrix3Xd impulses = point->pairs->impulses;
   if (!FindDirection(problem, tolerance, *point, is_swept, counts, &velocities, &impulses)) return false;
   const double merit = Merit(problem, *point);
+  if (!trial_.pairs) trial_.pairs.emplace();
   for (int halving = 0; halving < kMeritHalvings; ++halving, length *= 0.5) {
-    trial_.pair_impulses = point->pair_impulses + length * impulses;
+    trial_.pairs->impulses = point->pairs->impulses + length * impulses;
     problem.Evaluate(point->velocities + length * velocities, &trial_);
     if (!std::isfinite(trial_.relative_residual) || Merit(problem, trial_) > kExplosion * merit) continue;
     std::swap(*point, trial_);

@@ -36,6 +36,11 @@ class PairNewton {
                RolloutCounts* counts);
   bool FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, bool is_swept,
                      RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses);
+  // (dv, dr) with the factor at hand where that serves, else with one of the point.
+  bool SolveLinearized(const StepProblem& problem, double forcing, const StepPoint& point, RolloutCounts* counts,
+                       Eigen::MatrixXd* dv, Eigen::MatrixXd* dr);
+  bool SolveAt(const StepPoint& point, double forcing, RolloutCounts* counts, Eigen::MatrixXd* dv, Eigen::MatrixXd* dr);
+  void SetPoint(const StepProblem& problem, HessianKind kind, const StepPoint& point);
 
   const ClothModel& model_;
   BlockMatrix& hessian_;
