@@ -153,6 +153,49 @@ void ValidateRanges(const Scene& scene, const Checker& check) {
   }
 }
 
+// Refuses `value` of a parameter.
+[[noreturn]] void Refuse(const std::string& source, const std::string& name, double value,
+                         const std::string& expected) {
+  throw Error(ErrorKind::kBadData, source + ": parameter '" + name + "' is " + std::to_string(value) + expected);
+}
+
+void ValidateMaterial(const Parameters& parameters, const Scene& scene, const std::string& source) {
+  for (const ParameterKind kind : kMaterialKinds) {
+    const double value = parameters.material.*MaterialConstant(kind);
+    const std::string name = ParameterName({kind}, {});
+    if (scene.has(kind) && !IsInDomain(DomainOf(kind), value)) {
+      Refuse(source, name, value, std::string("; expected ") + DomainWords(DomainOf(kind)));
+    }
+    if (scene.has_term(kind) || value == 0.0 || kind == ParameterKind::kStretchStiffness) continue;
+    Refuse(source, name, value, ", but the scene was set up without it; expected 0, or a scene that gives it");
+  }
+}
+
+void ValidateFriction(const Parameters& parameters, const Scene& scene, const std::string& source) {
+  if (parameters.friction_coefficients.size() != scene.obstacles.size()) {
+    throw Error(ErrorKind::kBadData, source + ": " + std::to_string(parameters.friction_coefficients.size()) +
+                                         " friction coefficients for " + std::to_string(scene.obstacles.size()) +
+                                         " obstacles");
+  }
+  const auto expect_friction = [&](double mu, const std::string& name) {
+    if (!IsInDomain(ParameterDomain::kNotNegative, mu)) Refuse(source, name, mu, "; expected a finite number >= 0");
+  };
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    expect_friction(parameters.friction_coefficients[i], "mu." + scene.obstacles[i].name);
+  }
+  expect_friction(parameters.self_friction, ParameterName({ParameterKind::kSelfFriction}, {}));
+}
+
+void ValidatePlacements(const Parameters& parameters, const Scene& scene, const std::string& source) {
+  const std::vector<Placement>& placements = parameters.placements;
+  bool fit = placements.empty() || placements.size() == scene.obstacles.size();
+  for (std::size_t i = 0; fit && i < placements.size(); ++i) {
+    fit = (scene.obstacles[i].moves() || placements[i] == Placement()) && std::isfinite(placements[i].time_offset) &&
+          placements[i].shift.allFinite() && placements[i].turn.allFinite();
+  }
+  if (!fit) throw Error(ErrorKind::kBadData, source + ": expected finite placements of obstacles that move");
+}
+
 void ValidateFactors(const Parameters& parameters, const Scene& scene, const std::string& source) {
   if (parameters.fields == nullptr) return;
   bool fit = parameters.fields->size() == scene.fields.size();
@@ -192,42 +235,13 @@ void ValidateScene(const Scene& scene, const std::string& source) {
 }
 
 void ValidateDomains(const Parameters& parameters, const Scene& scene, const std::string& source) {
-  const auto expect = [&](bool condition, double value, const std::string& name, const std::string& expected) {
-    if (condition) return;
-    throw Error(ErrorKind::kBadData, source + ": parameter '" + name + "' is " + std::to_string(value) + expected);
-  };
-  if (parameters.friction_coefficients.size() != scene.obstacles.size()) {
-    throw Error(ErrorKind::kBadData, source + ": " + std::to_string(parameters.friction_coefficients.size()) +
-                                         " friction coefficients for " + std::to_string(scene.obstacles.size()) +
-                                         " obstacles");
-  }
-  for (const ParameterKind kind : kMaterialKinds) {
-    const double value = parameters.material.*MaterialConstant(kind);
-    const std::string name = ParameterName({kind}, {});
-    if (scene.has(kind)) {
-      expect(IsInDomain(DomainOf(kind), value), value, name, std::string("; expected ") + DomainWords(DomainOf(kind)));
-    }
-    expect(scene.has_term(kind) || value == 0.0 || kind == ParameterKind::kStretchStiffness, value, name,
-           ", but the scene was set up without it; expected 0, or a scene that gives it");
-  }
-  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    const double mu = parameters.friction_coefficients[i];
-    expect(IsInDomain(ParameterDomain::kNotNegative, mu), mu, "mu." + scene.obstacles[i].name,
-           "; expected a finite number >= 0");
-  }
-  expect(IsInDomain(ParameterDomain::kNotNegative, parameters.self_friction), parameters.self_friction,
-         ParameterName({ParameterKind::kSelfFriction}, {}), "; expected a finite number >= 0");
-  const std::vector<Placement>& placements = parameters.placements;
-  bool fit = placements.empty() || placements.size() == scene.obstacles.size();
-  for (std::size_t i = 0; fit && i < placements.size(); ++i) {
-    fit = (scene.obstacles[i].moves() || placements[i] == Placement()) && std::isfinite(placements[i].time_offset) &&
-          placements[i].shift.allFinite() && placements[i].turn.allFinite();
-  }
-  if (!fit) throw Error(ErrorKind::kBadData, source + ": expected finite placements of obstacles that move");
+  ValidateFriction(parameters, scene, source);
+  ValidateMaterial(parameters, scene, source);
+  ValidatePlacements(parameters, scene, source);
   for (const ParameterKind kind : {ParameterKind::kSizeX, ParameterKind::kSizeY}) {
     const double factor = GetParameter(parameters, {kind});
-    expect(factor >= kLeastSize && factor <= kMostSize, factor, ParameterName({kind}, {}),
-           "; expected a factor from 0.1 to 10");
+    if (factor >= kLeastSize && factor <= kMostSize) continue;
+    Refuse(source, ParameterName({kind}, {}), factor, "; expected a factor from 0.1 to 10");
   }
   ValidateFactors(parameters, scene, source);
   ValidatePieceMaterials(parameters, scene, source);
