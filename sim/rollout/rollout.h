@@ -68,8 +68,8 @@ struct RolloutOptions {
 };
 
 // The checkpoint interval with which a rollout of `num_steps` steps and its PullBack hold at most `memory_limit` bytes
-// of records, as if every free node were in contact where there are obstacles: 0 where all steps fit, else the largest
-// one that fits, so that the fewest steps are simulated again, or, where none does, the one that needs the least.
+// of records, as if every free node touched an obstacle where there are some, and the cloth where that may meet itself:
+// 0 where all steps fit, else the largest that fits, so that the fewest are simulated again, or that of the least need.
 int CheckpointInterval(const ClothModel& model, int num_steps, std::size_t memory_limit);
 
 // Runs the scene of `simulator` with `parameters` from its start state, `num_steps` steps. Never throws on a step that

@@ -204,6 +204,16 @@ TEST(CheckpointIntervalTest, CountsTheStagesOfAStep) {
   EXPECT_EQ(CheckpointInterval(simulator.model(), 1000, static_cast<std::size_t>(0.5 * all)), 248);
 }
 
+TEST(CheckpointIntervalTest, CountsPairsOfTheClothWithItself) {
+  Scene scene = ShippedScene("drape", 8);
+  scene.self_contact = SelfContact{0.3, 0.002};
+  Simulator simulator(scene);
+  const double all =
+      1000 * (sizeof(StepRecord) + 48.0 * 64 + (sizeof(ContactRecord) + sizeof(PairContactRecord)) * 56.0);
+  EXPECT_EQ(CheckpointInterval(simulator.model(), 1000, static_cast<std::size_t>(all)), 0);
+  EXPECT_EQ(CheckpointInterval(simulator.model(), 1000, static_cast<std::size_t>(0.5 * all)), 248);
+}
+
 TEST(CheckpointIntervalTest, AnyIntervalServes) {
   const Scene scene = ShippedScene("wind", 4);
   Simulator simulator(scene);
