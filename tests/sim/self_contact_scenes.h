@@ -8,21 +8,9 @@
 
 #include "sim/mesh/mesh.h"
 #include "sim/scene/scene.h"
+#include "tests/sim/joined_mesh.h"
 
 namespace clothid {
-
-// Meshes side by side in one.
-inline Mesh JoinedMesh(const std::vector<Mesh>& parts) {
-  Mesh mesh;
-  for (const Mesh& part : parts) {
-    const int num_nodes = mesh.num_nodes(), num_faces = mesh.num_faces();
-    mesh.rest_positions.conservativeResize(3, num_nodes + part.num_nodes());
-    mesh.rest_positions.rightCols(part.num_nodes()) = part.rest_positions;
-    mesh.faces.conservativeResize(3, num_faces + part.num_faces());
-    mesh.faces.rightCols(part.num_faces()) = part.faces.array() + num_nodes;
-  }
-  return mesh;
-}
 
 // Layers that lie on each other, `thickness` apart; the lowest one is as large as its grid and held, those above are
 // smaller and free. Gravity is turned by `angle` about the y axis: it pulls along x down the slope.

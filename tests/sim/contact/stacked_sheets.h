@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/mesh/mesh.h"
+#include "tests/sim/joined_mesh.h"
 
 namespace clothid {
 
@@ -20,9 +21,7 @@ struct SheetOfStack {
 
 // From z = 0 upwards, `distance` apart, nodes in the same order.
 inline Mesh StackSheets(const std::vector<SheetOfStack>& sheets, double distance) {
-  Mesh mesh;
-  mesh.rest_positions.resize(3, 0);
-  mesh.faces.resize(3, 0);
+  std::vector<Mesh> parts;
   for (std::size_t i = 0; i < sheets.size(); ++i) {
     const SheetOfStack& sheet = sheets[i];
     GridOptions grid;
@@ -31,14 +30,9 @@ inline Mesh StackSheets(const std::vector<SheetOfStack>& sheets, double distance
     grid.origin = {sheet.origin[0], sheet.origin[1], static_cast<double>(i) * distance};
     grid.axes = {Eigen::Vector3d(std::cos(sheet.angle), std::sin(sheet.angle), 0.0),
                  Eigen::Vector3d(-std::sin(sheet.angle), std::cos(sheet.angle), 0.0)};
-    const Mesh added = MakeGrid(grid);
-    const int num_nodes = mesh.num_nodes(), num_faces = mesh.num_faces();
-    mesh.rest_positions.conservativeResize(3, num_nodes + added.num_nodes());
-    mesh.rest_positions.rightCols(added.num_nodes()) = added.rest_positions;
-    mesh.faces.conservativeResize(3, num_faces + added.num_faces());
-    mesh.faces.rightCols(added.num_faces()) = added.faces.array() + num_nodes;
+    parts.push_back(MakeGrid(grid));
   }
-  return mesh;
+  return JoinedMesh(parts);
 }
 
 }  // namespace clothid

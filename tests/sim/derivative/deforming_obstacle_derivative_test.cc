@@ -3,22 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
-#include <string>
-#include <tuple>
 
 #include "sim/obstacle/triangulated_surface.h"
 #include "sim/path/rotation_vector.h"
-#include "tests/sim/derivative/gradient_case.h"
+#include "tests/sim/derivative/moving_obstacle_case.h"
 #include "tests/sim/moving_surfaces.h"
-#include "tests/sim/shipped_scenes.h"
 
 namespace clothid::deforming_obstacle_derivative_test {
 namespace {
 
 using Eigen::Vector3d;
-using Param = std::tuple<std::string, ContactMode, Integrator>;
 
 // Wanders, turns, and is bent and stretched by functions of the place.
 Vector3d Bend(const Vector3d& p, double t) {
@@ -30,13 +25,9 @@ Vector3d Bend(const Vector3d& p, double t) {
 
 // `drape` over a tilted cube with a contact distance, so that nodes slide over its edges and corners, or `slope` on the
 // faces of a slab.
-Scene DeformingScene(const Param& param) {
+Scene DeformingScene(const MovingObstacleParam& param) {
   const bool is_drape = std::get<0>(param) == "drape";
-  Scene scene = ShippedScene(std::get<0>(param), is_drape ? 11 : 9);
-  scene.contact_mode = std::get<1>(param);
-  scene.integrator = std::get<2>(param);
-  scene.duration = std::min(scene.duration, 0.4);
-  scene.solver.adjoint_tolerance = 1e-14;
+  Scene scene = MovingObstacleScene(param, is_drape ? 11 : 9);
   SceneObstacle& obstacle = scene.obstacles[0];
   TriangleMesh mesh = is_drape ? CubeMesh(0.14) : SlabMesh(1.5, 0);
   Vector3d place = scene.obstacles[0].shape->Closest(Vector3d::Zero()).normal;
@@ -53,35 +44,13 @@ Scene DeformingScene(const Param& param) {
   return scene;
 }
 
-// Away from where placements are zero, so that nothing vanishes by chance.
-Parameters Placed(const Scene& scene) {
-  Parameters parameters = scene.nominal_parameters();
-  parameters.placements = {{0.004, {0.002, -0.003, 0.001}, {0.05, -0.02, 0.03}}};
-  return parameters;
-}
-
-class DeformingObstacleDerivativeTest : public testing::TestWithParam<Param> {};
+class DeformingObstacleDerivativeTest : public testing::TestWithParam<MovingObstacleParam> {};
 
 TEST_P(DeformingObstacleDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
-  const Scene scene = DeformingScene(GetParam());
-  const GradientCase gradient(scene, Placed(scene));
-  const std::string name = scene.obstacles[0].name;
-  for (const char* part : {".time_offset", ".shift.x", ".shift.y", ".shift.z", ".turn.x", ".turn.y", ".turn.z"}) {
-    EXPECT_TRUE(gradient.HasInfluence(name + part)) << part;
-  }
-  EXPECT_TRUE(gradient.HasInfluence("mu"));
-  ExpectAgreement(gradient, std::get<0>(GetParam()) == "drape" ? 1e-5 : 1e-6);
+  ExpectMovingObstacleAgreement(DeformingScene(GetParam()), GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, DeformingObstacleDerivativeTest,
-                         testing::Combine(testing::Values("drape", "slope"),
-                                          testing::Values(ContactMode::kGap, ContactMode::kVelocity),
-                                          testing::Values(Integrator::kEuler, Integrator::kSdirk2)),
-                         [](const auto& test) {
-                           return std::get<0>(test.param) +
-                                  (std::get<1>(test.param) == ContactMode::kGap ? "Gap" : "Velocity") +
-                                  IntegratorName(std::get<2>(test.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(Scenes, DeformingObstacleDerivativeTest, MovingObstacleParams(), MovingObstacleName);
 
 }  // namespace
 }  // namespace clothid::deforming_obstacle_derivative_test
