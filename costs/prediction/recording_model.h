@@ -25,7 +25,7 @@
 #include "datasets/observation/observation.h"
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
-#include "sim/rollout/energy_loss.h"
+#include "sim/rollout/energy_gain.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/parameters.h"

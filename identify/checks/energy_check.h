@@ -8,7 +8,7 @@
 #include "datasets/motion/recorded_motion.h"
 #include "identify/fit/fit_summary.h"
 #include "identify/problem/problem.h"
-#include "sim/rollout/energy_loss.h"
+#include "sim/rollout/energy_gain.h"
 
 namespace clothid {
 

@@ -116,8 +116,7 @@ void AddEnergy(const EnergyGain& gain, const std::string& prefix, std::vector<Re
   reasons->push_back(AgainstAll(gain.share() >= kLargeEnergyGain, brief,
                                 brief + ", " + NumberText(gain.energy) + " J by " + NumberText(gain.time) + " s, " +
                                     NumberText(100.0 * gain.share(), 3) +
-                                    " % of the largest: the steps are too long for so stiff a cloth; shorten them, or "
-                                    "take the integrator euler"));
+                                    " % of the largest: " + gain.remedy()));
 }
 
 void AddField(const FittedField& field, std::vector<Reason>* reasons) {

@@ -1,17 +1,20 @@
 #include "sim/rollout/contact_work.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "sim/contact/impact_share.h"
+#include "sim/contact/pair_impact.h"
 #include "sim/rollout/energy_loss.h"
 #include "sim/rollout/simulator.h"
+#include "sim/step/second_start.h"
 #include "sim/step/step_problem.h"
 
 namespace clothid {
 namespace {
 
-void AddSolve(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-              const Simulator& simulator, ContactWork* work) {
+void AddObstacles(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
+                  const Simulator& simulator, ContactWork* work) {
   if (record.contacts.empty()) return;
   const ClothModel& model = simulator.model();
   const std::vector<ObstacleMotion> motions = ObstacleMotions(model.scene(), parameters, record.times());
@@ -34,13 +37,48 @@ void AddSolve(const StepRecord& record, const SolveStart& start, const Parameter
   }
 }
 
+void AddPairs(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
+              const Simulator& simulator, ContactWork* work) {
+  const ClothModel& model = simulator.model();
+  const Eigen::VectorXd velocities = model.Gather(record.velocities);
+  for (const PairContact& contact :
+       RestorePairs(model, parameters, start.positions, record.velocities, record.times(), record.pairs)) {
+    const PairCandidate& pair = contact.candidate;
+    Eigen::Vector3d impulse = SolveWeight(record) * contact.response.impulse;
+    if (record.stage == Stage::kFirst) {
+      const PairImpactNodes nodes = ImpactNodes(model, parameters.material, pair, start.velocities, record.velocities);
+      impulse *= 1.0 - EvaluatePairImpact(contact, nodes).share;
+    }
+    const Eigen::Vector3d relative = pair.RelativeVelocity(velocities);
+    const Eigen::Vector3d& normal = pair.geometry.normal;
+    work->work -= impulse.dot(pair.held_velocity);
+    work->friction -= impulse.dot(relative);
+    work->push += std::max(0.0, normal.dot(impulse) * normal.dot(relative));
+  }
+}
+
 }  // namespace
 
+ContactWork& ContactWork::operator+=(const ContactWork& other) {
+  work += other.work;
+  friction += other.friction;
+  push += other.push;
+  return *this;
+}
+
 ContactWork StepContactWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
+  ContactWork work = StepPairWork(rollout, last, reader, simulator);
+  for (int i = FirstOfStep(rollout, last); i <= last; ++i) {
+    AddObstacles(reader->record(i), reader->start(i), rollout.parameters, simulator, &work);
+  }
+  return work;
+}
+
+ContactWork StepPairWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
   ContactWork work;
-  const int first = FirstOfStep(rollout, last);
-  for (int i = first; i <= last; ++i) {
-    AddSolve(reader->record(i), reader->start(i), rollout.parameters, simulator, &work);
+  for (int i = FirstOfStep(rollout, last); i <= last; ++i) {
+    const StepRecord& record = reader->record(i);
+    if (!record.pairs.empty()) AddPairs(record, reader->start(i), rollout.parameters, simulator, &work);
   }
   return work;
 }

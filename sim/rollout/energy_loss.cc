@@ -1,7 +1,5 @@
 #include "sim/rollout/energy_loss.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -118,38 +116,6 @@ EnergyLoss StepEnergyLoss(const Rollout& rollout, int last, RecordReader* reader
   const StepRecord& end = reader->record(last);
   loss.elastic -= StateEnergy(parameters, end.positions, end.velocities, simulator, end.time).elastic();
   return loss;
-}
-
-EnergyGain FindEnergyGain(const Rollout& rollout, Simulator* simulator) {
-  const EnergyParts start = StateEnergy(rollout.parameters, rollout.initial_positions, rollout.initial_velocities,
-                                        *simulator, rollout.start_time);
-  EnergyGain gain;
-  gain.time = rollout.start_time;
-  gain.largest_energy = start.kinetic + start.elastic();
-  RecordReader reader(rollout, simulator);
-  double sum = 0.0;
-  for (int i = 0; i < static_cast<int>(rollout.records.size()); ++i) {
-    if (!rollout.records[static_cast<std::size_t>(i)].ends_step()) continue;
-    sum -= StepEnergyLoss(rollout, i, &reader, *simulator).total();
-    const StepRecord& record = reader.record(i);
-    const EnergyParts end =
-        StateEnergy(rollout.parameters, record.positions, record.velocities, *simulator, record.time);
-    gain.largest_energy =
-        std::max(gain.largest_energy, end.kinetic + end.elastic() + std::abs(end.gravitational - start.gravitational));
-    if (sum <= gain.energy) continue;
-    gain.energy = sum;
-    gain.time = record.time;
-  }
-  return gain;
-}
-
-bool MayGainEnergy(const Parameters& parameters, const Simulator& simulator) {
-  const Scene& scene = simulator.scene();
-  if (scene.integrator != Integrator::kSdirk2) return false;
-  const ClothModel& model = simulator.model();
-  const double stiffness = model.membrane().SystemStiffness(parameters.material);
-  const double inertia = parameters.material.areal_inertia() * model.mass_areas().minCoeff();
-  return stiffness * scene.time_step * scene.time_step >= kStiffStep * inertia;
 }
 
 }  // namespace clothid

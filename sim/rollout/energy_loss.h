@@ -77,24 +77,6 @@ struct EnergyLoss {
 // Of the step or substep that ends in record `last` of `rollout`, which `reader` reads.
 EnergyLoss StepEnergyLoss(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator);
 
-// What a rollout has gained without a source, as far as it came.
-struct EnergyGain {
-  double energy = 0.0;          // J, at most: the largest of the sums over the first steps; 0: it never gains
-  double time = 0.0;            // s, of the step up to which it has gained that
-  double largest_energy = 0.0;  // J, of kinetic and elastic energy, and of what gravitational energy has changed by
-
-  double share() const { return energy > 0.0 ? energy / largest_energy : 0.0; }
-};
-// The share that is still an error like others of a time step.
-inline constexpr double kMostEnergyGain = 0.01;
-EnergyGain FindEnergyGain(const Rollout& rollout, Simulator* simulator);
-
-// False where a rollout of the scene cannot gain energy that is worth a look: by backward Euler, and by SDIRK2 as long
-// as k h^2/(rho a), with the stiffness of the membrane and the smallest area of a node, is below kStiffStep. Measured,
-// gains of 1 % begin at 10 to 20 times that (tools/benchmark/README.md, "Stiff and extreme cases").
-inline constexpr double kStiffStep = 1e5;
-bool MayGainEnergy(const Parameters& parameters, const Simulator& simulator);
-
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_ROLLOUT_ENERGY_LOSS_H_

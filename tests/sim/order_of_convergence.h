@@ -45,6 +45,15 @@ inline double Order(const Scene& scene, Integrator integrator, int steps) {
                    Distance(Frames(scene, integrator, 2 * steps), truth));
 }
 
+// Of SDIRK2, at one and two steps per frame, where the error is more than rounding.
+inline void ExpectOrderTwo(const Scene& scene) {
+  const std::vector<Eigen::VectorXd> truth = Frames(scene, Integrator::kSdirk2, 64);
+  const double coarse = Distance(Frames(scene, Integrator::kSdirk2, 1), truth);
+  const double fine = Distance(Frames(scene, Integrator::kSdirk2, 2), truth);
+  EXPECT_GE(coarse, 1e-6);
+  EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.3) << coarse;
+}
+
 }  // namespace clothid
 
 #endif  // CLOTHID_TESTS_SIM_ORDER_OF_CONVERGENCE_H_

@@ -7,7 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
-#include "sim/rollout/energy_loss.h"
+#include "sim/rollout/energy_gain.h"
 
 namespace clothid {
 
@@ -52,9 +52,7 @@ void WarnOfEnergy(const std::string& program, const Rollout& rollout, Simulator*
   const EnergyGain gain = FindEnergyGain(rollout, simulator);
   if (!(gain.share() >= kMostEnergyGain)) return;
   std::cerr << program << ": warning: the motion gains energy that no work pays for, " << gain.energy << " J by "
-            << gain.time << " s, " << 100.0 * gain.share()
-            << " % of the largest: the steps are too long for so stiff a cloth; shorten them, or take the integrator "
-               "euler\n";
+            << gain.time << " s, " << 100.0 * gain.share() << " % of the largest: " << gain.remedy() << "\n";
 }
 
 }  // namespace clothid

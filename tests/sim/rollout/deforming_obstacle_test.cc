@@ -9,12 +9,9 @@
 #include <string>
 
 #include "sim/obstacle/surface_sequence.h"
-#include "sim/rollout/contact_work.h"
-#include "sim/rollout/energy_loss.h"
-#include "sim/rollout/record_reader.h"
 #include "sim/rollout/rollout.h"
-#include "sim/rollout/simulator.h"
 #include "sim/scene/scene.h"
+#include "tests/sim/energy_account.h"
 #include "tests/sim/moving_paths.h"
 #include "tests/sim/moving_surfaces.h"
 #include "tests/sim/order_of_convergence.h"
@@ -141,25 +138,9 @@ TEST_P(DeformingObstacleTest, ASlabThatBulgesDoesTheWork) {
     return p + Vector3d(0.0, 0.0, rise * std::exp(-20.0 * p.head<2>().squaredNorm()));
   };
   Deform(SlabMesh(0.3, 3), 0.0, 1.0, 51, bulge, &scene.obstacles[0]);
-  Simulator simulator(scene);
-  const Rollout rollout = Simulate(scene.nominal_parameters(), 60, &simulator);
-  ASSERT_TRUE(rollout.ok());
-  RecordReader reader(rollout, &simulator);
-  double work = 0.0, taken = 0.0;
-  for (int step = 1; step <= rollout.num_steps(); ++step) {
-    const int last = rollout.last_record[step - 1];
-    const ContactWork contact = StepContactWork(rollout, last, &reader, simulator);
-    work += contact.work;
-    taken += contact.friction + StepEnergyLoss(rollout, last, &reader, simulator).total();
-  }
-  const StepRecord& end = reader.record(rollout.last_record.back());
-  const auto energy = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
-    return StateEnergy(rollout.parameters, x, v, simulator, 0.0).total();
-  };
-  const double gain =
-      energy(end.positions, end.velocities) - energy(rollout.initial_positions, rollout.initial_velocities);
-  EXPECT_GE(work, 1e-3);
-  EXPECT_NEAR(gain, work - taken, 1e-8 * work);
+  const EnergyAccount account(scene, 60);
+  EXPECT_GE(account.contact.work, 1e-3);
+  EXPECT_NEAR(account.change, account.explained(), 1e-8 * account.contact.work);
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, DeformingObstacleTest, testing::Values(Integrator::kEuler, Integrator::kSdirk2),
@@ -179,11 +160,7 @@ TEST(DeformingObstacleOrderTest, IsTwoWhereNothingHits) {
                     p.z() + 0.04 * (1.0 - std::cos(6.0 * t)));
   };
   Deform(SlabMesh(1.0, 0), 0.0, 0.3, 301, place, &scene.obstacles[0]);
-  const auto truth = Frames(scene, Integrator::kSdirk2, 64);
-  const double coarse = Distance(Frames(scene, Integrator::kSdirk2, 1), truth);
-  const double fine = Distance(Frames(scene, Integrator::kSdirk2, 2), truth);
-  EXPECT_GE(coarse, 1e-6);
-  EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.3) << coarse;
+  ExpectOrderTwo(scene);
 }
 
 // A sequence that does not move its mesh gives what that mesh gives.

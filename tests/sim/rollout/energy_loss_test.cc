@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/rollout/energy_gain.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "tests/sim/plain_scenes.h"

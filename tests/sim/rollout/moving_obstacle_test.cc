@@ -8,12 +8,9 @@
 #include <vector>
 
 #include "sim/obstacle/obstacle.h"
-#include "sim/rollout/contact_work.h"
-#include "sim/rollout/energy_loss.h"
-#include "sim/rollout/record_reader.h"
 #include "sim/rollout/rollout.h"
-#include "sim/rollout/simulator.h"
 #include "sim/scene/scene.h"
+#include "tests/sim/energy_account.h"
 #include "tests/sim/moving_paths.h"
 #include "tests/sim/order_of_convergence.h"
 #include "tests/sim/plain_scenes.h"
@@ -115,25 +112,9 @@ TEST_P(MovingObstacleTest, ABallThatLiftsDoesTheWork) {
   scene.obstacles.push_back(
       {"ball", std::make_shared<Sphere>(Eigen::Vector3d::Zero(), 0.08), 0.4, 0.0,
        PathThrough(0.0, 1.0, 101, rise, [](double t) { return Eigen::Vector3d(0.0, 0.3 * t, 0.2 * t); })});
-  Simulator simulator(scene);
-  const Rollout rollout = Simulate(scene.nominal_parameters(), 80, &simulator);
-  ASSERT_TRUE(rollout.ok());
-  RecordReader reader(rollout, &simulator);
-  double work = 0.0, taken = 0.0;
-  for (int step = 1; step <= rollout.num_steps(); ++step) {
-    const int last = rollout.last_record[step - 1];
-    const ContactWork contact = StepContactWork(rollout, last, &reader, simulator);
-    work += contact.work;
-    taken += contact.friction + StepEnergyLoss(rollout, last, &reader, simulator).total();
-  }
-  const StepRecord& end = reader.record(rollout.last_record.back());
-  const auto energy = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
-    return StateEnergy(rollout.parameters, x, v, simulator, 0.0).total();
-  };
-  const double gain =
-      energy(end.positions, end.velocities) - energy(rollout.initial_positions, rollout.initial_velocities);
-  EXPECT_GE(work, 0.02);
-  EXPECT_NEAR(gain, work - taken, 1e-8 * work);
+  const EnergyAccount account(scene, 80);
+  EXPECT_GE(account.contact.work, 0.02);
+  EXPECT_NEAR(account.change, account.explained(), 1e-8 * account.contact.work);
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, MovingObstacleTest, testing::Values(Integrator::kEuler, Integrator::kSdirk2),
@@ -166,11 +147,7 @@ TEST(MovingObstacleOrderTest, IsTwoWhereNothingHits) {
   const auto path = PathThrough(0.0, 0.3, 301, place, NoTurn);
   scene.obstacles.push_back({"belt", std::make_shared<Plane>(Eigen::Vector3d::Zero(), kUp), 0.2, 0.0, path});
   scene.initial_positions *= 1.02;
-  const auto truth = Frames(scene, Integrator::kSdirk2, 64);
-  const double coarse = Distance(Frames(scene, Integrator::kSdirk2, 1), truth);
-  const double fine = Distance(Frames(scene, Integrator::kSdirk2, 2), truth);
-  EXPECT_GE(coarse, 1e-6);
-  EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.3) << coarse;
+  ExpectOrderTwo(scene);
 }
 
 }  // namespace

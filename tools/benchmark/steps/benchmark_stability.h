@@ -2,14 +2,14 @@
 // friction, contact mode and scene, and extreme scenes one at a time (tools/benchmark/steps/stability_scene.h).
 //
 // Every rollout is found out again from its records (tools/benchmark/steps/rollout_audit.h), and what it gained of
-// energy (sim/rollout/energy_loss.h). A scene without obstacle has one cell per integrator, stiffness and time step.
+// energy (sim/rollout/energy_gain.h). A scene without obstacle has one cell per integrator, stiffness and time step.
 #ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_STABILITY_H_
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_STABILITY_H_
 
 #include <string>
 #include <vector>
 
-#include "sim/rollout/energy_loss.h"
+#include "sim/rollout/energy_gain.h"
 #include "sim/rollout/rollout.h"
 #include "tools/benchmark/base/common.h"
 #include "tools/benchmark/steps/rollout_audit.h"
