@@ -8,9 +8,9 @@
 #include "datasets/motion/motion_validation.h"
 #include "identify/base/output_folder.h"
 #include "identify/checks/discretization_check.h"
-#include "identify/checks/energy_check.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
+#include "identify/checks/prediction_check.h"
 #include "identify/checks/profile.h"
 #include "identify/checks/step_error.h"
 #include "identify/export/export.h"
@@ -227,7 +227,9 @@ class Run {
     if (options_.wind.is_given()) {
       checks_.wind = DescribeWind(inputs_.fitted, summary_, *problem_);
     }
-    checks_.energy = CheckEnergy(inputs_.fitted, *problem_, summary_, fit_options_.cancel);
+    PredictionCheck prediction = CheckPredictions(inputs_.fitted, *problem_, summary_, fit_options_.cancel);
+    checks_.energy = std::move(prediction.energy);
+    checks_.self_contact = std::move(prediction.self_contact);
     for (const std::string& name : options_.profiles) {
       if (!summary_.uncertainty || fit_options_.is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));

@@ -162,13 +162,14 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassO
   return rollout;
 }
 
-EnergyGain RecordingModel::EnergyGainAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel) {
+RolloutCheck RecordingModel::CheckAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel) {
   simulator_.UseParameters(ParametersAt(coordinates));
   if (!MayGainEnergy(ParametersAt(coordinates), simulator_)) return {};
   RolloutOptions options;
   options.checkpoint_interval = CheckpointInterval(simulator_.model(), num_steps(), RolloutStorage().memory_limit);
   const Rollout rollout = RunRollout(coordinates, {Precision::kFull, cancel}, std::move(options));
-  return rollout.ok() ? FindEnergyGain(rollout, &simulator_) : EnergyGain();
+  if (!rollout.ok()) return {};
+  return {FindEnergyGain(rollout, &simulator_), AuditSelfContact(rollout, &simulator_)};
 }
 
 Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::MatrixXd& predicted,

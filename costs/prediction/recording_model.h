@@ -27,6 +27,7 @@
 #include "sim/derivative/sensitivity.h"
 #include "sim/rollout/energy_gain.h"
 #include "sim/rollout/rollout.h"
+#include "sim/rollout/self_contact_audit.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/parameters.h"
 
@@ -59,6 +60,12 @@ struct ForceTrack {
 struct SweepColumns {
   std::vector<int> blocks;       // [q]
   Eigen::MatrixXd combinations;  // [(n + f) x c], or empty
+};
+
+// What a rollout gains of energy, and whether its cloth stays out of itself.
+struct RolloutCheck {
+  EnergyGain energy;
+  SelfContactAudit self_contact;
 };
 
 // Owns everything it needs; one per thread. The parameters that are not blocks stay at the scene's nominal values,
@@ -112,9 +119,9 @@ class RecordingModel {
   Rollout Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass, const RolloutStorage& storage,
                    Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities = nullptr, ForceTrack* forces = nullptr);
 
-  // What the rollout at `coordinates` gains by its integrator; nothing where it failed, or cannot gain any
-  // (`MayGainEnergy`): that is not simulated.
-  EnergyGain EnergyGainAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel);
+  // Looks at the rollout at `coordinates`; nothing where it failed, or there is nothing to find (`MayGainEnergy`): that
+  // is not simulated.
+  RolloutCheck CheckAt(const Eigen::VectorXd& coordinates, const std::atomic<bool>* cancel);
 
   // (d prediction / d coordinates)^T, whitened, applied to `seeds` [m x s]: [q x s], for the coordinates listed in
   // `active` [q], increasing: any blocks, all unknowns of the start or none, all of the fields or none. `predicted` and

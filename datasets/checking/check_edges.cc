@@ -7,6 +7,7 @@
 
 #include "datasets/checking/finding_words.h"
 #include "datasets/checking/grid_orders.h"
+#include "sim/rollout/self_contact_audit.h"
 
 namespace clothid {
 namespace {
@@ -83,6 +84,19 @@ void JudgeLengths(const CheckedMotion& checked, const Eigen::MatrixXd& ratios, d
   }
 }
 
+// Of the thickness: noise above the first tells nothing of it, and contacts hold the cloth apart to less than the
+// second.
+constexpr double kHiddenByNoise = 0.5;
+constexpr double kTooNear = 0.5;
+
+bool EveryNodeIsSeen(const RecordedMotion& motion) {
+  if (motion.num_points() != motion.scene.mesh.num_nodes()) return false;
+  for (std::size_t p = 0; p < motion.points.size(); ++p) {
+    if (motion.points[p].num_nodes != 1 || motion.points[p].nodes[0] != static_cast<int>(p)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Finding CheckEdges(const CheckedMotion& checked) {
@@ -139,6 +153,40 @@ std::vector<Finding> CheckPlaces(const CheckedMotion& checked) {
   if (static_cast<double>(finding.points.size()) > kManyPoints * num_points) {
     finding.hint = "the points are in another order than the nodes of the mesh";
   }
+  return {finding};
+}
+
+std::vector<Finding> CheckSelfContact(const CheckedMotion& checked) {
+  const RecordedMotion& motion = checked.motion;
+  if (!motion.scene.self_contact || !EveryNodeIsSeen(motion)) return {};
+  const double thickness = motion.scene.self_contact->thickness;
+  if (checked.noise_floor > kHiddenByNoise * thickness) return {};
+  SelfContactAuditor auditor(motion.scene);
+  std::vector<int> frames;  // that are seen as a whole
+  for (int frame = 0; frame < motion.num_frames(); ++frame) {
+    if (!motion.positions.col(frame).allFinite()) continue;
+    auditor.Add(motion.positions.col(frame));
+    frames.push_back(frame);
+  }
+  if (frames.empty()) return {};
+  const SelfContactAudit& audit = auditor.audit();
+  Finding finding;
+  finding.what = "self-contact";
+  if (audit.num_cut > 0) {
+    finding.severity = Severity::kWarning;
+    finding.frames = {frames[static_cast<std::size_t>(audit.first_cut)]};
+    finding.value = std::to_string(audit.intersections) + " pairs of triangles cut each other, in " +
+                    std::to_string(audit.num_cut) + " of " + std::to_string(frames.size()) + " frames, from frame " +
+                    std::to_string(finding.frames[0]) + " on";
+    finding.hint = "of a simulation: take shorter steps (time_step); else thickness, unit and order of the points?";
+    return {finding};
+  }
+  finding.value = "no triangles cut each other; parts of the cloth come nearer than its thickness of " +
+                  Millimetres(thickness) + " by " + Millimetres(audit.violation) + " at most";
+  if (audit.violation <= kTooNear * thickness + checked.noise_floor) return {finding};
+  finding.severity = Severity::kWarning;
+  finding.frames = {frames[static_cast<std::size_t>(audit.deepest)]};
+  finding.hint = "the thickness of self_contact, or of a simulation its time_step";
   return {finding};
 }
 

@@ -33,8 +33,9 @@ std::vector<std::string> Wrapped(const std::string& text, std::size_t width) {
 std::vector<Finding> CheckAgainstScene(const CheckedMotion& checked) {
   std::vector<Finding> findings = CheckHandles(checked);
   const Touch touch = FindTouch(checked);
-  for (const std::vector<Finding>& more : {CheckObstaclePaths(checked), CheckContact(checked, touch),
-                                           CheckGravity(checked, touch), CheckFall(checked, touch.num_free)}) {
+  for (const std::vector<Finding>& more :
+       {CheckObstaclePaths(checked), CheckContact(checked, touch), CheckSelfContact(checked),
+        CheckGravity(checked, touch), CheckFall(checked, touch.num_free)}) {
     findings.insert(findings.end(), more.begin(), more.end());
   }
   return findings;

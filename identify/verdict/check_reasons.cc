@@ -115,8 +115,38 @@ void AddEnergy(const EnergyGain& gain, const std::string& prefix, std::vector<Re
   const std::string brief = prefix + "the simulation gains energy that no work pays for";
   reasons->push_back(AgainstAll(gain.share() >= kLargeEnergyGain, brief,
                                 brief + ", " + NumberText(gain.energy) + " J by " + NumberText(gain.time) + " s, " +
-                                    NumberText(100.0 * gain.share(), 3) +
-                                    " % of the largest: " + gain.remedy()));
+                                    NumberText(100.0 * gain.share(), 3) + " % of the largest: " + gain.remedy()));
+}
+
+// "3 of 80 steps".
+std::string StepsText(int count, const SelfContactAudit& audit) {
+  return std::to_string(count) + " of " + std::to_string(audit.num_states - 1) + " steps";
+}
+
+// A cloth that meets itself: where derivatives are not promised, and where it passes through itself.
+void AddSelfContact(const SelfContactAudit& audit, JacobianMethod jacobian, const std::string& prefix,
+                    std::vector<Reason>* reasons) {
+  if (audit.num_states == 0) return;
+  if (audit.dependent_steps > 0 && jacobian != JacobianMethod::kNumeric) {
+    const std::string brief =
+        prefix + "derivatives are not promised in " + StepsText(audit.dependent_steps, audit) + " at the estimate";
+    reasons->push_back(Careful({}, brief,
+                               brief +
+                                   ", in which contacts of the cloth with itself depend on each other: a fit may end "
+                                   "early there, and its intervals may be wrong; compare with --jacobian numeric"));
+  }
+  if (audit.num_cut > 0) {
+    const std::string brief = prefix + "the simulated cloth passes through itself";
+    reasons->push_back(Careful({}, brief,
+                               brief + ": " + std::to_string(audit.intersections) +
+                                   " pairs of triangles cut each other, in " + StepsText(audit.num_cut, audit) +
+                                   " at the estimate, from step " + std::to_string(audit.first_cut) +
+                                   " on: take shorter steps"));
+    return;
+  }
+  reasons->push_back(Remark(prefix +
+                            "the simulated cloth stays out of itself, and comes nearer than its thickness by " +
+                            MillimetreText(audit.violation, 2) + " at most"));
 }
 
 void AddField(const FittedField& field, std::vector<Reason>* reasons) {
@@ -141,6 +171,10 @@ void AddCheckReasons(const FitSummary& summary, const FitChecks& checks, std::ve
   if (checks.holdout) AddHoldout(*checks.holdout, reasons);
   for (std::size_t r = 0; r < checks.energy.size(); ++r) {
     AddEnergy(checks.energy[r], checks.energy.size() > 1 ? checks.recordings[r].name + ": " : "", reasons);
+  }
+  for (std::size_t r = 0; r < checks.self_contact.size(); ++r) {
+    AddSelfContact(checks.self_contact[r], checks.jacobian,
+                   checks.self_contact.size() > 1 ? checks.recordings[r].name + ": " : "", reasons);
   }
 }
 

@@ -11,10 +11,10 @@
 #include "datasets/checking/finding.h"
 #include "identify/base/options.h"
 #include "identify/checks/discretization_check.h"
-#include "identify/checks/energy_check.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/holdout.h"
 #include "identify/checks/multi_start.h"
+#include "identify/checks/prediction_check.h"
 #include "identify/checks/profile.h"
 #include "identify/checks/step_choice.h"
 #include "identify/checks/step_error.h"
@@ -39,6 +39,7 @@ struct FitChecks {
   std::optional<Holdout> holdout;
   std::optional<Repetitions> repetitions;
   std::vector<EnergyGain> energy;                // of every recording; empty: nobody looked
+  std::vector<SelfContactAudit> self_contact;    // likewise
   std::vector<RecordingFit> recordings;          // of `DescribeRecordings`; empty: nobody looked
   std::vector<std::vector<Finding>> findings;    // of every recording, before the fit
   std::vector<Eigen::MatrixXd> predicted_nodes;  // see identify/report/node_prediction.h

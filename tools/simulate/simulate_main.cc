@@ -20,16 +20,17 @@
 #include "datasets/synthetic/synthetic.h"
 #include "datasets/synthetic/true_parameters.h"
 #include "identify/base/command_line.h"
+#include "identify/base/join_words.h"
 #include "identify/base/parallel_for.h"
 #include "identify/view/view_page.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
-#include "sim/contact/intersections.h"
 #include "sim/fabric/fabric.h"
 #include "sim/path/handle_csv.h"
 #include "sim/rollout/rollout.h"
+#include "sim/rollout/self_contact_audit.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene_json.h"
@@ -88,21 +89,17 @@ int CountStick(const Rollout& rollout) {
   return num_stick;
 }
 
-// Where the cloth touches itself: how often, and whether it has passed through itself.
-void PrintSelfContact(const Rollout& rollout, const Mesh& mesh) {
-  IntersectionCounter counter(mesh);
-  int num_intersections = 0, first_step = 0;
-  for (int step = 0; step <= rollout.num_steps(); ++step) {
-    const int count = counter.Count(rollout.positions(step)).count;
-    if (count > 0 && num_intersections == 0) first_step = step;
-    num_intersections += count;
-  }
+// Where the cloth touches itself: how often, and whether it has stayed out of itself.
+void PrintSelfContact(const Rollout& rollout, Simulator* simulator) {
+  const SelfContactAudit audit = AuditSelfContact(rollout, simulator);
   std::cout << "the cloth with itself: " << rollout.counts.self_contacts << " contacts over all steps, "
             << rollout.counts.pair_changes << " changes of them, " << rollout.counts.second_solves
-            << " solves repeated with pairs that were left out, " << num_intersections
+            << " solves repeated with pairs that were left out, " << audit.dependent_steps
+            << " steps whose derivative is not certain for them, " << audit.intersections
             << " pairs of triangles that cut each other";
-  if (num_intersections > 0) std::cout << ", from step " << first_step << " on";
-  std::cout << "\n";
+  if (audit.num_cut > 0) std::cout << ", from step " << audit.first_cut << " on";
+  std::cout << ", nearer than the thickness by up to " << MillimetreText(audit.violation, 2) << ", pushed apart with "
+            << NumberText(audit.push, 3) << " J\n";
 }
 
 void PrintSummary(const Rollout& rollout, const MotionTensors& motion) {
@@ -213,7 +210,7 @@ int Run(const std::vector<std::string>&) {
   const MotionTensors motion = RecordRollout(rollout, scene, scene_text, OptionsFromFlags());
   WriteMotion(motion, FLAGS_output);
   PrintSummary(rollout, motion);
-  if (scene.self_contact) PrintSelfContact(rollout, scene.mesh);
+  if (scene.self_contact) PrintSelfContact(rollout, &simulator);
   WarnOfEnergy("simulate", rollout, &simulator);
   if (!FLAGS_view.empty()) WriteView(motion);
   return kExitSuccess;

@@ -44,6 +44,7 @@ class SelfContactProgramTest : public ToolTest {
     const ToolResult fit =
         Run("identify --target " + recording + " --fit mu.self --threads 1 --output result_" + recording);
     EXPECT_EQ(fit.exit_code, 0) << fit.out << fit.err;
+    EXPECT_NE(fit.out.find("the simulated cloth stays out of itself"), std::string::npos) << fit.out;
     return Json::parse(ReadBytes(folder() / ("result_" + recording) / "result.json"))["parameters"]["mu.self"];
   }
 

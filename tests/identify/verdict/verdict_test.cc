@@ -95,6 +95,29 @@ TEST(VerdictTest, EnergyFromNowhereIsNamed) {
   EXPECT_EQ(Judge(Converged(), checks).exit_code, kExitDoNotUse);
 }
 
+TEST(VerdictTest, AClothThatMeetsItselfIsNamed) {
+  FitChecks checks = With(Recording(0.001, 0.1));
+  SelfContactAudit audit;
+  audit.num_states = 81;
+  audit.violation = 1.2e-4;
+  checks.self_contact = {audit};
+  EXPECT_EQ(Judge(Converged(), checks).line, "usable: every fitted parameter is identifiable");
+  EXPECT_TRUE(Says(Converged(), checks, "stays out of itself, and comes nearer than its thickness by 0.12 mm at most"));
+  checks.self_contact[0].dependent_steps = 3;
+  EXPECT_EQ(Judge(Converged(), checks).line,
+            "usable with care: derivatives are not promised in 3 of 80 steps at the estimate");
+  EXPECT_TRUE(Says(Converged(), checks, "contacts of the cloth with itself depend on each other"));
+  checks.jacobian = JacobianMethod::kNumeric;
+  EXPECT_FALSE(Says(Converged(), checks, "not promised")) << "differences are none of the derivatives meant";
+  checks.self_contact[0].num_cut = 7;
+  checks.self_contact[0].first_cut = 12;
+  checks.self_contact[0].intersections = 40;
+  EXPECT_EQ(Judge(Converged(), checks).line, "usable with care: the simulated cloth passes through itself");
+  EXPECT_TRUE(Says(Converged(), checks,
+                   "40 pairs of triangles cut each other, in 7 of 80 steps at the estimate, from "
+                   "step 12 on"));
+}
+
 TEST(VerdictTest, SaysWhichParametersCanBeUsed) {
   FitSummary summary = ThreeParameters();
   summary.parameters[1].at_bound = true;
