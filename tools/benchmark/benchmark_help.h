@@ -136,17 +136,18 @@ sweep and its threshold. Prints errors and ms.
 
 inline constexpr char kStabilityHelp[] =
     R"(benchmark stability: where the simulation fails or gains energy: a cloth dropped on a sphere, on one
-that moves and turns, on a slope, in a gusty wind for 0.3 s, and extreme scenes one at a time. Every solve is evaluated
-again from what the rollout recorded: one that does not meet its tolerance or the contact law although it says so is a
-silent failure.
+that moves and turns, on a slope, folded on itself, in a gusty wind for 0.3 s, and extreme scenes one at a time. Every
+solve is evaluated again from what the rollout recorded: one that does not meet its tolerance or the contact law
+although it says so is a silent failure. A cloth that meets itself is looked at after every step: triangles that cut
+each other, and how near its parts come.
 
   --settings LIST   of grid, extremes, and names of extremes (grid,extremes)
-  --scene LIST      of drape, push, slope, wind (all)
+  --scene LIST      of drape, push, slope, fold, wind (all)
   --integrator LIST of euler, sdirk2 (both)
-  --contact LIST    of gap, velocity (both)
+  --contact LIST    of gap, velocity (both); fold has gap alone
   --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)
   --steps LIST      per second (1000,200,60,30)
-  --mu LIST         friction coefficients (0,0.1,0.35,0.8,2)
+  --mu LIST         friction coefficients (0,0.1,0.35,0.8,2); of fold mu.self
   --nodes N         along both axes (12)
   --threads N       cells side by side (1)
   --output DIR      stability.csv, one row per cell, which tools/plots/plot_stability draws, and extreme

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 
 #include "sim/rollout/simulator.h"
+#include "tests/sim/energy_account.h"
 #include "tests/tools/tool_test.h"
 #include "tools/benchmark/steps/benchmark_stability.h"
 
@@ -56,6 +58,109 @@ TEST(StagesAuditTest, FindsNothingInAnHonestRollout) {
   EXPECT_LE(audit.worst_residual, 1.0);
   EXPECT_LE(audit.penetration, 1e-12);
 }
+
+// A cloth that falls on itself.
+class SelfContactAuditTest : public testing::TestWithParam<Integrator> {
+ protected:
+  SelfContactAuditTest() : run_(Fold(GetParam())) {}
+
+  static Scene Fold(Integrator integrator) {
+    Scene scene = MakeStabilityScene({"fold", ContactMode::kGap, 100.0, 0.005, 0.3}, 10);
+    scene.integrator = integrator;
+    return scene;
+  }
+
+  // The first record with a pair in contact.
+  StepRecord& Touching() {
+    for (StepRecord& record : run_.rollout.records) {
+      if (!record.pairs.empty()) return record;
+    }
+    throw std::logic_error("nothing touches");
+  }
+
+  TestRun run_;
+};
+
+TEST_P(SelfContactAuditTest, FindsNothingInAnHonestRollout) {
+  ASSERT_TRUE(run_.rollout.ok());
+  EXPECT_GT(run_.rollout.counts.self_contacts, 100);
+  const RolloutAudit audit = run_.Audit();
+  EXPECT_EQ(audit.violations(), 0);
+  EXPECT_GT(audit.worst_residual, 0.0);
+  EXPECT_LE(audit.worst_residual, 1.0);
+  EXPECT_EQ(audit.self_contact.num_states, run_.rollout.num_steps() + 1);
+  EXPECT_EQ(audit.self_contact.intersections, 0);
+  EXPECT_GT(audit.self_contact.violation, 0.0);
+}
+
+TEST_P(SelfContactAuditTest, ItsEnergyCloses) {
+  Scene scene = Fold(GetParam());
+  scene.solver.step_tolerance = 1e-11;
+  const EnergyAccount account(scene, scene.num_steps());
+  EXPECT_GT(account.contact.friction, 0.01 * std::abs(account.change));
+  EXPECT_NEAR(account.change, account.explained(), 1e-8 * std::abs(account.change));
+}
+
+TEST_P(SelfContactAuditTest, FindsForcesOfPairsThatAreNotThoseOfTheStep) {
+  Touching().pairs.front().force *= 1.001;
+  EXPECT_GE(run_.Audit().unsolved, 1);
+}
+
+TEST_P(SelfContactAuditTest, FindsPairsThatTheStepHasNot) {
+  StepRecord& record = Touching();
+  record.pairs.front().has_friction = false;
+  EXPECT_EQ(run_.Audit().inconsistent, 1);
+  record.pairs.erase(record.pairs.begin());
+  EXPECT_GE(run_.Audit().unsolved, 1);
+}
+
+// A pair without friction is one that thinning had left out.
+TEST_P(SelfContactAuditTest, CountsStepsWhosePairsDependOnEachOther) {
+  const int before = AuditSelfContact(run_.rollout, &run_.simulator).dependent_steps;
+  int first = 0;
+  for (const int last : run_.rollout.last_record) {
+    StepRecord& record = run_.rollout.records[static_cast<std::size_t>(last)];
+    const auto is_left_out = [](const PairContactRecord& pair) { return !pair.has_friction; };
+    bool is_dependent = false;
+    for (int i = first; i <= last; ++i) {
+      const std::vector<PairContactRecord>& pairs = run_.rollout.records[static_cast<std::size_t>(i)].pairs;
+      is_dependent = is_dependent || std::any_of(pairs.begin(), pairs.end(), is_left_out);
+    }
+    first = last + 1;
+    if (is_dependent || record.pairs.empty()) continue;
+    record.pairs.front().has_friction = false;
+    EXPECT_EQ(AuditSelfContact(run_.rollout, &run_.simulator).dependent_steps, before + 1);
+    return;
+  }
+  FAIL() << "every step depends";
+}
+
+TEST_P(SelfContactAuditTest, MakesStatesAgainThatWereNotKept) {
+  const Scene& scene = run_.simulator.scene();
+  SelfContactAuditor seen(scene);
+  RolloutOptions options;
+  options.checkpoint_interval = 7;
+  options.visitor = [&](int, const Eigen::VectorXd& positions) { seen.Add(positions); };
+  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &run_.simulator, nullptr, options);
+  const SelfContactAudit audit = AuditSelfContact(rollout, &run_.simulator);
+  EXPECT_EQ(audit.num_states, scene.num_steps() + 1);
+  EXPECT_EQ(audit.violation, seen.audit().violation);
+  EXPECT_EQ(audit.deepest, seen.audit().deepest);
+  EXPECT_GT(audit.push, 0.0);
+}
+
+TEST_P(SelfContactAuditTest, FindsWhereTheClothCutsItself) {
+  StepRecord& record = run_.rollout.records.back();
+  record.positions.segment<3>(3 * 49).z() -= 0.2;  // at the border of the upper layer
+  const SelfContactAudit audit = run_.Audit().self_contact;
+  EXPECT_GT(audit.intersections, 0);
+  EXPECT_EQ(audit.num_cut, 1);
+  EXPECT_EQ(audit.first_cut, run_.rollout.num_steps());
+  EXPECT_EQ(audit.violation, run_.simulator.scene().self_contact->thickness);
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, SelfContactAuditTest, testing::Values(Integrator::kEuler, Integrator::kSdirk2),
+                         [](const auto& test) { return std::string(IntegratorName(test.param)); });
 
 TEST_F(RolloutAuditTest, FindsPositionsThatDoNotBelongToTheVelocities) {
   run_.rollout.records[10].positions.array() += 1e-6;
@@ -113,6 +218,7 @@ TEST_F(RolloutAuditTest, FindsARolloutThatEndsEarlyAndSaysItDidNot) {
 TEST(StabilityTest, AGridHasNoFailures) {
   StabilityOptions options;
   options.settings = {"grid"};
+  options.scenes = {"drape", "push", "slope", "wind"};
   options.stretch_stiffness = {1.0, 1000.0};
   options.step_rates = {60, 30};
   options.friction_coefficients = {0.0, 0.35};
@@ -126,6 +232,27 @@ TEST(StabilityTest, AGridHasNoFailures) {
     EXPECT_EQ(row.audit.violations(), 0);
     EXPECT_EQ(row.counts.steps, row.num_steps);
     EXPECT_FALSE(row.gains_energy());
+  }
+}
+
+// A cloth that falls on itself, which cuts itself nowhere by backward Euler.
+TEST(StabilityTest, AFoldHasNoFailures) {
+  StabilityOptions options;
+  options.settings = {"grid"};
+  options.scenes = {"fold"};
+  options.stretch_stiffness = {10.0, 1000.0};
+  options.step_rates = {200, 60};
+  options.friction_coefficients = {0.0, 0.35};
+  options.nodes = 8;
+  const StabilityBenchmark benchmark = RunStabilityBenchmark(options);
+  ASSERT_EQ(benchmark.grid.size(), 2u * 2 * 2 * 2) << "contact by gap alone";
+  for (const StabilityRow& row : benchmark.grid) {
+    SCOPED_TRACE(DescribeRow(row));
+    EXPECT_TRUE(row.ok());
+    EXPECT_EQ(row.audit.violations(), 0);
+    EXPECT_GT(row.counts.self_contacts, 0);
+    EXPECT_FALSE(row.gains_energy());
+    if (row.integrator == "euler") EXPECT_EQ(row.audit.self_contact.intersections, 0);
   }
 }
 
@@ -167,6 +294,19 @@ TEST_F(StabilityToolTest, PrintsTablesAndWritesEveryRow) {
   EXPECT_EQ(std::count(grid.begin(), grid.end(), '\n'), 1 + 4 + 2) << grid;
   EXPECT_EQ(Run(command + "two --threads 2").out, one.out);
   EXPECT_EQ(ReadBytes(folder() / "two" / "stability.csv"), grid);
+}
+
+TEST_F(StabilityToolTest, TellsHowAClothStaysOutOfItself) {
+  const std::string command = "benchmark stability --settings grid --k_stretch 100 --mu 0.3 --steps 200 --nodes 8 ";
+  const ToolResult fold = Run(command + "--scene fold --output fold");
+  EXPECT_EQ(fold.exit_code, 0) << fold.err;
+  EXPECT_NE(fold.out.find("\nmethod  scene   N/m      cells   steps contacts  repeated"), std::string::npos)
+      << fold.out;
+  EXPECT_NE(fold.out.find("\nsdirk2  fold    <= 1e4       1      60"), std::string::npos) << fold.out;
+  EXPECT_NE(ReadBytes(folder() / "fold" / "stability.csv")
+                .find("dependent_steps,intersections,cut_steps,violation_m,push_j\n"),
+            std::string::npos);
+  EXPECT_EQ(Run(command + "--scene wind").out.find("contacts"), std::string::npos);
 }
 
 TEST_F(StabilityToolTest, RefusesWhatItCannotRun) {

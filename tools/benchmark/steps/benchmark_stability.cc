@@ -25,6 +25,7 @@ void PlanGrid(Integrator integrator, const StabilityOptions& options, std::vecto
     const std::size_t num_frictions = has_obstacle ? options.friction_coefficients.size() : 1;
     for (std::size_t c = 0; c < num_contacts; ++c) {
       const bool by_velocity = has_obstacle && options.contacts[c] == "velocity";
+      if (by_velocity && StabilitySceneMeetsItself(scene)) continue;
       const ContactMode mode = by_velocity ? ContactMode::kVelocity : ContactMode::kGap;
       for (const double stiffness : options.stretch_stiffness) {
         for (const int rate : options.step_rates) {
@@ -42,6 +43,12 @@ bool IncludesSetting(const StabilityOptions& options, const std::string& setting
   return std::find(options.settings.begin(), options.settings.end(), setting) != options.settings.end();
 }
 
+// Of what the row is about; NaN: there is no contact.
+double FrictionOf(const Scene& scene) {
+  if (scene.self_contact) return scene.self_contact->friction_coefficient;
+  return scene.obstacles.empty() ? kNoNumber : scene.obstacles.front().friction_coefficient;
+}
+
 // A scene that cannot be used makes a row with its error.
 StabilityRow RunStabilityRow(const std::string& name, const Scene& scene) {
   StabilityRow row;
@@ -50,7 +57,8 @@ StabilityRow RunStabilityRow(const std::string& name, const Scene& scene) {
   row.integrator = IntegratorName(scene.integrator);
   row.stretch_stiffness = scene.material.stretch_stiffness;
   row.time_step = scene.time_step;
-  row.friction_coefficient = scene.obstacles.empty() ? kNoNumber : scene.obstacles.front().friction_coefficient;
+  row.friction_coefficient = FrictionOf(scene);
+  row.meets_itself = scene.self_contact.has_value();
   row.num_steps = scene.num_steps();
   try {
     Simulator simulator(scene);
@@ -117,19 +125,23 @@ std::string StabilityCsv(const StabilityBenchmark& benchmark) {
   std::string csv =
       "name,contact,integrator,k_stretch,time_step,mu,steps,done,failed_steps,error,fallbacks,substeps,"
       "newton_iterations,factorizations,contacts,joined,left,switches,silent,not_finite,inconsistent,unsolved,too_deep,"
-      "missing,worst_residual,loosest_tolerance,penetration_m,largest_energy_j,energy_gain_j,energy_gain,gain_time\n";
+      "missing,worst_residual,loosest_tolerance,penetration_m,largest_energy_j,energy_gain_j,energy_gain,gain_time,"
+      "self_contacts,pair_changes,second_solves,dependent_steps,intersections,cut_steps,violation_m,push_j\n";
   std::vector<StabilityRow> rows = benchmark.grid;
   rows.insert(rows.end(), benchmark.extremes.begin(), benchmark.extremes.end());
   for (const StabilityRow& row : rows) {
     const RolloutCounts& counts = row.counts;
     const RolloutAudit& audit = row.audit;
-    csv += CsvLine(row.name, row.contact, row.integrator, row.stretch_stiffness, row.time_step,
-                   row.friction_coefficient, row.num_steps, counts.steps, counts.failed_steps,
-                   row.ok() ? "" : "\"" + row.error + "\"", counts.fallbacks, counts.substeps, counts.newton_iterations,
-                   counts.factorizations, counts.contacts, counts.nodes_joined, counts.nodes_left,
-                   counts.branch_switches, audit.violations(), audit.not_finite, audit.inconsistent, audit.unsolved,
-                   audit.too_deep, audit.missing_steps, audit.worst_residual, audit.loosest_tolerance,
-                   audit.penetration, row.gain.largest_energy, row.gain.energy, row.gain.share(), row.gain.time);
+    const SelfContactAudit& itself = audit.self_contact;
+    csv +=
+        CsvLine(row.name, row.contact, row.integrator, row.stretch_stiffness, row.time_step, row.friction_coefficient,
+                row.num_steps, counts.steps, counts.failed_steps, row.ok() ? "" : "\"" + row.error + "\"",
+                counts.fallbacks, counts.substeps, counts.newton_iterations, counts.factorizations, counts.contacts,
+                counts.nodes_joined, counts.nodes_left, counts.branch_switches, audit.violations(), audit.not_finite,
+                audit.inconsistent, audit.unsolved, audit.too_deep, audit.missing_steps, audit.worst_residual,
+                audit.loosest_tolerance, audit.penetration, row.gain.largest_energy, row.gain.energy, row.gain.share(),
+                row.gain.time, counts.self_contacts, counts.pair_changes, counts.second_solves, itself.dependent_steps,
+                itself.intersections, itself.num_cut, itself.violation, itself.push);
   }
   return csv;
 }

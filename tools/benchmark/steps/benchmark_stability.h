@@ -2,7 +2,8 @@
 // friction, contact mode and scene, and extreme scenes one at a time (tools/benchmark/steps/stability_scene.h).
 //
 // Every rollout is found out again from its records (tools/benchmark/steps/rollout_audit.h), and what it gained of
-// energy (sim/rollout/energy_gain.h). A scene without obstacle has one cell per integrator, stiffness and time step.
+// energy (sim/rollout/energy_gain.h), and whether a cloth that meets itself stays out of itself after every step
+// (sim/rollout/self_contact_audit.h). A scene without obstacle has one cell per integrator, stiffness and time step.
 #ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_STABILITY_H_
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_BENCHMARK_STABILITY_H_
 
@@ -24,9 +25,10 @@ struct StabilityRow {
   std::string integrator;
   double stretch_stiffness = 0.0;     // N/m
   double time_step = 0.0;             // s
-  double friction_coefficient = 0.0;  // NaN: no obstacle
-  int num_steps = 0;                  // that the rollout was to have
-  std::string error;                  // why the scene was refused or where its rollout failed; empty: it has ended
+  double friction_coefficient = 0.0;  // NaN: no obstacle; where the cloth meets itself, that of the cloth
+  bool meets_itself = false;
+  int num_steps = 0;  // that the rollout was to have
+  std::string error;  // why the scene was refused or where its rollout failed; empty: it has ended
   RolloutCounts counts;
   RolloutAudit audit;  // whose violations are silent failures
   EnergyGain gain;
@@ -62,8 +64,9 @@ StabilityBenchmark RunStabilityBenchmark(const StabilityOptions& options);
 // "drape, gap, sdirk2, k 1000, h 5 ms, mu 0.35".
 std::string DescribeRow(const StabilityRow& row);
 
-// The grid by scene, contact mode and stiffness, soft (k <= 1e4) and stiff; the extremes; every row that failed, with
-// its message, or gained more than 1 % of its largest energy.
+// The grid by scene, contact mode and stiffness, soft (k <= 1e4) and stiff; where the cloth meets itself, how well it
+// stays out of itself; the extremes; every row that failed, with its message, or gained more than 1 % of its largest
+// energy.
 std::string StabilityTable(const StabilityBenchmark& benchmark);
 
 // One row per cell, which tools/plots/plot_stability draws, and one per extreme.

@@ -26,6 +26,52 @@ double Rounding(const Eigen::VectorXd& positions) {
   return kRoundings * std::numeric_limits<double>::epsilon() * positions.lpNorm<Eigen::Infinity>();
 }
 
+bool SamePairs(const std::vector<PairContactRecord>& a, const std::vector<PairContactRecord>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PairContactRecord& c, const PairContactRecord& d) {
+    return c.features == d.features && c.branch == d.branch && c.has_friction == d.has_friction;
+  });
+}
+
+// Where the pair of `features` is in `pairs`, or their end.
+std::vector<PairCandidate>::iterator FindPair(const PairFeatures& features, std::vector<PairCandidate>* pairs) {
+  return std::find_if(pairs->begin(), pairs->end(),
+                      [&](const PairCandidate& pair) { return pair.features == features; });
+}
+
+// Gives the step of `work` the pairs that were recorded beside those that thinning accepts, and `point` their impulses
+// r = d (u + gap_speed n) - F. False: one of them is none that the step could have.
+bool TakePairs(const std::vector<PairContact>& recorded, const Eigen::VectorXd& velocities, StepWorkspace* work,
+               StepPoint* point) {
+  bool are_known = true;
+  for (const PairContact& contact : recorded) {
+    const PairCandidate& pair = contact.candidate;
+    if (FindPair(pair.features, &work->pairs) != work->pairs.end()) {
+      are_known = are_known && pair.has_friction;
+      continue;
+    }
+    are_known = are_known && !pair.has_friction && FindPair(pair.features, &work->left_out) != work->left_out.end();
+    work->pairs.push_back(pair);
+  }
+  std::sort(work->pairs.begin(), work->pairs.end(),
+            [](const PairCandidate& a, const PairCandidate& b) { return a.features < b.features; });
+  point->pair_impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(work->pairs.size()));
+  for (const PairContact& contact : recorded) {
+    const PairCandidate& pair = *FindPair(contact.candidate.features, &work->pairs);
+    point->pair_impulses.col(&pair - work->pairs.data()) =
+        pair.weight * (pair.RelativeVelocity(velocities) + pair.gap_speed * pair.geometry.normal) - contact.force;
+  }
+  return are_known;
+}
+
+// Whether a pair comes nearer, by its frozen normal, than the law lets it.
+bool IsPairTooDeep(const StepProblem& problem, const StepPoint& point, double tolerance) {
+  return std::any_of(problem.pairs().begin(), problem.pairs().end(), [&](const PairCandidate& pair) {
+    const double least = -pair.gap_speed - tolerance * point.scale / pair.weight;
+    const double rounding = Rounding(point.positions) / problem.time_step();
+    return !(pair.geometry.normal.dot(pair.RelativeVelocity(point.velocities)) >= least - rounding);
+  });
+}
+
 // Whether a node of the contact set ends deeper than the law lets it.
 bool IsTooDeep(const StepProblem& problem, const StepPoint& point, const StepRecord& record, double tolerance,
                const Scene& scene) {
@@ -50,16 +96,25 @@ void AuditRecord(const StepRecord& record, const SolveStart& start, const Parame
                  RolloutAudit* audit) {
   const ClothModel& model = simulator->model();
   const StepProblem problem(model, parameters, start, record.times(), &simulator->step_workspace());
+  const Eigen::VectorXd velocities = model.Gather(record.velocities);
   StepPoint point;
-  problem.Evaluate(model.Gather(record.velocities), &point);
+  bool are_known = true;
+  if (model.scene().self_contact) {
+    are_known =
+        TakePairs(RestorePairs(model, parameters, start.positions, record.velocities, record.times(), record.pairs),
+                  velocities, &simulator->step_workspace(), &point);
+  }
+  problem.Evaluate(velocities, &point);
   const double tolerance = StepSolver::Tolerance(problem, model.scene().solver.step_tolerance, point);
   const double off = (point.positions - record.positions).lpNorm<Eigen::Infinity>();
-  audit->inconsistent += !(off <= Rounding(record.positions)) ||
-                         !SameContacts(RecordContacts(problem.ActiveContacts(point)), record.contacts);
+  audit->inconsistent += !(off <= Rounding(record.positions)) || !are_known ||
+                         !SameContacts(RecordContacts(problem.ActiveContacts(point)), record.contacts) ||
+                         !SamePairs(RecordPairs(problem.ActivePairs(point)), record.pairs);
   audit->unsolved += !(point.relative_residual <= tolerance);
   audit->worst_residual = std::max(audit->worst_residual, point.relative_residual / tolerance);
   audit->loosest_tolerance = std::max(audit->loosest_tolerance, tolerance);
-  audit->too_deep += IsTooDeep(problem, point, record, tolerance, model.scene());
+  audit->too_deep +=
+      IsTooDeep(problem, point, record, tolerance, model.scene()) || IsPairTooDeep(problem, point, tolerance);
 }
 
 double Penetration(const StepRecord& record, const Parameters& parameters, const ClothModel& model) {
@@ -102,6 +157,7 @@ RolloutAudit AuditRollout(const Rollout& rollout, int num_steps, Simulator* simu
     AuditRecord(record, reader.start(static_cast<int>(i)), rollout.parameters, simulator, &audit);
     audit.penetration = std::max(audit.penetration, Penetration(record, rollout.parameters, simulator->model()));
   }
+  audit.self_contact = AuditSelfContact(rollout, simulator);
   return audit;
 }
 

@@ -1,6 +1,7 @@
 #include "tools/benchmark/steps/stability_scene.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -22,6 +23,10 @@ constexpr double kPushSpin = 10.0;          // rad/s
 constexpr double kSlopeAngle = 25.0 * kDegree;
 constexpr double kTilt = 3.0 * kDegree;     // of the cloth over the slope
 constexpr double kTurned = 20.0 * kDegree;  // the cloth about its normal: no row of nodes lands at once
+constexpr double kThickness = 0.005;        // m, of fold
+constexpr double kTableFriction = 0.35;     // likewise
+constexpr double kArcEdges = 3.0;           // likewise, around which it is folded
+constexpr double kLowerShare = 0.6;         // of what is not the arc
 constexpr double kDrag = 0.4;               // kg/(m^2 s)
 
 // Waves of two different lengths, so that no symmetry is left.
@@ -61,6 +66,26 @@ Scene MakeSlope(int nodes, double friction_coefficient) {
   const double lowest = (normal.transpose() * scene.mesh.rest_positions).minCoeff();
   AddObstacle("plane", std::make_shared<Plane>((lowest - kWave) * normal, normal), friction_coefficient, &scene);
   StartAtRestShape(-0.5 * normal, &scene);
+  return scene;
+}
+
+Scene MakeFold(int nodes, double friction_coefficient) {
+  Scene scene = MakeStabilityCloth(nodes, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+  const double arc = kArcEdges * kClothSize / (nodes - 1), radius = arc / kPi;
+  const double lower = kLowerShare * (kClothSize - arc);
+  const Eigen::Vector3d thrown(0.0, 0.5, -1.0);  // m/s
+  for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
+    const Eigen::Vector3d rest = scene.mesh.rest_positions.col(node);
+    const double way = rest.x() + 0.5 * kClothSize, share = std::clamp((way - lower) / arc, 0.0, 1.0);
+    const double out = radius - rest.z();  // from the axis of the arc
+    const double along = share < 1.0 ? std::min(way, lower) : 2.0 * lower + arc - way;
+    scene.initial_positions.segment<3>(3 * node) << along + out * std::sin(kPi * share), rest.y(),
+        radius - out * std::cos(kPi * share);
+    scene.initial_velocities.segment<3>(3 * node) = share * thrown;
+  }
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  AddObstacle("table", std::make_shared<Plane>(-2.0 * kWave * up, up), kTableFriction, &scene);
+  scene.self_contact = SelfContact{friction_coefficient, kThickness};
   return scene;
 }
 
@@ -115,9 +140,12 @@ void MoveLastObstacle(const std::function<Eigen::Vector3d(double)>& place, doubl
 
 bool StabilitySceneHasObstacle(const std::string& name) { return name != "wind"; }
 
+bool StabilitySceneMeetsItself(const std::string& name) { return name == "fold"; }
+
 Scene MakeStabilityScene(const StabilityCell& cell, int nodes) {
   Scene scene = !StabilitySceneHasObstacle(cell.scene) ? MakeWind(nodes)
                 : cell.scene == "drape"                ? MakeDrape(nodes, cell.friction_coefficient)
+                : cell.scene == "fold"                 ? MakeFold(nodes, cell.friction_coefficient)
                 : cell.scene == "push"                 ? MakePush(nodes, cell.friction_coefficient)
                                                        : MakeSlope(nodes, cell.friction_coefficient);
   scene.contact_mode = cell.contact_mode;

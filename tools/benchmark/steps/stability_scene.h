@@ -4,9 +4,11 @@
 //   drape  thrown at 1 m/s on a sphere of radius 0.3 m, off its middle: nodes join, stick, slip and take off
 //   push   the same on a ball that goes sideways with 1 m/s, out from under it, and turns with 10 rad/s
 //   slope  thrown at 0.5 m/s on a plane inclined by 25 degrees, one edge first: slips up to mu = 0.47, else sticks
+//   fold   lies folded on a table of mu = 0.35, its upper part thrown down at 1 m/s and across at 0.5 m/s on the lower
+//          one; friction is that of the cloth with itself, which is 5 mm thick; contact by gap alone
 //   wind   hung by two corners in a gusty wind, c_d = 0.4 kg/(m^2 s): no obstacle, so neither friction nor contact mode
-// The cloth has at rest the shape in which it starts, waves of 5 mm: a flat cloth that is compressed in its plane
-// stands at a bifurcation, where rounding alone decides how it buckles.
+// The cloth has at rest the shape in which it starts (fold: before it was folded), waves of 5 mm: a flat cloth that is
+// compressed in its plane stands at a bifurcation, where rounding alone decides how it buckles.
 #ifndef CLOTHID_TOOLS_BENCHMARK_STEPS_STABILITY_SCENE_H_
 #define CLOTHID_TOOLS_BENCHMARK_STEPS_STABILITY_SCENE_H_
 
@@ -19,7 +21,7 @@
 
 namespace clothid {
 
-inline const std::vector<std::string> kStabilityScenes = {"drape", "push", "slope", "wind"};
+inline const std::vector<std::string> kStabilityScenes = {"drape", "push", "slope", "fold", "wind"};
 
 // One cell of the grid.
 struct StabilityCell {
@@ -33,6 +35,8 @@ struct StabilityCell {
 
 // Whether friction and contact mode make a difference.
 bool StabilitySceneHasObstacle(const std::string& name);
+// Whether the friction is that of the cloth with itself, and contact by gap.
+bool StabilitySceneMeetsItself(const std::string& name);
 
 // Of a cell, with nodes x nodes nodes, at least 2 x 2.
 Scene MakeStabilityScene(const StabilityCell& cell, int nodes);

@@ -64,6 +64,49 @@ std::string GridTable(const StabilityBenchmark& benchmark) {
   return table;
 }
 
+// The rows of the grid with this integrator and scene, soft or stiff, that meet themselves; empty where there are none.
+std::string SelfContactLine(const std::string& integrator, const std::string& scene, bool stiff,
+                            const StabilityBenchmark& benchmark) {
+  int cells = 0, cut_cells = 0, steps = 0;
+  double push = 0.0;  // of the largest energy
+  RolloutCounts counts;
+  SelfContactAudit sum;
+  for (const StabilityRow& row : benchmark.grid) {
+    const bool is_in = row.integrator == integrator && row.name == scene && row.meets_itself;
+    if (!is_in || (row.stretch_stiffness > kStiff) != stiff) continue;
+    const SelfContactAudit& audit = row.audit.self_contact;
+    ++cells;
+    cut_cells += audit.num_cut > 0;
+    steps += row.counts.steps;
+    counts += row.counts;
+    sum.dependent_steps += audit.dependent_steps;
+    sum.num_cut += audit.num_cut;
+    sum.intersections += audit.intersections;
+    sum.violation = std::max(sum.violation, audit.violation);
+    if (audit.push > 0.0) push = std::max(push, audit.push / row.gain.largest_energy);
+  }
+  if (cells == 0) return "";
+  return Format("%-8s%-8s%-8s%6d%8d%10d%10d%11d%7d%7d%8d%10.1e%10.1e\n", integrator.c_str(), scene.c_str(),
+                stiff ? "> 1e4" : "<= 1e4", cells, steps, counts.self_contacts, counts.second_solves,
+                sum.dependent_steps, cut_cells, sum.num_cut, sum.intersections, sum.violation, push);
+}
+
+// Empty where no cloth of the grid meets itself.
+std::string SelfContactTable(const StabilityBenchmark& benchmark) {
+  std::string lines;
+  for (const std::string& integrator : kIntegratorNames) {
+    for (const std::string& scene : kStabilityScenes) {
+      for (const bool stiff : {false, true}) lines += SelfContactLine(integrator, scene, stiff, benchmark);
+    }
+  }
+  if (lines.empty()) return "";
+  return "\n                k,                       pairs,    solves  dependent    cut    cut   pairs    nearer  "
+         "energy by\n"
+         "method  scene   N/m      cells   steps contacts  repeated      steps  cells  steps    that      by m    "
+         "pushing\n" +
+         lines;
+}
+
 std::string ExtremesTable(const StabilityBenchmark& benchmark) {
   std::string table =
       "                                                         iterations   deepest   energy    silent\n"
@@ -104,7 +147,7 @@ std::string DescribeRow(const StabilityRow& row) {
 
 std::string StabilityTable(const StabilityBenchmark& benchmark) {
   std::string table;
-  if (!benchmark.grid.empty()) table += GridTable(benchmark);
+  if (!benchmark.grid.empty()) table += GridTable(benchmark) + SelfContactTable(benchmark);
   if (!benchmark.grid.empty() && !benchmark.extremes.empty()) table += "\n";
   if (!benchmark.extremes.empty()) table += ExtremesTable(benchmark);
   table += ListRows("silent failures", benchmark, [](const StabilityRow& row) {
@@ -112,6 +155,12 @@ std::string StabilityTable(const StabilityBenchmark& benchmark) {
     if (audit.violations() == 0) return std::string();
     return Format("%d not finite, %d inconsistent, %d unsolved, %d too deep, %d missing", audit.not_finite,
                   audit.inconsistent, audit.unsolved, audit.too_deep, audit.missing_steps);
+  });
+  table += ListRows("the cloth cuts itself", benchmark, [](const StabilityRow& row) {
+    const SelfContactAudit& audit = row.audit.self_contact;
+    if (audit.num_cut == 0) return std::string();
+    return Format("%d pairs of triangles over %d steps, from step %d on", audit.intersections, audit.num_cut,
+                  audit.first_cut);
   });
   table += ListRows("failed", benchmark, [](const StabilityRow& row) { return row.error; });
   table += ListRows("energy gained: compressed cloth that buckles within a step, or the error of an sdirk2 step",
