@@ -128,6 +128,7 @@ ExportConstants MakeExportConstants(const Scene& scene, const Parameters& parame
     constants.friction.emplace_back(scene.obstacles[i].name, parameters.friction_coefficients[i]);
     constants.thickness = std::max(constants.thickness, scene.obstacles[i].contact_distance);
   }
+  if (scene.self_contact) constants.self_contact = SelfContact{parameters.self_friction, scene.self_contact->thickness};
   if (scene.has_air()) constants.not_mapped.push_back("drag and wind: every simulator has another law of the air");
   if (!scene.pieces.empty())
     constants.not_mapped.push_back("pieces: the means of their constants over the cloth are here");

@@ -15,6 +15,7 @@
 #define CLOTHID_IDENTIFY_EXPORT_EXPORT_CONSTANTS_H_
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,7 @@ struct ExportConstants {
   double drag = 0.0;                                          // kg/(m^2 s), the same in every direction
   double thickness = 0.0;                                     // m: the largest contact distance of an obstacle
   std::vector<std::pair<std::string, double>> friction;       // by obstacle
+  std::optional<SelfContact> self_contact;                    // none: the cloth goes through itself
   double area = 0.0, edge_length = 0.0, least_edge = 0.0;     // of the mesh at rest, m^2 and m: mean and shortest edge
   double squared_edges = 0.0;                                 // m^2, the sum of the squares of all edge lengths
   double edge_shape = 0.0;                                    // 1/m, the mean of 3 l/(A_1 + A_2) over the inner edges

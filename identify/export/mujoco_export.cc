@@ -181,7 +181,13 @@ std::string Comment(const ExportConstants& constants, const FlexNumbers& numbers
          "are\n"
       << "    exactly hard: solref and solimp soften them. At most 50 contacts per geom and flex are kept.\n"
       << "    Steps of 1 ms damp a swinging cloth: take shorter ones for a motion. It starts at rest.\n"
-      << "    radius is the half thickness in contacts; clothid measures gaps from the obstacle.\n-->\n";
+      << "    radius is the half thickness in contacts; clothid measures gaps from the obstacle.\n";
+  if (constants.self_contact) {
+    out << "    The cloth goes through itself (selfcollide is none): a flex has one friction, so that mu.self would "
+           "count\n"
+        << "    at obstacles, too.\n";
+  }
+  out << "-->\n";
   return out.str();
 }
 

@@ -29,6 +29,40 @@ double FirstFriction(const ExportConstants& constants) {
   return constants.friction.empty() ? 0.0 : constants.friction.front().second;
 }
 
+// Each a line or two about the cloth with itself, in comments of the target; empty where it does not meet itself.
+std::string NewtonSelfContact(const ExportConstants& constants) {
+  if (!constants.self_contact) return "";
+  return "# The cloth with itself: friction soft_contact_mu, which counts at shapes as sqrt(soft_contact_mu mu of the "
+         "shape):\n#   give those MU**2/MU_SELF. SolverVBD(model, **SELF_CONTACT) keeps the cloth apart.\nMU_SELF = " +
+         T(constants.self_contact->friction_coefficient) +
+         "\nSELF_CONTACT = {\"particle_enable_self_contact\": True, \"particle_self_contact_radius\": " +
+         T(constants.self_contact->thickness) +
+         ",\n                \"particle_self_contact_margin\": " + T(1.5 * constants.self_contact->thickness) +
+         "}  # m\n";
+}
+
+std::string ArcsimSelfContact(const ExportConstants& constants) {
+  if (!constants.self_contact) return "";
+  return "\n// The cloth with itself: \"friction\" " + T(constants.self_contact->friction_coefficient) +
+         "; not mapped: its thickness, for \"repulsion_thickness\" is one number";
+}
+
+std::string BlenderSelfContact(const ExportConstants& constants) {
+  if (!constants.self_contact) return "";
+  return "cloth.collision_settings.use_self_collision = True\ncloth.collision_settings.self_distance_min = " +
+         T(constants.self_contact->thickness) + "  # m; not mapped: mu.self, for self_friction is not Coulomb's\n";
+}
+
+std::string PpfSelfContact(const ExportConstants& constants) {
+  if (!constants.self_contact) return "";
+  const bool is_larger = constants.self_contact->friction_coefficient >= FirstFriction(constants);
+  return "# \"friction\" is mu.self: contacts combine that of both objects, so give obstacles their own mu and the "
+         "scene "
+         "the\n#   friction mode \"" +
+         std::string(is_larger ? "min" : "max") +
+         "\". Not mapped: thickness, for a contact-gap holds for all contacts.\n";
+}
+
 }  // namespace
 
 std::string Preamble(const ExportConstants& constants, const std::string& comment) {
@@ -46,6 +80,11 @@ std::string Preamble(const ExportConstants& constants, const std::string& commen
   for (const auto& [name, mu] : constants.friction) {
     out << comment << "  mu " << T(mu) << " of " << Printable(name) << ", Coulomb friction of cloth and obstacle\n"
         << Remarks(constants, comment, {"mu", "mu." + name});
+  }
+  if (constants.self_contact) {
+    out << comment << "  mu.self " << T(constants.self_contact->friction_coefficient)
+        << ", Coulomb friction of the cloth with itself;  thickness " << T(constants.self_contact->thickness) << " m\n"
+        << Remarks(constants, comment, {"mu.self"});
   }
   out << comment << "  contact distance " << T(constants.thickness) << " m\n";
   for (const std::string& line : constants.not_mapped) out << comment << "Not mapped: " << line << "\n";
@@ -73,7 +112,7 @@ DENSITY = )"
       << T(constants.edge_shape) << " 1/m\nEDGE_KD = 0.0\nMU = " << T(FirstFriction(constants))
       << "  # of cloth and obstacle\nRADIUS = " << T(0.5 * std::max(constants.thickness, 1e-3))
       << "  # m, half the contact distance, at least 1 mm\n"
-      << R"(
+      << NewtonSelfContact(constants) << R"(
 
 def read_obj(path="export_cloth.obj"):
     lines = [line.split() for line in open(path, encoding="ascii")]
@@ -90,9 +129,9 @@ def add_cloth(builder: newton.ModelBuilder, path="export_cloth.obj"):
 
 
 def set_friction(model: newton.Model):
-    model.soft_contact_mu = MU
     model.particle_mu = MU
-)";
+    model.soft_contact_mu = )"
+      << (constants.self_contact ? "MU_SELF" : "MU") << "\n";
   return out.str();
 }
 
@@ -108,10 +147,10 @@ std::string ArcsimJson(const ExportConstants& constants) {
 //   bending, N m: E = ke l^2/(A1 + A2) theta^2/8 per edge, so ke = 12 k_edge; three angles by five curvatures
 // In the configuration of the cloth: "materials": [{"data": "export_arcsim.json", "damping": )"
       << T(constants.damping) << R"(}], s, eta/k.
-// Not mapped: strain stiffening (constants of small strain stand in every row); "friction" of the configuration is one
-//   number for all obstacles, Coulomb's: )"
-      << T(FirstFriction(constants)) << "; \"repulsion_thickness\" " << T(constants.thickness)
-      << " m\n{\n  \"density\": " << T(constants.density) << ",\n  \"stretching\": [";
+// Not mapped: strain stiffening (constants of small strain stand in every row); "obs_friction" of the configuration is
+//   one number for all obstacles, Coulomb's: )"
+      << T(FirstFriction(constants)) << "; \"repulsion_thickness\" " << T(constants.thickness) << " m"
+      << ArcsimSelfContact(constants) << "\n{\n  \"density\": " << T(constants.density) << ",\n  \"stretching\": [";
   for (int i = 0; i < 6; ++i) out << (i > 0 ? ",\n                 " : "") << row;
   out << "],\n  \"bending\": [";
   for (int i = 0; i < 3; ++i) {
@@ -146,7 +185,8 @@ settings.mass = )"
       << "  # N, 8/3 k * " << T(constants.edge_length) << " * " << T(constants.area) << "/"
       << T(constants.squared_edges) << "\nsettings.compression_stiffness = " << T(tension)
       << "\nsettings.shear_stiffness = 0.0  # of quads; triangles have edges instead\n"
-      << "cloth.collision_settings.distance_min = " << T(std::max(constants.thickness, 1e-3)) << "  # m\n";
+      << "cloth.collision_settings.distance_min = " << T(std::max(constants.thickness, 1e-3)) << "  # m\n"
+      << BlenderSelfContact(constants);
   return out.str();
 }
 
@@ -158,13 +198,15 @@ std::string PpfScript(const ExportConstants& constants) {
 #   bend: E = 1.28e-5 bend density l^2/(A1 + A2) theta^2/2 per edge, so bend = 3 k_edge/(1.28e-5 density)
 #   contact-gap, m: the contact distance
 # Not mapped: contacts are a barrier; "friction" is Coulomb's, lagged. Damping of the cloth is of its own kind.
-PARAMETERS = {
+)" << PpfSelfContact(constants)
+      << R"(PARAMETERS = {
     "model": "arap",
     "density": )"
       << T(constants.density) << ",  # kg/m^2\n    \"young-mod\": " << T(constants.stiffness / constants.density)
       << ",  # k/density\n    \"poiss-rat\": 0.0,\n    \"bend\": "
       << T(3.0 * constants.edge_bending / (kPpfBendScale * constants.density))
-      << ",  # 3 k_edge/(1.28e-5 density)\n    \"friction\": " << T(FirstFriction(constants))
+      << ",  # 3 k_edge/(1.28e-5 density)\n    \"friction\": "
+      << T(constants.self_contact ? constants.self_contact->friction_coefficient : FirstFriction(constants))
       << ",\n    \"contact-gap\": " << T(std::max(constants.thickness, 1e-3)) << R"(,  # m
 }
 
