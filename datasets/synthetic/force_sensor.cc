@@ -1,11 +1,13 @@
 #include "datasets/synthetic/force_sensor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "sim/base/error.h"
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/handle_forces.h"
+#include "sim/rollout/pair_forces.h"
 
 namespace clothid {
 namespace {
@@ -18,7 +20,12 @@ Eigen::MatrixXd ForcesAfterSteps(const Rollout& rollout, Scene scene, const std:
   const HandleForces forces(model, rollout.parameters, rollout.num_steps(), groups);
   Eigen::MatrixXd states(3 * static_cast<Eigen::Index>(forces.nodes().size()), rollout.num_steps() + 1);
   for (int step = 0; step <= rollout.num_steps(); ++step) states.col(step) = forces.Gather(rollout.positions(step));
-  return forces.Over(states);
+  Eigen::MatrixXd after = forces.Over(states);
+  for (int step = 0; step <= rollout.num_steps() && model.scene().self_contact; ++step) {
+    const StepRecord& end = rollout.records[rollout.last_record[std::max(step, 1) - 1]];
+    after.col(step) -= forces.OverGroups(PairForces(model, rollout.parameters, end));
+  }
+  return after;
 }
 
 void Check(const ForceSensor& sensor, const Rollout& rollout, const Scene& scene) {

@@ -6,7 +6,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/adjoint_solver.h"
 #include "sim/derivative/field_derivative.h"
-#include "sim/derivative/handle_coupling.h"
+#include "sim/derivative/handle_sweep.h"
 #include "sim/derivative/second_start_derivative.h"
 #include "sim/derivative/size_derivative.h"
 #include "sim/derivative/step_derivative.h"
@@ -40,52 +40,6 @@ void AddPairGradient(const std::vector<ParameterId>& parameters, const Eigen::Ma
   }
 }
 
-// Gathers dC/d(handle offsets) [3 H K x s] over the sweep. Nothing where the rollout has none.
-class HandleGradient {
- public:
-  HandleGradient(const Rollout& rollout, int num_columns, const ClothModel& model)
-      : offsets_(rollout.handle_offsets), nodes_(model.scene().handles.nodes), parameters_(rollout.parameters) {
-    if (offsets_.num_handles() == 0) return;
-    coupling_ = std::make_unique<HandleCoupling>(model);
-    values_ = Eigen::MatrixXd::Zero(offsets_.positions().size(), num_columns);
-  }
-
-  // Of a scalar that depends on the handles' positions at `time` itself, dC/dx [3N x s].
-  void AddSeed(double time, const Eigen::MatrixXd& seed) {
-    if (coupling_ == nullptr) return;
-    Eigen::MatrixXd rows(offsets_.positions().rows(), seed.cols());
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      rows.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = seed.middleRows<3>(3 * nodes_[i]);
-    }
-    Add(time, rows);
-  }
-
-  // Through a solve, y = (I + S)^T z of it.
-  void AddSolve(const StepRecord& record, const SolveStart& start, const Eigen::MatrixXd& y) {
-    if (coupling_ == nullptr) return;
-    coupling_->SetStep(record, start, parameters_);
-    for (int place = 0; place < coupling_->num_places(); ++place) {
-      Add(coupling_->time(place), coupling_->TimesTransposed(place, -y));
-    }
-  }
-
-  Eigen::MatrixXd& values() { return values_; }
-
- private:
-  void Add(double time, const Eigen::MatrixXd& rows) {
-    const Eigen::VectorXd weights = offsets_.KnotWeights(time);
-    for (Eigen::Index k = 0; k < weights.size(); ++k) {
-      if (weights[k] != 0.0) values_.middleRows(k * rows.rows(), rows.rows()) += weights[k] * rows;
-    }
-  }
-
-  const HandlePath& offsets_;
-  const std::vector<int>& nodes_;
-  const Parameters& parameters_;
-  std::unique_ptr<HandleCoupling> coupling_;
-  Eigen::MatrixXd values_;
-};
-
 // Takes gradients of scalars by the state at the end of a solve to those by the state before it.
 class ReverseSweep {
  public:
@@ -110,10 +64,16 @@ class ReverseSweep {
     handles_.AddSeed(time, seed);
   }
 
-  void PullBackSolve(const StepRecord& record, const SolveStart& start) {
+  // `by_pair_forces` [3H x s]: by those upon handles at the end of the solve; null: none.
+  void PullBackSolve(const StepRecord& record, const SolveStart& start, const Eigen::MatrixXd* by_pair_forces) {
     StepDerivative step(record, start, parameters_, simulator_, &sizes_);
+    if (record.ends_step()) handles_.EnterStep(record);
     Eigen::MatrixXd by_impulse, by_pairs;  // by r_1 and by r of pairs, where impacts make them count
     if (record.stage == Stage::kFirst) by_impulse = LeaveSecondStart(record, start, step, &by_pairs);
+    if (step.pairs() == nullptr) by_pair_forces = nullptr;
+    if (by_pair_forces != nullptr) {
+      by_pairs = step.pairs()->SpreadToHandlesTransposed(*by_pair_forces / record.time_step);
+    }
     Eigen::MatrixXd w = lambda_.velocities + record.time_step * lambda_.positions, z, y, rho;
     if (by_impulse.size() > 0) w += step.TimesVelocity(by_impulse);
     if (step.pairs() == nullptr) {
@@ -124,7 +84,7 @@ class ReverseSweep {
     if (by_impulse.size() > 0) y -= by_impulse;
     AddParameterGradient(record, ids_, z, y, step, &gradient_->parameters);
     if (step.pairs() != nullptr) AddPairGradient(ids_, rho, *step.pairs(), &gradient_->parameters);
-    handles_.AddSolve(record, start, y);
+    handles_.AddSolve(record, start, y, step.pairs(), rho);
     fields_.AddSolve(record, start, y);
     lambda_.velocities = step.TimesMass(y);
     lambda_.positions -= step.TimesStartTransposed(y);
@@ -135,6 +95,11 @@ class ReverseSweep {
     }
     if (!record.contacts.empty()) lambda_.positions -= step.TimesFramesTransposed(z);
     if (step.pairs() != nullptr) lambda_.positions -= step.pairs()->TimesGeometryTransposed(rho);
+    if (by_pair_forces != nullptr) {
+      handles_.AddPairForces(*by_pair_forces);
+      lambda_.positions -= step.pairs()->TimesWeightsTransposed(*by_pair_forces / record.time_step, PairNodes::kFree,
+                                                                PairNodes::kHandles);
+    }
     if (record.stage == Stage::kFirst) {
       lambda_.positions += by_start_.positions;
       lambda_.velocities += by_start_.velocities;
@@ -166,6 +131,7 @@ class ReverseSweep {
     const SecondStartDerivative second(first, start, step, parameters_, simulator_->model());
     second.AddTransposed(by_second_, &by_start_, &lambda_);
     if (!second.has_impacts()) return {};
+    handles_.AddImpacts(first, second, by_second_);
     fields_.AddSecondStart(second, by_second_);
     for (size_t p = 0; p < ids_.size(); ++p) {
       const Eigen::VectorXd* slopes = step.MassSlopes(ids_[p]);
@@ -194,7 +160,7 @@ class ReverseSweep {
 
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,
-                         const AdjointOptions& options) {
+                         const AdjointOptions& options, const AddPositionGradient& add_pair_force_gradient) {
   simulator->UseParameters(rollout.parameters);
   const PhaseSeconds before = simulator->step_solver().seconds();
   RolloutGradient gradient;
@@ -207,12 +173,20 @@ RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>&
     sweep.AddSeed(rollout.start_time + step * rollout.time_step, seed);
   };
 
+  Eigen::MatrixXd by_pair_forces;
   RecordReader reader(rollout, simulator);
   int step_number = rollout.num_steps();
   for (int i = static_cast<int>(rollout.records.size()) - 1; i >= 0; --i) {
     const StepRecord& record = reader.record(i);
-    if (step_number > 0 && rollout.last_record[step_number - 1] == i) add_seed(step_number--);
-    sweep.PullBackSolve(record, reader.start(i));
+    const bool ends_step = step_number > 0 && rollout.last_record[step_number - 1] == i;
+    if (ends_step) add_seed(step_number);
+    const bool has_forces = ends_step && add_pair_force_gradient && !record.pairs.empty();
+    if (has_forces) {
+      by_pair_forces.setZero(3 * static_cast<Eigen::Index>(simulator->scene().handles.nodes.size()), num_columns);
+      add_pair_force_gradient(step_number, &by_pair_forces);
+    }
+    sweep.PullBackSolve(record, reader.start(i), has_forces ? &by_pair_forces : nullptr);
+    if (ends_step) --step_number;
   }
   add_seed(0);
   sweep.Finish();

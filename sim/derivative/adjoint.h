@@ -37,9 +37,12 @@ using AddPositionGradient = std::function<void(int step, Eigen::MatrixXd* gradie
 // with the matrices of step_derivative.h. Stages go back likewise, with second_start_derivative.h between the second
 // and the first. What handle_coupling.h says of handles, transposed, goes to their offsets. Throws `std::runtime_error`
 // where a step Jacobian is singular, and where RecordReader does.
+//
+// `add_pair_force_gradient` (may be empty): likewise dC_i/dF of the forces of pairs upon handles at the end of step
+// 1, .. (sim/rollout/pair_forces.h) to column i of `gradient` [3H x s].
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,
-                         const AdjointOptions& options = {});
+                         const AdjointOptions& options = {}, const AddPositionGradient& add_pair_force_gradient = {});
 
 }  // namespace clothid
 

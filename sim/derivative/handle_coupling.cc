@@ -15,14 +15,24 @@ Scene WithoutHandles(Scene scene) {
 
 }  // namespace
 
+std::vector<HandleSpeedTerm> HandleSpeedTerms(const StepRecord& record) {
+  const double h = record.time_step;
+  if (record.stage != Stage::kSecond) return {{record.time, 1.0 / h}, {record.time - h, -1.0 / h}};
+  const double step_start = record.time - h / kStageShare;
+  return {
+      {record.time, 1.0 / h}, {step_start, (kSecondStageReach - 1.0) / h}, {step_start + h, -kSecondStageReach / h}};
+}
+
 HandleCoupling::HandleCoupling(const ClothModel& model)
     : model_(model),
       scene_(WithoutHandles(model.scene())),
       whole_(scene_, model.chosen_on()),
       hessian_(whole_.pattern()) {}
 
-void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters) {
+void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
+                             const PairDerivative* pairs) {
   record_ = &record;
+  pairs_ = pairs;
   whole_.SetVariation(parameters);
   damping_ = parameters.material.damping;
   drag_ = DragConstantsOf(parameters.material);
@@ -33,7 +43,7 @@ void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, 
     predicted_ = PredictedPositions(start, record.time_step, model_.scene().handles.nodes, record.positions);
     whole_.directional_drag()->SetAir(predicted_, parameters.wind, record.time, &held_.air);
   }
-  if (whole_.damping() != nullptr || whole_.directional_drag() != nullptr) {
+  if (whole_.damping() != nullptr || whole_.directional_drag() != nullptr || pairs != nullptr) {
     if (start.first_positions == nullptr) {
       times_.push_back(record.time - record.time_step);
       origins_ = {{&start.positions, 1.0}};
@@ -99,7 +109,9 @@ Eigen::MatrixXd HandleCoupling::Times(int place, const Eigen::MatrixXd& columns)
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
   if (whole_.damping() != nullptr) product = TimesMixed(record_->positions, *origin.positions, all);
   if (drag != nullptr) product -= TimesDrag(all);
-  return origin.share * model_.GatherColumns(product);
+  Eigen::MatrixXd free = model_.GatherColumns(product);
+  if (pairs_ != nullptr) free += pairs_->TimesWeights(columns, PairNodes::kHandles);
+  return origin.share * free;
 }
 
 Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const Eigen::MatrixXd& columns) const {
@@ -117,7 +129,33 @@ Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const Eigen::MatrixXd
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
   if (whole_.damping() != nullptr) product = TimesMixed(*origin.positions, record_->positions, all);
   if (drag != nullptr) product -= TimesDrag(all);
-  return origin.share * HandleRows(product);
+  Eigen::MatrixXd held = HandleRows(product);
+  if (pairs_ != nullptr) held += pairs_->TimesWeightsTransposed(columns, PairNodes::kHandles);
+  return origin.share * held;
+}
+
+Eigen::MatrixXd HandleCoupling::PairTimes(int place, const Eigen::MatrixXd& columns) const {
+  const Eigen::MatrixXd by_speed = pairs_->TimesHandleVelocities(columns) / record_->time_step;
+  if (place == 0) return by_speed;
+  return origins_[place - 1].share * (pairs_->TimesGeometry(columns, PairNodes::kHandles) - by_speed);
+}
+
+Eigen::MatrixXd HandleCoupling::PairTimesTransposed(int place, const Eigen::MatrixXd& rows) const {
+  const Eigen::MatrixXd by_speed = pairs_->TimesHandleVelocitiesTransposed(rows) / record_->time_step;
+  if (place == 0) return by_speed;
+  return origins_[place - 1].share * (pairs_->TimesGeometryTransposed(rows, PairNodes::kHandles) - by_speed);
+}
+
+Eigen::MatrixXd HandleCoupling::PairForceTimes(int place, const Eigen::MatrixXd& columns) const {
+  if (place == 0) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  const double share = origins_[place - 1].share / record_->time_step;
+  return -share * pairs_->TimesWeights(columns, PairNodes::kHandles, PairNodes::kHandles);
+}
+
+Eigen::MatrixXd HandleCoupling::PairForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const {
+  if (place == 0) return Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  const double share = origins_[place - 1].share / record_->time_step;
+  return -share * pairs_->TimesWeightsTransposed(columns, PairNodes::kHandles, PairNodes::kHandles);
 }
 
 }  // namespace clothid

@@ -8,6 +8,10 @@
 // d2D/dv2: the velocity of a handle is (x_h - x_h,n)/h. In a second stage, which starts from x_s, h V_fh dx_h,n gives
 // way to what V_n and V_1 owe to the handles at the start of the step and at the end of its first stage, and dx_h,n to
 // (1 - kappa) dx_h,n + kappa dx_h,1. Made by the code of H itself, of a cloth whose handles are free.
+//
+// Pairs of the cloth with itself in contact, of which handles are nodes (pair_derivative.h), add what their weights owe
+// to dx_h,n, and have equations of their own:
+//   dR = (dR/dx_n) dx_h,n + (dR/dv_h) (dx_h - dx_h,n)/h
 #ifndef CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
 #define CLOTHID_SIM_DERIVATIVE_HANDLE_COUPLING_H_
 
@@ -16,12 +20,21 @@
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/derivative/pair_derivative.h"
 #include "sim/rollout/step_record.h"
 #include "sim/scene/material_field.h"
 #include "sim/scene/parameters.h"
 #include "sim/step/step_problem.h"
 
 namespace clothid {
+
+// The velocity of handles over the solve that `record` ends, (x_h - x_h,n)/h: a sum of their positions at times, each
+// with its weight.
+struct HandleSpeedTerm {
+  double time;    // s
+  double weight;  // 1/s
+};
+std::vector<HandleSpeedTerm> HandleSpeedTerms(const StepRecord& record);
 
 class HandleCoupling {
  public:
@@ -31,10 +44,12 @@ class HandleCoupling {
   HandleCoupling& operator=(const HandleCoupling&) = delete;
 
   // The solve that `record` ends. It and what `start` refers to must live until the next call.
-  void SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters);
+  // `pairs`: of the same solve, likewise; null: none is in contact.
+  void SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
+               const PairDerivative* pairs);
 
   // The places of the handles that count: the first at the end of the solve; the others before are there with internal
-  // damping or drag by direction alone.
+  // damping, drag by direction or pairs in contact alone.
   int num_places() const { return static_cast<int>(times_.size()); }
   double time(int place) const { return times_[place]; }  // s
 
@@ -42,6 +57,12 @@ class HandleCoupling {
   Eigen::MatrixXd Times(int place, const Eigen::MatrixXd& columns) const;
   // That with the transpose, y [3 Nf x s]: [3H x s].
   Eigen::MatrixXd TimesTransposed(int place, const Eigen::MatrixXd& columns) const;
+  // Likewise dR [3c x s] of the pairs, of which there are some.
+  Eigen::MatrixXd PairTimes(int place, const Eigen::MatrixXd& columns) const;
+  Eigen::MatrixXd PairTimesTransposed(int place, const Eigen::MatrixXd& rows) const;
+  // Likewise what the pairs' force upon handles, sum w_i r/h [3H] N, owes to their weights at fixed r.
+  Eigen::MatrixXd PairForceTimes(int place, const Eigen::MatrixXd& columns) const;
+  Eigen::MatrixXd PairForceTimesTransposed(int place, const Eigen::MatrixXd& columns) const;
 
  private:
   // Columns over the handles as columns over all nodes [3N x s], zero at free nodes; and the other way.
@@ -59,6 +80,7 @@ class HandleCoupling {
   HeldTerms held_;
   Eigen::VectorXd predicted_;  // x^ [3N]; empty without drag by direction
   const StepRecord* record_ = nullptr;
+  const PairDerivative* pairs_ = nullptr;
   double damping_ = 0.0;
   DragConstants drag_;
   std::vector<double> times_;  // of the places

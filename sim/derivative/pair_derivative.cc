@@ -1,74 +1,137 @@
 #include "sim/derivative/pair_derivative.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace clothid {
 
-PairColumns GatherFromPair(const PairCandidate& pair, const Eigen::MatrixXd& columns) {
+PairColumns GatherFromPair(const PairBlocks& blocks, const Eigen::MatrixXd& columns) {
   PairColumns values = PairColumns::Zero(12, columns.cols());
   for (int i = 0; i < 4; ++i) {
-    if (pair.blocks[i] >= 0) values.middleRows<3>(3 * i) = columns.middleRows<3>(3 * pair.blocks[i]);
+    if (blocks[i] >= 0) values.middleRows<3>(3 * i) = columns.middleRows<3>(3 * blocks[i]);
   }
   return values;
 }
 
-void ScatterToPair(const PairCandidate& pair, const PairColumns& values, Eigen::MatrixXd* columns) {
+void ScatterToPair(const PairBlocks& blocks, const PairColumns& values, Eigen::MatrixXd* columns) {
   for (int i = 0; i < 4; ++i) {
-    if (pair.blocks[i] >= 0) columns->middleRows<3>(3 * pair.blocks[i]) += values.middleRows<3>(3 * i);
+    if (blocks[i] >= 0) columns->middleRows<3>(3 * blocks[i]) += values.middleRows<3>(3 * i);
   }
 }
 
 PairDerivative::PairDerivative(const ClothModel& model, std::vector<PairContact> contacts,
                                const Eigen::VectorXd& start_positions, const Eigen::VectorXd& velocities,
                                double friction_coefficient)
-    : model_(model), contacts_(std::move(contacts)) {
+    : model_(model), friction_coefficient_(friction_coefficient), contacts_(std::move(contacts)) {
+  const std::vector<int>& handles = model.scene().handles.nodes;
   for (const PairContact& contact : contacts_) {
-    gradients_.push_back(DifferentiatePair(contact.candidate.features, start_positions));
+    const PairFeatures& features = contact.candidate.features;
+    gradients_.push_back(DifferentiatePair(features, start_positions));
     jacobians_.push_back(PairPositionJacobian(contact, gradients_.back(), velocities,
                                               contact.candidate.FrictionOf(friction_coefficient)));
+    handle_blocks_.push_back({-1, -1, -1, -1});
+    for (int i = 0; i < features.num_nodes(); ++i) {
+      const auto handle = std::find(handles.begin(), handles.end(), features.nodes[i]);
+      if (handle != handles.end()) handle_blocks_.back()[i] = static_cast<int>(handle - handles.begin());
+    }
   }
 }
 
-Eigen::MatrixXd PairDerivative::TimesWeights(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * model_.num_free(), columns.cols());
+Eigen::Index PairDerivative::NumRows(PairNodes nodes) const {
+  return nodes == PairNodes::kFree ? 3 * model_.num_free()
+                                   : 3 * static_cast<Eigen::Index>(model_.scene().handles.nodes.size());
+}
+
+Eigen::MatrixXd PairDerivative::TimesWeights(const Eigen::MatrixXd& columns, PairNodes nodes, PairNodes rows) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(NumRows(rows), columns.cols());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    const PairCandidate& pair = contacts_[c].candidate;
-    const Eigen::MatrixXd weights = gradients_[c].weights * GatherFromPair(pair, columns);  // [4 x s]
+    const Eigen::MatrixXd weights = gradients_[c].weights * GatherFromPair(blocks(c, nodes), columns);  // [4 x s]
     PairColumns values(12, columns.cols());
     for (int i = 0; i < 4; ++i) values.middleRows<3>(3 * i) = -contacts_[c].response.impulse * weights.row(i);
-    ScatterToPair(pair, values, &result);
+    ScatterToPair(blocks(c, rows), values, &result);
   }
   return result;
 }
 
-Eigen::MatrixXd PairDerivative::TimesWeightsTransposed(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * model_.num_free(), columns.cols());
+Eigen::MatrixXd PairDerivative::TimesWeightsTransposed(const Eigen::MatrixXd& columns, PairNodes nodes,
+                                                       PairNodes rows) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(NumRows(nodes), columns.cols());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    const PairCandidate& pair = contacts_[c].candidate;
-    const PairColumns values = GatherFromPair(pair, columns);
+    const PairColumns values = GatherFromPair(blocks(c, rows), columns);
     Eigen::MatrixXd weights(4, columns.cols());
     for (int i = 0; i < 4; ++i) {
       weights.row(i) = -contacts_[c].response.impulse.transpose() * values.middleRows<3>(3 * i);
     }
-    ScatterToPair(pair, gradients_[c].weights.transpose() * weights, &result);
+    ScatterToPair(blocks(c, nodes), gradients_[c].weights.transpose() * weights, &result);
   }
   return result;
 }
 
-Eigen::MatrixXd PairDerivative::TimesGeometry(const Eigen::MatrixXd& columns) const {
+Eigen::MatrixXd PairDerivative::TimesGeometry(const Eigen::MatrixXd& columns, PairNodes nodes) const {
+  Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(contacts_.size()), columns.cols());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    result.middleRows<3>(3 * static_cast<Eigen::Index>(c)) = jacobians_[c] * GatherFromPair(blocks(c, nodes), columns);
+  }
+  return result;
+}
+
+Eigen::MatrixXd PairDerivative::TimesGeometryTransposed(const Eigen::MatrixXd& rows, PairNodes nodes) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(NumRows(nodes), rows.cols());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    ScatterToPair(blocks(c, nodes), jacobians_[c].transpose() * rows.middleRows<3>(3 * static_cast<Eigen::Index>(c)),
+                  &result);
+  }
+  return result;
+}
+
+// R = r - Pi(a) with da = -d w_i dv_i and dPi/da = -S.
+Eigen::Matrix<double, 3, 12> PairDerivative::ByVelocities(std::size_t contact) const {
+  const PairCandidate& pair = contacts_[contact].candidate;
+  const Eigen::Matrix3d slope = -pair.weight * ImpulseForceJacobian(contacts_[contact].response, pair.geometry.normal,
+                                                                    pair.FrictionOf(friction_coefficient_));
+  Eigen::Matrix<double, 3, 12> jacobian;
+  for (int i = 0; i < 4; ++i) jacobian.middleCols<3>(3 * i) = pair.geometry.weights[i] * slope;
+  return jacobian;
+}
+
+Eigen::MatrixXd PairDerivative::TimesHandleVelocities(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(contacts_.size()), columns.cols());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     result.middleRows<3>(3 * static_cast<Eigen::Index>(c)) =
-        jacobians_[c] * GatherFromPair(contacts_[c].candidate, columns);
+        ByVelocities(c) * GatherFromPair(handle_blocks_[c], columns);
   }
   return result;
 }
 
-Eigen::MatrixXd PairDerivative::TimesGeometryTransposed(const Eigen::MatrixXd& rows) const {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * model_.num_free(), rows.cols());
+Eigen::MatrixXd PairDerivative::TimesHandleVelocitiesTransposed(const Eigen::MatrixXd& rows) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(NumRows(PairNodes::kHandles), rows.cols());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    ScatterToPair(contacts_[c].candidate,
-                  jacobians_[c].transpose() * rows.middleRows<3>(3 * static_cast<Eigen::Index>(c)), &result);
+    ScatterToPair(handle_blocks_[c], ByVelocities(c).transpose() * rows.middleRows<3>(3 * static_cast<Eigen::Index>(c)),
+                  &result);
+  }
+  return result;
+}
+
+Eigen::MatrixXd PairDerivative::SpreadToHandles(const Eigen::MatrixXd& impulses) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(NumRows(PairNodes::kHandles), impulses.cols());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Eigen::MatrixXd impulse = impulses.middleRows<3>(3 * static_cast<Eigen::Index>(c));
+    PairColumns values(12, impulses.cols());
+    for (int i = 0; i < 4; ++i) {
+      values.middleRows<3>(3 * i) = contacts_[c].candidate.geometry.weights[i] * impulse;
+    }
+    ScatterToPair(handle_blocks_[c], values, &result);
+  }
+  return result;
+}
+
+Eigen::MatrixXd PairDerivative::SpreadToHandlesTransposed(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(contacts_.size()), columns.cols());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const PairColumns values = GatherFromPair(handle_blocks_[c], columns);
+    auto sum = result.middleRows<3>(3 * static_cast<Eigen::Index>(c));
+    sum.setZero();
+    for (int i = 0; i < 4; ++i) sum += contacts_[c].candidate.geometry.weights[i] * values.middleRows<3>(3 * i);
   }
   return result;
 }

@@ -43,7 +43,7 @@ void SecondStartDerivative::FindPairImpacts(const StepRecord& first, const Solve
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     const PairCandidate& pair = contacts[c].candidate;
     const PairImpactNodes nodes = ImpactNodes(model, parameters.material, pair, start.velocities, first.velocities);
-    PairImpactTerm term{&pair, c, EvaluatePairImpact(contacts[c], nodes),
+    PairImpactTerm term{&pair, step.pairs()->blocks(c, PairNodes::kHandles), c, EvaluatePairImpact(contacts[c], nodes),
                         DifferentiatePairImpact(contacts[c], step.pairs()->gradient(c), nodes)};
     if (term.impact.share == 0.0) continue;
     term.impact.velocity *= kSecondStageReach;
@@ -101,11 +101,32 @@ void SecondStartDerivative::SubtractImpacts(const StateColumns& start, const Sta
   }
   for (const PairImpactTerm& term : pair_impacts_) {
     const Eigen::Index row = 3 * static_cast<Eigen::Index>(term.contact);
-    ScatterToPair(*term.pair,
-                  term.ByChange() * GatherFromPair(*term.pair, start.velocities - first.velocities) -
+    ScatterToPair(term.pair->blocks,
+                  term.ByChange() * GatherFromPair(term.pair->blocks, start.velocities - first.velocities) -
                       term.ByImpulse() * pair_impulses.middleRows<3>(row) -
-                      term.ByPosition() * GatherFromPair(*term.pair, start.positions),
+                      term.ByPosition() * GatherFromPair(term.pair->blocks, start.positions),
                   &second->velocities);
+  }
+}
+
+void SecondStartDerivative::SubtractHandleImpacts(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& changes,
+                                                  Eigen::MatrixXd* velocities) const {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(velocities->rows(), positions.cols());
+  for (const PairImpactTerm& term : pair_impacts_) {
+    ScatterToPair(term.pair->blocks,
+                  term.ByPosition() * GatherFromPair(term.handles, positions) +
+                      term.ByChange() * GatherFromPair(term.handles, changes),
+                  &sum);
+  }
+  velocities->rightCols(sum.cols()) -= sum;
+}
+
+void SecondStartDerivative::AddHandleImpactsTransposed(const StateColumns& second, Eigen::MatrixXd* positions,
+                                                       Eigen::MatrixXd* changes) const {
+  for (const PairImpactTerm& term : pair_impacts_) {
+    const Eigen::MatrixXd rows = -GatherFromPair(term.pair->blocks, second.velocities);
+    ScatterToPair(term.handles, term.ByPosition().transpose() * rows, positions);
+    ScatterToPair(term.handles, term.ByChange().transpose() * rows, changes);
   }
 }
 
@@ -142,11 +163,11 @@ Eigen::MatrixXd SecondStartDerivative::AddImpactsTransposed(const StateColumns& 
   }
   *pair_impulses = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(num_pairs_), second.velocities.cols());
   for (const PairImpactTerm& term : pair_impacts_) {
-    const Eigen::MatrixXd rows = GatherFromPair(*term.pair, second.velocities);
+    const Eigen::MatrixXd rows = GatherFromPair(term.pair->blocks, second.velocities);
     const Eigen::MatrixXd by_change = term.ByChange().transpose() * rows;
-    ScatterToPair(*term.pair, -by_change, &first->velocities);
-    ScatterToPair(*term.pair, by_change, &start->velocities);
-    ScatterToPair(*term.pair, -term.ByPosition().transpose() * rows, &start->positions);
+    ScatterToPair(term.pair->blocks, -by_change, &first->velocities);
+    ScatterToPair(term.pair->blocks, by_change, &start->velocities);
+    ScatterToPair(term.pair->blocks, -term.ByPosition().transpose() * rows, &start->positions);
     pair_impulses->middleRows<3>(3 * static_cast<Eigen::Index>(term.contact)) = -term.ByImpulse().transpose() * rows;
   }
   return impulse;
@@ -168,8 +189,8 @@ Eigen::RowVectorXd SecondStartDerivative::MassGradient(const Eigen::VectorXd& sl
     gradient -= slopes[node] * (impact.mass.transpose() * second.velocities.middleRows<3>(row));
   }
   for (const PairImpactTerm& term : pair_impacts_) {
-    gradient -=
-        (term.ByMasses() * OfPairNodes(*term.pair, slopes)).transpose() * GatherFromPair(*term.pair, second.velocities);
+    gradient -= (term.ByMasses() * OfPairNodes(*term.pair, slopes)).transpose() *
+                GatherFromPair(term.pair->blocks, second.velocities);
   }
   return gradient;
 }
@@ -179,7 +200,8 @@ void SecondStartDerivative::AddMassGradient(const StateColumns& second, Eigen::M
     gradient->row(node) -= impact.mass.transpose() * second.velocities.middleRows<3>(row);
   }
   for (const PairImpactTerm& term : pair_impacts_) {
-    const Eigen::MatrixXd by_masses = term.ByMasses().transpose() * GatherFromPair(*term.pair, second.velocities);
+    const Eigen::MatrixXd by_masses =
+        term.ByMasses().transpose() * GatherFromPair(term.pair->blocks, second.velocities);
     for (int i = 0; i < term.pair->features.num_nodes(); ++i) {
       gradient->row(term.pair->features.nodes[i]) -= by_masses.row(i);
     }

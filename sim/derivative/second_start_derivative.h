@@ -6,8 +6,8 @@
 // with the blocks of sim/contact/impact_share.h. The solved first stage has r_1 = g, so with the matrices of
 // step_derivative.h, b = h (H + V) dx_n - M dv_n + dg/dtheta being what does not come by dv_1:
 //   dr_1 = K dv_1 + b
-// Pairs of the cloth with itself that meet add theirs, with their own impulses (sim/contact/pair_impact.h); dr_1 of
-// an obstacle's contact is then K dv_1 + b - J^T dr of them.
+// Pairs of the cloth with itself that meet add theirs, with their own impulses (sim/contact/pair_impact.h), of handles
+// among their nodes by x_n and v_1 - v_n as well; dr_1 of an obstacle's contact is then K dv_1 + b - J^T dr of them.
 // A gradient by r_1, rho = U_r^T (..), goes back through that: K rho to v_1, and to all else as -rho does in y.
 #ifndef CLOTHID_SIM_DERIVATIVE_SECOND_START_DERIVATIVE_H_
 #define CLOTHID_SIM_DERIVATIVE_SECOND_START_DERIVATIVE_H_
@@ -36,12 +36,17 @@ class SecondStartDerivative {
   bool has_impacts() const {
     return !impacts_.empty() || !pair_impacts_.empty();
   }  // else r_1 and the masses do not count
+  bool has_pair_impacts() const { return !pair_impacts_.empty(); }
 
   // dx_s and dv_s from those of the step's start and of the end of its first stage, without what impacts add.
   StateColumns Times(const StateColumns& start, const StateColumns& first) const;
   // Takes kappa du off dv_s. `impulse`: dr_1. `pair_impulses` [3c x s]: dr of the pairs in the first stage.
   void SubtractImpacts(const StateColumns& start, const StateColumns& first, const Eigen::MatrixXd& impulse,
                        const Eigen::MatrixXd& pair_impulses, StateColumns* second) const;
+  // Takes what comes by the handles among the nodes of pairs off the last columns of `velocities`, dv_s: by columns of
+  // their dx_n and d(v_1 - v_n) [3H x s].
+  void SubtractHandleImpacts(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& changes,
+                             Eigen::MatrixXd* velocities) const;
   // Takes that through a change of the nodes' masses [N] kg off column `column` of dv_s.
   void SubtractMasses(int column, const Eigen::VectorXd& masses, StateColumns* second) const;
 
@@ -55,6 +60,9 @@ class SecondStartDerivative {
   // `pair_impulses` [3c x s].
   Eigen::MatrixXd AddImpactsTransposed(const StateColumns& second, StateColumns* start, StateColumns* first,
                                        Eigen::MatrixXd* pair_impulses) const;
+  // Adds the gradients by the handles' x_n and v_1 - v_n to columns [3H x s].
+  void AddHandleImpactsTransposed(const StateColumns& second, Eigen::MatrixXd* positions,
+                                  Eigen::MatrixXd* changes) const;
   // By a parameter of which the nodes' masses have the derivatives `slopes` [N], of each column [1 x s].
   Eigen::RowVectorXd MassGradient(const Eigen::VectorXd& slopes, const StateColumns& second) const;
   // Adds that by every node's mass to `gradient` [N x s].
@@ -69,6 +77,7 @@ class SecondStartDerivative {
   };
   struct PairImpactTerm {
     const PairCandidate* pair;
+    PairBlocks handles;  // of its nodes
     std::size_t contact;
     PairImpact impact;                                 // its velocity times kappa
     PairImpactDerivative derivative;                   // that of the velocity times kappa

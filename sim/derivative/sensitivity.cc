@@ -6,10 +6,11 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/field_derivative.h"
-#include "sim/derivative/handle_coupling.h"
+#include "sim/derivative/handle_sweep.h"
 #include "sim/derivative/second_start_derivative.h"
 #include "sim/derivative/size_derivative.h"
 #include "sim/derivative/step_derivative.h"
+#include "sim/rollout/pair_forces.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
@@ -44,60 +45,6 @@ StateColumns StartTangent(const SensitivityDirections& directions, const ClothMo
   }
   return tangent;
 }
-
-// How the handles move along the directions, and what that does to a step. Nothing where they do not.
-class HandleTangent {
- public:
-  HandleTangent(const SensitivityDirections& directions, const HandlePath* offsets, const ClothModel& model)
-      : columns_(directions.handle_offsets), offsets_(offsets), nodes_(model.scene().handles.nodes) {
-    if (columns_.cols() == 0) return;
-    if (offsets == nullptr || columns_.rows() != offsets->positions().size()) {
-      throw std::logic_error("directions of handle offsets: expected those offsets, with as many rows");
-    }
-    while (first_ < columns_.cols() && columns_.col(first_).isZero(0.0)) ++first_;
-    coupling_ = std::make_unique<HandleCoupling>(model);
-  }
-
-  bool is_empty() const { return coupling_ == nullptr; }
-
-  // Takes its part off the last columns of `right` [3 Nf x (p + q)].
-  void Subtract(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
-                Eigen::MatrixXd* right) const {
-    if (is_empty()) return;
-    coupling_->SetStep(record, start, parameters);
-    for (int place = 0; place < coupling_->num_places(); ++place) {
-      right->rightCols(columns_.cols() - first_) -= coupling_->Times(place, At(coupling_->time(place)));
-    }
-  }
-
-  // Writes the handles' rows of the last columns of `all` [3N x (p + q)] at a time.
-  void SetRows(double time, Eigen::MatrixXd* all) const {
-    if (is_empty()) return;
-    const Eigen::MatrixXd rows = At(time);
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      all->middleRows<3>(3 * nodes_[i]).rightCols(rows.cols()) = rows.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-    }
-  }
-
- private:
-  // [3H x (q - first_)]
-  Eigen::MatrixXd At(double time) const {
-    const Eigen::VectorXd weights = offsets_->KnotWeights(time);
-    const Eigen::Index num_rows = offsets_->positions().rows();
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_rows, columns_.cols() - first_);
-    for (Eigen::Index k = 0; k < weights.size(); ++k) {
-      if (weights[k] == 0.0) continue;
-      sum += weights[k] * columns_.middleRows(k * num_rows, num_rows).rightCols(sum.cols());
-    }
-    return sum;
-  }
-
-  const Eigen::MatrixXd& columns_;
-  const HandlePath* offsets_;
-  const std::vector<int>& nodes_;
-  Eigen::Index first_ = 0;  // the first column that moves a handle
-  std::unique_ptr<HandleCoupling> coupling_;
-};
 
 // What g gains not by dv, negated: -b, b = h (H + V) dx_n + N dx^ - M dv_n + dg/dtheta. `further_parts`: takes others
 // off.
@@ -145,7 +92,7 @@ class KeptFactor {
 // From the start of a step to its end.
 class TangentSolver {
  public:
-  TangentSolver(const Parameters& parameters, const std::vector<ParameterId>& ids, const HandleTangent& handles,
+  TangentSolver(const Parameters& parameters, const std::vector<ParameterId>& ids, HandleTangent* handles,
                 const FieldTangent& fields, double tolerance, Simulator* simulator)
       : parameters_(parameters),
         ids_(ids),
@@ -155,16 +102,17 @@ class TangentSolver {
         tolerance_(tolerance),
         simulator_(simulator) {}
 
-  // Of one solve.
-  void Advance(const StepRecord& record, const SolveStart& start, StateColumns* tangent) const {
+  // Of one solve. `pair_forces`: the changes of those upon handles at its end [3H x (p + q)]; null: not asked for.
+  void Advance(const StepRecord& record, const SolveStart& start, StateColumns* tangent,
+               Eigen::MatrixXd* pair_forces) const {
     StepDerivative step(record, start, parameters_, simulator_, &sizes_);
-    Solve(
-        record, start, [](Eigen::MatrixXd*) {}, &step, tangent);
+    SolveToEnd(
+        record, start, [](Eigen::MatrixXd*) {}, &step, tangent, pair_forces);
   }
 
   // Of both stages.
   void AdvanceInStages(const StepRecord& first, const StepRecord& second, const SolveStart& start,
-                       StateColumns* tangent) const {
+                       StateColumns* tangent, Eigen::MatrixXd* pair_forces) const {
     const ClothModel& model = simulator_->model();
     SecondStart second_start;
     StateColumns first_end = *tangent, end;
@@ -180,6 +128,7 @@ class TangentSolver {
         Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - change.momentum;
         if (step.pairs() != nullptr) impulse -= step.pair_jacobian().Spread(change.pair_impulses);
         derivative.SubtractImpacts(*tangent, first_end, impulse, change.pair_impulses, &end);
+        handles_->SubtractImpacts(first, derivative, &end.velocities);
         for (size_t p = 0; p < ids_.size(); ++p) {
           const Eigen::VectorXd* slopes = step.MassSlopes(ids_[p]);
           if (slopes != nullptr) derivative.SubtractMasses(static_cast<int>(p), *slopes, &end);
@@ -195,7 +144,7 @@ class TangentSolver {
     const auto subtract_origins = [&](Eigen::MatrixXd* right) {
       if (step.has_origins()) *right -= step.TimesOrigins(tangent->positions, first_end.positions);
     };
-    Solve(second, from, subtract_origins, &step, &end);
+    SolveToEnd(second, from, subtract_origins, &step, &end, pair_forces);
     *tangent = std::move(end);
   }
 
@@ -205,6 +154,25 @@ class TangentSolver {
     Eigen::MatrixXd momentum, pair_impulses;
   };
 
+  // The solve that ends a step.
+  void SolveToEnd(const StepRecord& record, const SolveStart& start,
+                  const std::function<void(Eigen::MatrixXd*)>& further_parts, StepDerivative* step,
+                  StateColumns* tangent, Eigen::MatrixXd* pair_forces) const {
+    const Eigen::MatrixXd positions = pair_forces == nullptr ? Eigen::MatrixXd() : tangent->positions;
+    const SolveChange change = Solve(record, start, further_parts, step, tangent);
+    handles_->EndStep(record);
+    if (pair_forces == nullptr) return;
+    if (step->pairs() == nullptr) {
+      const auto num_handles = static_cast<Eigen::Index>(simulator_->scene().handles.nodes.size());
+      *pair_forces = Eigen::MatrixXd::Zero(3 * num_handles, positions.cols());
+      return;
+    }
+    *pair_forces = (step->pairs()->SpreadToHandles(change.pair_impulses) -
+                    step->pairs()->TimesWeights(positions, PairNodes::kFree, PairNodes::kHandles)) /
+                   record.time_step;
+    handles_->AddPairForces(pair_forces);
+  }
+
   // Takes `tangent` to the end of a solve. `further_parts` takes off -b what comes besides the handles.
   SolveChange Solve(const StepRecord& record, const SolveStart& start,
                     const std::function<void(Eigen::MatrixXd*)>& further_parts, StepDerivative* step,
@@ -213,7 +181,7 @@ class TangentSolver {
     const Eigen::MatrixXd momentum = MomentumSide(
         *tangent, ids_,
         [&](Eigen::MatrixXd* right) {
-          handles_.Subtract(record, start, parameters_, right);
+          handles_->Subtract(record, start, parameters_, step->pairs(), right);
           fields_.Subtract(record, start, right);
           further_parts(right);
         },
@@ -240,6 +208,7 @@ class TangentSolver {
                              StateColumns* tangent) const {
     if (!step->FactorWithPairs()) throw std::runtime_error("singular step Jacobian");
     Eigen::MatrixXd right = momentum, pair_right = -step->pairs()->TimesGeometry(tangent->positions);
+    handles_->SubtractFromPairs(&pair_right);
     step->pair_jacobian().AddImpulse(&right);
     right -= step->TimesFrames(tangent->positions);
     for (size_t p = 0; p < ids_.size(); ++p) {
@@ -263,7 +232,7 @@ class TangentSolver {
 
   const Parameters& parameters_;
   const std::vector<ParameterId>& ids_;
-  const HandleTangent& handles_;
+  HandleTangent* handles_;
   const FieldTangent& fields_;
   SizeDerivative sizes_;
   double tolerance_;
@@ -282,9 +251,9 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Eigen::VectorXd positions = state.positions, velocities = state.velocities;  // at the end of the last solve
   StateColumns tangent = StartTangent(directions, model);
-  const HandleTangent handles(directions, options.handle_offsets, model);
+  HandleTangent handles(directions, options.handle_offsets, model);
   const FieldTangent fields(directions.fields, parameters, model);
-  const TangentSolver solver(parameters, directions.parameters, handles, fields,
+  const TangentSolver solver(parameters, directions.parameters, &handles, fields,
                              options.adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
   const auto visit = [&](int step) {
     Eigen::MatrixXd all = model.ScatterColumns(tangent.positions);
@@ -292,13 +261,19 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
     visitor(step, positions, all);
   };
   visit(0);
+  Eigen::MatrixXd pair_forces;
+  Eigen::MatrixXd* const asked_forces = options.pair_force_visitor ? &pair_forces : nullptr;
   const StepVisitor advance = [&](int step, std::vector<StepRecord> records) {
     for (std::size_t i = 0; i < records.size(); ++i) {
       if (records[i].ends_step()) {
-        solver.Advance(records[i], {positions, velocities}, &tangent);
+        solver.Advance(records[i], {positions, velocities}, &tangent, asked_forces);
       } else {
-        solver.AdvanceInStages(records[i], records[i + 1], {positions, velocities}, &tangent);
+        solver.AdvanceInStages(records[i], records[i + 1], {positions, velocities}, &tangent, asked_forces);
         ++i;
+      }
+      const bool is_last = i + 1 == records.size();
+      if (is_last && asked_forces != nullptr) {
+        options.pair_force_visitor(step, PairForces(model, parameters, records[i]), pair_forces);
       }
       positions = std::move(records[i].positions);
       velocities = std::move(records[i].velocities);
@@ -315,14 +290,15 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
 }
 
 void PushForward(const Rollout& rollout, const SensitivityDirections& directions, const SensitivityVisitor& visitor,
-                 Simulator* simulator, std::optional<double> adjoint_tolerance) {
+                 Simulator* simulator, std::optional<double> adjoint_tolerance,
+                 const PairForceVisitor& pair_force_visitor) {
   RecordReader reader(rollout, simulator);
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
   StateColumns tangent = StartTangent(directions, model);
-  const HandleTangent handles(directions, &rollout.handle_offsets, model);
+  HandleTangent handles(directions, &rollout.handle_offsets, model);
   const FieldTangent fields(directions.fields, rollout.parameters, model);
-  const TangentSolver solver(rollout.parameters, directions.parameters, handles, fields,
+  const TangentSolver solver(rollout.parameters, directions.parameters, &handles, fields,
                              adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
   const auto visit = [&](int step, const Eigen::VectorXd& positions) {
     Eigen::MatrixXd all = model.ScatterColumns(tangent.positions);
@@ -331,19 +307,23 @@ void PushForward(const Rollout& rollout, const SensitivityDirections& directions
   };
   Eigen::VectorXd positions = rollout.initial_positions, velocities = rollout.initial_velocities;
   visit(0, positions);
+  Eigen::MatrixXd pair_forces;
+  Eigen::MatrixXd* const asked_forces = pair_force_visitor ? &pair_forces : nullptr;
   int step = 1;
   for (int i = 0; i < static_cast<int>(rollout.records.size()); ++i) {
     const StepRecord& record = reader.record(i);
     if (record.ends_step()) {
-      solver.Advance(record, {positions, velocities}, &tangent);
+      solver.Advance(record, {positions, velocities}, &tangent, asked_forces);
     } else {
-      solver.AdvanceInStages(record, reader.record(i + 1), {positions, velocities}, &tangent);
+      solver.AdvanceInStages(record, reader.record(i + 1), {positions, velocities}, &tangent, asked_forces);
       ++i;
     }
     const StepRecord& end = reader.record(i);
     positions = end.positions;
     velocities = end.velocities;
-    if (rollout.last_record[step - 1] == i) visit(step++, positions);
+    if (rollout.last_record[step - 1] != i) continue;
+    if (pair_force_visitor) pair_force_visitor(step, PairForces(model, rollout.parameters, end), pair_forces);
+    visit(step++, positions);
   }
 }
 

@@ -33,6 +33,11 @@ struct SensitivityDirections {
 using SensitivityVisitor =
     std::function<void(int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& positions_derivative)>;
 
+// Called before it, after every step but the start, with the forces of pairs upon handles F [3H] N
+// (sim/rollout/pair_forces.h) and dF [3H x (p + q)].
+using PairForceVisitor =
+    std::function<void(int step, const Eigen::VectorXd& forces, const Eigen::MatrixXd& forces_derivative)>;
+
 struct SensitivityResult {
   RolloutCounts counts;
   std::optional<StepFailure> failure;  // set: the rollout ended early; the visitor saw the steps before
@@ -46,6 +51,7 @@ struct SensitivityOptions {
   const HandlePath* handle_offsets = nullptr;
   // Relative residual asked of the linear systems where they are solved by iteration. Absent: the scene's.
   std::optional<double> adjoint_tolerance;
+  PairForceVisitor pair_force_visitor = {};  // may be empty
 };
 
 // Runs the rollout that `Simulate` would run, and with it
@@ -61,7 +67,8 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
 // product with the Jacobian of its trajectory, as often as one is wanted. It must be ok() and come from the same
 // `simulator`. `adjoint_tolerance`: as of SensitivityOptions.
 void PushForward(const Rollout& rollout, const SensitivityDirections& directions, const SensitivityVisitor& visitor,
-                 Simulator* simulator, std::optional<double> adjoint_tolerance = std::nullopt);
+                 Simulator* simulator, std::optional<double> adjoint_tolerance = std::nullopt,
+                 const PairForceVisitor& pair_force_visitor = {});
 
 }  // namespace clothid
 

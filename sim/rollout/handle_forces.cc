@@ -87,6 +87,26 @@ void HandleForces::SubtractSums(const Eigen::VectorXd& force, Eigen::VectorXd* s
   for (const Handle& handle : handles_) sums->segment<3>(3 * handle.group) -= force.segment<3>(3 * handle.local);
 }
 
+Eigen::Index HandleForces::RowOf(const Handle& handle) const {
+  const std::vector<int>& nodes = model_.scene().handles.nodes;
+  return 3 * (std::find(nodes.begin(), nodes.end(), handle.node) - nodes.begin());
+}
+
+Eigen::MatrixXd HandleForces::OverGroups(const Eigen::MatrixXd& handles) const {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(3 * num_groups(), handles.cols());
+  for (const Handle& handle : handles_) {
+    sums.middleRows<3>(3 * handle.group) += handles.middleRows<3>(RowOf(handle));
+  }
+  return sums;
+}
+
+Eigen::MatrixXd HandleForces::OverGroupsTransposed(const Eigen::MatrixXd& groups) const {
+  const auto num_handles = static_cast<Eigen::Index>(model_.scene().handles.nodes.size());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3 * num_handles, groups.cols());
+  for (const Handle& handle : handles_) rows.middleRows<3>(RowOf(handle)) += groups.middleRows<3>(3 * handle.group);
+  return rows;
+}
+
 void HandleForces::AddBending(const Bending& bending, double stiffness, const Eigen::VectorXd& positions,
                               Eigen::VectorXd* sums) const {
   sums->reshaped(3, num_groups()) +=

@@ -6,7 +6,7 @@
 // with f_int stretch, bending and internal damping, and f_ext gravity, the scene's node force and drag, all on the
 // handle's node (sim/step/step_problem.h). R is a function of the positions at the ends of three successive steps
 // x_0, x_1, x_2 and of the parameters alone, so that its derivatives need nothing from the sweeps (sim/derivative) but
-// those of positions:
+// those of positions; contacts of the cloth with itself push handles as pair_forces.h says, which is taken off apart:
 //   v = sum r_k x_k,   a = (x_0 - 2 x_1 + x_2)/h^2,   Edot = 1/2 sum r_k C(x_k)   (strain_rate_damping.h)
 // and the elastic force at the step's own x_q.
 //   backward Euler   q = 2, r = (0, -1, 1)/h: to the tolerance of the steps the force that closes the balance of
@@ -81,6 +81,10 @@ class HandleForces {
 
   // R after every step [3G x (num_steps + 1)] from the positions of `nodes()` after every step [3n x (num_steps + 1)].
   Eigen::MatrixXd Over(const Eigen::MatrixXd& positions) const;
+  // The sums over groups [3G x c] of columns over the scene's handles, in their order [3H x c]; and the transpose.
+  Eigen::MatrixXd OverGroups(const Eigen::MatrixXd& handles) const;
+  Eigen::MatrixXd OverGroupsTransposed(const Eigen::MatrixXd& groups) const;
+
   // The first columns of the window of `step`, of the same positions.
   States StatesAt(int step, const Eigen::MatrixXd& positions) const;
 
@@ -108,6 +112,7 @@ class HandleForces {
   Eigen::SparseMatrix<double> RowsOf(const Eigen::SparseMatrix<double>& matrix) const;
   // What eta `id` multiplies.
   StrainRateDamping DampingOf(ParameterId id) const;
+  Eigen::Index RowOf(const Handle& handle) const;  // in columns over the scene's handles
   Eigen::Vector3d Derivative(const std::array<double, 3>& weights, const Handle& handle, const States& states) const;
   Eigen::Vector3d Acceleration(const Handle& handle, const States& states) const;  // a, m/s^2
   // The velocity of a handle to the air around it, m/s; and dR/dx_k of drag, kg/s. All that is said of air is here.

@@ -133,6 +133,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
   FactorBudget budget(options.factor_memory);
   const StepVisitor append = [&](int step, std::vector<StepRecord> records) {
     if (options.visitor) options.visitor(step, records.back().positions);
+    if (options.end_visitor) options.end_visitor(step, records.back());
     for (StepRecord& record : records) {
       budget.Keep(&record.factor);
       rollout.records.push_back(std::move(record));

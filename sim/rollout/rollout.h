@@ -61,6 +61,8 @@ struct RolloutOptions {
   std::size_t factor_memory = 0;
   // Called with x [3N] after `step` steps, from step 0 on, kept or not. May be empty.
   std::function<void(int step, const Eigen::VectorXd& positions)> visitor;
+  // Called with the last solve of every step. May be empty.
+  std::function<void(int step, const StepRecord& end)> end_visitor = {};
   // A rollout of the same scene with other parameters: every step is cut into substeps as there and starts from its
   // velocities. A stiff step may have several solutions; near by the parameters this finds the one that goes over into
   // that of `followed`. May be null; not with checkpoints.

@@ -1,7 +1,8 @@
 // Offsets of the handles' path and the start that goes with them: adjoint = sensitivity = central finite differences,
-// with contact, bending, drag, internal damping and fields.
+// with contact, with obstacles or of the cloth with itself, bending, drag, internal damping and fields.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -11,12 +12,24 @@
 #include "sim/derivative/sensitivity.h"
 #include "sim/rollout/simulator.h"
 #include "tests/sim/derivative/same_branches.h"
+#include "tests/sim/self_contact_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
 namespace clothid::handle_derivative_test {
 namespace {
 
 constexpr int kNumKnots = 3;
+
+// All of them by `way` over the scene.
+void MoveHandles(const Eigen::Vector3d& way, Scene* scene) {
+  const std::vector<int>& nodes = scene->handles.nodes;
+  Eigen::MatrixXd knots(3 * static_cast<Eigen::Index>(nodes.size()), 2);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Eigen::Vector3d start = scene->initial_positions.segment<3>(3 * nodes[i]);
+    knots.middleRows<3>(3 * static_cast<Eigen::Index>(i)) << start, start + way;
+  }
+  scene->handles.path = HandlePath(Eigen::Vector2d(scene->start_time, scene->start_time + scene->duration), knots);
+}
 
 // The draped cloth with all terms, its handles on the move.
 Scene MovingScene(Integrator integrator) {
@@ -30,29 +43,44 @@ Scene MovingScene(Integrator integrator) {
   scene.solver.step_tolerance = 1e-12;
   scene.fields = {{ParameterKind::kStretchStiffness, Eigen::RowVector2d(60.0, 90.0)},
                   {ParameterKind::kBendingStiffness, Eigen::Vector2d(2e-4, 5e-5)}};
-  const std::vector<int>& nodes = scene.handles.nodes;
-  Eigen::MatrixXd knots(3 * static_cast<Eigen::Index>(nodes.size()), 2);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const Eigen::Vector3d start = scene.initial_positions.segment<3>(3 * nodes[i]);
-    knots.middleRows<3>(3 * static_cast<Eigen::Index>(i)) << start, start + Eigen::Vector3d(0.01, 0.02, 0.01);
+  MoveHandles({0.01, 0.02, 0.01}, &scene);
+  return scene;
+}
+
+// A layer that falls by a millimetre onto another and slides on it. Most of the lower one is held and shaken.
+Scene LayersScene(Integrator integrator) {
+  Scene scene = LayersOnASlope(2, 0.44, 0.3, integrator, 0.005);
+  std::vector<int> held;
+  for (int node = 0; node < static_cast<int>(scene.handles.nodes.size()); ++node) {
+    if (node % 4 != 1) held.push_back(node);
   }
-  scene.handles.path = HandlePath(Eigen::Vector2d(scene.start_time, scene.start_time + scene.duration), knots);
+  for (int node = static_cast<int>(scene.handles.nodes.size()); node < scene.mesh.num_nodes(); ++node) {
+    scene.initial_positions[3 * node + 2] += 0.001;
+    scene.initial_velocities[3 * node] = 0.05;
+  }
+  scene.handles.nodes = held;
+  scene.material.damping = 0.02;
+  scene.solver.step_tolerance = 1e-12;
+  scene.solver.adjoint_tolerance = 1e-14;
+  scene.duration = 0.1;
+  MoveHandles({-0.004, 0.002, 0.003}, &scene);
   return scene;
 }
 
 class HandleCase {
  public:
-  explicit HandleCase(Integrator integrator)
-      : scene_(MovingScene(integrator)), simulator_(scene_), parameters_(scene_.nominal_parameters()) {
+  // `noise`, m, of the offsets and, times 50, of the directions.
+  explicit HandleCase(const Scene& scene, double noise = 0.002)
+      : scene_(scene), simulator_(scene_), parameters_(scene_.nominal_parameters()) {
     std::mt19937_64 generator(5);
     std::normal_distribution<double> normal;
     const Eigen::Index num_handles = static_cast<Eigen::Index>(scene_.handles.nodes.size());
-    values_ = Eigen::MatrixXd::NullaryExpr(3 * num_handles, kNumKnots, [&] { return 0.002 * normal(generator); });
-    directions_.initial_positions =
-        Eigen::MatrixXd::NullaryExpr(scene_.initial_positions.size(), 2, [&] { return 0.1 * normal(generator); });
+    values_ = Eigen::MatrixXd::NullaryExpr(3 * num_handles, kNumKnots, [&] { return noise * normal(generator); });
+    directions_.initial_positions = Eigen::MatrixXd::NullaryExpr(scene_.initial_positions.size(), 2,
+                                                                 [&] { return 50.0 * noise * normal(generator); });
     directions_.initial_positions.col(1).setZero();
     directions_.handle_offsets =
-        Eigen::MatrixXd::NullaryExpr(values_.size(), 2, [&] { return 0.1 * normal(generator); });
+        Eigen::MatrixXd::NullaryExpr(values_.size(), 2, [&] { return 50.0 * noise * normal(generator); });
     directions_.handle_offsets.col(0).setZero();
     rollout_ = Perturbed(0, 0.0);
     EXPECT_TRUE(rollout_.ok()) << rollout_.failure->ToString();
@@ -131,9 +159,7 @@ class HandleCase {
 
 class HandleDerivativeTest : public ::testing::TestWithParam<Integrator> {};
 
-TEST_P(HandleDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
-  HandleCase handles(GetParam());
-  ASSERT_FALSE(handles.rollout().records.back().contacts.empty());
+void ExpectThreeWaysAgree(HandleCase& handles) {
   const Eigen::Vector2d adjoint = handles.Adjoint(), sensitivity = handles.Sensitivity();
   for (int i = 0; i < 2; ++i) {
     EXPECT_NEAR(adjoint[i], sensitivity[i], 1e-10 * std::abs(adjoint[i])) << i;
@@ -148,9 +174,26 @@ TEST_P(HandleDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
   }
 }
 
+TEST_P(HandleDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
+  HandleCase handles(MovingScene(GetParam()));
+  ASSERT_FALSE(handles.rollout().records.back().contacts.empty());
+  ExpectThreeWaysAgree(handles);
+}
+
+// Handles are among the nodes of the pairs in contact, those of an impact, too.
+TEST_P(HandleDerivativeTest, OfPairsThatTouchThem) {
+  HandleCase handles(LayersScene(GetParam()), 1e-4);
+  const std::vector<PairContactRecord>& pairs = handles.rollout().records.back().pairs;
+  ASSERT_TRUE(std::any_of(pairs.begin(), pairs.end(), [&](const PairContactRecord& pair) {
+    const std::vector<int>& held = handles.scene().handles.nodes;
+    return std::find(held.begin(), held.end(), pair.features.nodes[1]) != held.end();
+  }));
+  ExpectThreeWaysAgree(handles);
+}
+
 // A checkpointed rollout makes its steps again, with the offsets.
 TEST_P(HandleDerivativeTest, CheckpointsRememberTheOffsets) {
-  HandleCase handles(GetParam());
+  HandleCase handles(MovingScene(GetParam()));
   const HandlePath& offsets = handles.rollout().handle_offsets;
   RolloutOptions options;
   options.initial_positions = &handles.rollout().initial_positions;

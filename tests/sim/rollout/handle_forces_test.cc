@@ -9,7 +9,9 @@
 
 #include "sim/base/error.h"
 #include "sim/rollout/energy_loss.h"
+#include "sim/rollout/pair_forces.h"
 #include "tests/sim/plain_scenes.h"
+#include "tests/sim/self_contact_scenes.h"
 
 namespace clothid::handle_forces_test {
 namespace {
@@ -171,6 +173,28 @@ TEST(HandleForcesTest, ClosesTheBalanceOfMomentumOfSdirk2InSecondOrder) {
   const double coarse = largest(0.0025), fine = largest(0.00125);
   EXPECT_LE(coarse, 0.02);
   EXPECT_GE(coarse / fine, 3.0);
+}
+
+// A layer slides on another, all of which is held: what its contacts push the handles with is in the balance.
+TEST(HandleForcesTest, CarriesALayerThatSlides) {
+  Scene scene = LayersOnASlope(2, 0.44, 0.3, Integrator::kEuler, 0.005);
+  scene.material.bending_stiffness = 0.0;  // at rest it is not flat
+  scene.duration = 0.1;
+  const TestRun run(scene, {scene.handles.nodes});
+  for (int step = 2; step <= scene.num_steps(); ++step) {
+    const StepRecord& end = run.rollout.records[run.rollout.last_record[step - 1]];
+    ASSERT_FALSE(end.pairs.empty());
+    const Eigen::Vector3d pushed =
+        run.forces.OverGroups(PairForces(run.simulator.model(), run.rollout.parameters, end));
+    const Eigen::VectorXd acceleration = run.AccelerationAt(step - 1);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
+      const double mass = scene.material.density * run.simulator.model().mass_areas()[node];
+      sum += mass * (acceleration.segment<3>(3 * node) - scene.gravity);
+    }
+    EXPECT_LE((run.values.col(step) - pushed - sum).norm(), 1e-8 * sum.norm()) << step;
+    EXPECT_GE(pushed.norm(), 0.1 * sum.norm());
+  }
 }
 
 TEST(HandleForcesTest, SumsGroups) {
