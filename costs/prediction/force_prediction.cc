@@ -1,8 +1,15 @@
 #include "costs/prediction/force_prediction.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace clothid {
+namespace {
+
+// Whose forces of pairs count in that after `step` steps.
+int PairForceStep(int step) { return std::max(step, 1); }
+
+}  // namespace
 
 ForcePrediction::ForcePrediction(const ForceObservation* observation, const ClothModel& model,
                                  const Parameters& parameters, int num_steps, Eigen::VectorXd bias)
@@ -15,10 +22,12 @@ ForcePrediction::ForcePrediction(const ForceObservation* observation, const Clot
   }
 }
 
-Eigen::MatrixXd ForcePrediction::At(const Eigen::MatrixXd& states) const {
+Eigen::MatrixXd ForcePrediction::At(const Eigen::MatrixXd& states, const Eigen::MatrixXd& pair_forces) const {
   Eigen::MatrixXd after(bias_.size(), states.cols());
   for (int step = 0; step < states.cols(); ++step) {
-    if (is_needed(step)) after.col(step) = forces_.At(step, forces_.StatesAt(step, states));
+    if (!is_needed(step)) continue;
+    after.col(step) = forces_.At(step, forces_.StatesAt(step, states));
+    if (pair_forces.size() > 0) after.col(step) -= forces_.OverGroups(pair_forces.col(PairForceStep(step)));
   }
   Eigen::MatrixXd predicted(bias_.size(), observation_->num_readings());
   for (int i = 0; i < observation_->num_readings(); ++i) {
@@ -38,6 +47,10 @@ ForceSampler::ForceSampler(const ForcePrediction* prediction, std::vector<Parame
       visitor_(std::move(visitor)),
       fields_(std::move(fields)) {}
 
+void ForceSampler::AddPairForces(int step, const Eigen::MatrixXd& forces) {
+  pair_forces_[static_cast<std::size_t>(step % 3)] = prediction_->forces().OverGroups(forces);
+}
+
 void ForceSampler::AddStep(int step, const Eigen::Ref<const Eigen::MatrixXd>& state) {
   const HandleForces& forces = prediction_->forces();
   kept_[static_cast<std::size_t>(step % 3)] = forces.Gather(state);
@@ -56,6 +69,8 @@ Eigen::MatrixXd ForceSampler::ForceAfter(int step) const {
   const Eigen::Index num_changes = states[0].cols() - 1;
   Eigen::MatrixXd after = Eigen::MatrixXd::Zero(prediction_->bias().size(), 1 + num_changes);
   after.col(0) = forces.At(step, states);
+  const Eigen::MatrixXd& pair_forces = pair_forces_[static_cast<std::size_t>(PairForceStep(step) % 3)];
+  if (pair_forces.size() > 0) after -= pair_forces;
   if (num_changes == 0) return after;
   const auto jacobian = forces.Jacobian(step, states);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -91,6 +106,7 @@ ForceSeeds::ForceSeeds(const ForcePrediction* prediction, const Eigen::MatrixXd*
       parameter_gradient_(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(parameters_.size()), seeds_.cols())),
       next_step_(prediction->forces().num_steps()) {
   pending_.fill(Eigen::MatrixXd::Zero(states->rows(), seeds_.cols()));
+  pending_forces_.fill(Eigen::MatrixXd::Zero(prediction->bias().size(), seeds_.cols()));
 }
 
 Eigen::MatrixXd ForceSeeds::SeedsAfter(int step) const {
@@ -109,6 +125,7 @@ void ForceSeeds::AddTo(int step, Eigen::MatrixXd* gradient) {
     if (!prediction_->is_needed(next_step_)) continue;
     const HandleForces::States states = forces.StatesAt(next_step_, *states_);
     const Eigen::MatrixXd seeds = SeedsAfter(next_step_);
+    pending_forces_[static_cast<std::size_t>(PairForceStep(next_step_) % 3)] += seeds;
     const auto jacobian = forces.Jacobian(next_step_, states);
     const int first = forces.Window(next_step_).first_step;
     for (int k = 0; k < 3; ++k) {
@@ -129,6 +146,13 @@ void ForceSeeds::AddTo(int step, Eigen::MatrixXd* gradient) {
     gradient->middleRows<3>(3 * forces.nodes()[i]) += own.middleRows<3>(3 * static_cast<Eigen::Index>(i));
   }
   own.setZero();
+  Eigen::MatrixXd& own_forces = pending_forces_[static_cast<std::size_t>(step % 3)];
+  by_forces_ = own_forces;
+  own_forces.setZero();
+}
+
+void ForceSeeds::AddPairForcesTo(Eigen::MatrixXd* gradient) const {
+  *gradient -= prediction_->forces().OverGroupsTransposed(by_forces_);
 }
 
 }  // namespace clothid

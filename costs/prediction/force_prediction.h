@@ -2,7 +2,9 @@
 //   predicted(t_i) = sum_j w_ij R_j + bias
 // with R_j the forces after step j (sim/rollout/handle_forces.h), linear in time between steps, and the bias of the
 // sensors (costs/prediction/alignment.h). R_j depends on three successive states, so both sweeps meet it through the
-// positions that they differentiate anyway; what it owes to the parameters and fields themselves is added here.
+// positions that they differentiate anyway; what it owes to the parameters and fields themselves is added here. Where
+// the cloth touches itself, the forces F of pairs upon handles (sim/rollout/pair_forces.h) are taken off, which the
+// sweeps differentiate as well: of step j, and of step 1 at the start.
 #ifndef CLOTHID_COSTS_PREDICTION_FORCE_PREDICTION_H_
 #define CLOTHID_COSTS_PREDICTION_FORCE_PREDICTION_H_
 
@@ -32,8 +34,9 @@ class ForcePrediction {
   // Whether a reading depends on the force after `step` steps.
   bool is_needed(int step) const { return is_needed_[static_cast<std::size_t>(step)]; }
 
-  // [3G x F] N, from the positions of the nodes near handles after every step [3n x (steps + 1)] m.
-  Eigen::MatrixXd At(const Eigen::MatrixXd& states) const;
+  // [3G x readings] N, from the positions of the nodes near handles after every step [3n x (steps + 1)] m and F [3H x
+  // (steps + 1)] N, empty where the cloth does not touch itself.
+  Eigen::MatrixXd At(const Eigen::MatrixXd& states, const Eigen::MatrixXd& pair_forces) const;
 
  private:
   const ForceObservation* observation_;
@@ -55,6 +58,8 @@ class ForceSampler {
                Eigen::MatrixXd fields = {});
   // `state` [3N x (1 + c)] after `step` steps, positions and changes of them; steps 0, 1, 2, .. in order.
   void AddStep(int step, const Eigen::Ref<const Eigen::MatrixXd>& state);
+  // F and changes of it [3H x (1 + c)] after `step` steps, before AddStep of it.
+  void AddPairForces(int step, const Eigen::MatrixXd& forces);
 
  private:
   Eigen::MatrixXd ForceAfter(int step) const;  // [3G x (1 + c)]
@@ -65,6 +70,7 @@ class ForceSampler {
   Visitor visitor_;
   Eigen::MatrixXd fields_;
   HandleForces::States kept_;             // the latest states, that of step s at place s modulo 3
+  HandleForces::States pair_forces_;      // likewise F over the groups; empty: none
   std::array<Eigen::MatrixXd, 2> after_;  // the latest forces, likewise modulo 2
   int next_step_ = 0, next_reading_ = 0;
 };
@@ -78,6 +84,8 @@ class ForceSeeds {
 
   // Adds dC/dx after `step` steps to `gradient` [3N x s]; steps from the last to the first.
   void AddTo(int step, Eigen::MatrixXd* gradient);
+  // Adds dC/dF after the step of the last AddTo to `gradient` [3H x s].
+  void AddPairForcesTo(Eigen::MatrixXd* gradient) const;
   // dC/d(parameters) at fixed positions [p x s], after step 0.
   const Eigen::MatrixXd& parameter_gradient() const { return parameter_gradient_; }
   // And by fields [K F x s]; empty where the prediction has none.
@@ -93,7 +101,9 @@ class ForceSeeds {
   std::vector<ParameterId> parameters_;
   Eigen::MatrixXd parameter_gradient_, field_gradient_;
   int next_step_;
-  std::array<Eigen::MatrixXd, 3> pending_;  // of states [3n x s], that of step s at place s modulo 3
+  std::array<Eigen::MatrixXd, 3> pending_;         // of states [3n x s], that of step s at place s modulo 3
+  std::array<Eigen::MatrixXd, 3> pending_forces_;  // likewise of R [3G x s], whose F is that of step s
+  Eigen::MatrixXd by_forces_;                      // that of the last step
 };
 
 }  // namespace clothid

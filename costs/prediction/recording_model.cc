@@ -9,6 +9,7 @@
 #include "datasets/observation/residual_derivative.h"
 #include "sim/base/error.h"
 #include "sim/cloth/cloth_model.h"
+#include "sim/rollout/pair_forces.h"
 #include "sim/scene/material_field.h"
 
 namespace clothid {
@@ -66,12 +67,6 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
                                          "expected a recording without them");
     }
   }
-  if (scene().self_contact && (values_.move_handles() || !observation_.forces().is_empty())) {
-    throw Error(ErrorKind::kUsage, motion.name +
-                                       ": its cloth meets itself (self_contact), where neither forces at handles nor "
-                                       "the derivative by their path is known; expected a recording without forces, "
-                                       "and no parameter of the handles");
-  }
   if (!values_.move_handles()) return;
   const bool turns = values_.Find(AlignmentKind::kHandleTurn) != nullptr;
   handle_correction_.emplace(scene(), HandleGroups(motion), start_ ? start_->handle_knots() : Eigen::VectorXd(), turns);
@@ -122,7 +117,8 @@ Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const Pas
 
 RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                                 Eigen::Index num_columns, const AddPositionGradient& add_seeds,
-                                                const AdjointOptions& options, Precision precision) {
+                                                const AdjointOptions& options, Precision precision,
+                                                const AddPositionGradient& add_pair_force_seeds) {
   const auto add_position_gradient = [&](int step, Eigen::MatrixXd* gradient) {
     add_seeds(step, gradient);
     Observe(RolloutPass::kReverseSweep, num_steps() - step, /*passes_left=*/0);
@@ -130,7 +126,7 @@ RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const st
   AdjointOptions with_threshold = options;
   with_threshold.threshold = options.threshold.value_or(SolverAt(precision).adjoint_tolerance);
   return clothid::PullBack(rollout, parameters, static_cast<int>(num_columns), add_position_gradient, &simulator_,
-                           with_threshold);
+                           with_threshold, add_pair_force_seeds);
 }
 
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass,
@@ -141,6 +137,9 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassO
   if (forces != nullptr) *forces = ForceTrack();
   if (force_prediction) {
     forces->states.resize(3 * static_cast<Eigen::Index>(force_prediction->forces().nodes().size()), num_steps() + 1);
+    if (scene().self_contact) {
+      forces->pair_forces.setZero(3 * static_cast<Eigen::Index>(scene().handles.nodes.size()), num_steps() + 1);
+    }
   }
   predicted->resize(observation_.num_predicted(), observation_.num_frames());
   if (velocities != nullptr) velocities->resize(0, 0);
@@ -157,8 +156,15 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassO
     sampler.AddStep(step, positions);
     if (force_prediction) forces->states.col(step) = force_prediction->forces().Gather(positions);
   };
+  if (force_prediction && scene().self_contact) {
+    options.end_visitor = [&, parameters = ParametersAt(coordinates)](int step, const StepRecord& end) {
+      forces->pair_forces.col(step) = PairForces(simulator_.model(), parameters, end);
+    };
+  }
   Rollout rollout = RunRollout(coordinates, pass, std::move(options));
-  if (force_prediction && rollout.ok()) forces->predicted = force_prediction->At(forces->states);
+  if (force_prediction && rollout.ok()) {
+    forces->predicted = force_prediction->At(forces->states, forces->pair_forces);
+  }
   return rollout;
 }
 
@@ -199,8 +205,12 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
     prediction.AddSeeds(step, seeds, derivative, gradient);
     if (force_seeds) force_seeds->AddTo(step, gradient);
   };
+  AddPositionGradient add_pair_force_seeds;
+  if (force_seeds && scene().self_contact) {
+    add_pair_force_seeds = [&](int, Eigen::MatrixXd* gradient) { force_seeds->AddPairForcesTo(gradient); };
+  }
   const RolloutGradient gradient =
-      RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision);
+      RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision, add_pair_force_seeds);
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   if (force_seeds) all(sorted.parameter_places, Eigen::all) += force_seeds->parameter_gradient();

@@ -54,6 +54,9 @@ struct RolloutStorage {
 struct ForceTrack {
   Eigen::MatrixXd predicted;  // [3G x F] N
   Eigen::MatrixXd states;     // [3n x (steps + 1)] m: positions of the nodes near handles after every step
+  // [3H x (steps + 1)] N: of pairs upon handles (sim/rollout/pair_forces.h); empty where the cloth does not touch
+  // itself.
+  Eigen::MatrixXd pair_forces = {};
 };
 
 // What a forward sweep runs along: the coordinates of blocks, then combinations of the unknowns of start and fields.
@@ -146,7 +149,8 @@ class RecordingModel {
                    const FrameVisitor& visitor, Precision precision, int passes_left = 0);
 
  private:
-  using Sweep = std::function<void(const SensitivityDirections& directions, const SensitivityVisitor& visitor)>;
+  using Sweep = std::function<void(const SensitivityDirections& directions, const SensitivityVisitor& visitor,
+                                   const PairForceVisitor& pair_force_visitor)>;
   // What the forward sweeps have in common, and how closely their systems are solved.
   void SweepFrames(const Eigen::VectorXd& coordinates, const SweepColumns& columns, const FrameVisitor& visitor,
                    int passes_left, const Sweep& sweep);
@@ -158,7 +162,8 @@ class RecordingModel {
   Rollout RunRollout(const Eigen::VectorXd& coordinates, const PassOptions& pass, RolloutOptions options);
   RolloutGradient RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                   Eigen::Index num_columns, const AddPositionGradient& add_seeds,
-                                  const AdjointOptions& options, Precision precision);
+                                  const AdjointOptions& options, Precision precision,
+                                  const AddPositionGradient& add_pair_force_seeds);
 
   FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
   // Absent where the recording has no forces. The parameters' fields are in the simulator afterwards.

@@ -13,6 +13,14 @@ namespace {
 // Columns that move a start beyond which they are for a Gauss-Newton matrix.
 constexpr Eigen::Index kManyColumns = 24;
 
+PairForceVisitor AddingTo(ForceSampler* sampler) {
+  return [sampler](int step, const Eigen::VectorXd& forces, const Eigen::MatrixXd& derivative) {
+    Eigen::MatrixXd all(forces.size(), 1 + derivative.cols());
+    all << forces, derivative;
+    sampler->AddPairForces(step, all);
+  };
+}
+
 }  // namespace
 
 SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates, const SweepColumns& columns,
@@ -24,7 +32,9 @@ SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates
   options.adjoint_tolerance = ForwardTolerance(columns, pass.precision);
   SensitivityResult result;
   SweepFrames(coordinates, columns, visitor, pass.passes_left,
-              [&](const SensitivityDirections& directions, const SensitivityVisitor& add_step) {
+              [&](const SensitivityDirections& directions, const SensitivityVisitor& add_step,
+                  const PairForceVisitor& add_pair_forces) {
+                options.pair_force_visitor = add_pair_forces;
                 result = clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_,
                                               pass.cancel, options);
               });
@@ -35,8 +45,10 @@ void RecordingModel::PushForward(const Rollout& rollout, const Eigen::VectorXd& 
                                  const SweepColumns& columns, const FrameVisitor& visitor, Precision precision,
                                  int passes_left) {
   SweepFrames(coordinates, columns, visitor, passes_left,
-              [&](const SensitivityDirections& directions, const SensitivityVisitor& add_step) {
-                clothid::PushForward(rollout, directions, add_step, &simulator_, ForwardTolerance(columns, precision));
+              [&](const SensitivityDirections& directions, const SensitivityVisitor& add_step,
+                  const PairForceVisitor& add_pair_forces) {
+                clothid::PushForward(rollout, directions, add_step, &simulator_, ForwardTolerance(columns, precision),
+                                     add_pair_forces);
               });
 }
 
@@ -72,14 +84,16 @@ void RecordingModel::SweepFrames(const Eigen::VectorXd& coordinates, const Sweep
     };
     force_sampler.emplace(&*forces, sorted.parameters, visit, directions.fields);
   }
-  sweep(directions, [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+  const bool has_pair_forces = force_sampler && scene().self_contact;
+  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
     Eigen::MatrixXd state(positions.size(), 1 + derivative.cols());
     state.col(0) = positions;
     state.rightCols(derivative.cols()) = derivative;
     sampler.AddStep(step, state);
     if (force_sampler) force_sampler->AddStep(step, state);
     Observe(RolloutPass::kForwardSweep, step, passes_left);
-  });
+  };
+  sweep(directions, add_step, has_pair_forces ? AddingTo(&*force_sampler) : PairForceVisitor());
 }
 
 Eigen::MatrixXd RecordingModel::Arranged(const Eigen::MatrixXd& swept, const SortedBlocks& blocks) {

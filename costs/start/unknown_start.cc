@@ -22,8 +22,7 @@ constexpr double kRounding = 1e-13;
 
 Eigen::VectorXd OffsetKnots(const RecordedMotion& motion) {
   const HandleMeasurements& measured = motion.handle_measurements;
-  // Where the cloth meets itself no derivative by the path of the handles is known: they are where they were measured.
-  if (measured.is_empty() || motion.scene.self_contact) return {};
+  if (measured.is_empty()) return {};
   const Eigen::Index num_times = measured.times.size();
   const bool stands_still = motion.scene.handles.path.times().size() == 1;
   const Eigen::Index count =
