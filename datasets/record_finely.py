@@ -31,8 +31,9 @@ def arguments():
 def main():
     options = arguments()
     scene = json.loads(options.scene.read_text(encoding="utf-8"))
-    for key, name in (("mesh", "obj"), ("initial", "positions")):  # files beside the scene
-        file = options.scene.resolve().parent / str(scene.get(key, {}).get(name))
+    for key, name in (("mesh", "obj"), ("initial", "positions"), ("handles", "path")):  # files beside the scene
+        part = scene.get(key, {})
+        file = options.scene.resolve().parent / str(part.get(name) if isinstance(part, dict) else None)
         if file.is_file():
             scene[key][name] = str(file)
     with tempfile.TemporaryDirectory() as folder:

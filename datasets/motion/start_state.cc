@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "datasets/motion/shape_problem.h"
+#include "sim/contact/pair_geometry.h"
+#include "sim/contact/self_contact_search.h"
 
 namespace clothid {
 namespace {
@@ -81,6 +84,46 @@ void MoveToPoints(const ClothModel& model, const std::vector<ObservedPoint>& poi
   }
 }
 
+constexpr int kMaxPushes = 200;
+constexpr double kLayerTolerance = 1e-3;  // of the thickness
+
+// How much nearer than `thickness` a pair was, m.
+double PushApart(const PairFeatures& pair, const std::vector<bool>& is_held, double thickness,
+                 Eigen::VectorXd* positions) {
+  const PairGeometry geometry = EvaluatePair(pair, *positions);
+  const double missing = thickness - geometry.distance;
+  double square = 0.0;
+  for (int i = 0; i < pair.num_nodes(); ++i) {
+    if (!is_held[pair.nodes[i]]) square += geometry.weights[i] * geometry.weights[i];
+  }
+  if (!(missing > 0.0) || !(square > 0.0)) return 0.0;
+  for (int i = 0; i < pair.num_nodes(); ++i) {
+    if (is_held[pair.nodes[i]]) continue;
+    positions->segment<3>(3 * pair.nodes[i]) += missing / square * geometry.weights[i] * geometry.normal;
+  }
+  return missing;
+}
+
+// Moves the free nodes of `positions` [3N] m along the normals of pairs that are nearer than the thickness
+// (sim/contact/self_contact.h), as little as may be and one pair after the other, until none is nearer by more than a
+// thousandth of it: a simulation would throw such layers apart, and without friction while they fly. Layers that have
+// passed through each other stay so. Nothing without self-contact.
+void KeepLayersApart(const Scene& scene, Eigen::VectorXd* positions) {
+  if (!scene.self_contact) return;
+  const double thickness = scene.self_contact->thickness;
+  std::vector<bool> is_held(static_cast<std::size_t>(scene.mesh.num_nodes()), false);
+  for (const int node : scene.handles.nodes) is_held[node] = true;
+  SelfContactSearch search(scene.mesh, thickness);
+  const Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(positions->size());
+  std::vector<PairFeatures> pairs;
+  for (int sweep = 0; sweep < kMaxPushes; ++sweep) {
+    search.Find(*positions, at_rest, 0.0, 0.0, &pairs);
+    double worst = 0.0;
+    for (const PairFeatures& pair : pairs) worst = std::max(worst, PushApart(pair, is_held, thickness, positions));
+    if (worst <= kLayerTolerance * thickness) return;
+  }
+}
+
 double MeanArea(const Mesh& mesh) { return TriangleAreas(mesh).mean(); }
 
 }  // namespace
@@ -107,6 +150,7 @@ Eigen::VectorXd SmoothStartPositions(const Scene& scene, const std::vector<Obser
     }
     positions = smoother;
   }
+  KeepLayersApart(scene, &positions);
   Project(problem, kClearance * ClothSize(scene.mesh), &positions);
   return positions;
 }

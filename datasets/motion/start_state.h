@@ -9,6 +9,7 @@
 //   a_s = 1/(e^2 mean triangle area),  e = 0.02: a strain of 2 % is as likely as an error of one standard deviation;
 //   a_b: the largest of a grid that keeps median and upper tenth of w_p |x_p - y_p|^2 within what noise makes of them
 //        (Morozov 1966) and throws no further point off.
+// Layers of a cloth that meets itself are then pushed apart to its thickness.
 // So little noise leaves the measured shape as it is. What was not seen takes the shape that costs least.
 #ifndef CLOTHID_DATASETS_MOTION_START_STATE_H_
 #define CLOTHID_DATASETS_MOTION_START_STATE_H_

@@ -143,6 +143,19 @@ TEST_F(ShippedRecordingsTest, TheFirstPullGivesItsTruthBack) {
   }
 }
 
+// A folded strip whose layers slide on each other, from its defaults.
+TEST_F(ShippedRecordingsTest, LayersGiveTheirFrictionBack) {
+  for (const std::string name : {"slide", "shake"}) {
+    const nlohmann::json result = Identify("--target '" + Path(name + ".motion.bin") + "' --report=false", {0});
+    EXPECT_EQ(result["status"], "converged");
+    const nlohmann::json& friction = result["parameters"]["mu.self"];
+    EXPECT_LE(friction["lower95"].get<double>(), 0.2) << name;
+    EXPECT_GE(friction["upper95"].get<double>(), 0.2) << name;
+    EXPECT_NEAR(friction["value"].get<double>(), 0.2, 0.002) << name;
+    std::filesystem::remove_all(folder() / "result");
+  }
+}
+
 // A strip that bounces once too often within the recording is a minimum of its own: without gradient, lower than where
 // it is reached from on either side, inside the bounds, and not the truth.
 TEST_F(ShippedRecordingsTest, BounceHasTwoMinima) {

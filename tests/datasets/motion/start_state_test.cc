@@ -9,8 +9,11 @@
 #include <random>
 #include <utility>
 
+#include "sim/contact/pair_geometry.h"
+#include "sim/contact/self_contact_search.h"
 #include "sim/rollout/simulator.h"
 #include "tests/costs/synthetic_motion.h"
+#include "tests/sim/self_contact_scenes.h"
 
 namespace clothid::start_state_test {
 namespace {
@@ -53,6 +56,16 @@ Draped MakeDraped(int num_frames, unsigned seed, double noise = kNoise) {
 
 FrameTrend TrendOf(const RecordedMotion& motion, double noise = kNoise) {
   return FitFrameTrend(motion.times, motion.positions, Eigen::VectorXd::Constant(motion.num_points(), noise));
+}
+
+// The least distance of two parts of a cloth that meets itself, m.
+double LeastDistance(const Scene& scene, const Eigen::VectorXd& positions) {
+  SelfContactSearch search(scene.mesh, scene.self_contact->thickness);
+  std::vector<PairFeatures> pairs;
+  search.Find(positions, Eigen::VectorXd::Zero(positions.size()), 0.0, 0.0, &pairs);
+  double least = std::numeric_limits<double>::infinity();
+  for (const PairFeatures& pair : pairs) least = std::min(least, EvaluatePair(pair, positions).distance);
+  return least;
 }
 
 double LeastGap(const Scene& scene, const Eigen::VectorXd& positions) {
@@ -153,6 +166,20 @@ TEST(StartStateTest, GoesSmoothlyThroughMarkers) {
   EXPECT_LT((start - draped.positions).norm(), 0.3 * rigid);
   EXPECT_GE(LeastGap(draped.scene, start), 0.0);
   EXPECT_LT(LargestStrain(draped.scene.mesh, start), 0.06);
+}
+
+// Noise puts layers nearer to each other than they can be.
+TEST(StartStateTest, KeepsLayersApart) {
+  Scene scene = LayersOnASlope(2, 0.1, 0.5, Integrator::kSdirk2, 0.005);
+  scene.duration = 0.02;
+  MotionOptions options;
+  options.noise = 3e-4;
+  const RecordedMotion motion = MakeMotion(scene, options);
+  const double thickness = scene.self_contact->thickness;
+  ASSERT_LT(LeastDistance(scene, motion.positions.col(0)), 0.9 * thickness);
+  const Eigen::VectorXd start = SmoothStartPositions(scene, motion.points, TrendOf(motion, options.noise));
+  EXPECT_GE(LeastDistance(scene, start), 0.998 * thickness);
+  EXPECT_LE((start - scene.initial_positions).cwiseAbs().maxCoeff(), 5.0 * options.noise);
 }
 
 }  // namespace
