@@ -31,7 +31,7 @@ struct RolloutCounts {
   int pair_changes = 0;
   int second_solves = 0;  // with pairs that were left out at first: derivatives there are not certain
 
-  int contact_changes() const { return nodes_joined + nodes_left + branch_switches; }
+  int contact_changes() const { return nodes_joined + nodes_left + branch_switches + pair_changes; }
 
   RolloutCounts& operator+=(const RolloutCounts& other);
   RolloutCounts& operator-=(const RolloutCounts& other);

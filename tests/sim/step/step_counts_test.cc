@@ -43,7 +43,7 @@ TEST(PairChangesTest, CountWhatComesGoesAndSwitches) {
                    {PairOf(1, 11, slip), PairOf(2, 10, slip), PairOf(4, 20, slip)}, &counts);
   EXPECT_EQ(counts.self_contacts, 3);
   EXPECT_EQ(counts.pair_changes, 3);
-  EXPECT_EQ(counts.contact_changes(), 0);
+  EXPECT_EQ(counts.contact_changes(), 3);
 }
 
 TEST(RolloutCountsTest, AddUpAndTakeOff) {
