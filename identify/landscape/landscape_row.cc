@@ -84,8 +84,8 @@ void ReadPlace(const LandscapePlan& plan, int cell, RowReader* reader) {
 
 std::string RowHeader(const LandscapePlan& plan) {
   return std::string("x,y,setting,contact,cost,contact_changes,contacts,failed_steps,zoom,nodes_joined,nodes_left,") +
-         "branch_switches,obstacle_switches,steps,substeps" + (plan.has_gradients ? ",gradient_x,gradient_y" : "") +
-         ",failure";
+         "branch_switches,obstacle_switches,pair_changes,steps,substeps" +
+         (plan.has_gradients ? ",gradient_x,gradient_y" : "") + ",failure";
 }
 
 std::string CellRow(const LandscapePlan& plan, int cell, const LandscapeCell& result) {
@@ -100,7 +100,7 @@ std::string CellRow(const LandscapePlan& plan, int cell, const LandscapeCell& re
   }
   row += "," + ShortestText(window.zoom);
   for (const int count : {counts.nodes_joined, counts.nodes_left, counts.branch_switches, counts.obstacle_switches,
-                          counts.steps, counts.substeps}) {
+                          counts.pair_changes, counts.steps, counts.substeps}) {
     row += "," + std::to_string(count);
   }
   if (plan.has_gradients) row += "," + TextOrNothing(result.gradient_x) + "," + TextOrNothing(result.gradient_y);
@@ -121,9 +121,11 @@ LandscapeCell ParseRow(const LandscapePlan& plan, int cell, std::string_view row
   counts.nodes_left = reader.Count("nodes_left");
   counts.branch_switches = reader.Count("branch_switches");
   counts.obstacle_switches = reader.Count("obstacle_switches");
+  counts.pair_changes = reader.Count("pair_changes");
   counts.steps = reader.Count("steps");
   counts.substeps = reader.Count("substeps");
-  const long long sum = 0LL + counts.nodes_joined + counts.nodes_left + counts.branch_switches;  // may be no int
+  // May be no int.
+  const long long sum = 0LL + counts.nodes_joined + counts.nodes_left + counts.branch_switches + counts.pair_changes;
   reader.Expect(contact_changes == sum, "contact_changes", "the sum of its parts");
   const bool failed = std::isnan(result.cost);
   if (plan.has_gradients) {

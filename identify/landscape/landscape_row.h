@@ -10,7 +10,7 @@
 namespace clothid {
 
 // The columns: x,y,setting,contact,cost,contact_changes,contacts,failed_steps,zoom,nodes_joined,nodes_left,
-// branch_switches,obstacle_switches,steps,substeps[,gradient_x,gradient_y],failure.
+// branch_switches,obstacle_switches,pair_changes,steps,substeps[,gradient_x,gradient_y],failure.
 std::string RowHeader(const LandscapePlan& plan);
 
 // Without an end of line. Numbers are the shortest text that reads back exactly. A cell that failed has no cost and no

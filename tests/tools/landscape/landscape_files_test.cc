@@ -69,7 +69,7 @@ TEST_F(LandscapeFilesTest, RowsHaveTheAgreedColumns) {
   EXPECT_EQ(
       RowHeader(landscape.plan),
       "x,y,setting,contact,cost,contact_changes,contacts,failed_steps,zoom,nodes_joined,nodes_left,branch_switches,"
-      "obstacle_switches,steps,substeps,gradient_x,gradient_y,failure");
+      "obstacle_switches,pair_changes,steps,substeps,gradient_x,gradient_y,failure");
   EXPECT_EQ(CellRow(landscape.plan, 25, landscape.cells[25]),
             "0.25,10,touch=1e-05,velocity,8.5,78,25,0,1,26,26,26,25,20,0,-0.25,1e-300,");
   EXPECT_EQ(CellRow(landscape.plan, kFailedCell, landscape.cells[kFailedCell]),
