@@ -31,6 +31,7 @@ inline Landscape MadeUpLandscape(bool has_gradients) {
     cell.counts.contacts = c;
     cell.counts.nodes_joined = cell.counts.nodes_left = cell.counts.branch_switches = c + 1;
     cell.counts.obstacle_switches = c;
+    cell.counts.pair_changes = 2 * c;
     if (has_gradients) {
       cell.gradient_x = -0.25;
       cell.gradient_y = 1e-300;
