@@ -63,6 +63,27 @@ std::string PpfSelfContact(const ExportConstants& constants) {
          "\". Not mapped: thickness, for a contact-gap holds for all contacts.\n";
 }
 
+// The rest of the script; what stands for `soft_contact_mu` follows.
+constexpr char kNewtonFunctions[] = R"(
+
+def read_obj(path="export_cloth.obj"):
+    lines = [line.split() for line in open(path, encoding="ascii")]
+    vertices = [wp.vec3(*map(float, line[1:4])) for line in lines if line and line[0] == "v"]
+    return vertices, [int(i) - 1 for line in lines if line and line[0] == "f" for i in line[1:4]]
+
+
+def add_cloth(builder: newton.ModelBuilder, path="export_cloth.obj"):
+    vertices, indices = read_obj(path)
+    builder.add_cloth_mesh(
+        pos=wp.vec3(0.0, 0.0, 0.0), rot=wp.quat_identity(), scale=1.0, vel=wp.vec3(0.0, 0.0, 0.0), vertices=vertices,
+        indices=indices, density=DENSITY, tri_ke=TRI_KE, tri_ka=TRI_KA, tri_kd=TRI_KD, edge_ke=EDGE_KE,
+        edge_kd=EDGE_KD, particle_radius=RADIUS)
+
+
+def set_friction(model: newton.Model):
+    model.particle_mu = MU
+    model.soft_contact_mu = )";
+
 }  // namespace
 
 std::string Preamble(const ExportConstants& constants, const std::string& comment) {
@@ -112,26 +133,7 @@ DENSITY = )"
       << T(constants.edge_shape) << " 1/m\nEDGE_KD = 0.0\nMU = " << T(FirstFriction(constants))
       << "  # of cloth and obstacle\nRADIUS = " << T(0.5 * std::max(constants.thickness, 1e-3))
       << "  # m, half the contact distance, at least 1 mm\n"
-      << NewtonSelfContact(constants) << R"(
-
-def read_obj(path="export_cloth.obj"):
-    lines = [line.split() for line in open(path, encoding="ascii")]
-    vertices = [wp.vec3(*map(float, line[1:4])) for line in lines if line and line[0] == "v"]
-    return vertices, [int(i) - 1 for line in lines if line and line[0] == "f" for i in line[1:4]]
-
-
-def add_cloth(builder: newton.ModelBuilder, path="export_cloth.obj"):
-    vertices, indices = read_obj(path)
-    builder.add_cloth_mesh(
-        pos=wp.vec3(0.0, 0.0, 0.0), rot=wp.quat_identity(), scale=1.0, vel=wp.vec3(0.0, 0.0, 0.0), vertices=vertices,
-        indices=indices, density=DENSITY, tri_ke=TRI_KE, tri_ka=TRI_KA, tri_kd=TRI_KD, edge_ke=EDGE_KE,
-        edge_kd=EDGE_KD, particle_radius=RADIUS)
-
-
-def set_friction(model: newton.Model):
-    model.particle_mu = MU
-    model.soft_contact_mu = )"
-      << (constants.self_contact ? "MU_SELF" : "MU") << "\n";
+      << NewtonSelfContact(constants) << kNewtonFunctions << (constants.self_contact ? "MU_SELF" : "MU") << "\n";
   return out.str();
 }
 
