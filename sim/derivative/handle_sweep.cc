@@ -4,9 +4,8 @@
 
 namespace clothid {
 
-HandleTangent::HandleTangent(const SensitivityDirections& directions, const HandlePath* offsets,
-                             const ClothModel& model)
-    : columns_(directions.handle_offsets), offsets_(offsets), nodes_(model.scene().handles.nodes) {
+HandleTangent::HandleTangent(const Eigen::MatrixXd& columns, const HandlePath* offsets, const ClothModel& model)
+    : columns_(columns), offsets_(offsets), nodes_(model.scene().handles.nodes) {
   if (columns_.cols() == 0) return;
   if (offsets == nullptr || columns_.rows() != offsets->positions().size()) {
     throw std::logic_error("directions of handle offsets: expected those offsets, with as many rows");

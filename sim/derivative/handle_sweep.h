@@ -9,7 +9,6 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/handle_coupling.h"
 #include "sim/derivative/second_start_derivative.h"
-#include "sim/derivative/sensitivity.h"
 #include "sim/rollout/rollout.h"
 
 namespace clothid {
@@ -17,8 +16,9 @@ namespace clothid {
 // Forward: how the handles move along directions, and what that does to a step.
 class HandleTangent {
  public:
-  // Throws `std::logic_error` where `directions` move handles that `offsets` do not. All must outlive the object.
-  HandleTangent(const SensitivityDirections& directions, const HandlePath* offsets, const ClothModel& model);
+  // `columns`: changes of `offsets`, as of `SensitivityDirections::handle_offsets`. Throws `std::logic_error` where
+  // they have other sizes. All must outlive the object.
+  HandleTangent(const Eigen::MatrixXd& columns, const HandlePath* offsets, const ClothModel& model);
 
   bool is_empty() const { return coupling_ == nullptr; }
 

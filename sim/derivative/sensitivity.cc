@@ -251,7 +251,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   StepState state = StartState(scene, options.initial_positions, options.initial_velocities);
   Eigen::VectorXd positions = state.positions, velocities = state.velocities;  // at the end of the last solve
   StateColumns tangent = StartTangent(directions, model);
-  HandleTangent handles(directions, options.handle_offsets, model);
+  HandleTangent handles(directions.handle_offsets, options.handle_offsets, model);
   const FieldTangent fields(directions.fields, parameters, model);
   const TangentSolver solver(parameters, directions.parameters, &handles, fields,
                              options.adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
@@ -296,7 +296,7 @@ void PushForward(const Rollout& rollout, const SensitivityDirections& directions
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
   StateColumns tangent = StartTangent(directions, model);
-  HandleTangent handles(directions, &rollout.handle_offsets, model);
+  HandleTangent handles(directions.handle_offsets, &rollout.handle_offsets, model);
   const FieldTangent fields(directions.fields, rollout.parameters, model);
   const TangentSolver solver(rollout.parameters, directions.parameters, &handles, fields,
                              adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
