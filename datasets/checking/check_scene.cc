@@ -88,7 +88,7 @@ Finding TellTouch(const CheckedMotion& checked, const Touch& touch) {
                   " frames";
   if (touch.frames.empty()) {
     finding.severity = Severity::kWarning;
-    finding.hint = "the cloth touches nothing: friction cannot be told from this recording";
+    finding.hint = "the cloth touches no obstacle: their friction cannot be told from this recording";
   } else if (!touch.deep.empty()) {
     finding.frames = touch.deep;
     finding.severity = Severity::kWarning;

@@ -40,13 +40,14 @@ const RecordedMotion& RecordingOf(const std::string& name, const std::vector<Rec
   return found == motions.end() ? motions.front() : *found;
 }
 
-// "mu" is the friction of every obstacle, so it cannot be fitted beside the friction of one of them; nor a constant of
-// the whole cloth beside that of a piece.
+// "mu" is the friction of every obstacle, so it cannot be fitted beside the friction of one of them, but beside that of
+// the cloth with itself; nor a constant of the whole cloth beside that of a piece.
 void CheckOverlap(const std::vector<std::string>& names) {
+  const std::string self_friction = ParameterName({ParameterKind::kSelfFriction}, {});
   const auto check = [&](const std::string& whole, const std::string& what) {
     if (std::find(names.begin(), names.end(), whole) == names.end()) return;
     for (const std::string& name : names) {
-      if (name.rfind(whole + ".", 0) != 0) continue;
+      if (name.rfind(whole + ".", 0) != 0 || name == self_friction) continue;
       throw Error(ErrorKind::kUsage,
                   "--fit: '" + whole + "' sets " + what + ", so '" + name + "' cannot be fitted beside it");
     }

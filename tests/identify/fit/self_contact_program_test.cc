@@ -65,6 +65,17 @@ TEST_F(SelfContactProgramTest, FindsTheFrictionOfTheClothWithItself) {
   EXPECT_GT(noisy["upper95"].get<double>(), 0.2) << noisy.dump(1);
 }
 
+// "mu" is that of obstacles, here of one that nothing touches.
+TEST_F(SelfContactProgramTest, FitsItBesideTheFrictionOfObstacles) {
+  scene_["obstacles"] = {{{"name", "floor"}, {"type", "plane"}, {"point", {0, 0, -1}}, {"normal", {0, 0, 1}}}};
+  WriteBytes(folder() / "scene.json", scene_.dump(1));
+  ASSERT_EQ(Run("simulate --scene scene.json --set mu.self=0.2 --output exact.bin").exit_code, 0);
+  const ToolResult fit = Run("identify --target exact.bin --fit mu.self,mu --threads 1 --output result");
+  const Json parameters = Json::parse(ReadBytes(folder() / "result/result.json"))["parameters"];
+  EXPECT_NEAR(parameters["mu.self"]["value"].get<double>(), 0.2, 0.002) << fit.out << fit.err;
+  EXPECT_TRUE(parameters.contains("mu"));
+}
+
 // The held layer is not where the recording says.
 TEST_F(SelfContactProgramTest, FindsHandlesThatItTouches) {
   ASSERT_EQ(Run("simulate --scene scene.json --set mu.self=0.2 --output exact.bin").exit_code, 0);
