@@ -13,6 +13,7 @@ constexpr double kInside = 1e-6;           // share of an edge or face from whic
 constexpr double kParallel = 1e-4;         // sin^2 of edges that have no closest points
 constexpr double kConeMargin = 0.05;       // rad, of one of two edges, ...
 constexpr double kLeastConeMargin = 1e-3;  // ... and of the other one
+constexpr double kJoinedMargin = 0.1;      // rad, added at faces that the other edge is joined to
 constexpr double kMarginOfReach = 0.25;    // of the thickness
 
 // Of the projection of x to the plane through a, b, c: the weights of a, b, c. Not finite in a triangle without area.
@@ -135,21 +136,22 @@ void SelfContactSearch::Search::TestEdges(const Edge& first, const Edge& second)
   if (!IsInside(share) || !IsInside(other_share)) return;
   const Vector3d offset = share * along - between - other_share * other_along;
   const double margin = ConeMargin(first, -offset, second), other_margin = ConeMargin(second, offset, first);
-  if (!(std::min(margin, other_margin) > std::sin(kLeastConeMargin))) return;
-  if (!(std::max(margin, other_margin) > std::sin(kConeMargin))) return;
+  if (!(std::min(margin, other_margin) > kLeastConeMargin && std::max(margin, other_margin) > kConeMargin)) return;
   const auto [a, b] = first.nodes;
   const auto [c, d] = second.nodes;
   Add(first.nodes, second.nodes, offset.squaredNorm(), {PairKind::kEdgeEdge, {a, b, c, d}});
 }
 
-// The sine of the angle from `direction` to the nearer border of the normal cone; negative outside. A face that the
-// other edge is joined to is no border: its points nearer to that edge make no pair with it.
+// The angle from `direction` to the nearer border of the normal cone; negative outside.
 double SelfContactSearch::Search::ConeMargin(const Edge& edge, const Vector3d& direction, const Edge& other) const {
   const Vector3d from = Position(edge.nodes[0]), along = Position(edge.nodes[1]) - from;
-  double margin = 1.0;
+  const Vector3d outward = -direction.normalized();
+  double margin = 0.5 * M_PI;
   for (const int opposite : edge.opposite) {
-    if (opposite < 0 || opposite == other.nodes[0] || opposite == other.nodes[1]) continue;
-    margin = std::min(margin, -direction.dot(Across(along, Position(opposite) - from)) / direction.norm());
+    if (opposite < 0) continue;
+    const bool is_joined = opposite == other.nodes[0] || opposite == other.nodes[1];
+    const double sine = std::clamp(outward.dot(Across(along, Position(opposite) - from)), -1.0, 1.0);
+    margin = std::min(margin, std::asin(sine) + (is_joined ? kJoinedMargin : 0.0));
   }
   return margin;
 }

@@ -7,8 +7,9 @@
 //   vertex, vertex   e points along none of the edges of one of the two
 //   edge, edge       p and q are inside, sin^2 of the angle between the edges is above 1e-4, and e is within the normal
 //                    cones of both edges: e points away from the faces of one, -e from those of the other; .001 rad
-//                    away from the borders of both cones, .05 rad from those of one. Faces that hold a node of the
-//                    other edge do not count: they are no pair with it
+//                    away from the borders of both cones, .05 rad from those of one. Beside an edge that is joined to
+//                    the other one by a face, e may point .1 rad into that face, whose points make no pair with it. All
+//                    this where the cones themselves are as wide: of one edge .1 rad, of the other .002
 // The vertex of the first three need not be a local minimum itself. "Inside" is by more than 1e-6 of the edge or face,
 // and what is less belongs to the lower feature: where meshes lie on each other vertex on vertex, rounding then does
 // not choose the kind. Layers that lie flat on each other have no pair of two edges; a distance of zero is no pair.

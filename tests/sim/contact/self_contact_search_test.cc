@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "tests/sim/contact/stacked_sheets.h"
@@ -151,19 +152,34 @@ class BruteForce {
     Add({p}, {q}, distance, {PairKind::kVertexVertex, {std::min(p, q), std::max(p, q), -1, -1}});
   }
 
-  // By how much the angles of `direction` with the faces of an edge are beyond a right one, rad, without faces that
-  // hold a node of `other`.
-  double ConeMargin(const std::array<int, 2>& edge, const Vector3d& direction, const std::array<int, 2>& other) const {
+  // From the middle of an edge into the faces beside it.
+  std::vector<std::pair<int, Vector3d>> Inward(const std::array<int, 2>& edge) const {
     const Vector3d along = (x_.col(edge[1]) - x_.col(edge[0])).normalized();
-    double margin = 0.5 * M_PI;
+    std::vector<std::pair<int, Vector3d>> inward;
     for (int f = 0; f < mesh_.num_faces(); ++f) {
-      if (!Has(f, edge[0]) || !Has(f, edge[1]) || Has(f, other[0]) || Has(f, other[1])) continue;
-      Vector3d inward = x_(Eigen::all, mesh_.faces.col(f)).rowwise().mean() - x_.col(edge[0]);
-      inward -= inward.dot(along) * along;
-      const double cosine = std::clamp(inward.normalized().dot(direction.normalized()), -1.0, 1.0);
-      margin = std::min(margin, std::acos(cosine) - 0.5 * M_PI);
+      if (!Has(f, edge[0]) || !Has(f, edge[1])) continue;
+      Vector3d into = x_(Eigen::all, mesh_.faces.col(f)).rowwise().mean() - x_.col(edge[0]);
+      into -= into.dot(along) * along;
+      inward.emplace_back(f, into.normalized());
+    }
+    return inward;
+  }
+
+  static double Angle(const Vector3d& a, const Vector3d& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
+
+  // By how much the angles of `direction` with the faces of an edge are beyond a right one, rad.
+  double ConeMargin(const std::array<int, 2>& edge, const Vector3d& direction, const std::array<int, 2>& other) const {
+    double margin = 0.5 * M_PI;
+    for (const auto& [face, inward] : Inward(edge)) {
+      const bool is_joined = Has(face, other[0]) || Has(face, other[1]);
+      margin = std::min(margin, Angle(inward, direction.normalized()) - 0.5 * M_PI + (is_joined ? 0.1 : 0.0));
     }
     return margin;
+  }
+
+  double ConeWidth(const std::array<int, 2>& edge) const {
+    const auto inward = Inward(edge);
+    return inward.size() < 2 ? M_PI : M_PI - Angle(inward[0].second, inward[1].second);
   }
 
   void TestEdges(const std::array<int, 2>& first, const std::array<int, 2>& second) {
@@ -175,6 +191,8 @@ class BruteForce {
     const Vector3d offset = x_.col(first[0]) + sides * shares - x_.col(second[0]);
     const double margin = ConeMargin(first, -offset, second), other_margin = ConeMargin(second, offset, first);
     if (std::min(margin, other_margin) <= 1e-3 || std::max(margin, other_margin) <= 0.05) return;
+    const double width = ConeWidth(first), other_width = ConeWidth(second);
+    if (std::min(width, other_width) < 1.99e-3 || std::max(width, other_width) < 0.0995) return;
     Add({first[0], first[1]}, {second[0], second[1]}, offset.norm(),
         {PairKind::kEdgeEdge, {first[0], first[1], second[0], second[1]}});
   }
