@@ -280,8 +280,9 @@ TEST_F(SlurmTest, TaskThatRunsOutOfTimeIsRequeued) {
 
 // tools/slurm/test_fits under a real Slurm: fits that are killed and requeued end in the bytes of plain ones.
 TEST_F(SlurmTest, KilledFitsEndInTheSameBytes) {
-  if (Run("PATH=\"$PATH:/usr/sbin:/sbin\" command -v slurmctld && command -v munged").exit_code != 0)
+  if (Run("sh -c 'PATH=\"$PATH:/usr/sbin:/sbin\"; command -v slurmctld && command -v munged'").exit_code != 0) {
     GTEST_SKIP() << "Slurm is not installed";
+  }
   const ToolResult result = Run(std::string(kSlurm) + "/test_fits --programs '" CLOTHID_BINARY_DIR "'");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("12 fits as one after the other"), std::string::npos) << result.out << result.err;

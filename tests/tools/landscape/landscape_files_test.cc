@@ -71,9 +71,9 @@ TEST_F(LandscapeFilesTest, RowsHaveTheAgreedColumns) {
       "x,y,setting,contact,cost,contact_changes,contacts,failed_steps,zoom,nodes_joined,nodes_left,branch_switches,"
       "obstacle_switches,pair_changes,steps,substeps,gradient_x,gradient_y,failure");
   EXPECT_EQ(CellRow(landscape.plan, 25, landscape.cells[25]),
-            "0.25,10,touch=1e-05,velocity,8.5,78,25,0,1,26,26,26,25,20,0,-0.25,1e-300,");
+            "0.25,10,touch=1e-05,velocity,8.5,128,25,0,1,26,26,26,25,50,20,0,-0.25,1e-300,");
   EXPECT_EQ(CellRow(landscape.plan, kFailedCell, landscape.cells[kFailedCell]),
-            "0.5,10,touch=1e-05,gap,,9,2,1,1,3,3,3,2,20,0,,,\"step 3 \"\"failed\"\", residual 1e-3, badly\"");
+            "0.5,10,touch=1e-05,gap,,13,2,1,1,3,3,3,2,4,20,0,,,\"step 3 \"\"failed\"\", residual 1e-3, badly\"");
 }
 
 TEST_F(LandscapeFilesTest, RefusesDamagedRows) {
