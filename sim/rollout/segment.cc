@@ -60,7 +60,7 @@ class StepLoop {
 
   SegmentOutcome Run(const StepVisitor& visitor, StepState* state) {
     simulator_->step_solver().Reset(segment_.end_with_factors);
-    is_clean_ = counter_ != nullptr && IsClean(*state);
+    is_clean_ = IsClean(*state);
     const std::string problem = Indefinite(parameters_, scene_);
     if (!problem.empty()) {
       outcome_.failure = FailureWithout(segment_.first_step, "was not tried: " + problem);
@@ -102,7 +102,11 @@ class StepLoop {
     for (int num_parts = first; num_parts <= most; num_parts *= 2) {
       StepFailure attempt;
       const bool solved = SolveInParts(step, num_parts, start, guesses, records, &attempt);
-      if (solved && (!is_clean_ || IsClean(records->back()))) return std::nullopt;
+      const bool ends_clean = solved && IsClean(records->back());
+      if (solved && (ends_clean || !is_clean_)) {
+        is_clean_ = ends_clean;
+        return std::nullopt;
+      }
       if (solved) crossing.swap(*records);
       if (num_parts == first) failure = std::move(attempt);
     }
@@ -114,7 +118,7 @@ class StepLoop {
 
   template <class State>
   bool IsClean(const State& state) {
-    return counter_->Count(state.positions).count == 0;
+    return counter_ == nullptr || counter_->Count(state.positions).count == 0;
   }
 
   // The step as `num_parts` steps of the same length, their solves each from its guess where there are as many.
@@ -222,7 +226,8 @@ class StepLoop {
   Simulator* simulator_;
   double tolerance_;
   std::unique_ptr<IntersectionCounter> counter_;  // null without self-contact
-  // The cloth has not passed through itself so far. Then a step in which it does is cut as one that does not converge.
+  // The step starts with a cloth that does not cut itself: if it ends with one that does, it is cut into shorter ones
+  // as a step that does not converge.
   bool is_clean_ = false;
   StepPoint point_;                 // of the last solve
   std::vector<Contact> contacts_;   // at the end of the last solve that worked

@@ -75,9 +75,7 @@ void PairJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contac
   hessian_ = &hessian;
   factor_is_of_point_ = false;
   touches_obstacles_ = !contacts.empty();
-  if (touches_obstacles_) {
-    elimination_.SetContacts(contacts, model_.free_index(), friction_coefficients);
-  }
+  if (touches_obstacles_) elimination_.SetContacts(contacts, model_.free_index(), friction_coefficients);
   pairs_.clear();
   int num_rows = 0;
   for (const PairContact& contact : pairs) {
