@@ -9,6 +9,7 @@
 #include "sim/mesh/mesh.h"
 #include "sim/scene/scene.h"
 #include "tests/sim/joined_mesh.h"
+#include "tests/sim/plain_scenes.h"
 
 namespace clothid {
 
@@ -39,6 +40,24 @@ inline Scene LayersOnASlope(int num_layers, double angle, double friction, Integ
   scene.material.bending_stiffness = 1e-5;
   scene.self_contact = SelfContact{friction, kThickness};
   scene.solver.step_tolerance = 1e-11;
+  return scene;
+}
+
+// Two free sheets without gravity, the smaller of which, nodes 49 and on, falls on the other one at an angle.
+inline Scene CollidingSheets(Integrator integrator) {
+  const GridOptions lower = SquareGrid(7, 0.1);
+  GridOptions upper = SquareGrid(6, 0.08);
+  upper.origin = {0.013, 0.007, 0.006};
+  Scene scene = ClothScene(lower, 0.005);
+  scene.integrator = integrator;
+  scene.mesh = JoinedMesh({MakeGrid(lower), MakeGrid(upper)});
+  scene.initial_positions = scene.mesh.rest_positions.reshaped();
+  scene.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
+  for (int node = 49; node < scene.mesh.num_nodes(); ++node) {
+    scene.initial_velocities.segment<3>(3 * node) << 0.1, 0.05, -0.3;
+  }
+  scene.gravity.setZero();
+  scene.self_contact = SelfContact{0.3, 0.003};
   return scene;
 }
 

@@ -10,6 +10,7 @@
 #include "identify/base/output_folder.h"
 #include "identify/base/source_names.h"
 #include "identify/report/page_template.h"
+#include "sim/scene/parameters.h"
 #include "tools/base/run_program.h"
 
 namespace clothid {
@@ -54,10 +55,12 @@ Json CellsJson(const Landscape& landscape, int setting, int window) {
   return json;
 }
 
-// The true value of a parameter: its own, or the one of all obstacles for that of one. Nothing where it was not set.
+// The true value of a parameter: its own, or the one of all obstacles for that of one; that of the cloth with itself is
+// of none. Nothing where it was not set.
 std::optional<double> TrueValue(const std::map<std::string, double>& truth, const std::string& parameter) {
   for (const std::string& name : {parameter, parameter.substr(0, parameter.find('.'))}) {
     if (const auto found = truth.find(name); found != truth.end()) return found->second;
+    if (parameter == ParameterName({ParameterKind::kSelfFriction}, {})) break;
   }
   return std::nullopt;
 }

@@ -67,19 +67,8 @@ TEST_P(PairWorkTest, AHeldLayerThatMovesDoesTheWork) {
 
 // Two free sheets collide at an angle, bend and slide on each other.
 TEST_P(PairWorkTest, ACollisionCloses) {
-  GridOptions grid = SquareGrid(7, 0.1), upper = SquareGrid(6, 0.08);
-  upper.origin = {0.013, 0.007, 0.006};
-  Scene scene = ClothScene(grid, 0.005);
-  scene.mesh = JoinedMesh({MakeGrid(grid), MakeGrid(upper)});
-  scene.initial_positions = scene.mesh.rest_positions.reshaped();
-  scene.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
-  for (int node = 49; node < scene.mesh.num_nodes(); ++node) {
-    scene.initial_velocities.segment<3>(3 * node) << 0.1, 0.05, -0.3;
-  }
-  scene.gravity.setZero();
+  Scene scene = CollidingSheets(GetParam());
   scene.material.bending_stiffness = 1e-5;
-  scene.self_contact = SelfContact{0.3, 0.003};
-  scene.integrator = GetParam();
   const EnergyAccount account(scene, 20);
   EXPECT_GT(account.contact.friction + account.contact.push, 1e-3 * account.start_energy);
   EXPECT_EQ(account.contact.work, 0.0);

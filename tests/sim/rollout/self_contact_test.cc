@@ -68,19 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Integrators, StripOnStripTest, testing::Values(Integrat
 
 // Two free sheets that collide keep their momentum.
 TEST(SelfContactTest, KeepsMomentum) {
-  GridOptions grid = SquareGrid(7, 0.1), upper = SquareGrid(6, 0.08);
-  upper.origin = {0.013, 0.007, 0.006};
-  Scene scene;
-  scene.mesh = JoinedMesh({MakeGrid(grid), MakeGrid(upper)});
-  scene.initial_positions = scene.mesh.rest_positions.reshaped();
-  scene.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
-  for (int node = 49; node < scene.mesh.num_nodes(); ++node) {
-    scene.initial_velocities.segment<3>(3 * node) << 0.1, 0.05, -0.3;
-  }
-  scene.gravity.setZero();
-  scene.time_step = 0.005;
-  scene.self_contact = SelfContact{0.3, 0.003};
-  scene.solver.step_tolerance = 1e-12;
+  Scene scene = CollidingSheets(Integrator::kSdirk2);
   const Eigen::VectorXd masses = 0.15 * NodeAreas(scene.mesh);
   const auto momentum = [&](const Eigen::VectorXd& velocities) -> Eigen::Vector3d {
     return velocities.reshaped(3, masses.size()) * masses;
