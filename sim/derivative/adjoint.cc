@@ -5,11 +5,13 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/derivative/adjoint_solver.h"
+#include "sim/derivative/correction_derivative.h"
 #include "sim/derivative/field_derivative.h"
 #include "sim/derivative/handle_sweep.h"
 #include "sim/derivative/second_start_derivative.h"
 #include "sim/derivative/size_derivative.h"
 #include "sim/derivative/step_derivative.h"
+#include "sim/rollout/correction.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_solver.h"
@@ -62,6 +64,22 @@ class ReverseSweep {
   void AddSeed(double time, const Eigen::MatrixXd& seed) {
     lambda_.positions += simulator_->model().GatherColumns(seed);
     handles_.AddSeed(time, seed);
+  }
+
+  // From the corrected state at the end of `step`, of which `record` is the last, to what it has come to, at `time`.
+  // The step starts from `start` [3N], by which LeaveStep adds the rest.
+  void PullBackCorrection(const Correction& correction, int step, double time, const Eigen::VectorXd& start,
+                          const StepRecord& record) {
+    const CorrectionDerivative derivative(correction, step, start, record, parameters_, ids_, simulator_->model());
+    Eigen::MatrixXd by_end;
+    derivative.PullBack(&lambda_, &by_step_start_, &by_end, &gradient_->parameters);
+    AddSeed(time, by_end);
+  }
+
+  // At the start of a step, at `time`.
+  void LeaveStep(double time) {
+    if (by_step_start_.size() > 0) AddSeed(time, by_step_start_);
+    by_step_start_.resize(0, 0);
   }
 
   // `by_pair_forces` [3H x s]: by those upon handles at the end of the solve; null: none.
@@ -154,41 +172,50 @@ class ReverseSweep {
   RolloutGradient* gradient_;
   StateColumns lambda_;                // by the end of the solve that comes next
   StateColumns by_second_, by_start_;  // between two stages: by x_s and v_s, and by x_n and v_n besides
+  Eigen::MatrixXd by_step_start_;      // through the correction at the end of the step [3N x s]; empty: none
 };
 
 }  // namespace
 
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,
-                         const AdjointOptions& options, const AddPositionGradient& add_pair_force_gradient) {
+                         const AdjointOptions& options, const AddPositionGradient& add_pair_force_gradient,
+                         const AddPositionGradient& add_corrected_gradient) {
   simulator->UseParameters(rollout.parameters);
   const PhaseSeconds before = simulator->step_solver().seconds();
   RolloutGradient gradient;
   std::optional<ScopedTimer> timer(&gradient.work.total_seconds);
   ReverseSweep sweep(rollout, parameters, num_columns, options, simulator, &gradient);
   Eigen::MatrixXd seed(3 * simulator->model().num_nodes(), num_columns);
-  const auto add_seed = [&](int step) {
+  const auto time_of = [&](int step) { return rollout.start_time + step * rollout.time_step; };
+  const auto add_seed = [&](int step, const AddPositionGradient& add) {
     seed.setZero();
-    add_position_gradient(step, &seed);
-    sweep.AddSeed(rollout.start_time + step * rollout.time_step, seed);
+    add(step, &seed);
+    sweep.AddSeed(time_of(step), seed);
   };
 
   Eigen::MatrixXd by_pair_forces;
   RecordReader reader(rollout, simulator);
+  const auto first_record = [&](int step) { return step == 1 ? 0 : rollout.last_record[step - 2] + 1; };
   int step_number = rollout.num_steps();
   for (int i = static_cast<int>(rollout.records.size()) - 1; i >= 0; --i) {
     const StepRecord& record = reader.record(i);
     const bool ends_step = step_number > 0 && rollout.last_record[step_number - 1] == i;
-    if (ends_step) add_seed(step_number);
+    if (ends_step && record.correction != nullptr) {
+      if (add_corrected_gradient) add_seed(step_number, add_corrected_gradient);
+      sweep.PullBackCorrection(*rollout.correction, step_number, time_of(step_number),
+                               reader.start_positions(first_record(step_number)), record);
+    }
+    if (ends_step) add_seed(step_number, add_position_gradient);
     const bool has_forces = ends_step && add_pair_force_gradient && !record.pairs.empty();
     if (has_forces) {
       by_pair_forces.setZero(3 * static_cast<Eigen::Index>(simulator->scene().handles.nodes.size()), num_columns);
       add_pair_force_gradient(step_number, &by_pair_forces);
     }
     sweep.PullBackSolve(record, reader.start(i), has_forces ? &by_pair_forces : nullptr);
-    if (ends_step) --step_number;
+    if (step_number > 0 && i == first_record(step_number)) sweep.LeaveStep(time_of(--step_number));
   }
-  add_seed(0);
+  add_seed(0, add_position_gradient);
   sweep.Finish();
   timer.reset();
   gradient.work.phases = simulator->step_solver().seconds() - before;

@@ -40,9 +40,14 @@ using AddPositionGradient = std::function<void(int step, Eigen::MatrixXd* gradie
 //
 // `add_pair_force_gradient` (may be empty): likewise dC_i/dF of the forces of pairs upon handles at the end of step
 // 1, .. (sim/rollout/pair_forces.h) to column i of `gradient` [3H x s].
+//
+// Where the rollout is corrected, x after a step is that before the correction. `add_corrected_gradient` (may be
+// empty): likewise dC_i/dx by the corrected positions of the steps that have such, which go back through
+// correction_derivative.h.
 RolloutGradient PullBack(const Rollout& rollout, const std::vector<ParameterId>& parameters, int num_columns,
                          const AddPositionGradient& add_position_gradient, Simulator* simulator,
-                         const AdjointOptions& options = {}, const AddPositionGradient& add_pair_force_gradient = {});
+                         const AdjointOptions& options = {}, const AddPositionGradient& add_pair_force_gradient = {},
+                         const AddPositionGradient& add_corrected_gradient = {});
 
 }  // namespace clothid
 

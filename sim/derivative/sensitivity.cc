@@ -5,11 +5,13 @@
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/derivative/correction_derivative.h"
 #include "sim/derivative/field_derivative.h"
 #include "sim/derivative/handle_sweep.h"
 #include "sim/derivative/second_start_derivative.h"
 #include "sim/derivative/size_derivative.h"
 #include "sim/derivative/step_derivative.h"
+#include "sim/rollout/correction.h"
 #include "sim/rollout/pair_forces.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/segment.h"
@@ -255,15 +257,18 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
   const FieldTangent fields(directions.fields, parameters, model);
   const TangentSolver solver(parameters, directions.parameters, &handles, fields,
                              options.adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
-  const auto visit = [&](int step) {
+  CorrectionTangent corrections(options.correction.get(), parameters, directions.parameters, &handles, model);
+  const auto time_of = [&](int step) { return scene.start_time + step * scene.time_step; };
+  const auto visit = [&](int step, const SensitivityVisitor& told) {
     Eigen::MatrixXd all = model.ScatterColumns(tangent.positions);
-    handles.SetRows(scene.start_time + step * scene.time_step, &all);
-    visitor(step, positions, all);
+    handles.SetRows(time_of(step), &all);
+    told(step, positions, all);
   };
-  visit(0);
+  visit(0, visitor);
   Eigen::MatrixXd pair_forces;
   Eigen::MatrixXd* const asked_forces = options.pair_force_visitor ? &pair_forces : nullptr;
   const StepVisitor advance = [&](int step, std::vector<StepRecord> records) {
+    corrections.StartStep(step, time_of(step - 1), positions, tangent);
     for (std::size_t i = 0; i < records.size(); ++i) {
       if (records[i].ends_step()) {
         solver.Advance(records[i], {positions, velocities}, &tangent, asked_forces);
@@ -275,15 +280,21 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
       if (is_last && asked_forces != nullptr) {
         options.pair_force_visitor(step, PairForces(model, parameters, records[i]), pair_forces);
       }
-      positions = std::move(records[i].positions);
-      velocities = std::move(records[i].velocities);
+      // The last ones are read again where they are corrected.
+      positions = is_last ? records[i].positions : std::move(records[i].positions);
+      velocities = is_last ? records[i].velocities : std::move(records[i].velocities);
     }
-    visit(step);
+    visit(step, visitor);
+    if (!corrections.EndStep(step, records.back(), &tangent)) return;
+    positions = records.back().correction->positions;
+    velocities = records.back().correction->velocities;
+    if (options.corrected_visitor) visit(step, options.corrected_visitor);
   };
   Segment segment;
   segment.handle_offsets = options.handle_offsets;
   segment.last_step = num_steps;
   segment.step_tolerance = options.step_tolerance;
+  segment.correction = options.correction.get();
   segment.cancel = cancel;
   SegmentOutcome outcome = AdvanceSegment(parameters, segment, advance, simulator, &state);
   return {outcome.counts, std::move(outcome.failure)};
@@ -291,7 +302,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
 
 void PushForward(const Rollout& rollout, const SensitivityDirections& directions, const SensitivityVisitor& visitor,
                  Simulator* simulator, std::optional<double> adjoint_tolerance,
-                 const PairForceVisitor& pair_force_visitor) {
+                 const PairForceVisitor& pair_force_visitor, const SensitivityVisitor& corrected_visitor) {
   RecordReader reader(rollout, simulator);
   const Scene& scene = simulator->scene();
   const ClothModel& model = simulator->model();
@@ -300,13 +311,16 @@ void PushForward(const Rollout& rollout, const SensitivityDirections& directions
   const FieldTangent fields(directions.fields, rollout.parameters, model);
   const TangentSolver solver(rollout.parameters, directions.parameters, &handles, fields,
                              adjoint_tolerance.value_or(scene.solver.adjoint_tolerance), simulator);
-  const auto visit = [&](int step, const Eigen::VectorXd& positions) {
-    Eigen::MatrixXd all = model.ScatterColumns(tangent.positions);
-    handles.SetRows(scene.start_time + step * scene.time_step, &all);
-    visitor(step, positions, all);
-  };
+  CorrectionTangent corrections(rollout.correction.get(), rollout.parameters, directions.parameters, &handles, model);
   Eigen::VectorXd positions = rollout.initial_positions, velocities = rollout.initial_velocities;
-  visit(0, positions);
+  const auto time_of = [&](int step) { return scene.start_time + step * scene.time_step; };
+  const auto visit = [&](int step, const SensitivityVisitor& told) {
+    Eigen::MatrixXd all = model.ScatterColumns(tangent.positions);
+    handles.SetRows(time_of(step), &all);
+    told(step, positions, all);
+  };
+  visit(0, visitor);
+  corrections.StartStep(1, time_of(0), positions, tangent);
   Eigen::MatrixXd pair_forces;
   Eigen::MatrixXd* const asked_forces = pair_force_visitor ? &pair_forces : nullptr;
   int step = 1;
@@ -323,7 +337,14 @@ void PushForward(const Rollout& rollout, const SensitivityDirections& directions
     velocities = end.velocities;
     if (rollout.last_record[step - 1] != i) continue;
     if (pair_force_visitor) pair_force_visitor(step, PairForces(model, rollout.parameters, end), pair_forces);
-    visit(step++, positions);
+    visit(step, visitor);
+    if (corrections.EndStep(step, end, &tangent)) {
+      positions = end.correction->positions;
+      velocities = end.correction->velocities;
+      if (corrected_visitor) visit(step, corrected_visitor);
+    }
+    ++step;
+    corrections.StartStep(step, time_of(step - 1), positions, tangent);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -49,15 +50,20 @@ struct SensitivityOptions {
   const Eigen::VectorXd* initial_positions = nullptr;
   const Eigen::VectorXd* initial_velocities = nullptr;
   const HandlePath* handle_offsets = nullptr;
+  std::shared_ptr<const Correction> correction = nullptr;
   // Relative residual asked of the linear systems where they are solved by iteration. Absent: the scene's.
   std::optional<double> adjoint_tolerance;
   PairForceVisitor pair_force_visitor = {};  // may be empty
+  // Called after the visitor, at the end of the steps that were corrected, with the corrected x and its dx. May be
+  // empty.
+  SensitivityVisitor corrected_visitor = {};
 };
 
 // Runs the rollout that `Simulate` would run, and with it
 //   A dv = -[(I + S)(h (H + V) dx_n + N dx^ - M dv_n + dg/dtheta) + X dx_n - dr/dtheta],   dx_{n+1} = dx_n + h dv
 // with the matrices of step_derivative.h, stage by stage with what second_start_derivative.h says in between; handles
-// that move add what handle_coupling.h says to the bracket of I + S. Throws `std::runtime_error` where a step Jacobian
+// that move add what handle_coupling.h says to the bracket of I + S, and corrections what correction_derivative.h says.
+// Throws `std::runtime_error` where a step Jacobian
 // is singular, `std::logic_error` where directions have other sizes, and as `Simulate` does.
 SensitivityResult PushForward(const Parameters& parameters, int num_steps, const SensitivityDirections& directions,
                               const SensitivityVisitor& visitor, Simulator* simulator,
@@ -68,7 +74,7 @@ SensitivityResult PushForward(const Parameters& parameters, int num_steps, const
 // `simulator`. `adjoint_tolerance`: as of SensitivityOptions.
 void PushForward(const Rollout& rollout, const SensitivityDirections& directions, const SensitivityVisitor& visitor,
                  Simulator* simulator, std::optional<double> adjoint_tolerance = std::nullopt,
-                 const PairForceVisitor& pair_force_visitor = {});
+                 const PairForceVisitor& pair_force_visitor = {}, const SensitivityVisitor& corrected_visitor = {});
 
 }  // namespace clothid
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/rollout/correction.h"
 #include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/second_start.h"
@@ -24,11 +25,15 @@ const StepRecord& RecordReader::record(int i) {
 }
 
 const Eigen::VectorXd& RecordReader::end_positions(int i) {
-  return i < 0 ? rollout_.initial_positions : record(i).positions;
+  if (i < 0) return rollout_.initial_positions;
+  const StepRecord& end = record(i);
+  return end.correction == nullptr ? end.positions : end.correction->positions;
 }
 
 const Eigen::VectorXd& RecordReader::end_velocities(int i) {
-  return i < 0 ? rollout_.initial_velocities : record(i).velocities;
+  if (i < 0) return rollout_.initial_velocities;
+  const StepRecord& end = record(i);
+  return end.correction == nullptr ? end.velocities : end.correction->velocities;
 }
 
 SolveStart RecordReader::start(int i) {
@@ -67,6 +72,7 @@ void RecordReader::SimulateSegmentOf(int i) {
   segment.step_tolerance = rollout_.step_tolerance;
   segment.end_with_factors = rollout_.ends_with_factors;
   if (rollout_.handle_offsets.num_handles() > 0) segment.handle_offsets = &rollout_.handle_offsets;
+  segment.correction = rollout_.correction.get();
   StepState state{end_positions(first_record_ - 1), end_velocities(first_record_ - 1)};
   const bool ok = AdvanceSegment(rollout_.parameters, segment, append, simulator_, &state).ok();
   const StepRecord& checkpoint = rollout_.records[last_record[last_step - 1]];

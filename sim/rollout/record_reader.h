@@ -31,7 +31,7 @@ class RecordReader {
 
  private:
   void SimulateSegmentOf(int i);
-  // The ends of record i, or the start of the rollout for i = -1.
+  // The ends of record i, corrected where they are, or the start of the rollout for i = -1.
   const Eigen::VectorXd& end_positions(int i);
   const Eigen::VectorXd& end_velocities(int i);
 

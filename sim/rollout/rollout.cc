@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/rollout/correction.h"
 #include "sim/rollout/segment.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_jacobian.h"
@@ -68,6 +69,7 @@ Rollout EmptyRollout(const Parameters& parameters, const Scene& scene, const Ste
   rollout.ends_with_factors = options.factor_memory > 0;
   rollout.initial_positions = start.positions;
   rollout.initial_velocities = start.velocities;
+  rollout.correction = options.correction;
   if (options.handle_offsets != nullptr) rollout.handle_offsets = *options.handle_offsets;
   return rollout;
 }
@@ -93,6 +95,7 @@ std::size_t Rollout::bytes() const {
     if (record.factor != nullptr && record.factor.get() != last_factor) factors += record.factor->bytes();
     last_factor = record.factor.get();
     numbers += record.positions.size() + record.velocities.size();
+    if (record.correction != nullptr) numbers += 2 * record.correction->positions.size();
     contacts += record.contacts.capacity();
     pairs += record.pairs.capacity();
   }
@@ -144,6 +147,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
   segment.step_tolerance = rollout.step_tolerance;
   segment.end_with_factors = rollout.ends_with_factors;
   segment.handle_offsets = options.handle_offsets;
+  segment.correction = options.correction.get();
   if (options.followed != nullptr) {
     segment.guesses = [&](int step) { return Guesses(simulator->model(), *options.followed, step); };
   }
@@ -155,6 +159,7 @@ Rollout Simulate(const Parameters& parameters, int num_steps, Simulator* simulat
     segment.last_step = std::min(first + interval - 1, num_steps);
     SegmentOutcome outcome = AdvanceSegment(parameters, segment, append, simulator, &state);
     rollout.counts += outcome.counts;
+    rollout.cut_corrections += outcome.cut_corrections;
     rollout.failure = std::move(outcome.failure);
   }
   return rollout;

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -17,16 +18,18 @@
 namespace clothid {
 
 class ClothModel;
+class Correction;
 class Simulator;
 
 struct Rollout {
   Parameters parameters;
-  double start_time = 0.0;             // s
-  double time_step = 0.0;              // h, s
-  double step_tolerance = 0.0;         // relative residual asked of the steps
-  Eigen::VectorXd initial_positions;   // x_0 [3N]
-  Eigen::VectorXd initial_velocities;  // v_0 [3N]
-  HandlePath handle_offsets;           // see RolloutOptions; no handles: none
+  double start_time = 0.0;                       // s
+  double time_step = 0.0;                        // h, s
+  double step_tolerance = 0.0;                   // relative residual asked of the steps
+  Eigen::VectorXd initial_positions;             // x_0 [3N]
+  Eigen::VectorXd initial_velocities;            // v_0 [3N]
+  HandlePath handle_offsets;                     // see RolloutOptions; no handles: none
+  std::shared_ptr<const Correction> correction;  // see RolloutOptions; null: none
   // In order of time; as many per step as its integrator has stages, more where substeps were taken. With checkpoints
   // those before the last one are empty, but for the checkpoints themselves; RecordReader (sim/rollout/record_reader.h)
   // makes them again.
@@ -35,11 +38,13 @@ struct Rollout {
   int checkpoint_interval = 0;     // in steps; 0: none
   bool ends_with_factors = false;  // see RolloutOptions::factor_memory
   RolloutCounts counts;
+  int cut_corrections = 0;             // those that would have let the cloth cut itself
   std::optional<StepFailure> failure;  // set: the rollout is not to be used
 
   bool ok() const { return !failure.has_value(); }
   int num_steps() const { return static_cast<int>(last_record.size()); }
-  // x after `step` steps; step 0 is the start. Throws `std::logic_error` for a step that is not kept.
+  // x after `step` steps, before it is corrected; step 0 is the start. Throws `std::logic_error` for a step that is not
+  // kept.
   const Eigen::VectorXd& positions(int step) const;
   std::size_t bytes() const;  // of the memory that it holds
 };
@@ -52,6 +57,9 @@ struct RolloutOptions {
   const Eigen::VectorXd* initial_velocities = nullptr;
   // Added to the path of the scene's handles, of which there must be one. Null: nothing.
   const HandlePath* handle_offsets = nullptr;
+  // Corrects the state at the end of some steps (sim/rollout/correction.h). What visitors and `Rollout::positions` tell
+  // is what the step has come to, before that. Null: none.
+  std::shared_ptr<const Correction> correction = nullptr;
   // 0: every step is kept. c > 0: of every c steps the last one, a checkpoint, and all after the last checkpoint;
   // PullBack simulates the others again, c at a time.
   int checkpoint_interval = 0;

@@ -8,6 +8,7 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/intersections.h"
+#include "sim/rollout/correction.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/second_start.h"
 #include "sim/step/step_problem.h"
@@ -18,6 +19,8 @@ namespace {
 
 // How often a solve is repeated with pairs of the cloth that it lacked.
 constexpr int kMaxSecondSolves = 3;
+// The smallest share of a correction that is tried where more of it lets the cloth cut itself.
+constexpr double kLeastCorrection = 0.125;
 
 StepFailure FailureWithout(int step, const std::string& reason) {
   StepFailure failure;
@@ -78,8 +81,12 @@ class StepLoop {
         break;
       }
       CountStep(records, state);
-      state->positions = records.back().positions;
-      state->velocities = records.back().velocities;
+      if (segment_.correction != nullptr && segment_.correction->Corrects(step)) {
+        Correct(step, state->positions, &records.back());
+      }
+      const CorrectedState* const corrected = records.back().correction.get();
+      state->positions = corrected == nullptr ? records.back().positions : corrected->positions;
+      state->velocities = corrected == nullptr ? records.back().velocities : corrected->velocities;
       visitor(step, std::move(records));
     }
     return std::move(outcome_);
@@ -114,6 +121,21 @@ class StepLoop {
     is_clean_ = false;
     records->swap(crossing);
     return std::nullopt;
+  }
+
+  // Corrects the end of `step`, which has started from `start` [3N].
+  void Correct(int step, const Eigen::VectorXd& start, StepRecord* record) {
+    for (double scale = 1.0; scale >= kLeastCorrection; scale *= 0.5) {
+      auto corrected = std::make_shared<const CorrectedState>(
+          CorrectState(*segment_.correction, step, start, *record, parameters_, simulator_->model(), scale));
+      const bool ends_clean = IsClean(*corrected);
+      if (ends_clean || !is_clean_) {
+        is_clean_ = ends_clean;
+        record->correction = std::move(corrected);
+        return;
+      }
+      if (scale == 1.0) ++outcome_.cut_corrections;
+    }
   }
 
   template <class State>

@@ -16,6 +16,7 @@
 namespace clothid {
 
 struct Scene;
+class Correction;
 class HandlePath;
 class Simulator;
 
@@ -41,12 +42,14 @@ struct Segment {
   // For a step the velocities [3 Nf] from which its solves start: it is cut into as many. None, or an empty function:
   // the solver finds a start of its own.
   std::function<std::vector<Eigen::VectorXd>(int step)> guesses;
+  const Correction* correction = nullptr;     // as of RolloutOptions
   const std::atomic<bool>* cancel = nullptr;  // ends the segment as failed when it turns true
 };
 
 struct SegmentOutcome {
   RolloutCounts counts;
   std::optional<StepFailure> failure;  // set: the segment ended early
+  int cut_corrections = 0;             // as of Rollout
 
   bool ok() const { return !failure.has_value(); }
 };
@@ -56,8 +59,8 @@ using StepVisitor = std::function<void(int step, std::vector<StepRecord> records
 
 // Runs the steps of `segment` with a solver that was reset: they do not depend on what it did before. A step is one
 // solve or, where that does not converge, 2, 4, .. substeps. `state` is that before the first step and becomes that
-// after the last one that succeeded, `visitor` sees the steps that succeeded. Throws `std::logic_error` where the scene
-// has no path for as many handles as have offsets.
+// after the last one that succeeded, and its correction, `visitor` sees the steps that succeeded. Throws
+// `std::logic_error` where the scene has no path for as many handles as have offsets.
 SegmentOutcome AdvanceSegment(const Parameters& parameters, const Segment& segment, const StepVisitor& visitor,
                               Simulator* simulator, StepState* state);
 

@@ -13,7 +13,8 @@
 
 namespace clothid {
 
-struct ReducedFactor;  // sim/step/step_jacobian.h
+struct CorrectedState;  // sim/rollout/correction.h
+struct ReducedFactor;   // sim/step/step_jacobian.h
 
 // One implicit solve: a time step, or one of the substeps into which a difficult step was cut, or a stage of either.
 // With stages the first comes before the second, whose start is not the state of the record before it: see
@@ -29,6 +30,8 @@ struct StepRecord {
   std::shared_ptr<const ReducedFactor> factor;
   Stage stage = Stage::kOnly;
   std::vector<PairContactRecord> pairs = {};  // of the cloth with itself, in contact
+  // What the next solve starts from where the end of the step is corrected; null: positions and velocities.
+  std::shared_ptr<const CorrectedState> correction = nullptr;
 
   SolveTimes times() const { return {time_step, time, stage}; }
   bool ends_step() const { return stage != Stage::kFirst; }  // or a substep

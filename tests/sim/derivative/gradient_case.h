@@ -7,12 +7,15 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
+#include "sim/rollout/correction.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "sim/scene/scene.h"
@@ -20,17 +23,21 @@
 
 namespace clothid {
 
-// A scalar of the trajectory, L = 1/2 sum over steps of |x - target|^2, and its derivatives three ways.
+// A scalar of the trajectory, L = 1/2 sum over steps of |x - target|^2, before and after corrections where there are
+// some, and its derivatives three ways.
 class GradientCase {
  public:
-  // `parameters` in place of the scene's.
+  // `parameters` in place of the scene's. `correction`: of the rollout; may be null.
   explicit GradientCase(const Scene& scene, AdjointMethod method = AdjointMethod::kReduced)
       : GradientCase(scene, scene.nominal_parameters(), method) {}
-  GradientCase(const Scene& scene, const Parameters& parameters, AdjointMethod method = AdjointMethod::kReduced)
-      : scene_(scene), simulator_(scene), parameters_(parameters) {
+  GradientCase(const Scene& scene, const Parameters& parameters, AdjointMethod method = AdjointMethod::kReduced,
+               std::shared_ptr<const Correction> correction = nullptr)
+      : scene_(scene), simulator_(scene), parameters_(parameters), correction_(std::move(correction)) {
     scene_.solver.step_tolerance = 1e-11;
     simulator_ = Simulator(scene_);
-    rollout_ = Simulate(parameters_, scene_.num_steps(), &simulator_);
+    RolloutOptions options;
+    options.correction = correction_;
+    rollout_ = Simulate(parameters_, scene_.num_steps(), &simulator_, nullptr, options);
     EXPECT_TRUE(rollout_.ok()) << rollout_.failure->ToString();
     MakeTarget();
     CollectParameters();
@@ -124,17 +131,22 @@ class GradientCase {
     const auto seed = [this](int step, Eigen::MatrixXd* gradient) {
       gradient->col(0) += rollout_.positions(step) - target_;
     };
-    const RolloutGradient gradient = PullBack(rollout_, ids_, 1, seed, &simulator_, {method});
+    const auto corrected_seed = [this](int step, Eigen::MatrixXd* gradient) {
+      gradient->col(0) += Corrected(rollout_, step)->positions - target_;
+    };
+    const RolloutGradient gradient = PullBack(rollout_, ids_, 1, seed, &simulator_, {method}, {}, corrected_seed);
     adjoint_ = Eigen::VectorXd(num_parameters() + 2);
     adjoint_ << gradient.parameters, directions_.initial_positions.col(0).dot(gradient.initial_positions.col(0)),
         directions_.initial_velocities.col(1).dot(gradient.initial_velocities.col(0));
     sensitivity_ = Eigen::VectorXd::Zero(num_parameters() + 2);
-    const SensitivityResult result = PushForward(
-        parameters_, scene_.num_steps(), directions_,
-        [this](int, const Eigen::VectorXd& x, const Eigen::MatrixXd& dx) {
-          sensitivity_ += dx.transpose() * (x - target_);
-        },
-        &simulator_);
+    const auto visitor = [this](int, const Eigen::VectorXd& x, const Eigen::MatrixXd& dx) {
+      sensitivity_ += dx.transpose() * (x - target_);
+    };
+    SensitivityOptions options;
+    options.correction = correction_;
+    options.corrected_visitor = visitor;
+    const SensitivityResult result =
+        PushForward(parameters_, scene_.num_steps(), directions_, visitor, &simulator_, nullptr, options);
     EXPECT_FALSE(result.failure.has_value());
   }
 
@@ -156,6 +168,7 @@ class GradientCase {
     }
     Simulator simulator(scene);
     RolloutOptions options;
+    options.correction = correction_;
     if (num_substeps() > 0) options.followed = &rollout_;  // cut where the rollout was
     return Simulate(parameters, scene.num_steps(), &simulator, nullptr, options);
   }
@@ -164,12 +177,21 @@ class GradientCase {
     double cost = 0.0;
     for (int step = 0; step <= rollout.num_steps(); ++step)
       cost += 0.5 * (rollout.positions(step) - target_).squaredNorm();
+    for (int step = 1; step <= rollout.num_steps(); ++step) {
+      const CorrectedState* const corrected = Corrected(rollout, step);
+      if (corrected != nullptr) cost += 0.5 * (corrected->positions - target_).squaredNorm();
+    }
     return cost;
+  }
+
+  static const CorrectedState* Corrected(const Rollout& rollout, int step) {
+    return rollout.records[rollout.last_record[step - 1]].correction.get();
   }
 
   Scene scene_;
   Simulator simulator_;
   Parameters parameters_;
+  std::shared_ptr<const Correction> correction_;
   Rollout rollout_;
   Eigen::VectorXd target_, adjoint_, sensitivity_;
   std::vector<ParameterId> ids_;

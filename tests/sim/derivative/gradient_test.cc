@@ -34,15 +34,6 @@ std::vector<GradientParam> WithIntegrators(const std::vector<std::pair<std::stri
   return params;
 }
 
-// SDIRK2 tells forces from impacts by the sign of a change of normal velocity (sim/contact/impact_share.h). A cloth
-// that starts to slide on the plane, exactly at rest in its normal direction, stands on that kink: this one arrives.
-void Land(Scene* scene) {
-  const Eigen::Vector3d normal = scene->obstacles[0].shape->Closest(Eigen::Vector3d::Zero()).normal;
-  const bool gap_mode = scene->contact_mode == ContactMode::kGap;
-  Eigen::VectorXd& state = gap_mode ? scene->initial_positions : scene->initial_velocities;
-  state.reshaped(3, scene->mesh.num_nodes()).colwise() += (gap_mode ? 1e-4 : -0.01) * normal;
-}
-
 Scene SceneOf(const GradientParam& param, int nodes) {
   Scene scene = ShippedScene(std::get<0>(param), nodes);
   scene.contact_mode = std::get<1>(param);

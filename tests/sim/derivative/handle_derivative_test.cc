@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
 #include "sim/rollout/simulator.h"
 #include "tests/sim/derivative/same_branches.h"
+#include "tests/sim/nodal_correction.h"
 #include "tests/sim/self_contact_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
@@ -69,9 +72,12 @@ Scene LayersScene(Integrator integrator) {
 
 class HandleCase {
  public:
-  // `noise`, m, of the offsets and, times 50, of the directions.
-  explicit HandleCase(const Scene& scene, double noise = 0.002)
-      : scene_(scene), simulator_(scene_), parameters_(scene_.nominal_parameters()) {
+  // `noise`, m, of the offsets and, times 50, of the directions. `correction`: of the rollout; may be null.
+  explicit HandleCase(const Scene& scene, double noise = 0.002, std::shared_ptr<const Correction> correction = nullptr)
+      : scene_(scene),
+        simulator_(scene_),
+        parameters_(scene_.nominal_parameters()),
+        correction_(std::move(correction)) {
     std::mt19937_64 generator(5);
     std::normal_distribution<double> normal;
     const Eigen::Index num_handles = static_cast<Eigen::Index>(scene_.handles.nodes.size());
@@ -93,6 +99,7 @@ class HandleCase {
     RolloutOptions options;
     options.initial_positions = &positions;
     options.handle_offsets = &offsets;
+    options.correction = correction_;
     return Simulate(parameters_, scene_.num_steps(), &simulator_, nullptr, options);
   }
 
@@ -111,6 +118,7 @@ class HandleCase {
     SensitivityOptions options;
     options.initial_positions = &rollout_.initial_positions;
     options.handle_offsets = &offsets;
+    options.correction = correction_;
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     const SensitivityResult result = PushForward(
         parameters_, scene_.num_steps(), directions_,
@@ -152,6 +160,7 @@ class HandleCase {
   Scene scene_;
   Simulator simulator_;
   Parameters parameters_;
+  std::shared_ptr<const Correction> correction_;
   Eigen::MatrixXd values_;  // [3H x kNumKnots]
   SensitivityDirections directions_;
   Rollout rollout_;
@@ -176,6 +185,16 @@ void ExpectThreeWaysAgree(HandleCase& handles) {
 
 TEST_P(HandleDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
   HandleCase handles(MovingScene(GetParam()));
+  ASSERT_FALSE(handles.rollout().records.back().contacts.empty());
+  ExpectThreeWaysAgree(handles);
+}
+
+// Where predictions follow handles, so does what corrects them.
+TEST_P(HandleDerivativeTest, OfCorrectedRollouts) {
+  const Scene scene = MovingScene(GetParam());
+  Parameters true_parameters = scene.nominal_parameters();
+  for (double& mu : true_parameters.friction_coefficients) mu *= 0.7;
+  HandleCase handles(scene, 0.002, CorrectionTowards(scene, true_parameters, /*interval=*/4, {}));
   ASSERT_FALSE(handles.rollout().records.back().contacts.empty());
   ExpectThreeWaysAgree(handles);
 }
