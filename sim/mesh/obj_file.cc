@@ -10,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "sim/geometry/polygon.h"
 
 namespace clothid {
 namespace {
@@ -24,7 +25,9 @@ enum class UvUse { kNone, kWarp, kRest };
 // Collects the lines of an OBJ file. Of its UV map, where that is asked for.
 class ObjReader {
  public:
-  ObjReader(const std::string& path, UvUse use, FaceGroups* groups) : path_(path), use_(use), groups_(groups) {}
+  // `like` (may be null): triangles that those of polygons are to be.
+  ObjReader(const std::string& path, UvUse use, FaceGroups* groups, const Eigen::Matrix3Xi* like = nullptr)
+      : path_(path), use_(use), groups_(groups), like_(like) {}
 
   Mesh Read() {
     const std::string text = ReadText(path_, kMaxObjBytes);
@@ -156,11 +159,52 @@ class ObjReader {
     if (corners.size() < 3) FailHere("expected at least three corners after 'f'");
     const std::size_t num_faces = indices_.size() / 3 + corners.size() - 2;
     if (num_faces > kMaxFaces) FailHere("more than " + std::to_string(kMaxFaces) + " triangles");
-    for (std::size_t k = 2; k < corners.size(); ++k) {
-      const std::array<Corner, 3> triangle = {corners[0], corners[k - 1], corners[k]};
+    for (const auto& [a, b, c] : Cut(corners)) {
+      const std::array<Corner, 3> triangle = {corners[a], corners[b], corners[c]};
       if (use_ != UvUse::kNone) AddUv(triangle);
       for (const Corner& corner : triangle) indices_.push_back(corner.vertex);
     }
+  }
+
+  // The triangles of a polygon, where it lies as the cloth does at rest.
+  std::vector<std::array<int, 3>> Cut(const std::vector<Corner>& corners) const {
+    if (like_ != nullptr) {
+      std::vector<std::array<int, 3>> triangles = CutLike(corners);
+      if (!triangles.empty()) return triangles;
+    }
+    Eigen::Matrix3Xd places = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(corners.size()));
+    for (Eigen::Index i = 0; i < places.cols(); ++i) {
+      if (use_ == UvUse::kRest) {
+        places.col(i).head<2>() = corners[i].uv;
+      } else {
+        places.col(i) = Vertex(corners[i]);
+      }
+    }
+    std::vector<std::array<int, 3>> triangles = TrianglesOfPolygon(places);
+    if (triangles.empty()) {
+      FailHere("the polygon of " + std::to_string(corners.size()) +
+               " corners crosses itself, or has no area; expected one that can be cut into triangles");
+    }
+    return triangles;
+  }
+
+  // As its triangles stand in `like_`; none where these are others.
+  std::vector<std::array<int, 3>> CutLike(const std::vector<Corner>& corners) const {
+    const Eigen::Index first = NumFaces(), count = static_cast<Eigen::Index>(corners.size()) - 2;
+    if (first + count > like_->cols()) return {};
+    std::vector<std::array<int, 3>> triangles;
+    for (Eigen::Index face = first; face < first + count; ++face) {
+      std::array<int, 3> triangle;
+      for (int k = 0; k < 3; ++k) {
+        const auto corner = std::find_if(corners.begin(), corners.end(), [&](const Corner& candidate) {
+          return candidate.vertex == (*like_)(k, face);
+        });
+        if (corner == corners.end()) return {};
+        triangle[k] = static_cast<int>(corner - corners.begin());
+      }
+      triangles.push_back(triangle);
+    }
+    return triangles;
   }
 
   const char* purpose() const { return use_ == UvUse::kWarp ? "the warp is to follow" : "are to be its shape at rest"; }
@@ -187,6 +231,7 @@ class ObjReader {
   const std::string& path_;
   const UvUse use_;
   FaceGroups* const groups_;  // null: not asked for
+  const Eigen::Matrix3Xi* const like_;
   int line_ = 0;
   OpenGroups group_, material_;           // of `g`, of `usemtl`
   std::vector<double> coordinates_, uv_;  // of vertices, three each, and of `vt` lines, two each
@@ -198,6 +243,10 @@ class ObjReader {
 }  // namespace
 
 Mesh ReadObj(const std::string& path) { return ObjReader(path, UvUse::kNone, nullptr).Read(); }
+
+Mesh ReadObjLike(const std::string& path, const Eigen::Matrix3Xi& faces) {
+  return ObjReader(path, UvUse::kNone, nullptr, &faces).Read();
+}
 
 Mesh ReadObjWithGroups(const std::string& path, FaceGroups* groups) {
   return ObjReader(path, UvUse::kNone, groups).Read();

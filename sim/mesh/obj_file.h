@@ -22,8 +22,12 @@ using FaceRanges = std::vector<FaceRange>;
 // line. A name may have none.
 using FaceGroups = std::map<std::string, FaceRanges>;
 
-// The `v` and `f` lines; polygons are split into fans. Throws `Error` naming file and line.
+// The `v` and `f` lines; polygons are cut into triangles (sim/geometry/polygon.h), into the fan about their first
+// corner where that turns none over. Throws `Error` naming file and line.
 Mesh ReadObj(const std::string& path);
+// Another frame of a surface with the triangles `faces` [3 x F]: its polygons are cut into these where they have their
+// vertices, however they are deformed.
+Mesh ReadObjLike(const std::string& path, const Eigen::Matrix3Xi& faces);
 Mesh ReadObjWithGroups(const std::string& path, FaceGroups* groups);
 
 // The same, and in `along_u` [3 x F] of every triangle the unit vector dX/du: where points X of the surface go when u
@@ -31,7 +35,8 @@ Mesh ReadObjWithGroups(const std::string& path, FaceGroups* groups);
 // lie on a line, so that it has no such direction; names file, line and triangle.
 Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u, FaceGroups* groups = nullptr);
 
-// The same with the UV map as the rest shape, `scale` m per unit, in `corner_rest`. Throws `Error`, too, where a corner
+// The same with the UV map as the rest shape, `scale` m per unit, in `corner_rest`; polygons are cut as they lie in it.
+// Throws `Error`, too, where a corner
 // has no texture coordinates, or where those of a triangle lie on a line; names file, line and triangle.
 Mesh ReadObjWithUvRest(const std::string& path, double scale, FaceGroups* groups = nullptr);
 

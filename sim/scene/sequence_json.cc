@@ -53,7 +53,7 @@ Frames ReadObjFrames(const std::vector<std::string>& paths, const TriangulatedSu
   Frames frames;
   frames.positions.resize(surface.vertices().size(), static_cast<Eigen::Index>(paths.size()));
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const Mesh mesh = ReadObj(paths[i]);
+    const Mesh mesh = ReadObjLike(paths[i], surface.faces());
     const auto expect = [&](Eigen::Index found, Eigen::Index expected, const char* what) {
       if (found == expected) return;
       throw Error(ErrorKind::kBadData, paths[i] + ": has " + std::to_string(found) + what + "; expected the " +

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <initializer_list>
 
@@ -25,6 +26,31 @@ TEST(ReadObj, ReadsVerticesAndFansOfPolygons) {
   EXPECT_EQ(mesh.faces.col(0), Eigen::Vector3i(0, 1, 2));
   EXPECT_EQ(mesh.faces.col(1), Eigen::Vector3i(0, 2, 3));
   EXPECT_EQ(mesh.faces.col(2), Eigen::Vector3i(4, 2, 1));
+}
+
+// An L whose fan about its first corner would turn a triangle over and be larger than it. Frames of a surface are cut
+// as the surface is, however they are folded.
+TEST(ReadObj, CutsPolygonsThatAreNotConvex) {
+  const TemporaryFolder folder;
+  const std::string faces = "f 3 4 5 6 1 2\n";
+  const std::string path =
+      folder.Write("l.obj", "v 0 0 0\nv .2 0 0\nv .2 .1 0\nv .1 .1 0\nv .1 .2 0\nv 0 .2 0\n" + faces);
+  const Mesh mesh = ReadObj(path);
+  ASSERT_EQ(mesh.num_faces(), 4);
+  double area = 0.0;
+  for (int face = 0; face < 4; ++face) {
+    const Eigen::Vector3d a = mesh.rest_positions.col(mesh.faces(0, face));
+    const Eigen::Vector3d b = mesh.rest_positions.col(mesh.faces(1, face)) - a;
+    const Eigen::Vector3d cross = b.cross(Eigen::Vector3d(mesh.rest_positions.col(mesh.faces(2, face)) - a));
+    EXPECT_GT(cross.z(), 0.0);
+    area += 0.5 * cross.z();
+  }
+  EXPECT_NEAR(area, 0.03, 1e-15);
+  const std::string frame =
+      folder.Write("frame.obj", "v 0 0 0\nv .2 0 .1\nv .1 0 .2\nv .1 .1 0\nv .1 -.2 0\nv 0 -.2 .1\n" + faces);
+  EXPECT_EQ(ReadObjLike(frame, mesh.faces).faces, mesh.faces);
+  ExpectError([&] { ReadObj(folder.Write("bow.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 3 4\n")); }, kBadData,
+              {"bow.obj:6: ", "polygon of 4 corners", "crosses itself"});
 }
 
 TEST(ReadObj, NamesFileAndLine) {
