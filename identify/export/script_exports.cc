@@ -117,7 +117,8 @@ std::string NewtonScript(const ExportConstants& constants) {
   out << Preamble(constants, "# ") << R"(#
 # For NVIDIA Newton's SolverVBD (newton/_src/solvers/vbd/particle_vbd_kernels.py, commit 41a5392c):
 #   tri_ke = mu, tri_ka = lambda, the Lame constants of the membrane, N/m: k/2 and 0 for Poisson's ratio 0
-#     (SolverSemiImplicit takes lambda + mu for tri_ka: k/2)
+#     (SolverSemiImplicit takes lambda + mu for tri_ka: k/2). Not exactly 0: ModelBuilder.color() leaves out triangles
+#     whose tri_ke * tri_ka is 0, and vertices of the same triangle would then be moved at once
 #   edge_ke, N: E = edge_ke l theta^2/2 per edge, so edge_ke = k_edge mean of 3 l/(A1 + A2) over the inner edges
 #   tri_kd, N s/m: the force is tri_kd area dC/dt : dC/dx with C = F^T F, clothid's eta/4 of it
 # Not mapped: contacts are penalties (soft_contact_ke), so friction is Coulomb's only where they are stiff; Newton
@@ -128,7 +129,7 @@ import warp as wp
 
 DENSITY = )"
       << T(constants.density) << "  # kg/m^2\nTRI_KE = " << T(0.5 * constants.stiffness)
-      << "  # N/m, k/2\nTRI_KA = 0.0  # N/m\nTRI_KD = " << T(0.25 * constants.damping * constants.stiffness)
+      << "  # N/m, k/2\nTRI_KA = 1e-06 * TRI_KE  # N/m\nTRI_KD = " << T(0.25 * constants.damping * constants.stiffness)
       << "  # N s/m, eta/4\nEDGE_KE = " << T(constants.edge_bending * constants.edge_shape) << "  # N, k_edge * "
       << T(constants.edge_shape) << " 1/m\nEDGE_KD = 0.0\nMU = " << T(FirstFriction(constants))
       << "  # of cloth and obstacle\nRADIUS = " << T(0.5 * std::max(constants.thickness, 1e-3))

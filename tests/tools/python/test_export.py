@@ -76,6 +76,11 @@ class TextTest(unittest.TestCase):
         mean = 3 / h * (counts[0] + np.sqrt(2) * counts[1]) / sum(counts)
         found = float(re.search(r"^EDGE_KE = (\S+)", texts["export_newton.py"], re.MULTILINE).group(1))
         self.assertAlmostEqual(found / (2e-5 * mean), 1.0, places=9)
+        # ModelBuilder.color() takes triangles into account only where tri_ke * tri_ka is not zero, in single precision.
+        values = {}
+        exec("\n".join(re.findall(r"^TRI_K[EA] = .*$", texts["export_newton.py"], re.MULTILINE)), values)  # pylint: disable=exec-used
+        self.assertNotEqual(np.float32(values["TRI_KE"]) * np.float32(values["TRI_KA"]), 0.0)
+        self.assertLess(values["TRI_KA"], 1e-5 * values["TRI_KE"], "Poisson's ratio is 0")
 
     def test_program_writes_the_same_files(self):
         recording = self.folder / "recording.motion.bin"
