@@ -22,17 +22,22 @@ std::atomic<int> allocations_left{-1};  // with `new`, until all fail; negative:
 
 }  // namespace
 
-// Not inline: GCC would take their malloc and free for another pair than new and delete.
-[[gnu::noinline]] void* operator new(std::size_t size) {
+// Every form of `new` for a single object whose memory this `delete` may get; those of arrays and of greater alignment
+// have a `delete` of their own. Not inline: GCC would take their malloc and free for another pair than new and delete.
+[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   int left = allocations_left;
   while (left > 0 && !allocations_left.compare_exchange_weak(left, left - 1)) {
   }
-  void* const memory = left == 0 ? nullptr : std::malloc(std::max<std::size_t>(size, 1));
+  return left == 0 ? nullptr : std::malloc(std::max<std::size_t>(size, 1));
+}
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  void* const memory = operator new(size, std::nothrow);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 
 namespace clothid::supernodal_test {
 namespace {
