@@ -51,6 +51,20 @@ class ViewTest(unittest.TestCase):
         np.testing.assert_array_equal(motion.sigma, np.full(16, 0.002))
         self.assertEqual(motion.scene.num_nodes, 16)
 
+    def test_what_is_masked_was_not_seen(self):
+        simulated = clothid.simulate(hung())
+        expected = simulated.positions.copy()
+        expected[2, 9] = expected[4, 3, 1] = np.nan
+        for dtype in (np.float64, np.float32):
+            masked = np.ma.masked_array(np.nan_to_num(expected, nan=-1e6).astype(dtype), mask=np.isnan(expected))
+            motion = clothid.Motion(masked, times=np.ma.masked_array(simulated.times), scene=hung(), sigma=0.002)
+            np.testing.assert_array_equal(np.isnan(motion.positions), np.isnan(expected))
+            np.testing.assert_array_equal(motion.positions, expected.astype(dtype))
+            self.assertEqual(masked.data[2, 9, 0], dtype(-1e6), "the array itself stays as it is")
+        objects = np.ma.masked_array(simulated.positions.astype(object))
+        with self.assertRaisesRegex(clothid.UsageError, "dtype object"):
+            clothid.Motion(objects, times=simulated.times, scene=hung(), sigma=0.002)
+
     def test_other_layouts_are_copied(self):
         simulated = clothid.simulate(hung())
         for positions in (np.asfortranarray(simulated.positions), simulated.positions.tolist()):

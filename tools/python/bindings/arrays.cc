@@ -1,6 +1,7 @@
 #include "tools/python/bindings/arrays.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "tools/python/bindings/errors.h"
@@ -42,6 +43,12 @@ void ExpectShape(const py::array& array, const std::string& name, const std::vec
   if (!fits) FailArgument(name, "expected an array of shape " + words + "; got " + ShapeText(array));
 }
 
+// Of a masked array (numpy.ma) a copy that has NaN where it is masked; `array`, its data, of others.
+py::array WithoutMask(const py::object& value, const py::array& array) {
+  if (!py::hasattr(value, "mask") || !py::hasattr(value, "filled")) return array;
+  return value.attr("astype")("float64").attr("filled")(std::numeric_limits<double>::quiet_NaN());
+}
+
 py::array_t<int> ToInts(const py::object& value, const std::string& name) {
   const py::array array = ToArray(value, name, "iu", "whole numbers");
   return py::array_t<int, py::array::c_style | py::array::forcecast>::ensure(array);
@@ -51,7 +58,7 @@ py::array_t<int> ToInts(const py::object& value, const std::string& name) {
 
 py::array_t<double> ToDoubles(const py::object& value, const std::string& name, const std::vector<py::ssize_t>& shape,
                               const std::string& words) {
-  const py::array array = ToArray(value, name, "fiu", "real numbers");
+  const py::array array = WithoutMask(value, ToArray(value, name, "fiu", "real numbers"));
   ExpectShape(array, name, shape, words);
   return py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
 }

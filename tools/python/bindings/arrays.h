@@ -11,6 +11,7 @@
 namespace clothid {
 
 // `value`, an array or nested lists of real numbers, as C-contiguous float64, copied only where it is anything else.
+// What a masked array (numpy.ma) masks is NaN.
 // Throws `Error` (kUsage), led by `name`: for other dtypes, and unless its shape is `shape`, in which -1 stands for any
 // length; `words` says the shape, "(T, N, 3)".
 py::array_t<double> ToDoubles(const py::object& value, const std::string& name, const std::vector<py::ssize_t>& shape,
