@@ -5,13 +5,16 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "sim/derivative/adjoint.h"
+#include "sim/derivative/sensitivity.h"
 #include "sim/rollout/record_reader.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
@@ -152,6 +155,43 @@ TEST_P(CorrectionTest, ComesBackFromCheckpoints) {
     const Eigen::VectorXd expected = PullBack(all, ids, 1, seed, &simulator).parameters;
     EXPECT_LE((gradient - expected).norm(), 1e-5 * expected.norm());
   }
+}
+
+// Both sweeps along a rollout that is at hand, with the factors that it keeps: of parameters, of a field, and by what
+// was corrected.
+TEST_P(CorrectionTest, SweepsAlongItAgree) {
+  Scene scene = DrapeScene();
+  scene.fields = {{ParameterKind::kStretchStiffness, Eigen::RowVector2d(60.0, 90.0)}};
+  scene.solver.step_tolerance = 1e-11;
+  scene.solver.adjoint_tolerance = 1e-14;
+  Simulator simulator(scene);
+  RolloutOptions options;
+  options.correction = TowardsSofter(scene);
+  options.factor_memory = std::size_t{1} << 28;
+  const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator, nullptr, options);
+  ASSERT_TRUE(rollout.ok());
+  const std::vector<ParameterId> ids = {{ParameterKind::kFriction, kAllObstacles}, {ParameterKind::kDensity}};
+  const auto corrected = [&](int step) -> const Eigen::VectorXd& {
+    return rollout.records[rollout.last_record[step - 1]].correction->positions;
+  };
+  const RolloutGradient gradient = PullBack(
+      rollout, ids, 1, [&](int step, Eigen::MatrixXd* seed) { seed->col(0) += rollout.positions(step); }, &simulator,
+      {}, {}, [&](int step, Eigen::MatrixXd* seed) { seed->col(0) += 2.0 * corrected(step); });
+  SensitivityDirections directions;
+  directions.parameters = ids;
+  directions.fields = Eigen::VectorXd::LinSpaced(gradient.fields.rows(), -1.0, 2.0);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  PushForward(
+      rollout, directions, [&](int, const Eigen::VectorXd& x, const Eigen::MatrixXd& dx) { sum += dx.transpose() * x; },
+      &simulator, std::nullopt, {},
+      [&](int step, const Eigen::VectorXd& x, const Eigen::MatrixXd& dx) {
+        EXPECT_EQ(x, corrected(step));
+        sum += 2.0 * dx.transpose() * x;
+      });
+  Eigen::Vector3d expected;
+  expected << gradient.parameters, directions.fields.transpose() * gradient.fields;
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(sum[i], expected[i], 1e-10 * std::abs(expected[i])) << i;
+  EXPECT_GT(expected.cwiseAbs().minCoeff(), 1e-6);
 }
 
 // A recording in which one sheet has gone through the other: corrections take less of it, or nothing.
