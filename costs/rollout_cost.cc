@@ -184,6 +184,8 @@ bool RolloutCost::Predict(const Eigen::VectorXd& coordinates, Eigen::MatrixXd* p
 
 void RolloutCost::SetModelError(const ModelError& error) { evaluator_->SetModelError(error); }
 
+void RolloutCost::Assimilate(const Assimilation& assimilation) { evaluator_->Assimilate(assimilation); }
+
 void RolloutCost::Restart() { evaluator_->ForgetJacobian(); }
 void RolloutCost::Forget() { evaluator_->Forget(); }
 

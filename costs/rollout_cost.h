@@ -90,6 +90,10 @@ class RolloutCost : public ceres::CostFunction {
   // all costs that share the cache. Costs of before and of after do not compare.
   void SetModelError(const ModelError& error);
 
+  // How the recording corrects the rollouts from now on (costs/assimilation/assimilation.h), in all costs that share the
+  // cache, which is empty then: the predictions of before were others. Throws as `RecordingModel::Assimilate` does.
+  void Assimilate(const Assimilation& assimilation);
+
   // A new fit starts: the adjoint's subspace starts afresh.
   void Restart();
   // Everything starts afresh but `statistics`: which evaluations are cached does not depend on those before.

@@ -33,14 +33,16 @@ Eigen::VectorXd FramePrediction::Derivative(AlignmentId id, const Eigen::VectorX
   return derivative;
 }
 
-void FramePrediction::AddSeeds(int step, const Eigen::MatrixXd& seeds, const ResidualDerivative& derivative,
-                               Eigen::MatrixXd* gradient) const {
+void FramePrediction::AddSeeds(int step, FramesOf frames, const Eigen::MatrixXd& seeds,
+                               const ResidualDerivative& derivative, Eigen::MatrixXd* gradient) const {
   const auto [first, end] = FramesAt(step, stencils_);
   if (first == end) return;
   Eigen::MatrixXd corrected;
   if (!correction_.is_identity()) corrected = Eigen::MatrixXd::Zero(gradient->rows(), gradient->cols());
   Eigen::MatrixXd* const sum = correction_.is_identity() ? gradient : &corrected;
   for (int frame = first; frame < end; ++frame) {
+    const bool is_ending = stencils_[frame].last_step() == step;
+    if (frames != FramesOf::kAll && is_ending != (frames == FramesOf::kEnding)) continue;
     const double weight = stencils_[frame].weight(step);
     if (weight != 0.0) derivative.AddFrameSeeds(frame, weight, seeds, sum);
   }

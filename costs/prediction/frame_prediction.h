@@ -37,8 +37,10 @@ class FramePrediction {
   // `points` and `velocities`: of the frame; only the time offset needs velocities.
   Eigen::VectorXd Derivative(AlignmentId id, const Eigen::VectorXd& points, const Eigen::VectorXd& velocities) const;
 
-  // Adds to `gradient` [3N x s] the part at `step` of  dC/dx = (d residual/dx)^T seeds,  seeds [m x s].
-  void AddSeeds(int step, const Eigen::MatrixXd& seeds, const ResidualDerivative& derivative,
+  // Of the frames that hold a step: those that end there, or those that go on.
+  enum class FramesOf { kAll, kEnding, kGoingOn };
+  // Adds to `gradient` [3N x s] the part at `step` of  dC/dx = (d residual/dx)^T seeds,  seeds [m x s], of `frames`.
+  void AddSeeds(int step, FramesOf frames, const Eigen::MatrixXd& seeds, const ResidualDerivative& derivative,
                 Eigen::MatrixXd* gradient) const;
 
  private:

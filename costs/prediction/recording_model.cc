@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "costs/assimilation/recording_correction.h"
 #include "costs/prediction/force_prediction.h"
 #include "costs/prediction/frame_prediction.h"
 #include "datasets/observation/residual_derivative.h"
@@ -56,6 +57,7 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       turn_center_(TurnCenter(motion)),
       simulator_(SceneAtStart(values_.move_handles() ? WithHandlePath(motion.scene) : motion.scene, values_.start())),
       start_(std::move(start)),
+      times_(motion.times),
       observer_(std::move(observer)) {
   if (start_ == nullptr && IsUnknown(motion.start_source)) start_ = std::make_shared<const UnknownStart>(motion);
   if (!fields.empty()) fields_.emplace(fields, scene(), name_);
@@ -101,6 +103,27 @@ SolverOptions RecordingModel::SolverAt(Precision precision) const {
   return solver;
 }
 
+std::string RecordingModel::WhyNotAssimilated() const {
+  if (observation_.has_clouds()) return "has points that are compared with the surface";
+  if (observation_.coordinates().empty() || !observation_.forces().is_empty()) return "has forces at its handles";
+  if (interpolation_.has_slopes()) return "has a clock that is fitted";
+  if (values_.Find(AlignmentKind::kShift) != nullptr || values_.Find(AlignmentKind::kTurn) != nullptr) {
+    return "has a frame of reference that is fitted";
+  }
+  return {};
+}
+
+void RecordingModel::Assimilate(const Assimilation& assimilation, const RobustLoss& loss) {
+  correction_ = nullptr;
+  if (!assimilation.is_on()) return;
+  const std::string reason = WhyNotAssimilated();
+  if (!reason.empty()) throw std::logic_error(name_ + " " + reason + "; it corrects nothing");
+  InfluenceOf influence;
+  if (loss.is_robust()) influence = [loss](double squared) { return InfluenceOn(loss, squared); };
+  correction_ = std::make_shared<const RecordingCorrection>(assimilation, std::move(influence), &observation_, times_,
+                                                            simulator_.model());
+}
+
 Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const PassOptions& pass,
                                    RolloutOptions options) {
   if (observer_) {
@@ -118,7 +141,8 @@ Rollout RecordingModel::RunRollout(const Eigen::VectorXd& coordinates, const Pas
 RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                                 Eigen::Index num_columns, const AddPositionGradient& add_seeds,
                                                 const AdjointOptions& options, Precision precision,
-                                                const AddPositionGradient& add_pair_force_seeds) {
+                                                const AddPositionGradient& add_pair_force_seeds,
+                                                const AddPositionGradient& add_corrected_seeds) {
   const auto add_position_gradient = [&](int step, Eigen::MatrixXd* gradient) {
     add_seeds(step, gradient);
     Observe(RolloutPass::kReverseSweep, num_steps() - step, /*passes_left=*/0);
@@ -126,7 +150,7 @@ RolloutGradient RecordingModel::RunReverseSweep(const Rollout& rollout, const st
   AdjointOptions with_threshold = options;
   with_threshold.threshold = options.threshold.value_or(SolverAt(precision).adjoint_tolerance);
   return clothid::PullBack(rollout, parameters, static_cast<int>(num_columns), add_position_gradient, &simulator_,
-                           with_threshold, add_pair_force_seeds);
+                           with_threshold, add_pair_force_seeds, add_corrected_seeds);
 }
 
 Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassOptions& pass,
@@ -156,9 +180,13 @@ Rollout RecordingModel::Simulate(const Eigen::VectorXd& coordinates, const PassO
     sampler.AddStep(step, positions);
     if (force_prediction) forces->states.col(step) = force_prediction->forces().Gather(positions);
   };
-  if (force_prediction && scene().self_contact) {
-    options.end_visitor = [&, parameters = ParametersAt(coordinates)](int step, const StepRecord& end) {
-      forces->pair_forces.col(step) = PairForces(simulator_.model(), parameters, end);
+  const bool has_pair_forces = force_prediction && scene().self_contact;
+  options.correction = correction_;
+  if (has_pair_forces || correction_ != nullptr) {
+    options.end_visitor = [&, has_pair_forces, parameters = ParametersAt(coordinates)](int step,
+                                                                                       const StepRecord& end) {
+      if (has_pair_forces) forces->pair_forces.col(step) = PairForces(simulator_.model(), parameters, end);
+      if (end.correction != nullptr) sampler.ReplaceStep(step, end.correction->positions);
     };
   }
   Rollout rollout = RunRollout(coordinates, pass, std::move(options));
@@ -182,6 +210,7 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
                                          const Eigen::MatrixXd& velocities, const Eigen::VectorXd& coordinates,
                                          const std::vector<int>& active, const Eigen::MatrixXd& seeds,
                                          const AdjointOptions& options, Precision precision, const ForceTrack* forces) {
+  using FramesOf = FramePrediction::FramesOf;
   const FramePrediction prediction = PredictionAt(coordinates);
   const ResidualDerivative derivative(&observation_, predicted);
   const SortedBlocks sorted = values_.Sort(active, num_start_unknowns());
@@ -202,15 +231,22 @@ Eigen::MatrixXd RecordingModel::PullBack(const Rollout& rollout, const Eigen::Ma
                         sorted.parameters);
   }
   const auto add_seeds = [&](int step, Eigen::MatrixXd* gradient) {
-    prediction.AddSeeds(step, seeds, derivative, gradient);
+    const bool is_corrected = correction_ != nullptr && correction_->Corrects(step);
+    prediction.AddSeeds(step, is_corrected ? FramesOf::kEnding : FramesOf::kAll, seeds, derivative, gradient);
     if (force_seeds) force_seeds->AddTo(step, gradient);
   };
   AddPositionGradient add_pair_force_seeds;
   if (force_seeds && scene().self_contact) {
     add_pair_force_seeds = [&](int, Eigen::MatrixXd* gradient) { force_seeds->AddPairForcesTo(gradient); };
   }
-  const RolloutGradient gradient =
-      RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options, precision, add_pair_force_seeds);
+  AddPositionGradient add_corrected_seeds;
+  if (correction_ != nullptr) {
+    add_corrected_seeds = [&](int step, Eigen::MatrixXd* gradient) {
+      prediction.AddSeeds(step, FramesOf::kGoingOn, seeds, derivative, gradient);
+    };
+  }
+  const RolloutGradient gradient = RunReverseSweep(rollout, sorted.parameters, seeds.cols(), add_seeds, options,
+                                                   precision, add_pair_force_seeds, add_corrected_seeds);
   Eigen::MatrixXd all(static_cast<Eigen::Index>(active.size()), seeds.cols());
   all(sorted.parameter_places, Eigen::all) = gradient.parameters;
   if (force_seeds) all(sorted.parameter_places, Eigen::all) += force_seeds->parameter_gradient();

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "costs/assimilation/assimilation.h"
 #include "costs/field/field_request.h"
 #include "costs/field/field_unknowns.h"
 #include "costs/prediction/block_values.h"
@@ -89,6 +90,7 @@ class RecordingModel {
   const std::string& name() const { return name_; }
   const Observation& observation() const { return observation_; }
   const Scene& scene() const { return simulator_.scene(); }
+  const Eigen::VectorXd& times() const { return times_; }  // of the frames [T] s
   const std::vector<ParameterBlock>& blocks() const { return values_.blocks(); }
   int num_blocks() const { return static_cast<int>(blocks().size()); }               // p
   int num_start_unknowns() const { return start_ == nullptr ? 0 : start_->size(); }  // n
@@ -107,6 +109,13 @@ class RecordingModel {
 
   // What costs are to count with; predictions do not depend on it.
   void SetModelError(const ModelError& error) { observation_.SetModelError(error); }
+
+  // From now on the recording corrects all rollouts but those of `CheckAt`, as `assimilation` and what `loss` lets a
+  // point count say: predictions are those between corrections. Throws `std::logic_error` for a recording that cannot
+  // (`WhyNotAssimilated`).
+  void Assimilate(const Assimilation& assimilation, const RobustLoss& loss);
+  // Why the recording cannot correct its rollouts, in words that go on after its name; empty where it can.
+  std::string WhyNotAssimilated() const;
 
   // Of its simulator.
   void SetNumThreads(int num_threads) { simulator_.SetNumThreads(num_threads); }
@@ -149,8 +158,9 @@ class RecordingModel {
                    const FrameVisitor& visitor, Precision precision, int passes_left = 0);
 
  private:
-  using Sweep = std::function<void(const SensitivityDirections& directions, const SensitivityVisitor& visitor,
-                                   const PairForceVisitor& pair_force_visitor)>;
+  using Sweep =
+      std::function<void(const SensitivityDirections& directions, const SensitivityVisitor& visitor,
+                         const PairForceVisitor& pair_force_visitor, const SensitivityVisitor& corrected_visitor)>;
   // What the forward sweeps have in common, and how closely their systems are solved.
   void SweepFrames(const Eigen::VectorXd& coordinates, const SweepColumns& columns, const FrameVisitor& visitor,
                    int passes_left, const Sweep& sweep);
@@ -163,7 +173,8 @@ class RecordingModel {
   RolloutGradient RunReverseSweep(const Rollout& rollout, const std::vector<ParameterId>& parameters,
                                   Eigen::Index num_columns, const AddPositionGradient& add_seeds,
                                   const AdjointOptions& options, Precision precision,
-                                  const AddPositionGradient& add_pair_force_seeds);
+                                  const AddPositionGradient& add_pair_force_seeds,
+                                  const AddPositionGradient& add_corrected_seeds);
 
   FramePrediction PredictionAt(const Eigen::VectorXd& coordinates) const;
   // Absent where the recording has no forces. The parameters' fields are in the simulator afterwards.
@@ -216,6 +227,8 @@ class RecordingModel {
   std::shared_ptr<const UnknownStart> start_;          // null: the start is known
   std::optional<HandleCorrection> handle_correction_;  // absent where no block moves handles
   std::optional<FieldUnknowns> fields_;                // absent: those of the scene
+  Eigen::VectorXd times_;                              // of the frames [T] s
+  std::shared_ptr<const Correction> correction_;       // null: nothing is corrected
   PassObserver observer_;
 };
 

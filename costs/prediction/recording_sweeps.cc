@@ -30,11 +30,13 @@ SensitivityResult RecordingModel::PushForward(const Eigen::VectorXd& coordinates
   start.SetOn(&options);
   options.step_tolerance = SolverAt(pass.precision).step_tolerance;
   options.adjoint_tolerance = ForwardTolerance(columns, pass.precision);
+  options.correction = correction_;
   SensitivityResult result;
   SweepFrames(coordinates, columns, visitor, pass.passes_left,
               [&](const SensitivityDirections& directions, const SensitivityVisitor& add_step,
-                  const PairForceVisitor& add_pair_forces) {
+                  const PairForceVisitor& add_pair_forces, const SensitivityVisitor& replace_step) {
                 options.pair_force_visitor = add_pair_forces;
+                options.corrected_visitor = replace_step;
                 result = clothid::PushForward(ParametersAt(coordinates), num_steps(), directions, add_step, &simulator_,
                                               pass.cancel, options);
               });
@@ -46,9 +48,9 @@ void RecordingModel::PushForward(const Rollout& rollout, const Eigen::VectorXd& 
                                  int passes_left) {
   SweepFrames(coordinates, columns, visitor, passes_left,
               [&](const SensitivityDirections& directions, const SensitivityVisitor& add_step,
-                  const PairForceVisitor& add_pair_forces) {
+                  const PairForceVisitor& add_pair_forces, const SensitivityVisitor& replace_step) {
                 clothid::PushForward(rollout, directions, add_step, &simulator_, ForwardTolerance(columns, precision),
-                                     add_pair_forces);
+                                     add_pair_forces, replace_step);
               });
 }
 
@@ -85,15 +87,25 @@ void RecordingModel::SweepFrames(const Eigen::VectorXd& coordinates, const Sweep
     force_sampler.emplace(&*forces, sorted.parameters, visit, directions.fields);
   }
   const bool has_pair_forces = force_sampler && scene().self_contact;
-  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+  const auto joined = [](const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
     Eigen::MatrixXd state(positions.size(), 1 + derivative.cols());
     state.col(0) = positions;
     state.rightCols(derivative.cols()) = derivative;
+    return state;
+  };
+  const auto add_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+    const Eigen::MatrixXd state = joined(positions, derivative);
     sampler.AddStep(step, state);
     if (force_sampler) force_sampler->AddStep(step, state);
     Observe(RolloutPass::kForwardSweep, step, passes_left);
   };
-  sweep(directions, add_step, has_pair_forces ? AddingTo(&*force_sampler) : PairForceVisitor());
+  SensitivityVisitor replace_step;
+  if (correction_ != nullptr) {
+    replace_step = [&](int step, const Eigen::VectorXd& positions, const Eigen::MatrixXd& derivative) {
+      sampler.ReplaceStep(step, joined(positions, derivative));
+    };
+  }
+  sweep(directions, add_step, has_pair_forces ? AddingTo(&*force_sampler) : PairForceVisitor(), replace_step);
 }
 
 Eigen::MatrixXd RecordingModel::Arranged(const Eigen::MatrixXd& swept, const SortedBlocks& blocks) {

@@ -73,6 +73,19 @@ RobustLoss ParseRobustLoss(const std::string& text) {
               "loss '" + Printable(text) + "': expected none, huber:A or cauchy:A with A > 0, in standard deviations");
 }
 
+Influence InfluenceOn(const RobustLoss& loss, double squared) {
+  const double limit = loss.scale * loss.scale;
+  if (loss.kind == RobustLoss::Kind::kHuber && squared > limit) {
+    const double first = loss.scale / std::sqrt(squared);
+    return {first, -0.5 * first / squared};
+  }
+  if (loss.kind == RobustLoss::Kind::kCauchy) {
+    const double first = 1.0 / (1.0 + squared / limit);
+    return {first, -first * first / limit};
+  }
+  return {};
+}
+
 double LossWeights(const RobustLoss& loss, const Observation& observation, int first_row,
                    const Eigen::VectorXd& residuals, Eigen::VectorXd* weights) {
   weights->setOnes(residuals.size());

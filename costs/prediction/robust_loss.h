@@ -18,6 +18,7 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "costs/assimilation/assimilation.h"
 #include "datasets/observation/observation.h"
 
 namespace clothid {
@@ -36,6 +37,9 @@ struct RobustLoss {
 
 // "none", "huber:A" or "cauchy:A" with A > 0. Throws `Error` (kUsage) otherwise.
 RobustLoss ParseRobustLoss(const std::string& text);
+
+// rho'(s) and rho''(s), s = |e_p|^2: what a point may count where recordings correct rollouts.
+Influence InfluenceOn(const RobustLoss& loss, double squared);
 
 // For the rows first_row, first_row + 1, .. of the residual, which must be whole points: fills `weights` (of the size
 // of `residuals`) with the w of each row and returns the rows' part of L.

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "costs/assimilation/assimilation.h"
 #include "costs/field/field_request.h"
 #include "costs/prediction/pass_step.h"
 #include "costs/prediction/robust_loss.h"
@@ -47,7 +48,8 @@ struct RolloutCostOptions {
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   AdjointOptions adjoint;  // of the reverse sweeps
   RobustLoss loss;
-  int num_differences = 4;  // adjoint: the most recent rollouts whose differences enter the subspace
+  Assimilation assimilation;  // of all rollouts: the recording corrects them
+  int num_differences = 4;    // adjoint: the most recent rollouts whose differences enter the subspace
   // adjoint: the first rows are those of a forward sweep, whose Jacobian starts the subspace (see
   // costs/rows/residual_basis.h). Not with `fields`.
   bool starts_with_sensitivities = false;

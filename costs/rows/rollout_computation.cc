@@ -33,11 +33,17 @@ RolloutComputation::RolloutComputation(const RecordedMotion& motion, std::vector
       adjoint_rows_(&model_, &options_),
       curvature_(&model_, &options_) {
   model_.SetNumThreads(options.num_threads);
+  model_.Assimilate(options.assimilation, options.loss);
   for (int i = 0; i < model_.num_blocks(); ++i) {
     if (!model_.blocks()[i].frozen) free_blocks_.push_back(i);
   }
   free_coordinates_ = free_blocks_;
   for (int i = model_.num_blocks(); i < model_.num_coordinates(); ++i) free_coordinates_.push_back(i);
+}
+
+void RolloutComputation::Assimilate(const Assimilation& assimilation) {
+  options_.assimilation = assimilation;
+  model_.Assimilate(assimilation, options_.loss);
 }
 
 int RolloutComputation::num_rows() const {

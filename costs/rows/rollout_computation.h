@@ -39,6 +39,9 @@ class RolloutComputation {
   // From now on; rollouts and Jacobians of before stay what they are.
   void SetModelError(const ModelError& error) { model_.SetModelError(error); }
 
+  // From now on; what is known of the latest rollout must have been forgotten.
+  void Assimilate(const Assimilation& assimilation);
+
   // Whether `Complete` takes the first Jacobian, by a forward sweep.
   bool TakesFirstJacobian(const EvaluationKey& key) const;
   // The next points are far from those before: the subspace of the adjoint starts afresh.

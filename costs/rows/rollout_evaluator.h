@@ -34,6 +34,12 @@ class RolloutEvaluator {
   // Weighs the rows of all that was evaluated and of what will be by it.
   void SetModelError(const ModelError& error);
 
+  // Of all that will be evaluated; what was is forgotten.
+  void Assimilate(const Assimilation& assimilation) {
+    Forget();
+    computation_.Assimilate(assimilation);
+  }
+
   // Forgets what the last Jacobian was: the next points are far from it.
   void ForgetJacobian() { computation_.ForgetJacobian(); }
   // As if nothing had been evaluated before, but for the counts: what the next points take does not depend on it.

@@ -43,7 +43,7 @@ FrameSampler::FrameSampler(const std::vector<FrameStencil>* stencils, Visitor vi
 }
 
 void FrameSampler::AddStep(int step, const Eigen::Ref<const Eigen::MatrixXd>& state) {
-  kept_[static_cast<std::size_t>(step) % kept_.size()] = state;
+  kept(step) = state;
   for (; next_frame_ < stencils_->size(); ++next_frame_) {
     const FrameStencil& stencil = (*stencils_)[next_frame_];
     if (stencil.last_step() > step) return;

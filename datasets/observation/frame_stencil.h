@@ -48,8 +48,11 @@ class FrameSampler {
   FrameSampler(const std::vector<FrameStencil>* stencils, Visitor visitor);
   // `state` [3N x c] after `step` steps; steps 0, 1, 2, .. in order.
   void AddStep(int step, const Eigen::Ref<const Eigen::MatrixXd>& state);
+  // The state after that step for the frames that end after it, in place of the one that was added.
+  void ReplaceStep(int step, const Eigen::Ref<const Eigen::MatrixXd>& state) { kept(step) = state; }
 
  private:
+  Eigen::MatrixXd& kept(int step) { return kept_[static_cast<std::size_t>(step) % kept_.size()]; }
   const Eigen::MatrixXd& kept(int step) const { return kept_[static_cast<std::size_t>(step) % kept_.size()]; }
 
   const std::vector<FrameStencil>* stencils_;

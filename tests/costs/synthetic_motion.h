@@ -117,6 +117,31 @@ inline RecordedMotion MakeMotion(const Scene& scene, const MotionOptions& option
   return motion;
 }
 
+// Seven points on triangles in place of the nodes; one frame and one coordinate of them is not seen.
+inline RecordedMotion WithMarkers(RecordedMotion motion) {
+  const Eigen::Matrix3Xi& faces = motion.scene.mesh.faces;
+  motion.points.clear();
+  const int num_markers = 7;
+  Eigen::MatrixXd positions(3 * num_markers, motion.num_frames());
+  for (int p = 0; p < num_markers; ++p) {
+    ObservedPoint point;
+    point.num_nodes = 3;
+    for (int k = 0; k < 3; ++k) point.nodes[k] = faces(k, (5 * p + 3) % static_cast<int>(faces.cols()));
+    point.weights[0] = 0.2;
+    point.weights[1] = 0.5;
+    point.weights[2] = 0.3;
+    positions.middleRows<3>(3 * p).setZero();
+    for (int k = 0; k < 3; ++k) {
+      positions.middleRows<3>(3 * p) += point.weights[k] * motion.positions.middleRows<3>(3 * point.nodes[k]);
+    }
+    motion.points.push_back(point);
+  }
+  positions(4, 2) = positions(9, 7) = std::nan("");
+  motion.positions = positions;
+  motion.sigma = Eigen::VectorXd::LinSpaced(num_markers, 5e-4, 2e-3);
+  return motion;
+}
+
 // Adds noise that lasts: of the standard deviation `sigma` m, with the correlation `in_time` from frame to frame.
 inline void AddLastingNoise(double sigma, double in_time, unsigned seed, RecordedMotion* motion) {
   std::mt19937_64 generator(seed);
