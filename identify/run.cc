@@ -245,6 +245,7 @@ class Run {
       checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
                                         options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>());
     }
+    checks_.uncorrected_error = PredictUncorrected(inputs_.fitted, *problem_, &summary_);
     if (!single_fits_.empty()) checks_.repetitions = Pool(single_fits_, SharedParameters(summary_));
     if (fit_options_.is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;

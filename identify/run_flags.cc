@@ -21,6 +21,7 @@ FitOptions ParseFitFlags(const RunFlags& flags) {
   options.jacobian = ParseJacobianMethod(flags.jacobian);
   options.adjoint = ParseAdjointOptions(flags.adjoint);
   options.precision = ParseFitPrecision(flags.precision);
+  options.assimilate = ParseAssimilation(flags.assimilate);
   options.loss = ParseRobustLoss(flags.loss);
   options.max_iterations = flags.max_iterations;
   options.num_threads = flags.threads;

@@ -28,7 +28,7 @@ struct RunFlags {
   std::uint64_t seed = 0;
   std::string profile, landscape, discretization, time_step;
   std::string holdout, holdout_frames;
-  std::string horizon = "growing";
+  std::string horizon = "growing", assimilate = "off";
   std::string exports;  // --export
   bool resume = false, report = true;
   double step_tolerance = 0.0;
@@ -71,6 +71,7 @@ void VisitRunFlags(RunFlags* flags, const Visit& visit) {
   visit("holdout", &flags->holdout);
   visit("holdout_frames", &flags->holdout_frames);
   visit("horizon", &flags->horizon);
+  visit("assimilate", &flags->assimilate);
   visit("export", &flags->exports);
   visit("resume", &flags->resume);
   visit("report", &flags->report);

@@ -102,6 +102,10 @@ std::string FitFingerprint(const std::vector<RecordedMotion>& motions, const std
        << static_cast<int>(options.loss.kind) << " " << options.loss.scale << " " << options.max_iterations << " "
        << options.function_tolerance << " " << options.parameter_tolerance << " " << options.num_starts << " "
        << options.seed << " " << options.estimate_uncertainty << " " << options.check_interval << "\n";
+  if (options.assimilate.is_on()) {
+    text << "assimilate " << static_cast<int>(options.assimilate.kind) << " " << options.assimilate.given.memory << " "
+         << options.assimilate.given.smoothing.value_or(-1.0) << "\n";
+  }
   return Sha256Hex({text.str()});
 }
 

@@ -13,6 +13,7 @@ std::string FitStage::Words() const {
   } else {
     text << "all frames";
   }
+  if (memory > 0.0) text << ", corrected with a memory of " << memory << " s";
   if (step_factor != 1.0) text << ", time step times " << step_factor;
   if (is_weighed) text << ", weighed by the errors of the model";
   if (precision == Precision::kLoose) text << ", loosely";

@@ -19,8 +19,10 @@ enum class StageState {
 
 // One stage of the plan of a fit (identify/fit/plan.h).
 struct FitStage {
-  double share = 1.0;  // of the time that was recorded: the first frames
+  double share = 1.0;   // of the time that was recorded: the first frames
+  double memory = 0.0;  // s, of rollouts that the recordings correct (costs/assimilation/assimilation.h); 0: none are
   Precision precision = Precision::kFull;
+  bool is_trial = false;      // of a memory, of which the longest that serves is wanted
   bool is_rough = false;      // ends where the next step is short; the next stage goes on
   bool with_starts = false;   // the unknowns of starts are free beside the parameters
   int field_modes = 0;        // and fields in modes of fewer half waves a side; 0: they are not

@@ -79,6 +79,7 @@ FittedResult ReadFittedResult(const std::string& path) {
   result.model_errors.resize(num_recordings);  // all frames weigh the same
   const std::vector<JsonNode> errors = ItemsOf(root, "model_error", num_recordings);
   for (std::size_t r = 0; r < errors.size(); ++r) result.model_errors[r] = ReadModelError(errors[r]);
+  if (const auto assimilation = root.Find("assimilation")) result.assimilation = ReadAssimilation(*assimilation);
   for (const JsonNode& item : ItemsOf(root, "recordings", num_recordings)) result.readings.push_back(ReadReading(item));
   return result;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "costs/assimilation/assimilation.h"
 #include "datasets/observation/model_error.h"
 
 namespace clothid {
@@ -21,6 +22,7 @@ struct FittedResult {
   std::map<std::string, double> estimates;  // by name, as "drag" or, of the second recording, "drag@2"
   std::vector<std::string> recordings;      // their SHA-256, in the order of the fit
   std::vector<ModelError> model_errors;     // of each, that frames were weighed by
+  Assimilation assimilation;                // of the rollouts that the recordings corrected
   std::vector<FittedReading> readings;      // of each; empty: what their files say
 };
 

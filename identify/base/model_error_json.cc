@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,12 @@ ErrorCurve ReadCurve(const JsonNode& node) {
   return curve;
 }
 
+// Nothing where it is null.
+std::optional<double> NumberOrNull(const JsonNode& node, const char* key) {
+  const JsonNode value = node.Require(key, "a number or null");
+  return value.is(JsonValue::Kind::kNull) ? std::nullopt : std::optional<double>(value.Number());
+}
+
 }  // namespace
 
 nlohmann::ordered_json ModelErrorJson(const ModelError& error) {
@@ -56,6 +63,21 @@ ModelError ReadModelError(const JsonNode& node) {
     error.curves[k] = ReadCurve(*node.Find(name));
   }
   return error;
+}
+
+nlohmann::ordered_json AssimilationJson(const Assimilation& assimilation) {
+  nlohmann::ordered_json json = {{"memory_s", nullptr}, {"smoothing_m", nullptr}};
+  if (!assimilation.is_on()) return json;
+  json["memory_s"] = assimilation.memory;
+  if (assimilation.smoothing) json["smoothing_m"] = *assimilation.smoothing;
+  return json;
+}
+
+Assimilation ReadAssimilation(const JsonNode& node) {
+  const std::optional<double> memory = NumberOrNull(node, "memory_s");
+  if (!memory) return {};
+  if (!(*memory > 0.0)) node.Find("memory_s")->Fail("expected a number > 0, or null");
+  return {*memory, NumberOrNull(node, "smoothing_m")};
 }
 
 }  // namespace clothid

@@ -120,6 +120,24 @@ bool ParseHorizon(const std::string& text) {
   FailOnOption("--horizon: expected growing or full, got '" + Printable(text) + "'");
 }
 
+AssimilationOption ParseAssimilation(const std::string& text) {
+  AssimilationOption option;
+  if (text == "off") return option;
+  option.kind = AssimilationOption::Kind::kAuto;
+  if (text == "auto") return option;
+  option.kind = AssimilationOption::Kind::kMemory;
+  const std::size_t colon = text.find(':');
+  option.given.memory = ParseNumber(text.substr(0, colon)).value_or(0.0);
+  double smoothing = 0.0;
+  if (colon != std::string::npos) {
+    smoothing = ParseNumber(text.substr(colon + 1)).value_or(-1.0);
+    option.given.smoothing = smoothing;
+  }
+  const bool has_memory = option.given.memory > 0.0 && std::isfinite(option.given.memory);
+  if (has_memory && smoothing >= 0.0 && std::isfinite(smoothing)) return option;
+  FailOnOption("--assimilate: expected off, auto or MEMORY[:LENGTH] in s and m, got '" + Printable(text) + "'");
+}
+
 std::string JacobianMethodName(JacobianMethod method) {
   switch (method) {
     case JacobianMethod::kAdjoint:

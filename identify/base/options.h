@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "costs/assimilation/assimilation.h"
 #include "costs/field/field_request.h"
 #include "costs/prediction/parameter_block.h"
 #include "costs/prediction/robust_loss.h"
@@ -39,6 +40,19 @@ struct DiscretizationParts {
 struct TimeStepOption {
   double seconds = 0.0;       // 0: that of each scene
   bool is_automatic = false;  // the coarsest whose error hides in the noise (identify/checks/step_choice.h)
+};
+
+// Whether the recordings correct the rollouts of a fit (costs/assimilation/assimilation.h).
+struct AssimilationOption {
+  enum class Kind {
+    kOff,
+    kAuto,    // from a short memory to the longest that serves; the exact fit where nothing but noise is left
+    kMemory,  // with the one that is given
+  };
+  Kind kind = Kind::kOff;
+  Assimilation given;  // kMemory
+
+  bool is_on() const { return kind != Kind::kOff; }
 };
 
 // One accepted point of the optimiser.
@@ -74,6 +88,7 @@ struct FitOptions {
   std::vector<FieldRequest> fields;
   double field_weight = 0.0;
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
+  AssimilationOption assimilate;
   AdjointOptions adjoint;  // how reverse sweeps solve their linear systems
   FitPrecision precision = FitPrecision::kAdaptive;
   RobustLoss loss;
@@ -134,6 +149,8 @@ DiscretizationParts ParseDiscretization(const std::string& text);
 TimeStepOption ParseTimeStep(const std::string& text);
 // Whether "growing", of "growing" and "full". Throws `Error` (kUsage).
 bool ParseHorizon(const std::string& text);
+// "off", "auto" or a memory > 0 in s. Throws `Error` (kUsage).
+AssimilationOption ParseAssimilation(const std::string& text);
 // METHOD[:THRESHOLD] of reduced, lu, fixed_point, gmres and a number in (0, 1). Throws `Error` (kUsage).
 AdjointOptions ParseAdjointOptions(const std::string& text);
 

@@ -29,6 +29,7 @@ class Profiler {
     options_.estimate_uncertainty = false;
     options_.on_iteration = nullptr;
     options_.on_stage = nullptr;
+    options_.assimilate = problem->assimilation_option();
     problem_->SetFrozen(index_, true);
     problem_->HoldWeights(true);
   }

@@ -121,6 +121,7 @@ StepPrediction PredictAtStep(double factor, const RecordedMotion& motion, const 
   try {
     RecordingModel model(other, fitted.blocks(), {}, fitted.shared_start(), problem.fields());
     model.SetNumThreads(std::max(1, options.num_threads / problem.num_recordings()));
+    model.Assimilate(problem.assimilation(), options.loss);
     ForceTrack forces;
     const Rollout rollout =
         model.Simulate(problem.CoordinatesOf(recording, coordinates), {Precision::kFull, options.cancel}, {},

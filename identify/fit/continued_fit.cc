@@ -24,8 +24,9 @@ FitIteration After(const FitSummary& summary, FitIteration row) {
   return row;
 }
 
-FitOptions OptionsOfNext(const FitOptions& options, const FitSummary& summary) {
+FitOptions OptionsOfNext(const FitOptions& options, const FitProblem& problem, const FitSummary& summary) {
   FitOptions next = options;
+  next.assimilate = problem.assimilation_option();
   next.precision = FitPrecision::kFull;  // so that no point is left for one of higher cost
   next.max_continuations = 0;
   next.max_iterations = options.max_iterations - summary.num_iterations();
@@ -50,6 +51,7 @@ void Append(FitSummary next, bool is_taken, FitSummary* summary) {
     next.start_error = summary->start_error;
     next.start_predicted = std::move(summary->start_predicted);
     next.num_continuations = summary->num_continuations;
+    next.memory_trials = std::move(summary->memory_trials);
     *summary = std::move(next);
     return;
   }
@@ -81,7 +83,7 @@ bool FitWeighed(const FitOptions& options, FitFunction fit, const std::vector<Mo
   const std::vector<ModelError> before = problem->model_errors();
   problem->SetModelErrors(errors);
   problem->SetStart(summary->coordinates);
-  FitOptions next = OptionsOfNext(options, *summary);
+  FitOptions next = OptionsOfNext(options, *problem, *summary);
   next.estimate_uncertainty = false;
   FitSummary found = fit(next, problem);
   const bool has_converged = found.status == FitStatus::kConverged;
@@ -115,7 +117,7 @@ void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProb
   problem->HoldWeights(true);
   while (CanContinue(options, *summary)) {
     problem->SetStart(summary->interval_check->better);
-    const FitOptions next = OptionsOfNext(options, *summary);
+    const FitOptions next = OptionsOfNext(options, *problem, *summary);
     FitSummary found = fit(next, problem);
     const bool is_lower = found.has_estimate() && found.cost < summary->cost;
     Append(std::move(found), is_lower, summary);

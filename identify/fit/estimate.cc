@@ -45,6 +45,7 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
   summary->forces = best.forces;
   summary->counts = best.counts;
   summary->model_errors = problem.model_errors();
+  summary->assimilation = problem.assimilation();
   FillFields(problem, summary);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -10,12 +11,14 @@
 #include "identify/fit/first_frames.h"
 #include "identify/fit/fit_recorder.h"
 #include "identify/fit/joint_stage.h"
+#include "identify/problem/memory_trial.h"
 #include "identify/fit/plan.h"
 #include "identify/fit/quadratic_estimate.h"
 #include "identify/fit/stage_rows.h"
 #include "identify/problem/evaluator.h"
 #include "identify/problem/gauss_newton.h"
 #include "identify/problem/model_errors.h"
+#include "identify/uncertainty/discretization_error.h"
 
 namespace clothid {
 namespace {
@@ -27,6 +30,11 @@ constexpr double kJointTrustRegion = 1e8;
 // The loose stage ends where the next step is shorter than this, in resolutions of the parameters: 5 %. Its square is
 // what a Gauss-Newton step misses, and about what loose rollouts do.
 constexpr double kShortStep = 5e4;
+// Trials of a memory end where the next step lowers the cost by less than this share or is shorter than .5 %, and
+// after so many iterations, which do not count for the others.
+constexpr double kTrialTolerance = 1e-5;
+constexpr double kTrialStep = 5e3;
+constexpr int kMostTrialIterations = 8;
 
 FitStatus StatusOf(ceres::TerminationType type) {
   switch (type) {
@@ -72,14 +80,23 @@ class PlannedFit {
         coordinates_(problem->StartCoordinates()),
         evaluator_(problem, options.num_threads),
         recorder_(options, *problem, evaluator_) {
-    summary_.plan = MakePlan(options, *problem, motions != nullptr && options.max_iterations > 0);
+    if (options.assimilate.kind == AssimilationOption::Kind::kAuto) {
+      problem->Assimilate({});
+      summary_.why_not_assimilated = WhyNotAssimilated(*problem);
+      if (summary_.why_not_assimilated.empty()) summary_.plan = PlanMemoryTrials(*problem);
+    }
+    if (summary_.plan.empty()) {
+      summary_.plan = MakePlan(options, *problem, motions != nullptr && options.max_iterations > 0);
+      return;
+    }
+    problem->Assimilate({summary_.plan.front().memory});
   }
 
   FitSummary Run() {
     problem_->Restart();
     if (Start()) {
       for (stage_ = 0; stage_ < static_cast<int>(summary_.plan.size()) && !options_.is_cancelled(); ++stage_) {
-        RunStage(&summary_.plan[stage_]);
+        RunStage();
       }
     }
     if (options_.is_cancelled()) {
@@ -108,27 +125,121 @@ class PlannedFit {
     return true;
   }
 
-  void RunStage(FitStage* stage) {
+  void RunStage() {
+    FitStage* const stage = &summary_.plan[static_cast<std::size_t>(stage_)];
     const int num_before = evaluator_.statistics().rollouts;
     if (lead_ && stage->share == 1.0 && !has_arrived_) Arrive();
     if (IsNeedless(*stage)) {
       stage->state = StageState::kSkipped;
-      stage->note = "the first frames have led near enough";
+      stage->note = "the stages before have led near enough";
       return Tell();
+    }
+    if (stage->is_trial && has_memory_) {
+      stage->state = StageState::kSkipped;
+      stage->note = "a shorter memory is the longest that serves";
+      Tell();
+      return EndTrials();
     }
     stage->state = StageState::kRunning;
     Tell();
     if (stage->share < 1.0) return RunFirstFrames(stage);
-    if (stage->is_joint()) {
+    if (stage->is_trial) {
+      return RunTrialStage(num_before);
+    } else if (stage->is_joint()) {
       RunJoint(*stage);
     } else {
       RunAlone(*stage);
     }
+    EndStage(num_before);
+    if (is_exact_tried_ && is_last_stage()) KeepExactOrGoBack();
+  }
+
+  void EndStage(int rollouts_before) {
+    FitStage* const stage = &summary_.plan[static_cast<std::size_t>(stage_)];
     stage->state = StageState::kDone;
     stage->note = summary_.message;
-    stage->rollouts = evaluator_.statistics().rollouts - num_before;
+    stage->rollouts = evaluator_.statistics().rollouts - rollouts_before;
     stage->cost = evaluator_.best().is_valid() ? evaluator_.best().cost : 0.0;
     Tell();
+  }
+
+  bool is_last_stage() const { return stage_ + 1 == static_cast<int>(summary_.plan.size()); }
+
+  // The plan may grow by it.
+  void RunTrialStage(int rollouts_before) {
+    const int before = recorder_.next_iteration();
+    RunTrial(FitStage(summary_.plan[static_cast<std::size_t>(stage_)]));
+    num_trial_iterations_ += recorder_.next_iteration() - before;
+    EndStage(rollouts_before);
+    EndTrials();
+  }
+
+  // With one memory, from where the one before it has led.
+  void RunTrial(const FitStage& stage) {
+    const Eigen::VectorXd before = coordinates_;
+    problem_->Assimilate({stage.memory});
+    evaluator_.SupersedeBest();
+    RunAlone(stage);
+    if (evaluator_.best_is_superseded() || summary_.status == FitStatus::kFailed) {
+      has_memory_ = true;
+      coordinates_ = before;
+      return;
+    }
+    coordinates_ = evaluator_.best().coordinates;
+    MemoryTrial trial = DescribeTrial(*problem_, evaluator_, stage.memory);
+    if (trials_.empty() || Follows(problem_->blocks(), trials_.back(), trial)) {
+      trials_.push_back(std::move(trial));
+      return;
+    }
+    if (trial.cost < trials_.back().cost && !has_jumped_) return TryAgain();
+    has_memory_ = true;
+    coordinates_ = before;
+    summary_.message = "the estimate jumps: the cost has other minima";
+  }
+
+  // A short memory has told too little beside the noise: the last two once more, from where the long one leads.
+  void TryAgain() {
+    has_jumped_ = true;
+    trials_.clear();
+    std::vector<FitStage> again(summary_.plan.begin() + stage_ - 1, summary_.plan.begin() + stage_ + 1);
+    for (FitStage& stage : again) stage.state = StageState::kAhead;
+    summary_.plan.insert(summary_.plan.begin() + stage_ + 1, again.begin(), again.end());
+  }
+
+  // After the last trial: what is left of the fit.
+  void EndTrials() {
+    if (!is_last_stage() || options_.is_cancelled()) return;
+    problem_->Assimilate({});
+    evaluator_.SupersedeBest();
+    double cost = std::numeric_limits<double>::infinity();
+    if (evaluator_.Evaluate(coordinates_, FitEvaluator::Derivative::kNone, &cost, nullptr)) {
+      cost -= problem_->PriorCost(coordinates_);
+    }
+    is_exact_tried_ = MayBeNoise(trials_, cost);
+    GoOnWith(is_exact_tried_ ? Assimilation() : Assimilation{trials_.back().memory});
+  }
+
+  // Plans the stages that end the fit, from where it is.
+  void GoOnWith(const Assimilation& assimilation) {
+    problem_->Assimilate(assimilation);
+    evaluator_.SupersedeBest();
+    const FitPlan rest = MakePlan(options_, *problem_, /*is_led=*/false);
+    if (!rest.empty()) precision_ = assimilation.is_on() ? Precision::kFull : rest.front().precision;
+    is_near_ = assimilation.is_on();
+    summary_.plan.insert(summary_.plan.end(), rest.begin(), rest.end());
+  }
+
+  // Rollouts that nothing corrects stand where they explain the recordings as well.
+  void KeepExactOrGoBack() {
+    is_exact_tried_ = false;
+    if (trials_.empty() || options_.is_cancelled()) return;
+    const bool has_exact = evaluator_.best().is_valid() && !evaluator_.best_is_superseded();
+    const Eigen::VectorXd exact = has_exact ? evaluator_.best().coordinates : coordinates_;
+    if (has_exact && IsNoWorse(evaluator_.best().cost - problem_->PriorCost(exact), trials_)) return;
+    coordinates_ = problem_->StartCoordinates();
+    coordinates_.head(problem_->num_blocks()) = trials_.back().coordinates;
+    coordinates_.tail(problem_->num_unknowns()).setZero();
+    GoOnWith({trials_.back().memory});
   }
 
   void Tell() const {
@@ -201,10 +312,13 @@ class PlannedFit {
     evaluator_.SupersedeBest();
     precision_ = Precision::kFull;
     const Eigen::VectorXd last = coordinates_, next = std::exchange(summary_.next, Eigen::VectorXd());
-    const bool has_next = recorder_.last_iteration() < options_.max_iterations && next.size() > 0;
+    const bool has_next = recorder_.last_iteration() < most_iterations() && next.size() > 0;
     is_near_ = (has_next && MoveTo(next, NearDerivative())) || MoveTo(last, NearDerivative());
     if (!is_near_) coordinates_ = problem_->StartCoordinates();
   }
+
+  // The number of the last one that a stage may end with.
+  int most_iterations() const { return options_.max_iterations + num_trial_iterations_; }
 
   // Levenberg-Marquardt over the parameters alone.
   void RunAlone(const FitStage& stage) {
@@ -214,6 +328,8 @@ class PlannedFit {
     goal.precision = stage.precision;
     goal.first_iteration = recorder_.next_iteration();
     goal.function_tolerance = options_.function_tolerance;
+    if (stage.is_trial) goal.function_tolerance = kTrialTolerance;
+    if (stage.is_trial) goal.step = kTrialStep;
     if (stage.is_rough) goal.function_tolerance = kLooseStepTolerance;
     // No other stage makes up for a minimum that a loose last one misses.
     if (stage.is_rough || stage.precision == Precision::kLoose) goal.step = kShortStep;
@@ -225,8 +341,9 @@ class PlannedFit {
     FreshRows rows(*problem_, basis, coordinates_, goal.precision, goal.has_exact_rows, &evaluator_);
     Eigen::VectorXd free = rows.FreeCoordinates(coordinates_);
     const std::unique_ptr<ceres::Problem> ceres_problem = rows.MakeCeresProblem(free.data());
-    ceres::Solver::Options solver = StageSolver(
-        goal.trust_region, std::max(0, options_.max_iterations - goal.first_iteration), options_.parameter_tolerance);
+    const int most = stage.is_trial ? std::min(kMostTrialIterations, options_.max_iterations)
+                                    : std::max(0, most_iterations() - goal.first_iteration);
+    ceres::Solver::Options solver = StageSolver(goal.trust_region, most, options_.parameter_tolerance);
     solver.function_tolerance = options_.function_tolerance;
     solver.callbacks.push_back(&recorder_);
     recorder_.StartStage(goal);
@@ -251,7 +368,7 @@ class PlannedFit {
     goal.first_iteration = recorder_.last_iteration();
     goal.has_rows = false;
     recorder_.StartStage(goal);
-    JointStageResult result = RunJointStage(options_, stage, options_.max_iterations - goal.first_iteration,
+    JointStageResult result = RunJointStage(options_, stage, most_iterations() - goal.first_iteration,
                                             std::move(known_), &recorder_, problem_, &coordinates_, &evaluator_);
     known_ = std::move(result.known);
     summary_.status = result.ok ? FitStatus::kConverged : FitStatus::kFailed;
@@ -264,7 +381,7 @@ class PlannedFit {
     const bool is_stalled = result.predicted_decrease > kStalledDecrease;
     if (is_stalled) summary_.message = "stopped at a kink of the cost";
     const bool is_cut = is_stalled || (stage.field_modes > 0 && !result.is_over);
-    if (!is_cut || recorder_.last_iteration() < options_.max_iterations) return;
+    if (!is_cut || recorder_.last_iteration() < most_iterations()) return;
     summary_.status = FitStatus::kNotConverged;
     summary_.message = "stopped at max_iterations";
   }
@@ -273,7 +390,10 @@ class PlannedFit {
     // A loose point is better than none only where somebody has stopped the fit there.
     const bool has_estimate =
         evaluator_.best().is_valid() && (!evaluator_.best_is_superseded() || options_.is_cancelled());
+    // The trials began with another cost.
+    if (has_estimate && !trials_.empty()) evaluator_.SetFirst(problem_->StartCoordinates());
     if (has_estimate) FillEstimate(*problem_, evaluator_, &summary_);
+    summary_.memory_trials = trials_;
     problem_->CheckJournals();
     recorder_.AddLast();
     summary_.iterations = recorder_.iterations();
@@ -300,8 +420,13 @@ class PlannedFit {
   double start_cost_ = 0.0;
   std::optional<Lead> lead_;
   bool has_arrived_ = false, is_lost_ = false;  // of first frames
-  bool is_near_ = false;                        // a point near the solution is known
-  bool has_joint_ = false;                      // from a joint stage
+  std::vector<MemoryTrial> trials_;             // those that serve
+  int num_trial_iterations_ = 0;
+  bool has_memory_ = false;      // no longer one serves
+  bool has_jumped_ = false;      // a longer one has led elsewhere, and down
+  bool is_exact_tried_ = false;  // whether rollouts do without corrections
+  bool is_near_ = false;         // a point near the solution is known
+  bool has_joint_ = false;       // from a joint stage
   BasisLinearization known_;
 };
 
@@ -337,6 +462,9 @@ void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summar
     ContinueFromLowerPoints(options, &FitOn, problem, summary);
   }
   EstimateFromQuadratic(options, *problem, summary);
+  if (!summary->uncertainty || !problem->assimilation().is_on() || summary->memory_trials.empty()) return;
+  const Eigen::VectorXd blocks = summary->coordinates.head(problem->num_blocks());
+  AddMemoryErrors(problem->blocks(), blocks, DriftOf(summary->memory_trials, blocks), &*summary->uncertainty);
 }
 
 }  // namespace clothid

@@ -13,6 +13,7 @@
 #include "identify/base/options.h"
 #include "identify/fit/fitted_field.h"
 #include "identify/fit/interval_check.h"
+#include "identify/problem/memory_trial.h"
 #include "identify/problem/unknown_basis.h"
 #include "identify/uncertainty/uncertainty.h"
 
@@ -87,8 +88,13 @@ struct FitSummary {
   std::optional<QuadraticEstimate> quadratic;
   std::vector<StartEstimate> starts;     // of the recordings whose start was unknown, where there is an uncertainty
   std::vector<ModelError> model_errors;  // per recording, that frames were weighed by
-  FitPlan plan;                          // the stages, and what became of each
-  std::optional<FieldResult> fields;     // of the fields, where some were fitted
+  // The fits with corrected rollouts that found the memory, in their order, and whether the last of them is the answer:
+  // then all that is said of predictions and errors is of rollouts that the recordings correct with that memory.
+  std::vector<MemoryTrial> memory_trials;
+  Assimilation assimilation;
+  std::string why_not_assimilated;  // one line: why recordings that were asked to did not; else empty
+  FitPlan plan;                       // the stages, and what became of each
+  std::optional<FieldResult> fields;  // of the fields, where some were fitted
   // Near the estimate, where the fit ended with one; `AddUncertainty` takes it.
   std::optional<BasisLinearization> linearization;
   double cost = 0.0;

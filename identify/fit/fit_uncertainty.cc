@@ -18,11 +18,15 @@ struct EstimateLinearization {
   Eigen::MatrixXd follow;  // [(n + f) x p]
 };
 
+// Where recordings correct the rollouts, no unknown start is fitted.
+bool HasStarts(const FitProblem& problem) {
+  return problem.num_start_unknowns() > 0 && !problem.assimilation().is_on();
+}
+
 // Over all unknowns, at or near the estimate.
 bool LinearizeAll(const FitProblem& problem, FitEvaluator* evaluator, FitSummary* summary, BasisLinearization* all) {
   std::optional<BasisLinearization> known = std::exchange(summary->linearization, std::nullopt);
-  all->basis =
-      MakeBasis(problem, problem.num_start_unknowns() > 0, problem.num_field_unknowns() > 0 ? kPosteriorModes : 0);
+  all->basis = MakeBasis(problem, HasStarts(problem), problem.num_field_unknowns() > 0 ? kPosteriorModes : 0);
   if (known && known->basis.combinations.cols() == all->basis.combinations.cols()) {
     all->linearization = std::move(known->linearization);
     return true;
@@ -37,14 +41,14 @@ bool LinearizeEstimate(const FitProblem& problem, FitEvaluator* evaluator, FitSu
   BasisLinearization all;
   if (!LinearizeAll(problem, evaluator, summary, &all)) return false;
   const int p = problem.num_blocks();
-  if (problem.num_unknowns() == 0) {
+  if (!HasStarts(problem) && problem.num_field_unknowns() == 0) {
     estimate->parameters = std::move(all.linearization);
-    estimate->follow = Eigen::MatrixXd::Zero(0, p);
+    estimate->follow = Eigen::MatrixXd::Zero(problem.num_unknowns(), p);
     return true;
   }
   DescribeUnknowns(problem, all, summary);
   AddFieldRows(problem, all.basis.combinations, p, &all.linearization.jacobian);
-  if (problem.num_start_unknowns() > 0) {
+  if (HasStarts(problem)) {
     estimate->known_start = Marginalize(KnownStart(all, problem), p).parameters;
     estimate->known_start.gradient = -PriorGradient(problem.blocks(), summary->coordinates);
   }
@@ -80,7 +84,7 @@ void AddUncertainty(const FitOptions& options, const FitProblem& problem, FitSum
     estimate.parameters.autocorrelation = WeightedAutocorrelation(options.loss, problem, *summary);
     const Eigen::VectorXd blocks = summary->coordinates.head(problem.num_blocks());
     summary->uncertainty = EstimateUncertainty(problem.blocks(), blocks, estimate.parameters);
-    if (problem.num_start_unknowns() > 0) {
+    if (HasStarts(problem)) {
       const Uncertainty known = EstimateUncertainty(problem.blocks(), blocks, estimate.known_start);
       for (int i = 0; i < problem.num_blocks(); ++i) {
         summary->uncertainty->parameters[i].known_start_std = known.parameters[i].std;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "identify/problem/memory_trial.h"
 #include "identify/problem/unknown_basis.h"
 
 namespace clothid {
@@ -16,7 +17,7 @@ void AddJointStages(const FitProblem& problem, Precision first, FitPlan* plan) {
   FitStage joint;
   joint.precision = first;
   joint.is_rough = true;
-  joint.with_starts = problem.num_start_unknowns() > 0;
+  joint.with_starts = problem.num_start_unknowns() > 0 && !problem.assimilation().is_on();
   joint.with_weights = problem.chooses_weights();
   int side = 0;  // of the largest control grid
   for (const FieldRequest& field : problem.fields()) side = std::max({side, field.rows, field.columns});
@@ -45,14 +46,16 @@ FitPlan MakePlan(const FitOptions& options, const FitProblem& problem, bool is_l
       has_free && options.precision != FitPrecision::kFull && options.jacobian != JacobianMethod::kNumeric;
   const bool ends_loosely = is_loose && options.precision == FitPrecision::kLoose;
   for (const double share : kShares) {
-    if (!is_led || !has_free) break;
+    if (!is_led || !has_free || problem.assimilation().is_on()) break;
     FitStage first;
     first.share = share;
     first.precision = is_loose ? Precision::kLoose : Precision::kFull;
     first.is_rough = true;
     plan.push_back(first);
   }
-  const bool has_others = !ends_loosely && (problem.num_unknowns() > 0 || problem.chooses_weights());
+  const double memory = problem.assimilation().memory;
+  const bool has_unknowns = problem.num_unknowns() > (memory > 0.0 ? problem.num_start_unknowns() : 0);
+  const bool has_others = !ends_loosely && (has_unknowns || problem.chooses_weights());
   const bool is_weighed = problem.has_model_error();
   FitStage alone;
   alone.precision = is_loose ? Precision::kLoose : Precision::kFull;
@@ -66,7 +69,22 @@ FitPlan MakePlan(const FitOptions& options, const FitProblem& problem, bool is_l
     alone.is_rough = false;
     plan.push_back(alone);
   }
-  for (FitStage& stage : plan) stage.is_weighed = is_weighed;
+  for (FitStage& stage : plan) {
+    stage.is_weighed = is_weighed;
+    stage.memory = memory;
+  }
+  return plan;
+}
+
+FitPlan PlanMemoryTrials(const FitProblem& problem) {
+  FitPlan plan;
+  if (problem.is_all_frozen()) return plan;
+  for (const double memory : MemoriesOf(problem)) {
+    FitStage stage;
+    stage.memory = memory;
+    stage.is_trial = true;
+    plan.push_back(stage);
+  }
   return plan;
 }
 

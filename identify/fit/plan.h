@@ -2,6 +2,8 @@
 //
 // Far from the answer little is worth finding out exactly, and much is not worth estimating yet. So a fit goes by
 // stages that differ in what they look at, how closely, and what they move:
+//   - Rollouts that the recordings correct, where they are asked for: a stage for every memory that is tried
+//     (identify/problem/memory_trial.h). They take the place of the first frames.
 //   - The first eighth, quarter and half of the frames (identify/fit/first_frames.h), with the parameters alone.
 //   - All frames with loose rollouts (`Precision`), the parameters alone, until the next step is short.
 //   - Then what else is unknown with them, still loosely: the starts, the fields in their 4 x 4 smoothest modes, then
@@ -21,8 +23,11 @@
 
 namespace clothid {
 
-// `is_led`: by first frames.
+// `is_led`: by first frames. Of rollouts that the recordings correct where those of `problem` do.
 FitPlan MakePlan(const FitOptions& options, const FitProblem& problem, bool is_led);
+
+// The stages that find the memory of such rollouts (identify/problem/memory_trial.h); what follows depends on them.
+FitPlan PlanMemoryTrials(const FitProblem& problem);
 
 }  // namespace clothid
 

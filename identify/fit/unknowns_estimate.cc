@@ -172,7 +172,7 @@ void FillFields(const FitProblem& problem, FitSummary* summary) {
 
 void DescribeUnknowns(const FitProblem& problem, const BasisLinearization& known, FitSummary* summary) {
   const UnknownsPosterior posterior = PosteriorOf(problem, known);
-  FillStarts(problem, posterior, summary);
+  if (known.basis.with_starts) FillStarts(problem, posterior, summary);
   if (summary->fields) FillDeviations(problem, known.basis, posterior, &*summary->fields);
 }
 

@@ -183,19 +183,31 @@ std::string FitEvaluator::PlaceText(const Eigen::VectorXd& coordinates) const {
 void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision) {
   if (best_.is_valid() && !best_is_superseded_ && !(cost < best_.cost)) return;
   best_is_superseded_ = false;
-  best_.coordinates = coordinates;
-  best_.cost = cost;
+  best_ = PointOf(coordinates, cost, precision);
   best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();
-  best_.predicted.resize(static_cast<std::size_t>(problem_->num_recordings()));
-  best_.forces.resize(best_.predicted.size());
-  best_.counts = RolloutCounts();
+  if (!first_.is_valid()) first_ = best_;
+}
+
+FitPoint FitEvaluator::PointOf(const Eigen::VectorXd& coordinates, double cost, Precision precision) const {
+  FitPoint point;
+  point.coordinates = coordinates;
+  point.cost = cost;
+  point.predicted.resize(static_cast<std::size_t>(problem_->num_recordings()));
+  point.forces.resize(point.predicted.size());
   for (int r = 0; r < problem_->num_recordings(); ++r) {
     RolloutCounts counts;
     problem_->cost(r, precision)
-        .Predict(problem_->CoordinatesOf(r, coordinates), &best_.predicted[r], &counts, &best_.forces[r]);
-    best_.counts += counts;
+        .Predict(problem_->CoordinatesOf(r, coordinates), &point.predicted[r], &counts, &point.forces[r]);
+    point.counts += counts;
   }
-  if (!first_.is_valid()) first_ = best_;
+  return point;
+}
+
+bool FitEvaluator::SetFirst(const Eigen::VectorXd& coordinates) {
+  double cost = 0.0;
+  if (!Evaluate(coordinates, Derivative::kNone, &cost, nullptr)) return false;
+  first_ = PointOf(coordinates, cost, Precision::kFull);
+  return true;
 }
 
 bool FitEvaluator::LinearizeRecording(int recording, const Eigen::VectorXd& coordinates,

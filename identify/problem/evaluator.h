@@ -73,6 +73,8 @@ class FitEvaluator {
   // Of the last kRows or kExactRows evaluation that worked.
   const QuadraticModel& model() const { return model_; }
   const EvaluatedRows& rows() const { return rows_; }
+  // Makes `coordinates` the first point, evaluated as costs now are, with full precision; false where that fails.
+  bool SetFirst(const Eigen::VectorXd& coordinates);
   const FitPoint& first() const { return first_; }  // the first point that worked
   const FitPoint& best() const { return best_; }    // the point of lowest cost
   // The next point is the best one whatever its cost: costs of different precision, or with priors of other weights, do
@@ -103,6 +105,8 @@ class FitEvaluator {
   // handful those alone that no cloth can have.
   std::string PlaceText(const Eigen::VectorXd& coordinates) const;
   void Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision);
+  // Of one that was just evaluated.
+  FitPoint PointOf(const Eigen::VectorXd& coordinates, double cost, Precision precision) const;
 
   // What one recording tells of some columns.
   struct RecordingLinearization {

@@ -62,6 +62,14 @@ FitProblem::FitProblem(const std::vector<RecordedMotion>& motions, const FitOpti
   }
   AddFieldIndices();
   AddSmoothness(options);
+  if (options.assimilate.kind == AssimilationOption::Kind::kMemory) {
+    for (const auto& cost : costs_) {
+      const std::string reason = cost->model().WhyNotAssimilated();
+      if (reason.empty()) continue;
+      throw Error(ErrorKind::kUsage, "--assimilate: " + cost->model().name() + " " + reason + "; expected off or auto");
+    }
+    Assimilate(options.assimilate.given);
+  }
   finds_model_error_ = options.weighs_model_error;
   if (!options.model_errors.empty()) SetModelErrors(options.model_errors);
 }
@@ -201,7 +209,18 @@ FitOptions FitProblem::WithWeights(FitOptions options) const {
   options.chooses_wind_smoothness = false;
   options.weighs_model_error = false;
   options.model_errors = model_errors();
+  options.assimilate = assimilation_option();
   return options;
+}
+
+AssimilationOption FitProblem::assimilation_option() const {
+  if (!assimilation_.is_on()) return {};
+  return {AssimilationOption::Kind::kMemory, assimilation_};
+}
+
+void FitProblem::Assimilate(const Assimilation& assimilation) {
+  assimilation_ = assimilation;
+  for (const auto& cost : costs_) cost->Assimilate(assimilation);
 }
 
 void FitProblem::SetModelErrors(const std::vector<ModelError>& errors) {

@@ -89,14 +89,23 @@ class FitProblem {
   void HoldWeights(bool hold);
   // Those of another problem with the same unknowns, to start with.
   void TakeWeights(const FitProblem& other);
-  // `options` with the weights of this problem, given: for a fit whose cost is to be compared with one of this.
+  // `options` with the weights and the corrections of this problem, given: for a fit whose cost is to be compared with
+  // one of this.
   FitOptions WithWeights(FitOptions options) const;
 
   // How far the model errs in every recording; they are weights, too: where these are held, so are they.
   void SetModelErrors(const std::vector<ModelError>& errors);
   std::vector<ModelError> model_errors() const;
   bool has_model_error() const;
-  bool finds_model_error() const { return finds_model_error_ && !holds_model_error_; }
+  // What the model errs by leaves corrected rollouts again.
+  bool finds_model_error() const { return finds_model_error_ && !holds_model_error_ && !assimilation_.is_on(); }
+
+  // How the recordings correct the rollouts from now on; costs of before and of after do not compare. Starts that are
+  // unknown then stay at their base, as the first frames correct them.
+  void Assimilate(const Assimilation& assimilation);
+  const Assimilation& assimilation() const { return assimilation_; }
+  // What asks for the same of another fit.
+  AssimilationOption assimilation_option() const;
 
   // Everything that is believed but of starts, a row each: the residuals at a point; their derivative with respect to
   // the blocks and combinations [(n + f) x c] of the other unknowns [rows x (p + c)]; half the sum of their squares;
@@ -136,6 +145,7 @@ class FitProblem {
   std::vector<std::unique_ptr<RolloutCost>> loose_costs_;  // the same with Precision::kLoose
   std::vector<std::vector<int>> block_indices_, coordinate_indices_;
   int num_start_unknowns_ = 0, num_field_unknowns_ = 0;
+  Assimilation assimilation_;
   bool finds_model_error_ = false, holds_model_error_ = false;
   Eigen::VectorXd start_unknowns_;  // where the next fit starts; empty: zero
 };

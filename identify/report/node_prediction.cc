@@ -1,5 +1,7 @@
 #include "identify/report/node_prediction.h"
 
+#include <utility>
+
 #include "costs/prediction/alignment.h"
 #include "costs/prediction/recording_model.h"
 #include "costs/prediction/rollout_cost_options.h"
@@ -34,6 +36,46 @@ std::vector<Eigen::MatrixXd> PredictNodes(const std::vector<RecordedMotion>& mot
     if (rollout.ok()) predicted[static_cast<std::size_t>(r)] = nodes;
   }
   return predicted;
+}
+
+namespace {
+
+// Of every recording, as in a `FitPoint`.
+struct UncorrectedPrediction {
+  std::vector<Eigen::MatrixXd> points, forces;
+  PredictionError error;
+};
+
+std::optional<UncorrectedPrediction> PredictUncorrectedAt(const std::vector<RecordedMotion>& motions,
+                                                          const FitProblem& problem,
+                                                          const Eigen::VectorXd& coordinates) {
+  UncorrectedPrediction prediction;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    const RecordingModel& fitted = problem.cost(r).model();
+    RecordingModel model(motions[static_cast<std::size_t>(r)], fitted.blocks(), {}, fitted.shared_start(),
+                         problem.fields());
+    ForceTrack forces;
+    const Rollout rollout = model.Simulate(problem.CoordinatesOf(r, coordinates), {}, {},
+                                           &prediction.points.emplace_back(), /*velocities=*/nullptr, &forces);
+    if (!rollout.ok()) return std::nullopt;
+    prediction.error += model.observation().Compare(prediction.points.back(), forces.predicted);
+    prediction.forces.push_back(std::move(forces.predicted));
+  }
+  return prediction;
+}
+
+}  // namespace
+
+std::optional<PredictionError> PredictUncorrected(const std::vector<RecordedMotion>& motions, const FitProblem& problem,
+                                                  FitSummary* summary) {
+  if (!summary->assimilation.is_on()) return std::nullopt;
+  std::optional<UncorrectedPrediction> end = PredictUncorrectedAt(motions, problem, summary->coordinates);
+  std::optional<UncorrectedPrediction> start = PredictUncorrectedAt(motions, problem, problem.StartCoordinates());
+  if (!end || !start) return std::nullopt;
+  summary->predicted = std::move(end->points);
+  summary->forces = std::move(end->forces);
+  summary->start_predicted = std::move(start->points);
+  return end->error;
 }
 
 }  // namespace clothid

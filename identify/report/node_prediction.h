@@ -3,6 +3,7 @@
 #define CLOTHID_IDENTIFY_REPORT_NODE_PREDICTION_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
@@ -16,6 +17,13 @@ namespace clothid {
 // failed. `motions` are those of `problem`.
 std::vector<Eigen::MatrixXd> PredictNodes(const std::vector<RecordedMotion>& motions, const FitProblem& problem,
                                           const FitSummary& summary);
+
+// Where the recordings correct the rollouts of the fit: puts predictions without corrections, at the start and at the
+// estimate, in place of those of `summary`, as what a simulation with these parameters does. The errors of `summary`
+// stay. Returns how far those at the estimate are from the recordings; nothing, and changes nothing, where a rollout
+// failed.
+std::optional<PredictionError> PredictUncorrected(const std::vector<RecordedMotion>& motions, const FitProblem& problem,
+                                                  FitSummary* summary);
 
 }  // namespace clothid
 

@@ -112,6 +112,20 @@ std::string Interval(const FitSummary& summary, const FitChecks& checks, int ind
                       uncertainty.upper95);
 }
 
+// Of rollouts that the recordings correct, or why they were asked to and do not; else nothing.
+std::string MemoryRow(const FitSummary& summary, const FitChecks& checks) {
+  if (!summary.why_not_assimilated.empty()) {
+    return "memory          none: " + summary.why_not_assimilated + ", and corrects no rollouts\n";
+  }
+  if (!summary.assimilation.is_on()) return {};
+  std::string row = "memory          " + NumberText(summary.assimilation.memory, 3) +
+                    " s of rollouts that the recordings correct: errors are those of predictions in between";
+  if (checks.uncorrected_error) {
+    row += "; of rollouts without corrections " + MillimetreText(checks.uncorrected_error->rmse());
+  }
+  return row + "\n";
+}
+
 std::string ModelErrorRow(const RecordingFit& recording, std::size_t num_recordings) {
   const std::string misses = ModelErrorText(recording.model_error);
   if (misses.empty()) return {};
@@ -301,6 +315,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
     table << "fit             " << std::setprecision(5) << summary.error.fit_percent() << " %, at the start "
           << summary.start_error.fit_percent() << " % (0 %: no better than a cloth at rest)\n";
   }
+  table << MemoryRow(summary, checks);
   for (const RecordingFit& recording : checks.recordings) table << ModelErrorRow(recording, checks.recordings.size());
   for (const StartEstimate& start : summary.starts) table << StartRow(start);
   if (summary.fields) {

@@ -307,11 +307,31 @@ Json FindingsOfRecordings(const FitChecks& checks) {
   return is_ok ? Json(nullptr) : json;
 }
 
+// Of rollouts that the recordings correct, and of the fits that found their memory.
+Json CorrectionsJson(const FitSummary& summary, const FitChecks& checks) {
+  Json trials = Json::array(), drift = Json::object();
+  for (const MemoryTrial& trial : summary.memory_trials) {
+    trials.push_back({{"memory_s", trial.memory},
+                      {"values", NamedJson(summary.parameters, trial.values)},
+                      {"coordinate_stds", NamedJson(summary.parameters, trial.std)},
+                      {"residual_scale", trial.residual_scale}});
+  }
+  for (std::size_t i = 0; summary.uncertainty && i < summary.parameters.size(); ++i) {
+    drift[summary.parameters[i].name] = summary.uncertainty->parameters[i].memory_error;
+  }
+  Json json = AssimilationJson(summary.assimilation);
+  json["uncorrected_rmse_m"] = checks.uncorrected_error ? checks.uncorrected_error->rmse() : kNull;
+  json["drift"] = drift;
+  json["trials"] = trials;
+  return json;
+}
+
 Json PlanJson(const FitPlan& plan) {
   Json stages = Json::array();
   for (const FitStage& stage : plan) {
     stages.push_back({{"stage", stage.Words()},
                       {"frames", stage.share},
+                      {"memory_s", stage.memory > 0.0 ? stage.memory : kNull},
                       {"precision", stage.precision == Precision::kLoose ? "loose" : "full"},
                       {"state", StageStateName(stage.state)},
                       {"note", stage.note},
@@ -355,6 +375,9 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["step_check"] = RepeatedFitJson(summary, discretization.half_step);
   if (discretization.double_step) json["double_step"] = RepeatedFitJson(summary, discretization.double_step);
   if (discretization.fine_mesh) json["fine_mesh"] = RepeatedFitJson(summary, discretization.fine_mesh);
+  if (summary.assimilation.is_on() || !summary.memory_trials.empty()) {
+    json["assimilation"] = CorrectionsJson(summary, checks);
+  }
   json["cost"] = summary.cost;
   json["jacobian"] = JacobianMethodName(checks.jacobian);
   json["plan"] = PlanJson(summary.plan);

@@ -51,6 +51,9 @@ void AddDiscretizationErrors(const std::vector<ParameterBlock>& blocks, const Ei
     if (std::isnan(parameter.coordinate_std)) continue;
     const double q = coordinates[static_cast<Eigen::Index>(i)];
     double half_width = uncertainty->quantile95 * parameter.coordinate_std;
+    if (!std::isnan(parameter.memory_error)) {
+      half_width = std::hypot(half_width, kNormal95 * parameter.memory_error / blocks[i].ValueDerivative(q));
+    }
     if (!step.empty()) {
       half_width = std::hypot(half_width, AddError(blocks[i], q, step[i], &parameter.step_error));
       parameter.step_order = step[i].order;
@@ -62,6 +65,15 @@ void AddDiscretizationErrors(const std::vector<ParameterBlock>& blocks, const Ei
   for (std::size_t i = 0; i < blocks.size() && step.empty(); ++i) {
     WidenByStepError(blocks[i], coordinates[static_cast<Eigen::Index>(i)], &uncertainty->parameters[i]);
   }
+}
+
+void AddMemoryErrors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                     const Eigen::VectorXd& drift, Uncertainty* uncertainty) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    uncertainty->parameters[i].memory_error = blocks[i].ValueDerivative(coordinates[index]) * drift[index];
+  }
+  AddDiscretizationErrors(blocks, coordinates, {}, {}, uncertainty);
 }
 
 void AddEstimatedStepErrors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,

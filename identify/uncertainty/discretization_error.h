@@ -15,7 +15,7 @@
 //
 // The errors enter the interval as standard deviations, each with the 1.96 of a normal distribution, and independent of
 // the noise and of each other: half its width in q is
-//   sqrt((quantile95 std)^2 + (1.96 step error)^2 + (1.96 mesh error)^2).
+//   sqrt((quantile95 std)^2 + (1.96 step error)^2 + (1.96 mesh error)^2 + (1.96 drift)^2).
 // They are biases, not chance: more recordings do not make them smaller.
 #ifndef CLOTHID_IDENTIFY_UNCERTAINTY_DISCRETIZATION_ERROR_H_
 #define CLOTHID_IDENTIFY_UNCERTAINTY_DISCRETIZATION_ERROR_H_
@@ -50,6 +50,11 @@ void AddDiscretizationErrors(const std::vector<ParameterBlock>& blocks, const Ei
 // they tell stays judged as it was.
 void AddEstimatedStepErrors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                             const std::vector<DiscretizationError>& step, Uncertainty* uncertainty);
+
+// The intervals once more with how far the estimates drift where rollouts that the recordings correct get a longer
+// memory (identify/problem/memory_trial.h), [p] of q: an error of the model, which enters as those of step and mesh do.
+void AddMemoryErrors(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                     const Eigen::VectorXd& drift, Uncertainty* uncertainty);
 
 }  // namespace clothid
 

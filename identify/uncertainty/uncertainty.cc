@@ -214,7 +214,7 @@ double Linearization::SquaredScale(double num_fitted) const {
 
 double ParameterUncertainty::total_std() const {
   const auto known = [](double error) { return std::isnan(error) ? 0.0 : error; };
-  return std::hypot(std, known(step_error), known(mesh_error));
+  return std::hypot(std::hypot(std, known(memory_error)), known(step_error), known(mesh_error));
 }
 
 bool Uncertainty::all_identifiable(const std::vector<ParameterBlock>& blocks) const {

@@ -104,6 +104,9 @@ struct ParameterUncertainty {
   // (identify/uncertainty/discretization_error.h). NaN: nobody looked, or it could not be told.
   double step_error = std::numeric_limits<double>::quiet_NaN();
   double mesh_error = std::numeric_limits<double>::quiet_NaN();
+  // Of the value: how far it drifts with the memory of rollouts that recordings correct
+  // (identify/problem/memory_trial.h). NaN: they do not.
+  double memory_error = std::numeric_limits<double>::quiet_NaN();
   double step_order = std::numeric_limits<double>::quiet_NaN();  // at which step_error falls; NaN: no clear one
   // The interval, with these errors where they are known, and half its width in q. NaN as `std`.
   double lower95 = std::numeric_limits<double>::quiet_NaN();
@@ -134,7 +137,7 @@ struct ParameterUncertainty {
   // prior the interval that it would have without it, too.
   bool identifiable = false;
 
-  // Noise, step and mesh together: root of squares, of what is known. NaN as `std`.
+  // Noise, step, mesh and drift together: root of squares, of what is known. NaN as `std`.
   double total_std() const;
   // Never of one with a prior: that its interval is hardly narrower than the prior is told otherwise.
   bool is_hardly_told() const {

@@ -37,6 +37,9 @@ struct FitChecks {
   StepErrorEstimate step_error;
   std::optional<DiscretizationCheck> discretization;
   std::optional<Holdout> holdout;
+  // Over all recordings, of rollouts at the estimates that nothing corrects, where those of the fit were; absent where
+  // one of them failed.
+  std::optional<PredictionError> uncorrected_error;
   std::optional<Repetitions> repetitions;
   std::vector<EnergyGain> energy;                // of every recording; empty: nobody looked
   std::vector<SelfContactAudit> self_contact;    // likewise

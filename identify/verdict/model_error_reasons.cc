@@ -11,6 +11,9 @@ namespace {
 
 // A start or a handle is where it was measured within so many standard deviations.
 constexpr double kFarFromMeasured = 3.0;
+// Estimates that drift by more than so many standard deviations of the noise, and by this share, ask for care.
+constexpr double kFarDrift = 2.0;
+constexpr double kSmallDrift = 0.01;
 
 std::string StartName(const FitChecks& checks, int recording) {
   return checks.recordings.size() > 1 ? checks.recordings[recording].name + ": the start" : "the start";
@@ -50,10 +53,28 @@ void AddMisses(const RecordingFit& recording, const std::string& prefix, std::ve
   reasons->push_back(largest > 0.0 && !(largest <= recording.noise) ? Careful({}, brief, line) : Remark(line));
 }
 
+// What judges fast motion and what judges slow motion disagree.
+void AddDrift(const FitSummary& summary, std::vector<Reason>* reasons) {
+  if (!summary.assimilation.is_on() || summary.memory_trials.empty() || !summary.uncertainty) return;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    const FittedParameter& parameter = summary.parameters[i];
+    const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[i];
+    const double share = uncertainty.memory_error / std::abs(parameter.value);
+    if (!(uncertainty.memory_error > kFarDrift * uncertainty.std) || !(share > kSmallDrift)) continue;
+    const std::string brief = parameter.name + " drifts by " + NumberText(100.0 * share, 2) + " %";
+    reasons->push_back(Careful(
+        {static_cast<int>(i)}, brief,
+        brief + " between " + NumberText(FirstMemoryOfDrift(summary.memory_trials), 2) + " and " +
+            NumberText(summary.memory_trials.back().memory, 2) +
+            " s of memory: the model errs otherwise in fast motion than in slow; the interval counts with that"));
+  }
+}
+
 }  // namespace
 
 void AddModelErrorReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
   AddMoved(summary, checks, reasons);
+  AddDrift(summary, reasons);
   for (const RecordingFit& recording : checks.recordings) {
     AddMisses(recording, checks.recordings.size() > 1 ? recording.name + ": " : std::string(), reasons);
   }

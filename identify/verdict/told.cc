@@ -57,6 +57,7 @@ std::string PartsRemark(const FitSummary& summary, const FitChecks& checks, int 
   std::string text = "noise +- " + NumberText(parameter.std, 2);
   if (!std::isnan(parameter.step_error)) text += ", step +- " + NumberText(parameter.step_error, 2);
   if (!std::isnan(parameter.mesh_error)) text += ", mesh +- " + NumberText(parameter.mesh_error, 2);
+  if (!std::isnan(parameter.memory_error)) text += ", memory +- " + NumberText(parameter.memory_error, 2);
   return text;
 }
 

@@ -409,6 +409,19 @@ TEST(VerdictTest, SaysWhereTheCostIsNotQuadratic) {
       Says(summary, {}, "the interval of mu cannot be relied on: at its ends the cost rises by 3.7 and 1.2e+02"));
 }
 
+TEST(VerdictTest, SaysWhereAnEstimateDriftsWithTheMemory) {
+  FitSummary summary = Converged();
+  summary.assimilation.memory = 0.18;
+  for (const double memory : {0.02, 0.06, 0.18}) summary.memory_trials.emplace_back().memory = memory;
+  summary.uncertainty->parameters[0].memory_error = 0.019;  // below two standard deviations
+  EXPECT_FALSE(Says(summary, {}, "drifts"));
+  summary.uncertainty->parameters[0].memory_error = 0.03;
+  EXPECT_TRUE(Says(summary, {}, "mu drifts by 10 % between 0.06 and 0.18 s of memory: the model errs otherwise in"));
+  EXPECT_EQ(Judge(summary, {}).overall, Usability::kWithCare);
+  summary.assimilation = {};  // rollouts without corrections have the last word
+  EXPECT_FALSE(Says(summary, {}, "drifts"));
+}
+
 TEST(VerdictTest, SaysWhereNoiseDoesNotExplainTheError) {
   RecordingFit recording = Recording(0.04, 1.0);
   recording.noise = 0.02;

@@ -109,6 +109,7 @@ def identify(
     adjoint: str = "reduced",
     precision: str = "adaptive",
     horizon: str = "growing",
+    assimilate: Union[str, float] = "off",
     max_iterations: int = 50,
     time_step: Union[str, float] = "",
     step_tolerance: float = 0.0,
@@ -133,7 +134,7 @@ def identify(
 
     motions: a Motion or several. fit, each, profile: names of parameters ("mu", "k_stretch", ..); fit=() fits mu and
     k_stretch. start, lower, upper: {name: value}. prior: {name: (median, factor)} or, of mu and signed parameters,
-    {name: (mean, standard deviation)}. sigma, time_step: a text of the program, or a number in m or s.
+    {name: (mean, standard deviation)}. sigma, time_step, assimilate: a text of the program, or a number in m or s.
     repeat: the motions are repetitions of one experiment, see `Result.repetitions`. holdout_frames: (first, end).
     export: simulators for which `output` gets files, see `Result.export`. output: a folder for the files that the
     program writes; "": none are written.
@@ -168,6 +169,7 @@ def identify(
         "adjoint": adjoint,
         "precision": precision,
         "horizon": horizon,
+        "assimilate": assimilate if isinstance(assimilate, str) else repr(float(assimilate)),
         "max_iterations": max_iterations,
         "time_step": time_step if isinstance(time_step, str) else repr(float(time_step)),
         "step_tolerance": step_tolerance,

@@ -1,0 +1,135 @@
+#include "identify/problem/memory_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/problem/evaluator.h"
+#include "identify/problem/gauss_newton.h"
+#include "sim/matrix/dense.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kFirstMemory = 2.0;  // in frame intervals
+constexpr double kMemoryGrowth = 3.0;
+constexpr double kLongestShare = 1.0 / 3.0;  // of a recording
+constexpr std::size_t kMostMemories = 6;
+// An estimate that moves by more jumps: a factor of 2, or this share of the range, and three standard deviations.
+constexpr double kLargestMove = 0.7;
+constexpr double kLargestShare = 0.125;
+constexpr double kStds = 3.0;
+// Resolutions of a parameter, 5 %: the step on from where a trial ended is taken where it is shorter.
+constexpr double kNextStep = 5e4;
+// Costs that differ by less are the same. What rollouts without corrections may cost where a fit of them is tried.
+constexpr double kSameCost = 5e-3;
+constexpr double kNearCost = 0.2;
+// Memories that are shorter by more than this factor say nothing of the drift.
+constexpr double kDriftFactor = 5.0;
+
+double MedianInterval(const Eigen::VectorXd& times) {
+  std::vector<double> intervals;
+  for (Eigen::Index i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<double> MemoriesOf(const FitProblem& problem) {
+  double interval = 0.0, duration = std::numeric_limits<double>::infinity();
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    const Eigen::VectorXd& times = problem.cost(r).model().times();
+    if (times.size() < 2) return {};
+    interval = std::max(interval, MedianInterval(times));
+    duration = std::min(duration, times[times.size() - 1] - times[0]);
+  }
+  std::vector<double> memories;
+  for (double memory = kFirstMemory * interval; memory <= kLongestShare * duration; memory *= kMemoryGrowth) {
+    if (memories.size() < kMostMemories) memories.push_back(memory);
+  }
+  return memories;
+}
+
+std::string WhyNotAssimilated(const FitProblem& problem) {
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    const std::string reason = problem.cost(r).model().WhyNotAssimilated();
+    if (!reason.empty()) return problem.cost(r).model().name() + " " + reason;
+  }
+  return {};
+}
+
+MemoryTrial DescribeTrial(const FitProblem& problem, const FitEvaluator& evaluator, double memory) {
+  MemoryTrial trial;
+  trial.memory = memory;
+  const FitPoint& best = evaluator.best();
+  const QuadraticModel& model = evaluator.model();
+  const bool has_model = model.coordinates.size() > 0 && model.coordinates == best.coordinates;
+  const Eigen::VectorXd end = has_model ? NextPoint(problem, model, kNextStep) : best.coordinates;
+  const Eigen::VectorXd step = (end - best.coordinates).head(problem.num_blocks());
+  trial.coordinates = end.head(problem.num_blocks());
+  trial.values = problem.Values(end);
+  trial.cost = best.cost - problem.PriorCost(best.coordinates);
+  if (has_model) trial.cost = std::max(0.0, trial.cost + 0.5 * model.gradient.dot(step));
+  double num_measurements = 0.0;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    num_measurements += problem.cost(r).model().observation().num_residuals();
+  }
+  const double freedom = num_measurements - static_cast<double>(problem.free_blocks().size());
+  trial.residual_scale = std::sqrt(2.0 * trial.cost / std::max(1.0, freedom));
+  trial.std = Eigen::VectorXd::Constant(problem.num_blocks(), std::numeric_limits<double>::quiet_NaN());
+  if (!has_model) return trial;
+  std::vector<int> told;
+  for (int i = 0; i < problem.num_blocks(); ++i) {
+    if (model.hessian(i, i) > 0.0) told.push_back(i);
+  }
+  const Eigen::MatrixXd hessian = model.hessian(told, told);
+  const Eigen::MatrixXd covariance = SymmetricFactor(hessian).Inverse();
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const double variance = covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
+    if (variance > 0.0) trial.std[told[i]] = trial.residual_scale * std::sqrt(variance);
+  }
+  return trial;
+}
+
+bool Follows(const std::vector<ParameterBlock>& blocks, const MemoryTrial& last, const MemoryTrial& next) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    if (std::isnan(last.std[index])) continue;  // nothing was told of it
+    const double chance = std::hypot(last.std[index], std::isnan(next.std[index]) ? 0.0 : next.std[index]);
+    const double largest = std::min(kLargestMove, kLargestShare * blocks[i].CoordinateRange());
+    if (std::abs(next.coordinates[index] - last.coordinates[index]) > largest + kStds * chance) return false;
+  }
+  return true;
+}
+
+bool MayBeNoise(const std::vector<MemoryTrial>& trials, double uncorrected_cost) {
+  if (trials.empty() || trials.back().residual_scale < kRoundingResiduals) return true;
+  if (uncorrected_cost <= (1.0 + kNearCost) * trials.back().cost) return true;
+  const auto least = std::min_element(trials.begin(), trials.end(),
+                                      [](const MemoryTrial& a, const MemoryTrial& b) { return a.cost < b.cost; });
+  return trials.back().cost <= (1.0 + kSameCost) * least->cost;
+}
+
+bool IsNoWorse(double uncorrected_cost, const std::vector<MemoryTrial>& trials) {
+  if (trials.empty() || trials.back().residual_scale < kRoundingResiduals) return true;
+  return uncorrected_cost <= (1.0 + kSameCost) * trials.back().cost;
+}
+
+double FirstMemoryOfDrift(const std::vector<MemoryTrial>& trials) {
+  const double least = trials.back().memory / kDriftFactor;
+  return std::find_if(trials.begin(), trials.end(), [&](const MemoryTrial& trial) { return trial.memory >= least; })
+      ->memory;
+}
+
+Eigen::VectorXd DriftOf(const std::vector<MemoryTrial>& trials, const Eigen::VectorXd& coordinates) {
+  Eigen::VectorXd drift = Eigen::VectorXd::Zero(coordinates.size());
+  for (const MemoryTrial& trial : trials) {
+    if (trial.memory < FirstMemoryOfDrift(trials)) continue;
+    drift = drift.cwiseMax((trial.coordinates - coordinates).cwiseAbs());
+  }
+  return drift;
+}
+
+}  // namespace clothid

@@ -1,0 +1,65 @@
+// Fits whose rollouts the recordings correct (costs/assimilation/assimilation.h), from a short memory to a long one.
+//
+// A short memory judges what happens within a few frames: the cost is smooth and has one minimum, but fast waves, in
+// which step and mesh err the most, decide. A long one judges slow motion, and its cost gets rough. So a fit goes
+// through memories, each three times as long as the one before, from two frames up to a third of the recording, every
+// one from the estimate of the last. It ends at the longest that serves: where an estimate jumps away from the one
+// before, by more than chance explains, the cost has got other minima.
+//
+// What is left of noise alone falls with the memory: corrections follow the noise, and predictions from them have its
+// error. Where the model errs it rises. So where the longest memory leaves the least, rollouts without corrections may
+// explain the recordings as well, and whether they do is tried.
+//
+// The estimates along the way are the picture of the model's error. Where they drift, the interval counts with it: the
+// largest difference of an estimate to that of the end, over the memories that are at most five times shorter, is taken
+// for a standard deviation.
+#ifndef CLOTHID_IDENTIFY_PROBLEM_MEMORY_TRIAL_H_
+#define CLOTHID_IDENTIFY_PROBLEM_MEMORY_TRIAL_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "identify/problem/problem.h"
+
+namespace clothid {
+
+class FitEvaluator;
+
+// A fit with one memory.
+struct MemoryTrial {
+  double memory = 0.0;          // s
+  Eigen::VectorXd coordinates;  // [p] of the blocks
+  Eigen::VectorXd values;       // [p] in the parameters' own units
+  Eigen::VectorXd std;          // [p] of q, of independent residuals; NaN: not told
+  double cost = 0.0;            // of the recordings alone
+  double residual_scale = 0.0;  // s
+};
+
+// Those to try for the recordings of `problem`, in s, increasing.
+std::vector<double> MemoriesOf(const FitProblem& problem);
+
+// Why a recording cannot correct its rollouts, one line that names it; empty where all can.
+std::string WhyNotAssimilated(const FitProblem& problem);
+
+// What the evaluator's best point, the end of a fit with `memory`, says: where the next step of Gauss and Newton leads,
+// and the cost that it promises, as a trial ends before the last digits are found.
+MemoryTrial DescribeTrial(const FitProblem& problem, const FitEvaluator& evaluator, double memory);
+
+// Whether the estimate of `next` follows from that of `last`, as far as both are sure of it.
+bool Follows(const std::vector<ParameterBlock>& blocks, const MemoryTrial& last, const MemoryTrial& next);
+
+// Whether nothing but noise may be left: where the last of the trials leaves the least, where a rollout without
+// corrections at its estimate leaves about as much, and where there is no trial.
+bool MayBeNoise(const std::vector<MemoryTrial>& trials, double uncorrected_cost);
+// Whether the end of a fit without corrections explains the recordings as well.
+bool IsNoWorse(double uncorrected_cost, const std::vector<MemoryTrial>& trials);
+
+// The shortest memory, s, whose estimate counts in the drift towards the last of the trials, which are not none.
+double FirstMemoryOfDrift(const std::vector<MemoryTrial>& trials);
+// How far estimates of q drift [p] towards the last of the trials, which has ended at `coordinates` [p].
+Eigen::VectorXd DriftOf(const std::vector<MemoryTrial>& trials, const Eigen::VectorXd& coordinates);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_PROBLEM_MEMORY_TRIAL_H_
