@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "costs/assimilation/assimilation.h"
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/observation/model_error.h"
@@ -93,6 +94,7 @@ struct Landscape {
 struct ScannedFit {
   std::map<std::string, double> held;  // estimates, "drag" that of "drag@2" in the second recording of the fit
   ModelError model_error;              // that frames are weighed by (datasets/observation/model_error.h)
+  Assimilation assimilation;           // how the recording corrects the rollouts
 };
 
 // The standard deviation by which the costs of a scan were weighed, and what they say of the error in metres.

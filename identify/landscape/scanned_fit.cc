@@ -50,6 +50,7 @@ ScannedFit ScannedFitOf(const FittedResult& result, const RecordedMotion& motion
   }
   ScannedFit fit;
   fit.model_error = result.model_errors[r];
+  fit.assimilation = result.assimilation;
   const std::string suffix = "@" + std::to_string(r + 1);
   for (const auto& [name, value] : result.estimates) {
     const std::string base = BaseName(name);
@@ -65,7 +66,9 @@ bool IsSameWeight(const ModelError& a, const ModelError& b) {
 nlohmann::ordered_json ScannedFitJson(const ScannedFit& fit) {
   nlohmann::ordered_json held = nlohmann::ordered_json::object();
   for (const auto& [name, value] : fit.held) held[name] = value;
-  return {{"held", held}, {"model_error", ModelErrorJson(fit.model_error)}};
+  nlohmann::ordered_json json = {{"held", held}, {"model_error", ModelErrorJson(fit.model_error)}};
+  if (fit.assimilation.is_on()) json["assimilation"] = AssimilationJson(fit.assimilation);
+  return json;
 }
 
 ScannedFit ReadScannedFit(const JsonNode& node) {
@@ -73,6 +76,7 @@ ScannedFit ReadScannedFit(const JsonNode& node) {
   const JsonNode held = node.Require("held", "an object");
   for (const std::string& name : held.keys()) fit.held[name] = held.Find(name)->Number();
   fit.model_error = ReadModelError(node.Require("model_error", "an object"));
+  if (const auto assimilation = node.Find("assimilation")) fit.assimilation = ReadAssimilation(*assimilation);
   return fit;
 }
 

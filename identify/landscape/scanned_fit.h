@@ -20,7 +20,8 @@ ScannedFit ScannedFitOf(const FittedResult& result, const RecordedMotion& motion
 // Whether both weigh frames alike, but for rounding.
 bool IsSameWeight(const ModelError& a, const ModelError& b);
 
-// Of plan.json: held by name, and model_error (identify/base/model_error_json.h). Numbers read back exactly.
+// Of plan.json: held by name, model_error (identify/base/model_error_json.h) and, of rollouts that the recording
+// corrects, assimilation. Numbers read back exactly.
 nlohmann::ordered_json ScannedFitJson(const ScannedFit& fit);
 
 // Throws `Error` (kBadData), naming the key, for anything else.

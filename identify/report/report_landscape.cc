@@ -88,7 +88,8 @@ Json WindowJson(const Landscape& landscape, int index, int every) {
 
 bool IsWeighedAsFit(const FitLandscape& landscape, const FitSummary& summary) {
   const std::size_t r = static_cast<std::size_t>(landscape.recording);
-  return IsSameWeight(landscape.fit.model_error,
+  return IsSame(landscape.fit.assimilation, summary.assimilation) &&
+         IsSameWeight(landscape.fit.model_error,
                       r < summary.model_errors.size() ? summary.model_errors[r] : ModelError());
 }
 

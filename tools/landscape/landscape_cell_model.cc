@@ -8,6 +8,7 @@
 #include "costs/prediction/prediction_cost.h"
 #include "costs/prediction/robust_loss.h"
 #include "costs/start/unknown_start.h"
+#include "sim/base/error.h"
 #include "sim/base/phase_seconds.h"
 
 namespace clothid {
@@ -38,9 +39,13 @@ std::vector<ParameterBlock> MakeBlocks(const LandscapePlan& plan, const std::map
 }  // namespace
 
 LandscapeCellModel::LandscapeCellModel(const RecordedMotion& motion, const LandscapePlan& plan,
-                                       const std::map<std::string, double>& held, const ModelError& model_error)
+                                       const std::map<std::string, double>& held, const ModelError& model_error,
+                                       const Assimilation& assimilation)
     : model_(motion, MakeBlocks(plan, held)) {
   model_.SetModelError(model_error);
+  const std::string reason = assimilation.is_on() ? model_.WhyNotAssimilated() : std::string();
+  if (!reason.empty()) throw Error(ErrorKind::kUsage, "--assimilate: " + model_.name() + " " + reason);
+  model_.Assimilate(assimilation, RobustLoss());
 }
 
 Eigen::VectorXd LandscapeCellModel::Coordinates(double x, double y) const {

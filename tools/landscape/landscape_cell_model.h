@@ -17,9 +17,10 @@ namespace clothid {
 // For one thread at a time. Coordinates of a point: the values that are held, in the order of their names, then x, y.
 class LandscapeCellModel {
  public:
-  // `held`, `model_error`: see LandscapeScanOptions. Throws `Error` where `RecordingModel` does.
+  // `held`, `model_error`, `assimilation`: see LandscapeScanOptions. Throws `Error` where `RecordingModel` does, and
+  // (kUsage), naming --assimilate, for a recording that cannot correct its rollouts.
   LandscapeCellModel(const RecordedMotion& motion, const LandscapePlan& plan, const std::map<std::string, double>& held,
-                     const ModelError& model_error);
+                     const ModelError& model_error, const Assimilation& assimilation);
 
   // `predicted` [R x T] m, see Observation; valid where the rollout is ok(). `cancel` and `forces` may be null.
   Rollout Predict(double x, double y, const std::atomic<bool>* cancel, Eigen::MatrixXd* predicted,

@@ -61,6 +61,8 @@ The cost:
   --initial START     where the cloth starts if the scene does not say, as of identify: rest, moving, estimated: where
                       the estimate of the start begins; smoothed; first (estimated). With the same --sigma and
                       --initial, costs are those of an identify that starts there
+  --assimilate HOW    MEMORY[:LENGTH]: the recording corrects the rollouts of the cells with this memory in s, as of
+                      identify (off)
   --result FILE       result.json of a fit of this recording, whose cost is scanned: frames are weighed by its error of
                       the model, other parameters held at its estimates; an unknown start stays where its estimate begins
   --gradients         the adjoint gradient at every cell, on a log axis by the logarithm

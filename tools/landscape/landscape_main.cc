@@ -46,6 +46,7 @@ DEFINE_string(contact, "", "contact mode: gap, velocity or both; empty: the scen
 DEFINE_string(sigma, "recorded", "standard deviation of a coordinate: recorded, auto or a number in m");
 DEFINE_string(initial, "estimated",
               "where the cloth starts if the scene does not say: estimated, rest, moving, smoothed or first");
+DEFINE_string(assimilate, "", "memory of rollouts that the recording corrects, MEMORY[:LENGTH] in s and m");
 DEFINE_string(result, "", "result.json of a fit of the recording, whose cost is scanned");
 DEFINE_bool(gradients, false, "the adjoint gradient at every cell");
 DEFINE_string(shard, "", "I/N: only the cells I, I + N, I + 2 N, ..");
@@ -58,8 +59,17 @@ namespace {
 
 // Tells what the cells hold and are weighed by; a cost whose frames differ in weight does not tell the rmse.
 void TellFit(const LandscapeScanOptions& scan, LandscapeOrigin* origin) {
-  origin->fit = ScannedFit{scan.held, scan.model_error};
+  origin->fit = ScannedFit{scan.held, scan.model_error, scan.assimilation};
   if (!scan.model_error.is_zero()) origin->sigma->rmse_of_root_cost = std::nan("");
+}
+
+Assimilation ParseMemory(const std::string& text, bool has_result) {
+  const AssimilationOption option = ParseAssimilation(text);
+  if (option.kind == AssimilationOption::Kind::kAuto) {
+    throw Error(ErrorKind::kUsage, "--assimilate: expected off or a memory in s, as every cell has the same");
+  }
+  if (has_result) throw Error(ErrorKind::kUsage, "--assimilate: expected without --result, which has that of the fit");
+  return option.given;
 }
 
 LandscapeRunOptions OptionsFromFlags() {
@@ -88,7 +98,8 @@ LandscapeRunOptions OptionsFromFlags() {
   options.origin.input_sha256 = options.scan.motions.front().sha256;
   options.origin.truth = truth;
   options.origin.sigma = SigmaOf(options.scan.motions.front());
-  if (result) TellFit(options.scan, &options.origin);
+  if (!FLAGS_assimilate.empty()) options.scan.assimilation = ParseMemory(FLAGS_assimilate, result.has_value());
+  if (result || options.scan.assimilation.is_on()) TellFit(options.scan, &options.origin);
   options.origin.fingerprint = LandscapeFingerprint(options.scan, options.origin);
   if (!truth.empty()) MeasureTruth(truth, &options.scan);
   options.folder = FLAGS_output;

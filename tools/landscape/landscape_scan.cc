@@ -19,8 +19,8 @@ namespace clothid {
 namespace {
 
 std::unique_ptr<LandscapeCellModel> MakeModel(const LandscapeScanOptions& options, int setting) {
-  return std::make_unique<LandscapeCellModel>(options.motions[setting], options.plan, options.held,
-                                              options.model_error);
+  return std::make_unique<LandscapeCellModel>(options.motions[setting], options.plan, options.held, options.model_error,
+                                              options.assimilation);
 }
 
 // Models that no thread uses at the moment, by setting. Cells are taken up in their order, so those of earlier settings
@@ -208,6 +208,7 @@ Landscape ScanLandscape(const LandscapeScanOptions& options) {
 
 void FollowFit(const ScannedFit& fit, LandscapeScanOptions* options) {
   options->model_error = fit.model_error;
+  options->assimilation = fit.assimilation;
   options->held = fit.held;
   const LandscapeWindow& window = options->plan.windows.front();
   for (const std::string& axis : {window.x.parameter, window.y.parameter}) options->held.erase(axis);
@@ -220,6 +221,7 @@ void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptio
   options->held = truth;
   const double x = TakeAxis(window.x.parameter, &options->held), y = TakeAxis(window.y.parameter, &options->held);
   CheckHeld(*options, "--set");
+  const Assimilation assimilation = std::exchange(options->assimilation, {});  // nothing corrects the truth
   ParallelFor(static_cast<int>(options->motions.size()), options->num_threads, [&](int setting) {
     const std::unique_ptr<LandscapeCellModel> model = MakeModel(*options, setting);
     Eigen::MatrixXd predicted;
@@ -238,6 +240,7 @@ void MeasureTruth(const std::map<std::string, double>& truth, LandscapeScanOptio
     if (motion.forces.is_empty()) return;
     motion.forces.values = motion.forces.values.array().isNaN().select(motion.forces.values, forces.predicted);
   });
+  options->assimilation = assimilation;
 }
 
 }  // namespace clothid

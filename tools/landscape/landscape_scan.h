@@ -26,6 +26,7 @@ struct LandscapeScanOptions {
   // Parameters on no axis, also of the recording itself, that differ from their nominal values, by name.
   std::map<std::string, double> held;
   ModelError model_error;                     // that frames are weighed by
+  Assimilation assimilation;                  // how the recording corrects the rollouts of cells
   std::optional<std::vector<int>> cells;      // which to evaluate; nothing: all
   int num_threads = 1;                        // cells side by side
   const std::atomic<bool>* cancel = nullptr;  // may be null; true ends the scan with the cells that are done
@@ -33,8 +34,8 @@ struct LandscapeScanOptions {
   // What it throws ends the scan and is thrown on.
   std::function<void(int cell, const LandscapeCell& result, int num_done, int num_cells)> on_cell;
 
-  // Throws `Error` (kUsage) where numbers do not fit each other or a parameter is held that is, or is part of, one on
-  // an axis.
+  // Throws `Error` (kUsage) where numbers do not fit each other, a parameter is held that is, or is part of, one on
+  // an axis, or a recording is to correct rollouts that cannot.
   void Validate() const;
 };
 

@@ -10,7 +10,9 @@
 
 #include "costs/rows/rollout_evaluator.h"
 #include "identify/fit/fit.h"
+#include "identify/landscape/scanned_fit.h"
 #include "identify/report/result_json.h"
+#include "sim/base/json_document.h"
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/landscape/landscape_motion.h"
@@ -261,6 +263,44 @@ TEST(LandscapeScan, FollowsAFit) {
   other = motion;
   other.sigma_source = SigmaSource::kGiven;
   ExpectError([&] { ScannedFitOf(result, other); }, ErrorKind::kUsage, {"--result", "another sigma or start"});
+}
+
+// A fit whose rollouts the recording corrects: the cell at the estimate has its cost, and the truth is not corrected.
+TEST(LandscapeScan, FollowsAFitOfCorrectedRollouts) {
+  LandscapeScanOptions scan = SmallScan();
+  RecordedMotion& motion = scan.motions[0];
+  motion.sha256 = std::string(64, 'a');
+  FitOptions options;
+  options.parameters = {"mu", "k_stretch"};
+  options.assimilate = {AssimilationOption::Kind::kMemory, {0.05, 0.03}};
+  FitProblem problem({motion}, options);
+  const FitSummary summary = Fit(options, &problem);
+  ASSERT_TRUE(summary.has_estimate()) << summary.message;
+  const TemporaryFolder folder;
+  folder.Write("result.json", ResultJson(summary, FitChecks(), {motion}));
+  const ScannedFit fit = ScannedFitOf(ReadFittedResult(folder.File("result.json")), motion);
+  EXPECT_TRUE(IsSame(fit.assimilation, options.assimilate.given));
+  const JsonValue json = ParseJson(ScannedFitJson(fit).dump(), "fit.json");
+  EXPECT_TRUE(IsSame(ReadScannedFit(JsonNode(json, "fit.json")).assimilation, fit.assimilation));
+
+  FollowFit(fit, &scan);
+  LandscapeWindow& window = scan.plan.windows[0];
+  window.x.lower = summary.parameters[0].value;
+  window.y.lower = summary.parameters[1].value;
+  window.x.upper = window.x.lower + 0.1;
+  window.y.upper = 2.0 * window.y.lower;
+  scan.cells = std::vector<int>{0};
+  EXPECT_NEAR(ScanLandscape(scan).cells[0].cost, summary.cost, 1e-9 * summary.cost);
+  LandscapeScanOptions uncorrected = scan;
+  uncorrected.assimilation = {};
+  EXPECT_GT(ScanLandscape(uncorrected).cells[0].cost, 1.01 * summary.cost);
+
+  LandscapeScanOptions truth = uncorrected;
+  const std::map<std::string, double> values = {{"mu", window.x.lower}, {"k_stretch", window.y.lower}};
+  MeasureTruth(values, &truth);
+  MeasureTruth(values, &scan);
+  EXPECT_EQ(scan.motions[0].positions, truth.motions[0].positions);
+  EXPECT_LT(ScanLandscape(scan).cells[0].cost, 1e-12 * summary.cost);
 }
 
 }  // namespace
