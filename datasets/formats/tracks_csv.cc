@@ -13,6 +13,7 @@
 
 #include "datasets/formats/track_cells.h"
 #include "datasets/formats/track_checks.h"
+#include "sim/base/csv_row.h"
 #include "sim/base/error.h"
 #include "sim/base/frame_names.h"
 #include "sim/base/text_file.h"
@@ -22,33 +23,6 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kColumns = {"t", "id", "x", "y", "z"};
 enum Column { kT, kId, kX };
-
-// The cells of a line, without blanks around them, and without the quotes of quoted ones.
-std::vector<std::string> SplitCsv(std::string_view line) {
-  std::vector<std::string> cells;
-  while (true) {
-    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-    std::string cell;
-    if (!line.empty() && line.front() == '"') {
-      line.remove_prefix(1);
-      for (; !line.empty(); line.remove_prefix(1)) {
-        if (line.front() == '"') {
-          line.remove_prefix(1);
-          if (line.empty() || line.front() != '"') break;
-        }
-        cell += line.front();
-      }
-      line.remove_prefix(std::min(line.find(','), line.size()));
-    } else {
-      const std::string_view text = line.substr(0, line.find(','));
-      line.remove_prefix(text.size());
-      cell = WithoutBlanks(text);
-    }
-    cells.push_back(std::move(cell));
-    if (line.empty()) return cells;
-    line.remove_prefix(1);
-  }
-}
 
 // Where the five columns stand; the number of cells where one is missing, or there twice.
 std::array<std::size_t, 5> FindColumns(const std::vector<std::string>& cells) {
@@ -83,7 +57,7 @@ class TracksCsvReader {
       if (line_ == 1) {
         ReadHeader(*line);
       } else if (!WithoutBlanks(*line).empty()) {
-        ReadRow(SplitCsv(*line));
+        ReadRow(Cells(*line));
       }
     }
     if (line_ == 0) throw Error(ErrorKind::kBadData, path_ + ": expected the header 't,id,x,y,z' and rows of numbers");
@@ -103,8 +77,14 @@ class TracksCsvReader {
     Fail("column '" + std::string(kColumns[column]) + "': " + message);
   }
 
+  std::vector<std::string> Cells(std::string_view line) const {
+    std::optional<std::vector<std::string>> cells = CsvCells(line);
+    if (!cells) Fail(kExpectedQuotes);
+    return std::move(*cells);
+  }
+
   void ReadHeader(std::string_view line) {
-    const std::vector<std::string> cells = SplitCsv(line);
+    const std::vector<std::string> cells = Cells(line);
     places_ = FindColumns(cells);
     num_cells_ = cells.size();
     for (std::size_t k = 0; k < kColumns.size(); ++k) {
@@ -116,7 +96,7 @@ class TracksCsvReader {
     if (cells.size() != num_cells_) {
       Fail("expected " + std::to_string(num_cells_) + " cells as in the header, found " + std::to_string(cells.size()));
     }
-    const std::optional<double> time = ParseNumber(cells[places_[kT]]);
+    const std::optional<double> time = ParseNumber(Trimmed(cells[places_[kT]]));
     if (!time) FailInColumn(kT, "expected a finite number, found '" + Printable(cells[places_[kT]]) + "'");
     if (times_.empty() || *time != times_.back()) BeginFrame(*time);
     Sample sample;
@@ -124,7 +104,7 @@ class TracksCsvReader {
     sample.point = Point(cells[places_[kId]], sample.frame);
     for (std::size_t k = 0; k < 3; ++k) {
       const std::string& cell = cells[places_[kX + k]];
-      const std::optional<double> value = ParseCoordinate(cell);
+      const std::optional<double> value = ParseCoordinate(Trimmed(cell));
       if (!value) FailInColumn(kX + k, "expected a finite number or nothing, found '" + Printable(cell) + "'");
       sample.position[k] = *value;
     }
@@ -205,9 +185,10 @@ std::string CsvCell(const std::string& label) {
 }  // namespace
 
 bool IsTracksCsvHeader(std::string_view line) {
-  const std::vector<std::string> cells = SplitCsv(line);
-  const std::array<std::size_t, 5> places = FindColumns(cells);
-  return std::find(places.begin(), places.end(), cells.size()) == places.end();
+  const std::optional<std::vector<std::string>> cells = CsvCells(line);
+  if (!cells) return false;
+  const std::array<std::size_t, 5> places = FindColumns(*cells);
+  return std::find(places.begin(), places.end(), cells->size()) == places.end();
 }
 
 PointTracks ReadTracksCsv(const std::string& path) { return TracksCsvReader(path).Read(); }

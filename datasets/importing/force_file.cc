@@ -4,6 +4,7 @@
 #include <limits>
 #include <string_view>
 
+#include "sim/base/csv_row.h"
 #include "sim/base/error.h"
 #include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
@@ -16,20 +17,6 @@ namespace {
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 bool IsNpy(const std::string& path) { return path.size() > 4 && path.compare(path.size() - 4, 4, ".npy") == 0; }
-
-std::string Trimmed(std::string_view cell) {
-  std::string text;
-  for (const char c : cell) {
-    if (c != ' ' && c != '\t' && c != '\r') text.push_back(c);
-  }
-  return text;
-}
-
-std::vector<std::string> Cells(std::string_view line) {
-  std::vector<std::string> cells = Split(std::string(line), ',');
-  for (std::string& cell : cells) cell = Trimmed(cell);
-  return cells;
-}
 
 // The rows of the components in a header, after `time`: 3 group + axis.
 std::vector<int> ComponentRows(const std::vector<std::string>& header, int num_groups, const std::string& path) {
@@ -51,7 +38,7 @@ std::vector<int> ComponentRows(const std::vector<std::string>& header, int num_g
 void AppendCsvRow(const std::vector<std::string>& cells, const std::vector<int>& rows, const std::string& place,
                   std::vector<double>* times, Eigen::MatrixXd* values) {
   if (cells.size() != rows.size() + 1) FailOnData(place, "expected " + std::to_string(rows.size() + 1) + " cells");
-  const std::optional<double> time = ParseNumber(cells[0]);
+  const std::optional<double> time = ParseNumber(Trimmed(cells[0]));
   if (!time) FailOnData(place, "expected a time (s), got '" + Printable(cells[0]) + "'");
   times->push_back(*time);
   if (static_cast<Eigen::Index>(times->size()) > values->cols()) {
@@ -60,7 +47,7 @@ void AppendCsvRow(const std::vector<std::string>& cells, const std::vector<int>&
   auto column = values->col(static_cast<Eigen::Index>(times->size()) - 1);
   column.setConstant(kNotMeasured);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::string& cell = cells[i + 1];
+    const std::string cell(Trimmed(cells[i + 1]));
     if (cell.empty() || cell == "nan" || cell == "NaN") continue;
     const std::optional<double> value = ParseNumber(cell);
     if (!value) FailOnData(place, "expected a force (N) or nothing, got '" + Printable(cell) + "'");
@@ -75,12 +62,15 @@ void ReadCsv(const std::string& path, ForceReadings* forces) {
   std::vector<int> rows;
   forces->values.resize(3 * forces->num_groups(), 0);
   for (int number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++number) {
-    const std::vector<std::string> cells = Cells(*line);
+    const std::string place = path + ":" + std::to_string(number);
+    const std::optional<std::vector<std::string>> found = CsvCells(*line);
+    if (!found) FailOnData(place, kExpectedQuotes);
+    const std::vector<std::string>& cells = *found;
     if (number == 1) {
       if (cells.front() != "time" || cells.size() < 2) FailOnData(path + ":1", "expected a header 'time,x,y,z'");
       rows = ComponentRows(cells, forces->num_groups(), path);
     } else if (!Trimmed(*line).empty()) {
-      AppendCsvRow(cells, rows, path + ":" + std::to_string(number), &times, &forces->values);
+      AppendCsvRow(cells, rows, place, &times, &forces->values);
     }
   }
   if (times.empty()) FailOnData(path, "expected a header and at least one row of numbers");

@@ -2,15 +2,20 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "datasets/importing/point_map.h"
+#include "sim/base/csv_row.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
 namespace {
 
+const std::vector<std::string> kNodeColumns = {"id", "node"};
+const std::vector<std::string> kFaceColumns = {"id", "face", "b0", "b1", "b2"};
 constexpr double kBarycentricTolerance = 1e-6;  // of their sum
 
 // A row of a point map.
@@ -33,11 +38,13 @@ class PointMapReader {
     bool of_nodes = true;
     while (std::optional<std::string_view> line = TakeLine(&rest)) {
       ++line_;
+      const std::optional<std::vector<std::string>> found = CsvCells(*line);
+      if (!found) throw Error(ErrorKind::kBadData, path_ + ":" + std::to_string(line_) + ": " + kExpectedQuotes);
+      const std::vector<std::string>& cells = *found;
       if (line_ == 1) {
-        of_nodes = *line == "id,node";
-        if (!of_nodes && *line != "id,face,b0,b1,b2") FailHere("the header 'id,node' or 'id,face,b0,b1,b2'");
-      } else if (!line->empty()) {
-        const std::vector<std::string> cells = Split(*line, ',');
+        of_nodes = cells == kNodeColumns;
+        if (!of_nodes && cells != kFaceColumns) FailHere("the header 'id,node' or 'id,face,b0,b1,b2'");
+      } else if (!Trimmed(*line).empty()) {
         if (cells.size() != (of_nodes ? 2U : 5U)) FailHere(of_nodes ? "two cells" : "five cells");
         if (!entries.emplace(ReadId(cells[0]), ReadEntry(cells, of_nodes)).second) FailHere("every id once");
       }

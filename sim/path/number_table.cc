@@ -5,29 +5,27 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/csv_row.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
 namespace {
 
-std::string WithoutBlanks(std::string_view line) {
-  std::string result;
-  for (const char c : line) {
-    if (c != ' ' && c != '\t') result.push_back(c);
-  }
-  return result;
+// "a,b" of the cells of a header.
+std::string Joined(const std::vector<std::string>& cells) {
+  std::string text;
+  for (const std::string& cell : cells) text += (text.empty() ? "" : ",") + cell;
+  return text;
 }
 
-// Appends the numbers of `line`; false unless there are `count` of them.
-bool AppendRow(std::string_view line, std::size_t count, std::vector<double>* values) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t comma = line.find(',');
-    const std::optional<double> value = ParseNumber(line.substr(0, comma));
-    const bool last = i + 1 == count;
-    if (!value || last != (comma == std::string_view::npos)) return false;
+// Appends the numbers of `cells`; false unless there are `count` of them.
+bool AppendRow(const std::vector<std::string>& cells, std::size_t count, std::vector<double>* values) {
+  if (cells.size() != count) return false;
+  for (const std::string& cell : cells) {
+    const std::optional<double> value = ParseNumber(Trimmed(cell));
+    if (!value) return false;
     values->push_back(*value);
-    if (!last) line.remove_prefix(comma + 1);
   }
   return true;
 }
@@ -40,14 +38,15 @@ Eigen::MatrixXd ReadNumberTable(const std::string& path, const std::string& head
   std::string_view rest = text;
   std::vector<double> values;
   for (int line_number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++line_number) {
-    const std::string row = WithoutBlanks(*line);
     const auto fail = [&](const std::string& expected) {
-      throw Error(ErrorKind::kBadData, path + ":" + std::to_string(line_number) + ": expected " + expected);
+      throw Error(ErrorKind::kBadData, path + ":" + std::to_string(line_number) + ": " + expected);
     };
+    const std::optional<std::vector<std::string>> cells = CsvCells(*line);
+    if (!cells) fail(kExpectedQuotes);
     if (line_number == 1) {
-      if (row != header) fail("the header '" + Printable(header) + "'");
-    } else if (!row.empty() && !AppendRow(row, columns, &values)) {
-      fail(std::to_string(columns) + " finite numbers");
+      if (Joined(*cells) != header) fail("expected the header '" + Printable(header) + "'");
+    } else if (!Trimmed(*line).empty() && !AppendRow(*cells, columns, &values)) {
+      fail("expected " + std::to_string(columns) + " finite numbers");
     }
   }
   if (values.empty()) throw Error(ErrorKind::kBadData, path + ": expected a header and at least one row of numbers");

@@ -9,7 +9,7 @@
 namespace clothid {
 
 // Reads a CSV file with the header `header`, "time,x,y", and at least one row with a finite number for each of its
-// names; blanks do not count, nor do empty lines. The rows of the file are the columns of the result. Throws `Error`:
+// names; cells as of `CsvCells`; empty lines do not count. The rows of the file are the columns of the result. Throws `Error`:
 // kIo where the file cannot be read, else kBadData naming file and line, also for a file of more than `max_bytes`.
 Eigen::MatrixXd ReadNumberTable(const std::string& path, const std::string& header, std::uint64_t max_bytes);
 

@@ -101,6 +101,8 @@ TEST_F(TracksCsvTest, NamesLineAndColumnOfBadCells) {
   ExpectRefused("t,id,x,y,z\n0,0,1,2,3\n0,1,1,two,3\n", {"tracks.csv:3: column 'y'", "'two'"});
   ExpectRefused("t,id,x,y,z\n0,0,1,2,inf\n", {"tracks.csv:2: column 'z'", "'inf'"});
   ExpectRefused("t,id,x,y,z\nnan,0,1,2,3\n", {"tracks.csv:2: column 't'", "'nan'"});
+  ExpectRefused("t,id,x,y,z\n0,\"a\"b,1,2,3\n", {"tracks.csv:2: expected quoted cells to end"});
+  ExpectRefused("t,id,x,y,z\n0,\"a,1,2,3\n", {"tracks.csv:2: expected quoted cells to end"});
   ExpectRefused("t,id,x,y,z\n0,,1,2,3\n", {"tracks.csv:2: column 'id'", "found nothing"});
   ExpectRefused("t,id,x,y,z\n0,0,1,2,3\n0,0,1,2,3\n", {"tracks.csv:3: column 'id'", "'0' has two rows"});
   ExpectRefused("t,id,x,y,z\n0,0,1,2,3\n1,0,1,2,3\n0,1,1,2,3\n", {"tracks.csv:4: column 't'", "line 2"});

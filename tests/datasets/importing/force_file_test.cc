@@ -52,6 +52,17 @@ TEST_F(ForceFileTest, ReadsGroups) {
   EXPECT_EQ(forces.values.array().isNaN().count(), 8);
 }
 
+TEST_F(ForceFileTest, ReadsQuotedCells) {
+  Write("f.csv", "\"time\",\"z1\", \"x0\"\r\n\"1\",\"2\",\r\n1.1,\"4\",\" 5\"\r\n");
+  file_.groups = {{0, 1}, {4}};
+  const ForceReadings forces = ReadForces(file_, frames_, 0.0);
+  EXPECT_EQ(forces.values(0, 1), 5.0);
+  EXPECT_EQ(forces.values(5, 1), 4.0);
+  EXPECT_TRUE(std::isnan(forces.values(0, 0)));
+  Write("f.csv", "time,z1,x0\n1,\"2\" 3,4\n");
+  ExpectError([&] { ReadForces(file_, frames_, 0.0); }, kBadData, {"f.csv:2: expected quoted cells to end"});
+}
+
 TEST_F(ForceFileTest, ReadsArrays) {
   Write("f.npy", NpyBytes(NpyArray{{4}, {1.0, 2.0, 3.0, 4.0}}));
   ExpectError([&] { ReadForces(file_, frames_, 0.0); }, kUsage, {"f.npy", "expected its axis"});

@@ -246,6 +246,7 @@ TEST_F(ImportTest, ReadsMapsOfPoints) {
   MotionTensors motion = read("id,node\n5,60\r\n2,3\n");
   EXPECT_EQ(motion.node_index, (std::vector<int>{3, 60}));
   EXPECT_EQ(motion.positions.bottomRows(3), tracks_.positions.middleRows(15, 3));
+  EXPECT_EQ(read("\"id\", node\n\"5\",\"60\"\n 2, 3\n").positions, motion.positions);
   motion = read("id,face,b0,b1,b2\n9,4,0.25,0.5,0.25\n");
   EXPECT_EQ(motion.face_index, std::vector<int>{4});
   EXPECT_EQ(motion.barycentric, Eigen::Vector3d(0.25, 0.5, 0.25));
@@ -253,6 +254,7 @@ TEST_F(ImportTest, ReadsMapsOfPoints) {
                                        {"id,vertex\n", ":1"},
                                        {"id,node\n", "at least one row"},
                                        {"id,node\n1\n", ":2"},
+                                       {"id,node\n\"1,1\n", ":2: expected quoted cells"},
                                        {"id,node\n64,1\n", ":2"},
                                        {"id,node\n1,64\n", "0 to 63"},
                                        {"id,node\n1,1\n1,2\n", ":3"},
@@ -262,7 +264,8 @@ TEST_F(ImportTest, ReadsMapsOfPoints) {
     ExpectError([&, csv = text] { read(csv); }, kBadData, {"map.csv", fragment});
   }
   for (int p = 0; p < 64; ++p) tracks_.labels.push_back("m" + std::to_string(p));
-  EXPECT_EQ(read("id,node\nm7,1\n").positions, tracks_.positions.middleRows(21, 3));
+  tracks_.labels[7] = "left, 7";
+  EXPECT_EQ(read("id,node\n\"left, 7\",1\n").positions, tracks_.positions.middleRows(21, 3));
   ExpectError([&] { read("id,node\n7,1\n"); }, kBadData, {"map.csv:2", "label"});
 }
 

@@ -161,6 +161,15 @@ TEST(ReadHandleCsv, ReadsRowsOfTimes) {
   EXPECT_EQ(handles.positions()(5, 1), 10.0);
 }
 
+TEST(ReadHandleCsv, ReadsQuotedCells) {
+  const TemporaryFolder folder;
+  const std::string path =
+      folder.Write("h.csv", "\"time\", \"x0\",\"y0\" ,\"z0\"\r\n\"0\",\" 1\",\"2 \",3\r\n\"0.5\",1,2,\"1e1\"\r\n");
+  const std::string plain = folder.Write("p.csv", "time,x0,y0,z0\n0,1,2,3\n0.5,1,2,1e1\n");
+  EXPECT_EQ(ReadHandleCsv(path, 1).times(), ReadHandleCsv(plain, 1).times());
+  EXPECT_EQ(ReadHandleCsv(path, 1).positions(), ReadHandleCsv(plain, 1).positions());
+}
+
 TEST(ReadHandleCsv, NamesFileAndLine) {
   const TemporaryFolder folder;
   const auto expect = [&](const std::string& content, std::initializer_list<const char*> fragments) {
@@ -172,6 +181,9 @@ TEST(ReadHandleCsv, NamesFileAndLine) {
   expect("time,x0,y0,z0\n0,1,2,3,4\n", {"h.csv:2: ", "4 finite numbers"});
   expect("time,x0,y0,z0\n0,1,,3\n", {"h.csv:2: ", "4 finite numbers"});
   expect("time,x0,y0,z0\n0,1,nan,3\n", {"h.csv:2: ", "4 finite numbers"});
+  expect("time,x0,y0,z0\n0,1,2 5,3\n", {"h.csv:2: ", "4 finite numbers"});
+  expect("time,x0,y0,z0\n0,\"1,2,3\n", {"h.csv:2: expected quoted cells to end with a quote"});
+  expect("time,\"x\"0,y0,z0\n", {"h.csv:1: expected quoted cells to end with a quote"});
   expect("time,x0,y0,z0\n1,1,2,3\n0,1,2,3\n", {"h.csv: handle path: time 1"});
   expect("time,x0,y0,z0\n", {"h.csv: expected a header and at least one row"});
   ExpectError([&] { ReadHandleCsv(folder.File("none.csv"), 1); }, ErrorKind::kIo, {"none.csv"});
