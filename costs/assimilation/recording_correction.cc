@@ -41,33 +41,34 @@ Eigen::SparseMatrix<double> Selection(const std::vector<int>& nodes, int num_nod
 }  // namespace
 
 RecordingCorrection::RecordingCorrection(const Assimilation& assimilation, InfluenceOf influence,
-                                         const Observation* observation, const Eigen::VectorXd& times,
+                                         const Observation& observation, const Eigen::VectorXd& times,
                                          const ClothModel& model)
-    : observation_(observation), influence_(std::move(influence)), free_nodes_(model.free_nodes()) {
-  const std::vector<FrameStencil>& stencils = observation_->stencils();
+    : influence_(std::move(influence)), free_nodes_(model.free_nodes()) {
+  const std::vector<FrameStencil>& stencils = observation.stencils();
   double last_time = model.scene().start_time;
-  for (int i = 0; i < observation_->num_frames();) {
+  for (int i = 0; i < observation.num_frames();) {
     const int step = stencils[i].last_step(), first = i;
-    while (i < observation_->num_frames() && stencils[i].last_step() == step) ++i;
-    const bool is_seen = observation_->first_row(first) < observation_->first_cloud_row(i - 1);
+    while (i < observation.num_frames() && stencils[i].last_step() == step) ++i;
+    const bool is_seen = observation.first_row(first) < observation.first_cloud_row(i - 1);
     if (step < 1 || !is_seen || !(times[i - 1] > last_time)) continue;
-    AddStep(first, i, GainsOver(times[i - 1] - last_time, assimilation.memory));
+    AddStep(observation, first, i, GainsOver(times[i - 1] - last_time, assimilation.memory));
     last_time = times[i - 1];
   }
-  Factor(assimilation.smoothing.value_or(std::sqrt(model.node_areas().mean())), model);
+  Factor(observation, assimilation.smoothing.value_or(std::sqrt(model.node_areas().mean())), model);
 }
 
-void RecordingCorrection::AddStep(int first_frame, int end_frame, const CorrectionGains& gains) {
+void RecordingCorrection::AddStep(const Observation& observation, int first_frame, int end_frame,
+                                  const CorrectionGains& gains) {
   CorrectedStep own;
-  own.step = observation_->stencils()[first_frame].last_step();
+  own.step = observation.stencils()[first_frame].last_step();
   own.gains = gains;
   own.share = 1.0 / (end_frame - first_frame);
   std::vector<int> rows;  // of the residual
   for (int frame = first_frame; frame < end_frame; ++frame) {
-    for (int row = observation_->first_row(frame); row < observation_->first_cloud_row(frame); ++row) {
-      const SeenCoordinate& seen = observation_->coordinates()[row];
-      const bool goes_on = !rows.empty() && observation_->coordinates()[rows.back()].frame == frame &&
-                           observation_->coordinates()[rows.back()].point == seen.point;
+    for (int row = observation.first_row(frame); row < observation.first_cloud_row(frame); ++row) {
+      const SeenCoordinate& seen = observation.coordinates()[row];
+      const bool goes_on = !rows.empty() && observation.coordinates()[rows.back()].frame == frame &&
+                           observation.coordinates()[rows.back()].point == seen.point;
       if (!goes_on) own.first_rows.push_back(static_cast<int>(rows.size()));
       rows.push_back(row);
     }
@@ -80,27 +81,27 @@ void RecordingCorrection::AddStep(int first_frame, int end_frame, const Correcti
   own.of_end.resize(num_rows);
   std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index i = 0; i < num_rows; ++i) {
-    const SeenCoordinate& seen = observation_->coordinates()[rows[i]];
-    const ObservedPoint& point = observation_->points()[seen.point];
+    const SeenCoordinate& seen = observation.coordinates()[rows[i]];
+    const ObservedPoint& point = observation.points()[seen.point];
     for (int k = 0; k < point.num_nodes; ++k) {
       entries.emplace_back(static_cast<int>(i), 3 * point.nodes[k] + seen.axis, point.weights[k]);
     }
-    own.sigma[i] = observation_->sigma(seen);
-    own.measured[i] = observation_->whitened_measured()[rows[i]] * own.sigma[i];
-    const FrameStencil& stencil = observation_->stencils()[seen.frame];
+    own.sigma[i] = observation.sigma(seen);
+    own.measured[i] = observation.whitened_measured()[rows[i]] * own.sigma[i];
+    const FrameStencil& stencil = observation.stencils()[seen.frame];
     own.of_end[i] = stencil.weight(stencil.last_step());
     if (stencil.size > 1) own.of_start[i] = stencil.weights[0];
   }
   own.has_start = own.of_start.cwiseAbs().maxCoeff() > 0.0;
-  own.points.resize(num_rows, 3 * observation_->num_nodes());
+  own.points.resize(num_rows, 3 * observation.num_nodes());
   own.points.setFromTriplets(entries.begin(), entries.end());
   steps_.push_back(std::move(own));
 }
 
-void RecordingCorrection::Factor(double smoothing, const ClothModel& model) {
+void RecordingCorrection::Factor(const Observation& observation, double smoothing, const ClothModel& model) {
   const int num_nodes = model.num_nodes();
   const Eigen::SparseMatrix<double> free = Selection(free_nodes_, num_nodes);
-  const Eigen::SparseMatrix<double> seen = SeenPoints(*observation_) * free;
+  const Eigen::SparseMatrix<double> seen = SeenPoints(observation) * free;
   Eigen::SparseMatrix<double> matrix = seen.transpose() * seen;
   if (smoothing > 0.0) {
     const Eigen::SparseMatrix<double> all = LaplacianMatrix(model.triangles(), num_nodes);
@@ -129,9 +130,7 @@ Eigen::MatrixXd RecordingCorrection::Predicted(const CorrectedStep& step, const 
 }
 
 Eigen::VectorXd RecordingCorrection::Innovations(const CorrectedStep& step, const StepEnds& ends) {
-  Eigen::VectorXd predicted = step.of_end.cwiseProduct(step.points * ends.end);
-  if (step.has_start) predicted += step.of_start.cwiseProduct(step.points * ends.start);
-  return step.measured - predicted;
+  return step.measured - Predicted(step, ends.start, ends.end).col(0);
 }
 
 Eigen::VectorXd RecordingCorrection::Counted(const CorrectedStep& step, const Eigen::VectorXd& innovations) const {

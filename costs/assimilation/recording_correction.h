@@ -27,10 +27,9 @@ namespace clothid {
 
 class RecordingCorrection : public Correction {
  public:
-  // `observation` of a recording of the cloth of `model`, with the times `times` [T] s of its frames; it must outlive
-  // the correction, `model` need not. Its clouds and forces correct nothing.
-  // `influence`: empty where all points count alike.
-  RecordingCorrection(const Assimilation& assimilation, InfluenceOf influence, const Observation* observation,
+  // `observation` of a recording of the cloth of `model`, with the times `times` [T] s of its frames; keeps no
+  // reference to either. Clouds and forces correct nothing. `influence`: empty where all points count alike.
+  RecordingCorrection(const Assimilation& assimilation, InfluenceOf influence, const Observation& observation,
                       const Eigen::VectorXd& times, const ClothModel& model);
 
   bool Corrects(int step) const override { return Find(step) != nullptr; }
@@ -56,8 +55,8 @@ class RecordingCorrection : public Correction {
 
   const CorrectedStep& At(int step) const { return *Find(step); }
   const CorrectedStep* Find(int step) const;
-  void AddStep(int first_frame, int end_frame, const CorrectionGains& gains);
-  void Factor(double smoothing, const ClothModel& model);
+  void AddStep(const Observation& observation, int first_frame, int end_frame, const CorrectionGains& gains);
+  void Factor(const Observation& observation, double smoothing, const ClothModel& model);
   // P of states, or of changes of them, at the times of the frames [r x s].
   static Eigen::MatrixXd Predicted(const CorrectedStep& step, const Eigen::MatrixXd& start, const Eigen::MatrixXd& end);
   // e [r]; then psi(e), and dpsi/de times `rows` [r x s].
@@ -70,7 +69,6 @@ class RecordingCorrection : public Correction {
   // (P^T P + ..)^-1 of columns [3N x s], each axis for itself.
   Eigen::MatrixXd Smooth(const Eigen::MatrixXd& columns) const;
 
-  const Observation* observation_;
   InfluenceOf influence_;
   std::vector<CorrectedStep> steps_;  // ascending
   std::vector<int> free_nodes_;

@@ -120,7 +120,7 @@ void RecordingModel::Assimilate(const Assimilation& assimilation, const RobustLo
   if (!reason.empty()) throw std::logic_error(name_ + " " + reason + "; it corrects nothing");
   InfluenceOf influence;
   if (loss.is_robust()) influence = [loss](double squared) { return InfluenceOn(loss, squared); };
-  correction_ = std::make_shared<const RecordingCorrection>(assimilation, std::move(influence), &observation_, times_,
+  correction_ = std::make_shared<const RecordingCorrection>(assimilation, std::move(influence), observation_, times_,
                                                             simulator_.model());
 }
 

@@ -52,6 +52,7 @@ void Append(FitSummary next, bool is_taken, FitSummary* summary) {
     next.start_predicted = std::move(summary->start_predicted);
     next.num_continuations = summary->num_continuations;
     next.memory_trials = std::move(summary->memory_trials);
+    next.why_not_assimilated = summary->why_not_assimilated;
     *summary = std::move(next);
     return;
   }

@@ -11,12 +11,12 @@
 #include "identify/fit/first_frames.h"
 #include "identify/fit/fit_recorder.h"
 #include "identify/fit/joint_stage.h"
-#include "identify/problem/memory_trial.h"
 #include "identify/fit/plan.h"
 #include "identify/fit/quadratic_estimate.h"
 #include "identify/fit/stage_rows.h"
 #include "identify/problem/evaluator.h"
 #include "identify/problem/gauss_newton.h"
+#include "identify/problem/memory_trial.h"
 #include "identify/problem/model_errors.h"
 #include "identify/uncertainty/discretization_error.h"
 

@@ -6,6 +6,7 @@
 
 #include "identify/problem/evaluator.h"
 #include "identify/problem/gauss_newton.h"
+#include "sim/base/median.h"
 #include "sim/matrix/dense.h"
 
 namespace clothid {
@@ -27,14 +28,6 @@ constexpr double kNearCost = 0.2;
 // Memories that are shorter by more than this factor say nothing of the drift.
 constexpr double kDriftFactor = 5.0;
 
-double MedianInterval(const Eigen::VectorXd& times) {
-  std::vector<double> intervals;
-  for (Eigen::Index i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::vector<double> MemoriesOf(const FitProblem& problem) {
@@ -42,7 +35,8 @@ std::vector<double> MemoriesOf(const FitProblem& problem) {
   for (int r = 0; r < problem.num_recordings(); ++r) {
     const Eigen::VectorXd& times = problem.cost(r).model().times();
     if (times.size() < 2) return {};
-    interval = std::max(interval, MedianInterval(times));
+    const Eigen::VectorXd intervals = times.tail(times.size() - 1) - times.head(times.size() - 1);
+    interval = std::max(interval, Median(intervals));
     duration = std::min(duration, times[times.size() - 1] - times[0]);
   }
   std::vector<double> memories;

@@ -57,7 +57,7 @@ Eigen::VectorXd CorrectedBy(const RecordedMotion& motion, const Assimilation& as
                             const InfluenceOf& influence, const Eigen::VectorXd& x) {
   const Observation observation(motion);
   const Simulator simulator(motion.scene);
-  const RecordingCorrection correction(assimilation, influence, &observation, motion.times, simulator.model());
+  const RecordingCorrection correction(assimilation, influence, observation, motion.times, simulator.model());
   Eigen::VectorXd positions, velocities;
   EXPECT_TRUE(correction.Corrects(1));
   correction.Evaluate(1, {x, x}, &positions, &velocities);
