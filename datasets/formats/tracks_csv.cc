@@ -35,6 +35,11 @@ std::array<std::size_t, 5> FindColumns(const std::vector<std::string>& cells) {
   return places;
 }
 
+// Where a further column stands that tells how well a point was seen; the number of cells where there is none.
+std::size_t FindResidual(const std::vector<std::string>& cells) {
+  return static_cast<std::size_t>(std::find(cells.begin(), cells.end(), "residual") - cells.begin());
+}
+
 // The order that sorts `items`.
 template <typename T, typename Less>
 std::vector<int> SortingOrder(const std::vector<T>& items, const Less& less) {
@@ -86,6 +91,7 @@ class TracksCsvReader {
   void ReadHeader(std::string_view line) {
     const std::vector<std::string> cells = Cells(line);
     places_ = FindColumns(cells);
+    residual_ = FindResidual(cells);
     num_cells_ = cells.size();
     for (std::size_t k = 0; k < kColumns.size(); ++k) {
       if (places_[k] == num_cells_) FailInColumn(k, "expected once in the header, as in 't,id,x,y,z'");
@@ -107,6 +113,9 @@ class TracksCsvReader {
       const std::optional<double> value = ParseCoordinate(Trimmed(cell));
       if (!value) FailInColumn(kX + k, "expected a finite number or nothing, found '" + Printable(cell) + "'");
       sample.position[k] = *value;
+    }
+    if (residual_ < num_cells_ && ParseNumber(Trimmed(cells[residual_])).value_or(0.0) < 0.0) {
+      sample.position.fill(std::numeric_limits<double>::quiet_NaN());
     }
     samples_.push_back(sample);
   }
@@ -167,6 +176,7 @@ class TracksCsvReader {
   int line_ = 0;
   std::size_t num_cells_ = 0;
   std::array<std::size_t, 5> places_ = {};
+  std::size_t residual_ = 0;  // the column of it; num_cells_: none
   std::vector<double> times_;
   std::unordered_map<double, int> first_lines_;  // of the rows of a time
   std::vector<std::string> ids_;

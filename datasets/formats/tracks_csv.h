@@ -2,7 +2,8 @@
 //   t,id,x,y,z
 //   0,corner,0.1,0.2,0.3
 //
-// The header is required and names the columns, in any order; further columns are not looked at. t is in s. An id is a
+// The header is required and names the columns, in any order; of further ones `residual` alone is looked at: a point
+// with a residual below 0 is not seen, as in C3D files. t is in s. An id is a
 // name or a number; names in double quotes may hold commas, and "" stands for a quote. A point that is not seen has no
 // row at that time, or one with empty or NaN coordinates.
 #ifndef CLOTHID_DATASETS_FORMATS_TRACKS_CSV_H_
