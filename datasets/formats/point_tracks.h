@@ -16,6 +16,7 @@ struct PointTracks {
   std::string name;                 // for messages: the file or folder that it came from
   Eigen::VectorXd times;            // [T] s, strictly increasing; empty: the file knows none
   Eigen::MatrixXd positions;        // [3P x T] in the file's own unit; NaN: not seen
+  double units_per_metre = 1.0;     // by which the numbers of a file that tells its unit were divided
   std::vector<std::string> labels;  // [P] names of the points; empty: the file has none
   Eigen::Matrix3Xi faces;           // [3 x F] indices of points; empty: the file has none
   // [T] of the frames, from 0 on, of a sequence of files that leaves numbers out: 0, 1, 3 where the third file is

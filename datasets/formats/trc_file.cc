@@ -107,7 +107,7 @@ class TrcReader {
     for (char& c : unit) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c;
     const auto known = UnitsPerMetre().find(unit);
     if (known == UnitsPerMetre().end()) Fail("expected Units m, cm or mm, found '" + Printable(find("Units")) + "'");
-    units_per_metre_ = known->second;
+    tracks_.units_per_metre = known->second;
   }
 
   void ReadLabels() {
@@ -159,7 +159,7 @@ class TrcReader {
         Fail(std::string(1, "XYZ"[axis]) + " of '" + Printable(tracks_.labels[marker]) +
              "': expected a finite number or nothing, found '" + Printable(cells[i]) + "'");
       }
-      tracks_.positions(static_cast<Eigen::Index>(i - kFirstCoordinate), frame) = *value / units_per_metre_;
+      tracks_.positions(static_cast<Eigen::Index>(i - kFirstCoordinate), frame) = *value / tracks_.units_per_metre;
     }
   }
 
@@ -184,7 +184,6 @@ class TrcReader {
   std::string_view rest_;
   int line_ = 0;
   double data_rate_ = 0.0;  // Hz
-  double units_per_metre_ = 1.0;
   std::size_t num_frames_ = 0, num_markers_ = 0;
   double first_number_ = 0.0, last_number_ = 0.0;
   PointTracks tracks_;

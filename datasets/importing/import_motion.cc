@@ -184,14 +184,30 @@ void Verify(const MotionTensors& tensors, const std::string& source) {
   InterpretMotion(tensors, source);
 }
 
+// The paths of the handles, in place of what stands in them for "not seen" a smooth curve. A handle that never leaves
+// it stands there.
+Eigen::MatrixXd SeenHandles(const MissingValues& missing, const MotionTensors& tensors, const std::string& name) {
+  Eigen::MatrixXd seen = tensors.handle_positions;
+  for (Eigen::Index row = 0; row < seen.rows() && !missing.is_empty(); row += 3) {
+    Eigen::MatrixXd path = seen.middleRows<3>(row);
+    missing.Erase(1.0, &path);
+    if (path.array().isNaN().all()) continue;
+    const Eigen::VectorXd& times = tensors.handle_times.size() > 0 ? tensors.handle_times : tensors.times;
+    seen.middleRows<3>(row) = MeasuredHandlePositions(times, path, {0}, name);
+  }
+  return seen;
+}
+
 // The paths of the handles of a recording go with its points: frame by frame, or, with times of their own, on its
 // clock.
-void EditHandles(double time_shift, const std::string& name, const ImportOptions& options, MotionTensors* tensors) {
+void EditHandles(const MotionTensors& read, double time_shift, const std::string& name, const ImportOptions& options,
+                 MotionTensors* tensors) {
   if (tensors->handle_index.empty() || !options.handle_nodes.empty()) return;
-  const TrackEdit& edit = options.edit;
+  TrackEdit edit = options.edit;
+  edit.missing = MissingValues();
   PointTracks handles;
   handles.name = name + ": handles";
-  handles.positions = tensors->handle_positions;
+  handles.positions = SeenHandles(options.edit.missing, read, handles.name);
   if (tensors->handle_times.size() == 0) {
     // Frames are chosen; what their times become does not matter.
     handles.times = Eigen::VectorXd::LinSpaced(handles.num_frames(), 0.0, handles.num_frames() - 1.0);
@@ -211,8 +227,13 @@ void EditHandles(double time_shift, const std::string& name, const ImportOptions
   tensors->handle_positions = edited.positions;
 }
 
-Eigen::Matrix3Xd TransformedCloud(const Eigen::Matrix3Xd& cloud, const TrackEdit& edit) {
-  return ((edit.scale * edit.transform.linear()) * cloud).colwise() + edit.transform.translation();
+Eigen::Matrix3Xd EditedCloud(const Eigen::Matrix3Xd& cloud, const TrackEdit& edit) {
+  std::vector<Eigen::Index> seen;
+  for (Eigen::Index i = 0; i < cloud.cols(); ++i) {
+    if (!edit.missing.Contains(cloud.col(i))) seen.push_back(i);
+  }
+  const Eigen::Matrix3Xd kept = cloud(Eigen::all, seen);
+  return ((edit.scale * edit.transform.linear()) * kept).colwise() + edit.transform.translation();
 }
 
 }  // namespace
@@ -246,10 +267,10 @@ MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& nam
   result.positions = edited.tracks.positions;
   result.clouds.clear();
   for (const int frame : edited.frames) {
-    if (!tensors.clouds.empty()) result.clouds.push_back(TransformedCloud(tensors.clouds[frame], options.edit));
+    if (!tensors.clouds.empty()) result.clouds.push_back(EditedCloud(tensors.clouds[frame], options.edit));
   }
   result.cloud_sigma *= options.edit.scale;
-  EditHandles(edited.time_shift, name, options, &result);
+  EditHandles(tensors, edited.time_shift, name, options, &result);
   EditForces(edited.time_shift, name, options, &result);
   if (options.mesh) {
     result.mesh = *options.mesh;

@@ -52,7 +52,8 @@ struct ImportOptions {
 MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& options);
 
 // The same for a recording: unit, frame of reference, clock and frames change; paths of handles go with the points,
-// those of obstacles with the clock.
+// those of obstacles with the clock. Where a handle was measured as not seen, its path is filled in; a handle that is
+// there all the time stays.
 // Scene, mesh with map, handles, paths of obstacles, forces and sigma are replaced where `options` give them.
 MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& name, const ImportOptions& options);
 

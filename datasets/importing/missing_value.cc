@@ -1,6 +1,7 @@
 #include "datasets/importing/missing_value.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "sim/base/error.h"
@@ -38,6 +39,15 @@ bool MissingValues::Contains(const Eigen::Ref<const Eigen::Vector3d>& point) con
   return std::any_of(positions_.begin(), positions_.end(), [&](const Eigen::Vector3d& value) {
     return IsSame(point[0], value[0]) && IsSame(point[1], value[1]) && IsSame(point[2], value[2]);
   });
+}
+
+void MissingValues::Erase(double divisor, Eigen::MatrixXd* positions) const {
+  if (is_empty()) return;
+  MissingValues divided = *this;
+  for (Eigen::Vector3d& value : divided.positions_) value /= divisor;
+  for (auto point : positions->reshaped(3, positions->size() / 3).colwise()) {
+    if (divided.Contains(point)) point.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
 }
 
 }  // namespace clothid

@@ -23,6 +23,8 @@ class MissingValues {
   // Whether a point is one of them: all coordinates are the same, as doubles or rounded to float32, as the file may
   // have kept them.
   bool Contains(const Eigen::Ref<const Eigen::Vector3d>& point) const;
+  // Makes gaps (NaN) of them in `positions` [3P x T], which are the numbers of the file over `divisor`.
+  void Erase(double divisor, Eigen::MatrixXd* positions) const;
 
  private:
   std::vector<Eigen::Vector3d> positions_;

@@ -123,6 +123,7 @@ EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit) {
   result.tracks.times = TimesOf(tracks, edit)(result.frames);
   result.tracks.positions = tracks.positions(Eigen::all, result.frames);
   KeepNumbers(result.frames, &result.tracks.frame_numbers);
+  edit.missing.Erase(tracks.units_per_metre, &result.tracks.positions);
   Transform(edit, &result.tracks.positions);
   if (edit.start_at) {
     const double first = result.tracks.times[0];

@@ -11,15 +11,17 @@
 #include <vector>
 
 #include "datasets/formats/point_tracks.h"
+#include "datasets/importing/missing_value.h"
 
 namespace clothid {
 
 inline constexpr std::uint64_t kMaxTimesBytes = std::uint64_t{1} << 28;
 
-// Positions are multiplied by `scale`, then transformed. Times come from `times`, one per frame or per number of a
-// sequence, else from `frame_rate`, else from the file; they are multiplied by `time_scale`, frames are left out, and
-// the first frame left is put at `start_at`.
+// Positions that stand for points not seen become gaps; the others are multiplied by `scale`, then transformed. Times
+// come from `times`, one per frame or per number of a sequence, else from `frame_rate`, else from the file; they are
+// multiplied by `time_scale`, frames are left out, and the first frame left is put at `start_at`.
 struct TrackEdit {
+  MissingValues missing;  // in the numbers of the file
   double scale = 1.0;
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // of positions in m
   Eigen::VectorXd times;                                        // [T] of every frame in the file; empty: not given

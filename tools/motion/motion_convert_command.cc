@@ -30,6 +30,7 @@ DEFINE_string(grid, "", "convert: flat mesh of a grid, NXxNY:WIDTHxHEIGHT, m");
 DEFINE_bool(transpose, false, "convert: the points of --grid run along y first");
 DEFINE_string(transform, "", "convert: file with a rigid transform of the points");
 DEFINE_bool(invert_transform, false, "convert: apply the inverse of --transform");
+DEFINE_string(missing, "", "convert: positions of the file that stand for points not seen");
 DEFINE_double(scale, 1.0, "convert: factor of positions");
 DEFINE_string(times, "", "convert: file with the times of the frames, s");
 DEFINE_double(frame_rate, 0.0, "convert: frames per second; 0: times of the file");
@@ -58,7 +59,8 @@ constexpr char kSceneFlags[] =
     "handle_time_offset obstacle obstacle_transform obstacle_time_offset forces force_times force_sigma force_nodes "
     "force_axis force_scale force_time_offset";
 constexpr char kPointFlags[] =
-    "faces grid transpose transform invert_transform scale times frame_rate time_scale start_at skip_frames frames";
+    "faces grid transpose missing transform invert_transform scale times frame_rate time_scale start_at skip_frames "
+    "frames";
 
 bool IsSet(const std::string& flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag.c_str()).is_default; }
 
@@ -128,6 +130,7 @@ std::optional<Mesh> MeshFromFlags() {
 
 TrackEdit EditFromFlags() {
   TrackEdit edit;
+  edit.missing = MissingValues::Parse(FLAGS_missing, "--missing");
   edit.scale = FLAGS_scale;
   if (IsSet("transform")) edit.transform = ReadTransform(FLAGS_transform);
   if (FLAGS_invert_transform) edit.transform = edit.transform.inverse();

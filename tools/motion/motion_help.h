@@ -52,6 +52,8 @@ inline constexpr char kConvertHelp[] =
     R"(motion convert IN OUT [flags]: from a file of another program or a motion.bin to another.
 
 Points and clock:
+  --missing LIST       positions, in the numbers of IN, that stand for points not seen, as in 0,0,0 or, of all three
+                       coordinates, -1e6; several separated by colons
   --scale S            multiplies positions: 0.001 from mm (1)
   --transform FILE     rigid, applied after --scale: JSON {"matrix": 4 x 4} or {"rotation": [qx, qy, qz, qw],
                        "translation": [x, y, z]} in m, or a ROS CSV of poses, of which the last row counts

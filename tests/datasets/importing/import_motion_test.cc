@@ -75,6 +75,41 @@ TEST_F(ImportTest, ChangesUnitFrameOfReferenceAndClock) {
   EXPECT_TRUE(motion.positions.col(5).isApprox(capture_.positions.col(9), 1e-13));
 }
 
+// Before unit and axes change.
+TEST_F(ImportTest, MakesGapsOfNumbersThatStandForThem) {
+  tracks_.positions *= 1000.0;
+  tracks_.positions.col(5).segment<3>(30).setZero();
+  tracks_.positions.col(6).segment<3>(0).setConstant(-1e6);
+  tracks_.positions.col(7).segment<3>(33) << 0.0, 0.0, 1.0;
+  options_.edit.missing = MissingValues::Parse("0:-1e6", "missing");
+  options_.edit.scale = 0.001;
+  options_.edit.transform = Eigen::Translation3d(1.0, 2.0, 3.0);
+  const MotionTensors motion = ImportMotion(tracks_, options_);
+  EXPECT_EQ(motion.positions.array().isNaN().count(), 6);
+  EXPECT_TRUE(motion.positions.col(5).segment<3>(30).array().isNaN().all());
+  EXPECT_TRUE(motion.positions.col(6).segment<3>(0).array().isNaN().all());
+  EXPECT_TRUE(motion.handle_positions.allFinite());
+  EXPECT_LT((motion.handle_positions.col(6) - motion.handle_positions.col(5)).norm(), 0.1);
+}
+
+TEST_F(ImportTest, MakesGapsInRecordingsTheirHandlesAndClouds) {
+  capture_.positions.col(5).segment<3>(0).setZero();
+  capture_.handle_positions.col(5).head<3>().setZero();
+  capture_.handle_positions.bottomRows<3>().setZero();  // a handle that stands there
+  for (Eigen::Index frame = 0; frame < capture_.times.size(); ++frame) {
+    capture_.clouds.emplace_back(Eigen::Matrix3Xd::Ones(3, 4));
+    capture_.clouds.back().col(frame % 4).setZero();
+  }
+  ImportOptions options;
+  options.edit.missing = MissingValues::Parse("0,0,0", "missing");
+  const MotionTensors motion = ConvertMotion(capture_, "capture.bin", options);
+  EXPECT_TRUE(motion.positions.col(5).segment<3>(0).array().isNaN().all());
+  EXPECT_EQ(motion.positions.array().isNaN().count(), 3);
+  EXPECT_LT((motion.handle_positions.col(5) - motion.handle_positions.col(4)).norm(), 0.1);
+  EXPECT_TRUE(motion.handle_positions.bottomRows<3>().isZero(0.0));
+  for (const Eigen::Matrix3Xd& cloud : motion.clouds) EXPECT_EQ(cloud, Eigen::Matrix3Xd::Ones(3, 3));
+}
+
 TEST_F(ImportTest, TakesTimesFromElsewhere) {
   tracks_.times.resize(0);
   ExpectError([&] { ImportMotion(tracks_, options_); }, kUsage, {"capture.csv", "no times"});

@@ -61,6 +61,22 @@ TEST_F(ConvertTest, ConvertsRecordings) {
   EXPECT_NEAR(Read("back.bin").positions(2, 0), 0.01, 1e-15);
 }
 
+// The numbers are those of the file, of a TRC in mm as well.
+TEST_F(ConvertTest, MakesGapsOfNumbersThatStandForThem) {
+  ExpectSuccess(std::string(kConvert) + " --missing 0,200,10");
+  EXPECT_EQ(Read("cloth.bin").positions.array().isNaN().count(), 6);
+  ExpectSuccess("motion convert cloth.bin gap.bin --missing 0.1,0.2,0.02");
+  EXPECT_EQ(Read("gap.bin").positions.array().isNaN().count(), 9);
+  WriteBytes(folder() / "t.trc",
+             "PathFileType\t4\t(X/Y/Z)\tt.trc\n"
+             "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n"
+             "10\t10\t2\t1\tmm\t10\t1\t2\nFrame#\tTime\ta\n\t\tX1\tY1\tZ1\n\n"
+             "1\t0\t-9999.7\t-9999.7\t-9999.7\n2\t0.1\t1\t2\t3\n");
+  ExpectSuccess("motion convert t.trc t.csv --missing -9999.7");
+  EXPECT_EQ(ReadBytes(folder() / "t.csv"), "t,id,x,y,z\n0,a,,,\n0.1,a,0.001,0.002,0.003\n");
+  ExpectRefused(std::string(kConvert) + " --missing 0,0", 1, "--missing: expected a position as in 0,0,0");
+}
+
 TEST_F(ConvertTest, TheSameInputsGiveTheSameBytes) {
   ExpectSuccess(kConvert);
   const std::string bytes = ReadBytes(folder() / "cloth.bin");
