@@ -109,8 +109,9 @@ std::vector<Finding> CheckClouds(const CheckedMotion& checked) {
   while (frame < static_cast<int>(motion.clouds.size()) && motion.clouds[frame].cols() == 0) ++frame;
   if (frame >= static_cast<int>(motion.clouds.size())) return {};
   const Eigen::Matrix3Xd cloud = checked.Cloud(frame);
-  std::vector<Finding> findings = {CheckSize(checked, cloud)};
-  if (findings[0].severity == Severity::kProblem) return findings;
+  std::vector<Finding> findings = CheckRepeatedPlacesOfClouds(checked);
+  findings.push_back(CheckSize(checked, cloud));
+  if (findings.back().severity == Severity::kProblem) return findings;
   if (frame == 0) findings.push_back(CheckPlace(checked, cloud));
   const std::vector<Finding> handles = CheckNearHandles(checked);
   findings.insert(findings.end(), handles.begin(), handles.end());

@@ -9,8 +9,11 @@
 
 namespace clothid {
 
-// Their size, their place at the first frame, their distance from the handles. Empty without clouds.
+// Places that many of their points have to the last bit; their size, their place at the first frame, their distance
+// from the handles. Empty without clouds.
 std::vector<Finding> CheckClouds(const CheckedMotion& checked);
+// The first of these. Rounded coordinates, and points at rest, are no such places.
+std::vector<Finding> CheckRepeatedPlacesOfClouds(const CheckedMotion& checked);
 
 }  // namespace clothid
 

@@ -198,6 +198,7 @@ std::vector<Finding> CheckCopies(const CheckedMotion& checked) {
     finding.hint = "the cloth moved on: leave them out (motion convert --skip_frames)";
     findings.push_back(finding);
   }
+  const std::vector<Finding> places = CheckRepeatedPlaces(checked, finding.frames);
   finding.frames.clear();
   finding.points = RepeatedPoints(checked.motion);
   if (!finding.points.empty()) {
@@ -206,6 +207,7 @@ std::vector<Finding> CheckCopies(const CheckedMotion& checked) {
     finding.hint = "two nodes cannot be in one place: set one of both to NaN";
     findings.push_back(finding);
   }
+  findings.insert(findings.end(), places.begin(), places.end());
   return findings;
 }
 

@@ -143,17 +143,43 @@ bool MovesWithNeighbours(const CheckedMotion& checked, const Eigen::MatrixXd& po
   return (own - usual).norm() < kOwnShare * own.norm();
 }
 
+// In how many successive frames, one of which is beside `frame`, a point is far from most of its neighbours; at
+// least 1.
+int FramesAway(const CheckedMotion& checked, const Eigen::MatrixXd& positions, int frame, int point) {
+  std::vector<PointPair> pairs;
+  for (const PointPair& pair : checked.pairs) {
+    if (pair.first == point || pair.second == point) pairs.push_back(pair);
+  }
+  Eigen::MatrixXd ratios = LengthRatios(pairs, positions);
+  for (Eigen::Index i = 0; i < ratios.rows(); ++i) ratios.row(i) /= Median(ratios.row(i).transpose());
+  const int num_frames = static_cast<int>(ratios.cols());
+  const auto is_away = [&](int at) {
+    const auto num_seen = ratios.rows() - ratios.col(at).array().isNaN().count();
+    return 2 * (ratios.col(at).array() > kLongEdge).count() > num_seen;
+  };
+  int longest = 1;
+  for (int first = std::max(0, frame - 1); first <= std::min(frame + 1, num_frames - 1); ++first) {
+    if (!is_away(first)) continue;
+    int begin = first, end = first;
+    while (begin > 0 && is_away(begin - 1)) --begin;
+    while (end < num_frames && is_away(end)) ++end;
+    longest = std::max(longest, end - begin);
+  }
+  return longest;
+}
+
 Finding JumpsOfPoints(const CheckedMotion& checked, Eigen::MatrixXd positions, const std::vector<int>& cloth_jumps) {
   Finding finding;
   finding.what = "jumps of points";
   for (const int frame : cloth_jumps) positions.col(frame).setConstant(std::numeric_limits<double>::quiet_NaN());
   std::set<int> frames, points;
   std::string first;
-  int count = 0;
+  int count = 0, longest = 1;
   for (const auto& [frame, point] : PointJumps(checked.motion.times, positions, checked.point_jump_floor())) {
     if (MovesWithNeighbours(checked, positions, frame, point)) continue;
     frames.insert(frame);
     points.insert(point);
+    longest = std::max(longest, FramesAway(checked, positions, frame, point));
     if (++count <= 3) first += (first.empty() ? "" : ", ") + std::to_string(point) + " in " + std::to_string(frame);
   }
   finding.frames.assign(frames.begin(), frames.end());
@@ -164,6 +190,12 @@ Finding JumpsOfPoints(const CheckedMotion& checked, Eigen::MatrixXd positions, c
     finding.hint =
         "they leave their path for one frame and return, as points do that were taken for others; remove "
         "them, or fit with a robust loss";
+  }
+  if (longest > 1) {
+    finding.value += "; away from their neighbours for up to " + std::to_string(longest) + " frames (" +
+                     Rounded(longest * checked.median_interval) + " s)";
+    finding.hint =
+        "they leave their path, as points do that were taken for others; remove them, or fit with a robust loss";
   }
   return finding;
 }

@@ -13,7 +13,20 @@ enum class Severity {
   kWarning,  // a fit runs, and its estimates may be wrong
   kProblem,  // no fit can mean anything
 };
-std::string SeverityName(Severity severity);  // "ok", "note", "warning", "problem"
+// "ok", "note", "warning", "problem".
+inline std::string SeverityName(Severity severity) {
+  switch (severity) {
+    case Severity::kOk:
+      return "ok";
+    case Severity::kNote:
+      return "note";
+    case Severity::kWarning:
+      return "warning";
+    case Severity::kProblem:
+      break;
+  }
+  return "problem";
+}
 
 struct Finding {
   std::string what;  // a short name, the same for every recording

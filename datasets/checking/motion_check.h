@@ -11,11 +11,11 @@
 
 namespace clothid {
 
-// In this order, where they apply: frame rate, gaps, missing points, repeated frames and points, noise, order of
-// points, jumps of the cloth, jumps of points, edge lengths, places of points, first frame, start velocity, size and
+// In this order, where they apply: frame rate, gaps, missing points, repeated frames, points and places, noise, order
+// of points, jumps of the cloth, jumps of points, edge lengths, places of points, first frame, start velocity, size and
 // place of clouds, handles, jumps and distance and start and path of handles, start, contact, self-contact, direction
-// of gravity, held points, fall, energy, size of the cloth, gravity, density, time step. After a problem what it makes
-// void is left out. Findings that are rare are listed only where they are not ok. For `motion check` the paths of
+// of gravity, held points, fall, swing, energy, size of the cloth, gravity, density, time step. After a problem what it
+// makes void is left out. Findings that are rare are listed only where they are not ok. For `motion check` the paths of
 // handles are read without smoothing; the jumps of smoothed ones are small.
 std::vector<Finding> CheckMotion(const RecordedMotion& motion);
 

@@ -137,7 +137,7 @@ void AddWrongSimulations(std::vector<WrongInput>* list) {
         std::sort(names.begin(), names.end());
         for (Eigen::Index k = 0; k < before.cols(); ++k) t->positions.col(k) = before.col(names[k].second);
       }});
-  add("0 where a point is not seen", "jumps of points", slope, {[](MotionTensors* t) {
+  add("0 where a point is not seen", "repeated places", slope, {[](MotionTensors* t) {
         for (Eigen::Index k = 3; k < 50; k += 4) t->positions.col(k).segment<3>(3 * (4 * k)).setZero();
       }});
   add("a point twice", "repeated points", slope, {StartAtFrame(), Reorder([](int p) { return p == 31 ? 30 : p; })});
