@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "datasets/checking/finding_words.h"
+#include "sim/matrix/dense.h"
 #include "sim/scene/pieces.h"
 
 namespace clothid {
@@ -19,16 +20,48 @@ constexpr double kLeastFall = 0.01;    // of the cloth's size: a smaller drop te
 constexpr double kLeastDrop = 0.02;    // of the cloth's size: likewise of energy
 constexpr double kQuietEnergy = 0.05;  // noise of the kinetic energy, relative to the largest energy
 constexpr int kFewestFrames = 5, kMostFrames = 12;
-constexpr double kShortFall = 0.15;  // of the cloth's size: as far as it falls it is taken to keep its shape
-constexpr double kWrongFall = 0.3;   // of gravity
-constexpr double kSlowFall = 0.4;    // likewise: the air holds no cloth back that much at once
-constexpr double kHeld = 0.2;        // likewise: a point that falls so little is held
-constexpr double kNoiseFall = 4.0;   // standard deviations
-constexpr double kNear = 0.1;        // of the cloth's size: handles all around pull nowhere
+constexpr int kFewestFastFrames = 3;  // where it falls much faster than it can
+constexpr double kShortFall = 0.15;   // of the cloth's size: as far as it falls it is taken to keep its shape
+constexpr double kWrongFall = 0.3;    // of gravity
+constexpr double kSlowFall = 0.4;     // likewise: the air holds no cloth back that much at once
+constexpr double kClear = 3.0;        // of what gravity makes: no error of measuring, but another clock or unit
+constexpr double kStretched = 1.1;    // of the lengths at rest: what starts so is pulled, too
+constexpr double kHeld = 0.2;         // likewise: a point that falls so little is held
+constexpr double kNoiseFall = 4.0;    // standard deviations
+constexpr double kStill = 0.003;      // of the cloth's size: handles that move no more stand
+constexpr double kHandleNoise = 1.2;  // standard deviations of a measured path: likewise
+constexpr double kHangs = 0.2;        // of the cloth's size: its mean below the handles
+constexpr double kLeastSwing = 0.05;  // of the cloth's size, from one side to the other
+constexpr std::size_t kFewestTurns = 3;
+constexpr double kFewestInHalf = 3.0;  // frames of half a period
+constexpr double kEven = 1.5;          // longest half of a period over the shortest
+constexpr double kPlatePeriod = 5.2;   // times sqrt(l/g)
+constexpr double kFastSwing = 2.5;     // of the period over the one measured: faster than its second mode
+constexpr double kSlowSwing = 3.0;     // likewise: the mass of the air and its drag hold back no more
+constexpr double kNear = 0.1;          // of the cloth's size: handles all around pull nowhere
 
-bool HasOtherForces(const Scene& scene) {
-  return scene.handles.path.num_handles() > 0 || !scene.node_force.isZero(0.0) || scene.gravity.isZero(0.0) ||
-         scene.has_wind();
+// A path of handles that stand still has the noise of the points that it was taken from.
+bool HandlesMove(const CheckedMotion& checked) {
+  const Eigen::MatrixXd& path = checked.motion.scene.handles.path.positions();
+  if (path.size() == 0) return false;
+  const Eigen::VectorXd& sigma = checked.motion.sigma;
+  const double noise = sigma.size() > 0 ? Median(sigma) : checked.noise.rms();
+  const Eigen::MatrixXd moved = path.colwise() - path.rowwise().mean();
+  const double size = moved.norm() / std::sqrt(static_cast<double>(moved.size()));
+  return size > kStill * checked.cloth_size + kHandleNoise * noise;
+}
+
+bool HasOtherForces(const CheckedMotion& checked) {
+  const Scene& scene = checked.motion.scene;
+  return HandlesMove(checked) || !scene.node_force.isZero(0.0) || scene.gravity.isZero(0.0) || scene.has_wind();
+}
+
+// What explains accelerations that are `factor` of those by gravity.
+std::string RateHint(double factor) {
+  const double clock = std::sqrt(factor);
+  return "a frame rate of " + Rounded(1.0 / clock) + " of what it is said to be would explain it (motion convert " +
+         "--frame_rate, or --time_scale " + Rounded(clock) + "), or points and mesh that are " + Rounded(factor) +
+         " of their size (--scale)";
 }
 
 // m/s^2, of cloth that nothing but its weight moves: that moves the mass of the air along. Energies per mass are those
@@ -76,10 +109,16 @@ double StartEnergy(const CheckedMotion& checked) {
   return std::max(of_mean, of_points);
 }
 
+// That of a drop that tells nothing, m^2/s^2.
+double LeastEnergy(const CheckedMotion& checked) {
+  return kLeastDrop * checked.cloth_size * FreeFall(checked.motion.scene).norm();
+}
+
 // What the cloth has more than at the start, per mass, m^2/s^2.
 struct EnergyGain {
   double most = 0.0;   // kinetic energy and that of gravity together
   double scale = 0.0;  // the larger of both alone
+  double ratio = 0.0;  // at the frame: of the kinetic energy that came to what gravity gave; 0: it gave none
   int frame = 0;       // of the most
 };
 
@@ -100,15 +139,17 @@ std::optional<EnergyGain> FindGain(const CheckedMotion& checked) {
   const double num_intervals = std::max(1.0, std::ceil(least_time / checked.median_interval));
   if (!(4.0 * num_intervals < num_frames)) return std::nullopt;
   const int stride = static_cast<int>(num_intervals);
-  const double start = StartEnergy(checked);
+  const double start = StartEnergy(checked), least = LeastEnergy(checked);
   for (int frame = 0; frame + stride < num_frames; ++frame) {
     const double interval = motion.times[frame + stride] - motion.times[frame];
     const double speed = MeanStep(motion.positions, frame, frame + stride).norm() / interval;
     const double kinetic = 0.5 * speed * speed;
     gain.scale = std::max(gain.scale, kinetic);
-    const double more = kinetic + 0.5 * (potential[frame] + potential[frame + stride]) - start;
+    const double fallen = -0.5 * (potential[frame] + potential[frame + stride]);
+    const double more = kinetic - fallen - start;
     if (!(more > gain.most)) continue;
     gain.most = more;
+    gain.ratio = fallen > least ? (kinetic - start) / fallen : 0.0;
     gain.frame = frame;
   }
   return gain;
@@ -116,8 +157,7 @@ std::optional<EnergyGain> FindGain(const CheckedMotion& checked) {
 
 std::vector<Finding> CheckEnergy(const CheckedMotion& checked) {
   const std::optional<EnergyGain> gain = FindGain(checked);
-  const double least = kLeastDrop * checked.cloth_size * FreeFall(checked.motion.scene).norm();
-  if (!gain || !(gain->most > kGain * gain->scale) || !(gain->scale > least)) return {};
+  if (!gain || !(gain->most > kGain * gain->scale) || !(gain->scale > LeastEnergy(checked))) return {};
   Finding finding;
   finding.what = "energy";
   finding.severity = Severity::kWarning;
@@ -127,6 +167,9 @@ std::vector<Finding> CheckEnergy(const CheckedMotion& checked) {
   finding.hint =
       "size and direction of gravity, frame rate (motion convert --frame_rate, --time_scale), order of the frames in "
       "time? Or it started stretched";
+  if (gain->ratio < kClear) return {finding};
+  finding.value += ": " + Rounded(gain->ratio) + " times what that can give";
+  finding.hint = RateHint(gain->ratio) + "; or it started stretched, or something pulls it";
   return {finding};
 }
 
@@ -213,44 +256,127 @@ std::vector<Finding> CheckHeldPoints(const CheckedMotion& checked, int num_free)
   return {finding};
 }
 
+bool StartsStretched(const CheckedMotion& checked) {
+  return !(Median(LengthRatios(checked.pairs, checked.motion.positions.leftCols(1)).col(0)) < kStretched);
+}
+
 std::vector<Finding> CheckFreeFall(const CheckedMotion& checked, int num_free) {
   const RecordedMotion& motion = checked.motion;
   const int count = NumFallingFrames(checked, num_free);
   Eigen::Vector3d pull;
   const double num_nodes = motion.scene.mesh.num_nodes();
   const double num_free_nodes = num_nodes - static_cast<double>(motion.scene.handles.nodes.size());
-  if (count < kFewestFrames || num_free_nodes < 1.0 || !PullDirection(checked, &pull)) return {};
+  if (count < kFewestFastFrames || num_free_nodes < 1.0 || !PullDirection(checked, &pull)) return {};
   const MeanFall fall = FitFall(checked, count);
   const Eigen::Vector3d acceleration = fall.acceleration * (num_nodes / num_free_nodes);
   const auto across = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d { return v - pull * pull.dot(v); };
   const Eigen::Vector3d measured = across(acceleration), given = across(FreeFall(motion.scene));
   const double size = FreeFall(motion.scene).norm();
   const double of_mean = kNoiseFall * checked.noise.rms() / std::sqrt(1.0 * motion.num_points());
-  const double noise = of_mean * fall.noise_factor;
-  if (fall.length < kLeastFall * checked.cloth_size + of_mean || noise > kWrongFall * size) return {};
+  const double noise = of_mean * fall.noise_factor, room = kWrongFall * size + noise;
+  const Eigen::Vector3d down = given.normalized();
+  const double along = measured.dot(down);
+  const bool is_straight = (measured - along * down).norm() <= std::max(room, kWrongFall * along);
+  const bool is_clear = is_straight && along - noise > kClear * size && !StartsStretched(checked);
+  const bool is_known = count >= kFewestFrames && noise <= kWrongFall * size;
+  if (fall.length < kLeastFall * checked.cloth_size + of_mean || !(is_known || is_clear)) return {};
   Finding finding;
   finding.what = "fall";
   finding.value = "by " + Rounded(measured.norm()) + " m/s^2 in the first " + std::to_string(count) +
                   " frames; gravity alone: " + Rounded(given.norm());
   // The air holds a light cloth back.
-  const Eigen::Vector3d down = given.normalized();
-  const double along = measured.dot(down), room = kWrongFall * size + noise;
   const bool is_slow = along<kSlowFall * given.norm() - noise, is_fast = along> given.norm() + room;
   if (!is_slow && !is_fast && (measured - along * down).norm() <= room) return {finding};
-  finding.severity = Severity::kWarning;
+  finding.severity = is_clear ? Severity::kProblem : Severity::kWarning;
   finding.hint = "size and direction of gravity, frame rate: motion convert --frame_rate, --time_scale";
+  if (!is_straight || along <= noise) return {finding};
+  finding.value += ": points that are let go start with " + Rounded(along / given.norm()) + " times gravity";
+  finding.hint = RateHint(along / given.norm());
+  if (is_slow) finding.hint += "; or the air, or a hand, held it back";
+  return {finding};
+}
+
+// Where the mean of the points is beside the middle of the handles, across gravity in the direction in which it swings
+// most, and how far it hangs below them at most.
+struct Swing {
+  Eigen::VectorXd aside;  // [T] m
+  double length = 0.0;    // m
+};
+
+Swing FindSwing(const CheckedMotion& checked) {
+  const RecordedMotion& motion = checked.motion;
+  const Scene& scene = motion.scene;
+  const auto nodes = scene.initial_positions.reshaped(3, scene.mesh.num_nodes());
+  const Eigen::Vector3d held = nodes(Eigen::all, scene.handles.nodes).rowwise().mean();
+  const Eigen::Vector3d down = scene.gravity.normalized(), start = nodes.rowwise().mean() - held;
+  Eigen::Matrix3Xd places(3, motion.num_frames());
+  for (int frame = 0; frame < motion.num_frames(); ++frame) {
+    places.col(frame) = start + MeanStep(motion.positions, 0, frame);
+  }
+  Swing swing;
+  swing.length = (down.transpose() * places).maxCoeff();
+  places -= down * (down.transpose() * places);
+  places.colwise() -= places.rowwise().mean().eval();
+  swing.aside = places.transpose() * SymmetricSpectrum(Eigen::Matrix3d(places * places.transpose())).vectors.col(2);
+  return swing;
+}
+
+// The times at which values turn back by more than `least`; those of the first and the last frame are none.
+std::vector<double> TurningTimes(const Eigen::VectorXd& times, const Eigen::VectorXd& values, double least) {
+  std::vector<double> turns;
+  Eigen::Index low = 0, high = 0;
+  int direction = 0;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (values[i] < values[low]) low = i;
+    if (values[i] > values[high]) high = i;
+    const bool rises = direction <= 0 && values[i] > values[low] + least;
+    const bool falls = direction >= 0 && values[i] < values[high] - least;
+    if (!rises && !falls) continue;
+    const Eigen::Index turn = rises ? low : high;
+    if (turn > 0) turns.push_back(times[turn]);
+    direction = rises ? 1 : -1;
+    low = high = i;
+  }
+  return turns;
+}
+
+// The period of a cloth that swings from handles at rest. A rigid plate and a chain of length l swing in 5.1 and
+// 5.2 sqrt(l/g), their means l/2 below.
+std::vector<Finding> CheckSwing(const CheckedMotion& checked, int num_free) {
+  const RecordedMotion& motion = checked.motion;
+  if (motion.scene.handles.nodes.empty() || checked.stands_out || num_free < motion.num_frames()) return {};
+  const Swing swing = FindSwing(checked);
+  if (!swing.aside.allFinite() || swing.length < kHangs * checked.cloth_size) return {};
+  const double noise = kNoiseFall * checked.noise.rms() / std::sqrt(1.0 * motion.num_points());
+  const std::vector<double> turns = TurningTimes(motion.times, swing.aside, kLeastSwing * checked.cloth_size + noise);
+  if (turns.size() < kFewestTurns) return {};
+  std::vector<double> halves;
+  for (std::size_t i = 1; i < turns.size(); ++i) halves.push_back(turns[i] - turns[i - 1]);
+  const auto [shortest, longest] = std::minmax_element(halves.begin(), halves.end());
+  if (*shortest < kFewestInHalf * checked.median_interval || *longest > kEven * *shortest) return {};
+  const double period = 2.0 * Median(halves);
+  const double expected = kPlatePeriod * std::sqrt(2.0 * swing.length / FreeFall(motion.scene).norm());
+  const double ratio = expected / period;
+  Finding finding;
+  finding.what = "swing";
+  finding.value = "a period of " + Rounded(period) + " s; of a cloth that hangs " + Rounded(2.0 * swing.length) +
+                  " m down: " + Rounded(expected) + " s";
+  if (ratio < kFastSwing && ratio > 1.0 / kSlowSwing) return {finding};
+  finding.severity = Severity::kWarning;
+  finding.hint = RateHint(ratio * ratio) + "; or something drives it";
   return {finding};
 }
 
 }  // namespace
 
 std::vector<Finding> CheckFall(const CheckedMotion& checked, int num_free) {
-  if (HasOtherForces(checked.motion.scene) || !StandForCloth(checked) || checked.motion.num_frames() < kFewestFrames) {
+  if (HasOtherForces(checked) || !StandForCloth(checked) || checked.motion.num_frames() < kFewestFrames) {
     return {};
   }
   std::vector<Finding> findings = CheckHeldPoints(checked, num_free);
   const auto add = [&](const std::vector<Finding>& more) { findings.insert(findings.end(), more.begin(), more.end()); };
   if (findings.empty()) add(CheckFreeFall(checked, num_free));
+  add(CheckSwing(checked, num_free));
   add(CheckEnergy(checked));
   return findings;
 }

@@ -12,6 +12,9 @@
 
 #include "datasets/checking/check_start.h"
 #include "datasets/checking/motion_check.h"
+#include "datasets/synthetic/synthetic.h"
+#include "datasets/synthetic/true_recording.h"
+#include "sim/scene/scene_json.h"
 #include "tests/datasets/importing/made_up_capture.h"
 #include "tests/sim/scene/triangle_meshes.h"
 
@@ -50,8 +53,8 @@ MotionTensors StartAtRest() {
 }
 
 // A cloth of 8 x 8 nodes that is let go and falls as a whole, without handles.
-MotionTensors FreeFall(double gravity) {
-  MotionTensors tensors = MadeUpCapture(Eigen::VectorXd::LinSpaced(15, 0.0, 0.25));
+MotionTensors FreeFall(double gravity, double duration = 0.25) {
+  MotionTensors tensors = MadeUpCapture(Eigen::VectorXd::LinSpaced(15, 0.0, duration));
   tensors.handle_index.clear();
   tensors.handle_positions.resize(0, 0);
   tensors.scene_text = R"({"clothid_scene": 1, "time_step": 0.005})";
@@ -128,6 +131,51 @@ TEST(SceneCheck, MeasuresAFreeFall) {
   EXPECT_EQ(FindingOf(FreeFall(6.0), "fall").severity, Severity::kOk) << "in air";
   ExpectWarning(FreeFall(-9.81), "fall", "direction of gravity");
   ExpectWarning(FreeFall(20.0), "energy", "--frame_rate");
+}
+
+// A strip of 5 x 9 nodes, 0.2 m x 0.4 m, that hangs from its upper edge at `tilt` degrees from level, let go and seen for
+// two seconds; by a clock that shows `clock` of the time that went by, the handles measured like all points.
+MotionTensors LetGo(double tilt, double clock, double noise) {
+  const double angle = tilt * 3.14159265358979 / 180.0;
+  const nlohmann::json text = {
+      {"clothid_scene", 2},
+      {"time_step", 0.01},
+      {"duration", 3.0},
+      {"mesh",
+       {{"grid",
+         {{"nodes", {5, 9}}, {"size", {0.2, 0.4}}, {"axes", {{1, 0, 0}, {0, std::cos(angle), -std::sin(angle)}}}}}}},
+      {"initial", {{"positions", "rest"}}},
+      {"handles", {0, 1, 2, 3, 4}},
+      {"materials", {{"density", 0.2}, {"k_stretch", 200}, {"k_bend", 1e-4}, {"drag", 0.1}}}};
+  const Scene scene = ParseScene(text.dump(), "scene", "");
+  SyntheticOptions options;
+  options.noise_sigma = noise;
+  MotionTensors tensors = RecordRollout(SimulateTruth({}, "scene", scene), scene, text.dump(), options);
+  tensors.times *= clock;
+  tensors.handle_index = {0, 1, 2, 3, 4};
+  tensors.handle_positions = tensors.positions.topRows(15);
+  return tensors;
+}
+
+// Neither cloth that is let go from level, nor one that swings, is taken for one on another clock.
+TEST(SceneCheck, KnowsTheClockOfClothThatIsLetGo) {
+  for (const double noise : {0.0, 0.001, 0.003}) {
+    for (const double tilt : {0.0, 30.0, 70.0}) {
+      for (const char* what : {"fall", "swing", "energy"}) {
+        const Finding finding = FindingOf(LetGo(tilt, 1.0, noise), what);
+        EXPECT_EQ(finding.severity, Severity::kOk) << tilt << ", " << noise << ": " << finding.value;
+      }
+    }
+    const Finding fast = FindingOf(LetGo(0.0, 0.316, noise), "fall");
+    if (noise < 0.002) {
+      EXPECT_EQ(fast.severity, Severity::kProblem) << noise;
+      EXPECT_NE(fast.value.find("times gravity"), std::string::npos) << fast.value;
+      EXPECT_NE(fast.hint.find("--time_scale 3"), std::string::npos) << fast.hint;
+    }
+    ExpectWarning(LetGo(70.0, 0.316, noise), "swing", "--time_scale");
+    ExpectWarning(LetGo(70.0, 4.0, noise), "swing", "--time_scale 0.2");
+  }
+  EXPECT_EQ(FindingOf(FreeFall(98.1, 0.14), "fall").severity, Severity::kProblem);
 }
 
 // Air that moves with a cloth has no weight: 0.1 kg/m^2 of cloth that moves 0.2 kg/m^2 of air falls by a third of g.
