@@ -50,29 +50,32 @@ std::string ObjText(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const E
   return text;
 }
 
-PointTracks ReadMeshSequence(const std::string& path, const MeshFormat& format) {
+PointTracks ReadMeshSequence(const std::string& path, const MeshFormat& format, const PolygonMesh* like) {
   const std::vector<std::string> paths = FramePaths(path, format.extension);
   PointTracks tracks;
   tracks.name = path;
   tracks.frame_numbers = FrameNumbers(paths);
+  PolygonMesh first;
   for (std::size_t frame = 0; frame < paths.size(); ++frame) {
-    const Mesh mesh = format.read(paths[frame]);
+    PolygonMesh mesh = format.read(paths[frame], frame == 0 ? like : &first);
     if (frame == 0) {
-      CheckTrackSize(paths[0], static_cast<std::uint64_t>(mesh.num_nodes()), paths.size());
-      tracks.positions.resize(3 * mesh.rest_positions.cols(), static_cast<Eigen::Index>(paths.size()));
-      tracks.faces = mesh.faces;
+      CheckTrackSize(paths[0], static_cast<std::uint64_t>(mesh.positions.cols()), paths.size());
+      tracks.positions.resize(mesh.positions.size(), static_cast<Eigen::Index>(paths.size()));
+      first = mesh;
     }
-    if (mesh.num_nodes() != tracks.num_points()) {
-      throw Error(ErrorKind::kBadData, paths[frame] + ": has " + std::to_string(mesh.num_nodes()) +
+    if (mesh.positions.cols() != tracks.num_points()) {
+      throw Error(ErrorKind::kBadData, paths[frame] + ": has " + std::to_string(mesh.positions.cols()) +
                                            " vertices; expected " + std::to_string(tracks.num_points()) + " as in " +
                                            paths[0]);
     }
-    if (mesh.num_faces() > 0 && tracks.faces.cols() > 0 && mesh.faces != tracks.faces) {
-      throw Error(ErrorKind::kBadData, paths[frame] + ": has other triangles than " + paths[0] +
+    const bool has_faces = !mesh.sizes.empty() && !first.sizes.empty();
+    if (has_faces && (mesh.sizes != first.sizes || mesh.corners != first.corners)) {
+      throw Error(ErrorKind::kBadData, paths[frame] + ": has other faces than " + paths[0] +
                                            "; expected the same points in every file, in the same order");
     }
-    tracks.positions.col(static_cast<Eigen::Index>(frame)) = mesh.rest_positions.reshaped();
+    tracks.positions.col(static_cast<Eigen::Index>(frame)) = mesh.positions.reshaped();
   }
+  tracks.faces = CutPolygons(paths[0], first, tracks.positions, like);
   CheckTracks(tracks);
   return tracks;
 }

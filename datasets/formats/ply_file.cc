@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -20,6 +21,19 @@ namespace {
 
 constexpr std::string_view kWhiteSpace = " \t\r\n\v\f";
 
+// What a file is read for.
+enum class PlyUse { kMesh, kPoints };
+
+// "inf" and the like, which vertices of a mesh must not be and other numbers may.
+std::optional<double> ParseInfinity(std::string_view word) {
+  std::string text(word);
+  for (char& c : text) c = static_cast<char>(c | 0x20);
+  const double sign = text.front() == '-' ? -1.0 : 1.0;
+  if (word.front() == '-' || word.front() == '+') text.erase(0, 1);
+  if (text != "inf" && text != "infinity") return std::nullopt;
+  return sign * std::numeric_limits<double>::infinity();
+}
+
 // The numbers behind a header, one after the other.
 class PlyNumbers {
  public:
@@ -35,6 +49,9 @@ class PlyNumbers {
     if (encoding_ == PlyEncoding::kAscii) SkipWhiteSpace();
     if (num_left() > 0) Fail("expected the file to end after the last element of its header");
   }
+
+  // Of the number read last, from 1 on; 0: binary.
+  int line() const { return encoding_ == PlyEncoding::kAscii ? line_ : 0; }
 
   [[noreturn]] void Fail(const std::string& message) const {
     const std::string place =
@@ -54,7 +71,8 @@ class PlyNumbers {
     const std::size_t end = std::min(bytes_.find_first_of(kWhiteSpace, position_), bytes_.size());
     const std::string_view word = bytes_.substr(position_, end - position_);
     if (word.empty()) Fail("ends before the elements of its header are complete");
-    const std::optional<double> value = ParseCoordinate(word);
+    std::optional<double> value = ParseCoordinate(word);
+    if (!value) value = ParseInfinity(word);
     if (!value) Fail("expected a number, found '" + Printable(word) + "'");
     position_ = end;
     return *value;
@@ -100,15 +118,15 @@ class PlyNumbers {
 
 class PlyReader {
  public:
-  PlyReader(const std::string& path, std::string_view bytes)
-      : path_(path), header_(ReadPlyHeader(path, bytes)), numbers_(path, bytes, header_) {}
+  PlyReader(const std::string& path, std::string_view bytes, PlyUse use)
+      : path_(path), use_(use), header_(ReadPlyHeader(path, bytes)), numbers_(path, bytes, header_) {}
 
-  Mesh Read() {
+  PolygonMesh Read() {
     bool has_vertices = false, has_faces = false;
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex" && !std::exchange(has_vertices, true)) {
         ReadVertices(element);
-      } else if (element.name == "face" && !std::exchange(has_faces, true)) {
+      } else if (use_ == PlyUse::kMesh && element.name == "face" && !std::exchange(has_faces, true)) {
         ReadFaces(element);
       } else {
         for (std::uint64_t i = 0; !element.properties.empty() && i < element.count; ++i) ReadItem(element);
@@ -116,12 +134,11 @@ class PlyReader {
     }
     numbers_.ExpectEnd();
     if (!has_vertices) Fail("has no element 'vertex'");
-    for (const int index : indices_) {
-      if (index < mesh_.num_nodes()) continue;
-      Fail("a face refers to vertex " + std::to_string(index) + "; expected 0 to " +
-           std::to_string(mesh_.num_nodes() - 1));
+    const Eigen::Index num_vertices = mesh_.positions.cols();
+    for (const int index : mesh_.corners) {
+      if (index < num_vertices) continue;
+      Fail("a face refers to vertex " + std::to_string(index) + "; expected 0 to " + std::to_string(num_vertices - 1));
     }
-    mesh_.faces = Eigen::Map<Eigen::Matrix3Xi>(indices_.data(), 3, static_cast<Eigen::Index>(indices_.size() / 3));
     return std::move(mesh_);
   }
 
@@ -162,14 +179,18 @@ class PlyReader {
       Fail(std::to_string(element.count) + " vertices are more than the file holds, or than the limit of " +
            std::to_string(kMaxNodes));
     }
-    mesh_.rest_positions.resize(3, static_cast<Eigen::Index>(element.count));
-    for (Eigen::Index i = 0; i < mesh_.rest_positions.cols(); ++i) {
+    mesh_.positions.resize(3, static_cast<Eigen::Index>(element.count));
+    for (Eigen::Index i = 0; i < mesh_.positions.cols(); ++i) {
       ReadItem(element);
       for (int k = 0; k < 3; ++k) {
-        mesh_.rest_positions(k, i) = values_[axes[static_cast<std::size_t>(k)]];
-        if (std::isinf(mesh_.rest_positions(k, i))) {
-          numbers_.Fail("vertex " + std::to_string(i) + ": expected finite numbers, or NaN where it is not seen");
+        double value = values_[axes[static_cast<std::size_t>(k)]];
+        if (std::isinf(value)) {
+          if (use_ == PlyUse::kMesh) {
+            numbers_.Fail("vertex " + std::to_string(i) + ": expected finite numbers, or NaN where it is not seen");
+          }
+          value = std::numeric_limits<double>::quiet_NaN();
         }
+        mesh_.positions(k, i) = value;
       }
     }
   }
@@ -179,40 +200,51 @@ class PlyReader {
     if (!corners) corners = element.Find("vertex_index", true);
     for (std::uint64_t i = 0; !element.properties.empty() && i < element.count; ++i) {
       ReadItem(element, corners);
-      if (corners) AppendFan();
+      if (corners) AppendPolygon();
     }
   }
 
-  // Splits the polygon in `list_` into triangles.
-  void AppendFan() {
+  void AppendPolygon() {
     for (const double index : list_) {
       if (!(index >= 0.0 && index < kMaxNodes && index == std::floor(index))) {
         numbers_.Fail("expected the corners of a face to be indices of vertices");
       }
     }
     if (list_.size() < 3) numbers_.Fail("expected at least three corners of a face");
-    if (indices_.size() / 3 + list_.size() - 2 > kMaxFaces) {
+    if (mesh_.corners.size() + list_.size() - 2 * (mesh_.sizes.size() + 1) > kMaxFaces) {
       numbers_.Fail("more than " + std::to_string(kMaxFaces) + " triangles");
     }
-    for (std::size_t k = 2; k < list_.size(); ++k) {
-      for (const double index : {list_[0], list_[k - 1], list_[k]}) indices_.push_back(static_cast<int>(index));
-    }
+    for (const double index : list_) mesh_.corners.push_back(static_cast<int>(index));
+    mesh_.sizes.push_back(static_cast<int>(list_.size()));
+    if (numbers_.line() > 0) mesh_.lines.push_back(numbers_.line());
   }
 
   const std::string& path_;
+  const PlyUse use_;
   const PlyHeader header_;
   PlyNumbers numbers_;
   std::vector<double> values_, list_;
-  std::vector<int> indices_;
-  Mesh mesh_;
+  PolygonMesh mesh_;
 };
+
+PolygonMesh ReadPlyFor(PlyUse use, const std::string& path) {
+  const std::string bytes = ReadText(path, kMaxPlyBytes);
+  return PlyReader(path, bytes, use).Read();
+}
 
 }  // namespace
 
+PolygonMesh ReadPlyPolygons(const std::string& path) { return ReadPlyFor(PlyUse::kMesh, path); }
+
 Mesh ReadPly(const std::string& path) {
-  const std::string bytes = ReadText(path, kMaxPlyBytes);
-  return PlyReader(path, bytes).Read();
+  const PolygonMesh polygons = ReadPlyPolygons(path);
+  Mesh mesh;
+  mesh.faces = CutPolygons(path, polygons, polygons.positions.reshaped());
+  mesh.rest_positions = polygons.positions;
+  return mesh;
 }
+
+Eigen::Matrix3Xd ReadPlyPoints(const std::string& path) { return ReadPlyFor(PlyUse::kPoints, path).positions; }
 
 std::string PlyBytes(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const Eigen::Matrix3Xi& faces) {
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(positions.cols()) +

@@ -35,8 +35,20 @@ constexpr char kKnown[] =
     "folders "
     "of .obj or .ply files";
 
-MeshFormat ObjFormat() { return {".obj", &ReadObj, &ObjText}; }
-MeshFormat PlyFormat() { return {".ply", &ReadPly, &PlyBytes}; }
+PolygonMesh ReadObjTriangles(const std::string& path, const PolygonMesh* like) {
+  const auto faces = [&] {
+    return Eigen::Map<const Eigen::Matrix3Xi>(like->corners.data(), 3, static_cast<Eigen::Index>(like->sizes.size()));
+  };
+  const Mesh mesh = like != nullptr ? ReadObjLike(path, faces()) : ReadObj(path);
+  PolygonMesh triangles = OfTriangles(mesh.faces);
+  triangles.positions = mesh.rest_positions;
+  return triangles;
+}
+
+MeshFormat ObjFormat() { return {".obj", &ReadObjTriangles, &ObjText}; }
+MeshFormat PlyFormat() {
+  return {".ply", [](const std::string& path, const PolygonMesh*) { return ReadPlyPolygons(path); }, &PlyBytes};
+}
 
 // In small letters.
 std::string Extension(const std::string& path) {
@@ -131,7 +143,12 @@ std::vector<std::string> TrackPaths(const std::string& path) {
   return is_sequence ? FramePathsOrNone(path, extension) : std::vector<std::string>{path};
 }
 
-PointTracks ReadTracks(const std::string& path) {
+PointTracks ReadTracks(const std::string& path, const Eigen::Matrix3Xi* like) {
+  const auto read_meshes = [&](const MeshFormat& format) {
+    if (like == nullptr) return ReadMeshSequence(path, format);
+    const PolygonMesh triangles = OfTriangles(*like);
+    return ReadMeshSequence(path, format, &triangles);
+  };
   switch (FormatOf(path)) {
     case TrackFormat::kNpy:
       return ReadNpyTracks(path);
@@ -142,9 +159,9 @@ PointTracks ReadTracks(const std::string& path) {
     case TrackFormat::kTrc:
       return ReadTrc(path);
     case TrackFormat::kObjSequence:
-      return ReadMeshSequence(path, ObjFormat());
+      return read_meshes(ObjFormat());
     case TrackFormat::kPlySequence:
-      return ReadMeshSequence(path, PlyFormat());
+      return read_meshes(PlyFormat());
     case TrackFormat::kPc2:
       return ReadPc2(path);
     case TrackFormat::kVtp:

@@ -3,6 +3,7 @@
 #ifndef CLOTHID_DATASETS_FORMATS_TRACK_FILE_H_
 #define CLOTHID_DATASETS_FORMATS_TRACK_FILE_H_
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -38,8 +39,9 @@ std::vector<std::string> TrackPaths(const std::string& path);
 
 // Reads tracks of any format but kVtp. The result is in itself consistent: sizes agree, times are finite and increase,
 // positions are finite or NaN, faces made of its points. Throws `Error`, naming the file: kUsage as above, kIo where it
-// cannot be read, kBadData for what is in it.
-PointTracks ReadTracks(const std::string& path);
+// cannot be read, kBadData for what is in it. Polygons of a sequence are cut into the triangles `like` [3 x F], where
+// these have their vertices: of a surface that deforms.
+PointTracks ReadTracks(const std::string& path, const Eigen::Matrix3Xi* like = nullptr);
 
 // Writes tracks in the format of the extension, whatever stands there, with every digit but for PC2, which keeps
 // float32: all files or none. What a format has no place for is left out: times by OBJ, PLY and PC2, names of points by

@@ -19,8 +19,9 @@
 namespace clothid {
 namespace {
 
-PointTracks ReadMoved(const ObstacleFile& file) {
-  PointTracks tracks = ReadTracks(file.path);
+// Polygons are cut into the triangles `like` (may be null).
+PointTracks ReadMoved(const ObstacleFile& file, const Eigen::Matrix3Xi* like = nullptr) {
+  PointTracks tracks = ReadTracks(file.path, like);
   for (auto point : tracks.positions.reshaped(3, tracks.positions.size() / 3).colwise()) {
     point = (file.transform * Eigen::Vector3d(point)).eval();
   }
@@ -110,7 +111,7 @@ std::shared_ptr<const SurfaceSequence> ReadObstacleSequence(const ObstacleFile& 
                 file.path + ": a body that deforms; expected a mesh, and the obstacle '" + obstacle.name + "' is none");
   }
   const double shift = time_shift - file.time_offset;
-  const SurfaceSequence all = SequenceOfVertices(ReadMoved(file), *surface, times, shift);
+  const SurfaceSequence all = SequenceOfVertices(ReadMoved(file, &surface->faces()), *surface, times, shift);
   const Eigen::VectorXd knots = all.times().array() + shift;
   ExpectCovered(knots, times, file.path);
   const KnotRange needed = NeededKnots(knots, times);

@@ -1,6 +1,7 @@
 #include "sim/geometry/polygon.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstddef>
 #include <numeric>
 
@@ -92,6 +93,23 @@ std::vector<Triangle> TrianglesOfPolygon(const Eigen::Matrix3Xd& corners) {
   if (!polygon.has_area()) return {};
   std::vector<Triangle> triangles = Fan(polygon, num_corners);
   return triangles.empty() ? Ears(polygon, num_corners) : triangles;
+}
+
+std::vector<Triangle> TrianglesLike(const Eigen::Matrix3Xi& faces, Eigen::Index first,
+                                    const std::vector<int>& corners) {
+  const Eigen::Index count = static_cast<Eigen::Index>(corners.size()) - 2;
+  if (first + count > faces.cols()) return {};
+  std::vector<Triangle> triangles;
+  for (const auto face : faces.middleCols(first, count).colwise()) {
+    Triangle triangle;
+    for (int k = 0; k < 3; ++k) {
+      const auto corner = std::find(corners.begin(), corners.end(), face[k]);
+      if (corner == corners.end()) return {};
+      triangle[k] = static_cast<int>(corner - corners.begin());
+    }
+    triangles.push_back(triangle);
+  }
+  return triangles;
 }
 
 }  // namespace clothid

@@ -14,6 +14,11 @@ namespace clothid {
 // is neither: the polygon crosses itself, or has no area. A triangle is what it is.
 std::vector<std::array<int, 3>> TrianglesOfPolygon(const Eigen::Matrix3Xd& corners);
 
+// The same triangles as those of `faces` [3 x F] from `first` on, for a polygon with the vertices `corners`: of a
+// surface that deforms. Empty where these have other vertices.
+std::vector<std::array<int, 3>> TrianglesLike(const Eigen::Matrix3Xi& faces, Eigen::Index first,
+                                              const std::vector<int>& corners);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_GEOMETRY_POLYGON_H_

@@ -169,7 +169,9 @@ class ObjReader {
   // The triangles of a polygon, where it lies as the cloth does at rest.
   std::vector<std::array<int, 3>> Cut(const std::vector<Corner>& corners) const {
     if (like_ != nullptr) {
-      std::vector<std::array<int, 3>> triangles = CutLike(corners);
+      std::vector<int> vertices;
+      for (const Corner& corner : corners) vertices.push_back(corner.vertex);
+      std::vector<std::array<int, 3>> triangles = TrianglesLike(*like_, NumFaces(), vertices);
       if (!triangles.empty()) return triangles;
     }
     Eigen::Matrix3Xd places = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(corners.size()));
@@ -184,25 +186,6 @@ class ObjReader {
     if (triangles.empty()) {
       FailHere("the polygon of " + std::to_string(corners.size()) +
                " corners crosses itself, or has no area; expected one that can be cut into triangles");
-    }
-    return triangles;
-  }
-
-  // As its triangles stand in `like_`; none where these are others.
-  std::vector<std::array<int, 3>> CutLike(const std::vector<Corner>& corners) const {
-    const Eigen::Index first = NumFaces(), count = static_cast<Eigen::Index>(corners.size()) - 2;
-    if (first + count > like_->cols()) return {};
-    std::vector<std::array<int, 3>> triangles;
-    for (Eigen::Index face = first; face < first + count; ++face) {
-      std::array<int, 3> triangle;
-      for (int k = 0; k < 3; ++k) {
-        const auto corner = std::find_if(corners.begin(), corners.end(), [&](const Corner& candidate) {
-          return candidate.vertex == (*like_)(k, face);
-        });
-        if (corner == corners.end()) return {};
-        triangle[k] = static_cast<int>(corner - corners.begin());
-      }
-      triangles.push_back(triangle);
     }
     return triangles;
   }

@@ -104,6 +104,71 @@ TEST_F(PlyFileTest, ReadsCloudsWithoutFaces) {
   EXPECT_EQ(Read(Header("ascii", vertex + "element nothing 9000000000000000000\n") + "1 2 3\n").num_nodes(), 1);
 }
 
+double Area(const Mesh& mesh) { return TriangleAreas(mesh).sum(); }
+
+// An L whose fan about five of its six corners is larger than it.
+TEST_F(PlyFileTest, CutsPolygonsThatAreNotConvex) {
+  const std::vector<double> places = {0, 0, 0.2, 0, 0.2, 0.1, 0.1, 0.1, 0.1, 0.2, 0, 0.2};
+  const std::string vertex = "element vertex 6\nproperty double x\nproperty double y\nproperty double z\n";
+  const std::string face = "element face 1\nproperty list uchar int vertex_indices\n";
+  for (int first = 0; first < 6; ++first) {
+    for (const bool is_reversed : {false, true}) {
+      std::string vertices, corners = "6";
+      Numbers little(false), big(true), little_face(false), big_face(true);
+      for (Numbers* numbers : {&little_face, &big_face}) numbers->Add<std::uint8_t>({6});
+      for (std::size_t i = 0; i < 6; ++i) {
+        for (Numbers* numbers : {&little, &big}) numbers->Add<double>({places[2 * i], places[2 * i + 1], 0.5});
+        vertices += std::to_string(places[2 * i]) + " " + std::to_string(places[2 * i + 1]) + " 0.5\n";
+        const int corner = (is_reversed ? first + 6 - static_cast<int>(i) : first + static_cast<int>(i)) % 6;
+        corners += " " + std::to_string(corner);
+        for (Numbers* numbers : {&little_face, &big_face}) numbers->Add<std::int32_t>({corner});
+      }
+      for (const std::string& file :
+           {Header("ascii", vertex + face) + vertices + corners + "\n",
+            Header("ascii", face + vertex) + corners + "\n" + vertices,
+            Header("binary_little_endian", vertex + face) + little.bytes() + little_face.bytes(),
+            Header("binary_big_endian", face + vertex) + big_face.bytes() + big.bytes()}) {
+        const Mesh mesh = Read(file);
+        EXPECT_EQ(mesh.num_faces(), 4);
+        EXPECT_NEAR(Area(mesh), 0.03, 1e-15);
+        EXPECT_NO_THROW(ValidateMesh(mesh, "L"));
+      }
+    }
+  }
+}
+
+TEST_F(PlyFileTest, RefusesPolygonsThatCrossThemselves) {
+  const std::string counts = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string faces = "element face 2\nproperty list uchar int vertex_indices\n";
+  ExpectRefused(Header("ascii", counts + faces) + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n4 0 2 1 3\n",
+                {"mesh.ply:15: the polygon of 4 corners crosses itself, or has no area"});
+  ExpectRefused(Header("ascii", faces + counts) + "4 0 1 2 3\n4 0 2 1 3\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n",
+                {"mesh.ply:11: the polygon of 4 corners"});
+  Numbers numbers(false);
+  numbers.Add<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+  for (const std::vector<int>& corners : {std::vector<int>{0, 1, 2, 3}, std::vector<int>{0, 2, 1, 3}}) {
+    numbers.Add<std::uint8_t>({4});
+    for (const int corner : corners) numbers.Add<std::int32_t>({corner});
+  }
+  ExpectRefused(Header("binary_little_endian", counts + faces) + numbers.bytes(),
+                {"mesh.ply: face 1: the polygon of 4 corners crosses itself"});
+}
+
+// Whatever the faces are, and whatever stands beside x, y and z.
+TEST_F(PlyFileTest, ReadsPointsAlone) {
+  const std::string header = Header("ascii",
+                                    "element vertex 4\nproperty float nx\nproperty float x\nproperty float y\n"
+                                    "property float z\nproperty uchar red\nelement face 1\n"
+                                    "property list uchar int vertex_indices\n");
+  const std::string text = header + "nan 1 2 3 255\n-inf 4 5 6 0\n0 inf 0 0 0\n0 nan 0 0 0\n4 0 2 9 3\n";
+  const Eigen::Matrix3Xd points = ReadPlyPoints(folder_.Write("cloud.ply", text));
+  ASSERT_EQ(points.cols(), 4);
+  EXPECT_EQ(points.col(1), Eigen::Vector3d(4, 5, 6));
+  EXPECT_TRUE(std::isnan(points(0, 2)));
+  EXPECT_TRUE(std::isnan(points(0, 3)));
+  ExpectRefused(text, {"mesh.ply:14: vertex 2: expected finite numbers"});
+}
+
 TEST_F(PlyFileTest, WritesBinaryWithEveryDigit) {
   Eigen::Matrix3Xd positions(3, 4);
   positions << 0.1, 1, 1.0 / 3.0, -1e-300, 0, 2, 5, NAN, 0, 3, 6, 1;
@@ -137,7 +202,7 @@ TEST_F(PlyFileTest, RefusesBadNumbers) {
   const std::string header = Header("ascii", kTriangle);
   EXPECT_NO_THROW(Read(header + "0 0 0 1 0 0 0 1 0 3 0 1 2"));
   ExpectRefused(header + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n", {"mesh.ply:11: expected a number, found 'zero'"});
-  ExpectRefused(header + "0 0 0\n1 0 0\n0 1 inf\n3 0 1 2\n", {"mesh.ply:12: expected a number, found 'inf'"});
+  ExpectRefused(header + "0 0 0\n1 0 0\n0 1 inf\n3 0 1 2\n", {"mesh.ply:12: vertex 2: expected finite numbers"});
   ExpectRefused(header + "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", {"mesh.ply:14: ends before"});
   ExpectRefused(header + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", {"mesh.ply: a face refers to vertex 3; expected 0 to 2"});
   ExpectRefused(header + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", {"mesh.ply:13: expected the corners"});

@@ -215,9 +215,51 @@ TEST_F(TrackFileTest, RefusesMixedSequences) {
   EXPECT_EQ(ReadTracks(folder_.File("f#.obj")).num_frames(), 2);
   folder_.Write("f2.obj", points + "f 1 2 4\nf 2 3 4\n");
   ExpectError([&] { ReadTracks(folder_.File("f#.obj")); }, ErrorKind::kBadData,
-              {"f2.obj: has other triangles than ", "f1.obj"});
+              {"f2.obj: has other faces than ", "f1.obj"});
   folder_.Write("empty.obj", "# nothing\n");
   ExpectError([&] { ReadTracks(folder_.File("empty.obj")); }, ErrorKind::kBadData, {"empty.obj: holds no point"});
+}
+
+// An L and a square. In another frame the cloth is seen edge-on: no polygon has an area, and could be cut.
+TEST_F(TrackFileTest, CutsThePolygonsOfASequenceOnce) {
+  const std::string flat[] = {"0 0 0", ".2 0 0", ".2 .1 0", ".1 .1 0", ".1 .2 0", "0 .2 0", ".2 .2 0"};
+  const auto obj = [&](const std::vector<std::string>& places) {
+    std::string text;
+    for (const std::string& place : places) text += "v " + place + "\n";
+    return text + "f 3 4 5 6 1 2\nf 3 7 5 4\n";
+  };
+  const auto ply = [&](const std::vector<std::string>& places,
+                       const std::string& faces = "6 2 3 4 5 0 1\n4 2 6 4 3\n") {
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
+    for (const std::string& place : places) text += place + "\n";
+    return text + faces;
+  };
+  std::vector<std::string> whole(flat, flat + 7), edge_on = whole, hidden = whole;
+  for (std::size_t i = 0; i < edge_on.size(); ++i) edge_on[i] = "." + std::to_string(i) + " 0 0";
+  hidden[3] = "nan nan nan";
+  folder_.Write("a0.obj", obj(whole));
+  folder_.Write("a1.obj", obj(edge_on));
+  folder_.Write("b0.ply", ply(whole));
+  folder_.Write("b1.ply", ply(edge_on));
+  const Eigen::Matrix3Xi faces = ReadTracks(folder_.File("a#.obj")).faces;
+  EXPECT_EQ(faces.cols(), 6);
+  EXPECT_EQ(ReadTracks(folder_.File("b#.ply")).faces, faces);
+  // Cut as they lie where they are seen first; a fan where no frame shows them.
+  folder_.Write("b0.ply", ply(hidden));
+  folder_.Write("b1.ply", ply(whole));
+  EXPECT_EQ(ReadTracks(folder_.File("b#.ply")).faces, faces);
+  EXPECT_EQ(ReadTracks(folder_.File("b0.ply")).faces.col(1), Eigen::Vector3i(2, 4, 5));
+  EXPECT_EQ(ReadTracks(folder_.File("b0.ply"), &faces).faces, faces);
+  // A frame in which they cannot be cut tells nothing, unless there is no other.
+  folder_.Write("b0.ply", ply(edge_on));
+  EXPECT_EQ(ReadTracks(folder_.File("b#.ply")).faces, faces);
+  ExpectError([&] { ReadTracks(folder_.File("b0.ply")); }, ErrorKind::kBadData,
+              {"b0.ply:17: the polygon of 6 corners"});
+  folder_.Write("b1.ply", ply(whole, "6 2 3 4 5 0 1\n4 2 6 3 4\n"));
+  ExpectError([&] { ReadTracks(folder_.File("b#.ply")); }, ErrorKind::kBadData,
+              {"b1.ply: has other faces than ", "b0.ply"});
 }
 
 TEST_F(TrackFileTest, KnowsFormatsByName) {

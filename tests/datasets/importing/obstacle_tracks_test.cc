@@ -242,6 +242,33 @@ TEST_F(BodyTracksTest, RefusesVerticesThatDoNotFit) {
               {"body.npy", "expected a mesh, and the obstacle 'bar' is none"});
 }
 
+// The sides of the cube as squares that begin at another corner: their fans are other triangles than those of the
+// scene.
+TEST_F(BodyTracksTest, CutsPolygonsAsTheMeshOfTheObstacle) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement face 6\nproperty list uchar int vertex_indices\nelement vertex 8\n"
+      "property float x\nproperty float y\nproperty float z\nend_header\n"
+      "4 2 3 1 0\n4 5 7 6 4\n4 1 5 4 0\n4 6 7 3 2\n4 4 6 2 0\n4 3 7 5 1\n";
+  std::string obj;
+  for (const auto vertex : cube_.vertices.colwise()) {
+    const Eigen::Vector3d seen = robot_ * Eigen::Vector3d(vertex);
+    const std::string place =
+        std::to_string(seen.x()) + " " + std::to_string(seen.y()) + " " + std::to_string(seen.z()) + "\n";
+    text += place;
+    obj += "v " + place;
+  }
+  obj += "f 3 4 2 1\nf 6 8 7 5\nf 2 6 5 1\nf 7 8 4 3\nf 5 7 3 1\nf 4 8 6 2\n";
+  for (int frame = 0; frame < static_cast<int>(capture_.times.size()); ++frame) {
+    folder_.Write("body_" + std::to_string(frame) + ".ply", text);
+    folder_.Write("body_" + std::to_string(frame) + ".obj", obj);
+  }
+  for (const char* pattern : {"body_#.ply", "body_#.obj"}) {
+    const SceneObstacle body = Body(Import(folder_.File(pattern)));
+    ASSERT_NE(body.sequence, nullptr);
+    EXPECT_LE((body.sequence->At({}, 0.1).pose - cube_.vertices).cwiseAbs().maxCoeff(), 1e-5);
+  }
+}
+
 // Four markers of a body that stands, at the first frame of the file, where the scene has it.
 TEST_F(BodyTracksTest, FitsPosesToMarkers) {
   Eigen::Matrix3Xd markers(3, 4);
