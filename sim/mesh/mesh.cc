@@ -6,10 +6,18 @@
 #include <sstream>
 #include <vector>
 
-#include "sim/base/error.h"
-
 namespace clothid {
 namespace {
+
+[[noreturn]] void FailOnMesh(const std::string& source, const std::string& fault) {
+  throw MeshError(source, fault, {});
+}
+[[noreturn]] void FailOnFace(const std::string& source, int face, const std::string& fault) {
+  throw MeshError(source, fault, {face, -1});
+}
+[[noreturn]] void FailOnNode(const std::string& source, int node, const std::string& fault) {
+  throw MeshError(source, fault, {-1, node});
+}
 
 // An edge of a triangle, from its smaller to its larger node.
 struct HalfEdge {
@@ -32,12 +40,14 @@ Eigen::Matrix3d RestCorners(const Mesh& mesh, int face) {
   return corners;
 }
 
-void ValidateArea(const Eigen::Matrix3d& corners, const std::string& source, const std::string& what) {
+// Of triangle `face`; in the UV map where `map` says so.
+void ValidateArea(const Eigen::Matrix3d& corners, const std::string& source, int face, const char* map = "") {
   double longest = 0.0;  // squared
   for (int k = 0; k < 3; ++k) longest = std::max(longest, (corners.col((k + 1) % 3) - corners.col(k)).squaredNorm());
   const double area = AreaVector(corners).norm();
-  if (!(2.0 * area > kDegenerate * longest)) FailOnData(source, what + " has no area");
-  if (!std::isfinite(area)) FailOnData(source, what + " is too large for its area to be a number");
+  if (!(2.0 * area > kDegenerate * longest)) FailOnFace(source, face, Triangle(face) + map + " has no area");
+  if (!std::isfinite(area))
+    FailOnFace(source, face, Triangle(face) + map + " is too large for its area to be a number");
 }
 
 void ValidateFaces(const Mesh& mesh, const std::string& source) {
@@ -45,15 +55,16 @@ void ValidateFaces(const Mesh& mesh, const std::string& source) {
     const Eigen::Vector3i face = mesh.faces.col(f);
     for (int k = 0; k < 3; ++k) {
       if (face[k] < 0 || face[k] >= mesh.num_nodes()) {
-        FailOnData(source, Triangle(f) + " refers to node " + std::to_string(face[k]) + "; expected 0 to " +
-                               std::to_string(mesh.num_nodes() - 1));
+        FailOnFace(source, f,
+                   Triangle(f) + " refers to node " + std::to_string(face[k]) + "; expected 0 to " +
+                       std::to_string(mesh.num_nodes() - 1));
       }
     }
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
-      FailOnData(source, Triangle(f) + " has the same node at two corners");
+      FailOnFace(source, f, Triangle(f) + " has the same node at two corners");
     }
-    ValidateArea(mesh.rest_positions(Eigen::all, face), source, Triangle(f));
-    if (mesh.has_corner_rest()) ValidateArea(RestCorners(mesh, f), source, Triangle(f) + " of the UV map");
+    ValidateArea(mesh.rest_positions(Eigen::all, face), source, f);
+    if (mesh.has_corner_rest()) ValidateArea(RestCorners(mesh, f), source, f, " of the UV map");
   }
 }
 
@@ -88,9 +99,9 @@ void ValidateUnfolded(const Mesh& mesh, const HalfEdge& a, const HalfEdge& b, co
   if (start(a) != end(b) || end(a) != start(b)) return;
   const auto area = [&](const HalfEdge& edge) { return AreaVector(RestCorners(mesh, edge.face)).z(); };
   if (area(a) * area(b) > 0.0) return;
-  FailOnData(source, Triangle(a.face) + " and " + Triangle(b.face) +
-                         " lie on each other in the UV map, which is folded" + " along their edge " +
-                         std::to_string(a.low) + "-" + std::to_string(a.high));
+  FailOnFace(source, a.face,
+             Triangle(a.face) + " and " + Triangle(b.face) + " lie on each other in the UV map, which is folded" +
+                 " along their edge " + std::to_string(a.low) + "-" + std::to_string(a.high));
 }
 
 void ValidateEdges(const Mesh& mesh, const std::vector<HalfEdge>& edges, const std::string& source) {
@@ -98,13 +109,15 @@ void ValidateEdges(const Mesh& mesh, const std::vector<HalfEdge>& edges, const s
     if (!edges[i].SameEdge(edges[i - 1])) continue;
     const std::string edge = "edge " + std::to_string(edges[i].low) + "-" + std::to_string(edges[i].high);
     if (i >= 2 && edges[i].SameEdge(edges[i - 2])) {
-      FailOnData(source, edge + " belongs to more than two triangles (" + std::to_string(edges[i - 2].face) + ", " +
-                             std::to_string(edges[i - 1].face) + ", " + std::to_string(edges[i].face) + ")" +
-                             Place(mesh, edges[i]));
+      FailOnFace(source, edges[i].face,
+                 edge + " belongs to more than two triangles (" + std::to_string(edges[i - 2].face) + ", " +
+                     std::to_string(edges[i - 1].face) + ", " + std::to_string(edges[i].face) + ")" +
+                     Place(mesh, edges[i]));
     }
     if (edges[i].forward == edges[i - 1].forward) {
-      FailOnData(source, Triangle(edges[i].face) + " is inverted relative to " + Triangle(edges[i - 1].face) +
-                             " (both run along " + edge + " in the same direction)");
+      FailOnFace(source, edges[i].face,
+                 Triangle(edges[i].face) + " is inverted relative to " + Triangle(edges[i - 1].face) +
+                     " (both run along " + edge + " in the same direction)");
     }
     if (mesh.has_corner_rest()) ValidateUnfolded(mesh, edges[i - 1], edges[i], source);
   }
@@ -117,7 +130,8 @@ void ValidateNodes(const Mesh& mesh, const std::string& source) {
   }
   const auto unused = std::find(used.begin(), used.end(), false);
   if (unused != used.end()) {
-    FailOnData(source, "node " + std::to_string(unused - used.begin()) + " belongs to no triangle");
+    const auto node = static_cast<int>(unused - used.begin());
+    FailOnNode(source, node, "node " + std::to_string(node) + " belongs to no triangle");
   }
 }
 
@@ -128,7 +142,7 @@ void ValidateFolds(const Mesh& mesh, const std::vector<HalfEdge>& edges, const s
       return a.low != b.low ? a.low < b.low : a.high < b.high;
     });
     if (last - first == 2) continue;
-    FailOnData(source, "fold " + std::to_string(low) + "-" + std::to_string(high) + " is no edge of two triangles");
+    FailOnMesh(source, "fold " + std::to_string(low) + "-" + std::to_string(high) + " is no edge of two triangles");
   }
 }
 
@@ -140,22 +154,23 @@ void ValidateLinks(const Mesh& mesh, const std::string& source) {
                            link.node != link.edge[0] && link.node != link.edge[1];
     const std::string name = "link " + std::to_string(i) + " of a seam: expected ";
     if (!nodes_fit)
-      FailOnData(source, name + "two other nodes than its first, from 0 to " + std::to_string(mesh.num_nodes() - 1));
-    if (!(link.share >= 0.0 && link.share <= 1.0)) FailOnData(source, name + "a share between 0 and 1");
-    if (!(link.stiffness > 0.0 && std::isfinite(link.stiffness))) FailOnData(source, name + "a stiffness > 0");
-    if (!(link.closing_time >= 0.0 && std::isfinite(link.closing_time))) FailOnData(source, name + "a time >= 0");
+      FailOnMesh(source, name + "two other nodes than its first, from 0 to " + std::to_string(mesh.num_nodes() - 1));
+    if (!(link.share >= 0.0 && link.share <= 1.0)) FailOnMesh(source, name + "a share between 0 and 1");
+    if (!(link.stiffness > 0.0 && std::isfinite(link.stiffness))) FailOnMesh(source, name + "a stiffness > 0");
+    if (!(link.closing_time >= 0.0 && std::isfinite(link.closing_time))) FailOnMesh(source, name + "a time >= 0");
   }
 }
 
 void ValidateCornerRest(const Mesh& mesh, const std::string& source) {
   if (!mesh.has_corner_rest()) return;
   if (mesh.corner_rest.cols() != 3 * static_cast<Eigen::Index>(mesh.num_faces())) {
-    FailOnData(source, "expected a place in the UV map for each of the " + std::to_string(mesh.num_faces()) +
+    FailOnMesh(source, "expected a place in the UV map for each of the " + std::to_string(mesh.num_faces()) +
                            " triangles' corners");
   }
   for (Eigen::Index c = 0; c < mesh.corner_rest.cols(); ++c) {
     if (mesh.corner_rest.col(c).allFinite()) continue;
-    FailOnData(source, Triangle(static_cast<int>(c / 3)) + " has a place in the UV map that is not finite");
+    FailOnFace(source, static_cast<int>(c / 3),
+               Triangle(static_cast<int>(c / 3)) + " has a place in the UV map that is not finite");
   }
 }
 
@@ -190,12 +205,12 @@ Mesh MakeGrid(const GridOptions& options) {
 }
 
 void ValidateMesh(const Mesh& mesh, const std::string& source) {
-  if (mesh.num_nodes() == 0 || mesh.num_faces() == 0) FailOnData(source, "the mesh has no triangle");
-  if (mesh.num_nodes() > kMaxNodes) FailOnData(source, "more than " + std::to_string(kMaxNodes) + " nodes");
-  if (mesh.num_faces() > kMaxFaces) FailOnData(source, "more than " + std::to_string(kMaxFaces) + " triangles");
+  if (mesh.num_nodes() == 0 || mesh.num_faces() == 0) FailOnMesh(source, "the mesh has no triangle");
+  if (mesh.num_nodes() > kMaxNodes) FailOnMesh(source, "more than " + std::to_string(kMaxNodes) + " nodes");
+  if (mesh.num_faces() > kMaxFaces) FailOnMesh(source, "more than " + std::to_string(kMaxFaces) + " triangles");
   for (int i = 0; i < mesh.num_nodes(); ++i) {
     if (!mesh.rest_positions.col(i).allFinite()) {
-      FailOnData(source, "the rest position of node " + std::to_string(i) + " is not finite");
+      FailOnNode(source, i, "the rest position of node " + std::to_string(i) + " is not finite");
     }
   }
   ValidateCornerRest(mesh, source);

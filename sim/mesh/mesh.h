@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/error.h"
+
 namespace clothid {
 
 // The most that a mesh may have: bounds to check before memory is asked for.
@@ -15,6 +17,22 @@ inline constexpr int kMaxFaces = 2 * kMaxNodes;
 // Twice the area of a triangle that counts as having none, relative to its longest side squared: the rounding of
 // coordinates given to seven digits.
 inline constexpr double kDegenerate = 1e-7;
+
+// A fault of a mesh, and the part that has it: a triangle or a node, from 0 on; -1 where none is known.
+struct MeshPart {
+  int face = -1, node = -1;
+};
+class MeshError : public Error {
+ public:
+  MeshError(const std::string& source, const std::string& fault, MeshPart part)
+      : Error(ErrorKind::kBadData, source + ": " + fault), fault_(fault), part_(part) {}
+  const std::string& fault() const { return fault_; }  // without the source
+  MeshPart part() const { return part_; }
+
+ private:
+  std::string fault_;
+  MeshPart part_;
+};
 
 // Draws node p to the point (1 - s) q_0 + s q_1 of an edge: sim/shell/seam_energy.h.
 struct SeamLink {
@@ -65,7 +83,7 @@ inline Eigen::Vector3d RestCorner(const Mesh& mesh, int face, int corner) {
 }
 double RestLength(const Mesh& mesh, int face, int side);  // m
 
-// Throws `Error` (kBadData), prefixed by `source`, unless: there are at most kMaxNodes nodes and kMaxFaces triangles;
+// Throws `MeshError`, prefixed by `source`, unless: there are at most kMaxNodes nodes and kMaxFaces triangles;
 // positions are finite; indices are in range and distinct within a face; every triangle has area; every edge has one or
 // two triangles, which run along it in opposite directions (otherwise one of them is inverted); every node belongs to a
 // triangle. With a place per corner: there are 3F, finite, and triangles have area there, too, and do not lie on each

@@ -57,7 +57,7 @@ Mesh RecordedGrid(const JsonNode& grid, const GridOptions& options, const Mesh& 
 Mesh ReadFile(const JsonNode& obj, const std::string& path, const Mesh* recorded, Eigen::Matrix3Xd* along_u,
               FaceGroups* groups) {
   Mesh mesh = along_u != nullptr ? ReadObjWithUv(path, along_u, groups) : ReadObjWithGroups(path, groups);
-  ValidateMesh(mesh, path);
+  ValidateObjMesh(mesh, path);
   if (recorded == nullptr) return mesh;
   if (mesh.num_faces() != recorded->num_faces() || mesh.faces != recorded->faces) {
     const std::string purpose = along_u != nullptr ? "whose warp is to follow u" : "whose pieces are to be groups";
@@ -151,7 +151,7 @@ Mesh ReadGarment(const JsonNode& node, const JsonNode& obj, const std::string& p
                  FaceGroups* groups) {
   if (recorded != nullptr && recorded->has_corner_rest() && groups == nullptr) return *recorded;
   Mesh mesh = ReadObjWithUvRest(path, scale, groups);
-  ValidateMesh(mesh, path);
+  ValidateObjMesh(mesh, path);
   const auto ease = node.Find("ease");
   if (!ease || !ease->Boolean()) ExpectEvenSeams(mesh, path);
   ExpectScale(obj, mesh, scale);

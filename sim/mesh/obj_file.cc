@@ -249,4 +249,33 @@ Mesh ReadObjWithUvRest(const std::string& path, double scale, FaceGroups* groups
   return mesh;
 }
 
+std::string PlaceInObj(const std::string& path, MeshPart part) {
+  const std::string text = ReadText(path, kMaxObjBytes);
+  std::string_view rest = text;
+  int num_faces = 0, num_nodes = 0;
+  for (int number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++number) {
+    const std::string_view keyword = TakeWord(&*line);
+    if (keyword == "v") ++num_nodes;
+    if (keyword == "f") {
+      num_faces -= 2;
+      for (auto word = TakeWord(&*line); !word.empty() && word.front() != '#'; word = TakeWord(&*line)) ++num_faces;
+    }
+    const bool is_face = part.face >= 0 && num_faces > part.face, is_node = part.node >= 0 && num_nodes > part.node;
+    if (is_face || is_node) return path + ":" + std::to_string(number);
+  }
+  return path;
+}
+
+void ValidateObjMesh(const Mesh& mesh, const std::string& path) {
+  std::string fault;
+  MeshPart part;
+  try {
+    return ValidateMesh(mesh, path);
+  } catch (const MeshError& error) {
+    fault = error.fault();
+    part = error.part();
+  }
+  FailOnData(PlaceInObj(path, part), fault);
+}
+
 }  // namespace clothid

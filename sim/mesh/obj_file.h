@@ -40,6 +40,13 @@ Mesh ReadObjWithUv(const std::string& path, Eigen::Matrix3Xd* along_u, FaceGroup
 // has no texture coordinates, or where those of a triangle lie on a line; names file, line and triangle.
 Mesh ReadObjWithUvRest(const std::string& path, double scale, FaceGroups* groups = nullptr);
 
+// Where in an OBJ file a part of its mesh stands: "path:17", the line of the polygon that a triangle is of, or of the
+// vertex; `path` where that is not known.
+std::string PlaceInObj(const std::string& path, MeshPart part);
+
+// ValidateMesh, its errors led by the place in the file `path` of the mesh.
+void ValidateObjMesh(const Mesh& mesh, const std::string& path);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_SIM_MESH_OBJ_FILE_H_

@@ -7,7 +7,6 @@
 #include <map>
 #include <utility>
 
-#include "sim/base/error.h"
 #include "sim/matrix/dense.h"
 
 namespace clothid {
@@ -64,10 +63,11 @@ SurfaceTopology::SurfaceTopology(const Mesh& mesh)
   for (const auto& [ends, side] : sides) {
     const auto twin = sides.find({ends.second, ends.first});
     if (twin == sides.end()) {
-      throw Error(ErrorKind::kBadData, "triangulated surface: edge " + std::to_string(ends.first) + "-" +
-                                           std::to_string(ends.second) + " belongs to one triangle only (" +
-                                           std::to_string(side.face) +
-                                           "); expected a closed surface: holes filled, a sheet with a thickness");
+      throw MeshError("triangulated surface",
+                      "edge " + std::to_string(ends.first) + "-" + std::to_string(ends.second) +
+                          " belongs to one triangle only (" + std::to_string(side.face) +
+                          "); expected a closed surface: holes filled, a sheet with a thickness",
+                      {side.face});
     }
     if (ends.first < ends.second) edges_.push_back({side, twin->second, ends.first, ends.second});
   }
@@ -135,20 +135,23 @@ int SurfaceTopology::FaceOf(int feature) const {
   return edge < num_edges ? edges_[edge].one.face : corners_[edge - num_edges].front().face;
 }
 
-std::string SurfaceTopology::FlawAt(const std::vector<SearchTriangle>& triangles) const {
-  for (std::size_t face = 0; face < triangles.size(); ++face) {
+void SurfaceTopology::ExpectOutside(const std::vector<SearchTriangle>& triangles, const std::string& source) const {
+  for (int face = 0; face < num_faces_; ++face) {
     const std::array<Vector3d, 3>& sides = triangles[face].sides;
     const double longest = std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()});
     if (sides[0].cross(sides[1]).norm() > kDegenerate * longest) continue;
-    return "triangle " + std::to_string(face) + " has no area";
+    throw MeshError(source, "triangle " + std::to_string(face) + " has no area", {face});
   }
   for (const Edge& edge : edges_) {
     if (NormalSum(triangles[edge.one.face], triangles[edge.other.face]).norm() >= kFlat) continue;
-    return "the two triangles at edge " + std::to_string(edge.low) + "-" + std::to_string(edge.high) +
-           " lie flat on each other";
+    throw MeshError(source,
+                    "the two triangles at edge " + std::to_string(edge.low) + "-" + std::to_string(edge.high) +
+                        " lie flat on each other",
+                    {edge.one.face});
   }
-  if (Volume(triangles) > 0.0) return {};
-  return "encloses no positive volume; expected triangles that run counter-clockwise seen from outside";
+  if (Volume(triangles) > 0.0) return;
+  throw MeshError(source,
+                  "encloses no positive volume; expected triangles that run counter-clockwise seen from outside", {});
 }
 
 }  // namespace clothid

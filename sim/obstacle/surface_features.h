@@ -32,18 +32,18 @@ SurfacePoint EvaluateFeature(const SurfaceFeature& feature, const Eigen::Vector3
 // The features of a surface are numbered: first the faces, then the edges, then the vertices.
 class SurfaceTopology {
  public:
-  // Throws `Error` (kBadData) where an edge has one triangle only. `mesh` is one that ValidateMesh accepts.
+  // Throws `MeshError` where an edge has one triangle only. `mesh` is one that ValidateMesh accepts.
   explicit SurfaceTopology(const Mesh& mesh);
 
   int num_features() const { return num_faces_ + static_cast<int>(edges_.size() + corners_.size()); }
   // Numbers the features of `triangles`, which are the faces in their order.
   void NumberFeatures(std::vector<SearchTriangle>* triangles) const;
-  // Where the faces are at `triangles`. Where a normal is undefined, which FlawAt tells, it is any.
+  // Where the faces are at `triangles`. Where a normal is undefined, which ExpectOutside tells, it is any.
   SurfaceFeature FeatureAt(int feature, const std::vector<SearchTriangle>& triangles) const;
   // A face that a feature belongs to: the first.
   int FaceOf(int feature) const;
-  // Why the surface has no outside there: "triangle 5 has no area", .. Empty where it has one.
-  std::string FlawAt(const std::vector<SearchTriangle>& triangles) const;
+  // Throws `MeshError`, led by `source`, where the surface has no outside there.
+  void ExpectOutside(const std::vector<SearchTriangle>& triangles, const std::string& source) const;
 
  private:
   struct Side {

@@ -13,8 +13,8 @@
 namespace clothid {
 namespace {
 
-[[noreturn]] void FailOnFrame(Eigen::Index frame, const std::string& message) {
-  throw Error(ErrorKind::kBadData, "frame " + std::to_string(frame) + ": " + message);
+[[noreturn]] void FailOnFrame(Eigen::Index frame, const std::string& message, int vertex = -1) {
+  throw MeshError("frame " + std::to_string(frame), message, {-1, vertex});
 }
 
 void ValidateTimes(const Eigen::VectorXd& times) {
@@ -30,16 +30,17 @@ void ValidateFrame(const TriangulatedSurface& surface, const Eigen::VectorXd& ti
   for (Eigen::Index i = 0; i < positions.rows() / 3; ++i) {
     const Eigen::Vector3d place = positions.col(frame).segment<3>(3 * i);
     const std::string vertex = "vertex " + std::to_string(i);
-    if (!place.allFinite()) FailOnFrame(frame, vertex + " is not finite");
+    if (!place.allFinite()) FailOnFrame(frame, vertex + " is not finite", static_cast<int>(i));
     if (frame == 0) continue;
     const double speed =
         (place - positions.col(frame - 1).segment<3>(3 * i)).norm() / (times[frame] - times[frame - 1]);
     if (speed <= kMostPathSpeed) continue;
-    FailOnFrame(frame, "the sequence jumps: " + vertex + " has a speed of " + std::to_string(speed) +
-                           " m/s from the frame before; expected at most " + std::to_string(kMostPathSpeed));
+    FailOnFrame(frame,
+                "the sequence jumps: " + vertex + " has a speed of " + std::to_string(speed) +
+                    " m/s from the frame before; expected at most " + std::to_string(kMostPathSpeed),
+                static_cast<int>(i));
   }
-  const std::string flaw = surface.FlawAt(positions.col(frame).reshaped(3, positions.rows() / 3));
-  if (!flaw.empty()) FailOnFrame(frame, flaw);
+  surface.ExpectOutsideAt(positions.col(frame).reshaped(3, positions.rows() / 3), "frame " + std::to_string(frame));
 }
 
 // The columns of a map with corners that have the places, velocities and accelerations `corners` [3 x 3].

@@ -21,9 +21,10 @@ struct VerticesJet {
 // Before the first and after the last frame the surface stands still.
 class SurfaceSequence {
  public:
-  // times [T] s, strictly increasing; positions [3V x T] m of the vertices of `surface`. Throws `Error` (kBadData),
-  // naming the frame from 0 on, for numbers of another size or not finite, for a frame in which the surface has no
-  // outside (TriangulatedSurface::FlawAt), and for a vertex that jumps: faster than kMostPathSpeed from frame to frame.
+  // times [T] s, strictly increasing; positions [3V x T] m of the vertices of `surface`. Throws `Error` (kBadData)
+  // for numbers of another size, `MeshError`, naming the frame from 0 on, for one that is not finite, for a frame in
+  // which the surface has no outside (TriangulatedSurface::ExpectOutsideAt), and for a vertex that jumps: faster than
+  // kMostPathSpeed from frame to frame.
   SurfaceSequence(const TriangulatedSurface& surface, const Eigen::VectorXd& times, const Eigen::MatrixXd& positions);
 
   const Eigen::VectorXd& times() const { return times_; }

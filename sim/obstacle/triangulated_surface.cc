@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "sim/base/error.h"
 #include "sim/geometry/triangle_tree.h"
 #include "sim/mesh/mesh.h"
 
@@ -14,16 +13,14 @@ namespace {
 // Nearer to an edge or vertex than this share of the largest coordinate there is no direction to speak of.
 constexpr double kSingularDistance = 1e-12;
 
-[[noreturn]] void FailOnSurface(const std::string& message) {
-  throw Error(ErrorKind::kBadData, "triangulated surface: " + message);
-}
+constexpr char kSource[] = "triangulated surface";
 
 void Validate(const Mesh& mesh) {
   if (mesh.num_faces() > kMaxSurfaceFaces) {
-    FailOnSurface(std::to_string(mesh.num_faces()) + " triangles; expected at most " +
-                  std::to_string(kMaxSurfaceFaces));
+    FailOnData(kSource,
+               std::to_string(mesh.num_faces()) + " triangles; expected at most " + std::to_string(kMaxSurfaceFaces));
   }
-  ValidateMesh(mesh, "triangulated surface");
+  ValidateMesh(mesh, kSource);
 }
 
 // Whose features have no numbers yet.
@@ -63,13 +60,13 @@ TriangulatedSurface::TriangulatedSurface(Eigen::Matrix3Xd vertices, Eigen::Matri
   data->topology = std::make_shared<SurfaceTopology>(mesh);
   std::vector<SearchTriangle> triangles = PlacedTriangles(mesh.rest_positions, mesh.faces);
   data->topology->NumberFeatures(&triangles);
-  const std::string flaw = data->topology->FlawAt(triangles);
-  if (!flaw.empty()) FailOnSurface(flaw);
+  data->topology->ExpectOutside(triangles, kSource);
   for (int i = 0; i < data->topology->num_features(); ++i) {
     data->features.push_back(data->topology->FeatureAt(i, triangles));
     if (data->features.back().normal.isZero(0.0)) {
-      FailOnSurface("the triangles around vertex " +
-                    std::to_string(i - data->topology->num_features() + mesh.num_nodes()) + " have no outside");
+      const int vertex = i - data->topology->num_features() + mesh.num_nodes();
+      throw MeshError(kSource, "the triangles around vertex " + std::to_string(vertex) + " have no outside",
+                      {-1, vertex});
     }
   }
   data->tree = TriangleTree(std::move(triangles));
@@ -90,8 +87,8 @@ TriangulatedSurface TriangulatedSurface::MovedTo(Eigen::Matrix3Xd vertices) cons
   return TriangulatedSurface(std::move(data));
 }
 
-std::string TriangulatedSurface::FlawAt(const Eigen::Matrix3Xd& vertices) const {
-  return data_->topology->FlawAt(PlacedTriangles(vertices, *data_->faces));
+void TriangulatedSurface::ExpectOutsideAt(const Eigen::Matrix3Xd& vertices, const std::string& source) const {
+  data_->topology->ExpectOutside(PlacedTriangles(vertices, *data_->faces), source);
 }
 
 SurfacePoint TriangulatedSurface::Closest(const Eigen::Vector3d& position) const {

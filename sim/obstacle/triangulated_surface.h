@@ -38,10 +38,10 @@ struct NearestFeature {
 // and allocates nothing. Where features are equally near, which one counts is arbitrary but always the same.
 class TriangulatedSurface : public Obstacle {
  public:
-  // `vertices` [3 x V] m, `faces` [3 x F] vertex indices, counter-clockwise seen from outside. Throws `Error`
-  // (kBadData) unless the mesh is one that `ValidateMesh` accepts, has at most kMaxSurfaceFaces faces, is closed (every
-  // edge has two triangles: a surface with a border has no inside; a sheet must be given a thickness), encloses a
-  // positive volume, and has no triangles folded flat onto each other. Several closed parts are one obstacle. That
+  // `vertices` [3 x V] m, `faces` [3 x F] vertex indices, counter-clockwise seen from outside. Throws
+  // `MeshError` unless the mesh is one that `ValidateMesh` accepts, has at most kMaxSurfaceFaces faces, is closed
+  // (every edge has two triangles: a surface with a border has no inside; a sheet must be given a thickness), encloses
+  // a positive volume, and has no triangles folded flat onto each other. Several closed parts are one obstacle. That
   // parts do not cut each other or themselves is not checked.
   TriangulatedSurface(Eigen::Matrix3Xd vertices, Eigen::Matrix3Xi faces);
 
@@ -52,8 +52,8 @@ class TriangulatedSurface : public Obstacle {
   // The same faces between other places of the vertices: its search tree is that of this one, refitted. Nothing is
   // checked. Where faces lie flat on each other or have no area, n is that of one side.
   TriangulatedSurface MovedTo(Eigen::Matrix3Xd vertices) const;
-  // Why it cannot be an obstacle there: "triangle 5 has no area", .. Empty where it can.
-  std::string FlawAt(const Eigen::Matrix3Xd& vertices) const;
+  // Throws `MeshError`, led by `source`, where it cannot be an obstacle there: "triangle 5 has no area", ..
+  void ExpectOutsideAt(const Eigen::Matrix3Xd& vertices, const std::string& source) const;
 
   const Eigen::Matrix3Xd& vertices() const;
   const Eigen::Matrix3Xi& faces() const;

@@ -63,8 +63,8 @@ Frames ReadObjFrames(const std::vector<std::string>& paths, const TriangulatedSu
     expect(mesh.num_faces(), surface.faces().cols(), " triangles");
     for (int face = 0; face < mesh.num_faces(); ++face) {
       if (mesh.faces.col(face) == surface.faces().col(face)) continue;
-      throw Error(ErrorKind::kBadData,
-                  paths[i] + ": triangle " + std::to_string(face) + " has other vertices than that of the mesh");
+      FailOnData(PlaceInObj(paths[i], {face}),
+                 "triangle " + std::to_string(face) + " has other vertices than that of the mesh");
     }
     frames.positions.col(static_cast<Eigen::Index>(i)) = mesh.rest_positions.reshaped();
   }
@@ -113,13 +113,14 @@ Eigen::VectorXd TimesOf(const JsonNode& node, const std::vector<double>& numbers
   return first + interval * Eigen::Map<const Eigen::ArrayXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
 }
 
-// The file of the frame that a message "frame K: .." is about.
-std::string SourceOf(const Frames& frames, const std::string& message) {
+// The file of the frame that a message "frame K: .." is about, and the line of `part` in it.
+std::string SourceOf(const Frames& frames, const std::string& message, MeshPart part) {
   constexpr char kFrame[] = "frame ";
   if (frames.sources.empty()) return "";
   const bool names_frame = message.rfind(kFrame, 0) == 0;
   const std::size_t frame = names_frame ? std::stoul(message.substr(sizeof(kFrame) - 1)) : 0;
-  return frames.sources[frames.sources.size() > 1 ? frame : 0] + ": ";
+  const std::string& source = frames.sources[frames.sources.size() > 1 ? frame : 0];
+  return (EndsIn(source, ".obj") ? PlaceInObj(source, part) : source) + ": ";
 }
 
 }  // namespace
@@ -139,12 +140,16 @@ std::shared_ptr<const SurfaceSequence> ReadSequence(const JsonNode& node, const 
   }
   const Eigen::VectorXd times = TimesOf(node, frames.numbers, folder);
   std::string problem;
+  MeshPart part;
   try {
     return std::make_shared<SurfaceSequence>(surface, times, frames.positions);
+  } catch (const MeshError& error) {
+    problem = error.what();
+    part = error.part();
   } catch (const Error& error) {
     problem = error.what();
   }
-  node.Fail(SourceOf(frames, problem) + problem);
+  node.Fail(SourceOf(frames, problem, part) + problem);
 }
 
 std::vector<std::string> FilesOfSequence(const std::string& path) {

@@ -30,22 +30,40 @@ std::vector<JsonNode> RequireItems(const JsonNode& node, std::size_t count, cons
   return node.items();
 }
 
-// A constructor that refuses its arguments knows no key: `node` gives it, and `source`, where it is not empty, a file.
+// A constructor that refuses its arguments knows no key: `node` gives it.
 template <typename Make>
-std::shared_ptr<const Obstacle> TryToMake(const JsonNode& node, const std::string& source, const Make& make) {
+std::shared_ptr<const Obstacle> TryToMake(const JsonNode& node, const Make& make) {
   std::string problem;
   try {
     return make();
   } catch (const Error& error) {
     problem = error.what();
   }
-  node.Fail(source + problem);
+  node.Fail(problem);
 }
 
 template <typename Shape, typename... Arguments>
-std::shared_ptr<const Obstacle> MakeShape(const JsonNode& node, const std::string& source,
-                                          const Arguments&... arguments) {
-  return TryToMake(node, source, [&] { return std::make_shared<Shape>(arguments...); });
+std::shared_ptr<const Obstacle> MakeShape(const JsonNode& node, const Arguments&... arguments) {
+  return TryToMake(node, [&] { return std::make_shared<Shape>(arguments...); });
+}
+
+// The errors of a surface name the face that is at fault: its line in the file `path`, or without one the item of
+// `node`, the list of faces.
+std::shared_ptr<const Obstacle> MakeSurface(const JsonNode& node, const std::string& path,
+                                            const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& faces) {
+  std::string problem;
+  MeshPart part;
+  try {
+    return std::make_shared<TriangulatedSurface>(vertices, faces);
+  } catch (const MeshError& error) {
+    problem = error.what();
+    part = error.part();
+  } catch (const Error& error) {
+    problem = error.what();
+  }
+  if (!path.empty()) node.Fail(PlaceInObj(path, part) + ": " + problem);
+  if (part.face >= 0) node.items()[part.face].Fail(problem);
+  node.Fail(problem);
 }
 
 Eigen::Matrix3Xd ReadVertices(const JsonNode& list) {
@@ -67,15 +85,15 @@ Eigen::Matrix3Xi ReadFaces(const JsonNode& list, int num_vertices) {
 }
 
 std::shared_ptr<const Obstacle> ReadPlane(const JsonNode& node, const std::string&) {
-  return MakeShape<Plane>(node, "", RequireVector(node, "point"), RequireVector(node, "normal"));
+  return MakeShape<Plane>(node, RequireVector(node, "point"), RequireVector(node, "normal"));
 }
 
 std::shared_ptr<const Obstacle> ReadSphere(const JsonNode& node, const std::string&) {
-  return MakeShape<Sphere>(node, "", RequireVector(node, "center"), RequireLength(node, "radius"));
+  return MakeShape<Sphere>(node, RequireVector(node, "center"), RequireLength(node, "radius"));
 }
 
 std::shared_ptr<const Obstacle> ReadCapsule(const JsonNode& node, const std::string&) {
-  return MakeShape<Capsule>(node, "", RequireVector(node, "from"), RequireVector(node, "to"),
+  return MakeShape<Capsule>(node, RequireVector(node, "from"), RequireVector(node, "to"),
                             RequireLength(node, "radius"));
 }
 
@@ -86,7 +104,7 @@ std::shared_ptr<const Obstacle> ReadBox(const JsonNode& node, const std::string&
     for (std::size_t k = 0; k < 4; ++k) rotation.coeffs()[static_cast<Eigen::Index>(k)] = numbers[k].Number();
   }
   const auto radius = node.Find("radius");
-  return MakeShape<Box>(node, "", RequireVector(node, "center"), RequireVector(node, "size"), rotation,
+  return MakeShape<Box>(node, RequireVector(node, "center"), RequireVector(node, "size"), rotation,
                         radius ? radius->NonNegativeNumber() : 0.0);
 }
 
@@ -98,25 +116,25 @@ std::shared_ptr<const Obstacle> ReadTable(const JsonNode& node, const std::strin
   const Eigen::Vector2d size(lengths[0].PositiveNumber(), lengths[1].PositiveNumber());
   const double thickness = RequireLength(node, "thickness");
   const auto along = node.Find("along"), radius = node.Find("radius");
-  return TryToMake(node, "", [&] {
+  return TryToMake(node, [&] {
     return std::make_shared<Box>(Box::Table(center, normal, along ? along->Vector3() : Eigen::Vector3d::UnitX(), size,
                                             thickness, radius ? radius->NonNegativeNumber() : 0.5 * thickness));
   });
 }
 
 std::shared_ptr<const Obstacle> ReadCylinder(const JsonNode& node, const std::string&) {
-  return MakeShape<Cylinder>(node, "", RequireVector(node, "from"), RequireVector(node, "to"),
+  return MakeShape<Cylinder>(node, RequireVector(node, "from"), RequireVector(node, "to"),
                              RequireLength(node, "radius"));
 }
 
 std::shared_ptr<const Obstacle> ReadTorus(const JsonNode& node, const std::string&) {
-  return MakeShape<Torus>(node, "", RequireVector(node, "center"), RequireVector(node, "axis"),
+  return MakeShape<Torus>(node, RequireVector(node, "center"), RequireVector(node, "axis"),
                           RequireLength(node, "radius"), RequireLength(node, "tube_radius"));
 }
 
 std::shared_ptr<const Obstacle> ReadBowl(const JsonNode& node, const std::string&) {
   const double degrees = node.Require("angle", "a number > 0 and < 180 (degrees)").PositiveNumber();
-  return MakeShape<Bowl>(node, "", RequireVector(node, "center"), RequireVector(node, "axis"),
+  return MakeShape<Bowl>(node, RequireVector(node, "center"), RequireVector(node, "axis"),
                          RequireLength(node, "radius"), degrees * (M_PI / 180.0), RequireLength(node, "thickness"));
 }
 
@@ -128,11 +146,11 @@ std::shared_ptr<const Obstacle> ReadSurface(const JsonNode& node, const std::str
   if (obj) {
     const std::string path = obj->Path(folder);
     const Mesh mesh = ReadObj(path);
-    return MakeShape<TriangulatedSurface>(*obj, path + ": ", mesh.rest_positions, mesh.faces);
+    return MakeSurface(*obj, path, mesh.rest_positions, mesh.faces);
   }
   const Eigen::Matrix3Xd vertices = ReadVertices(node.Require("vertices", "a list of [x, y, z] (m)"));
   const JsonNode faces = node.Require("faces", "a list of [i, j, k]");
-  return MakeShape<TriangulatedSurface>(faces, "", vertices, ReadFaces(faces, static_cast<int>(vertices.cols())));
+  return MakeSurface(faces, "", vertices, ReadFaces(faces, static_cast<int>(vertices.cols())));
 }
 
 struct ShapeType {

@@ -124,7 +124,7 @@ std::optional<Mesh> MeshFromFlags() {
   if (IsSet("grid")) return ParseGrid(FLAGS_grid, FLAGS_transpose);
   if (!IsSet("faces")) return std::nullopt;
   Mesh mesh = ReadObj(FLAGS_faces);
-  ValidateMesh(mesh, FLAGS_faces);
+  ValidateObjMesh(mesh, FLAGS_faces);
   return mesh;
 }
 

@@ -139,7 +139,7 @@ TEST_F(GarmentJsonTest, NamesKeyOrLineOfWhatIsBad) {
       {"cloth.obj:7: triangle 0 has no area in the UV map, its shape at rest: its texture coordinates lie on a line"});
   WriteObj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0.9 0.2\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
   ExpectBad(
-      {"cloth.obj: triangle 0 and triangle 1 lie on each other in the UV map, which is folded along their edge 0-2"});
+      {"cloth.obj:", ": triangle 0 and triangle 1 lie on each other in the UV map, which is folded along their edge 0-2"});
   WriteObj(
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 2 2\nvt 3.2 2\nvt 2 3.2\nf 1/1 2/2 3/3\nf 1/4 "
       "3/5 4/6\n");

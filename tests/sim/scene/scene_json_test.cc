@@ -213,10 +213,12 @@ TEST(ParseScene, NamesWhatIsWrongWithASurface) {
   };
   expect("[0, 0, 1]", "[0, 0]", {"scene.json:3: key 'obstacles[0].vertices[3]': expected an array of three numbers"});
   expect("[0, 0, 1]", "[0, 0, 0]",
-         {"scene.json:4: key 'obstacles[0].faces': triangulated surface: triangle 1 has no area"});
+         {"scene.json:4: key 'obstacles[0].faces[1]': triangulated surface: triangle 1 has no area"});
   expect("1, 3]", "1, 4]", {"scene.json:4: key 'obstacles[0].faces[1][2]': expected an integer from 0 to 3"});
   expect("1, 3]", "1, 3, 2]", {"scene.json:4: key 'obstacles[0].faces[1]': expected an array of three vertices"});
-  expect(", [1, 2, 3]", "", {"key 'obstacles[0].faces': ", "expected a closed surface"});
+  expect(", [1, 2, 3]", "", {"key 'obstacles[0].faces[1]': ", "edge 1-3", "expected a closed surface"});
+  expect("[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]", "[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]",
+         {"key 'obstacles[0].faces': ", "encloses no positive volume"});
   expect("\"faces\"", "\"obj\"", {"scene.json:2: key 'obstacles[0]': expected either \"obj\" or \"vertices\" and"});
   expect("\"faces\"", "\"sides\"", {"key 'obstacles[0].sides': unknown key"});
   ExpectBad(SceneWithObstacle(R"({"type": "mesh", "vertices": []})"), {"key 'obstacles[0].faces': is missing"});
@@ -232,8 +234,25 @@ TEST(ParseScene, NamesTheFileOfASurface) {
     return [text, &folder] { ParseScene(text, "scene.json", folder.path()); };
   };
   ExpectError(parse("sheet.obj"), kBadData,
-              {"scene.json:2: key 'obstacles[0].obj': ", "sheet.obj: ", "closed surface"});
+              {"scene.json:2: key 'obstacles[0].obj': ", "sheet.obj:4: ", "(0)", "closed surface"});
   ExpectError(parse("torn.obj"), kBadData, {"torn.obj:2: expected three finite numbers"});
+  // Of a polygon the line, whatever the number of its triangles.
+  const std::string box = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n# sides\n";
+  const std::string sides = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n";
+  folder.Write("box.obj", box + sides + "f 4 1 5 8\n");
+  EXPECT_NO_THROW(parse("box.obj")());
+  folder.Write("open.obj", box + sides);
+  ExpectError(parse("open.obj"), kBadData, {"open.obj:10: triangulated surface: edge 0-3", "(1)"});
+  folder.Write("turned.obj", box + sides + "f 8 5 1 4\n");
+  ExpectError(parse("turned.obj"), kBadData, {"turned.obj:15: triangulated surface: triangle 11 is inverted"});
+  folder.Write("doubled.obj", box + sides + "f 4 1 5 8\nf 4 1 5 8\n");
+  ExpectError(parse("doubled.obj"), kBadData, {"doubled.obj:16: ", "belongs to more than two triangles"});
+  folder.Write("thin.obj", box + sides + "f 4 1 5 8\nv 2 0 0\nv 3 0 0\nv 4 0 0\nf 9 10 11\n");
+  ExpectError(parse("thin.obj"), kBadData, {"thin.obj:19: triangulated surface: triangle 12 has no area"});
+  folder.Write("loose.obj", box + sides + "f 4 1 5 8\nv 2 0 0\n");
+  ExpectError(parse("loose.obj"), kBadData, {"loose.obj:16: triangulated surface: node 8 belongs to no triangle"});
+  folder.Write("bow.obj", box + sides + "f 4 1 8 5\n");
+  ExpectError(parse("bow.obj"), kBadData, {"bow.obj:15: the polygon of 4 corners crosses itself"});
   ExpectError(parse("none.obj"), ErrorKind::kIo, {"none.obj"});
   ExpectError(parse(""), kBadData, {"key 'obstacles[0].obj': expected the name of a file"});
 }
@@ -476,7 +495,7 @@ TEST(ReadScene, ReadsAnObjMeshAndNamesItsFaults) {
   folder.Write("cloth.obj", vertices + "f 1 2 3\nf 1 4 3\n");
   ExpectError(
       [&] { ReadScene(scene); }, kBadData,
-      {"cloth.obj: triangle 1 is inverted relative to triangle 0 (both run along edge 0-2 in the same direction)"});
+      {"cloth.obj:6: triangle 1 is inverted relative to triangle 0 (both run along edge 0-2 in the same direction)"});
   ExpectError([&] { ReadScene(folder.File("none.json")); }, ErrorKind::kIo, {"none.json: cannot be read"});
 }
 
