@@ -12,9 +12,11 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
+#include "datasets/formats/ply_file.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/importing/track_edit.h"
 #include "datasets/motion/motion_validation.h"
@@ -44,13 +46,24 @@ constexpr double kOutlierMedians = 3.0;
 // Beyond this many cubes along an axis their numbers are not exact.
 constexpr double kMaxVoxels = 1e15;
 
+bool EndsIn(const std::string& path, const std::string& extension) {
+  std::string own = fs::path(path).extension().string();
+  for (char& c : own) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c;
+  return own == extension;
+}
+
+// Beside clouds of the one kind may lie a file of the other: times, or a mesh.
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
   std::error_code error;
-  std::vector<std::string> files;
+  std::vector<std::string> arrays, meshes;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->path().extension() == ".npy") files.push_back(it->path().filename().string());
+    const std::string name = it->path().filename().string();
+    if (name.front() == '.') continue;
+    if (EndsIn(name, ".npy")) arrays.push_back(name);
+    if (EndsIn(name, ".ply")) meshes.push_back(name);
   }
   if (error) throw Error(ErrorKind::kIo, folder + ": cannot be read: " + error.message());
+  std::vector<std::string> files = arrays.size() < 2 && !meshes.empty() ? meshes : arrays;
   if (!files.empty()) ExpectOneSequence(folder, files);
   for (std::string& file : files) file = (fs::path(folder) / file).string();
   return files;
@@ -61,7 +74,44 @@ std::vector<std::string> FilesOfPattern(const std::string& pattern) {
   std::vector<std::string> files;
   if (glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   globfree(&found);
-  return files;
+  return files.empty() && IsFramePattern(pattern) ? FramePaths(pattern, "") : files;
+}
+
+// The points of a file as they stand in it, frame by frame, as many in each.
+struct FilePoints {
+  Eigen::Matrix3Xd points;
+  long long num_frames = 1;
+};
+
+// `is_alone`: the file has to hold all frames, so that the first of more than two axes counts them.
+FilePoints ReadPoints(const std::string& path, bool is_alone) {
+  if (EndsIn(path, ".ply")) return {ReadPlyPoints(path)};
+  const NpyArray array = ReadNpy(path);
+  const std::size_t num_axes = array.shape.size();
+  const bool has_frames = is_alone && num_axes > 2, is_organised = num_axes == (has_frames ? 4 : 3);
+  const long long num_columns = num_axes > 0 ? array.shape.back() : 0;
+  const bool fits = is_organised || num_axes == (has_frames ? 3 : 2);
+  if (!fits || num_columns < 3 || num_columns > kMaxCloudColumns) {
+    std::string found;
+    for (const long long size : array.shape) found += (found.empty() ? "" : ", ") + std::to_string(size);
+    FailOnData(path, "expected an array of shape (M, 3) or (H, W, 3), or with more columns than x, y and z, found (" +
+                         found + ")");
+  }
+  const Eigen::Map<const Eigen::MatrixXd> rows(array.values.data(), num_columns,
+                                               static_cast<Eigen::Index>(array.values.size()) / num_columns);
+  return {rows.topRows<3>(), has_frames ? array.shape[0] : 1};
+}
+
+// Those that were seen, in m.
+Eigen::Matrix3Xd SeenPoints(const Eigen::Ref<const Eigen::Matrix3Xd>& points, double scale,
+                            const MissingValues& missing) {
+  Eigen::Matrix3Xd seen(3, points.cols());
+  Eigen::Index num_seen = 0;
+  for (const auto point : points.colwise()) {
+    seen.col(num_seen) = scale * point;
+    if (seen.col(num_seen).allFinite() && !missing.Contains(point)) ++num_seen;
+  }
+  return seen.leftCols(num_seen);
 }
 
 void CheckOptions(const CloudImportOptions& options) {
@@ -69,19 +119,83 @@ void CheckOptions(const CloudImportOptions& options) {
   ExpectUsage((options.times.size() > 0) != (options.frame_rate != 0.0), "expected either a frame rate or times");
   ExpectUsage(options.frame_rate >= 0.0 && std::isfinite(options.frame_rate), "frame_rate: expected a rate > 0 in Hz");
   ExpectUsage(options.scale > 0.0 && std::isfinite(options.scale), "scale: expected a number > 0");
+  ExpectUsage(!options.box || !options.box->isEmpty(), "box: expected a corner and one above it");
   ExpectUsage(options.voxel >= 0.0 && std::isfinite(options.voxel), "voxel: expected a length >= 0 in m");
   ExpectUsage(options.max_points >= 0, "max_points: expected a number >= 0");
   ExpectUsage(options.sigma >= 0.0 && std::isfinite(options.sigma), "sigma: expected a standard deviation >= 0 in m");
 }
 
-Eigen::VectorXd Times(const CloudImportOptions& options, const std::vector<std::string>& files) {
-  const auto count = static_cast<Eigen::Index>(files.size());
-  const std::vector<long long> numbers = FrameNumbers(files);
-  if (options.times.size() == 0) return TimesAtRate(options.frame_rate, count, numbers, options.input);
-  const Eigen::VectorXd times = TimesOfNumbers(options.times, numbers);
-  if (times.size() == count) return times;
-  throw Error(ErrorKind::kBadData, options.input + ": expected a file for each of the " + std::to_string(times.size()) +
-                                       " times, found " + std::to_string(count));
+// Of `num_frames`, each in a file of its own or all in one.
+EditedTracks TimesOfClouds(const CloudImportOptions& options, const std::vector<std::string>& files,
+                           std::size_t num_frames) {
+  PointTracks frames;  // without points
+  frames.name = options.input;
+  frames.positions.resize(0, static_cast<Eigen::Index>(num_frames));
+  frames.frame_numbers = FrameNumbers(files);
+  TrackEdit edit;
+  edit.times = options.times;
+  edit.times_since_first = options.times_since_first;
+  edit.frame_rate = options.frame_rate;
+  edit.time_scale = options.time_scale;
+  edit.start_at = options.start_at;
+  return EditTracks(frames, edit);
+}
+
+// Moves clouds into the axes of the scene and cuts them there.
+class CloudCutter {
+ public:
+  explicit CloudCutter(const CloudImportOptions& options) : transform_(options.transform), box_(options.box) {}
+
+  Eigen::Matrix3Xd Cut(const Eigen::Matrix3Xd& cloud) {
+    if (!box_ && transform_.matrix().isIdentity(0.0)) return cloud;
+    Eigen::Matrix3Xd kept(3, cloud.cols());
+    Eigen::Index num_kept = 0;
+    for (const auto point : cloud.colwise()) {
+      const Eigen::Vector3d moved = transform_ * Eigen::Vector3d(point);
+      all_.extend(moved);
+      if (!box_ || box_->contains(moved)) kept.col(num_kept++) = moved;
+    }
+    num_kept_ += num_kept;
+    return kept.leftCols(num_kept);
+  }
+
+  // Throws `Error` (kBadData), led by `source`, where points were cut, and all of them.
+  void ExpectPoints(const std::string& source) const {
+    if (!box_ || num_kept_ > 0 || all_.isEmpty()) return;
+    FailOnData(source, "none of its points is in the box " + Corners(*box_) + "; they are in " + Corners(all_) + " m");
+  }
+
+ private:
+  static std::string Corners(const Eigen::AlignedBox3d& box) {
+    const Eigen::IOFormat commas(4, Eigen::DontAlignCols, ", ");
+    std::ostringstream text;
+    text << "(" << box.min().transpose().format(commas) << ") to (" << box.max().transpose().format(commas) << ")";
+    return text.str();
+  }
+
+  const Eigen::Isometry3d transform_;
+  const std::optional<Eigen::AlignedBox3d> box_;
+  Eigen::AlignedBox3d all_;
+  Eigen::Index num_kept_ = 0;
+};
+
+// As they are measured: what is no point of the cloth left out, then thinned out.
+std::vector<Eigen::Matrix3Xd> ReadClouds(const CloudImportOptions& options, const std::vector<std::string>& files) {
+  CloudCutter cutter(options);
+  std::vector<Eigen::Matrix3Xd> clouds;
+  for (const std::string& file : files) {
+    const FilePoints read = ReadPoints(file, files.size() == 1);
+    const Eigen::Index count = read.num_frames > 0 ? read.points.cols() / read.num_frames : 0;
+    for (long long frame = 0; frame < read.num_frames; ++frame) {
+      const Eigen::Matrix3Xd seen =
+          SeenPoints(read.points.middleCols(frame * count, count), options.scale, options.missing);
+      const Eigen::Matrix3Xd cloud = MeanPerVoxel(cutter.Cut(seen), options.voxel);
+      clouds.push_back(
+          ChoosePoints(cloud, options.max_points, options.seed, static_cast<std::uint32_t>(clouds.size())));
+    }
+  }
+  cutter.ExpectPoints(options.input);
+  return clouds;
 }
 
 // Every node at its start in the first frame, and not seen afterwards.
@@ -137,7 +251,8 @@ Eigen::Isometry3d NextPose(const ClothTopology& topology, const Eigen::Matrix3Xd
 std::vector<std::string> ListCloudFiles(const std::string& input) {
   std::error_code ignored;
   std::vector<std::string> files = fs::is_directory(input, ignored) ? FilesOfFolder(input) : FilesOfPattern(input);
-  if (files.empty()) throw Error(ErrorKind::kBadData, input + ": expected .npy files, one per frame, found none");
+  if (files.empty())
+    throw Error(ErrorKind::kBadData, input + ": expected .npy or .ply files, one per frame, found none");
   if (files.size() > kMaxCloudFiles) {
     throw Error(ErrorKind::kBadData, input + ": expected at most " + std::to_string(kMaxCloudFiles) + " files");
   }
@@ -145,18 +260,8 @@ std::vector<std::string> ListCloudFiles(const std::string& input) {
   return files;
 }
 
-Eigen::Matrix3Xd ReadCloud(const std::string& path, double scale) {
-  const NpyArray array = ReadNpy(path);
-  if (array.shape.size() != 2 || array.shape[1] != 3) {
-    throw Error(ErrorKind::kBadData, path + ": expected an array of shape (M, 3)");
-  }
-  Eigen::Matrix3Xd cloud(3, static_cast<Eigen::Index>(array.values.size() / 3));
-  Eigen::Index num_seen = 0;
-  for (Eigen::Index i = 0; i < cloud.cols(); ++i) {
-    const Eigen::Vector3d point = scale * Eigen::Map<const Eigen::Vector3d>(array.values.data() + 3 * i);
-    if (point.allFinite()) cloud.col(num_seen++) = point;
-  }
-  return cloud.leftCols(num_seen);
+Eigen::Matrix3Xd ReadCloud(const std::string& path, double scale, const MissingValues& missing) {
+  return SeenPoints(ReadPoints(path, false).points, scale, missing);
 }
 
 Eigen::Matrix3Xd MeanPerVoxel(const Eigen::Matrix3Xd& cloud, double voxel) {
@@ -203,18 +308,19 @@ Eigen::Matrix3Xd FitPose(const Mesh& mesh, const Eigen::Matrix3Xd& cloud) {
   return nodes;
 }
 
-MotionTensors ImportClouds(const CloudImportOptions& options) {
+MotionTensors ImportClouds(const CloudImportOptions& options, double* time_shift) {
   CheckOptions(options);
   const std::vector<std::string> files = ListCloudFiles(options.input);
   const std::string text = ReadText(options.scene_path, kMaxJsonBytes);
   const Scene scene = ParseScene(text, options.scene_path, fs::path(options.scene_path).parent_path().string());
   MotionTensors motion;
-  motion.times = Times(options, files);
   motion.mesh = scene.mesh;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const Eigen::Matrix3Xd cloud = MeanPerVoxel(ReadCloud(files[i], options.scale), options.voxel);
-    motion.clouds.push_back(ChoosePoints(cloud, options.max_points, options.seed, static_cast<std::uint32_t>(i)));
-  }
+  EditedTracks clock;
+  if (files.size() > 1) clock = TimesOfClouds(options, files, files.size());
+  motion.clouds = ReadClouds(options, files);
+  if (files.size() == 1) clock = TimesOfClouds(options, files, motion.clouds.size());
+  motion.times = clock.tracks.times;
+  if (time_shift != nullptr) *time_shift = clock.time_shift;
   motion.cloud_sigma = options.sigma;
   motion.single_precision_clouds = options.single_precision;
   motion.positions.resize(0, motion.times.size());
@@ -230,7 +336,7 @@ MotionTensors ImportClouds(const CloudImportOptions& options) {
   ExpectOneClock(scene.handles, motion.times, options.scene_path);
   SetHandlePaths(scene.handles, &motion);
   ValidateMotionTensors(motion, options.input);
-  motion.provenance = "point clouds: " + std::to_string(files.size()) + " files";
+  motion.provenance = "point clouds: " + std::to_string(files.size()) + (files.size() == 1 ? " file" : " files");
   return motion;
 }
 

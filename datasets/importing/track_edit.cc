@@ -128,8 +128,12 @@ EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit) {
   if (edit.start_at) {
     const double first = result.tracks.times[0];
     result.time_shift = *edit.start_at - first;
+    Eigen::VectorXd since = result.tracks.times;
+    if (edit.times_since_first.size() > 0) {
+      since = TimesOfNumbers(edit.times_since_first, tracks.frame_numbers)(result.frames) * edit.time_scale;
+    }
     // Of times since 1970 the difference is exact, their sum with the shift is not.
-    result.tracks.times = *edit.start_at + (result.tracks.times.array() - first);
+    result.tracks.times = *edit.start_at + (since.array() - since[0]);
   }
   return result;
 }

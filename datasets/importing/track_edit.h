@@ -25,7 +25,8 @@ struct TrackEdit {
   double scale = 1.0;
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // of positions in m
   Eigen::VectorXd times;                                        // [T] of every frame in the file; empty: not given
-  double frame_rate = 0.0;                                      // Hz; 0: not given
+  Eigen::VectorXd times_since_first;  // [T] see FrameTimes (clock_times.h); empty: `times` less the first of them
+  double frame_rate = 0.0;            // Hz; 0: not given
   double time_scale = 1.0;
   std::optional<double> start_at;  // s
   int first_frame = 0;

@@ -23,6 +23,7 @@
 #include "tools/motion/force_flags.h"
 #include "tools/motion/motion_commands.h"
 #include "tools/motion/obstacle_flags.h"
+#include "tools/motion/track_flags.h"
 
 DEFINE_string(scene, "", "convert: scene.json of the recording");
 DEFINE_string(faces, "", "convert: OBJ file with the mesh at rest");
@@ -66,12 +67,6 @@ bool IsSet(const std::string& flag) { return !gflags::GetCommandLineFlagInfoOrDi
 
 [[noreturn]] void FailFlag(const std::string& flag, const std::string& message) {
   throw Error(ErrorKind::kUsage, "--" + flag + ": " + message);
-}
-
-double ParseFlagNumber(const std::string& flag, const std::string& text) {
-  const std::optional<double> value = ParseNumber(text);
-  if (!value) FailFlag(flag, "expected a finite number, got '" + Printable(text) + "'");
-  return *value;
 }
 
 // "0,56": numbers from 0 to `limit` - 1; `what` names them in the message.
@@ -128,16 +123,19 @@ std::optional<Mesh> MeshFromFlags() {
   return mesh;
 }
 
-TrackEdit EditFromFlags() {
+TrackEdit EditFromFlags(const std::string& input) {
   TrackEdit edit;
   edit.missing = MissingValues::Parse(FLAGS_missing, "--missing");
   edit.scale = FLAGS_scale;
-  if (IsSet("transform")) edit.transform = ReadTransform(FLAGS_transform);
-  if (FLAGS_invert_transform) edit.transform = edit.transform.inverse();
-  if (IsSet("times")) edit.times = ReadTimes(FLAGS_times);
+  edit.transform = TransformFromFlags();
+  if (IsSet("times")) {
+    const FrameTimes times = FrameTimesFromFlags(TrackPaths(input));
+    edit.times = times.times;
+    edit.times_since_first = times.since_first;
+  }
   edit.frame_rate = FLAGS_frame_rate;
   edit.time_scale = FLAGS_time_scale;
-  if (IsSet("start_at")) edit.start_at = ParseFlagNumber("start_at", FLAGS_start_at);
+  edit.start_at = StartFromFlags();
   ParseFrames(&edit);
   edit.skipped_frames = ParseList("skip_frames", FLAGS_skip_frames, kMaxFrames, "frames as in 12,31");
   return edit;
@@ -269,7 +267,7 @@ int MotionConvert(const std::vector<std::string>& arguments) {
   if (!IsMotionName(output)) OutputFormatOf(output);
   CheckOutputs(input, output);
   ImportOptions options;
-  options.edit = EditFromFlags();
+  options.edit = EditFromFlags(input);
   options.mesh = MeshFromFlags();
   return IsMotionName(output) ? ToMotionFile(input, output, options) : ToTrackFile(input, output, options);
 }

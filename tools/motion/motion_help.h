@@ -15,7 +15,8 @@ inline constexpr char kHelp[] = R"(motion: looks at recordings, checks and conve
                                              simulated first (view.html)
   motion convert IN OUT [flags]              from a file of another program, or
                                              a motion.bin, to another
-  motion convert_clouds FOLDER OUT [flags]   from point clouds, a .npy per frame
+  motion convert_clouds FOLDER OUT [flags]   from point clouds, a .npy or .ply
+                                             per frame
 
 Everyday flags of convert:
   --scene FILE         scene.json; OUT, a name ending in .bin, needs it
@@ -58,7 +59,8 @@ Points and clock:
   --transform FILE     rigid, applied after --scale: JSON {"matrix": 4 x 4} or {"rotation": [qx, qy, qz, qw],
                        "translation": [x, y, z]} in m, or a ROS CSV of poses, of which the last row counts
   --invert_transform   the inverse of it
-  --times FILE         times of the frames in s: one per line, or .npy
+  --times FILE         times of the frames in s: one per line, or .npy; `names`: those in the names of the files of a
+                       sequence, in s, or of 13, 16 or 19 digits in ms, us or ns since 1970
   --frame_rate HZ      the same for frames at equal intervals
   --time_scale S       multiplies times: 0.001 from ms (1)
   --start_at T         puts the first frame kept at T s
@@ -109,11 +111,17 @@ Example: a cloth seen by a camera, its 8 x 8 points down the columns, held at tw
 inline constexpr char kConvertCloudsHelp[] =
     R"(motion convert_clouds FOLDER OUT [flags]: a motion.bin from point clouds.
 
-Every .npy of shape (M, 3) in FOLDER, or of a pattern, is a frame, in the order of the names; the scene gives mesh,
+Every .npy or .ply in FOLDER, or of a pattern, is a frame, in the order of the names; or a single .npy holds all. Arrays
+have the shape (M, 3) or (H, W, 3), further columns and what else a PLY holds are not looked at. The scene gives mesh,
 start, handles and obstacles.
   --scene FILE         scene.json; needed
-  --frame_rate HZ, --times FILE   one of them is needed, as of convert
+  --frame_rate HZ, --times FILE   one of them is needed, as of convert; also --time_scale, --start_at
+  --missing LIST       positions, in the numbers of the files, that are no points, as in 0,0,0, or -1e6 of all three
+                       coordinates; several separated by colons. NaN never is one
   --scale S            multiplies positions: 0.001 from mm (1)
+  --transform FILE, --invert_transform   as of convert, applied after --scale
+  --box x0,y0,z0,x1,y1,z1   leaves out points outside of it, m, in the axes of the scene, which --transform leads to;
+                       -inf or inf: no bound
   --sigma S            standard deviation of a coordinate, m (not known)
   --voxel SIZE         keeps the mean of the points in every cube of this side, m (all points)
   --max_points N       keeps N points per frame, chosen by --seed S (all; 1)

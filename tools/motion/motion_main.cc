@@ -15,8 +15,9 @@ int main(int argc, char** argv) {
                        clothid::MotionConvert,
                        clothid::kConvertHelp},
                       {"convert_clouds",
-                       {"a folder or pattern of .npy files", "a file to write"},
-                       "scene frame_rate times scale sigma voxel max_points seed fit_pose float64",
+                       {"a folder or pattern of .npy or .ply files", "a file to write"},
+                       "scene frame_rate times time_scale start_at missing scale transform invert_transform box sigma "
+                       "voxel max_points seed obstacle obstacle_transform obstacle_time_offset fit_pose float64",
                        clothid::MotionConvertClouds,
                        clothid::kConvertCloudsHelp}};
   program.rules = {

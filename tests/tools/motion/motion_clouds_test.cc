@@ -66,6 +66,32 @@ TEST_F(MotionCloudsTest, AFolderOfCloudsBecomesARecording) {
   EXPECT_EQ(ReadBytes(folder() / "c.bin"), ReadBytes(folder() / "d.bin"));
 }
 
+// Points of a depth camera in mm that looks down, on a clock that counts from 1970: half of them a table, some not
+// seen.
+TEST_F(MotionCloudsTest, CloudsAreTakenAsTheyCome) {
+  std::filesystem::create_directory(folder() / "camera");
+  for (const char* stamp : {"1700000000000000000", "1700000000040000000", "1700000000080000000"}) {
+    WriteBytes(folder() / "camera" / (std::string(stamp) + ".ply"),
+               "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+               "property uchar red\nend_header\n0 0 0 0\n100 50 1000 9\n120 50 1000 9\n100 50 1400 9\nnan nan nan 9\n");
+  }
+  WriteBytes(folder() / "pose.json", R"({"rotation": [1, 0, 0, 0], "translation": [0, 0, 1.5]})");
+  WriteScene(BareScene());
+  const std::string convert = "motion convert_clouds camera c.bin --scene scene.json --times names --start_at 0 ";
+  ExpectSuccess(convert + "--scale 0.001 --transform pose.json --missing 0,0,0 --box -1,-1,0.3,1,1,inf --float64");
+  const RecordedMotion motion = ReadMotion((folder() / "c.bin").string());
+  EXPECT_EQ(motion.times, Eigen::Vector3d(0.0, 0.04, 0.08));
+  ASSERT_EQ(motion.clouds[1].cols(), 2);
+  EXPECT_LT((motion.clouds[1].col(0) - Eigen::Vector3d(0.1, -0.05, 0.5)).norm(), 1e-7);
+  ExpectRefused(convert + "--box 0,0,0,1,1", 1, "--box: expected x0,y0,z0,x1,y1,z1 with x0 < x1");
+  ExpectRefused(convert + "--box 0,0,0,1,0,1", 1, "--box: expected x0,y0,z0");
+  ExpectRefused(convert + "--box 0,0,0,1,nan,1", 1, "--box: expected x0,y0,z0");
+  ExpectRefused(convert + "--box 7,7,7,8,8,8", 2, "camera: none of its points is in the box");
+  ExpectRefused(convert + "--missing 0,0", 1, "--missing: expected a position as in 0,0,0");
+  ExpectRefused(convert + "--invert_transform", 1, "--invert_transform: expected with --transform");
+  ExpectRefused(convert + "--transform absent.json", 1, "absent.json");
+}
+
 TEST_F(MotionCloudsTest, RefusesWhatItCannotConvert) {
   WriteClouds({Eigen::Matrix3Xd::Zero(3, 4), Eigen::Matrix3Xd::Zero(3, 4)});
   WriteScene(BareScene());

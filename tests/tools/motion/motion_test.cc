@@ -112,7 +112,7 @@ TEST_F(MotionTest, RefusesWrongCommands) {
   ExpectRefused("motion convert good.bin out.bin --json", 1, "--json: is a flag of check, not of convert");
   ExpectRefused("motion convert good.bin out.bin --fit_pose", 1, "--fit_pose: is a flag of convert_clouds");
   ExpectRefused("motion convert_clouds clouds out.bin --json", 1, "--json: is a flag of check, not of convert_clouds");
-  ExpectRefused("motion convert_clouds clouds out.bin --start_at 0", 1, "--start_at: is a flag of convert, not of");
+  ExpectRefused("motion convert_clouds clouds out.bin --frames 0:2", 1, "--frames: is a flag of convert, not of");
 }
 
 TEST_F(MotionTest, RefusesTruncatedFiles) {
