@@ -32,8 +32,8 @@ class ObjReader {
   Mesh Read() {
     const std::string text = ReadText(path_, kMaxObjBytes);
     std::string_view rest = text;
-    while (std::optional<std::string_view> line = TakeLine(&rest)) {
-      ++line_;
+    std::string whole;
+    while (std::optional<std::string_view> line = TakeStatement(&rest, &whole)) {
       const std::string_view keyword = TakeWord(&*line);
       if (keyword == "v") ReadVertex(*line);
       if (keyword == "vt" && use_ != UvUse::kNone) ReadTextureCoordinates(*line);
@@ -61,6 +61,32 @@ class ObjReader {
     int vertex = 0;
     Eigen::Vector2d uv = Eigen::Vector2d::Zero();
   };
+
+  // The next line, with those that it goes on in: a backslash at its end says so. Where it holds numbers, without the
+  // comment after it; names may have '#'. `whole` holds what stands in several lines.
+  std::optional<std::string_view> TakeStatement(std::string_view* rest, std::string* whole) {
+    line_ += num_lines_;
+    num_lines_ = 1;
+    const std::optional<std::string_view> line = TakeLine(rest);
+    std::string_view words = line.value_or("");
+    const std::string_view keyword = TakeWord(&words);
+    const bool has_names = keyword == "g";
+    if (!has_names && keyword != "v" && keyword != "vt" && keyword != "f") return line;
+    const auto content = [&](std::string_view text) {
+      return Trimmed(has_names ? text : text.substr(0, text.find('#')));
+    };
+    const auto goes_on = [](std::string_view text) { return !text.empty() && text.back() == '\\'; };
+    if (!goes_on(content(*line))) return content(*line);
+    whole->assign(content(*line));
+    while (goes_on(*whole)) {
+      whole->back() = ' ';
+      const std::optional<std::string_view> next = TakeLine(rest);
+      if (!next) break;
+      ++num_lines_;
+      whole->append(content(*next));
+    }
+    return *whole;
+  }
 
   // Names that the next triangles have, of one keyword.
   struct OpenGroups {
@@ -215,7 +241,7 @@ class ObjReader {
   const UvUse use_;
   FaceGroups* const groups_;  // null: not asked for
   const Eigen::Matrix3Xi* const like_;
-  int line_ = 0;
+  int line_ = 0, num_lines_ = 1;          // the first line of a statement, and how many it has
   OpenGroups group_, material_;           // of `g`, of `usemtl`
   std::vector<double> coordinates_, uv_;  // of vertices, three each, and of `vt` lines, two each
   std::vector<int> indices_;              // of faces, three each

@@ -1,5 +1,6 @@
 // Wavefront OBJ files: the surface in their `v` and `f` lines, the UV map of their `vt` lines, for the direction of u
-// in it or as a rest shape, and the groups of their `g` and `usemtl` lines.
+// in it or as a rest shape, and the groups of their `g` and `usemtl` lines. A backslash at the end of a line lets it go
+// on in the next, '#' starts a comment.
 #ifndef CLOTHID_SIM_MESH_OBJ_FILE_H_
 #define CLOTHID_SIM_MESH_OBJ_FILE_H_
 

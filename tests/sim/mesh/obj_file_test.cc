@@ -53,6 +53,23 @@ TEST(ReadObj, CutsPolygonsThatAreNotConvex) {
               {"bow.obj:6: ", "polygon of 4 corners", "crosses itself"});
 }
 
+TEST(ReadObj, ReadsCommentsAndLinesThatGoOn) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("cloth.obj",
+                                        "# C:\\models\\\nv 0 0 0 # one\nv 1 \\\n0 0\nv 1 1 0#three\nv 0 1 0\n"
+                                        "g front#1 \\\nback\nf 1 2 \\ \r\n 3 \\\n 4 # all\nf 1 2 3 # 4\n");
+  FaceGroups groups;
+  const Mesh mesh = ReadObjWithGroups(path, &groups);
+  ASSERT_EQ(mesh.num_nodes(), 4);
+  EXPECT_EQ(mesh.rest_positions.col(1), Eigen::Vector3d(1.0, 0.0, 0.0));
+  ASSERT_EQ(mesh.num_faces(), 3);
+  EXPECT_EQ(mesh.faces.col(2), Eigen::Vector3i(0, 1, 2));
+  EXPECT_EQ(groups.count("front#1") + groups.count("back"), 2U);
+  const std::string torn = folder.Write("torn.obj", "v 0 0 \\\n0\n\nf 1 \\\n1 2\nv 0 0\n");
+  ExpectError([&] { ReadObj(torn); }, kBadData, {"torn.obj:4: face corner '2'"});
+  EXPECT_EQ(ReadObj(folder.Write("end.obj", "v 0 0 0\\")).num_nodes(), 1);
+}
+
 TEST(ReadObj, NamesFileAndLine) {
   const TemporaryFolder folder;
   const auto expect = [&](const std::string& content, std::initializer_list<const char*> fragments) {
