@@ -1,6 +1,12 @@
 #include "datasets/files/file_kind.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
 
 namespace clothid {
 namespace {
@@ -35,6 +41,16 @@ bool IsBinary(char c) {
 }
 
 }  // namespace
+
+std::string ReadStart(const std::string& path, std::size_t max_bytes) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read: " + std::strerror(errno));
+  std::string start(max_bytes, '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  StripByteOrderMark(path, &start);
+  return start;
+}
 
 std::string FileKind(std::string_view start) {
   start = start.substr(0, kKindBytes);

@@ -32,14 +32,6 @@ bool Exists(const fs::path& path) {
               path.string() + ": expected an array of shape " + expected + ", found (" + found + ")");
 }
 
-Eigen::VectorXd ReadTimes(const fs::path& path, Eigen::Index num_frames) {
-  const NpyArray array = ReadNpy(path.string());
-  if (array.shape != std::vector<long long>{num_frames}) {
-    FailOfShape(path, "(" + std::to_string(num_frames) + "), a time per frame", array.shape);
-  }
-  return Eigen::Map<const Eigen::VectorXd>(array.values.data(), num_frames);
-}
-
 Eigen::Matrix3Xi ReadFaces(const fs::path& path, int num_points) {
   const NpyIntegers array = ReadNpyIntegers(path.string());
   if (array.shape.size() != 2 || array.shape[1] != 3 || array.shape[0] > kMaxFaces) {
@@ -69,10 +61,24 @@ PointTracks ReadNpyTracks(const std::string& path) {
   tracks.name = path;
   tracks.positions = Eigen::Map<const Eigen::MatrixXd>(array.values.data(), 3 * array.shape[1], array.shape[0]);
   const fs::path times = Beside(path, ".times.npy"), faces = Beside(path, ".faces.npy");
-  if (Exists(times)) tracks.times = ReadTimes(times, tracks.positions.cols());
+  if (Exists(times)) {
+    tracks.times_name = times.string();
+    tracks.times = ReadNpyTimes(tracks.times_name);
+    if (tracks.times.size() != tracks.num_frames()) {
+      FailOfShape(times, "(" + std::to_string(tracks.num_frames()) + "), a time per frame", {tracks.times.size()});
+    }
+  }
   if (Exists(faces)) tracks.faces = ReadFaces(faces, tracks.num_points());
   CheckTracks(tracks);
   return tracks;
+}
+
+Eigen::VectorXd ReadNpyTimes(const std::string& path) {
+  const NpyArray array = ReadNpy(path);
+  if (array.shape.size() != 1 || array.shape[0] < 1) FailOfShape(path, "(T), times", array.shape);
+  const Eigen::Map<const Eigen::VectorXd> times(array.values.data(), static_cast<Eigen::Index>(array.shape[0]));
+  CheckIncreasing(path, times);
+  return times;
 }
 
 void WriteNpyTracks(const PointTracks& tracks, const std::string& path) {

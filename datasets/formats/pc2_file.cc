@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "datasets/formats/track_checks.h"
 #include "sim/base/byte_order.h"
@@ -20,9 +21,10 @@ constexpr std::int32_t kVersion = 1;
 PointTracks ReadPc2(const std::string& path) {
   PointTracks tracks;
   tracks.name = path;
-  tracks.positions = ReadPointCache(path, [&](std::uint64_t points, std::uint64_t samples) {
-                       CheckTrackSize(path, points, samples);
-                     }).positions;
+  PointCache cache =
+      ReadPointCache(path, [&](std::uint64_t points, std::uint64_t samples) { CheckTrackSize(path, points, samples); });
+  tracks.positions = std::move(cache.positions);
+  tracks.sample_rate = cache.frames_per_sample;
   CheckTracks(tracks);
   return tracks;
 }

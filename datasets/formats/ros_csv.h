@@ -1,12 +1,13 @@
-// CSV files of ROS recordings, as `rostopic echo -p` prints them: a header that starts with "%time", then one row per
-// message. Times are integers in ns; a message's own stamp (`field.header.stamp`) is taken before the time at which it
-// was printed (`%time`). In seconds since 1970 a double resolves 0.24 us.
+// Tables (sim/base/table.h) of ROS recordings, as `rostopic echo -p` prints them: a header that starts with "%time",
+// then one row per message. Times are integers in ns; a message's own stamp (`field.header.stamp`) is taken before the
+// time at which it was printed (`%time`). In seconds since 1970 a double resolves 0.24 us.
 #ifndef CLOTHID_DATASETS_FORMATS_ROS_CSV_H_
 #define CLOTHID_DATASETS_FORMATS_ROS_CSV_H_
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "datasets/formats/point_tracks.h"
 
@@ -18,6 +19,7 @@ inline constexpr long long kMaxRosGridSide = 2000;  // points
 // Poses of a rigid body over time.
 struct PoseTrack {
   std::string name;            // for messages: the file that it came from
+  std::vector<int> lines;      // [T] of the file
   Eigen::VectorXd times;       // [T] s
   Eigen::Matrix3Xd positions;  // [3 x T] in the file's own unit
   Eigen::Matrix4Xd rotations;  // [4 x T] unit quaternions x, y, z, w: from the body's axes to those of the file

@@ -3,17 +3,10 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/base/csv_row.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
-namespace {
-
-bool IsNan(std::string_view word) {
-  if (word.size() > 3 && (word.front() == '-' || word.front() == '+')) word.remove_prefix(1);
-  return word.size() == 3 && (word[0] | 0x20) == 'n' && (word[1] | 0x20) == 'a' && (word[2] | 0x20) == 'n';
-}
-
-}  // namespace
 
 std::string_view WithoutBlanks(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t");
@@ -22,7 +15,7 @@ std::string_view WithoutBlanks(std::string_view text) {
 }
 
 std::optional<double> ParseCoordinate(std::string_view cell) {
-  if (cell.empty() || IsNan(cell)) return std::numeric_limits<double>::quiet_NaN();
+  if (cell.empty() || IsNanWord(cell)) return std::numeric_limits<double>::quiet_NaN();
   return ParseNumber(cell);
 }
 

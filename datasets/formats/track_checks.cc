@@ -28,14 +28,7 @@ void CheckTimes(const PointTracks& tracks) {
     FailOnData(tracks.name, "has " + std::to_string(tracks.times.size()) + " times for " +
                                 std::to_string(tracks.num_frames()) + " frames");
   }
-  for (Eigen::Index i = 0; i < tracks.times.size(); ++i) {
-    const std::string frame = "the time of frame " + std::to_string(i);
-    if (!std::isfinite(tracks.times[i])) FailOnData(tracks.name, frame + " is not finite");
-    if (i > 0 && !(tracks.times[i] > tracks.times[i - 1])) {
-      FailOnData(tracks.name, frame + ", " + ShortestText(tracks.times[i]) + " s, is not after the one before it, " +
-                                  ShortestText(tracks.times[i - 1]) + " s");
-    }
-  }
+  CheckIncreasing(tracks.name, tracks.times);
 }
 
 void CheckNumbers(const PointTracks& tracks) {
@@ -68,6 +61,17 @@ void CheckFaces(const PointTracks& tracks) {
 }
 
 }  // namespace
+
+void CheckIncreasing(const std::string& source, const Eigen::VectorXd& times) {
+  for (Eigen::Index i = 0; i < times.size(); ++i) {
+    const std::string frame = "the time of frame " + std::to_string(i);
+    if (!std::isfinite(times[i])) FailOnData(source, frame + " is not finite");
+    if (i > 0 && !(times[i] > times[i - 1])) {
+      FailOnData(source, frame + ", " + ShortestText(times[i]) + " s, is not after the one before it, " +
+                             ShortestText(times[i - 1]) + " s");
+    }
+  }
+}
 
 void CheckTrackSize(const std::string& source, std::uint64_t num_points, std::uint64_t num_frames) {
   const auto check = [&](std::uint64_t count, std::uint64_t most, const std::string& what) {

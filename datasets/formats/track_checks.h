@@ -17,6 +17,9 @@ inline constexpr std::uint64_t kMaxTrackBytes = std::uint64_t{1} << 32;
 // kMaxFrames frames, and the positions fit into kMaxTrackBytes: to be asked before they are allocated.
 void CheckTrackSize(const std::string& source, std::uint64_t num_points, std::uint64_t num_frames);
 
+// Throws `Error` (kBadData), prefixed by `source`, unless the times of frames are finite and strictly increasing.
+void CheckIncreasing(const std::string& source, const Eigen::VectorXd& times);
+
 // Throws `Error` (kBadData), prefixed by the name of `tracks`, unless its sizes are as above and agree with each other,
 // times are finite and strictly increasing, numbers of frames, too, positions finite or NaN, and faces made of its
 // points.

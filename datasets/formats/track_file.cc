@@ -1,10 +1,6 @@
 #include "datasets/formats/track_file.h"
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <memory>
 #include <system_error>
 #include <vector>
 
@@ -29,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxHeaderLine = 1 << 16;  // bytes of a CSV header that are looked at
 constexpr char kKnown[] =
     "known are .npy, .csv, .trc, .pc2, .pvd (output only), sequences like cloth_####.obj or cloth_####.ply, and "
     "folders "
@@ -57,27 +52,14 @@ std::string Extension(const std::string& path) {
   return extension;
 }
 
-// The first line of a file, as far as it is looked at.
-std::string FirstLine(const std::string& path) {
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) throw Error(ErrorKind::kIo, path + ": cannot be read: " + std::strerror(errno));
-  std::string start(kMaxHeaderLine, '\0');
-  start.resize(std::fread(start.data(), 1, start.size(), file.get()));
-  StripByteOrderMark(path, &start);
-  std::string_view rest = start;
-  return std::string(TakeLine(&rest).value_or(""));
-}
-
 TrackFormat FormatOfCsv(const std::string& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return TrackFormat::kTidyCsv;
-  const std::string line = FirstLine(path);
-  if (line.compare(0, 5, "%time") == 0) return TrackFormat::kRosCsv;
-  if (IsTracksCsvHeader(line)) return TrackFormat::kTidyCsv;
-  const std::string kind = FileKind(line);
-  throw Error(ErrorKind::kUsage, path + ": " + (kind.empty() || kind == "text" ? "" : "is " + kind + "; ") +
-                                     "expected a header with t, id, x, y and z, or one of ROS that starts with %time" +
-                                     (kind == "text" ? ", found '" + Printable(line) + "'" : ""));
+  if (IsRosCsv(path)) return TrackFormat::kRosCsv;
+  const std::string kind = FileKind(ReadStart(path, kKindBytes));
+  if (kind.empty() || kind == "text") return TrackFormat::kTidyCsv;
+  throw Error(ErrorKind::kUsage, path + ": is " + kind + "; expected a header with t, id, x, y and z, or one of ROS " +
+                                     "that starts with %time");
 }
 
 TrackFormat FormatOfFolder(const std::string& path) {

@@ -5,17 +5,16 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 #include <optional>
+#include <numeric>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "datasets/formats/track_cells.h"
 #include "datasets/formats/track_checks.h"
-#include "sim/base/csv_row.h"
 #include "sim/base/error.h"
 #include "sim/base/frame_names.h"
+#include "sim/base/table.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
@@ -23,22 +22,6 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kColumns = {"t", "id", "x", "y", "z"};
 enum Column { kT, kId, kX };
-
-// Where the five columns stand; the number of cells where one is missing, or there twice.
-std::array<std::size_t, 5> FindColumns(const std::vector<std::string>& cells) {
-  std::array<std::size_t, 5> places;
-  for (std::size_t k = 0; k < kColumns.size(); ++k) {
-    const auto found = std::find(cells.begin(), cells.end(), kColumns[k]);
-    const bool is_alone = found != cells.end() && std::find(found + 1, cells.end(), kColumns[k]) == cells.end();
-    places[k] = is_alone ? static_cast<std::size_t>(found - cells.begin()) : cells.size();
-  }
-  return places;
-}
-
-// Where a further column stands that tells how well a point was seen; the number of cells where there is none.
-std::size_t FindResidual(const std::vector<std::string>& cells) {
-  return static_cast<std::size_t>(std::find(cells.begin(), cells.end(), "residual") - cells.begin());
-}
 
 // The order that sorts `items`.
 template <typename T, typename Less>
@@ -52,20 +35,13 @@ std::vector<int> SortingOrder(const std::vector<T>& items, const Less& less) {
 
 class TracksCsvReader {
  public:
-  explicit TracksCsvReader(const std::string& path) : path_(path) {}
+  explicit TracksCsvReader(const std::string& path)
+      : path_(path), table_(path, ReadText(path, kMaxTracksCsvBytes), "t,id,x,y,z") {}
 
   PointTracks Read() {
-    const std::string text = ReadText(path_, kMaxTracksCsvBytes);
-    std::string_view rest = text;
-    while (const std::optional<std::string_view> line = TakeLine(&rest)) {
-      ++line_;
-      if (line_ == 1) {
-        ReadHeader(*line);
-      } else if (!WithoutBlanks(*line).empty()) {
-        ReadRow(Cells(*line));
-      }
-    }
-    if (line_ == 0) throw Error(ErrorKind::kBadData, path_ + ": expected the header 't,id,x,y,z' and rows of numbers");
+    for (std::size_t k = 0; k < kColumns.size(); ++k) places_[k] = table_.Require(kColumns[k]);
+    residual_ = table_.Find("residual");
+    while (table_.NextRow()) ReadRow();
     return Tracks();
   }
 
@@ -75,53 +51,27 @@ class TracksCsvReader {
     std::array<double, 3> position;
   };
 
-  [[noreturn]] void Fail(const std::string& message) const {
-    throw Error(ErrorKind::kBadData, path_ + ":" + std::to_string(line_) + ": " + message);
-  }
   [[noreturn]] void FailInColumn(std::size_t column, const std::string& message) const {
-    Fail("column '" + std::string(kColumns[column]) + "': " + message);
+    table_.Fail("column '" + std::string(kColumns[column]) + "': " + message);
   }
 
-  std::vector<std::string> Cells(std::string_view line) const {
-    std::optional<std::vector<std::string>> cells = CsvCells(line);
-    if (!cells) Fail(kExpectedQuotes);
-    return std::move(*cells);
-  }
-
-  void ReadHeader(std::string_view line) {
-    const std::vector<std::string> cells = Cells(line);
-    places_ = FindColumns(cells);
-    residual_ = FindResidual(cells);
-    num_cells_ = cells.size();
-    for (std::size_t k = 0; k < kColumns.size(); ++k) {
-      if (places_[k] == num_cells_) FailInColumn(k, "expected once in the header, as in 't,id,x,y,z'");
-    }
-  }
-
-  void ReadRow(const std::vector<std::string>& cells) {
-    if (cells.size() != num_cells_) {
-      Fail("expected " + std::to_string(num_cells_) + " cells as in the header, found " + std::to_string(cells.size()));
-    }
-    const std::optional<double> time = ParseNumber(Trimmed(cells[places_[kT]]));
-    if (!time) FailInColumn(kT, "expected a finite number, found '" + Printable(cells[places_[kT]]) + "'");
-    if (times_.empty() || *time != times_.back()) BeginFrame(*time);
+  void ReadRow() {
+    const double time = table_.Number(places_[kT], Quantity::kTime);
+    if (times_.empty() || time != times_.back()) BeginFrame(time);
     Sample sample;
     sample.frame = static_cast<int>(times_.size()) - 1;
-    sample.point = Point(cells[places_[kId]], sample.frame);
+    sample.point = Point(table_.cell(places_[kId]), sample.frame);
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::string& cell = cells[places_[kX + k]];
-      const std::optional<double> value = ParseCoordinate(Trimmed(cell));
-      if (!value) FailInColumn(kX + k, "expected a finite number or nothing, found '" + Printable(cell) + "'");
-      sample.position[k] = *value;
+      sample.position[k] = table_.NumberOrNothing(places_[kX + k], Quantity::kLength);
     }
-    if (residual_ < num_cells_ && ParseNumber(Trimmed(cells[residual_])).value_or(0.0) < 0.0) {
+    if (residual_ && ParseNumber(Trimmed(table_.cell(*residual_))).value_or(0.0) < 0.0) {
       sample.position.fill(std::numeric_limits<double>::quiet_NaN());
     }
     samples_.push_back(sample);
   }
 
   void BeginFrame(double time) {
-    const auto [known, is_new] = first_lines_.try_emplace(time, line_);
+    const auto [known, is_new] = first_lines_.try_emplace(time, table_.line());
     if (!is_new) {
       FailInColumn(kT, "rows of this time stand at line " + std::to_string(known->second) +
                            " already; expected those of one time together");
@@ -173,10 +123,9 @@ class TracksCsvReader {
   }
 
   const std::string& path_;
-  int line_ = 0;
-  std::size_t num_cells_ = 0;
+  Table table_;
   std::array<std::size_t, 5> places_ = {};
-  std::size_t residual_ = 0;  // the column of it; num_cells_: none
+  std::optional<std::size_t> residual_;  // the column that tells how well a point was seen
   std::vector<double> times_;
   std::unordered_map<double, int> first_lines_;  // of the rows of a time
   std::vector<std::string> ids_;
@@ -193,13 +142,6 @@ std::string CsvCell(const std::string& label) {
 }
 
 }  // namespace
-
-bool IsTracksCsvHeader(std::string_view line) {
-  const std::optional<std::vector<std::string>> cells = CsvCells(line);
-  if (!cells) return false;
-  const std::array<std::size_t, 5> places = FindColumns(*cells);
-  return std::find(places.begin(), places.end(), cells->size()) == places.end();
-}
 
 PointTracks ReadTracksCsv(const std::string& path) { return TracksCsvReader(path).Read(); }
 

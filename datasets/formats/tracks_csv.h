@@ -2,25 +2,19 @@
 //   t,id,x,y,z
 //   0,corner,0.1,0.2,0.3
 //
-// The header is required and names the columns, in any order; of further ones `residual` alone is looked at: a point
-// with a residual below 0 is not seen, as in C3D files. t is in s. An id is a
-// name or a number; names in double quotes may hold commas, and "" stands for a quote. A point that is not seen has no
-// row at that time, or one with empty or NaN coordinates.
+// It is a table of sim/base/table.h. t is in s. An id is a name or a number. A point that is not seen has no row at
+// that time, or one with empty or NaN coordinates, or with a number below 0 in a column `residual`, as in C3D files.
 #ifndef CLOTHID_DATASETS_FORMATS_TRACKS_CSV_H_
 #define CLOTHID_DATASETS_FORMATS_TRACKS_CSV_H_
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "datasets/formats/point_tracks.h"
 
 namespace clothid {
 
 inline constexpr std::uint64_t kMaxTracksCsvBytes = std::uint64_t{1} << 29;
-
-// Whether a line names the five columns.
-bool IsTracksCsvHeader(std::string_view line);
 
 // Reads such a file. Rows come in any order, as long as those of one time stand together; frames are sorted by time.
 // Points are sorted by id in natural order, in which runs of digits count as numbers (NaturalLess of

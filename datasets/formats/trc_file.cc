@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -11,7 +10,9 @@
 
 #include "datasets/formats/track_cells.h"
 #include "datasets/formats/track_checks.h"
+#include "sim/base/csv_row.h"
 #include "sim/base/error.h"
+#include "sim/base/table.h"
 #include "sim/base/text_file.h"
 #include "sim/mesh/mesh.h"
 
@@ -19,16 +20,9 @@ namespace clothid {
 namespace {
 
 constexpr std::size_t kFirstCoordinate = 2;  // cells before it: number and time of the frame
-constexpr double kTimeRounding = 1e-3;       // s: some programs write times with three decimals
-constexpr double kRateRounding = 0.01;       // relative: and rates with one
-
-// Units per metre, by the name in small letters.
-const std::map<std::string, double, std::less<>>& UnitsPerMetre() {
-  static const std::map<std::string, double, std::less<>> units = {
-      {"m", 1.0},     {"meters", 1.0},        {"metres", 1.0},         {"cm", 100.0},          {"centimeters", 100.0},
-      {"mm", 1000.0}, {"centimetres", 100.0}, {"millimeters", 1000.0}, {"millimetres", 1000.0}};
-  return units;
-}
+constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTimeRounding = 1e-3;  // s: some programs write times with three decimals
+constexpr double kRateRounding = 0.01;  // relative: and rates with one
 
 std::vector<std::string> Words(std::string_view line) {
   std::vector<std::string> words;
@@ -70,7 +64,7 @@ class TrcReader {
   std::string_view NextLine(const std::string& expected) {
     const std::optional<std::string_view> line = TakeLine(&rest_);
     ++line_;
-    if (!line || WithoutBlanks(*line).empty()) Fail("expected " + expected);
+    if (!line || Trimmed(*line).empty()) Fail("expected " + expected);
     return *line;
   }
 
@@ -98,27 +92,27 @@ class TrcReader {
       }
       return static_cast<std::size_t>(*value);
     };
-    const std::optional<double> rate = ParseNumber(find("DataRate"));
+    const std::optional<double> rate = CellNumbers('\t').Parse(find("DataRate"));
     if (!rate || *rate <= 0.0) Fail("expected DataRate > 0, found '" + Printable(find("DataRate")) + "'");
     data_rate_ = *rate;
     num_frames_ = count("NumFrames", kMaxFrames);
     num_markers_ = count("NumMarkers", kMaxNodes);
-    std::string unit = find("Units");
-    for (char& c : unit) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c;
-    const auto known = UnitsPerMetre().find(unit);
-    if (known == UnitsPerMetre().end()) Fail("expected Units m, cm or mm, found '" + Printable(find("Units")) + "'");
-    tracks_.units_per_metre = known->second;
+    const std::optional<Unit> unit = FindUnit(find("Units"));
+    if (!unit || unit->quantity != Quantity::kLength) {
+      Fail("expected Units m, cm or mm, found '" + Printable(find("Units")) + "'");
+    }
+    tracks_.units_per_metre = unit->per_si;
   }
 
   void ReadLabels() {
     std::string_view line = NextLine("Frame#, Time and the labels");
     if (TakeWord(&line) != "Frame#" || TakeWord(&line) != "Time") Fail("expected Frame#, Time and the labels");
     for (const std::string& cell : Split(line, '\t')) {
-      if (const std::string_view label = WithoutBlanks(cell); !label.empty()) tracks_.labels.emplace_back(label);
+      if (const std::string_view label = Trimmed(cell); !label.empty()) tracks_.labels.emplace_back(label);
     }
     if (tracks_.labels.size() != num_markers_) {
       Fail("found " + std::to_string(tracks_.labels.size()) + " labels, expected " + std::to_string(num_markers_) +
-           ", NumMarkers of line 3");
+           ", NumMarkers of line 3" + (line.find('\t') == std::string_view::npos ? kTornTabs : ""));
     }
   }
 
@@ -126,7 +120,7 @@ class TrcReader {
     std::size_t frame = 0;
     while (const std::optional<std::string_view> line = TakeLine(&rest_)) {
       ++line_;
-      if (WithoutBlanks(*line).empty()) continue;
+      if (Trimmed(*line).empty()) continue;
       if (frame == num_frames_) Fail("expected no further row: NumFrames of line 3 is " + std::to_string(num_frames_));
       ReadRow(*line, static_cast<Eigen::Index>(frame++));
     }
@@ -137,13 +131,14 @@ class TrcReader {
   }
 
   void ReadRow(std::string_view line, Eigen::Index frame) {
-    const std::vector<std::string> cells = Split(line, '\t');
+    const std::vector<std::string> cells = Cells(line);
     const std::size_t num_cells = kFirstCoordinate + 3 * num_markers_;
-    const auto is_blank = [](const std::string& cell) { return WithoutBlanks(cell).empty(); };
+    const auto is_blank = [](const std::string& cell) { return cell.empty(); };
     if (cells.size() < num_cells ||
         !std::all_of(cells.begin() + static_cast<std::ptrdiff_t>(num_cells), cells.end(), is_blank)) {
       Fail("expected " + std::to_string(num_cells) + " cells between tabs, number, time and " +
-           std::to_string(num_markers_) + " times X, Y, Z, found " + std::to_string(cells.size()));
+           std::to_string(num_markers_) + " times X, Y, Z, found " + std::to_string(cells.size()) +
+           (cells.size() == 1 ? kTornTabs : ""));
     }
     const double number = Number(cells[0], "the number of the frame");
     const double time = Number(cells[1], "the time");
@@ -153,19 +148,27 @@ class TrcReader {
     last_number_ = number;
     tracks_.times[frame] = time;
     for (std::size_t i = kFirstCoordinate; i < num_cells; ++i) {
-      const std::optional<double> value = ParseCoordinate(WithoutBlanks(cells[i]));
+      const bool is_unseen = cells[i].empty() || IsNanWord(cells[i]);
+      const std::optional<double> value = is_unseen ? kUnseen : numbers_.Parse(cells[i]);
       if (!value) {
         const std::size_t axis = (i - kFirstCoordinate) % 3, marker = (i - kFirstCoordinate) / 3;
         Fail(std::string(1, "XYZ"[axis]) + " of '" + Printable(tracks_.labels[marker]) +
-             "': expected a finite number or nothing, found '" + Printable(cells[i]) + "'");
+             "': expected a finite number or nothing, found '" + Printable(cells[i]) + "'" +
+             numbers_.LikelyCause(cells[i]));
       }
       tracks_.positions(static_cast<Eigen::Index>(i - kFirstCoordinate), frame) = *value / tracks_.units_per_metre;
     }
   }
 
-  double Number(const std::string& cell, const std::string& what) const {
-    const std::optional<double> value = ParseNumber(WithoutBlanks(cell));
-    if (!value) Fail("expected " + what + ", found '" + Printable(cell) + "'");
+  std::vector<std::string> Cells(std::string_view line) const {
+    std::vector<std::string> cells;
+    if (!SplitCells(line, '\t', &cells)) Fail(kExpectedQuotes);
+    return cells;
+  }
+
+  double Number(const std::string& cell, const std::string& what) {
+    const std::optional<double> value = numbers_.Parse(cell);
+    if (!value) Fail("expected " + what + ", found '" + Printable(cell) + "'" + numbers_.LikelyCause(cell));
     return *value;
   }
 
@@ -183,6 +186,7 @@ class TrcReader {
   const std::string text_;
   std::string_view rest_;
   int line_ = 0;
+  CellNumbers numbers_{'\t'};
   double data_rate_ = 0.0;  // Hz
   std::size_t num_frames_ = 0, num_markers_ = 0;
   double first_number_ = 0.0, last_number_ = 0.0;
@@ -192,7 +196,7 @@ class TrcReader {
 std::string Label(const PointTracks& tracks, int point) {
   if (tracks.labels.empty()) return "point_" + std::to_string(point);
   const std::string& label = tracks.labels[static_cast<std::size_t>(point)];
-  if (WithoutBlanks(label) == label) return label;
+  if (Trimmed(label) == label) return label;
   throw Error(ErrorKind::kUsage, tracks.name + ": label '" + Printable(label) + "' has blanks at its ends, TRC cannot");
 }
 

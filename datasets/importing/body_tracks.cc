@@ -7,7 +7,7 @@
 #include <system_error>
 #include <vector>
 
-#include "sim/base/error.h"
+#include "sim/base/row_error.h"
 #include "sim/base/text_file.h"
 #include "sim/matrix/dense.h"
 
@@ -65,6 +65,7 @@ bool IsMarkerFile(const std::string& path) { return Extension(path) == ".trc"; }
 RigidPath PathOfMarkers(const PointTracks& markers) {
   std::vector<double> times;
   std::vector<Eigen::Isometry3d> poses;
+  std::vector<Eigen::Index> frames;
   for (Eigen::Index frame = 0; frame < markers.num_frames(); ++frame) {
     const SharedMarkers shared = MarkersOf(markers, frame);
     if (!shared.tell_a_pose()) {
@@ -79,6 +80,7 @@ RigidPath PathOfMarkers(const PointTracks& markers) {
       FailOnTracks(markers, "frame " + std::to_string(frame) + ": its markers are " + ShortestText(misfit) +
                                 " m off a rigid body (root mean square); expected those of one body, in one order");
     }
+    frames.push_back(frame);
     times.push_back(markers.times[frame]);
     poses.push_back(pose);
   }
@@ -89,7 +91,12 @@ RigidPath PathOfMarkers(const PointTracks& markers) {
     positions.col(i) = poses[static_cast<std::size_t>(i)].translation();
     rotations.col(i) = Eigen::Quaterniond(poses[static_cast<std::size_t>(i)].linear()).coeffs();
   }
-  return RigidPath(Eigen::Map<const Eigen::VectorXd>(times.data(), count), positions, rotations);
+  try {
+    return RigidPath(Eigen::Map<const Eigen::VectorXd>(times.data(), count), positions, rotations);
+  } catch (const RowError& error) {
+    const Eigen::Index frame = frames[static_cast<std::size_t>(error.row())];
+    FailOnTracks(markers, "frame " + std::to_string(frame) + ": " + error.what());
+  }
 }
 
 SurfaceSequence SequenceOfVertices(const PointTracks& tracks, const TriangulatedSurface& surface,

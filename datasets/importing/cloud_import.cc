@@ -18,6 +18,7 @@
 
 #include "datasets/formats/ply_file.h"
 #include "datasets/importing/handle_tracks.h"
+#include "datasets/importing/path_times.h"
 #include "datasets/importing/track_edit.h"
 #include "datasets/motion/motion_validation.h"
 #include "datasets/motion/scene_text.h"
@@ -134,6 +135,7 @@ EditedTracks TimesOfClouds(const CloudImportOptions& options, const std::vector<
   frames.frame_numbers = FrameNumbers(files);
   TrackEdit edit;
   edit.times = options.times;
+  edit.times_name = options.times_name;
   edit.times_since_first = options.times_since_first;
   edit.frame_rate = options.frame_rate;
   edit.time_scale = options.time_scale;

@@ -26,6 +26,7 @@ struct CloudImportOptions {
   std::string scene_path;             // scene.json
   double frame_rate = 0.0;            // Hz, from time 0 on, gaps where the names leave numbers out; or
   Eigen::VectorXd times;              // [T] of the files or of all numbers
+  std::string times_name;             // for messages: the file of `times`
   Eigen::VectorXd times_since_first;  // [T] see FrameTimes (datasets/importing/clock_times.h); empty: not known
   double time_scale = 1.0;            // s per unit of the times
   std::optional<double> start_at;     // s: where the first frame is put; empty: where it is

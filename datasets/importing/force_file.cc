@@ -1,15 +1,18 @@
 #include "datasets/importing/force_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
 
-#include "sim/base/csv_row.h"
+#include "datasets/importing/path_times.h"
+#include "datasets/importing/track_edit.h"
 #include "sim/base/error.h"
 #include "sim/base/npy_file.h"
+#include "sim/base/table.h"
 #include "sim/base/text_file.h"
 #include "sim/mesh/mesh.h"
 #include "sim/path/handle_csv.h"
+#include "sim/path/number_table.h"
 
 namespace clothid {
 namespace {
@@ -18,78 +21,62 @@ constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 bool IsNpy(const std::string& path) { return path.size() > 4 && path.compare(path.size() - 4, 4, ".npy") == 0; }
 
-// The rows of the components in a header, after `time`: 3 group + axis.
-std::vector<int> ComponentRows(const std::vector<std::string>& header, int num_groups, const std::string& path) {
-  std::vector<int> rows;
-  for (std::size_t i = 1; i < header.size(); ++i) {
-    const std::string& name = header[i];
-    const std::size_t axis = name.empty() ? std::string_view::npos : std::string_view("xyz").find(name.front());
-    const bool is_plain = name.size() == 1 && num_groups == 1;
-    const std::optional<long long> group = is_plain ? 0 : ParseInteger(name.empty() ? name : name.substr(1));
-    if (axis == std::string_view::npos || !group || *group < 0 || *group >= num_groups) {
-      FailOnData(path + ":1", "column '" + Printable(name) + "': expected " +
-                                  (num_groups == 1 ? "x, y or z" : "x0, y0, .. of one of the groups of handles"));
-    }
-    rows.push_back(3 * static_cast<int>(*group) + static_cast<int>(axis));
-  }
-  return rows;
-}
+// Where a component stands.
+struct ForceColumn {
+  std::size_t column = 0;
+  int row = 0;  // of the values: 3 group + axis
+};
 
-void AppendCsvRow(const std::vector<std::string>& cells, const std::vector<int>& rows, const std::string& place,
-                  std::vector<double>* times, Eigen::MatrixXd* values) {
-  if (cells.size() != rows.size() + 1) FailOnData(place, "expected " + std::to_string(rows.size() + 1) + " cells");
-  const std::optional<double> time = ParseNumber(Trimmed(cells[0]));
-  if (!time) FailOnData(place, "expected a time (s), got '" + Printable(cells[0]) + "'");
-  times->push_back(*time);
-  if (static_cast<Eigen::Index>(times->size()) > values->cols()) {
-    values->conservativeResize(Eigen::NoChange, 2 * values->cols() + 64);
+// "x" is a component of one group, "x0" of any.
+std::vector<ForceColumn> FindComponents(const Table& table, int num_groups) {
+  std::vector<ForceColumn> components;
+  for (std::size_t i = 0; i < table.header().size(); ++i) {
+    const std::string& name = table.header()[i];
+    const bool is_plain = name.size() == 1 && num_groups == 1;
+    const std::optional<int> row = ComponentNamed(is_plain ? name + "0" : name);
+    if (!row) continue;
+    const bool is_known =
+        std::any_of(components.begin(), components.end(), [&](const ForceColumn& known) { return known.row == *row; });
+    if (*row >= 3 * num_groups || is_known) {
+      table.FailOnHeader("column '" + Printable(name) + "': expected the components of " + std::to_string(num_groups) +
+                         (num_groups == 1 ? " group of handles" : " groups of handles") + ", each once");
+    }
+    components.push_back({i, *row});
   }
-  auto column = values->col(static_cast<Eigen::Index>(times->size()) - 1);
-  column.setConstant(kNotMeasured);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::string cell(Trimmed(cells[i + 1]));
-    if (cell.empty() || cell == "nan" || cell == "NaN") continue;
-    const std::optional<double> value = ParseNumber(cell);
-    if (!value) FailOnData(place, "expected a force (N) or nothing, got '" + Printable(cell) + "'");
-    column[rows[i]] = *value;
-  }
+  if (components.empty()) table.FailOnHeader("expected a column of a component");
+  return components;
 }
 
 void ReadCsv(const std::string& path, ForceReadings* forces) {
-  const std::string text = ReadText(path, kMaxHandleCsvBytes);
-  std::string_view rest = text;
-  std::vector<double> times;
-  std::vector<int> rows;
-  forces->values.resize(3 * forces->num_groups(), 0);
-  for (int number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++number) {
-    const std::string place = path + ":" + std::to_string(number);
-    const std::optional<std::vector<std::string>> found = CsvCells(*line);
-    if (!found) FailOnData(place, kExpectedQuotes);
-    const std::vector<std::string>& cells = *found;
-    if (number == 1) {
-      if (cells.front() != "time" || cells.size() < 2) FailOnData(path + ":1", "expected a header 'time,x,y,z'");
-      rows = ComponentRows(cells, forces->num_groups(), path);
-    } else if (!Trimmed(*line).empty()) {
-      AppendCsvRow(cells, rows, place, &times, &forces->values);
-    }
+  const int num_groups = forces->num_groups();
+  Table table(path, ReadText(path, kMaxHandleCsvBytes), num_groups == 1 ? "time,x,y,z" : "time,x0,y0,z0,x1,..");
+  const std::size_t time = table.Require("time");
+  const std::vector<ForceColumn> components = FindComponents(table, num_groups);
+  std::vector<double> times, values;
+  while (table.NextRow()) {
+    times.push_back(table.LaterTime(time));
+    values.resize(values.size() + 3 * static_cast<std::size_t>(num_groups), kNotMeasured);
+    double* const reading = values.data() + values.size() - 3 * num_groups;
+    for (const auto& [column, row] : components) reading[row] = table.NumberOrNothing(column, Quantity::kForce);
   }
-  if (times.empty()) FailOnData(path, "expected a header and at least one row of numbers");
-  forces->times = Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
-  forces->values.conservativeResize(Eigen::NoChange, forces->times.size());
+  if (times.empty()) table.FailWithoutRows();
+  const auto count = static_cast<Eigen::Index>(times.size());
+  forces->times = Eigen::Map<const Eigen::VectorXd>(times.data(), count);
+  forces->values = Eigen::Map<const Eigen::MatrixXd>(values.data(), 3 * num_groups, count);
 }
 
-Eigen::VectorXd ReadNpyTimes(const ForceFile& file, Eigen::Index num_readings, const Eigen::VectorXd& frames) {
+Eigen::VectorXd TimesOfReadings(const ForceFile& file, Eigen::Index num_readings, const Eigen::VectorXd& frames) {
   if (file.times_path.empty()) {
     if (num_readings == frames.size()) return frames;
     FailOnData(file.path, std::to_string(num_readings) + " readings for " + std::to_string(frames.size()) +
                               " frames; expected a file with their times");
   }
-  const NpyArray array = ReadNpy(file.times_path);
-  if (array.shape != std::vector<long long>{num_readings}) {
-    FailOnData(file.times_path,
-               "expected an array of shape (" + std::to_string(num_readings) + "), a time per reading");
+  const Eigen::VectorXd times = ReadTimes(file.times_path);
+  if (times.size() != num_readings) {
+    FailOnData(file.times_path, "holds " + std::to_string(times.size()) + " times; expected one for each of the " +
+                                    std::to_string(num_readings) + " readings of " + file.path);
   }
-  return Eigen::Map<const Eigen::VectorXd>(array.values.data(), num_readings);
+  return times;
 }
 
 void ReadArray(const ForceFile& file, const Eigen::VectorXd& frames, ForceReadings* forces) {
@@ -114,7 +101,7 @@ void ReadArray(const ForceFile& file, const Eigen::VectorXd& frames, ForceReadin
   } else {
     forces->values = Eigen::Map<const Eigen::MatrixXd>(array.values.data(), 3 * num_groups, num_readings);
   }
-  forces->times = ReadNpyTimes(file, num_readings, frames);
+  forces->times = TimesOfReadings(file, num_readings, frames);
 }
 
 }  // namespace
@@ -159,6 +146,7 @@ ForceReadings ReadForces(const ForceFile& file, const Eigen::VectorXd& times, do
     if (file.axis) throw Error(ErrorKind::kUsage, file.path + ": names its components; expected no axis");
     ReadCsv(file.path, &forces);
   }
+  ExpectSeconds(forces.times, file.times_path.empty() ? file.path : file.times_path);
   forces.values *= file.scale;
   forces.sigma = Eigen::VectorXd::Constant(forces.num_groups(), file.sigma);
   // Those of the frames are on the clock of the recording, and stay the same to the last bit.

@@ -12,12 +12,13 @@
 
 namespace clothid {
 
-// A name that ends in .npy: an array of shape [F], one component, [F, 3] or [F, G, 3]. Any other: CSV with a header of
-// `time` and the components that were measured, `x`, `y`, `z` of one group, `x0`, `y0`, .., `z1` of several; an empty
-// cell or nan was not measured.
+// A name that ends in .npy: an array of shape [F], one component, [F, 3] or [F, G, 3]. Any other: a table
+// (sim/base/table.h) of `time` and the components that were measured, `x`, `y`, `z` of one group, `x0`, `y0`, .., `z1`
+// of several; an empty cell or nan was not measured.
 struct ForceFile {
   std::string path;
-  std::string times_path;                // .npy alone: [F] s; empty: those of the frames, if there are as many
+  std::string
+      times_path;  // .npy alone: [F] s, as `ReadTimes` reads them; empty: those of the frames, if there are as many
   std::vector<std::vector<int>> groups;  // empty: all handles are one
   std::optional<int> axis;               // 0, 1, 2: of an array of shape [F]
   double scale = 1.0;        // to N, and to the force on the cloth: negative where it is that on the gripper

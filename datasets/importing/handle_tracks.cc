@@ -7,6 +7,7 @@
 #include "datasets/importing/path_times.h"
 #include "sim/base/error.h"
 #include "sim/base/json_document.h"
+#include "sim/base/row_error.h"
 #include "sim/base/text_file.h"
 #include "sim/path/handle_csv.h"
 #include "sim/path/handle_path.h"
@@ -45,11 +46,7 @@ HandlePath PathOfTool(const HandleFile& file, const std::vector<int>& nodes) {
     const Eigen::Matrix3Xd held = (rotation * offsets).colwise() + poses.positions.col(t);
     positions.col(t) = held.reshaped();
   }
-  try {
-    return HandlePath(poses.times, positions);
-  } catch (const Error& error) {
-    throw Error(error.kind(), file.path + ": " + error.what());
-  }
+  return NamingLines(file.path, poses.lines, [&] { return HandlePath(poses.times, positions); });
 }
 
 }  // namespace
@@ -84,6 +81,7 @@ HandlePath ReadHandlePath(const HandleFile& file, const std::vector<int>& nodes,
                           double time_shift) {
   const HandlePath own =
       IsRosCsv(file.path) ? PathOfTool(file, nodes) : ReadHandleCsv(file.path, static_cast<int>(nodes.size()));
+  ExpectSeconds(own.times(), file.path);
   Eigen::MatrixXd positions = own.positions();
   for (Eigen::Index t = 0; t < positions.cols(); ++t) {
     for (Eigen::Index i = 0; i < positions.rows(); i += 3) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "datasets/importing/path_times.h"
 #include "datasets/motion/motion_validation.h"
 #include "datasets/motion/scene_text.h"
 #include "sim/base/error.h"
@@ -236,11 +237,18 @@ Eigen::Matrix3Xd EditedCloud(const Eigen::Matrix3Xd& cloud, const TrackEdit& edi
   return ((edit.scale * edit.transform.linear()) * kept).colwise() + edit.transform.translation();
 }
 
+// Other formats may have times that are no seconds yet, recordings not.
+EditedTracks EditToRecord(const PointTracks& tracks, const TrackEdit& edit) {
+  EditedTracks edited = EditTracks(tracks, edit);
+  if (edit.frame_rate == 0.0) ExpectSeconds(edited.tracks.times, edited.tracks.times_name);
+  return edited;
+}
+
 }  // namespace
 
 MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& options) {
   if (options.scene_path.empty()) FailUsage(tracks.name + ": expected a scene to make a recording of it");
-  const EditedTracks edited = EditTracks(tracks, options.edit);
+  const EditedTracks edited = EditToRecord(tracks, options.edit);
   MotionTensors tensors;
   tensors.single_precision = false;
   tensors.times = edited.tracks.times;
@@ -261,7 +269,7 @@ MotionTensors ImportMotion(const PointTracks& tracks, const ImportOptions& optio
 }
 
 MotionTensors ConvertMotion(const MotionTensors& tensors, const std::string& name, const ImportOptions& options) {
-  const EditedTracks edited = EditTracks(ToTracks(tensors, name), options.edit);
+  const EditedTracks edited = EditToRecord(ToTracks(tensors, name), options.edit);
   MotionTensors result = tensors;
   result.times = edited.tracks.times;
   result.positions = edited.tracks.positions;

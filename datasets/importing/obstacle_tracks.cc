@@ -12,6 +12,7 @@
 #include "datasets/importing/path_times.h"
 #include "datasets/motion/scene_text.h"
 #include "sim/base/error.h"
+#include "sim/base/row_error.h"
 #include "sim/obstacle/surface_sequence.h"
 #include "sim/obstacle/triangulated_surface.h"
 #include "sim/path/pose_csv.h"
@@ -31,7 +32,7 @@ PointTracks ReadMoved(const ObstacleFile& file, const Eigen::Matrix3Xi* like = n
 RigidPath ReadPoses(const std::string& path) {
   if (!IsRosCsv(path)) return ReadPoseCsv(path);
   const PoseTrack poses = ReadRosPoses(path);
-  return RigidPath(poses.times, poses.positions, poses.rotations);
+  return NamingLines(path, poses.lines, [&] { return RigidPath(poses.times, poses.positions, poses.rotations); });
 }
 
 // In another frame of reference, its times later by `shift` s, those that frames at `times` need.
@@ -112,6 +113,7 @@ std::shared_ptr<const SurfaceSequence> ReadObstacleSequence(const ObstacleFile& 
   }
   const double shift = time_shift - file.time_offset;
   const SurfaceSequence all = SequenceOfVertices(ReadMoved(file, &surface->faces()), *surface, times, shift);
+  ExpectSeconds(all.times(), file.path);
   const Eigen::VectorXd knots = all.times().array() + shift;
   ExpectCovered(knots, times, file.path);
   const KnotRange needed = NeededKnots(knots, times);
@@ -126,6 +128,7 @@ RigidPath ReadObstaclePath(const ObstacleFile& file, const Eigen::VectorXd& time
   return Named(file, [&] {
     const bool has_markers = IsMarkerFile(file.path);
     const RigidPath path = has_markers ? PathOfMarkers(ReadMoved(file)) : ReadPoses(file.path);
+    ExpectSeconds(path.times(), file.path);
     ExpectCovered(path.times().array() + shift, times, file.path);
     return Moved(path, has_markers ? Eigen::Isometry3d::Identity() : file.transform, shift, times);
   });

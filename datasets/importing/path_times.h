@@ -16,6 +16,10 @@ namespace clothid {
 // alone is that of what stands still.
 void ExpectCovered(const Eigen::VectorXd& known, const Eigen::VectorXd& times, const std::string& source);
 
+// Throws as above for three times or more that no clock in s can have: 500 s and more from one to the next, by the
+// median. They look like those of one in us or ns.
+void ExpectSeconds(const Eigen::VectorXd& times, const std::string& source);
+
 // `count` knots from `first` on.
 struct KnotRange {
   Eigen::Index first = 0, count = 0;

@@ -38,9 +38,9 @@ PointMap MapToNodes(const PointTracks& tracks, const Mesh& mesh);
 // where one is not seen in that frame or too far off, or where two have the same node.
 PointMap MapToNearest(const PointTracks& tracks, const Mesh& mesh, const PlacementOptions& options);
 
-// Reads a CSV file with the header `id,node` or `id,face,b0,b1,b2`: a row per point, by its label, or its number where
-// the file has no labels. Points that are not listed are left out. Throws `Error`: kIo, or kBadData naming file and
-// line.
+// Reads a table (sim/base/table.h) with the columns `id,node` or `id,face,b0,b1,b2`: a row per point, by its label, or
+// its number where the file has no labels. Points that are not listed are left out. Throws `Error`: kIo, or kBadData
+// naming file and line.
 PointMap ReadPointMap(const std::string& path, const PointTracks& tracks, const Mesh& mesh);
 
 // The mesh of a grid of n[0] x n[1] points in the order in which a file lists them: the first axis runs fastest, point

@@ -1,21 +1,18 @@
 // Point maps from files: datasets/importing/point_map.h.
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "datasets/importing/point_map.h"
-#include "sim/base/csv_row.h"
-#include "sim/base/error.h"
+#include "sim/base/table.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
 namespace {
 
-const std::vector<std::string> kNodeColumns = {"id", "node"};
-const std::vector<std::string> kFaceColumns = {"id", "face", "b0", "b1", "b2"};
 constexpr double kBarycentricTolerance = 1e-6;  // of their sum
 
 // A row of a point map.
@@ -27,67 +24,48 @@ struct Entry {
 class PointMapReader {
  public:
   PointMapReader(const std::string& path, const PointTracks& tracks, const Mesh& mesh)
-      : path_(path), tracks_(tracks), mesh_(mesh) {
+      : table_(path, ReadText(path, kMaxPointMapBytes), "id,node' or 'id,face,b0,b1,b2"), tracks_(tracks), mesh_(mesh) {
     for (std::size_t p = 0; p < tracks.labels.size(); ++p) labels_[tracks.labels[p]] = static_cast<int>(p);
   }
 
   PointMap Read() {
-    const std::string text = ReadText(path_, kMaxPointMapBytes);
-    std::string_view rest = text;
+    const std::size_t id = table_.Require("id");
+    const auto node = table_.Find("node"), face = table_.Find("face");
+    if (node.has_value() == face.has_value()) table_.FailOnHeader("expected a column 'node' or 'face'");
+    if (face) place_ = {*face, table_.Require("b0"), table_.Require("b1"), table_.Require("b2")};
     std::map<int, Entry> entries;
-    bool of_nodes = true;
-    while (std::optional<std::string_view> line = TakeLine(&rest)) {
-      ++line_;
-      const std::optional<std::vector<std::string>> found = CsvCells(*line);
-      if (!found) throw Error(ErrorKind::kBadData, path_ + ":" + std::to_string(line_) + ": " + kExpectedQuotes);
-      const std::vector<std::string>& cells = *found;
-      if (line_ == 1) {
-        of_nodes = cells == kNodeColumns;
-        if (!of_nodes && cells != kFaceColumns) FailHere("the header 'id,node' or 'id,face,b0,b1,b2'");
-      } else if (!Trimmed(*line).empty()) {
-        if (cells.size() != (of_nodes ? 2U : 5U)) FailHere(of_nodes ? "two cells" : "five cells");
-        if (!entries.emplace(ReadId(cells[0]), ReadEntry(cells, of_nodes)).second) FailHere("every id once");
-      }
+    while (table_.NextRow()) {
+      const Entry entry = node ? Entry{ReadIndex(*node, mesh_.num_nodes(), "a node")} : ReadPlace();
+      if (!entries.emplace(ReadId(id), entry).second) table_.FailAt(id, "every point once");
     }
-    if (entries.empty()) FailHere("a header and at least one row");
-    return ToMap(entries, of_nodes);
+    if (entries.empty()) table_.FailWithoutRows();
+    return ToMap(entries, node.has_value());
   }
 
  private:
-  [[noreturn]] void FailHere(const std::string& expected) const {
-    throw Error(ErrorKind::kBadData, path_ + ":" + std::to_string(line_) + ": expected " + expected);
-  }
-
-  int ReadIndex(const std::string& cell, int count, const std::string& what) const {
-    const std::optional<long long> index = ParseInteger(cell);
+  int ReadIndex(std::size_t column, int count, const std::string& what) const {
+    const std::optional<long long> index = ParseInteger(table_.cell(column));
     if (!index || *index < 0 || *index >= count) {
-      FailHere(what + " from 0 to " + std::to_string(count - 1) + ", found '" + Printable(cell) + "'");
+      table_.FailAt(column, what + " from 0 to " + std::to_string(count - 1));
     }
     return static_cast<int>(*index);
   }
 
-  int ReadId(const std::string& cell) const {
-    if (tracks_.labels.empty()) return ReadIndex(cell, tracks_.num_points(), "the number of a point");
-    const auto found = labels_.find(cell);
-    if (found == labels_.end())
-      FailHere("the label of a point of " + tracks_.name + ", found '" + Printable(cell) + "'");
+  int ReadId(std::size_t column) const {
+    if (tracks_.labels.empty()) return ReadIndex(column, tracks_.num_points(), "the number of a point");
+    const auto found = labels_.find(table_.cell(column));
+    if (found == labels_.end()) table_.FailAt(column, "the label of a point of " + tracks_.name);
     return found->second;
   }
 
-  Entry ReadEntry(const std::vector<std::string>& cells, bool of_nodes) const {
+  Entry ReadPlace() {
     Entry entry;
-    if (of_nodes) {
-      entry.node = ReadIndex(cells[1], mesh_.num_nodes(), "a node");
-      return entry;
-    }
-    entry.face = ReadIndex(cells[1], mesh_.num_faces(), "a triangle");
+    entry.face = ReadIndex(place_[0], mesh_.num_faces(), "a triangle");
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::optional<double> weight = ParseNumber(cells[2 + k]);
-      if (!weight) FailHere("three finite barycentric coordinates");
-      entry.barycentric[static_cast<Eigen::Index>(k)] = *weight;
+      entry.barycentric[static_cast<Eigen::Index>(k)] = table_.Number(place_[1 + k], Quantity::kNumber);
     }
     if (!(std::abs(entry.barycentric.sum() - 1.0) <= kBarycentricTolerance)) {
-      FailHere("barycentric coordinates that sum to 1");
+      table_.Fail("expected barycentric coordinates that sum to 1");
     }
     return entry;
   }
@@ -107,11 +85,11 @@ class PointMapReader {
     return map;
   }
 
-  const std::string& path_;
+  Table table_;
   const PointTracks& tracks_;
   const Mesh& mesh_;
   std::map<std::string, int> labels_;
-  int line_ = 0;
+  std::array<std::size_t, 4> place_ = {};  // the columns of face, b0, b1 and b2
 };
 
 }  // namespace

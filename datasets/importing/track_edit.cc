@@ -4,12 +4,12 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "datasets/formats/npy_tracks.h"
 #include "sim/base/error.h"
-#include "sim/base/npy_file.h"
+#include "sim/base/table.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
@@ -32,6 +32,12 @@ void Check(const TrackEdit& edit) {
   }
 }
 
+// The file that the times of frames come from.
+std::string TimesName(const PointTracks& tracks, const TrackEdit& edit) {
+  const std::string& name = edit.times.size() > 0 ? edit.times_name : tracks.times_name;
+  return name.empty() || edit.frame_rate > 0.0 ? tracks.name : name;
+}
+
 Eigen::VectorXd TimesOf(const PointTracks& tracks, const TrackEdit& edit) {
   const Eigen::Index count = tracks.num_frames();
   Eigen::VectorXd times =
@@ -40,15 +46,15 @@ Eigen::VectorXd TimesOf(const PointTracks& tracks, const TrackEdit& edit) {
   if (times.size() == 0) {
     throw Error(ErrorKind::kUsage, tracks.name + ": holds no times; expected a frame rate or a file of times");
   }
+  const std::string source = TimesName(tracks, edit);
   if (times.size() != count) {
-    throw Error(ErrorKind::kBadData, tracks.name + ": expected " + std::to_string(count) +
-                                         " times, one per frame, found " + std::to_string(times.size()));
+    FailOnData(source, "expected " + std::to_string(count) + " times, one per frame of " + tracks.name + ", found " +
+                           std::to_string(times.size()));
   }
   times *= edit.time_scale;
   for (Eigen::Index i = 0; i < count; ++i) {
     if (std::isfinite(times[i]) && (i == 0 || times[i] > times[i - 1])) continue;
-    throw Error(ErrorKind::kBadData, tracks.name + ": expected the time of frame " + std::to_string(i) +
-                                         " to be finite and after the one before");
+    FailOnData(source, "expected the time of frame " + std::to_string(i) + " to be finite and after the one before");
   }
   return times;
 }
@@ -121,6 +127,7 @@ EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit) {
   result.frames = KeptFrames(tracks, edit, end);
   result.tracks = tracks;
   result.tracks.times = TimesOf(tracks, edit)(result.frames);
+  result.tracks.times_name = TimesName(tracks, edit);
   result.tracks.positions = tracks.positions(Eigen::all, result.frames);
   KeepNumbers(result.frames, &result.tracks.frame_numbers);
   edit.missing.Erase(tracks.units_per_metre, &result.tracks.positions);
@@ -139,25 +146,13 @@ EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit) {
 }
 
 Eigen::VectorXd ReadTimes(const std::string& path) {
+  if (std::filesystem::path(path).extension() == ".npy") return ReadNpyTimes(path);
+  Table table(path, ReadText(path, kMaxTimesBytes), "time", HeaderLine::kOptional);
+  const std::optional<std::size_t> short_name = table.Find("t");
+  const std::size_t column = short_name ? *short_name : table.Require("time");
   std::vector<double> times;
-  if (std::filesystem::path(path).extension() == ".npy") {
-    NpyArray array = ReadNpy(path);
-    if (array.shape.size() != 1) throw Error(ErrorKind::kBadData, path + ": expected an array of shape (T)");
-    times = std::move(array.values);
-  } else {
-    const std::string text = ReadText(path, kMaxTimesBytes);
-    std::string_view rest = text;
-    for (int line_number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++line_number) {
-      const std::string_view word = TakeWord(&*line);
-      if (word.empty()) continue;
-      const std::optional<double> value = ParseNumber(word);
-      if (!value || !TakeWord(&*line).empty()) {
-        throw Error(ErrorKind::kBadData, path + ":" + std::to_string(line_number) + ": expected one finite number");
-      }
-      times.push_back(*value);
-    }
-  }
-  if (times.empty()) throw Error(ErrorKind::kBadData, path + ": expected at least one time");
+  while (table.NextRow()) times.push_back(table.LaterTime(column));
+  if (times.empty()) table.FailWithoutRows();
   return Eigen::Map<Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
 }
 

@@ -25,6 +25,7 @@ struct TrackEdit {
   double scale = 1.0;
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // of positions in m
   Eigen::VectorXd times;                                        // [T] of every frame in the file; empty: not given
+  std::string times_name;             // for messages: the file of `times`
   Eigen::VectorXd times_since_first;  // [T] see FrameTimes (clock_times.h); empty: `times` less the first of them
   double frame_rate = 0.0;            // Hz; 0: not given
   double time_scale = 1.0;
@@ -49,12 +50,13 @@ Eigen::VectorXd TimesAtRate(double frame_rate, Eigen::Index count, const std::ve
 // Times [T] given for all numbers of frames where the files leave some out: those of the files; else as they are.
 Eigen::VectorXd TimesOfNumbers(const Eigen::VectorXd& times, const std::vector<long long>& numbers);
 
-// Throws `Error`: kUsage for an edit that is out of range, or where neither file nor edit has times; kBadData where the
-// times do not fit the frames or do not increase. Points that are seen in part are not seen where axes turn.
+// Throws `Error`: kUsage for an edit that is out of range, or where neither file nor edit has times; kBadData, led by
+// the file of the times, where these do not fit the frames or do not increase. Points that are seen in part are not
+// seen where axes turn.
 EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit);
 
-// The times of frames: a .npy array of shape (T), else a text with one number per line. Throws `Error`: kIo, or
-// kBadData naming file and line.
+// Times, which increase: a .npy array of shape (T); else a table (sim/base/table.h) with a column `time` or `t`, or
+// with one column and no header. Throws `Error`: kIo, or kBadData naming file and line.
 Eigen::VectorXd ReadTimes(const std::string& path);
 
 }  // namespace clothid

@@ -1,6 +1,6 @@
 #include "sim/path/handle_csv.h"
 
-#include "sim/base/error.h"
+#include "sim/base/row_error.h"
 #include "sim/path/number_table.h"
 
 namespace clothid {
@@ -17,12 +17,10 @@ std::string Header(int num_handles) {
 }  // namespace
 
 HandlePath ReadHandleCsv(const std::string& path, int num_handles) {
-  const Eigen::MatrixXd table = ReadNumberTable(path, Header(num_handles), kMaxHandleCsvBytes);
-  try {
-    return HandlePath(table.row(0).transpose(), table.bottomRows(table.rows() - 1));
-  } catch (const Error& error) {
-    throw Error(ErrorKind::kBadData, path + ": " + error.what());
-  }
+  const NumberTableRows rows = ReadNumberTable(path, Header(num_handles), kMaxHandleCsvBytes);
+  return NamingLines(path, rows.lines, [&] {
+    return HandlePath(rows.columns.row(0).transpose(), rows.columns.bottomRows(rows.columns.rows() - 1));
+  });
 }
 
 std::string HandleCsv(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions) {

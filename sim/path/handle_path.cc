@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/error.h"
+#include "sim/base/row_error.h"
 #include "sim/path/hermite.h"
 
 namespace clothid {
@@ -17,6 +17,9 @@ namespace {
 [[noreturn]] void FailOnPath(const std::string& message) {
   throw Error(ErrorKind::kBadData, "handle path: " + message);
 }
+[[noreturn]] void FailOnKnot(Eigen::Index knot, const std::string& message) {
+  throw RowError(knot, "handle path: " + message);
+}
 
 void ValidateKnots(const Eigen::VectorXd& times, const Eigen::MatrixXd& positions) {
   if (times.size() == 0 || positions.cols() != times.size() || positions.rows() % 3 != 0) {
@@ -24,9 +27,9 @@ void ValidateKnots(const Eigen::VectorXd& times, const Eigen::MatrixXd& position
   }
   for (Eigen::Index i = 0; i < times.size(); ++i) {
     if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1]))) {
-      FailOnPath("time " + std::to_string(i) + " is not a finite number above the time before it");
+      FailOnKnot(i, "time " + std::to_string(i) + " is not a finite number above the time before it");
     }
-    if (!positions.col(i).allFinite()) FailOnPath("the position at time " + std::to_string(i) + " is not finite");
+    if (!positions.col(i).allFinite()) FailOnKnot(i, "the position at time " + std::to_string(i) + " is not finite");
   }
 }
 

@@ -1,57 +1,44 @@
 #include "sim/path/number_table.h"
 
 #include <algorithm>
-#include <optional>
-#include <string_view>
-#include <vector>
 
-#include "sim/base/csv_row.h"
-#include "sim/base/error.h"
+#include "sim/base/table.h"
 #include "sim/base/text_file.h"
+#include "sim/mesh/mesh.h"
 
 namespace clothid {
 namespace {
 
-// "a,b" of the cells of a header.
-std::string Joined(const std::vector<std::string>& cells) {
-  std::string text;
-  for (const std::string& cell : cells) text += (text.empty() ? "" : ",") + cell;
-  return text;
-}
-
-// Appends the numbers of `cells`; false unless there are `count` of them.
-bool AppendRow(const std::vector<std::string>& cells, std::size_t count, std::vector<double>* values) {
-  if (cells.size() != count) return false;
-  for (const std::string& cell : cells) {
-    const std::optional<double> value = ParseNumber(Trimmed(cell));
-    if (!value) return false;
-    values->push_back(*value);
-  }
-  return true;
+Quantity QuantityOf(const std::string& name) {
+  return std::string_view("xyz").find(name.front()) == std::string_view::npos ? Quantity::kNumber : Quantity::kLength;
 }
 
 }  // namespace
 
-Eigen::MatrixXd ReadNumberTable(const std::string& path, const std::string& header, std::uint64_t max_bytes) {
-  const std::string text = ReadText(path, max_bytes);
-  const std::size_t columns = 1 + static_cast<std::size_t>(std::count(header.begin(), header.end(), ','));
-  std::string_view rest = text;
-  std::vector<double> values;
-  for (int line_number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++line_number) {
-    const auto fail = [&](const std::string& expected) {
-      throw Error(ErrorKind::kBadData, path + ":" + std::to_string(line_number) + ": " + expected);
-    };
-    const std::optional<std::vector<std::string>> cells = CsvCells(*line);
-    if (!cells) fail(kExpectedQuotes);
-    if (line_number == 1) {
-      if (Joined(*cells) != header) fail("expected the header '" + Printable(header) + "'");
-    } else if (!Trimmed(*line).empty() && !AppendRow(*cells, columns, &values)) {
-      fail("expected " + std::to_string(columns) + " finite numbers");
+NumberTableRows ReadNumberTable(const std::string& path, const std::string& header, std::uint64_t max_bytes) {
+  Table table(path, ReadText(path, max_bytes), header);
+  const std::vector<std::string> names = Split(header, ',');
+  std::vector<std::size_t> places;
+  for (const std::string& name : names) places.push_back(table.Require(name));
+  for (std::size_t i = 0; i < table.header().size(); ++i) {
+    const bool is_wanted = std::find(places.begin(), places.end(), i) != places.end();
+    if (!is_wanted && ComponentNamed(table.header()[i])) {
+      table.FailOnHeader("column '" + table.header()[i] + "': expected no more of these");
     }
   }
-  if (values.empty()) throw Error(ErrorKind::kBadData, path + ": expected a header and at least one row of numbers");
-  return Eigen::Map<const Eigen::MatrixXd>(values.data(), static_cast<Eigen::Index>(columns),
-                                           static_cast<Eigen::Index>(values.size() / columns));
+  std::vector<double> values;
+  NumberTableRows rows;
+  while (table.NextRow()) {
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const bool is_time = names[k] == "time";
+      values.push_back(is_time ? table.LaterTime(places[k]) : table.Number(places[k], QuantityOf(names[k])));
+    }
+    rows.lines.push_back(table.line());
+  }
+  if (rows.lines.empty()) table.FailWithoutRows();
+  rows.columns = Eigen::Map<const Eigen::MatrixXd>(values.data(), static_cast<Eigen::Index>(names.size()),
+                                                   static_cast<Eigen::Index>(rows.lines.size()));
+  return rows;
 }
 
 std::string NumberTable(const std::string& header, const Eigen::MatrixXd& columns) {
@@ -64,6 +51,13 @@ std::string NumberTable(const std::string& header, const Eigen::MatrixXd& column
     text += "\n";
   }
   return text;
+}
+
+std::optional<int> ComponentNamed(std::string_view name) {
+  const std::size_t axis = name.empty() ? std::string_view::npos : std::string_view("xyzXYZ").find(name.front());
+  const std::optional<long long> group = ParseInteger(name.substr(std::min<std::size_t>(name.size(), 1)));
+  if (axis == std::string_view::npos || !group || *group < 0 || *group >= kMaxNodes) return std::nullopt;
+  return 3 * static_cast<int>(*group) + static_cast<int>(axis % 3);
 }
 
 }  // namespace clothid

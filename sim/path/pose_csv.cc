@@ -1,6 +1,6 @@
 #include "sim/path/pose_csv.h"
 
-#include "sim/base/error.h"
+#include "sim/base/row_error.h"
 #include "sim/path/number_table.h"
 
 namespace clothid {
@@ -11,12 +11,8 @@ constexpr char kHeader[] = "time,x,y,z,qx,qy,qz,qw";
 }  // namespace
 
 RigidPath ReadPoseCsv(const std::string& path) {
-  const Eigen::MatrixXd table = ReadNumberTable(path, kHeader, kMaxPoseCsvBytes);
-  try {
-    return PathOfTable(table);
-  } catch (const Error& error) {
-    throw Error(ErrorKind::kBadData, path + ": " + error.what());
-  }
+  const NumberTableRows rows = ReadNumberTable(path, kHeader, kMaxPoseCsvBytes);
+  return NamingLines(path, rows.lines, [&] { return PathOfTable(rows.columns); });
 }
 
 RigidPath PathOfTable(const Eigen::MatrixXd& table) {

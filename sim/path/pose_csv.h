@@ -12,8 +12,8 @@ namespace clothid {
 
 inline constexpr std::uint64_t kMaxPoseCsvBytes = std::uint64_t{1} << 28;
 
-// Reads a CSV file with the header "time,x,y,z,qx,qy,qz,qw" and one row per time (s, m, a unit quaternion). Throws
-// `Error`: kIo where the file cannot be read, else kBadData naming file and line or row, from 0 on.
+// Reads a table (sim/base/table.h) with the columns "time,x,y,z,qx,qy,qz,qw" and one row per time (s, m, a unit
+// quaternion). Throws `Error`: kIo where the file cannot be read, else kBadData naming file and line.
 RigidPath ReadPoseCsv(const std::string& path);
 
 // The path whose rows are the columns [8 x T]: time, position, rotation. Throws `Error` where `RigidPath` does.

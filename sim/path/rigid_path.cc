@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/base/error.h"
+#include "sim/base/row_error.h"
 #include "sim/path/hermite.h"
 #include "sim/path/rotation_vector.h"
 
@@ -14,7 +14,7 @@ namespace {
 constexpr double kLengthError = 0.01;  // of a quaternion
 
 [[noreturn]] void FailOnRow(Eigen::Index row, const std::string& message) {
-  throw Error(ErrorKind::kBadData, "row " + std::to_string(row) + ": " + message);
+  throw RowError(row, "row " + std::to_string(row) + ": " + message);
 }
 
 void ValidateRows(const Eigen::VectorXd& times, const Eigen::Matrix3Xd& positions, const Eigen::Matrix4Xd& rotations) {

@@ -10,6 +10,7 @@
 
 #include "datasets/files/atomic_file.h"
 #include "datasets/files/overwrite.h"
+#include "datasets/formats/table_note.h"
 #include "datasets/formats/track_file.h"
 #include "datasets/importing/import_motion.h"
 #include "datasets/importing/transform_file.h"
@@ -133,6 +134,7 @@ TrackEdit EditFromFlags(const std::string& input) {
     edit.times = times.times;
     edit.times_since_first = times.since_first;
   }
+  edit.times_name = FLAGS_times;
   edit.frame_rate = FLAGS_frame_rate;
   edit.time_scale = FLAGS_time_scale;
   edit.start_at = StartFromFlags();
@@ -216,6 +218,27 @@ void PrintSummary(const MotionTensors& motion, const std::string& path) {
   std::cout << "\n";
 }
 
+void PrintNote(const std::string& path, const std::string& note) {
+  if (!note.empty()) std::cerr << "motion: " << path << ": note: " << note << "\n";
+}
+
+// What was made of the files beside the points.
+void PrintTableNotes() {
+  std::vector<std::string> files = {FLAGS_times, FLAGS_map, FLAGS_handles};
+  for (const std::vector<std::string>& more : {ForceInputs(), ObstacleInputs()}) {
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  for (const std::string& file : files) PrintNote(file, TableNote(file));
+}
+
+void PrintPointNotes(const PointTracks& tracks) {
+  PrintNote(tracks.name, TableNote(tracks.name));
+  if (FLAGS_frame_rate == 0.0 || tracks.sample_rate == 1.0 || tracks.sample_rate == FLAGS_frame_rate) return;
+  PrintNote(tracks.name, "its header has a sample rate of " + ShortestText(tracks.sample_rate) +
+                             ", in frames per sample, or per second; --frame_rate " + ShortestText(FLAGS_frame_rate) +
+                             " is taken for the rate of the samples");
+}
+
 int ToMotionFile(const std::string& input, const std::string& output, ImportOptions options) {
   CheckFileCanBeWritten(output);
   options.scene_path = FLAGS_scene;
@@ -231,9 +254,12 @@ int ToMotionFile(const std::string& input, const std::string& output, ImportOpti
     motion = ConvertMotion(read, input, options);
   } else {
     options.provenance = Provenance(input);
-    motion = ImportMotion(ReadTracks(input), options);
+    const PointTracks tracks = ReadTracks(input);
+    motion = ImportMotion(tracks, options);
+    PrintPointNotes(tracks);
   }
   WriteMotion(motion, output);
+  PrintTableNotes();
   PrintSummary(motion, output);
   return kExitSuccess;
 }
@@ -249,6 +275,8 @@ int ToTrackFile(const std::string& input, const std::string& output, const Impor
     tracks.faces = options.mesh->faces;
   }
   WriteTracks(tracks, output);
+  if (!IsMotionName(input)) PrintPointNotes(tracks);
+  PrintNote(FLAGS_times, TableNote(FLAGS_times));
   const TrackFormat format = OutputFormatOf(output);
   const std::string name =
       format == TrackFormat::kVtp ? std::filesystem::path(output).replace_extension(".pvd").string() : output;

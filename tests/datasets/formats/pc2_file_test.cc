@@ -44,6 +44,7 @@ TEST_F(Pc2FileTest, ReadsTheBytesOfBlender) {
   EXPECT_EQ(tracks.positions.col(1), Eigen::Vector3d(-0.5, 0.1f, 0));
   EXPECT_EQ(tracks.times.size(), 0);
   EXPECT_EQ(tracks.faces.cols(), 0);
+  EXPECT_EQ(tracks.sample_rate, 1.0);
 }
 
 TEST_F(Pc2FileTest, WritesTheSameBytesFromFrameZero) {

@@ -64,7 +64,7 @@ TEST_F(RosCsvTest, TakesThePrintedTimeWithoutAStamp) {
 
 TEST_F(RosCsvTest, RefusesGridsThatAreNone) {
   ExpectError([&] { ReadRosGrid(folder_.File("absent.csv")); }, ErrorKind::kIo, {"absent.csv"});
-  ExpectBadGrid("", {"ros.csv:1", "%time"});
+  ExpectBadGrid("", {"ros.csv: expected the header '%time"});
   ExpectBadGrid("t,id,x,y,z\n", {"ros.csv:1", "%time"});
   ExpectBadGrid(kGridHeader, {"at least one row"});
   ExpectBadGrid("%time,field.x0,field.y0,field.z0\n1,1,2,3\n", {"'field.size'"});
@@ -75,7 +75,7 @@ TEST_F(RosCsvTest, RefusesGridsThatAreNone) {
 
 TEST_F(RosCsvTest, RefusesBadRowsByLineAndColumn) {
   const std::string good = std::string(kGridHeader) + kFirstRow;
-  ExpectBadGrid(good + "1,2,3\n", {"ros.csv:3", "17 columns", "found 3"});
+  ExpectBadGrid(good + "1,2,3\n", {"ros.csv:3", "17 cells", "found 3"});
   ExpectBadGrid(good + kFirstRow, {"ros.csv:3", "time after"});
   ExpectBadGrid(good + "1,8,soon,camera,2,0,1,2,3,10,11,12,13,20,21,22,23\n", {":3", "field.header.stamp", "soon"});
   ExpectBadGrid(good + "1,8,-5,camera,2,0,1,2,3,10,11,12,13,20,21,22,23\n", {":3", "ns", "-5"});

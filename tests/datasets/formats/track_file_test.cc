@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim/base/frame_names.h"
+#include "sim/base/npy_file.h"
 #include "sim/base/text_file.h"
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
@@ -273,8 +274,9 @@ TEST_F(TrackFileTest, KnowsFormatsByName) {
   EXPECT_EQ(FormatOf("a.vtp"), TrackFormat::kVtp);
   EXPECT_EQ(FormatOf(folder_.Write("ros.csv", "%time,field.header.seq\n1,2\n")), TrackFormat::kRosCsv);
   EXPECT_EQ(FormatOf(folder_.Write("tidy.csv", "z,y,x,id,t\n")), TrackFormat::kTidyCsv);
-  ExpectError([&] { FormatOf(folder_.Write("other.csv", "time,x0\n")); }, ErrorKind::kUsage,
-              {"other.csv: ", "'time,x0'"});
+  EXPECT_EQ(FormatOf(folder_.Write("quoted.csv", "\"%time\",\"field.size\"\n")), TrackFormat::kRosCsv);
+  ExpectError([&] { ReadTracks(folder_.Write("other.csv", "time,x0\n")); }, ErrorKind::kBadData,
+              {"other.csv:1: ", "'time,x0'"});
   ExpectError([] { FormatOf("a.fbx"); }, ErrorKind::kUsage, {"a.fbx: unknown format; known are .npy"});
   ExpectError([] { FormatOf("frames"); }, ErrorKind::kUsage, {"frames: unknown format"});
   ExpectError([&] { FormatOf(folder_.path()); }, ErrorKind::kUsage, {"holds no sequence; known are .npy"});
@@ -319,7 +321,10 @@ TEST_F(TrackFileTest, ReadsWhatStandsBesideAnArray) {
   ExpectError([&] { ReadTracks(folder_.File("a.npy")); }, ErrorKind::kBadData, {"a.times.npy: expected elements"});
   folder_.Write("a.times.npy", Text("a.npy"));
   ExpectError([&] { ReadTracks(folder_.File("a.npy")); }, ErrorKind::kBadData,
-              {"a.times.npy: expected an array of shape (12), a time per frame, found (12, 5, 3)"});
+              {"a.times.npy: expected an array of shape (T), times, found (12, 5, 3)"});
+  folder_.Write("a.times.npy", NpyBytes(NpyArray{{12}, {0, 1, 2, 3, 4, 4, 6, 7, 8, 9, 10, 11}}));
+  ExpectError([&] { ReadTracks(folder_.File("a.npy")); }, ErrorKind::kBadData,
+              {"a.times.npy: the time of frame 5, 4 s, is not after"});
   ExpectError([&] { ReadTracks(folder_.File("a.faces.npy")); }, ErrorKind::kBadData, {"a.faces.npy: expected"});
   tracks.times.resize(0);
   tracks.faces.resize(3, 0);

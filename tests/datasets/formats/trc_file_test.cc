@@ -79,6 +79,20 @@ TEST_F(TrcFileTest, ReportsWhatDisagreesByLine) {
   ExpectRefused(rows("2\t0\t1\t2\t3\t4\t5\t6\n1\t1\t1\t2\t3\t4\t5\t6\n"), {"trial.trc:8: expected frame numbers"});
 }
 
+TEST_F(TrcFileTest, ReadsDecimalCommasAndQuotesAndNamesTabsThatAreGone) {
+  const auto rows = [](const std::string& text) {
+    return Capture("60,0 60 2 2 mm 60 1 2", "Frame#\tTime\ta\t\t\tb", text);
+  };
+  const PointTracks tracks = Read(rows("1\t0,000\t1,5\t2\t3\t4\t5\t\"6\"\n2\t0,017\t1\t2\t3\t4\tnan\t6\n"));
+  EXPECT_EQ(tracks.times[1], 0.017);
+  EXPECT_EQ(tracks.positions(0, 0), 0.0015);
+  EXPECT_EQ(tracks.positions(5, 0), 0.006);
+  ExpectRefused(rows("1\t0,000\t1,5\t2\t3\t4\t5\t6\n2\t0,017\t1.5\t2\t3\t4\t5\t6\n"),
+                {"trial.trc:8: X of 'a'", "'1.5'; the numbers before it have ','"});
+  ExpectRefused(rows("1 0 1 2 3 4 5 6\n"), {"trial.trc:7: expected 8 cells", "found 1; did an editor turn its tabs"});
+  ExpectRefused(Capture("60 60 3 2 mm", "Frame# Time a b"), {"trial.trc:4: found 1 labels", "turn its tabs"});
+}
+
 TEST_F(TrcFileTest, RefusesBadHeaders) {
   ExpectRefused("", {"trial.trc:1: expected PathFileType"});
   ExpectRefused("t,id,x,y,z\n", {"trial.trc:1: is not a TRC file"});

@@ -87,6 +87,12 @@ TEST_F(ForceFileTest, ReadsArrays) {
   file_.times_path = folder_.Write("t.npy", NpyBytes(NpyArray{{2}, {1.05, 1.15}}));
   forces = ReadForces(file_, frames_, 0.0);
   EXPECT_EQ(forces.times, Eigen::Vector2d(1.05, 1.15));
+  file_.times_path = folder_.Write("t.txt", "1.05\n1.15\n");
+  EXPECT_EQ(ReadForces(file_, frames_, 0.0).times, forces.times);
+  file_.times_path = folder_.Write("t.txt", "1.05\n1.05\n");
+  ExpectError([&] { ReadForces(file_, frames_, 0.0); }, kBadData, {"t.txt:2: column 'time'", "of line 1"});
+  file_.times_path = folder_.Write("t.txt", "1.05\n");
+  ExpectError([&] { ReadForces(file_, frames_, 0.0); }, kBadData, {"t.txt: holds 1 times", "2 readings of", "g.npy"});
   EXPECT_EQ(forces.values.col(1), Eigen::Vector3d(4.0, 5.0, 6.0));
 }
 
@@ -109,13 +115,16 @@ TEST_F(ForceFileTest, NamesFaults) {
     Write("f.csv", text);
     ExpectError([&] { ReadForces(file_, frames_, 0.0); }, kBadData, {"f.csv", word.c_str()});
   };
-  expect("", "expected a header");
-  expect("t,x\n1,2\n", "expected a header");
-  expect("time,w\n1,2\n", "column 'w'");
+  expect("", "expected the header 'time,x,y,z'");
+  expect("t,x\n1,2\n", ":1: column 'time'");
+  expect("time,w\n1,2\n", ":1: expected a column of a component, as in 'time,x,y,z', found 'time,w'");
+  expect("time,x,x0\n1,2,3\n", ":1: column 'x0'");
+  expect("time,x\n1,1\n1,1\n", ":3: column 'time': expected a time after 1 s of line 2");
+  expect("time,x\n0,1\n10000000,1\n20000000,1\n", ": times look like nanoseconds");
   expect("time,x1\n1,2\n", "column 'x1'");
   expect("time,x\n1\n", ":2: expected 2 cells");
-  expect("time,x\na,1\n", ":2: expected a time");
-  expect("time,x\n1,b\n", ":2: expected a force");
+  expect("time,x\na,1\n", ":2: column 'time'");
+  expect("time,x\n1,b\n", ":2: column 'x'");
   expect("time,x\n3,1\n4,1\n", "another time offset");
   Write("f.csv", "time,x\n1,1\n");
   file_.sigma = 0.0;

@@ -121,8 +121,9 @@ TEST_F(ImportTest, TakesTimesFromElsewhere) {
   EXPECT_DOUBLE_EQ(ImportMotion(tracks_, options_).times[59], 5.9);
   options_.edit.times[7] = 0.0;
   ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"frame 7"});
+  options_.edit.times_name = "t.txt";
   options_.edit.times = Eigen::VectorXd::Zero(3);
-  ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"60 times", "found 3"});
+  ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"t.txt: expected 60 times", "of capture.csv", "found 3"});
 }
 
 // A frame that is missing leaves a gap of time, not frames that come too early.
@@ -146,6 +147,19 @@ TEST_F(ImportTest, NumbersOfFramesGiveTimes) {
   ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"capture.csv: ", "60 files leave out 941"});
 }
 
+// Other formats may hold them, a recording not.
+TEST_F(ImportTest, NamesTheUnitOfTimesThatAreNoSeconds) {
+  options_.edit.times = 1e9 * tracks_.times;
+  options_.edit.times_name = "stamps.npy";
+  ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData,
+              {"stamps.npy: times look like nanoseconds", "divide by 1e9"});
+  EXPECT_EQ(EditTracks(tracks_, options_.edit).tracks.times, options_.edit.times);
+  options_.edit.times *= 1e-3;
+  ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"stamps.npy: times look like microseconds"});
+  options_.edit.time_scale = 1e-6;
+  EXPECT_TRUE(ImportMotion(tracks_, options_).times.isApprox(capture_.times, 1e-12));
+}
+
 TEST_F(ImportTest, ReadsTimesOfFrames) {
   EXPECT_EQ(ReadTimes(folder_.Write("times.txt", "0\n 0.5 \r\n\n1e0\n")), Eigen::Vector3d(0, 0.5, 1));
   const auto expect_bad = [&](const std::string& text, const char* fragment) {
@@ -154,6 +168,7 @@ TEST_F(ImportTest, ReadsTimesOfFrames) {
   };
   expect_bad("0\n1 2\n", ":2");
   expect_bad("0\nnan\n", ":2");
+  expect_bad("0\n1\n1\n", ":3: column 'time': expected a time after 1 s of line 2, found '1'");
   expect_bad("\n", "at least one");
   ExpectError([&] { ReadTimes(folder_.File("absent")); }, ErrorKind::kIo, {"absent"});
 }
@@ -292,6 +307,7 @@ TEST_F(ImportTest, ReadsMapsOfPoints) {
                                        {"id,node\n\"1,1\n", ":2: expected quoted cells"},
                                        {"id,node\n64,1\n", ":2"},
                                        {"id,node\n1,64\n", "0 to 63"},
+                                       {"id,node,face,b0,b1,b2\n1,1,1,1,0,0\n", ":1: expected a column 'node' or"},
                                        {"id,node\n1,1\n1,2\n", ":3"},
                                        {"id,face,b0,b1,b2\n1,2,0.5,0.5,0.5\n", "sum to 1"},
                                        {"id,face,b0,b1,b2\n1,98,1,0,0\n", "0 to 97"},

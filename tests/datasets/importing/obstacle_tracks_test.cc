@@ -153,7 +153,7 @@ TEST_F(ObstacleTracksTest, RefusesWhatDoesNotFit) {
       "twice.csv",
       "%time,p.position.x,p.position.y,p.position.z,"
       "p.orientation.x,p.orientation.y,p.orientation.z,p.orientation.w\n0,0,0,0,0,0,0,1\n0,0,0,0,0,0,0,1\n");
-  ExpectError([&] { convert({{"bar", twice}}); }, kBadData, {"twice.csv: row 1", "time"});
+  ExpectError([&] { convert({{"bar", twice}}); }, kBadData, {"twice.csv:3: row 1", "time"});
 }
 
 // A cube that a capture sees, from another frame of reference: it grows, or goes the way of the bar.

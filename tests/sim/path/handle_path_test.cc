@@ -176,16 +176,17 @@ TEST(ReadHandleCsv, NamesFileAndLine) {
     const std::string path = folder.Write("h.csv", content);
     ExpectError([&] { ReadHandleCsv(path, 1); }, ErrorKind::kBadData, fragments);
   };
-  expect("time,x0,y0\n", {"h.csv:1: ", "time,x0,y0,z0"});
-  expect("time,x0,y0,z0\n0,1,2,3\n1,2,3\n", {"h.csv:3: ", "4 finite numbers"});
-  expect("time,x0,y0,z0\n0,1,2,3,4\n", {"h.csv:2: ", "4 finite numbers"});
-  expect("time,x0,y0,z0\n0,1,,3\n", {"h.csv:2: ", "4 finite numbers"});
-  expect("time,x0,y0,z0\n0,1,nan,3\n", {"h.csv:2: ", "4 finite numbers"});
-  expect("time,x0,y0,z0\n0,1,2 5,3\n", {"h.csv:2: ", "4 finite numbers"});
+  expect("time,x0,y0\n", {"h.csv:1: ", "column 'z0'", "time,x0,y0,z0"});
+  expect("time,x0,y0,z0,x1\n", {"h.csv:1: column 'x1': expected no more of these"});
+  expect("time,x0,y0,z0\n0,1,2,3\n1,2,3\n", {"h.csv:3: expected 4 cells"});
+  expect("time,x0,y0,z0\n0,1,2,3,4\n", {"h.csv:2: expected 4 cells"});
+  expect("time,x0,y0,z0\n0,1,,3\n", {"h.csv:2: column 'y0': expected a finite number, found ''"});
+  expect("time,x0,y0,z0\n0,1,nan,3\n", {"h.csv:2: column 'y0'", "'nan'"});
+  expect("time,x0,y0,z0\n0,1,2 5,3\n", {"h.csv:2: column 'y0'", "'2 5'"});
   expect("time,x0,y0,z0\n0,\"1,2,3\n", {"h.csv:2: expected quoted cells to end with a quote"});
   expect("time,\"x\"0,y0,z0\n", {"h.csv:1: expected quoted cells to end with a quote"});
-  expect("time,x0,y0,z0\n1,1,2,3\n0,1,2,3\n", {"h.csv: handle path: time 1"});
-  expect("time,x0,y0,z0\n", {"h.csv: expected a header and at least one row"});
+  expect("time,x0,y0,z0\n1,1,2,3\n0,1,2,3\n", {"h.csv:3: column 'time': expected a time after 1 s of line 2"});
+  expect("time,x0,y0,z0\n", {"h.csv: expected the header 'time,x0,y0,z0' and at least one row"});
   ExpectError([&] { ReadHandleCsv(folder.File("none.csv"), 1); }, ErrorKind::kIo, {"none.csv"});
 }
 

@@ -120,7 +120,9 @@ TEST(RigidPathTest, IsReadFromItsOwnText) {
   EXPECT_EQ(read.positions(), path.positions());
   EXPECT_LE((read.rotations() - path.rotations()).norm(), 1e-15);
   std::ofstream(name) << "time,x,y,z\n0,0,0,0\n";
-  ExpectError([&] { ReadPoseCsv(name); }, ErrorKind::kBadData, {":1: expected the header 'time,x,y,z,qx,qy,qz,qw'"});
+  ExpectError([&] { ReadPoseCsv(name); }, ErrorKind::kBadData, {"path.csv:1: column 'qx'", "as in 'time,x,y,z,qx,qy,qz,qw'"});
+  std::ofstream(name) << "time,x,y,z,qx,qy,qz,qw\n\n0,0,0,0,0,0,0,1\n1,900,0,0,0,0,0,1\n";
+  ExpectError([&] { ReadPoseCsv(name); }, ErrorKind::kBadData, {"path.csv:4: row 1: the path jumps"});
 }
 
 TEST(PlacementTest, MovesThePathAsItSays) {

@@ -102,6 +102,46 @@ TEST_F(ConvertTest, SaysWhatATableIsInstead) {
   ExpectRefused("motion convert '' out.npy", 1, "convert: expected a file to read and one to write");
 }
 
+// A fault of a table has one exit code, whatever the table is of, and names the line of its origin.
+TEST_F(ConvertTest, ErrorsNameTheTableTheyAreOf) {
+  WriteBytes(folder() / "head.csv", "when,x0\n0,0\n");
+  WriteBytes(folder() / "twice.txt", "0\n0.1\n0.1\n");
+  WriteBytes(folder() / "short.txt", "0\n0.1\n");
+  WriteBytes(folder() / "stamps.txt", "0\n100000000\n200000000\n");
+  WriteBytes(folder() / "forces.csv", "time,z\n0,1\n0,1\n0.1,1\n");
+  const std::string command = kConvert;
+  for (const char* flag : {"--handles", "--map", "--times", "--force_sigma 1 --forces", "--obstacle ball="}) {
+    const std::string separator = std::string(flag).back() == '=' ? "" : " ";
+    WriteBytes(folder() / "scene.json", R"({"clothid_scene": 2, "handles": [0], "obstacles": [
+        {"name": "ball", "type": "sphere", "center": [0, 0, -1], "radius": 0.1}]})");
+    ExpectRefused(command + " " + flag + separator + "head.csv", 2, "head.csv:1: ");
+  }
+  ExpectRefused("motion convert head.csv out.npy", 2, "head.csv:1: ");
+  ExpectRefused(command + " --times twice.txt", 2, "twice.txt:3: ");
+  ExpectRefused(command + " --times short.txt", 2, "short.txt: expected 3 times, one per frame of grid.csv, found 2");
+  ExpectRefused(command + " --times stamps.txt", 2, "stamps.txt: times look like nanoseconds");
+  ExpectSuccess(command + " --times stamps.txt --time_scale 1e-9");
+  ExpectRefused(command + " --forces forces.csv --force_sigma 1", 2, "forces.csv:3: ");
+}
+
+TEST_F(ConvertTest, TellsWhatItMadeOfTablesAndRates) {
+  WriteBytes(folder() / "times.txt", "frame;time\n0;0,0\n1;0,1\n2;0,2\n");
+  const ToolResult told = Run(std::string(kConvert) + " --times times.txt");
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_EQ(told.err,
+            "motion: times.txt: note: cells stand between ';', commas in numbers are taken for decimal marks\n");
+  EXPECT_EQ(Run(kConvert).err, "");
+  ExpectSuccess("motion convert grid.csv points.pc2");
+  std::string cache = ReadBytes(folder() / "points.pc2");
+  EXPECT_EQ(Run("motion convert points.pc2 out.csv --frame_rate 25").err, "");
+  cache.replace(24, 4, std::string("\x00\x00\xf0\x41", 4));  // 30
+  WriteBytes(folder() / "points.pc2", cache);
+  EXPECT_NE(Run("motion convert points.pc2 out.csv --frame_rate 25").err.find(
+                "points.pc2: note: its header has a sample rate of 30"),
+            std::string::npos);
+  EXPECT_EQ(Run("motion convert points.pc2 out.csv --frame_rate 30").err, "");
+}
+
 TEST_F(ConvertTest, RefusesToReplaceItsInputs) {
   ExpectSuccess(kConvert);
   std::filesystem::create_symlink("cloth.bin", folder() / "link.bin");
