@@ -5,8 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <optional>
 #include <numeric>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 

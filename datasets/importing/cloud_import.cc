@@ -322,6 +322,7 @@ MotionTensors ImportClouds(const CloudImportOptions& options, double* time_shift
   motion.clouds = ReadClouds(options, files);
   if (files.size() == 1) clock = TimesOfClouds(options, files, motion.clouds.size());
   motion.times = clock.tracks.times;
+  if (options.frame_rate == 0.0) ExpectSeconds(motion.times, clock.tracks.times_name);
   if (time_shift != nullptr) *time_shift = clock.time_shift;
   motion.cloud_sigma = options.sigma;
   motion.single_precision_clouds = options.single_precision;

@@ -25,7 +25,7 @@ struct TrackEdit {
   double scale = 1.0;
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // of positions in m
   Eigen::VectorXd times;                                        // [T] of every frame in the file; empty: not given
-  std::string times_name;             // for messages: the file of `times`
+  std::string times_name;                                       // for messages: the file of `times`
   Eigen::VectorXd times_since_first;  // [T] see FrameTimes (clock_times.h); empty: `times` less the first of them
   double frame_rate = 0.0;            // Hz; 0: not given
   double time_scale = 1.0;

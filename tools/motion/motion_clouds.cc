@@ -69,7 +69,7 @@ CloudImportOptions OptionsFromFlags(const std::string& input) {
     options.times = times.times;
     options.times_since_first = times.since_first;
   }
-  if (FLAGS_times != kNameTimes) options.times_name = FLAGS_times;
+  options.times_name = TimesNameFromFlags();
   options.time_scale = FLAGS_time_scale;
   options.start_at = StartFromFlags();
   options.missing = MissingValues::Parse(FLAGS_missing, "--missing");

@@ -134,7 +134,7 @@ TrackEdit EditFromFlags(const std::string& input) {
     edit.times = times.times;
     edit.times_since_first = times.since_first;
   }
-  edit.times_name = FLAGS_times;
+  edit.times_name = TimesNameFromFlags();
   edit.frame_rate = FLAGS_frame_rate;
   edit.time_scale = FLAGS_time_scale;
   edit.start_at = StartFromFlags();

@@ -12,10 +12,17 @@ DECLARE_string(transform);
 DECLARE_bool(invert_transform);
 
 namespace clothid {
+namespace {
+
+constexpr char kNames[] = "names";
+
+}  // namespace
 
 FrameTimes FrameTimesFromFlags(const std::vector<std::string>& files) {
-  return FLAGS_times == "names" ? TimesOfNames(files) : ReadFrameTimes(FLAGS_times);
+  return FLAGS_times == kNames ? TimesOfNames(files) : ReadFrameTimes(FLAGS_times);
 }
+
+std::string TimesNameFromFlags() { return FLAGS_times == kNames ? std::string() : FLAGS_times; }
 
 std::optional<double> StartFromFlags() {
   if (FLAGS_start_at.empty()) return std::nullopt;

@@ -13,6 +13,8 @@ namespace clothid {
 
 // Of --times, which is given: a file, or the word "names" for those in the names of `files`.
 FrameTimes FrameTimesFromFlags(const std::vector<std::string>& files);
+// That file, for messages; empty without one.
+std::string TimesNameFromFlags();
 
 // --start_at, s. Throws `Error` (kUsage).
 std::optional<double> StartFromFlags();

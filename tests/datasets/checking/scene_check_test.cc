@@ -133,8 +133,8 @@ TEST(SceneCheck, MeasuresAFreeFall) {
   ExpectWarning(FreeFall(20.0), "energy", "--frame_rate");
 }
 
-// A strip of 5 x 9 nodes, 0.2 m x 0.4 m, that hangs from its upper edge at `tilt` degrees from level, let go and seen for
-// two seconds; by a clock that shows `clock` of the time that went by, the handles measured like all points.
+// A strip of 5 x 9 nodes, 0.2 m x 0.4 m, that hangs from its upper edge at `tilt` degrees from level, let go and seen
+// for two seconds; by a clock that shows `clock` of the time that went by, the handles measured like all points.
 MotionTensors LetGo(double tilt, double clock, double noise) {
   const double angle = tilt * 3.14159265358979 / 180.0;
   const nlohmann::json text = {

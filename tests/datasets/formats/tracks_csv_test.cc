@@ -67,8 +67,8 @@ TEST_F(TracksCsvTest, TakesEmptyCellsAndNanForMissing) {
 
 // As C3D files tell it.
 TEST_F(TracksCsvTest, TakesANegativeResidualForMissing) {
-  const PointTracks tracks =
-      Read("t,id,x,y,z,residual\n0,0,0,0,0,-1\n0,1,1,2,3,0.4\n1,0,4,5,6,0\n1,1,7,8,9, -0.5 \n2,0,1,1,1,\n2,1,2,2,2,?\n");
+  const PointTracks tracks = Read(
+      "t,id,x,y,z,residual\n0,0,0,0,0,-1\n0,1,1,2,3,0.4\n1,0,4,5,6,0\n1,1,7,8,9, -0.5 \n2,0,1,1,1,\n2,1,2,2,2,?\n");
   EXPECT_TRUE(tracks.positions.col(0).head(3).array().isNaN().all());
   EXPECT_TRUE(tracks.positions.col(1).tail(3).array().isNaN().all());
   EXPECT_EQ(tracks.positions.array().isNaN().count(), 6);

@@ -123,7 +123,8 @@ TEST_F(ImportTest, TakesTimesFromElsewhere) {
   ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"frame 7"});
   options_.edit.times_name = "t.txt";
   options_.edit.times = Eigen::VectorXd::Zero(3);
-  ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData, {"t.txt: expected 60 times", "of capture.csv", "found 3"});
+  ExpectError([&] { ImportMotion(tracks_, options_); }, kBadData,
+              {"t.txt: expected 60 times", "of capture.csv", "found 3"});
 }
 
 // A frame that is missing leaves a gap of time, not frames that come too early.

@@ -136,8 +136,8 @@ TEST_F(ConvertTest, TellsWhatItMadeOfTablesAndRates) {
   EXPECT_EQ(Run("motion convert points.pc2 out.csv --frame_rate 25").err, "");
   cache.replace(24, 4, std::string("\x00\x00\xf0\x41", 4));  // 30
   WriteBytes(folder() / "points.pc2", cache);
-  EXPECT_NE(Run("motion convert points.pc2 out.csv --frame_rate 25").err.find(
-                "points.pc2: note: its header has a sample rate of 30"),
+  EXPECT_NE(Run("motion convert points.pc2 out.csv --frame_rate 25")
+                .err.find("points.pc2: note: its header has a sample rate of 30"),
             std::string::npos);
   EXPECT_EQ(Run("motion convert points.pc2 out.csv --frame_rate 30").err, "");
 }
