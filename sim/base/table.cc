@@ -24,6 +24,15 @@ void DropEmptyEnd(std::size_t least, std::vector<std::string>* cells) {
   while (cells->size() > least && cells->back().empty()) cells->pop_back();
 }
 
+// In the rows of tables that hold numbers and their names, blanks within quotes mean nothing: " 1" is 1.
+bool SplitTrimmed(std::string_view line, char separator, std::vector<std::string>* cells) {
+  if (!SplitCells(line, separator, cells)) return false;
+  for (std::string& cell : *cells) {
+    if (const std::string_view trimmed = Trimmed(cell); trimmed.size() < cell.size()) cell = std::string(trimmed);
+  }
+  return true;
+}
+
 // "[mm]" and "(mm)" are mm, "-" is no unit.
 std::string_view WithoutBrackets(std::string_view unit) {
   if (unit == "-") return {};
@@ -81,7 +90,7 @@ Table::Table(const std::string& path, std::string text, std::string example, Hea
   header_line_ = line_;
   separator_ = SeparatorOf(*line);
   numbers_ = CellNumbers(separator_);
-  if (!SplitCells(*line, separator_, &header_)) Fail(kExpectedQuotes);
+  if (!SplitTrimmed(*line, separator_, &header_)) Fail(kExpectedQuotes);
   if (header == HeaderLine::kOptional && CellNumbers(separator_).Parse(header_[0])) {
     header_ = Split(example_, ',');
     rest_ = text_;
@@ -114,7 +123,7 @@ std::size_t Table::Require(std::string_view name) const {
 
 bool Table::NextRow() {
   while (const std::optional<std::string_view> line = TakeFilledLine()) {
-    if (!SplitCells(*line, separator_, &cells_)) Fail(kExpectedQuotes);
+    if (!SplitTrimmed(*line, separator_, &cells_)) Fail(kExpectedQuotes);
     if (std::all_of(cells_.begin(), cells_.end(), [](const std::string& cell) { return cell.empty(); })) continue;
     ExpectCellsOfHeader(*line);
     return true;
@@ -190,7 +199,7 @@ void Table::TakeUnits() {
   const std::string_view rest = rest_;
   const int header_line = line_;
   const std::optional<std::string_view> line = TakeFilledLine();
-  if (line && SplitCells(*line, separator_, &units_)) {
+  if (line && SplitTrimmed(*line, separator_, &units_)) {
     const bool has_numbers = std::any_of(units_.begin(), units_.end(), [&](const std::string& cell) {
       return CellNumbers(separator_).Parse(cell).has_value();
     });

@@ -2,9 +2,9 @@
 //
 // The first line that is not empty is the header, which names the columns in any order; letter case does not matter,
 // and columns that nobody asks for are passed over. Then come the rows; those without anything in them are left out.
-// Cells (csv_row.h) stand between commas, semicolons or tabs, whichever the header has. Where it has no commas, a
-// number may have a decimal comma: all of them, or none. A row of units may follow the header, as s,m,m,m; its columns
-// are converted to s, m and N. Empty cells at the end of a line do not count.
+// Cells (csv_row.h; blanks within quotes are passed over) stand between commas, semicolons or tabs, whichever the header
+// has. Where it has no commas, a number may have a decimal comma: all of them, or none. A row of units may follow the
+// header, as s,m,m,m; its columns are converted to s, m and N. Empty cells at the end of a line do not count.
 #ifndef CLOTHID_SIM_BASE_TABLE_H_
 #define CLOTHID_SIM_BASE_TABLE_H_
 

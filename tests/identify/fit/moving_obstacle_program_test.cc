@@ -106,7 +106,7 @@ TEST_F(MovingObstacleProgramTest, WrongPathsAreOneLineEach) {
   expect({{0, 0, 0, 0, 0, 0, 0, 2}}, "row 0: expected a quaternion");
   expect(Json::array(), "at least one pose");
   WriteBytes(folder() / "bad.csv", "time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n0,0,0,0,0,0,0,1\n");
-  expect("bad.csv", "bad.csv: row 1: expected a finite time above the one before it");
+  expect("bad.csv", "bad.csv:3: column 'time': expected a time after 0 s of line 2, found '0'");
   bar.erase("path");
   WriteScene(scene_, "still.json");
   ExpectRefused("simulate --scene still.json --set bar.shift.x=0.1 --output x.bin", 1, "the scene has no such term");
