@@ -1,6 +1,6 @@
 // node mujoco_flex.mjs MODEL.xml SECONDS RATE [POSES.json]: simulates a cloth of MuJoCo and prints the positions of its
-// nodes at the start and RATE times a second as JSON. POSES.json has a row per step, data.mocap_pos and data.mocap_quat
-// of one body that is moved: x, y, z, qw, qx, qy, qz.
+// nodes at the start and RATE times a second as JSON. POSES.json has a row per step, x, y, z, qw, qx, qy, qz of every
+// body that is moved (data.mocap_pos and data.mocap_quat), behind each other.
 import {readFileSync} from 'fs';
 import load from '@mujoco/mujoco';
 
@@ -17,8 +17,8 @@ for (let frame = 0; frame < Math.round(Number(seconds) * Number(rate)); ++frame)
   for (let step = 0; step < numSteps; ++step) {
     const pose = poses[frame * numSteps + step];
     if (pose) {
-      data.mocap_pos.set(pose.slice(0, 3));
-      data.mocap_quat.set(pose.slice(3));
+      data.mocap_pos.set(pose.filter((_, i) => i % 7 < 3));
+      data.mocap_quat.set(pose.filter((_, i) => i % 7 >= 3));
     }
     mujoco.mj_step(model, data);
   }

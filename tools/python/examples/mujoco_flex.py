@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import clothid
 import numpy as np
@@ -37,10 +37,22 @@ def model_of(scene: Dict[str, Any], parameters: Dict[str, float], time_step: flo
     return text.replace('condim="3"/>', f'condim="3" solref="{time_constant:g} 1"/>')
 
 
+def with_moving_handles(model: str, handles: List[int]) -> Tuple[str, NDArray[np.float64]]:
+    """The model with the nodes `handles` as bodies that `poses` moves, and where they start, (H, 3) m, in the order of
+    their poses."""
+    starts = []
+    for node in handles:
+        found = re.search(f'<body name="n{node}" pos="([^"]*)">', model)
+        assert found is not None
+        starts.append([float(number) for number in found.group(1).split()])
+        model = model.replace(found.group(0), found.group(0)[:-1] + ' mocap="true">')
+    return model, np.array(starts)
+
+
 def positions_of(model: str, seconds: float, folder: pathlib.Path,
                  poses: Optional[NDArray[np.float64]] = None) -> NDArray[np.float64]:
-    """Positions of the nodes, (T, N, 3) m, in the order of the scene. folder: where npm has put MuJoCo. poses: (S, 7),
-    x, y, z, qw, qx, qy, qz of the obstacle that moves, if there is one, at the start of every step."""
+    """Positions of the nodes, (T, N, 3) m, in the order of the scene. folder: where npm has put MuJoCo. poses: (S, 7 M),
+    x, y, z, qw, qx, qy, qz of every body that moves, in their order, at the start of every step."""
     flex = xml.etree.ElementTree.fromstring(model).find("deformable/flex")
     assert flex is not None
     order = [int(name[1:]) for name in flex.attrib["body"].split()]  # n5 is node 5
