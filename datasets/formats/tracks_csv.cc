@@ -135,7 +135,7 @@ class TracksCsvReader {
 };
 
 std::string CsvCell(const std::string& label) {
-  if (label.find_first_of(",\"") == std::string::npos && WithoutBlanks(label) == label) return label;
+  if (label.find_first_of(",\"") == std::string::npos && Trimmed(label) == label) return label;
   std::string quoted = "\"";
   for (const char c : label) quoted.append(c == '"' ? 2 : 1, c);
   return quoted + '"';
