@@ -187,6 +187,16 @@ std::unordered_map<Place, int, PlaceHash> Counts(const Eigen::Matrix3Xd& cloud) 
   return counts;
 }
 
+// How many points a place of a cloud has: in the median of the clouds, for one of which nothing was seen has but one.
+double UsualCopies(const std::vector<Eigen::Matrix3Xd>& clouds) {
+  std::vector<double> copies;
+  for (const Eigen::Matrix3Xd& cloud : clouds) {
+    if (cloud.cols() > 0)
+      copies.push_back(static_cast<double>(cloud.cols()) / static_cast<double>(Counts(cloud).size()));
+  }
+  return copies.empty() ? 1.0 : Median(std::move(copies));
+}
+
 // The points of a cloud that are far from the others, if they are few.
 std::vector<Place> FarPoints(const Eigen::Matrix3Xd& cloud) {
   const Eigen::Vector3d middle(Median(cloud.row(0).transpose()), Median(cloud.row(1).transpose()),
@@ -209,11 +219,11 @@ Repeats RepeatsOfClouds(const std::vector<Eigen::Matrix3Xd>& clouds) {
     repeat.count += count;
     repeat.frames.insert(static_cast<int>(frame));
   };
+  const double usual = UsualCopies(clouds);
   for (std::size_t frame = 0; frame < clouds.size(); ++frame) {
     if (clouds[frame].cols() == 0) continue;
     const auto counts = Counts(clouds[frame]);
     const auto num_points = static_cast<double>(clouds[frame].cols());
-    const double usual = num_points / static_cast<double>(counts.size());
     const double least = std::max({1.0 * kFewestRepeats, kLeastShare * num_points, kCopies * usual});
     for (const auto& [place, count] : counts) {
       if (count >= least) add(place, count, frame, &crowded);

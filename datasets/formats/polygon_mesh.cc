@@ -36,8 +36,9 @@ PolygonTriangles CutWhereSeen(const std::vector<int>& corners, const Eigen::Matr
 [[noreturn]] void FailOnPolygon(const std::string& path, const PolygonMesh& mesh, std::size_t face) {
   const std::string place =
       mesh.lines.empty() ? ": face " + std::to_string(face) : ":" + std::to_string(mesh.lines[face]);
-  FailOnData(path + place, "the polygon of " + std::to_string(mesh.sizes[face]) +
-                               " corners crosses itself, or has no area; expected one that can be cut into triangles");
+  FailOnData(path + place,
+             "the polygon of " + std::to_string(mesh.sizes[face]) +
+                 " corners crosses or touches itself, or has no area; expected one that can be cut into triangles");
 }
 
 }  // namespace

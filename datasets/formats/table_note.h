@@ -6,8 +6,8 @@
 
 namespace clothid {
 
-// `Table::note` (sim/base/table.h) by the first lines of a file. Empty for plain tables and for what is no table: a
-// file of another extension than that of text, or that cannot be read.
+// `Table::note` (sim/base/table.h) by the first lines of a file; of a TRC file, that it has decimal commas. Empty for
+// plain tables and for what is no table: a file of another extension than that of text, or that cannot be read.
 std::string TableNote(const std::string& path);
 
 }  // namespace clothid

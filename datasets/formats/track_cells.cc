@@ -8,12 +8,6 @@
 
 namespace clothid {
 
-std::string_view WithoutBlanks(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") + 1 - first);
-}
-
 std::optional<double> ParseCoordinate(std::string_view cell) {
   if (cell.empty() || IsNanWord(cell)) return std::numeric_limits<double>::quiet_NaN();
   return ParseNumber(cell);

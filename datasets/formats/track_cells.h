@@ -8,9 +8,6 @@
 
 namespace clothid {
 
-// `text` without the blanks and tabs at its ends.
-std::string_view WithoutBlanks(std::string_view text);
-
 // A coordinate: a finite number, or NaN for an empty cell and for the word "nan" in any letter case; else nothing.
 std::optional<double> ParseCoordinate(std::string_view cell);
 

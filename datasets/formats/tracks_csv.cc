@@ -64,7 +64,7 @@ class TracksCsvReader {
     for (std::size_t k = 0; k < 3; ++k) {
       sample.position[k] = table_.NumberOrNothing(places_[kX + k], Quantity::kLength);
     }
-    if (residual_ && ParseNumber(Trimmed(table_.cell(*residual_))).value_or(0.0) < 0.0) {
+    if (residual_ && ParseNumber(table_.Digits(*residual_)).value_or(0.0) < 0.0) {
       sample.position.fill(std::numeric_limits<double>::quiet_NaN());
     }
     samples_.push_back(sample);
@@ -135,7 +135,7 @@ class TracksCsvReader {
 };
 
 std::string CsvCell(const std::string& label) {
-  if (label.find_first_of(",\"") == std::string::npos && WithoutBlanks(label) == label) return label;
+  if (label.find_first_of(",\"") == std::string::npos && Trimmed(label) == label) return label;
   std::string quoted = "\"";
   for (const char c : label) quoted.append(c == '"' ? 2 : 1, c);
   return quoted + '"';

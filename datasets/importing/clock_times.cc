@@ -2,18 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 
-#include "datasets/importing/track_edit.h"
+#include "datasets/formats/npy_tracks.h"
 #include "sim/base/error.h"
 #include "sim/base/npy_file.h"
+#include "sim/base/table.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
 namespace {
 
+constexpr std::uint64_t kMaxTimesBytes = std::uint64_t{1} << 28;
 constexpr double kMostWhole = 4e18;        // differences of which are a long long, too
-constexpr double kRounding = 1e-15;        // relative, of differences of doubles
 constexpr std::size_t kSecondDigits = 10;  // of a time since 1970
 constexpr std::size_t kNanosecondDigits = 9;
 
@@ -63,21 +65,34 @@ std::optional<FrameTimes> IntegerTimes(const std::string& path) {
   if (array.shape.size() != 1 || array.values.empty()) FailOnData(path, "expected an array of shape (T)");
   std::vector<ClockTime> stamps;
   for (const long long value : array.values) stamps.emplace_back(value);
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    if (array.values[i] > array.values[i - 1]) continue;
+    FailOnData(path, "the time of frame " + std::to_string(i) + ", " + std::to_string(array.values[i]) +
+                         ", is not after the one before it, " + std::to_string(array.values[i - 1]));
+  }
   FrameTimes result;
   result.since_first = SinceFirst(stamps);
   result.times = Eigen::Map<const VectorXll>(array.values.data(), result.since_first.size()).cast<double>();
   return result;
 }
 
-// One per line of a text that is a number.
-std::vector<ClockTime> TimesOfLines(const std::string& path) {
-  const std::string text = ReadText(path, kMaxTimesBytes);
-  std::string_view rest = text;
-  std::vector<ClockTime> times;
-  while (const std::optional<std::string_view> line = TakeLine(&rest)) {
-    if (const std::optional<ClockTime> time = ParseClockTime(Trimmed(*line))) times.push_back(*time);
+FrameTimes TimesOfTable(const std::string& path) {
+  Table table(path, ReadText(path, kMaxTimesBytes), "time", HeaderLine::kOptional);
+  const std::optional<std::size_t> short_name = table.Find("t");
+  const std::size_t column = short_name ? *short_name : table.Require("time");
+  std::vector<double> times;
+  std::vector<ClockTime> stamps;
+  while (table.NextRow()) {
+    times.push_back(table.LaterTime(column));
+    const std::optional<ClockTime> stamp = ParseClockTime(table.Digits(column));
+    if (!stamp) table.FailAt(column, "a finite number");
+    stamps.push_back(*stamp);
   }
-  return times;
+  if (times.empty()) table.FailWithoutRows();
+  FrameTimes result;
+  result.times = Eigen::Map<Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
+  result.since_first = SinceFirst(stamps) / table.UnitsPerSi(column, Quantity::kTime);
+  return result;
 }
 
 }  // namespace
@@ -111,21 +126,14 @@ Eigen::VectorXd SinceFirst(const std::vector<ClockTime>& times) {
 }
 
 FrameTimes ReadFrameTimes(const std::string& path) {
-  const bool is_array = std::filesystem::path(path).extension() == ".npy";
-  if (is_array) {
-    if (const std::optional<FrameTimes> integers = IntegerTimes(path)) return *integers;
-  }
+  if (std::filesystem::path(path).extension() != ".npy") return TimesOfTable(path);
+  if (const std::optional<FrameTimes> integers = IntegerTimes(path)) return *integers;
   FrameTimes result;
-  result.times = ReadTimes(path);
-  if (is_array) return result;
-  const std::vector<ClockTime> lines = TimesOfLines(path);
-  if (static_cast<Eigen::Index>(lines.size()) != result.times.size()) return result;
-  const Eigen::VectorXd since = SinceFirst(lines);
-  const double rounding = kRounding * result.times.cwiseAbs().maxCoeff();
-  const bool is_same = ((result.times.array() - result.times[0]) - since.array()).abs().maxCoeff() <= rounding;
-  if (is_same) result.since_first = since;
+  result.times = ReadNpyTimes(path);
   return result;
 }
+
+Eigen::VectorXd ReadTimes(const std::string& path) { return ReadFrameTimes(path).times; }
 
 FrameTimes TimesOfNames(const std::vector<std::string>& paths) {
   std::vector<ClockTime> stamps;

@@ -32,9 +32,11 @@ struct FrameTimes {
   Eigen::VectorXd since_first;  // [T] times less the first, subtracted before they were rounded; empty: as `times` are
 };
 
-// ReadTimes (datasets/importing/track_edit.h) with every digit: also of a .npy array of integers, and of a text with
-// one number per line.
+// Times, which increase: a .npy array of shape (T), of integers, too; else a table (sim/base/table.h) with a column
+// `time` or `t`, or with one column and no header. Integers and decimals keep every digit. Throws `Error`: kIo, or
+// kBadData naming file and line.
 FrameTimes ReadFrameTimes(const std::string& path);
+Eigen::VectorXd ReadTimes(const std::string& path);
 
 // The times, in s, that files have by their names: the last number in each, "cloud_0.25.ply", "1700000000.033333.npy".
 // Integers of 13, 16 and 19 digits are ms, us and ns since 1970; "1700000000_033333000" is s and ns. Throws `Error`

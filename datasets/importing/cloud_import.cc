@@ -53,7 +53,7 @@ bool EndsIn(const std::string& path, const std::string& extension) {
   return own == extension;
 }
 
-// Beside clouds of the one kind may lie a file of the other: times, or a mesh.
+// Beside clouds of the one kind may lie one file of the other: times, or a mesh.
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> arrays, meshes;
@@ -64,6 +64,11 @@ std::vector<std::string> FilesOfFolder(const std::string& folder) {
     if (EndsIn(name, ".ply")) meshes.push_back(name);
   }
   if (error) throw Error(ErrorKind::kIo, folder + ": cannot be read: " + error.message());
+  if (arrays.size() > 1 && meshes.size() > 1) {
+    FailOnData(folder, "holds " + std::to_string(arrays.size()) + " .npy and " + std::to_string(meshes.size()) +
+                           " .ply files; expected frames of one kind, or a pattern such as '" +
+                           (fs::path(folder) / "*.ply").string() + "'");
+  }
   std::vector<std::string> files = arrays.size() < 2 && !meshes.empty() ? meshes : arrays;
   if (!files.empty()) ExpectOneSequence(folder, files);
   for (std::string& file : files) file = (fs::path(folder) / file).string();

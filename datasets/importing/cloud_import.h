@@ -19,9 +19,9 @@ inline constexpr int kMaxCloudFiles = 100000;
 inline constexpr int kMaxCloudColumns = 32;
 
 struct CloudImportOptions {
-  // A folder, every .npy file of which is a frame, or every .ply file where there are not two .npy; a pattern of file
-  // names with *, ? or #; or one .npy file with all frames. Frames are in the order of the names, numbers in them by
-  // their value.
+  // A folder, every .npy file of which is a frame, or every .ply file where there are not two .npy (several of both are
+  // refused); a pattern of file names with *, ? or #; or one .npy file with all frames. Frames are in the order of the
+  // names, numbers in them by their value.
   std::string input;
   std::string scene_path;             // scene.json
   double frame_rate = 0.0;            // Hz, from time 0 on, gaps where the names leave numbers out; or

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/importing/clock_times.h"
 #include "datasets/importing/path_times.h"
-#include "datasets/importing/track_edit.h"
 #include "sim/base/error.h"
 #include "sim/base/npy_file.h"
 #include "sim/base/table.h"

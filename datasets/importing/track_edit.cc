@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "datasets/formats/npy_tracks.h"
 #include "sim/base/error.h"
-#include "sim/base/table.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {
@@ -143,17 +140,6 @@ EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit) {
     result.tracks.times = *edit.start_at + (since.array() - since[0]);
   }
   return result;
-}
-
-Eigen::VectorXd ReadTimes(const std::string& path) {
-  if (std::filesystem::path(path).extension() == ".npy") return ReadNpyTimes(path);
-  Table table(path, ReadText(path, kMaxTimesBytes), "time", HeaderLine::kOptional);
-  const std::optional<std::size_t> short_name = table.Find("t");
-  const std::size_t column = short_name ? *short_name : table.Require("time");
-  std::vector<double> times;
-  while (table.NextRow()) times.push_back(table.LaterTime(column));
-  if (times.empty()) table.FailWithoutRows();
-  return Eigen::Map<Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
 }
 
 }  // namespace clothid

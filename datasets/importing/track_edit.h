@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -14,8 +13,6 @@
 #include "datasets/importing/missing_value.h"
 
 namespace clothid {
-
-inline constexpr std::uint64_t kMaxTimesBytes = std::uint64_t{1} << 28;
 
 // Positions that stand for points not seen become gaps; the others are multiplied by `scale`, then transformed. Times
 // come from `times`, one per frame or per number of a sequence, else from `frame_rate`, else from the file; they are
@@ -54,10 +51,6 @@ Eigen::VectorXd TimesOfNumbers(const Eigen::VectorXd& times, const std::vector<l
 // the file of the times, where these do not fit the frames or do not increase. Points that are seen in part are not
 // seen where axes turn.
 EditedTracks EditTracks(const PointTracks& tracks, const TrackEdit& edit);
-
-// Times, which increase: a .npy array of shape (T); else a table (sim/base/table.h) with a column `time` or `t`, or
-// with one column and no header. Throws `Error`: kIo, or kBadData naming file and line.
-Eigen::VectorXd ReadTimes(const std::string& path);
 
 }  // namespace clothid
 

@@ -88,6 +88,9 @@ std::optional<double> CellNumbers::Parse(const std::string& cell) {
 std::string CellNumbers::LikelyCause(const std::string& cell) const {
   const std::size_t place = cell.find_first_of(".,");
   if (place == std::string::npos || cell.find_first_not_of("0123456789.,eE+-") != std::string::npos) return "";
+  if (cell.find(cell[place] == ',' ? '.' : ',', place) != std::string::npos) {
+    return "; numbers have no marks between thousands";
+  }
   if (separator_ == ',') return cell[place] == ',' ? "; a decimal comma needs ';' or tabs between cells" : "";
   if (mark_ == 0 || cell[place] == mark_) return "";
   return std::string("; the numbers before it have '") + mark_ + "' as their decimal mark";

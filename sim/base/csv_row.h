@@ -21,6 +21,7 @@ bool SplitCells(std::string_view line, char separator, std::vector<std::string>*
 // What else a message expects there.
 inline constexpr char kExpectedQuotes[] = "expected quoted cells to end with a quote before the next cell";
 // And a likely cause of one cell where several were expected.
+inline constexpr char kNoComments[] = "; lines that begin with '#' are no comments here: leave them out";
 inline constexpr char kTornTabs[] = "; did an editor turn its tabs into blanks?";
 
 // Whether `text` is "nan", in any letter case and with any sign.

@@ -18,6 +18,14 @@ std::string InSmallLetters(std::string_view text) {
   return small;
 }
 
+std::string CountOfCells(std::size_t count) { return std::to_string(count) + (count == 1 ? " cell" : " cells"); }
+
+// Why a line with this cell first has another number of cells than it should, or other names.
+std::string CauseOf(const std::vector<std::string>& cells) {
+  if (cells[0].substr(0, 1) == "#") return kNoComments;
+  return cells.size() == 1 && cells[0].find(' ') != std::string::npos ? kTornTabs : "";
+}
+
 std::string NameOf(char separator) { return separator == '\t' ? "tabs" : std::string("'") + separator + "'"; }
 
 void DropEmptyEnd(std::size_t least, std::vector<std::string>* cells) {
@@ -145,6 +153,12 @@ double Table::NumberOrNothing(std::size_t column, Quantity quantity) {
   return InSi(*value, column, quantity);
 }
 
+std::string Table::Digits(std::size_t column) const {
+  std::string digits = cells_[column];
+  if (separator_ != ',') std::replace(digits.begin(), digits.end(), ',', '.');
+  return digits;
+}
+
 double Table::LaterTime(std::size_t column) {
   const double time = Number(column, Quantity::kTime);
   if (last_time_line_ > 0 && !(time > last_time_)) {
@@ -160,10 +174,8 @@ void Table::Fail(const std::string& message) const { FailOnLine(line_, message);
 void Table::FailOnHeader(const std::string& message) const {
   std::string found;
   for (const std::string& cell : header_) found += (found.empty() ? "" : ",") + cell;
-  const bool is_one_cell = header_.size() == 1, has_blanks = found.find(' ') != std::string::npos;
   FailOnLine(header_line_, message + ", as in '" + Printable(example_) + "', found " +
-                               (is_one_cell ? "one cell, '" : "'") + Printable(found) + "'" +
-                               (is_one_cell && has_blanks ? kTornTabs : ""));
+                               (header_.size() == 1 ? "one cell, '" : "'") + Printable(found) + "'" + CauseOf(header_));
 }
 
 void Table::FailAt(std::size_t column, const std::string& expected) const {
@@ -220,27 +232,27 @@ void Table::TakeUnits() {
 void Table::ExpectCellsOfHeader(std::string_view line) {
   DropEmptyEnd(header_.size(), &cells_);
   if (cells_.size() == header_.size()) return;
-  std::string cause;
-  if (cells_.size() == 1) {
-    const char other = SeparatorOf(cells_[0]);
-    if (cells_[0].find(other) != std::string::npos) {
-      cause = "; expected " + NameOf(separator_) + " between cells, as in the header";
-    } else if (cells_[0].find(' ') != std::string::npos) {
-      cause = kTornTabs;
-    }
-  } else if (separator_ == ',' && cells_.size() > header_.size() && line.find('.') == std::string_view::npos) {
+  std::string cause = CauseOf(cells_);
+  if (cause.empty() && cells_.size() == 1 && cells_[0].find(SeparatorOf(cells_[0])) != std::string::npos) {
+    cause = "; expected " + NameOf(separator_) + " between cells, as in the header";
+  } else if (cause.empty() && separator_ == ',' && cells_.size() > header_.size() &&
+             line.find('.') == std::string_view::npos) {
     cause = "; are there decimal commas? They need ';' or tabs between cells";
   }
-  Fail("expected " + std::to_string(header_.size()) + " cells as in the header, found " +
-       std::to_string(cells_.size()) + cause);
+  Fail("expected " + CountOfCells(header_.size()) + " as in the header, found " + std::to_string(cells_.size()) +
+       cause);
+}
+
+double Table::UnitsPerSi(std::size_t column, Quantity quantity) const {
+  if (units_line_ == 0 || units_[column].empty()) return 1.0;
+  const std::optional<Unit> unit = FindUnit(units_[column]);
+  if (unit && unit->quantity == quantity) return unit->per_si;
+  FailOnLine(units_line_, "unit of column '" + Printable(header_[column]) + "': expected " + UnitsOf(quantity) +
+                              ", found '" + Printable(units_[column]) + "'");
 }
 
 double Table::InSi(double value, std::size_t column, Quantity quantity) const {
-  if (units_line_ == 0 || units_[column].empty()) return value;
-  const std::optional<Unit> unit = FindUnit(units_[column]);
-  if (unit && unit->quantity == quantity) return value / unit->per_si;
-  FailOnLine(units_line_, "unit of column '" + Printable(header_[column]) + "': expected " + UnitsOf(quantity) +
-                              ", found '" + Printable(units_[column]) + "'");
+  return value / UnitsPerSi(column, quantity);
 }
 
 void Table::FailOnLine(int line, const std::string& message) const {
@@ -249,6 +261,9 @@ void Table::FailOnLine(int line, const std::string& message) const {
 
 void Table::FailOnNumber(std::size_t column, const std::string& expected) const {
   const std::string& cell = cells_[column];
+  if (cell.substr(0, 1) == "#" && column == 0) {
+    Fail("expected " + expected + ", found '" + Printable(cell) + "'" + kNoComments);
+  }
   Fail("column '" + Printable(header_[column]) + "': expected " + expected + ", found '" + Printable(cell) + "'" +
        numbers_.LikelyCause(cell));
 }

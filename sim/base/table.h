@@ -2,9 +2,10 @@
 //
 // The first line that is not empty is the header, which names the columns in any order; letter case does not matter,
 // and columns that nobody asks for are passed over. Then come the rows; those without anything in them are left out.
-// Cells (csv_row.h; blanks within quotes are passed over) stand between commas, semicolons or tabs, whichever the header
-// has. Where it has no commas, a number may have a decimal comma: all of them, or none. A row of units may follow the
-// header, as s,m,m,m; its columns are converted to s, m and N. Empty cells at the end of a line do not count.
+// Cells (csv_row.h; blanks within quotes are passed over) stand between commas, semicolons or tabs, whichever the
+// header has. Where it has no commas, a number may have a decimal comma: all of them, or none. A row of units may
+// follow the header, as s,m,m,m; its columns are converted to s, m and N. Empty cells at the end of a line do not
+// count.
 #ifndef CLOTHID_SIM_BASE_TABLE_H_
 #define CLOTHID_SIM_BASE_TABLE_H_
 
@@ -52,6 +53,10 @@ class Table {
   double Number(std::size_t column, Quantity quantity);
   // The same, or NaN for an empty cell and for nan.
   double NumberOrNothing(std::size_t column, Quantity quantity);
+  // What the number in a cell is divided by where it is given in s, m or N.
+  double UnitsPerSi(std::size_t column, Quantity quantity) const;
+  // The digits of a cell, with a point for its decimal mark.
+  std::string Digits(std::size_t column) const;
   // A time (s) after that of the row before.
   double LaterTime(std::size_t column);
 

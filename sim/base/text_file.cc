@@ -73,10 +73,12 @@ void StripByteOrderMark(const std::string& path, std::string* start) {
 
 std::optional<std::string_view> TakeLine(std::string_view* rest) {
   if (rest->empty()) return std::nullopt;
-  const std::size_t end = rest->find('\n');
-  std::string_view line = rest->substr(0, end);
-  rest->remove_prefix(end == std::string_view::npos ? rest->size() : end + 1);
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  const auto is_end = [](char c) { return c == '\n' || c == '\r'; };
+  const auto end = static_cast<std::size_t>(std::find_if(rest->begin(), rest->end(), is_end) - rest->begin());
+  const std::string_view line = rest->substr(0, end);
+  rest->remove_prefix(end);
+  if (StartsWith(*rest, "\r\n")) rest->remove_prefix(1);
+  if (!rest->empty()) rest->remove_prefix(1);
   return line;
 }
 

@@ -21,7 +21,7 @@ std::string ReadText(const std::string& path, std::uint64_t max_bytes);
 // The same for the first bytes of a file, which `path` names in an error.
 void StripByteOrderMark(const std::string& path, std::string* start);
 
-// Takes the next line off the front of `rest`, without its end ("\n" or "\r\n"); nothing when `rest` is empty.
+// Takes the next line off the front of `rest`, without its end ("\n", "\r\n" or "\r"); nothing when `rest` is empty.
 std::optional<std::string_view> TakeLine(std::string_view* rest);
 
 // Takes the next word (a run without blanks and tabs) off the front of `rest`; empty when there is none.

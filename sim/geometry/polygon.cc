@@ -30,6 +30,7 @@ class FlatPolygon {
   }
 
   bool has_area() const { return places_.cols() > 0; }
+  double least_area() const { return least_area_; }
 
   // Twice the area of three corners; negative where they turn the other way.
   double Area(int a, int b, int c) const {
@@ -46,6 +47,21 @@ class FlatPolygon {
   double least_area_ = 0.0;
   Eigen::Matrix2Xd places_;  // empty: it has no area
 };
+
+// Whether two sides of it cross, between their ends.
+bool CrossesItself(const FlatPolygon& polygon, int num_corners) {
+  const auto are_apart = [&](int from, int to, int a, int b) {
+    const double of_a = polygon.Area(from, to, a), of_b = polygon.Area(from, to, b);
+    return std::min(of_a, of_b) < -polygon.least_area() && std::max(of_a, of_b) > polygon.least_area();
+  };
+  for (int i = 2; i < num_corners; ++i) {
+    const int end = (i + 1) % num_corners;
+    for (int k = i == num_corners - 1 ? 1 : 0; k + 1 < i; ++k) {
+      if (are_apart(i, end, k, k + 1) && are_apart(k, k + 1, i, end)) return true;
+    }
+  }
+  return false;
+}
 
 // Empty where a triangle turns over.
 std::vector<Triangle> Fan(const FlatPolygon& polygon, int num_corners) {
@@ -90,7 +106,7 @@ std::vector<Triangle> TrianglesOfPolygon(const Eigen::Matrix3Xd& corners) {
   const auto num_corners = static_cast<int>(corners.cols());
   if (num_corners == 3) return {{0, 1, 2}};
   const FlatPolygon polygon(corners);
-  if (!polygon.has_area()) return {};
+  if (!polygon.has_area() || CrossesItself(polygon, num_corners)) return {};
   std::vector<Triangle> triangles = Fan(polygon, num_corners);
   return triangles.empty() ? Ears(polygon, num_corners) : triangles;
 }

@@ -22,6 +22,44 @@ constexpr double kOnALine = 1e-6;
 // What the UV map is read for.
 enum class UvUse { kNone, kWarp, kRest };
 
+// The lines of a file, with those that they go on in: a backslash at the end says so. Where they hold numbers, without
+// the comment after them; names may have '#'.
+class ObjStatements {
+ public:
+  explicit ObjStatements(std::string_view text) : rest_(text) {}
+
+  std::optional<std::string_view> Take() {
+    line_ += num_lines_;
+    num_lines_ = 1;
+    const std::optional<std::string_view> line = TakeLine(&rest_);
+    std::string_view words = line.value_or("");
+    const std::string_view keyword = TakeWord(&words);
+    const bool has_names = keyword == "g";
+    if (!has_names && keyword != "v" && keyword != "vt" && keyword != "f") return line;
+    const auto content = [&](std::string_view text) {
+      return Trimmed(has_names ? text : text.substr(0, text.find('#')));
+    };
+    const auto goes_on = [](std::string_view text) { return !text.empty() && text.back() == '\\'; };
+    if (!goes_on(content(*line))) return content(*line);
+    whole_.assign(content(*line));
+    while (goes_on(whole_)) {
+      whole_.back() = ' ';
+      const std::optional<std::string_view> next = TakeLine(&rest_);
+      if (!next) break;
+      ++num_lines_;
+      whole_.append(content(*next));
+    }
+    return whole_;
+  }
+
+  int line() const { return line_; }  // the first one of what was taken last, from 1 on
+
+ private:
+  std::string_view rest_;
+  std::string whole_;  // what stands in several lines
+  int line_ = 0, num_lines_ = 1;
+};
+
 // Collects the lines of an OBJ file. Of its UV map, where that is asked for.
 class ObjReader {
  public:
@@ -31,9 +69,9 @@ class ObjReader {
 
   Mesh Read() {
     const std::string text = ReadText(path_, kMaxObjBytes);
-    std::string_view rest = text;
-    std::string whole;
-    while (std::optional<std::string_view> line = TakeStatement(&rest, &whole)) {
+    ObjStatements statements(text);
+    while (std::optional<std::string_view> line = statements.Take()) {
+      line_ = statements.line();
       const std::string_view keyword = TakeWord(&*line);
       if (keyword == "v") ReadVertex(*line);
       if (keyword == "vt" && use_ != UvUse::kNone) ReadTextureCoordinates(*line);
@@ -61,32 +99,6 @@ class ObjReader {
     int vertex = 0;
     Eigen::Vector2d uv = Eigen::Vector2d::Zero();
   };
-
-  // The next line, with those that it goes on in: a backslash at its end says so. Where it holds numbers, without the
-  // comment after it; names may have '#'. `whole` holds what stands in several lines.
-  std::optional<std::string_view> TakeStatement(std::string_view* rest, std::string* whole) {
-    line_ += num_lines_;
-    num_lines_ = 1;
-    const std::optional<std::string_view> line = TakeLine(rest);
-    std::string_view words = line.value_or("");
-    const std::string_view keyword = TakeWord(&words);
-    const bool has_names = keyword == "g";
-    if (!has_names && keyword != "v" && keyword != "vt" && keyword != "f") return line;
-    const auto content = [&](std::string_view text) {
-      return Trimmed(has_names ? text : text.substr(0, text.find('#')));
-    };
-    const auto goes_on = [](std::string_view text) { return !text.empty() && text.back() == '\\'; };
-    if (!goes_on(content(*line))) return content(*line);
-    whole->assign(content(*line));
-    while (goes_on(*whole)) {
-      whole->back() = ' ';
-      const std::optional<std::string_view> next = TakeLine(rest);
-      if (!next) break;
-      ++num_lines_;
-      whole->append(content(*next));
-    }
-    return *whole;
-  }
 
   // Names that the next triangles have, of one keyword.
   struct OpenGroups {
@@ -211,7 +223,7 @@ class ObjReader {
     std::vector<std::array<int, 3>> triangles = TrianglesOfPolygon(places);
     if (triangles.empty()) {
       FailHere("the polygon of " + std::to_string(corners.size()) +
-               " corners crosses itself, or has no area; expected one that can be cut into triangles");
+               " corners crosses or touches itself, or has no area; expected one that can be cut into triangles");
     }
     return triangles;
   }
@@ -241,7 +253,7 @@ class ObjReader {
   const UvUse use_;
   FaceGroups* const groups_;  // null: not asked for
   const Eigen::Matrix3Xi* const like_;
-  int line_ = 0, num_lines_ = 1;          // the first line of a statement, and how many it has
+  int line_ = 0;                          // the first one of a statement
   OpenGroups group_, material_;           // of `g`, of `usemtl`
   std::vector<double> coordinates_, uv_;  // of vertices, three each, and of `vt` lines, two each
   std::vector<int> indices_;              // of faces, three each
@@ -277,17 +289,17 @@ Mesh ReadObjWithUvRest(const std::string& path, double scale, FaceGroups* groups
 
 std::string PlaceInObj(const std::string& path, MeshPart part) {
   const std::string text = ReadText(path, kMaxObjBytes);
-  std::string_view rest = text;
+  ObjStatements statements(text);
   int num_faces = 0, num_nodes = 0;
-  for (int number = 1; std::optional<std::string_view> line = TakeLine(&rest); ++number) {
+  while (std::optional<std::string_view> line = statements.Take()) {
     const std::string_view keyword = TakeWord(&*line);
     if (keyword == "v") ++num_nodes;
     if (keyword == "f") {
       num_faces -= 2;
-      for (auto word = TakeWord(&*line); !word.empty() && word.front() != '#'; word = TakeWord(&*line)) ++num_faces;
+      for (auto word = TakeWord(&*line); !word.empty(); word = TakeWord(&*line)) ++num_faces;
     }
     const bool is_face = part.face >= 0 && num_faces > part.face, is_node = part.node >= 0 && num_nodes > part.node;
-    if (is_face || is_node) return path + ":" + std::to_string(number);
+    if (is_face || is_node) return path + ":" + std::to_string(statements.line());
   }
   return path;
 }

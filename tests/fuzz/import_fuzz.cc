@@ -1,9 +1,9 @@
 // The small files that an import is told about: the first byte chooses a transform, times of frames, a map of points or
 // paths of handles with the places where a tool holds them; an F, forces at handles.
+#include "datasets/importing/clock_times.h"
 #include "datasets/importing/force_file.h"
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/importing/point_map.h"
-#include "datasets/importing/track_edit.h"
 #include "datasets/importing/transform_file.h"
 #include "tests/fuzz/fuzz_target.h"
 

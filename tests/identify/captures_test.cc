@@ -12,6 +12,7 @@
 
 #include "datasets/checking/motion_check.h"
 #include "datasets/formats/track_file.h"
+#include "datasets/importing/clock_times.h"
 #include "datasets/importing/import_motion.h"
 #include "datasets/motion/motion_file.h"
 #include "tests/tools/tool_test.h"

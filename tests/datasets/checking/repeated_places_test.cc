@@ -201,6 +201,14 @@ TEST(RepeatedPlaces, TellsThoseOfClouds) {
   EXPECT_EQ(Repeated(tensors).severity, Severity::kProblem);
 }
 
+TEST(RepeatedPlaces, TellsACloudOfWhichNothingWasSeen) {
+  MotionTensors tensors = CloudCapture(6, 0.01);
+  tensors.clouds[10].setZero();
+  const Finding finding = Repeated(tensors);
+  EXPECT_EQ(finding.severity, Severity::kProblem);
+  EXPECT_EQ(finding.frames, std::vector<int>{10});
+}
+
 TEST(RepeatedPlaces, CloudsMayRepeatThemselves) {
   ExpectNone(CloudCapture(6, 0.01));
   MotionTensors still = CloudCapture(6, 0.01);

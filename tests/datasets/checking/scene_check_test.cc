@@ -133,6 +133,20 @@ TEST(SceneCheck, MeasuresAFreeFall) {
   ExpectWarning(FreeFall(20.0), "energy", "--frame_rate");
 }
 
+// In slow motion no hand holds cloth that falls evenly.
+TEST(SceneCheck, TellsASlowClockFromAHandThatHolds) {
+  for (const double clock : {2.0, 3.0, 4.0}) {
+    MotionTensors slow = FreeFall(9.81 / (clock * clock), 0.25 * clock);
+    EXPECT_EQ(FindingOf(slow, "held points").what, "") << clock << FindingOf(slow, "held points").value;
+    ExpectWarning(slow, "fall", "--time_scale " + std::string(clock == 2.0 ? "0.5" : clock == 3.0 ? "0.3" : "0.2"));
+    const Eigen::VectorXd start = slow.positions.col(0);
+    for (const int corner : {0, 7}) {
+      slow.positions.middleRows(3 * corner, 3).colwise() = start.segment<3>(3 * corner);
+    }
+    EXPECT_EQ(FindingOf(slow, "held points").points, (std::vector<int>{0, 7})) << clock;
+  }
+}
+
 // A strip of 5 x 9 nodes, 0.2 m x 0.4 m, that hangs from its upper edge at `tilt` degrees from level, let go and seen
 // for two seconds; by a clock that shows `clock` of the time that went by, the handles measured like all points.
 MotionTensors LetGo(double tilt, double clock, double noise) {

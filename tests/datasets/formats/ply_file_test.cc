@@ -141,7 +141,7 @@ TEST_F(PlyFileTest, RefusesPolygonsThatCrossThemselves) {
   const std::string counts = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string faces = "element face 2\nproperty list uchar int vertex_indices\n";
   ExpectRefused(Header("ascii", counts + faces) + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n4 0 2 1 3\n",
-                {"mesh.ply:15: the polygon of 4 corners crosses itself, or has no area"});
+                {"mesh.ply:15: the polygon of 4 corners crosses or touches itself, or has no area"});
   ExpectRefused(Header("ascii", faces + counts) + "4 0 1 2 3\n4 0 2 1 3\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n",
                 {"mesh.ply:11: the polygon of 4 corners"});
   Numbers numbers(false);
@@ -151,7 +151,7 @@ TEST_F(PlyFileTest, RefusesPolygonsThatCrossThemselves) {
     for (const int corner : corners) numbers.Add<std::int32_t>({corner});
   }
   ExpectRefused(Header("binary_little_endian", counts + faces) + numbers.bytes(),
-                {"mesh.ply: face 1: the polygon of 4 corners crosses itself"});
+                {"mesh.ply: face 1: the polygon of 4 corners crosses or touches itself"});
 }
 
 // Whatever the faces are, and whatever stands beside x, y and z.

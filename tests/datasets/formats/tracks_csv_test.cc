@@ -74,6 +74,7 @@ TEST_F(TracksCsvTest, TakesANegativeResidualForMissing) {
   EXPECT_EQ(tracks.positions.array().isNaN().count(), 6);
   EXPECT_EQ(tracks.positions(3, 0), 1.0);
   EXPECT_EQ(tracks.positions(0, 1), 4.0);
+  EXPECT_TRUE(Read("t;id;x;y;z;residual\n0,5;0;0;0;0;-0,5\n0,5;1;1;2;3;0,5\n").positions.col(0).head(3).hasNaN());
 }
 
 TEST_F(TracksCsvTest, WritesMissingPointsAsAbsentRows) {

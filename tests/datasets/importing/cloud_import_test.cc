@@ -234,6 +234,12 @@ TEST_F(CloudImportTest, TimesSince1970KeepTheirDigits) {
          1e-9);
   expect(ReadFrameTimes(folder_.Write("s.txt", "1700000000.123456789\n1700000000.156790122\n1700000000.190123456\n")),
          1.0);
+  for (const char* text : {"time\n\"1700000000.123456789\"\n1700000000.156790122\n1700000000.190123456\n",
+                           "n,t\n1,1700000000.123456789\n2,1700000000.156790122\n3,1700000000.190123456\n",
+                           "time;n\n1700000000,123456789;1\n1700000000,156790122;2\n1700000000,190123456;3\n",
+                           "time\nns\n1700000000123456789\n1700000000156790122\n1700000000190123456\n"}) {
+    expect(ReadFrameTimes(folder_.Write("t.csv", text)), 1.0);
+  }
   expect(TimesOfNames({"c2/1700000000123456789.npy", "c2/1700000000156790122.npy", "c2/1700000000190123456.npy"}), 1.0);
   expect(TimesOfNames({"a_1700000000.123456789_c.ply", "a_1700000000.156790122_c.ply", "a_1700000000.190123456_c.ply"}),
          1.0);
@@ -253,6 +259,13 @@ TEST_F(CloudImportTest, NamesTellTimes) {
       },
       ErrorKind::kBadData, {"t.npy: expected an array of shape (T)"});
   ExpectError([&] { ReadFrameTimes(folder_.Write("t.txt", "1\ntwo\n")); }, ErrorKind::kBadData, {"t.txt:2"});
+}
+
+// Half of the frames would be left out without a word.
+TEST_F(CloudImportTest, RefusesFramesOfTwoKinds) {
+  for (const char* name : {"0.npy", "1.npy"}) WriteCloud(name, Eigen::Matrix3Xd::Zero(3, 2));
+  for (const char* name : {"2.ply", "3.ply"}) folder_.Write(std::string("clouds/") + name, "ply\n");
+  ExpectError([&] { ImportClouds(options_); }, ErrorKind::kBadData, {"clouds: holds 2 .npy and 2 .ply files", "*.ply"});
 }
 
 TEST_F(CloudImportTest, VoxelsKeepTheMeanOfTheirPoints) {

@@ -9,9 +9,9 @@
 
 #include "datasets/formats/ros_csv.h"
 #include "datasets/formats/tracks_csv.h"
+#include "datasets/importing/clock_times.h"
 #include "datasets/importing/force_file.h"
 #include "datasets/importing/point_map.h"
-#include "datasets/importing/track_edit.h"
 #include "sim/path/handle_csv.h"
 #include "sim/path/pose_csv.h"
 #include "tests/expect_error.h"

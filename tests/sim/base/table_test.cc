@@ -84,6 +84,16 @@ TEST(TableTest, NamesTheLineAndALikelyCause) {
   ExpectRefused("time;x;f\n0,5;1;2\n0.6;1;2\n", {"f.csv:3: column 'time'", "'0.6'; the numbers before it have ','"});
 }
 
+TEST(TableTest, NamesCommentsAndMarksOfThousands) {
+  ExpectRefused("# made by hand\ntime,x,f\n",
+                {"f.csv:1: column 'time'", "'# made by hand'; lines that begin with '#'"});
+  ExpectRefused("# time,x,f\n1,2,3\n", {"f.csv:1: column 'time'", "'# time,x,f'; lines that begin with '#'"});
+  ExpectRefused("time,x,f\n# and then\n", {"f.csv:2: expected 3 cells", "found 1; lines that begin with '#'"});
+  ExpectRefused("time,x,f\n#1,2,3\n", {"f.csv:2: expected a finite number, found '#1'; lines that begin with '#'"});
+  ExpectRefused("time,x,f\n1,\"1,000.5\",3\n", {"f.csv:2: column 'x'", "'1,000.5'; numbers have no marks between"});
+  ExpectRefused("time;x;f\n1;1.000,5;3\n", {"f.csv:2: column 'x'", "'1.000,5'; numbers have no marks between"});
+}
+
 TEST(TableTest, AHeaderMayBeOptional) {
   Table numbers("t.txt", "0\n0.5\n", "time", HeaderLine::kOptional);
   EXPECT_EQ(numbers.Require("time"), 0U);

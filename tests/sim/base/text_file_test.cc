@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
 
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
@@ -24,6 +25,14 @@ TEST(ReadText, NamesTheOtherEncoding) {
   for (const std::string mark : {"\xff\xfe", "\xfe\xff"}) {
     const std::string path = folder.Write("wide.txt", mark + std::string("v\0", 2));
     ExpectError([&] { ReadText(path, 100); }, ErrorKind::kBadData, {"wide.txt: is text in UTF-16; expected UTF-8"});
+  }
+}
+
+TEST(TakeLine, KnowsEveryEnd) {
+  for (const char* text : {"a\nb c\n\nd", "a\r\nb c\r\n\r\nd\r\n", "a\rb c\r\rd\r", "a\rb c\n\r\nd\n"}) {
+    std::string_view rest = text;
+    for (const char* line : {"a", "b c", "", "d"}) EXPECT_EQ(TakeLine(&rest), line) << Escaped(text);
+    EXPECT_FALSE(TakeLine(&rest)) << Escaped(text);
   }
 }
 

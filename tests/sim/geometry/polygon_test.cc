@@ -92,6 +92,18 @@ TEST(TrianglesOfPolygonTest, CoverStarsCombsAndConcaveQuads) {
   }
 }
 
+// Sides may cross where no corner lies in the ear that is cut first, and triangles then cover each other.
+TEST(TrianglesOfPolygonTest, AreNoneWhereSidesCross) {
+  const std::vector<Eigen::Vector2d> knot = {{0.69, 0.87}, {0.05, -0.37}, {-0.54, -0.11}, {0.83, 0.07}, {-0.14, -0.09}};
+  const std::vector<Eigen::Vector2d> loop = {{-1, 0.5},    {0.75, -0.5}, {0.5, -0.25}, {-0.5, 0.5},
+                                             {-0.75, 0.5}, {-1, 0},      {-0.25, 0.25}};
+  for (const auto& corners : {knot, loop}) {
+    for (Eigen::Index first = 0; first < static_cast<Eigen::Index>(corners.size()); ++first) {
+      EXPECT_TRUE(TrianglesOfPolygon(Rotated(Flat(corners), first)).empty()) << corners.size() << ", " << first;
+    }
+  }
+}
+
 // A corner on a side is no reason for a triangle without area.
 TEST(TrianglesOfPolygonTest, TakeCornersOnSides) {
   for (Eigen::Index first = 0; first < 5; ++first) {

@@ -50,7 +50,7 @@ TEST(ReadObj, CutsPolygonsThatAreNotConvex) {
       folder.Write("frame.obj", "v 0 0 0\nv .2 0 .1\nv .1 0 .2\nv .1 .1 0\nv .1 -.2 0\nv 0 -.2 .1\n" + faces);
   EXPECT_EQ(ReadObjLike(frame, mesh.faces).faces, mesh.faces);
   ExpectError([&] { ReadObj(folder.Write("bow.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 3 4\n")); }, kBadData,
-              {"bow.obj:6: ", "polygon of 4 corners", "crosses itself"});
+              {"bow.obj:6: ", "polygon of 4 corners", "crosses or touches itself"});
 }
 
 TEST(ReadObj, ReadsCommentsAndLinesThatGoOn) {
@@ -67,6 +67,8 @@ TEST(ReadObj, ReadsCommentsAndLinesThatGoOn) {
   EXPECT_EQ(groups.count("front#1") + groups.count("back"), 2U);
   const std::string torn = folder.Write("torn.obj", "v 0 0 \\\n0\n\nf 1 \\\n1 2\nv 0 0\n");
   ExpectError([&] { ReadObj(torn); }, kBadData, {"torn.obj:4: face corner '2'"});
+  const std::string same = folder.Write("same.obj", "v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 \\\n2 3\nf 1 \\\n1 2\n");
+  ExpectError([&] { ValidateObjMesh(ReadObj(same), same); }, kBadData, {"same.obj:7: triangle 1 has the same node"});
   EXPECT_EQ(ReadObj(folder.Write("end.obj", "v 0 0 0\\")).num_nodes(), 1);
 }
 

@@ -252,7 +252,7 @@ TEST(ParseScene, NamesTheFileOfASurface) {
   folder.Write("loose.obj", box + sides + "f 4 1 5 8\nv 2 0 0\n");
   ExpectError(parse("loose.obj"), kBadData, {"loose.obj:16: triangulated surface: node 8 belongs to no triangle"});
   folder.Write("bow.obj", box + sides + "f 4 1 8 5\n");
-  ExpectError(parse("bow.obj"), kBadData, {"bow.obj:15: the polygon of 4 corners crosses itself"});
+  ExpectError(parse("bow.obj"), kBadData, {"bow.obj:15: the polygon of 4 corners crosses or touches itself"});
   ExpectError(parse("none.obj"), ErrorKind::kIo, {"none.obj"});
   ExpectError(parse(""), kBadData, {"key 'obstacles[0].obj': expected the name of a file"});
 }
