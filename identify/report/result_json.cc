@@ -182,6 +182,19 @@ void AddErrors(const FitSummary& summary, Json* json) {
   }
 }
 
+// Per recording, of what the fit's loss discounts; null where that makes no difference.
+Json DiscountedJson(const FitChecks& checks) {
+  Json json = Json::array();
+  for (const RecordingFit& recording : checks.recordings) {
+    json.push_back(nullptr);
+    if (!recording.discounted) continue;
+    json.back() = {{"share", recording.discounted->share},
+                   {"rmse_m", recording.discounted->error.rmse()},
+                   {"fit_percent", recording.discounted->error.fit_percent()}};
+  }
+  return json;
+}
+
 Json StartsJson(const FitSummary& summary, const FitChecks& checks) {
   if (!checks.starts) return nullptr;
   Json starts = Json::array(), minima = Json::array();
@@ -360,6 +373,10 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["verdict"] = verdict.Lines();
   json["parameters"] = ParametersJson(summary, checks, verdict);
   AddErrors(summary, &json);
+  const bool has_discounted =
+      std::any_of(checks.recordings.begin(), checks.recordings.end(),
+                  [](const RecordingFit& recording) { return recording.discounted.has_value(); });
+  if (has_discounted) json["discounted"] = DiscountedJson(checks);
   if (summary.fields) json["fields"] = FieldsJson(*summary.fields);
   if (checks.wind) json["wind"] = WindJson(*checks.wind);
   const bool errs = std::any_of(summary.model_errors.begin(), summary.model_errors.end(),
