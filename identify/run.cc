@@ -8,6 +8,7 @@
 #include "datasets/motion/motion_validation.h"
 #include "identify/base/output_folder.h"
 #include "identify/checks/discretization_check.h"
+#include "identify/checks/excluded_side.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/prediction_check.h"
@@ -223,6 +224,7 @@ class Run {
   void Examine() {
     const ScopedTimer timer(&summary_.total_seconds);
     checks_.recordings = DescribeRecordings(inputs_.fitted, summary_, fit_options_.loss);
+    AddExcludedSides(fit_options_, problem_.get(), &summary_);
     checks_.step_error = AddStepError(inputs_.fitted, fit_options_, *problem_, &summary_);
     if (options_.wind.is_given()) {
       checks_.wind = DescribeWind(inputs_.fitted, summary_, *problem_);

@@ -83,6 +83,7 @@ struct FitSummary {
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   std::optional<MarginalModel> marginal;   // that it is made of
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
+  std::vector<BoundCheck> bound_checks;         // of what is not visible
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
   // Of a fit that stalled or ended in a dent; where it is accepted, estimate and uncertainty are its.
   std::optional<QuadraticEstimate> quadratic;
@@ -115,6 +116,8 @@ struct FitSummary {
   double solver_seconds = 0.0;  // of the fit, outside of rollouts and derivatives
 
   bool has_estimate() const { return !parameters.empty(); }
+  // [p + n + f] that these checks have met, of lower cost than the estimate; empty: none.
+  Eigen::VectorXd lower_point() const;
   int num_iterations() const { return iterations.empty() ? 0 : iterations.back().iteration; }
   Eigen::VectorXd values() const;  // [p] of the parameters
 };

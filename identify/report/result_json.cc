@@ -54,11 +54,12 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
         summary.uncertainty ? summary.uncertainty->parameters[i] : ParameterUncertainty();
     const std::optional<bool> identifiable = IsIdentifiable(summary, checks, static_cast<int>(i));
     const bool has_interval = HasInterval(summary, checks, static_cast<int>(i));
+    const bool has_end = has_interval || HasExcludedSide(summary, checks, static_cast<int>(i));
     const auto shown = [&](double value) { return has_interval ? value : kNull; };
     json[parameter.name] = {{"value", parameter.value},
                             {"std", shown(uncertainty.std)},
-                            {"lower95", shown(uncertainty.lower95)},
-                            {"upper95", shown(uncertainty.upper95)},
+                            {"lower95", has_end ? uncertainty.lower95 : kNull},
+                            {"upper95", has_end ? uncertainty.upper95 : kNull},
                             {"start", parameter.start},
                             {"lower_bound", parameter.lower_bound},
                             {"upper_bound", parameter.upper_bound},
@@ -95,6 +96,18 @@ Json IntervalCheckJson(const FitSummary& summary) {
   return {{"parameter", summary.parameters[check.parameter].name},
           {"rise_below", check.rise_below},
           {"rise_above", check.rise_above}};
+}
+
+// Of parameters, and of directions in their words.
+Json BoundChecksJson(const FitSummary& summary) {
+  Json json = Json::array();
+  for (const BoundCheck& check : summary.bound_checks) {
+    json.push_back({{"of", check.parameter >= 0 ? summary.parameters[check.parameter].name
+                                                : summary.uncertainty->hidden_directions[check.direction].words},
+                    {"rise_below", check.rise_below},
+                    {"rise_above", check.rise_above}});
+  }
+  return json;
 }
 
 Json DentsJson(const FitSummary& summary) {
@@ -149,6 +162,7 @@ Json UncertaintyJson(const FitSummary& summary) {
                {"correlation", correlation},
                {"hidden_directions", directions},
                {"interval_check", IntervalCheckJson(summary)}};
+  if (!summary.bound_checks.empty()) json["bound_checks"] = BoundChecksJson(summary);
   if (!summary.dents.empty()) json["dents"] = DentsJson(summary);
   if (summary.quadratic) json["quadratic"] = QuadraticJson(summary);
   if (uncertainty.is_widened) json["widening"] = {{"quantile95", uncertainty.quantile95}, {"parameters", widening}};

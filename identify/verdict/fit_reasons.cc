@@ -210,12 +210,18 @@ void AddLowerPoint(const FitSummary& summary, std::vector<Reason>* reasons) {
                                       NumberText(check.lowest_rise(), 2) + " instead of 3.84" +
                                       (num > 0 ? ", after the fit had gone on from such a point " + times : "") +
                                       "; the cost is rough: see --starts and the landscape"));
+  } else if (summary.lower_point().size() > 0) {
+    const std::string brief = "a point of lower cost was met";
+    reasons->push_back(AgainstAll(true, brief,
+                                  brief + " where what the derivative does not tell was tried at its bounds" +
+                                      (num > 0 ? ", after the fit had gone on from such a point " + times : "") +
+                                      "; see --starts"));
   } else if (num > 0) {
     const std::string brief = "the cost has more than one minimum";
-    reasons->push_back(Careful({}, brief,
-                               "the fit went on " + times +
-                                   " from a point of lower cost, met where an interval was checked: " + brief +
-                                   "; see --starts"));
+    reasons->push_back(Careful(
+        {}, brief,
+        "the fit went on " + times +
+            " from a point of lower cost, met where an interval or a bound was checked: " + brief + "; see --starts"));
   }
 }
 
