@@ -8,6 +8,7 @@
 #include "datasets/motion/motion_validation.h"
 #include "identify/base/output_folder.h"
 #include "identify/checks/discretization_check.h"
+#include "identify/checks/excluded_side.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/prediction_check.h"
@@ -222,7 +223,8 @@ class Run {
   // What was asked for beside the fit.
   void Examine() {
     const ScopedTimer timer(&summary_.total_seconds);
-    checks_.recordings = DescribeRecordings(inputs_.fitted, summary_);
+    checks_.recordings = DescribeRecordings(inputs_.fitted, summary_, fit_options_.loss);
+    AddExcludedSides(fit_options_, problem_.get(), &summary_);
     checks_.step_error = AddStepError(inputs_.fitted, fit_options_, *problem_, &summary_);
     if (options_.wind.is_given()) {
       checks_.wind = DescribeWind(inputs_.fitted, summary_, *problem_);
@@ -242,8 +244,9 @@ class Run {
     }
     if (!inputs_.held_out.empty()) {
       const HeldOut held_out = options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings;
-      checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
-                                        options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>());
+      checks_.holdout =
+          EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
+                          options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>(), fit_options_.loss);
     }
     checks_.uncorrected_error = PredictUncorrected(inputs_.fitted, *problem_, &summary_);
     if (!single_fits_.empty()) checks_.repetitions = Pool(single_fits_, SharedParameters(summary_));

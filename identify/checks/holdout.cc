@@ -15,15 +15,25 @@ namespace {
 
 constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
 
+// Of all rollouts at the estimates, or at the nominal values.
+struct PredictionSum {
+  PredictionError error;
+  double cost = 0.0;
+  std::string failure;  // of the first that failed
+};
+
 // Adds the error of one rollout, or tells why there is none.
-void AddError(const Eigen::VectorXd& coordinates, RecordingModel* model, PredictionError* sum, std::string* failure) {
+void AddError(const Eigen::VectorXd& coordinates, const RobustLoss& loss, RecordingModel* model, PredictionSum* sum) {
   Eigen::MatrixXd predicted;
   ForceTrack forces;
   const Rollout rollout = model->Simulate(coordinates, {}, {}, &predicted, /*velocities=*/nullptr, &forces);
   if (rollout.ok()) {
-    *sum += model->observation().Compare(predicted, forces.predicted);
-  } else if (failure->empty()) {
-    *failure = model->name() + ": " + rollout.failure->ToString();
+    sum->error += model->observation().Compare(predicted, forces.predicted);
+    Eigen::VectorXd weights;
+    const Eigen::VectorXd residuals = model->observation().Residuals(predicted, forces.predicted);
+    sum->cost += LossWeights(loss, model->observation(), 0, residuals, &weights);
+  } else if (sum->failure.empty()) {
+    sum->failure = model->name() + ": " + rollout.failure->ToString();
   }
 }
 
@@ -48,8 +58,8 @@ Eigen::VectorXd WithStart(const std::vector<double>& coordinates, const HeldOutS
 
 // `recording`: its index among the fitted ones; -1: none of them.
 void AddEstimateError(const RecordedMotion& motion, int recording, const HeldOutStart& start,
-                      const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& values, PredictionError* sum,
-                      std::string* failure) {
+                      const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& values, const RobustLoss& loss,
+                      PredictionSum* sum) {
   std::vector<ParameterBlock> own;
   std::vector<double> coordinates;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -58,7 +68,7 @@ void AddEstimateError(const RecordedMotion& motion, int recording, const HeldOut
     coordinates.push_back(blocks[i].ToCoordinate(values[i]));
   }
   RecordingModel model(motion, own, {}, start.start);
-  AddError(WithStart(coordinates, start), &model, sum, failure);
+  AddError(WithStart(coordinates, start), loss, &model, sum);
 }
 
 std::optional<int> ParseFrame(std::string_view text) {
@@ -71,30 +81,32 @@ std::optional<int> ParseFrame(std::string_view text) {
 }  // namespace
 
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
-                        const Eigen::VectorXd& values, HeldOut held_out, const std::vector<HeldOutStart>& starts) {
-  PredictionError at_nominal, at_estimate;
-  std::string nominal_failure, estimate_failure;
+                        const Eigen::VectorXd& values, HeldOut held_out, const std::vector<HeldOutStart>& starts,
+                        const RobustLoss& loss) {
+  PredictionSum at_nominal, at_estimate;
   for (std::size_t r = 0; r < motions.size(); ++r) {
     const RecordedMotion& motion = motions[r];
     const HeldOutStart start = starts.empty() ? HeldOutStart() : starts[r];
     RecordingModel nominal(motion, {}, {}, start.start);
-    AddError(WithStart({}, start), &nominal, &at_nominal, &nominal_failure);
+    AddError(WithStart({}, start), loss, &nominal, &at_nominal);
     const int recording = held_out == HeldOut::kFrames ? static_cast<int>(r) : -1;
-    AddEstimateError(motion, recording, start, blocks, values, &at_estimate, &estimate_failure);
+    AddEstimateError(motion, recording, start, blocks, values, loss, &at_estimate);
   }
   Holdout holdout;
-  if (nominal_failure.empty()) {
-    holdout.nominal_rmse = at_nominal.rmse();
-    holdout.nominal_force_rms = at_nominal.force.rms();
+  if (at_nominal.failure.empty()) {
+    holdout.nominal_rmse = at_nominal.error.rmse();
+    holdout.nominal_force_rms = at_nominal.error.force.rms();
+    if (loss.is_robust()) holdout.nominal_cost = at_nominal.cost;
   }
-  if (estimate_failure.empty()) {
-    holdout.rmse = at_estimate.rmse();
-    holdout.nodes_rmse = at_estimate.cloud.node_rmse();
-    holdout.force_rms = at_estimate.force.rms();
+  if (at_estimate.failure.empty()) {
+    holdout.rmse = at_estimate.error.rmse();
+    holdout.nodes_rmse = at_estimate.error.cloud.node_rmse();
+    holdout.force_rms = at_estimate.error.force.rms();
+    if (loss.is_robust()) holdout.cost = at_estimate.cost;
   }
-  const PredictionError& seen = nominal_failure.empty() ? at_nominal : at_estimate;
+  const PredictionError& seen = at_nominal.failure.empty() ? at_nominal.error : at_estimate.error;
   holdout.has_only_forces = seen.num_coordinates + seen.cloud.num_points == 0.0 && seen.force.num_components > 0.0;
-  holdout.failure = estimate_failure.empty() ? nominal_failure : estimate_failure;
+  holdout.failure = at_estimate.failure.empty() ? at_nominal.failure : at_estimate.failure;
   return holdout;
 }
 

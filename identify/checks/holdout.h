@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "costs/prediction/parameter_block.h"
+#include "costs/prediction/robust_loss.h"
 #include "costs/start/unknown_start.h"
 #include "datasets/motion/recorded_motion.h"
 
@@ -22,10 +23,14 @@ struct Holdout {
   double nominal_force_rms = std::numeric_limits<double>::quiet_NaN();
   double nodes_rmse = std::numeric_limits<double>::quiet_NaN();  // m, see CloudError::node_rmse; NaN without
   bool has_only_forces = false;                                  // nothing else was held out
+  // Of a fit with a robust loss: the cost by that loss, likewise; NaN without.
+  double cost = std::numeric_limits<double>::quiet_NaN();
+  double nominal_cost = std::numeric_limits<double>::quiet_NaN();
 
   // The estimates predict no better than what was known before the fit: it has learnt the noise, or the model is wrong.
-  // Of positions where there are any.
+  // By the costs where they are known, else of positions where there are any.
   bool has_failed() const {
+    if (cost == cost && nominal_cost == nominal_cost) return cost > nominal_cost;
     const double own = has_only_forces ? force_rms : rmse;
     const double nominal = has_only_forces ? nominal_force_rms : nominal_rmse;
     return !(own <= nominal) && !(own == own && nominal != nominal);
@@ -45,11 +50,11 @@ struct HeldOutStart {
 
 // Over all of `motions`. `values` [p] are the estimates of `blocks`; parameters that the scene of a recording does not
 // have are left out, all others stay at its nominal values, those of the recording itself
-// (costs/prediction/alignment.h) at zero. `starts`: of every one, or empty; both predictions start there. Throws
-// `Error` where `RecordingModel` does.
+// (costs/prediction/alignment.h) at zero. `starts`: of every one, or empty; both predictions start there. `loss`: of
+// the fit. Throws `Error` where `RecordingModel` does.
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                         const Eigen::VectorXd& values, HeldOut held_out = HeldOut::kRecordings,
-                        const std::vector<HeldOutStart>& starts = {});
+                        const std::vector<HeldOutStart>& starts = {}, const RobustLoss& loss = {});
 
 // Frames by number: begin, begin + 1, .., end - 1.
 struct FrameRange {

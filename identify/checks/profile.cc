@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace clothid {
 namespace {
@@ -67,15 +68,28 @@ class Profiler {
 
   // The square root of a profile is nearly linear in q.
   double Search(double inside, double inside_rise, double outside, double outside_rise) {
+    double beyond = outside, beyond_rise = outside_rise;  // the point outside before the last
     for (int i = 0; i < kMaxSearches && std::abs(outside_rise - kChiSquare95) > kRiseTolerance * kChiSquare95; ++i) {
       const double low = std::sqrt(std::max(0.0, inside_rise)), high = std::sqrt(outside_rise);
-      const double share = (std::sqrt(kChiSquare95) - low) / (high - low);
-      const double middle = inside + (outside - inside) * std::clamp(share, 0.05, 0.95);
+      double share = std::clamp((std::sqrt(kChiSquare95) - low) / (high - low), 0.05, 0.95);
+      // Where it is flat as far as `inside`, the line is that of the points outside.
+      const bool is_flat = inside != summary_.coordinates[index_] && inside_rise < kRiseTolerance * kChiSquare95;
+      if (is_flat) {
+        const double slope = (std::sqrt(beyond_rise) - high) / (beyond - outside);
+        share = 1.0 - (high - std::sqrt(kChiSquare95)) / (slope * (outside - inside));
+        if (!(share > 0.0 && share < 1.0)) share = 0.5;
+      }
+      const double middle = inside + (outside - inside) * share;
       const std::optional<double> rise = RiseAt(middle);
       if (!rise) break;
       if (std::abs(*rise - kChiSquare95) <= kRiseTolerance * kChiSquare95) return middle;
-      (*rise < kChiSquare95 ? inside : outside) = middle;
-      (*rise < kChiSquare95 ? inside_rise : outside_rise) = *rise;
+      if (*rise < kChiSquare95) {
+        inside = middle;
+        inside_rise = *rise;
+        continue;
+      }
+      beyond = std::exchange(outside, middle);
+      beyond_rise = std::exchange(outside_rise, *rise);
     }
     return outside;
   }
@@ -92,7 +106,7 @@ class Profiler {
     }
     warm_start_ = fit.coordinates;
     const ParameterUncertainty& held = summary_.uncertainty->parameters[index_];
-    const double scale = held.cost_scale * held.widening;
+    const double scale = std::max(held.cost_scale * held.widening, kRoundingResiduals);
     const double rise = 2.0 * (fit.cost - summary_.cost) / (scale * scale);
     profile_->points.push_back({block_.ToValue(coordinate), rise, fit.values()});
     return rise;
@@ -110,6 +124,12 @@ class Profiler {
 };
 
 }  // namespace
+
+double ProfileEnd(const FitOptions& options, const FitSummary& summary, int index, int side, FitProblem* problem,
+                  CostStatistics* statistics) {
+  Profile profile;
+  return Profiler(options, summary, index, problem, statistics, &profile).FindEnd(side);
+}
 
 Profile ProfileParameter(const FitOptions& options, const FitSummary& summary, const std::string& name,
                          FitProblem* problem, CostStatistics* statistics) {

@@ -42,6 +42,11 @@ struct Profile {
 Profile ProfileParameter(const FitOptions& options, const FitSummary& summary, const std::string& name,
                          FitProblem* problem, CostStatistics* statistics);
 
+// The value on one side of the estimate, -1 below or +1 above, beyond which the profile of parameter `index` is above
+// 3.84; NaN: it stays below up to the bound, or the fit of the others fails on the way. Likewise.
+double ProfileEnd(const FitOptions& options, const FitSummary& summary, int index, int side, FitProblem* problem,
+                  CostStatistics* statistics);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_IDENTIFY_CHECKS_PROFILE_H_

@@ -11,9 +11,8 @@ namespace clothid {
 namespace {
 
 bool CanContinue(const FitOptions& options, const FitSummary& summary) {
-  return summary.status == FitStatus::kConverged && summary.interval_check &&
-         summary.interval_check->better.size() > 0 && summary.num_continuations < options.max_continuations &&
-         summary.num_iterations() < options.max_iterations;
+  return summary.status == FitStatus::kConverged && summary.lower_point().size() > 0 &&
+         summary.num_continuations < options.max_continuations && summary.num_iterations() < options.max_iterations;
 }
 
 // An iteration of the next fit, counted from the start of the first.
@@ -117,7 +116,7 @@ void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProb
   const Eigen::VectorXd start = problem->StartCoordinates();
   problem->HoldWeights(true);
   while (CanContinue(options, *summary)) {
-    problem->SetStart(summary->interval_check->better);
+    problem->SetStart(summary->lower_point());
     const FitOptions next = OptionsOfNext(options, *problem, *summary);
     FitSummary found = fit(next, problem);
     const bool is_lower = found.has_estimate() && found.cost < summary->cost;

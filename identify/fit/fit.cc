@@ -98,6 +98,7 @@ class PlannedFit {
       for (stage_ = 0; stage_ < static_cast<int>(summary_.plan.size()) && !options_.is_cancelled(); ++stage_) {
         RunStage();
       }
+      GoOnFromLowerStart();
     }
     if (options_.is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
@@ -152,6 +153,28 @@ class PlannedFit {
     }
     EndStage(num_before);
     if (is_exact_tried_ && is_last_stage()) KeepExactOrGoBack();
+  }
+
+  // Loose stages, and those with other weights, were never compared with the start as costs are at the end. Where it is
+  // lower, the last stage goes on from there.
+  void GoOnFromLowerStart() {
+    const FitPoint& best = evaluator_.best();
+    if (options_.is_cancelled() || !best.is_valid() || best.precision == Precision::kLoose ||
+        evaluator_.best_is_superseded() || evaluator_.first_compares()) {
+      return;
+    }
+    const double cost = best.cost;
+    const Eigen::VectorXd start = problem_->StartCoordinates();
+    if (!evaluator_.SetFirst(start) || !(best.cost < cost)) return;
+    summary_.plan.back().note += "; the start has a lower cost";
+    FitStage last = summary_.plan.back();
+    last.state = StageState::kAhead;
+    last.note.clear();
+    last.with_weights = false;  // costs with others would not compare
+    summary_.plan.push_back(last);
+    coordinates_ = start;
+    known_ = BasisLinearization();
+    RunStage();
   }
 
   void EndStage(int rollouts_before) {
@@ -252,7 +275,7 @@ class PlannedFit {
 
   void RunFirstFrames(FitStage* stage) {
     if (!lead_) {
-      recorder_.AddStart(precision_);
+      recorder_.AddStart();
       lead_.emplace();
       lead_->coordinates = coordinates_.head(problem_->num_blocks());
     }
@@ -272,8 +295,8 @@ class PlannedFit {
            IsShort(*problem_, lead_->coordinates, lead_->last_step, kShortStep);
   }
 
-  // From the start to where the first frames lead, unless the cost is higher there. That of the start may be loose:
-  // where this decides, the points are about as good.
+  // From the start to where the first frames lead, unless the cost is higher there. That of the start may be loose: the
+  // end is compared with it once more.
   void Arrive() {
     has_arrived_ = true;
     Eigen::VectorXd led = coordinates_;
@@ -309,12 +332,12 @@ class PlannedFit {
   // simulated with both. Points that work loosely may fail with full precision; where these do, the stage starts where
   // the fit did.
   void GoOverToFull() {
-    evaluator_.SupersedeBest();
+    evaluator_.SupersedeLoose();
     precision_ = Precision::kFull;
     const Eigen::VectorXd last = coordinates_, next = std::exchange(summary_.next, Eigen::VectorXd());
     const bool has_next = recorder_.last_iteration() < most_iterations() && next.size() > 0;
     is_near_ = (has_next && MoveTo(next, NearDerivative())) || MoveTo(last, NearDerivative());
-    if (!is_near_) coordinates_ = problem_->StartCoordinates();
+    coordinates_ = is_near_ ? evaluator_.best().coordinates : problem_->StartCoordinates();
   }
 
   // The number of the last one that a stage may end with.
@@ -358,7 +381,7 @@ class PlannedFit {
   // The parameters with everything else, from the best point so far.
   void RunJoint(const FitStage& stage) {
     if (stage.precision == Precision::kFull && precision_ == Precision::kLoose) {
-      evaluator_.SupersedeBest();
+      evaluator_.SupersedeLoose();
       precision_ = Precision::kFull;
     }
     summary_.next.resize(0);
@@ -391,7 +414,8 @@ class PlannedFit {
     const bool has_estimate =
         evaluator_.best().is_valid() && (!evaluator_.best_is_superseded() || options_.is_cancelled());
     // The trials began with another cost.
-    if (has_estimate && !trials_.empty()) evaluator_.SetFirst(problem_->StartCoordinates());
+    if (has_estimate && !trials_.empty() && !evaluator_.first_compares())
+      evaluator_.SetFirst(problem_->StartCoordinates());
     if (has_estimate) FillEstimate(*problem_, evaluator_, &summary_);
     summary_.memory_trials = trials_;
     problem_->CheckJournals();

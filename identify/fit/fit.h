@@ -11,7 +11,9 @@ namespace clothid {
 // From the starting values of the problem's unknowns, by the stages of its plan (identify/fit/plan.h). How the fit ends
 // never throws: see the status; but it throws `Error` where FitOptions::journal_folder is set and a journal cannot be
 // written or is of another fit. The estimate is the point of lowest cost of all that were evaluated with the precision
-// and the weights of the end. On the same problem it gives the same result on any number of threads.
+// and the weights of the end, and the start is one of them: loose costs are biased, so a start that loose stages have
+// left for a higher cost is where the last stage goes on from. On the same problem it gives the same result on any
+// number of threads.
 //
 // The parameters alone: Ceres' Levenberg-Marquardt with their bounds, with loose rollouts until the Gauss-Newton step
 // changes no parameter by more than 5 %, and from where that step leads with full ones. Where first frames have led it

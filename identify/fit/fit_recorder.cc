@@ -17,10 +17,7 @@ ceres::CallbackReturnType FitRecorder::operator()(const ceres::IterationSummary&
              : ceres::SOLVER_CONTINUE;
 }
 
-void FitRecorder::AddStart(Precision precision) {
-  goal_.precision = precision;
-  Add(0);
-}
+void FitRecorder::AddStart() { Add(0); }
 
 void FitRecorder::StartStage(const StageGoal& goal) {
   goal_ = goal;
@@ -33,7 +30,7 @@ std::string FitRecorder::failure() const {
 
 void FitRecorder::AddLast() {
   if (!evaluator_.best().is_valid() || evaluator_.best_is_superseded()) return;
-  if (iterations_.empty() || iterations_.back().precision != goal_.precision ||
+  if (iterations_.empty() || iterations_.back().precision != evaluator_.best().precision ||
       evaluator_.best().cost < iterations_.back().cost) {
     Add(iterations_.empty() ? 0 : iterations_.back().iteration + 1);
   }
@@ -46,7 +43,7 @@ double FitRecorder::seconds() const {
 void FitRecorder::Add(int iteration) {
   FitIteration row;
   row.iteration = iteration;
-  row.precision = goal_.precision;
+  row.precision = evaluator_.best().precision;
   row.seconds = seconds();
   row.cost = evaluator_.best().cost;
   row.values = problem_.Values(evaluator_.best().coordinates);

@@ -40,8 +40,8 @@ class FitRecorder : public ceres::IterationCallback {
   // Ends the stage where its goal is reached.
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override;
 
-  // The start, evaluated with `precision`, of a fit whose first stage begins elsewhere.
-  void AddStart(Precision precision);
+  // The start, of a fit whose first stage begins elsewhere.
+  void AddStart();
   void StartStage(const StageGoal& goal);
   // The step that ended the fit was evaluated, but its iteration was never reported.
   void AddLast();

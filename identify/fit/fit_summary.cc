@@ -22,6 +22,14 @@ Eigen::VectorXd FitSummary::values() const {
   return values;
 }
 
+Eigen::VectorXd FitSummary::lower_point() const {
+  if (interval_check && interval_check->better.size() > 0) return interval_check->better;
+  for (const BoundCheck& check : bound_checks) {
+    if (check.better.size() > 0) return check.better;
+  }
+  return {};
+}
+
 void AddEarlierFit(const FitSummary& first, FitSummary* summary) {
   for (std::size_t i = 0; i < first.parameters.size() && summary->has_estimate(); ++i) {
     summary->parameters[i].start = first.parameters[i].start;

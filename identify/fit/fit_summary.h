@@ -83,6 +83,7 @@ struct FitSummary {
   std::optional<Uncertainty> uncertainty;  // at the estimate; absent: not asked for, or the derivative failed there
   std::optional<MarginalModel> marginal;   // that it is made of
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
+  std::vector<BoundCheck> bound_checks;         // of what is not visible
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
   // Of a fit that stalled or ended in a dent; where it is accepted, estimate and uncertainty are its.
   std::optional<QuadraticEstimate> quadratic;
@@ -92,21 +93,20 @@ struct FitSummary {
   // then all that is said of predictions and errors is of rollouts that the recordings correct with that memory.
   std::vector<MemoryTrial> memory_trials;
   Assimilation assimilation;
-  std::string why_not_assimilated;  // one line: why recordings that were asked to did not; else empty
+  std::string why_not_assimilated;    // one line: why recordings that were asked to did not; else empty
   FitPlan plan;                       // the stages, and what became of each
   std::optional<FieldResult> fields;  // of the fields, where some were fitted
   // Near the estimate, where the fit ended with one; `AddUncertainty` takes it.
   std::optional<BasisLinearization> linearization;
   double cost = 0.0;
-  PredictionError start_error;  // over all recordings, at the starting values, as they were evaluated
+  PredictionError start_error;  // over all recordings, at the starting values, of the precision of the end
   PredictionError error;        // the same at the estimate
-  std::vector<Eigen::MatrixXd>
-      start_predicted;                     // per recording, at the start as it was evaluated [R x T] m, see Observation
-  std::vector<Eigen::MatrixXd> predicted;  // the same at the estimate
-  std::vector<Eigen::MatrixXd> forces;     // and those at handles [3G x F] N, empty where none were measured
-  RolloutCounts counts;                    // of the rollouts at the estimate, summed over the recordings
-  std::vector<FitIteration> iterations;    // of increasing number; the first is the start, the last the estimate
-  int num_continuations = 0;               // how often the fit went on from a lower point (continued_fit.h)
+  std::vector<Eigen::MatrixXd> start_predicted;  // per recording, at the start, likewise [R x T] m, see Observation
+  std::vector<Eigen::MatrixXd> predicted;        // the same at the estimate
+  std::vector<Eigen::MatrixXd> forces;           // and those at handles [3G x F] N, empty where none were measured
+  RolloutCounts counts;                          // of the rollouts at the estimate, summed over the recordings
+  std::vector<FitIteration> iterations;          // of increasing number; the first is the start, the last the estimate
+  int num_continuations = 0;                     // how often the fit went on from a lower point (continued_fit.h)
   CostStatistics statistics;
   CostStatistics lead;  // that part of them that first frames took (first_frames.h)
   // Wall time of this run, what was examined beside the fit included. `statistics` sums rollouts and derivatives over
@@ -116,6 +116,8 @@ struct FitSummary {
   double solver_seconds = 0.0;  // of the fit, outside of rollouts and derivatives
 
   bool has_estimate() const { return !parameters.empty(); }
+  // [p + n + f] that these checks have met, of lower cost than the estimate; empty: none.
+  Eigen::VectorXd lower_point() const;
   int num_iterations() const { return iterations.empty() ? 0 : iterations.back().iteration; }
   Eigen::VectorXd values() const;  // [p] of the parameters
 };

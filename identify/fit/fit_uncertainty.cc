@@ -62,6 +62,8 @@ void CheckCost(const FitProblem& problem, const EstimateLinearization& estimate,
   const Uncertainty& uncertainty = *summary->uncertainty;
   summary->interval_check =
       CheckInterval(problem.blocks(), summary->coordinates, summary->cost, uncertainty, estimate.follow, evaluator);
+  summary->bound_checks = CheckBounds(problem.blocks(), summary->coordinates, summary->cost, uncertainty,
+                                      estimate.parameters.jacobian, estimate.follow, evaluator);
   const bool is_explained = !problem.has_model_error() && !uncertainty.is_widened &&
                             !(estimate.parameters.sigma_is_known && uncertainty.residual_scale >= kExplainedScale);
   if (is_explained) return;

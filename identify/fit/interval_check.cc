@@ -1,5 +1,6 @@
 #include "identify/fit/interval_check.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "identify/problem/evaluator.h"
@@ -169,6 +170,95 @@ void LookBeyond(const FitProblem& problem, const Eigen::VectorXd& coordinates, d
     lowest = rise;
     check->better = next;
   }
+}
+
+double BoundCheck::change() const { return std::sqrt(std::fmax(0.0, std::fmax(rise_below, rise_above))); }
+
+namespace {
+
+// Entries of a direction below this share of its largest do not end it at their bounds.
+constexpr double kNegligibleShare = 0.01;
+
+bool IsBelieved(const std::vector<ParameterBlock>& blocks, int index) {
+  return blocks[index].prior.is_given() || IsKnot(blocks, index);
+}
+
+// How far `direction` [p] leads from `coordinates` until the first parameter meets a bound.
+double DistanceToBound(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                       const Eigen::VectorXd& direction) {
+  double distance = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (!(std::abs(direction[i]) > kNegligibleShare)) continue;
+    const double bound = blocks[i].ToCoordinate(direction[i] < 0.0 ? blocks[i].lower_bound : blocks[i].upper_bound);
+    distance = std::min(distance, std::max(0.0, (bound - coordinates[i]) / direction[i]));
+  }
+  return distance;
+}
+
+// `step` [p] from `coordinates`, within the bounds, everything else along.
+Eigen::VectorXd MovedWithin(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                            const Eigen::VectorXd& step, const Eigen::MatrixXd& follow) {
+  Eigen::VectorXd moved = coordinates;
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    const ParameterBlock& block = blocks[i];
+    if (step[i] == 0.0) continue;
+    moved[i] =
+        std::clamp(moved[i] + step[i], block.ToCoordinate(block.lower_bound), block.ToCoordinate(block.upper_bound));
+  }
+  moved.tail(follow.rows()) += follow * (moved - coordinates).head(step.size());
+  return moved;
+}
+
+// Fills the rises and the better end of `check`, whose parameters move along `direction` [p].
+void TryEnds(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates, double cost, double scale,
+             const Eigen::VectorXd& direction, const Eigen::MatrixXd& follow, FitEvaluator* evaluator,
+             BoundCheck* check) {
+  double lowest = -kClearlyLower;
+  for (const double side : {-1.0, 1.0}) {
+    const double distance = DistanceToBound(blocks, coordinates, side * direction);
+    if (distance == 0.0 || !std::isfinite(distance)) continue;
+    const Eigen::VectorXd end = MovedWithin(blocks, coordinates, side * distance * direction, follow);
+    double& rise = side < 0.0 ? check->rise_below : check->rise_above;
+    double end_cost = std::numeric_limits<double>::quiet_NaN();
+    evaluator->Evaluate(end, FitEvaluator::Derivative::kNone, &end_cost, /*gradient=*/nullptr);
+    rise = 2.0 * (end_cost - cost) / (scale * scale);
+    if (!(rise < lowest)) continue;
+    lowest = rise;
+    check->better = end;
+  }
+}
+
+}  // namespace
+
+std::vector<BoundCheck> CheckBounds(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                                    double cost, const Uncertainty& uncertainty, const Eigen::MatrixXd& jacobian,
+                                    const Eigen::MatrixXd& follow, FitEvaluator* evaluator) {
+  std::vector<BoundCheck> checks;
+  const double scale = std::max(1.0, uncertainty.residual_scale);
+  const auto num = static_cast<Eigen::Index>(blocks.size());
+  std::vector<bool> is_tried(blocks.size(), false);
+  for (Eigen::Index i = 0; i < num; ++i) {
+    is_tried[i] = !blocks[i].frozen && !uncertainty.parameters[i].visible && !IsBelieved(blocks, static_cast<int>(i)) &&
+                  jacobian.col(i).norm() * blocks[i].CoordinateRange() <= kVisibleChange * scale;
+    if (!is_tried[i]) continue;
+    BoundCheck& check = checks.emplace_back();
+    check.parameter = static_cast<int>(i);
+    TryEnds(blocks, coordinates, cost, scale, Eigen::VectorXd::Unit(num, i), follow, evaluator, &check);
+  }
+  for (std::size_t k = 0; k < uncertainty.hidden_directions.size(); ++k) {
+    const Eigen::VectorXd& direction = uncertainty.hidden_directions[k].coordinates;
+    bool has_others = false, is_believed = false;
+    for (Eigen::Index i = 0; i < num; ++i) {
+      if (!(std::abs(direction[i]) > kNegligibleShare)) continue;
+      has_others = has_others || !is_tried[i];
+      is_believed = is_believed || IsBelieved(blocks, static_cast<int>(i));
+    }
+    if (!has_others || is_believed) continue;
+    BoundCheck& check = checks.emplace_back();
+    check.direction = static_cast<int>(k);
+    TryEnds(blocks, coordinates, cost, scale, direction, follow, evaluator, &check);
+  }
+  return checks;
 }
 
 bool DentCheck::is_dent() const { return std::fmin(rise_below, rise_above) < kDentRise * expected_rise; }

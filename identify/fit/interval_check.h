@@ -81,6 +81,34 @@ struct DentCheck {
   bool is_dent() const;
 };
 
+// What the cost is where a parameter, or a direction, stands at its bounds that no derivative tells.
+//
+// A derivative knows of the place where it is taken alone: cloth that sticks tells nothing of how much larger friction
+// could be, but it would slide with less. So what is not visible by its derivative
+// (identify/uncertainty/uncertainty.h) is tried at both of its bounds: a parameter whose own column is too small to be
+// seen, all others as they are; of the directions in which others could move unseen, the ends where the first of them
+// meets a bound. Whether it is told there is for the profile to say (identify/checks/excluded_side.h).
+struct BoundCheck {
+  int parameter = -1;  // -1: of a direction
+  int direction = -1;  // of `Uncertainty::hidden_directions`; -1: of a parameter
+  // 2 (L - L at the estimate)/max(1, s)^2 at the lower and the upper end, of a direction against it and along it; zero
+  // at an end where the estimate stands. NaN: the rollout failed.
+  double rise_below = 0.0, rise_above = 0.0;
+  Eigen::VectorXd better;  // [p + n + f] the end whose cost is lower, by a rise of -0.2; empty: none is
+
+  // By more than the two standard deviations that are visible.
+  bool is_worse_below() const { return rise_below > kVisibleChange * kVisibleChange; }
+  bool is_worse_above() const { return rise_above > kVisibleChange * kVisibleChange; }
+  // The change of the prediction, in max(1, s) standard deviations, that raises the cost by as much as the worse end.
+  double change() const;
+};
+
+// Of a problem whose parameters have the derivative `jacobian` [r x p] at the estimate, without priors. Priors, knots
+// of a wind and the unknowns of fields, which are told by what is believed of them, are left out.
+std::vector<BoundCheck> CheckBounds(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
+                                    double cost, const Uncertainty& uncertainty, const Eigen::MatrixXd& jacobian,
+                                    const Eigen::MatrixXd& follow, FitEvaluator* evaluator);
+
 // Two evaluations of the cost for every free parameter whose interval is narrower than a third of the step, in their
 // order. `coordinates` [p + n + f] of the estimate, whose cost is `cost`.
 std::vector<DentCheck> CheckForDents(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,

@@ -334,6 +334,12 @@ bool TakeMinimum(const FitOptions& options, const FitProblem& problem, const Eig
   summary->marginal->hessian =
       linearization.jacobian.transpose() * linearization.jacobian + PriorHessian(problem.blocks());
   summary->interval_check.reset();
+  // Those of parameters that are not visible are as true here; the directions are others.
+  std::vector<BoundCheck>& bounds = summary->bound_checks;
+  bounds.erase(
+      std::remove_if(bounds.begin(), bounds.end(), [](const BoundCheck& check) { return check.parameter < 0; }),
+      bounds.end());
+  for (BoundCheck& check : bounds) check.better.resize(0);
   summary->dents.clear();
   return true;
 }

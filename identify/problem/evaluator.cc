@@ -180,18 +180,33 @@ std::string FitEvaluator::PlaceText(const Eigen::VectorXd& coordinates) const {
   return text.str();
 }
 
+void FitEvaluator::SupersedeBest() {
+  best_is_superseded_ = true;
+  first_compares_ = false;
+}
+
+void FitEvaluator::SupersedeLoose() {
+  if (best_.precision == Precision::kLoose) SupersedeBest();
+}
+
 void FitEvaluator::Keep(const Eigen::VectorXd& coordinates, double cost, Precision precision) {
-  if (best_.is_valid() && !best_is_superseded_ && !(cost < best_.cost)) return;
+  if (best_.is_valid() && !best_is_superseded_) {
+    const bool is_better = precision == best_.precision ? cost < best_.cost : precision == Precision::kFull;
+    if (!is_better) return;
+  }
   best_is_superseded_ = false;
   best_ = PointOf(coordinates, cost, precision);
   best_gradient_norm_ = std::numeric_limits<double>::quiet_NaN();
-  if (!first_.is_valid()) first_ = best_;
+  if (first_.is_valid()) return;
+  first_ = best_;
+  first_compares_ = precision == Precision::kFull;
 }
 
 FitPoint FitEvaluator::PointOf(const Eigen::VectorXd& coordinates, double cost, Precision precision) const {
   FitPoint point;
   point.coordinates = coordinates;
   point.cost = cost;
+  point.precision = precision;
   point.predicted.resize(static_cast<std::size_t>(problem_->num_recordings()));
   point.forces.resize(point.predicted.size());
   for (int r = 0; r < problem_->num_recordings(); ++r) {
@@ -207,6 +222,7 @@ bool FitEvaluator::SetFirst(const Eigen::VectorXd& coordinates) {
   double cost = 0.0;
   if (!Evaluate(coordinates, Derivative::kNone, &cost, nullptr)) return false;
   first_ = PointOf(coordinates, cost, Precision::kFull);
+  first_compares_ = true;
   return true;
 }
 

@@ -19,6 +19,7 @@ namespace clothid {
 struct FitPoint {
   Eigen::VectorXd coordinates;  // [p + n + f]; empty: no point was evaluated yet
   double cost = std::numeric_limits<double>::infinity();
+  Precision precision = Precision::kFull;  // with which it was evaluated
   std::vector<Eigen::MatrixXd> predicted;  // per recording [R x T] m, see Observation
   std::vector<Eigen::MatrixXd> forces;     // per recording [3G x F] N; empty where none were measured
   RolloutCounts counts;                    // of its rollouts, summed over the recordings
@@ -73,14 +74,20 @@ class FitEvaluator {
   // Of the last kRows or kExactRows evaluation that worked.
   const QuadraticModel& model() const { return model_; }
   const EvaluatedRows& rows() const { return rows_; }
-  // Makes `coordinates` the first point, evaluated as costs now are, with full precision; false where that fails.
+  // Makes `coordinates` the first point, evaluated as costs now are, with full precision, and the best where its cost
+  // is the lowest; false where that fails.
   bool SetFirst(const Eigen::VectorXd& coordinates);
   const FitPoint& first() const { return first_; }  // the first point that worked
-  const FitPoint& best() const { return best_; }    // the point of lowest cost
-  // The next point is the best one whatever its cost: costs of different precision, or with priors of other weights, do
-  // not compare.
-  void SupersedeBest() { best_is_superseded_ = true; }
+  // The point of lowest cost, of those of full precision where there are some: costs of different precision do not
+  // compare.
+  const FitPoint& best() const { return best_; }
+  // The next point is the best one whatever its cost: costs with priors of other weights do not compare, either.
+  void SupersedeBest();
+  // The same where the best point is a loose one.
+  void SupersedeLoose();
   bool best_is_superseded() const { return best_is_superseded_; }
+  // Whether the best point is one of all that compare with the first.
+  bool first_compares() const { return first_compares_; }
   int num_failures() const { return num_failures_; }                 // evaluations that did not work
   const std::string& last_failure() const { return last_failure_; }  // the reason of the last of them
   CostStatistics statistics() const;                                 // since the evaluator was made
@@ -129,7 +136,7 @@ class FitEvaluator {
   QuadraticModel model_;
   EvaluatedRows rows_;
   FitPoint first_, best_;
-  bool best_is_superseded_ = false;
+  bool best_is_superseded_ = false, first_compares_ = false;
   CostStatistics statistics_before_;
   std::string last_failure_;
   int num_failures_ = 0;

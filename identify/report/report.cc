@@ -106,6 +106,7 @@ std::string ErrorRows(const FitSummary& summary) {
 }
 
 std::string Interval(const FitSummary& summary, const FitChecks& checks, int index) {
+  if (HasExcludedSide(summary, checks, index)) return RangeText(summary.uncertainty->parameters[index]);
   if (!HasInterval(summary, checks, index)) return "-";
   const ParameterUncertainty& uncertainty = summary.uncertainty->parameters[index];
   return IntervalText(summary.parameters[index].value, uncertainty.total_std(), uncertainty.lower95,

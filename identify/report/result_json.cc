@@ -54,11 +54,12 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
         summary.uncertainty ? summary.uncertainty->parameters[i] : ParameterUncertainty();
     const std::optional<bool> identifiable = IsIdentifiable(summary, checks, static_cast<int>(i));
     const bool has_interval = HasInterval(summary, checks, static_cast<int>(i));
+    const bool has_end = has_interval || HasExcludedSide(summary, checks, static_cast<int>(i));
     const auto shown = [&](double value) { return has_interval ? value : kNull; };
     json[parameter.name] = {{"value", parameter.value},
                             {"std", shown(uncertainty.std)},
-                            {"lower95", shown(uncertainty.lower95)},
-                            {"upper95", shown(uncertainty.upper95)},
+                            {"lower95", has_end ? uncertainty.lower95 : kNull},
+                            {"upper95", has_end ? uncertainty.upper95 : kNull},
                             {"start", parameter.start},
                             {"lower_bound", parameter.lower_bound},
                             {"upper_bound", parameter.upper_bound},
@@ -95,6 +96,18 @@ Json IntervalCheckJson(const FitSummary& summary) {
   return {{"parameter", summary.parameters[check.parameter].name},
           {"rise_below", check.rise_below},
           {"rise_above", check.rise_above}};
+}
+
+// Of parameters, and of directions in their words.
+Json BoundChecksJson(const FitSummary& summary) {
+  Json json = Json::array();
+  for (const BoundCheck& check : summary.bound_checks) {
+    json.push_back({{"of", check.parameter >= 0 ? summary.parameters[check.parameter].name
+                                                : summary.uncertainty->hidden_directions[check.direction].words},
+                    {"rise_below", check.rise_below},
+                    {"rise_above", check.rise_above}});
+  }
+  return json;
 }
 
 Json DentsJson(const FitSummary& summary) {
@@ -149,6 +162,7 @@ Json UncertaintyJson(const FitSummary& summary) {
                {"correlation", correlation},
                {"hidden_directions", directions},
                {"interval_check", IntervalCheckJson(summary)}};
+  if (!summary.bound_checks.empty()) json["bound_checks"] = BoundChecksJson(summary);
   if (!summary.dents.empty()) json["dents"] = DentsJson(summary);
   if (summary.quadratic) json["quadratic"] = QuadraticJson(summary);
   if (uncertainty.is_widened) json["widening"] = {{"quantile95", uncertainty.quantile95}, {"parameters", widening}};
@@ -180,6 +194,19 @@ void AddErrors(const FitSummary& summary, Json* json) {
   if (summary.error.force.num_components > 0.0) {
     (*json)["force"] = ForceJson(summary.error.force, summary.start_error.force);
   }
+}
+
+// Per recording, of what the fit's loss discounts; null where that makes no difference.
+Json DiscountedJson(const FitChecks& checks) {
+  Json json = Json::array();
+  for (const RecordingFit& recording : checks.recordings) {
+    json.push_back(nullptr);
+    if (!recording.discounted) continue;
+    json.back() = {{"share", recording.discounted->share},
+                   {"rmse_m", recording.discounted->error.rmse()},
+                   {"fit_percent", recording.discounted->error.fit_percent()}};
+  }
+  return json;
 }
 
 Json StartsJson(const FitSummary& summary, const FitChecks& checks) {
@@ -360,6 +387,10 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["verdict"] = verdict.Lines();
   json["parameters"] = ParametersJson(summary, checks, verdict);
   AddErrors(summary, &json);
+  const bool has_discounted =
+      std::any_of(checks.recordings.begin(), checks.recordings.end(),
+                  [](const RecordingFit& recording) { return recording.discounted.has_value(); });
+  if (has_discounted) json["discounted"] = DiscountedJson(checks);
   if (summary.fields) json["fields"] = FieldsJson(*summary.fields);
   if (checks.wind) json["wind"] = WindJson(*checks.wind);
   const bool errs = std::any_of(summary.model_errors.begin(), summary.model_errors.end(),

@@ -11,8 +11,6 @@
 namespace clothid {
 namespace {
 
-// Changes of the prediction up to this many standard deviations are not seen.
-constexpr double kVisible = 2.0;
 // Correlations of successive residuals are taken as at most this: a recording would have to be long to tell more.
 constexpr double kHighest = 0.97;
 // Steps of some resolutions are what an optimiser leaves.
@@ -180,7 +178,7 @@ void CompareWithPriors(const std::vector<ParameterBlock>& blocks, const Eigen::V
 void FillVisibility(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
                     const Eigen::MatrixXd& jacobian, const std::vector<int>& free, double fitted_scale,
                     Uncertainty* uncertainty) {
-  const double noise = std::max(1.0, fitted_scale), visible = kVisible * noise;
+  const double noise = std::max(1.0, fitted_scale), visible = kVisibleChange * noise;
   const ScaledJacobian all(blocks, WithPriorRows(blocks, jacobian, noise), free);
   for (Eigen::Index i = 0; i < all.size(); ++i) {
     const int index = free[i];

@@ -51,6 +51,7 @@
 #include <ceres/problem.h>
 
 #include <Eigen/Core>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -92,6 +93,8 @@ struct Linearization {
 Linearization Linearize(const std::vector<double*>& coordinates, int num_measurements, bool sigma_is_known,
                         ceres::Problem* problem);
 
+// Changes of the prediction up to this many standard deviations are not seen.
+inline constexpr double kVisibleChange = 2.0;
 // Above this share of the standard deviation that was believed before a parameter is hardly told.
 inline constexpr double kHardlyTold = 1.0 / 3.0;
 // A fit has stalled where the model at its end promises a cost that is lower by more than this, in s^2.
@@ -108,7 +111,8 @@ struct ParameterUncertainty {
   // (identify/problem/memory_trial.h). NaN: they do not.
   double memory_error = std::numeric_limits<double>::quiet_NaN();
   double step_order = std::numeric_limits<double>::quiet_NaN();  // at which step_error falls; NaN: no clear one
-  // The interval, with these errors where they are known, and half its width in q. NaN as `std`.
+  // The interval, with these errors where they are known, and half its width in q. NaN as `std`; but of one that is not
+  // visible an end is known beyond which values are excluded (identify/checks/excluded_side.h).
   double lower95 = std::numeric_limits<double>::quiet_NaN();
   double upper95 = std::numeric_limits<double>::quiet_NaN();
   double half_width95 = std::numeric_limits<double>::quiet_NaN();  // also where the fit stalled
@@ -137,6 +141,8 @@ struct ParameterUncertainty {
   // prior the interval that it would have without it, too.
   bool identifiable = false;
 
+  // Whether an end of its interval is known, though the derivative tells nothing of it.
+  bool has_excluded_side() const { return std::isnan(std) && !(std::isnan(lower95) && std::isnan(upper95)); }
   // Noise, step, mesh and drift together: root of squares, of what is known. NaN as `std`.
   double total_std() const;
   // Never of one with a prior: that its interval is hardly narrower than the prior is told otherwise.

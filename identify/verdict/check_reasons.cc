@@ -107,7 +107,10 @@ void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
   add(std::string("held out: the estimates predict ") + (holdout.has_failed() ? "worse" : "better") +
       " than the nominal parameters, rmse " + MillimetreText(holdout.rmse) +
       (std::isnan(holdout.nodes_rmse) ? "" : " (nodes " + MillimetreText(holdout.nodes_rmse) + ")") + " against " +
-      MillimetreText(holdout.nominal_rmse));
+      MillimetreText(holdout.nominal_rmse) +
+      (std::isnan(holdout.cost + holdout.nominal_cost)
+           ? ""
+           : ", as the loss counts " + NumberText(holdout.cost) + " against " + NumberText(holdout.nominal_cost)));
 }
 
 void AddEnergy(const EnergyGain& gain, const std::string& prefix, std::vector<Reason>* reasons) {

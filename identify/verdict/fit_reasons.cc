@@ -33,8 +33,8 @@ void AddEnd(const FitSummary& summary, std::vector<Reason>* reasons) {
 }
 
 bool IsSmall(const RecordingFit& recording) {
-  return std::isnan(recording.noise) ? recording.error.rmse() <= kSmallShare * recording.cloth_size
-                                     : recording.error.rmse() <= kNoiseFactor * recording.noise;
+  return std::isnan(recording.noise) ? recording.judged().rmse() <= kSmallShare * recording.cloth_size
+                                     : recording.judged().rmse() <= kNoiseFactor * recording.noise;
 }
 
 // "a.bin: " where there are several.
@@ -42,8 +42,20 @@ std::string Prefix(const FitChecks& checks, const RecordingFit& recording) {
   return checks.recordings.size() > 1 ? recording.name + ": " : std::string();
 }
 
+// What the fit's loss discounts is neither held against it nor hidden.
+void AddDiscounted(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
+  if (!recording.discounted) return;
+  const Discounted& discounted = *recording.discounted;
+  const std::string brief =
+      prefix + "the loss discounts " + NumberText(100.0 * discounted.share, 3) + " % of the points";
+  const std::string fifth = discounted.is_many() ? "the worst fifth" : "them";
+  const std::string line = brief + ": rmse " + MillimetreText(discounted.error.rmse()) + " without " + fifth +
+                           ", by which the fit is judged, " + MillimetreText(recording.error.rmse()) + " with " + fifth;
+  reasons->push_back(discounted.is_many() ? Careful({}, brief, line + "; so many are no gross errors") : Remark(line));
+}
+
 void AddFitPercent(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
-  const double fit = recording.error.fit_percent();
+  const double fit = recording.judged().fit_percent();
   if (!(fit < kLowFit) || IsSmall(recording)) return;
   const std::string brief =
       prefix + (fit >= 0.0 ? "the fit is low" : "the fit is negative") + " (" + NumberText(fit) + " %)";
@@ -56,17 +68,17 @@ void AddFitPercent(const RecordingFit& recording, const std::string& prefix, std
   reasons->push_back(
       AgainstAll(fit < kClearlyNegative && moves, brief,
                  brief + ": every point at rest at its mean place would be nearer to the recording, rmse " +
-                     MillimetreText(recording.motion()) + " against " + MillimetreText(recording.error.rmse()) +
+                     MillimetreText(recording.motion()) + " against " + MillimetreText(recording.judged().rmse()) +
                      (moves ? "; look at unit, frame of reference and axes" : "; the cloth hardly moves")));
 }
 
 void AddSize(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
-  const double share = recording.error.rmse() / recording.cloth_size;
+  const double share = recording.judged().rmse() / recording.cloth_size;
   if (!(share > kLargeShare)) return;
   const bool is_huge = share > kHugeShare;
   const std::string brief = prefix + (is_huge ? "the error is of the size of the cloth" : "the error is large");
   reasons->push_back(AgainstAll(is_huge, brief,
-                                brief + ": rmse " + MillimetreText(recording.error.rmse()) + ", " +
+                                brief + ": rmse " + MillimetreText(recording.judged().rmse()) + ", " +
                                     NumberText(100.0 * share, 3) + " % of the " + MillimetreText(recording.cloth_size) +
                                     " of the cloth"));
 }
@@ -74,11 +86,11 @@ void AddSize(const RecordingFit& recording, const std::string& prefix, std::vect
 // Errors that noise does not explain: intervals, which scale with them, know what chance would do, and neither what the
 // model misses nor that of another minimum.
 void AddUnexplained(const RecordingFit& recording, const std::string& prefix, std::vector<Reason>* reasons) {
-  const double factor = recording.error.rmse() / recording.noise;
+  const double factor = recording.judged().rmse() / recording.noise;
   if (!(factor > kExplainedScale) || !recording.model_error.is_zero()) return;
   const std::string brief = prefix + "the error is " + NumberText(factor, 2) + " times the noise";
   reasons->push_back(Careful({}, brief,
-                             brief + ": rmse " + MillimetreText(recording.error.rmse()) + " against " +
+                             brief + ": rmse " + MillimetreText(recording.judged().rmse()) + " against " +
                                  MillimetreText(recording.noise) +
                                  "; model, start or handles miss something, or this is not the best minimum, and "
                                  "intervals know of neither"));
@@ -198,12 +210,18 @@ void AddLowerPoint(const FitSummary& summary, std::vector<Reason>* reasons) {
                                       NumberText(check.lowest_rise(), 2) + " instead of 3.84" +
                                       (num > 0 ? ", after the fit had gone on from such a point " + times : "") +
                                       "; the cost is rough: see --starts and the landscape"));
+  } else if (summary.lower_point().size() > 0) {
+    const std::string brief = "a point of lower cost was met";
+    reasons->push_back(AgainstAll(true, brief,
+                                  brief + " where what the derivative does not tell was tried at its bounds" +
+                                      (num > 0 ? ", after the fit had gone on from such a point " + times : "") +
+                                      "; see --starts"));
   } else if (num > 0) {
     const std::string brief = "the cost has more than one minimum";
-    reasons->push_back(Careful({}, brief,
-                               "the fit went on " + times +
-                                   " from a point of lower cost, met where an interval was checked: " + brief +
-                                   "; see --starts"));
+    reasons->push_back(Careful(
+        {}, brief,
+        "the fit went on " + times +
+            " from a point of lower cost, met where an interval or a bound was checked: " + brief + "; see --starts"));
   }
 }
 
@@ -223,6 +241,7 @@ void AddFitReasons(const FitSummary& summary, const FitChecks& checks, std::vect
   AddEnd(summary, reasons);
   for (const RecordingFit& recording : checks.recordings) {
     const std::string prefix = Prefix(checks, recording);
+    AddDiscounted(recording, prefix, reasons);
     AddFitPercent(recording, prefix, reasons);
     AddSize(recording, prefix, reasons);
     AddUnexplained(recording, prefix, reasons);

@@ -1,4 +1,5 @@
 // Reasons that lie in what the recordings tell of each parameter.
+#include <algorithm>
 #include <cmath>
 
 #include "identify/verdict/reason.h"
@@ -18,6 +19,30 @@ std::vector<int> FreeParameters(const FitSummary& summary) {
   return free;
 }
 
+// What is known of a direction at its bounds: of itself, or of the only parameter in it. Null: nobody looked.
+const BoundCheck* CheckOf(const FitSummary& summary, int direction) {
+  const std::string& words = summary.uncertainty->hidden_directions[direction].words;
+  const auto it = std::find_if(summary.bound_checks.begin(), summary.bound_checks.end(), [&](const BoundCheck& check) {
+    return check.direction == direction || (check.parameter >= 0 && summary.parameters[check.parameter].name == words);
+  });
+  return it == summary.bound_checks.end() ? nullptr : &*it;
+}
+
+// What happens as the parameters of a hidden direction move from bound to bound.
+std::string MoveText(const Uncertainty& uncertainty, int direction, const BoundCheck* check) {
+  const bool is_known = check != nullptr && !std::isnan(check->rise_below + check->rise_above);
+  const double change = check == nullptr ? 0.0 : std::max(1.0, uncertainty.residual_scale) * check->change();
+  if (check != nullptr && (check->is_worse_below() || check->is_worse_above())) {
+    return "its derivative shows no change of the prediction, but at a bound it changes by " + NumberText(change, 2) +
+           " standard deviations; --profile tells more";
+  }
+  // Below a hundredth it may be the rounding of rollouts.
+  const double shown =
+      std::max(is_known && change > 0.01 ? change : 0.0, uncertainty.hidden_directions[direction].visible_change);
+  return std::string(is_known ? "" : "by its derivative, ") + "moved from bound to bound, the prediction changes by " +
+         NumberText(shown, 2) + " standard deviations";
+}
+
 void AddHidden(const FitSummary& summary, const std::vector<int>& hidden, std::vector<Reason>* reasons) {
   if (hidden.empty()) return;
   const std::string brief = "not told by the recording";
@@ -25,12 +50,27 @@ void AddHidden(const FitSummary& summary, const std::vector<int>& hidden, std::v
   if (directions.empty()) {
     reasons->push_back(NotTold(hidden, brief, "not identifiable: " + NamesText(summary, hidden)));
   }
-  for (const HiddenDirection& direction : directions) {
-    reasons->push_back(NotTold(hidden, brief,
-                               "not identifiable: " + direction.words +
-                                   ": moved from bound to bound, the prediction changes by " +
-                                   NumberText(direction.visible_change, 2) + " standard deviations"));
+  for (int k = 0; k < static_cast<int>(directions.size()); ++k) {
+    const BoundCheck* const check = CheckOf(summary, k);
+    if (check != nullptr && check->parameter >= 0 &&
+        summary.uncertainty->parameters[check->parameter].has_excluded_side()) {
+      continue;  // said of the parameter
+    }
+    reasons->push_back(NotTold(
+        hidden, brief, "not identifiable: " + directions[k].words + ": " + MoveText(*summary.uncertainty, k, check)));
   }
+}
+
+// Of one whose derivative tells nothing.
+void AddExcludedSide(const FitSummary& summary, int index, std::vector<Reason>* reasons) {
+  const std::string range = RangeText(summary.uncertainty->parameters[index]);
+  const std::string brief = summary.parameters[index].name + " is " + range;
+  reasons->push_back({Usability::kWithCare,
+                      kExitNotIdentifiable,
+                      {index},
+                      brief,
+                      brief + ": beyond, the cost rises by more than 3.84 wherever the others are; which of the values "
+                              "that are left it is nothing tells, and the estimate is but one of them"});
 }
 
 // "1 %": how far `step` of its coordinate takes a parameter.
@@ -123,6 +163,10 @@ void AddUndetermined(const FitSummary& summary, const FitChecks& checks, const s
   for (const int i : free) {
     const ParameterUncertainty& parameter = summary.uncertainty->parameters[i];
     const bool reaches_bound = parameter.reaches_lower || parameter.reaches_upper;
+    if (HasExcludedSide(summary, checks, i)) {
+      AddExcludedSide(summary, i, reasons);
+      continue;
+    }
     if (summary.parameters[i].at_bound) {
       reasons->push_back(
           NotTold({i}, "at its bound", summary.parameters[i].name + " stands at its bound: no interval is given"));

@@ -31,6 +31,18 @@ bool HasInterval(const FitSummary& summary, const FitChecks& checks, int index) 
   return !std::isnan(summary.uncertainty->parameters[index].std) && !IsAmbiguous(checks, index);
 }
 
+bool HasExcludedSide(const FitSummary& summary, const FitChecks& checks, int index) {
+  return summary.uncertainty && summary.uncertainty->parameters[index].has_excluded_side() &&
+         !IsAmbiguous(checks, index);
+}
+
+std::string RangeText(const ParameterUncertainty& parameter) {
+  constexpr int kDigits = 5;
+  const std::string lower = NumberText(parameter.lower95, kDigits), upper = NumberText(parameter.upper95, kDigits);
+  if (std::isnan(parameter.upper95)) return "at least " + lower;
+  return std::isnan(parameter.lower95) ? "at most " + upper : "between " + lower + " and " + upper;
+}
+
 namespace {
 
 std::string ToldRemark(const FitSummary& summary, const FitChecks& checks, int index) {
@@ -41,6 +53,7 @@ std::string ToldRemark(const FitSummary& summary, const FitChecks& checks, int i
   }
   const ParameterUncertainty& parameter = summary.uncertainty->parameters[index];
   if (parameter.stalled) return "stalled";
+  if (HasExcludedSide(summary, checks, index)) return "told by what is excluded";
   if (parameter.visible && summary.parameters[index].at_bound) return "at its bound";
   if (!HasInterval(summary, checks, index)) return "not identifiable";
   if (summary.parameters[index].is_knot && !parameter.visible) return "as smooth as believed";

@@ -19,10 +19,16 @@ std::optional<bool> IsIdentifiable(const FitSummary& summary, const FitChecks& c
 // one whose value another start contradicts, or that the fit stalled at, has none.
 bool HasInterval(const FitSummary& summary, const FitChecks& checks, int index);
 
-// What stands beside a parameter in a table: "frozen", "not identifiable", "hardly told", "stalled", "reaches a bound",
-// "at its bound", "one dent" of one whose interval is that of a dent (identify/fit/interval_check.h), "as believed" and
-// "by its prior" of one that is not identifiable without its prior, or nothing; and where errors of time step and mesh
-// exceed the noise what each of them is, "noise +- 0.0045, step +- 0.017".
+// Whether it has an end of an interval to show though the derivative tells nothing of it: values beyond are excluded
+// (identify/checks/excluded_side.h); and in words, "at least 0.364", "at most 0.4", "between 0.3 and 0.4".
+bool HasExcludedSide(const FitSummary& summary, const FitChecks& checks, int index);
+std::string RangeText(const ParameterUncertainty& parameter);
+
+// What stands beside a parameter in a table: "frozen", "not identifiable", "told by what is excluded", "hardly told",
+// "stalled", "reaches a bound", "at its bound", "one dent" of one whose interval is that of a dent
+// (identify/fit/interval_check.h), "as believed" and "by its prior" of one that is not identifiable without its prior,
+// or nothing; and where errors of time step and mesh exceed the noise what each of them is, "noise +- 0.0045, step +-
+// 0.017".
 std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, int index);
 
 // "1e-05, factor 2; the recording adds nothing" of parameter `index`; empty where it has no prior.

@@ -54,7 +54,8 @@ function pathTraces(landscape, window) {
 function estimateTraces(landscape, window) {
   const ends = (axis) => {
     const {value, lower95, upper95} = result.parameters[axis.parameter];
-    return {value, bar: lower95 === null ? {visible: false} : {type: 'data', symmetric: false, array: [upper95 - value],
+    const isOpen = lower95 === null || upper95 === null;
+    return {value, bar: isOpen ? {visible: false} : {type: 'data', symmetric: false, array: [upper95 - value],
       arrayminus: [value - lower95], color: MARKS.estimate, thickness: 1.5, width: 4}};
   };
   const x = ends(landscape.x), y = ends(landscape.y), traces = [];

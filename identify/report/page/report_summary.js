@@ -29,7 +29,10 @@ function digitsOf(value, std) {
 }
 
 function interval(parameter) {
-  if (parameter.std === null) return '–';
+  const {std: noise, lower95, upper95} = parameter;
+  if (noise === null && lower95 !== null && upper95 !== null) return `${number(lower95, 5)} … ${number(upper95, 5)}`;
+  if (noise === null && lower95 !== null) return `≥ ${number(lower95, 5)}`;
+  if (noise === null) return upper95 !== null ? `≤ ${number(upper95, 5)}` : '–';
   const std = Math.hypot(parameter.std, parameter.step_error || 0, parameter.mesh_error || 0);
   const digits = digitsOf(parameter.value, std);
   return `${number(parameter.lower95, digits)} … ${number(parameter.upper95, digits)}`;

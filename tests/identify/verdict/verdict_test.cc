@@ -369,7 +369,9 @@ TEST(VerdictTest, SaysWhatIsHiddenAndWhatStandsAtItsBound) {
   summary = Converged();
   summary.uncertainty->parameters[0].visible = summary.uncertainty->parameters[0].identifiable = false;
   summary.uncertainty->hidden_directions.push_back({Eigen::VectorXd::Ones(1), 0.5, "mu"});
-  EXPECT_TRUE(Says(summary, {}, "not identifiable: mu: moved from bound to bound, the prediction changes by 0.5"));
+  EXPECT_TRUE(
+      Says(summary, {},
+           "not identifiable: mu: by its derivative, moved from bound to bound, the prediction changes by 0.5"));
   EXPECT_NE(ResultTable(summary, {}).find("not identifiable"), std::string::npos);
 }
 
