@@ -183,7 +183,10 @@ class Run {
   void RunFit() {
     const std::vector<RecordedMotion>* const leading = options_.growing_horizon ? &inputs_.fitted : nullptr;
     FitOptions options = fit_options_;
-    if (options_.time_step.is_automatic) options.weighs_model_error = false;  // the step's is to be compared with noise
+    if (options_.time_step.is_automatic) {  // the step's error is to be compared with noise
+      options.weighs_model_error = false;
+      if (options.assimilate.kind == AssimilationOption::Kind::kAuto) options.assimilate = {};
+    }
     summary_ = fit_options_.num_starts == 1 ? Fit(options, problem_.get(), leading)
                                             : FitFromStarts(options, inputs_.fitted, options_.growing_horizon,
                                                             problem_.get(), &checks_.starts.emplace());
@@ -244,11 +247,15 @@ class Run {
     }
     if (!inputs_.held_out.empty()) {
       const HeldOut held_out = options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings;
+      LeadTimes ahead(LastAssimilation(summary_), fit_options_.loss);
       checks_.holdout =
           EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
-                          options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>(), fit_options_.loss);
+                          options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>(), fit_options_.loss,
+                          options_.holdout_frames ? nullptr : &ahead);
     }
     checks_.uncorrected_error = PredictUncorrected(inputs_.fitted, *problem_, &summary_);
+    checks_.lead_times = PredictAhead(inputs_.fitted, *problem_, summary_, fit_options_.loss);
+    checks_.corrections = CheckCorrections(inputs_.fitted, *problem_, summary_, fit_options_.loss);
     if (!single_fits_.empty()) checks_.repetitions = Pool(single_fits_, SharedParameters(summary_));
     if (fit_options_.is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;

@@ -6,7 +6,7 @@ namespace clothid {
 
 bool IsSame(const Assimilation& a, const Assimilation& b) {
   if (!a.is_on() || !b.is_on()) return a.is_on() == b.is_on();
-  return a.memory == b.memory && a.smoothing == b.smoothing;
+  return a.memory == b.memory && a.smoothing == b.smoothing && a.until == b.until;
 }
 
 CorrectionGains GainsOver(double interval, double memory) {

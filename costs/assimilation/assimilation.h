@@ -14,6 +14,7 @@
 #define CLOTHID_COSTS_ASSIMILATION_ASSIMILATION_H_
 
 #include <functional>
+#include <limits>
 #include <optional>
 
 namespace clothid {
@@ -23,6 +24,7 @@ struct Assimilation {
   // l, m: waves that are shorter than about 6 l are corrected less, and so follow noise less. Absent: about an edge of
   // the mesh, the square root of its area per node.
   std::optional<double> smoothing = std::nullopt;
+  double until = std::numeric_limits<double>::infinity();  // s: later frames correct nothing
 
   bool is_on() const { return memory > 0.0; }
 };

@@ -50,7 +50,7 @@ RecordingCorrection::RecordingCorrection(const Assimilation& assimilation, Influ
     const int step = stencils[i].last_step(), first = i;
     while (i < observation.num_frames() && stencils[i].last_step() == step) ++i;
     const bool is_seen = observation.first_row(first) < observation.first_cloud_row(i - 1);
-    if (step < 1 || !is_seen || !(times[i - 1] > last_time)) continue;
+    if (step < 1 || !is_seen || !(times[i - 1] > last_time) || times[i - 1] > assimilation.until) continue;
     AddStep(observation, first, i, GainsOver(times[i - 1] - last_time, assimilation.memory));
     last_time = times[i - 1];
   }

@@ -90,6 +90,7 @@ class RecordingModel {
   const std::string& name() const { return name_; }
   const Observation& observation() const { return observation_; }
   const Scene& scene() const { return simulator_.scene(); }
+  const ClothModel& cloth() const { return simulator_.model(); }
   const Eigen::VectorXd& times() const { return times_; }  // of the frames [T] s
   const std::vector<ParameterBlock>& blocks() const { return values_.blocks(); }
   int num_blocks() const { return static_cast<int>(blocks().size()); }               // p

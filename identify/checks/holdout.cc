@@ -59,7 +59,7 @@ Eigen::VectorXd WithStart(const std::vector<double>& coordinates, const HeldOutS
 // `recording`: its index among the fitted ones; -1: none of them.
 void AddEstimateError(const RecordedMotion& motion, int recording, const HeldOutStart& start,
                       const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& values, const RobustLoss& loss,
-                      PredictionSum* sum) {
+                      LeadTimes* ahead, PredictionSum* sum) {
   std::vector<ParameterBlock> own;
   std::vector<double> coordinates;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -69,6 +69,7 @@ void AddEstimateError(const RecordedMotion& motion, int recording, const HeldOut
   }
   RecordingModel model(motion, own, {}, start.start);
   AddError(WithStart(coordinates, start), loss, &model, sum);
+  if (ahead != nullptr) ahead->Add(motion, WithStart(coordinates, start), &model);
 }
 
 std::optional<int> ParseFrame(std::string_view text) {
@@ -82,7 +83,7 @@ std::optional<int> ParseFrame(std::string_view text) {
 
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                         const Eigen::VectorXd& values, HeldOut held_out, const std::vector<HeldOutStart>& starts,
-                        const RobustLoss& loss) {
+                        const RobustLoss& loss, LeadTimes* ahead) {
   PredictionSum at_nominal, at_estimate;
   for (std::size_t r = 0; r < motions.size(); ++r) {
     const RecordedMotion& motion = motions[r];
@@ -90,7 +91,7 @@ Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::v
     RecordingModel nominal(motion, {}, {}, start.start);
     AddError(WithStart({}, start), loss, &nominal, &at_nominal);
     const int recording = held_out == HeldOut::kFrames ? static_cast<int>(r) : -1;
-    AddEstimateError(motion, recording, start, blocks, values, loss, &at_estimate);
+    AddEstimateError(motion, recording, start, blocks, values, loss, ahead, &at_estimate);
   }
   Holdout holdout;
   if (at_nominal.failure.empty()) {
@@ -106,6 +107,7 @@ Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::v
   }
   const PredictionError& seen = at_nominal.failure.empty() ? at_nominal.error : at_estimate.error;
   holdout.has_only_forces = seen.num_coordinates + seen.cloud.num_points == 0.0 && seen.force.num_components > 0.0;
+  if (ahead != nullptr) holdout.lead_times = ahead->Errors();
   holdout.failure = at_estimate.failure.empty() ? at_nominal.failure : at_estimate.failure;
   return holdout;
 }

@@ -12,6 +12,7 @@
 #include "costs/prediction/robust_loss.h"
 #include "costs/start/unknown_start.h"
 #include "datasets/motion/recorded_motion.h"
+#include "identify/checks/lead_time.h"
 
 namespace clothid {
 
@@ -26,6 +27,7 @@ struct Holdout {
   // Of a fit with a robust loss: the cost by that loss, likewise; NaN without.
   double cost = std::numeric_limits<double>::quiet_NaN();
   double nominal_cost = std::numeric_limits<double>::quiet_NaN();
+  std::vector<LeadTimeError> lead_times = {};  // at the estimate; empty: nobody asked for them
 
   // The estimates predict no better than what was known before the fit: it has learnt the noise, or the model is wrong.
   // By the costs where they are known, else of positions where there are any.
@@ -51,10 +53,11 @@ struct HeldOutStart {
 // Over all of `motions`. `values` [p] are the estimates of `blocks`; parameters that the scene of a recording does not
 // have are left out, all others stay at its nominal values, those of the recording itself
 // (costs/prediction/alignment.h) at zero. `starts`: of every one, or empty; both predictions start there. `loss`: of
-// the fit. Throws `Error` where `RecordingModel` does.
+// the fit. `ahead`: what counts lead times; may be null. Throws `Error` where `RecordingModel` does.
 Holdout EvaluateHoldout(const std::vector<RecordedMotion>& motions, const std::vector<ParameterBlock>& blocks,
                         const Eigen::VectorXd& values, HeldOut held_out = HeldOut::kRecordings,
-                        const std::vector<HeldOutStart>& starts = {}, const RobustLoss& loss = {});
+                        const std::vector<HeldOutStart>& starts = {}, const RobustLoss& loss = {},
+                        LeadTimes* ahead = nullptr);
 
 // Frames by number: begin, begin + 1, .., end - 1.
 struct FrameRange {

@@ -317,6 +317,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
           << summary.start_error.fit_percent() << " % (0 %: no better than a cloth at rest)\n";
   }
   table << MemoryRow(summary, checks);
+  if (!checks.lead_times.empty()) table << "predicts        " << LeadTimesText(checks.lead_times) << "\n";
   for (const RecordingFit& recording : checks.recordings) table << ModelErrorRow(recording, checks.recordings.size());
   for (const StartEstimate& start : summary.starts) table << StartRow(start);
   if (summary.fields) {

@@ -251,10 +251,22 @@ Json RepeatedFitJson(const FitSummary& summary, const std::optional<RepeatedFit>
           {"rmse_m", fit->has_estimate() ? fit->rmse : kNull}};
 }
 
+Json LeadTimesJson(const std::vector<LeadTimeError>& lead_times) {
+  Json json = Json::array();
+  for (const LeadTimeError& ahead : lead_times) {
+    json.push_back({{"lead_s", ahead.lead},
+                    {"rmse_m", ahead.rmse},
+                    {"still_rmse_m", ahead.still_rmse},
+                    {"predictions", ahead.num_predictions}});
+  }
+  return json;
+}
+
 Json HoldoutJson(const std::optional<Holdout>& holdout) {
   if (!holdout) return nullptr;
   Json json = {{"rmse_m", holdout->rmse}, {"nominal_rmse_m", holdout->nominal_rmse}, {"failed", holdout->has_failed()}};
   if (std::isfinite(holdout->nodes_rmse)) json["nodes_rmse_m"] = holdout->nodes_rmse;
+  if (!holdout->lead_times.empty()) json["lead_times"] = LeadTimesJson(holdout->lead_times);
   if (std::isfinite(holdout->nominal_force_rms)) {
     json["force_rms_N"] = holdout->force_rms;
     json["nominal_force_rms_N"] = holdout->nominal_force_rms;
@@ -334,6 +346,19 @@ Json FindingsOfRecordings(const FitChecks& checks) {
   return is_ok ? Json(nullptr) : json;
 }
 
+Json CorrectionCheckJson(const CorrectionCheck& check) {
+  const MissingForce& missing = check.missing_force;
+  return {{"innovation_rmse_m", check.innovations.rmse()},
+          {"innovation_correlation", check.innovations.autocorrelation()},
+          {"missing_force",
+           {{"rms_N_m2", missing.size},
+            {"weight_N_m2", missing.weight},
+            {"largest_in_frame_N_m2", missing.largest_in_frame},
+            {"frame", missing.frame},
+            {"largest_at_node_N_m2", missing.largest_at_node},
+            {"node", missing.node}}}};
+}
+
 // Of rollouts that the recordings correct, and of the fits that found their memory.
 Json CorrectionsJson(const FitSummary& summary, const FitChecks& checks) {
   Json trials = Json::array(), drift = Json::object();
@@ -347,6 +372,9 @@ Json CorrectionsJson(const FitSummary& summary, const FitChecks& checks) {
     drift[summary.parameters[i].name] = summary.uncertainty->parameters[i].memory_error;
   }
   Json json = AssimilationJson(summary.assimilation);
+  json["lead_times"] = LeadTimesJson(checks.lead_times);
+  json["recordings"] = Json::array();
+  for (const CorrectionCheck& check : checks.corrections) json["recordings"].push_back(CorrectionCheckJson(check));
   json["uncorrected_rmse_m"] = checks.uncorrected_error ? checks.uncorrected_error->rmse() : kNull;
   json["drift"] = drift;
   json["trials"] = trials;

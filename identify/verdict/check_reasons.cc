@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/verdict/model_error_text.h"
 #include "identify/verdict/reason.h"
 
 namespace clothid {
@@ -111,6 +112,8 @@ void AddHoldout(const Holdout& holdout, std::vector<Reason>* reasons) {
       (std::isnan(holdout.cost + holdout.nominal_cost)
            ? ""
            : ", as the loss counts " + NumberText(holdout.cost) + " against " + NumberText(holdout.nominal_cost)));
+  if (!holdout.lead_times.empty())
+    reasons->push_back(Remark("held out: predicts " + LeadTimesText(holdout.lead_times)));
 }
 
 void AddEnergy(const EnergyGain& gain, const std::string& prefix, std::vector<Reason>* reasons) {

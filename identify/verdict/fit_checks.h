@@ -10,9 +10,11 @@
 
 #include "datasets/checking/finding.h"
 #include "identify/base/options.h"
+#include "identify/checks/correction_check.h"
 #include "identify/checks/discretization_check.h"
 #include "identify/checks/gradient_check.h"
 #include "identify/checks/holdout.h"
+#include "identify/checks/lead_time.h"
 #include "identify/checks/multi_start.h"
 #include "identify/checks/prediction_check.h"
 #include "identify/checks/profile.h"
@@ -40,6 +42,8 @@ struct FitChecks {
   // Over all recordings, of rollouts at the estimates that nothing corrects, where those of the fit were; absent where
   // one of them failed.
   std::optional<PredictionError> uncorrected_error;
+  std::vector<LeadTimeError> lead_times;     // likewise of rollouts that are corrected up to a launch
+  std::vector<CorrectionCheck> corrections;  // of every recording; empty: the fit corrected no rollouts
   std::optional<Repetitions> repetitions;
   std::vector<EnergyGain> energy;                // of every recording; empty: nobody looked
   std::vector<SelfContactAudit> self_contact;    // likewise

@@ -14,6 +14,9 @@ constexpr double kFarFromMeasured = 3.0;
 // Estimates that drift by more than so many standard deviations of the noise, and by this share, ask for care.
 constexpr double kFarDrift = 2.0;
 constexpr double kSmallDrift = 0.01;
+// Correlations of innovations that noise explains; what of the weight of the cloth may be lacking without a word.
+constexpr double kWhite = 0.1;
+constexpr double kSmallForce = 0.01;
 
 std::string StartName(const FitChecks& checks, int recording) {
   return checks.recordings.size() > 1 ? checks.recordings[recording].name + ": the start" : "the start";
@@ -70,11 +73,32 @@ void AddDrift(const FitSummary& summary, std::vector<Reason>* reasons) {
   }
 }
 
+// What corrections of the rollouts tell.
+void AddCorrections(const CorrectionCheck& check, const std::string& prefix, std::vector<Reason>* reasons) {
+  const MissingForce& missing = check.missing_force;
+  const double alike = check.innovations.autocorrelation();
+  const bool is_white = alike < kWhite;
+  const std::string correlation = " (correlation " + NumberText(alike, 2) + ")";
+  reasons->push_back(Remark(prefix + (is_white ? "what predictions miss from frame to frame is noise" + correlation
+                                               : "what predictions miss in consecutive frames is alike" + correlation +
+                                                     ": the model errs, or the memory is too short")));
+  if (!(missing.share() > kSmallForce)) return;
+  reasons->push_back(Remark(prefix + "the model lacks a force of " + NumberText(missing.size, 2) + " N/m^2, " +
+                            PercentText(missing.share(), 2) + " of the weight of the cloth: the most, " +
+                            NumberText(missing.largest_in_frame, 2) + ", after " + NumberText(missing.time, 3) +
+                            " s, and at node " + std::to_string(missing.node) + ", " +
+                            NumberText(missing.largest_at_node, 2)));
+}
+
 }  // namespace
 
 void AddModelErrorReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons) {
   AddMoved(summary, checks, reasons);
   AddDrift(summary, reasons);
+  for (std::size_t r = 0; r < checks.corrections.size(); ++r) {
+    AddCorrections(checks.corrections[r], checks.corrections.size() > 1 ? checks.recordings[r].name + ": " : "",
+                   reasons);
+  }
   for (const RecordingFit& recording : checks.recordings) {
     AddMisses(recording, checks.recordings.size() > 1 ? recording.name + ": " : std::string(), reasons);
   }

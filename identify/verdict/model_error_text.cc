@@ -46,4 +46,14 @@ std::string ModelErrorText(const ModelError& error) {
   return JoinWords(texts);
 }
 
+std::string LeadTimesText(const std::vector<LeadTimeError>& lead_times) {
+  std::vector<std::string> errors, still;
+  for (const LeadTimeError& ahead : lead_times) {
+    errors.push_back(MillimetreText(ahead.rmse, 2) + " after " + NumberText(ahead.lead, 2) + " s");
+    still.push_back(MillimetreText(ahead.still_rmse, 2));
+  }
+  return JoinWords(errors) + " without measurements (" + JoinWords(still) +
+         " for a cloth that stays where it was seen)";
+}
+
 }  // namespace clothid
