@@ -108,10 +108,10 @@ Noise and start:
 The way of the fit:
   --horizon KIND      growing: fits of the first eighth, quarter and half of the recordings lead to where the fit of all
                       of them starts, past minima that only whole motions have; full: all frames at once (growing)
-  --assimilate HOW    off: a rollout explains a whole recording; auto: the recordings correct the rollouts, with a memory
-                      that grows from two frames to a third of their time, and what is predicted between corrections is
-                      fitted; where nothing but noise is left, rollouts without corrections at last; MEMORY[:LENGTH]:
-                      with that memory in s, waves shorter than 6 LENGTH m corrected less (off)
+  --assimilate HOW    off: a rollout explains a whole recording; auto: where that leaves more than noise, the recordings
+                      correct the rollouts, with a memory that grows from two frames to a third of their time, and what
+                      is predicted between corrections is fitted; MEMORY[:LENGTH]: with that memory in s, waves shorter
+                      than 6 LENGTH m corrected less (off)
   --starts N          the own starting point and a Latin hypercube around it
   --seed S            of the starting points (0)
   --max_iterations N  (50)

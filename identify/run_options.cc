@@ -68,8 +68,6 @@ void RunOptions::Validate() const {
               "--landscape: is shown in report.html; expected without --report=false");
   ValidateRepeat(*this);
   ExpectUsage(!resume || !output.empty(), "--resume: expected with --output");
-  ExpectUsage(fit.num_starts == 1 || fit.assimilate.kind != AssimilationOption::Kind::kAuto,
-              "--starts: fits of different memories do not compare; expected --assimilate off or a memory in s");
   ExpectUsage(fit.seed == 0 || fit.num_starts > 1, "--seed: expected with --starts, whose points it chooses");
   ExpectUsage(simulators.empty() || !output.empty(), "--export: expected with --output");
   ExpectUsage(fit.field_weight == 0.0 || !fit.fields.empty(), "--field_weight: expected with --field");

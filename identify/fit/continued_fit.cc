@@ -23,47 +23,6 @@ FitIteration After(const FitSummary& summary, FitIteration row) {
   return row;
 }
 
-FitOptions OptionsOfNext(const FitOptions& options, const FitProblem& problem, const FitSummary& summary) {
-  FitOptions next = options;
-  next.assimilate = problem.assimilation_option();
-  next.precision = FitPrecision::kFull;  // so that no point is left for one of higher cost
-  next.max_continuations = 0;
-  next.max_iterations = options.max_iterations - summary.num_iterations();
-  if (options.on_iteration) {
-    next.on_iteration = [&options, &summary](const FitIteration& row) { options.on_iteration(After(summary, row)); };
-  }
-  return next;
-}
-
-// Puts `next` after `summary`, and in its place where it `is_taken`.
-void Append(FitSummary next, bool is_taken, FitSummary* summary) {
-  std::vector<FitIteration> iterations = summary->iterations;
-  for (const FitIteration& row : next.iterations) iterations.push_back(After(*summary, row));
-  next.statistics += summary->statistics;
-  next.lead = summary->lead;
-  next.plan.insert(next.plan.begin(), summary->plan.begin(), summary->plan.end());
-  next.total_seconds += summary->total_seconds;
-  next.solver_seconds += summary->solver_seconds;
-  if (is_taken) {
-    for (std::size_t i = 0; i < next.parameters.size(); ++i) next.parameters[i].start = summary->parameters[i].start;
-    next.iterations = std::move(iterations);
-    next.start_error = summary->start_error;
-    next.start_predicted = std::move(summary->start_predicted);
-    next.num_continuations = summary->num_continuations;
-    next.memory_trials = std::move(summary->memory_trials);
-    next.why_not_assimilated = summary->why_not_assimilated;
-    *summary = std::move(next);
-    return;
-  }
-  summary->statistics = next.statistics;
-  summary->plan = std::move(next.plan);
-  summary->total_seconds = next.total_seconds;
-  summary->solver_seconds = next.solver_seconds;
-  if (next.status != FitStatus::kInterrupted) return;
-  summary->status = next.status;
-  summary->message = next.message;
-}
-
 // A recorded motion below this share of the cloth is that of a cloth at rest.
 constexpr double kRestShare = 0.02;
 
@@ -89,12 +48,55 @@ bool FitWeighed(const FitOptions& options, FitFunction fit, const std::vector<Mo
   const bool has_converged = found.status == FitStatus::kConverged;
   if (!has_converged) problem->SetModelErrors(before);
   const int num_continuations = summary->num_continuations;
-  Append(std::move(found), has_converged, summary);
+  AppendFit(std::move(found), has_converged, summary);
   summary->num_continuations = num_continuations;
   return has_converged;
 }
 
 }  // namespace
+
+FitOptions OptionsOfNext(const FitOptions& options, const FitProblem& problem, const FitSummary& summary) {
+  FitOptions next = options;
+  next.assimilate = problem.assimilation_option();
+  next.precision = FitPrecision::kFull;  // so that no point is left for one of higher cost
+  next.max_continuations = 0;
+  next.max_iterations = options.max_iterations - summary.num_iterations();
+  if (options.on_iteration) {
+    next.on_iteration = [&options, &summary](const FitIteration& row) { options.on_iteration(After(summary, row)); };
+  }
+  return next;
+}
+
+void AppendFit(FitSummary next, bool is_taken, FitSummary* summary) {
+  std::vector<FitIteration> iterations = summary->iterations;
+  for (const FitIteration& row : next.iterations) iterations.push_back(After(*summary, row));
+  next.statistics += summary->statistics;
+  next.lead = summary->lead;
+  next.plan.insert(next.plan.begin(), summary->plan.begin(), summary->plan.end());
+  next.total_seconds += summary->total_seconds;
+  next.solver_seconds += summary->solver_seconds;
+  if (is_taken) {
+    for (std::size_t i = 0; i < next.parameters.size(); ++i) next.parameters[i].start = summary->parameters[i].start;
+    next.iterations = std::move(iterations);
+    if (IsSame(next.assimilation, summary->assimilation)) {  // else those of other rollouts
+      next.start_error = summary->start_error;
+      next.start_predicted = std::move(summary->start_predicted);
+    }
+    next.num_continuations = summary->num_continuations;
+    if (next.memory_trials.empty()) next.memory_trials = std::move(summary->memory_trials);
+    next.why_not_assimilated = summary->why_not_assimilated;
+    *summary = std::move(next);
+    return;
+  }
+  if (!next.memory_trials.empty()) summary->memory_trials = std::move(next.memory_trials);
+  summary->statistics = next.statistics;
+  summary->plan = std::move(next.plan);
+  summary->total_seconds = next.total_seconds;
+  summary->solver_seconds = next.solver_seconds;
+  if (next.status != FitStatus::kInterrupted) return;
+  summary->status = next.status;
+  summary->message = next.message;
+}
 
 void WeighByModelError(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary) {
   if (!options.weighs_model_error || !problem->finds_model_error() || options.precision == FitPrecision::kLoose) return;
@@ -120,7 +122,7 @@ void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProb
     const FitOptions next = OptionsOfNext(options, *problem, *summary);
     FitSummary found = fit(next, problem);
     const bool is_lower = found.has_estimate() && found.cost < summary->cost;
-    Append(std::move(found), is_lower, summary);
+    AppendFit(std::move(found), is_lower, summary);
     ++summary->num_continuations;
     if (!is_lower) break;
   }

@@ -17,6 +17,14 @@ namespace clothid {
 // Of a fit that goes on, with its uncertainty where the options ask for it, and nothing of what this file does.
 using FitFunction = FitSummary (*)(const FitOptions& options, FitProblem* problem);
 
+// Of a fit that goes on from `summary`, with full precision, so that no point is left for one of higher cost, and with
+// what is left of the iterations, which are told as its.
+FitOptions OptionsOfNext(const FitOptions& options, const FitProblem& problem, const FitSummary& summary);
+
+// Puts `next` after `summary`, and in its place where it `is_taken`: the work and the plans of both count, and of one
+// that is not taken nothing else does but that it was interrupted and the memories that it has tried.
+void AppendFit(FitSummary next, bool is_taken, FitSummary* summary);
+
 // While the check of the interval of a converged fit has met a lower point: fits again from there with full precision,
 // at most options.max_continuations times and with what is left of options.max_iterations. `summary` becomes that of
 // the last fit, with the start of the first and the iterations and the work of all; every one has a lower cost than the

@@ -80,16 +80,20 @@ class PlannedFit {
         coordinates_(problem->StartCoordinates()),
         evaluator_(problem, options.num_threads),
         recorder_(options, *problem, evaluator_) {
-    if (options.assimilate.kind == AssimilationOption::Kind::kAuto) {
-      problem->Assimilate({});
-      summary_.why_not_assimilated = WhyNotAssimilated(*problem);
-      if (summary_.why_not_assimilated.empty()) summary_.plan = PlanMemoryTrials(*problem);
-    }
-    if (summary_.plan.empty()) {
-      summary_.plan = MakePlan(options, *problem, motions != nullptr && options.max_iterations > 0);
-      return;
-    }
-    problem->Assimilate({summary_.plan.front().memory});
+    summary_.plan = MakePlan(options, *problem, motions != nullptr && options.max_iterations > 0);
+  }
+
+  // The trials of memories (identify/problem/memory_trial.h) after `exact`, a fit without corrections. It ends with
+  // `summary.memory_trials` alone where that explains the recordings as well.
+  PlannedFit(const FitOptions& options, const FitSummary& exact, FitProblem* problem)
+      : PlannedFit(options, /*motions=*/nullptr, problem) {
+    summary_.plan = PlanMemoryTrials(*problem);
+    led_ = exact.coordinates;
+    led_.segment(problem->num_blocks(), problem->num_start_unknowns()).setZero();  // corrections find them
+    exact_.coordinates = exact.coordinates.head(problem->num_blocks());
+    exact_.std = Eigen::VectorXd::Constant(problem->num_blocks(), std::numeric_limits<double>::quiet_NaN());
+    exact_.cost = exact.cost - problem->PriorCost(exact.coordinates);
+    if (!summary_.plan.empty()) problem->Assimilate({summary_.plan.front().memory});
   }
 
   FitSummary Run() {
@@ -98,7 +102,7 @@ class PlannedFit {
       for (stage_ = 0; stage_ < static_cast<int>(summary_.plan.size()) && !options_.is_cancelled(); ++stage_) {
         RunStage();
       }
-      GoOnFromLowerStart();
+      if (!tries_memories() || has_answer()) GoOnFromLowerStart();
     }
     if (options_.is_cancelled()) {
       summary_.status = FitStatus::kInterrupted;
@@ -119,6 +123,11 @@ class PlannedFit {
     if (!evaluator_.Evaluate(coordinates_, derivative, &start_cost_, nullptr, precision_)) {
       summary_.message = "the rollout at the starting values failed: " + evaluator_.last_failure();
       return false;
+    }
+    // Trials begin with a cost of one minimum: where it is lower, at the start or where the fit before them has led.
+    double led_cost = 0.0;
+    if (led_.size() > 0 && evaluator_.Evaluate(led_, derivative, &led_cost, nullptr) && led_cost < start_cost_) {
+      coordinates_ = led_;
     }
     if (!summary_.plan.empty()) return true;
     summary_.status = FitStatus::kConverged;
@@ -152,7 +161,7 @@ class PlannedFit {
       RunAlone(*stage);
     }
     EndStage(num_before);
-    if (is_exact_tried_ && is_last_stage()) KeepExactOrGoBack();
+    if (stage_ == last_exact_stage_) JudgeExact();
   }
 
   // Loose stages, and those with other weights, were never compared with the start as costs are at the end. Where it is
@@ -231,38 +240,58 @@ class PlannedFit {
 
   // After the last trial: what is left of the fit.
   void EndTrials() {
-    if (!is_last_stage() || options_.is_cancelled()) return;
+    if (!is_last_stage() || options_.is_cancelled() || trials_.empty()) return;
+    is_exact_ = IsNoWorse(exact_.cost, trials_);
+    if (is_exact_) return;
+    if (!Follows(problem_->blocks(), trials_.back(), exact_) && MayLeaveLess()) return TryExact();
+    GoOnWith({trials_.back().memory});
+  }
+
+  // Whether rollouts that nothing corrects may explain the recordings from where the trials have led. The evaluator has
+  // their rows then.
+  bool MayLeaveLess() {
     problem_->Assimilate({});
     evaluator_.SupersedeBest();
-    double cost = std::numeric_limits<double>::infinity();
-    if (evaluator_.Evaluate(coordinates_, FitEvaluator::Derivative::kNone, &cost, nullptr)) {
-      cost -= problem_->PriorCost(coordinates_);
-    }
-    is_exact_tried_ = MayBeNoise(trials_, cost);
-    GoOnWith(is_exact_tried_ ? Assimilation() : Assimilation{trials_.back().memory});
+    double cost = 0.0;
+    return evaluator_.Evaluate(coordinates_, NearDerivative(), &cost, nullptr) &&
+           (MayBeNoise(trials_) || LeavesAsLittle(DescribeTrial(*problem_, evaluator_, 0.0).cost, trials_));
   }
+
+  // Plans a fit of them.
+  void TryExact() {
+    const FitPlan again = MakePlan(options_, *problem_, /*is_led=*/false);
+    is_near_ = NextStepIsNegligible(*problem_, evaluator_.model(), kShortStep, kLooseStepTolerance);
+    if (!is_near_) evaluator_.SupersedeBest();
+    precision_ = is_near_ || again.empty() ? Precision::kFull : again.front().precision;
+    summary_.plan.insert(summary_.plan.end(), again.begin(), again.end());
+    last_exact_stage_ = static_cast<int>(summary_.plan.size()) - 1;
+  }
+
+  void JudgeExact() {
+    const FitPoint& best = evaluator_.best();
+    const bool has_end = best.is_valid() && !evaluator_.best_is_superseded();
+    if (options_.is_cancelled() || (has_end && IsNoWorse(CostOf(best), trials_))) return;
+    coordinates_ = problem_->StartCoordinates();
+    coordinates_.head(problem_->num_blocks()) = trials_.back().coordinates;
+    has_joint_ = false;
+    GoOnWith({trials_.back().memory});
+  }
+
+  bool tries_memories() const { return led_.size() > 0; }
+  // Of trials: whether they have led to one other than the fit before them.
+  bool has_answer() const { return !trials_.empty() && !is_exact_ && !options_.is_cancelled(); }
+
+  // Of the recordings alone.
+  double CostOf(const FitPoint& point) const { return point.cost - problem_->PriorCost(point.coordinates); }
 
   // Plans the stages that end the fit, from where it is.
   void GoOnWith(const Assimilation& assimilation) {
     problem_->Assimilate(assimilation);
     evaluator_.SupersedeBest();
     const FitPlan rest = MakePlan(options_, *problem_, /*is_led=*/false);
-    if (!rest.empty()) precision_ = assimilation.is_on() ? Precision::kFull : rest.front().precision;
-    is_near_ = assimilation.is_on();
+    precision_ = Precision::kFull;
+    is_near_ = true;
     summary_.plan.insert(summary_.plan.end(), rest.begin(), rest.end());
-  }
-
-  // Rollouts that nothing corrects stand where they explain the recordings as well.
-  void KeepExactOrGoBack() {
-    is_exact_tried_ = false;
-    if (trials_.empty() || options_.is_cancelled()) return;
-    const bool has_exact = evaluator_.best().is_valid() && !evaluator_.best_is_superseded();
-    const Eigen::VectorXd exact = has_exact ? evaluator_.best().coordinates : coordinates_;
-    if (has_exact && IsNoWorse(evaluator_.best().cost - problem_->PriorCost(exact), trials_)) return;
-    coordinates_ = problem_->StartCoordinates();
-    coordinates_.head(problem_->num_blocks()) = trials_.back().coordinates;
-    coordinates_.tail(problem_->num_unknowns()).setZero();
-    GoOnWith({trials_.back().memory});
   }
 
   void Tell() const {
@@ -411,10 +440,11 @@ class PlannedFit {
 
   void Finish() {
     // A loose point is better than none only where somebody has stopped the fit there.
-    const bool has_estimate =
-        evaluator_.best().is_valid() && (!evaluator_.best_is_superseded() || options_.is_cancelled());
-    // The trials began with another cost.
-    if (has_estimate && !trials_.empty() && !evaluator_.first_compares())
+    const bool has_estimate = evaluator_.best().is_valid() &&
+                              (!evaluator_.best_is_superseded() || options_.is_cancelled()) &&
+                              (!tries_memories() || has_answer());
+    // The trials began elsewhere, and with another cost.
+    if (has_estimate && tries_memories() && !evaluator_.first_compares())
       evaluator_.SetFirst(problem_->StartCoordinates());
     if (has_estimate) FillEstimate(*problem_, evaluator_, &summary_);
     summary_.memory_trials = trials_;
@@ -446,11 +476,14 @@ class PlannedFit {
   bool has_arrived_ = false, is_lost_ = false;  // of first frames
   std::vector<MemoryTrial> trials_;             // those that serve
   int num_trial_iterations_ = 0;
-  bool has_memory_ = false;      // no longer one serves
-  bool has_jumped_ = false;      // a longer one has led elsewhere, and down
-  bool is_exact_tried_ = false;  // whether rollouts do without corrections
-  bool is_near_ = false;         // a point near the solution is known
-  bool has_joint_ = false;       // from a joint stage
+  bool has_memory_ = false;    // no longer one serves
+  bool has_jumped_ = false;    // a longer one has led elsewhere, and down
+  Eigen::VectorXd led_;        // where the fit before trials has ended; empty without them
+  MemoryTrial exact_;          // the fit without corrections that has led to the trials
+  bool is_exact_ = false;      // it explains the recordings as well
+  int last_exact_stage_ = -1;  // of another one, from where the trials have led
+  bool is_near_ = false;       // a point near the solution is known
+  bool has_joint_ = false;     // from a joint stage
   BasisLinearization known_;
 };
 
@@ -461,11 +494,32 @@ FitSummary FitOn(const FitOptions& options, FitProblem* problem) {
   return summary;
 }
 
+// Where what `summary` leaves is no noise: with the recordings correcting the rollouts, if they can, and if that
+// explains them better.
+void AssimilateFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
+  if (options.assimilate.kind != AssimilationOption::Kind::kAuto || !summary->memory_trials.empty() ||
+      options.max_iterations == 0 || problem->is_all_frozen() || options.is_cancelled() ||
+      LeavesNoise(*problem, summary->predicted, summary->cost)) {
+    return;
+  }
+  summary->why_not_assimilated = WhyNotAssimilated(*problem);
+  if (!summary->why_not_assimilated.empty() || MemoriesOf(*problem).empty()) return;
+  problem->HoldWeights(true);
+  FitOptions next = OptionsOfNext(options, *problem, *summary);
+  next.max_iterations = options.max_iterations;  // of the trials and of what follows
+  FitSummary found = PlannedFit(next, *summary, problem).Run();
+  const bool is_taken = found.has_estimate();
+  problem->Assimilate(is_taken ? found.assimilation : Assimilation());
+  AppendFit(std::move(found), is_taken, summary);
+  problem->HoldWeights(false);
+}
+
 }  // namespace
 
 FitSummary Fit(const FitOptions& options, FitProblem* problem) { return Fit(options, problem, nullptr); }
 
 FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector<RecordedMotion>* motions) {
+  if (options.assimilate.kind == AssimilationOption::Kind::kAuto) problem->Assimilate({});
   if (problem->finds_model_error() && problem->has_model_error()) problem->SetModelErrors(NoModelErrors(*problem));
   FitSummary summary = PlannedFit(options, motions, problem).Run();
   if (options.estimate_uncertainty && summary.has_estimate()) FinishFit(options, problem, &summary);
@@ -473,12 +527,14 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector
 }
 
 void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
+  AssimilateFit(options, problem, summary);
   AddUncertainty(options, *problem, summary);
   ContinueFromLowerPoints(options, &FitOn, problem, summary);
   WeighFit(options, problem, summary);
 }
 
 void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
+  AssimilateFit(options, problem, summary);
   WeighByModelError(options, &FitOn, problem, summary);
   const bool is_weighed = problem->finds_model_error() && problem->has_model_error();
   if (is_weighed || !summary->uncertainty) {

@@ -25,8 +25,24 @@ constexpr double kNextStep = 5e4;
 // Costs that differ by less are the same. What rollouts without corrections may cost where a fit of them is tried.
 constexpr double kSameCost = 5e-3;
 constexpr double kNearCost = 0.2;
+constexpr double kNoiseCorrelation = 0.05;  // of consecutive frames
 // Memories that are shorter by more than this factor say nothing of the drift.
 constexpr double kDriftFactor = 5.0;
+
+// Nothing but rounding is left, or there is nothing to compare with.
+bool IsExact(const std::vector<MemoryTrial>& trials) {
+  return trials.empty() || trials.back().residual_scale < kRoundingResiduals;
+}
+
+// Of what is measured, in its standard deviations.
+double ResidualScale(const FitProblem& problem, double cost) {
+  double num_measurements = 0.0;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    num_measurements += problem.cost(r).model().observation().num_residuals();
+  }
+  const double freedom = num_measurements - static_cast<double>(problem.free_blocks().size());
+  return std::sqrt(2.0 * cost / std::max(1.0, freedom));
+}
 
 }  // namespace
 
@@ -66,12 +82,7 @@ MemoryTrial DescribeTrial(const FitProblem& problem, const FitEvaluator& evaluat
   trial.values = problem.Values(end);
   trial.cost = best.cost - problem.PriorCost(best.coordinates);
   if (has_model) trial.cost = std::max(0.0, trial.cost + 0.5 * model.gradient.dot(step));
-  double num_measurements = 0.0;
-  for (int r = 0; r < problem.num_recordings(); ++r) {
-    num_measurements += problem.cost(r).model().observation().num_residuals();
-  }
-  const double freedom = num_measurements - static_cast<double>(problem.free_blocks().size());
-  trial.residual_scale = std::sqrt(2.0 * trial.cost / std::max(1.0, freedom));
+  trial.residual_scale = ResidualScale(problem, trial.cost);
   trial.std = Eigen::VectorXd::Constant(problem.num_blocks(), std::numeric_limits<double>::quiet_NaN());
   if (!has_model) return trial;
   std::vector<int> told;
@@ -98,17 +109,28 @@ bool Follows(const std::vector<ParameterBlock>& blocks, const MemoryTrial& last,
   return true;
 }
 
-bool MayBeNoise(const std::vector<MemoryTrial>& trials, double uncorrected_cost) {
-  if (trials.empty() || trials.back().residual_scale < kRoundingResiduals) return true;
-  if (uncorrected_cost <= (1.0 + kNearCost) * trials.back().cost) return true;
+bool LeavesNoise(const FitProblem& problem, const std::vector<Eigen::MatrixXd>& predicted, double cost) {
+  if (ResidualScale(problem, cost) < kRoundingResiduals) return true;
+  PredictionError error;
+  for (int r = 0; r < problem.num_recordings(); ++r) {
+    error += problem.cost(r).model().observation().Compare(predicted[static_cast<std::size_t>(r)]);
+  }
+  return !(error.autocorrelation() > kNoiseCorrelation);
+}
+
+bool LeavesAsLittle(double uncorrected_cost, const std::vector<MemoryTrial>& trials) {
+  return IsExact(trials) || uncorrected_cost <= (1.0 + kNearCost) * trials.back().cost;
+}
+
+bool MayBeNoise(const std::vector<MemoryTrial>& trials) {
+  if (IsExact(trials)) return true;
   const auto least = std::min_element(trials.begin(), trials.end(),
                                       [](const MemoryTrial& a, const MemoryTrial& b) { return a.cost < b.cost; });
   return trials.back().cost <= (1.0 + kSameCost) * least->cost;
 }
 
 bool IsNoWorse(double uncorrected_cost, const std::vector<MemoryTrial>& trials) {
-  if (trials.empty() || trials.back().residual_scale < kRoundingResiduals) return true;
-  return uncorrected_cost <= (1.0 + kSameCost) * trials.back().cost;
+  return IsExact(trials) || uncorrected_cost <= (1.0 + kSameCost) * trials.back().cost;
 }
 
 double FirstMemoryOfDrift(const std::vector<MemoryTrial>& trials) {

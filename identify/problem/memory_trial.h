@@ -1,14 +1,19 @@
 // Fits whose rollouts the recordings correct (costs/assimilation/assimilation.h), from a short memory to a long one.
 //
+// They follow a fit without corrections whose residuals are no noise: those of consecutive frames resemble each other,
+// so that the model errs, or the fit has ended in another minimum.
+//
 // A short memory judges what happens within a few frames: the cost is smooth and has one minimum, but fast waves, in
 // which step and mesh err the most, decide. A long one judges slow motion, and its cost gets rough. So a fit goes
 // through memories, each three times as long as the one before, from two frames up to a third of the recording, every
 // one from the estimate of the last. It ends at the longest that serves: where an estimate jumps away from the one
 // before, by more than chance explains, the cost has got other minima.
 //
-// What is left of noise alone falls with the memory: corrections follow the noise, and predictions from them have its
-// error. Where the model errs it rises. So where the longest memory leaves the least, rollouts without corrections may
-// explain the recordings as well, and whether they do is tried.
+// Rollouts without corrections may explain the recordings as well: the fit that was there before is compared with the
+// last trial, and stands where it costs no more. Where it has ended elsewhere, it is tried once more from the end of
+// the trials, if a rollout there leaves about as much. What is left of noise alone falls with the memory, as
+// corrections follow the noise and predictions from them have its error; where the model errs it rises. So where the
+// longest memory leaves the least, it is tried as well.
 //
 // The estimates along the way are the picture of the model's error. Where they drift, the interval counts with it: the
 // largest difference of an estimate to that of the end, over the memories that are at most five times shorter, is taken
@@ -49,10 +54,15 @@ MemoryTrial DescribeTrial(const FitProblem& problem, const FitEvaluator& evaluat
 // Whether the estimate of `next` follows from that of `last`, as far as both are sure of it.
 bool Follows(const std::vector<ParameterBlock>& blocks, const MemoryTrial& last, const MemoryTrial& next);
 
-// Whether nothing but noise may be left: where the last of the trials leaves the least, where a rollout without
-// corrections at its estimate leaves about as much, and where there is no trial.
-bool MayBeNoise(const std::vector<MemoryTrial>& trials, double uncorrected_cost);
-// Whether the end of a fit without corrections explains the recordings as well.
+// Whether what predictions without corrections of `cost`, per recording [R x T] m, leave is rounding, or as noise is:
+// of another sign from frame to frame.
+bool LeavesNoise(const FitProblem& problem, const std::vector<Eigen::MatrixXd>& predicted, double cost);
+
+// Rollouts without corrections and the last of the trials. Whether they leave about as much where they are; whether,
+// whatever they cost, nothing but noise may be left: the last of several trials leaves the least; and whether the end
+// of a fit of them explains the recordings as well. All true where there is no trial.
+bool LeavesAsLittle(double uncorrected_cost, const std::vector<MemoryTrial>& trials);
+bool MayBeNoise(const std::vector<MemoryTrial>& trials);
 bool IsNoWorse(double uncorrected_cost, const std::vector<MemoryTrial>& trials);
 
 // The shortest memory, s, whose estimate counts in the drift towards the last of the trials, which are not none.
