@@ -206,6 +206,20 @@ TEST(AssimilatedRunTest, WritesPredictionsWithoutCorrections) {
   EXPECT_NE(result.table.find("of rollouts without corrections"), std::string::npos);
 }
 
+// Starts are compared without corrections; the memories follow the best of them.
+TEST(AssimilatedRunTest, GoesWithStarts) {
+  RunOptions options;
+  options.targets = {FinelyRecorded(1e-4)};
+  options.fit = OptionsOf({"k_stretch"}, Auto());
+  const double alone = Identify(options).summary.values()[0];
+  options.fit.num_starts = 2;
+  const RunResult result = Identify(options);
+  ASSERT_TRUE(result.checks.starts.has_value());
+  EXPECT_EQ(result.checks.starts->starts.size(), 2u);
+  EXPECT_TRUE(result.summary.assimilation.is_on());
+  EXPECT_NEAR(result.summary.values()[0] / alone, 1.0, 2e-3);
+}
+
 TEST(AssimilationOptionTest, IsReadFromWords) {
   EXPECT_FALSE(ParseAssimilation("off").is_on());
   EXPECT_EQ(ParseAssimilation("auto").kind, AssimilationOption::Kind::kAuto);
