@@ -111,7 +111,7 @@ The way of the fit:
   --assimilate HOW    off: a rollout explains a whole recording; auto: where that leaves more than noise, the recordings
                       correct the rollouts, with a memory that grows from two frames to a third of their time, and what
                       is predicted between corrections is fitted; MEMORY[:LENGTH]: with that memory in s, waves shorter
-                      than 6 LENGTH m corrected less (off)
+                      than 6 LENGTH m corrected less (auto)
   --starts N          the own starting point and a Latin hypercube around it
   --seed S            of the starting points (0)
   --max_iterations N  (50)

@@ -49,7 +49,6 @@ RunOptions SingleRun(const RunOptions& options, const RecordedMotion& motion, in
   single.time_step = options.time_step;
   single.step_tolerance = options.step_tolerance;
   single.check_recordings = false;  // the joint run has looked
-  single.growing_horizon = options.growing_horizon;
   single.wind = options.wind;
   single.discretization = options.discretization;
   single.fit = options.fit;

@@ -181,15 +181,14 @@ class Run {
   }
 
   void RunFit() {
-    const std::vector<RecordedMotion>* const leading = options_.growing_horizon ? &inputs_.fitted : nullptr;
     FitOptions options = fit_options_;
     if (options_.time_step.is_automatic) {  // the step's error is to be compared with noise
       options.weighs_model_error = false;
       if (options.assimilate.kind == AssimilationOption::Kind::kAuto) options.assimilate = {};
     }
-    summary_ = fit_options_.num_starts == 1 ? Fit(options, problem_.get(), leading)
-                                            : FitFromStarts(options, inputs_.fitted, options_.growing_horizon,
-                                                            problem_.get(), &checks_.starts.emplace());
+    summary_ = fit_options_.num_starts == 1
+                   ? Fit(options, problem_.get(), &inputs_.fitted)
+                   : FitFromStarts(options, inputs_.fitted, problem_.get(), &checks_.starts.emplace());
     if (options_.time_step.is_automatic) FitWithChosenStep();
     SetFittedFields(&inputs_.held_out);  // what is held out moves with the same cloth
     if (options_.on_fitted) options_.on_fitted(summary_);
@@ -205,7 +204,7 @@ class Run {
     const StepChoice& choice = *checks_.step_choice;
     if (fit_options_.is_cancelled()) return;
     if (choice.level == 0) {
-      if (summary_.uncertainty) WeighFit(fit_options_, problem_.get(), &summary_);
+      if (summary_.uncertainty) WeighFit(fit_options_, problem_.get(), &summary_, &inputs_.fitted);
       return;
     }
     const double factor = std::exp2(choice.level);
@@ -218,7 +217,9 @@ class Run {
         std::exchange(problem_, std::make_unique<FitProblem>(inputs_.fitted, fit_options_));
     problem_->TakeWeights(*before);
     problem_->SetStart(choice.start);
-    summary_ = Fit(fit_options_, problem_.get());
+    FitOptions options = fit_options_;
+    options.growing_horizon = false;
+    summary_ = Fit(options, problem_.get(), &inputs_.fitted);
     for (FitStage& stage : summary_.plan) stage.step_factor = factor;
     AddEarlierFit(first, &summary_);
   }
@@ -248,10 +249,9 @@ class Run {
     if (!inputs_.held_out.empty()) {
       const HeldOut held_out = options_.holdout_frames ? HeldOut::kFrames : HeldOut::kRecordings;
       LeadTimes ahead(LastAssimilation(summary_), fit_options_.loss);
-      checks_.holdout =
-          EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
-                          options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>(), fit_options_.loss,
-                          options_.holdout_frames ? nullptr : &ahead);
+      checks_.holdout = EvaluateHoldout(inputs_.held_out, problem_->blocks(), summary_.values(), held_out,
+                                        options_.holdout_frames ? FittedStarts() : std::vector<HeldOutStart>(),
+                                        fit_options_.loss, options_.holdout_frames ? nullptr : &ahead);
     }
     checks_.uncorrected_error = PredictUncorrected(inputs_.fitted, *problem_, &summary_);
     checks_.lead_times = PredictAhead(inputs_.fitted, *problem_, summary_, fit_options_.loss);

@@ -55,12 +55,12 @@ RunOptions ParseRunFlags(const RunFlags& flags) {
   options.time_step = ParseTimeStep(flags.time_step);
   options.step_tolerance = flags.step_tolerance;
   options.fit = ParseFitFlags(flags);
+  options.fit.growing_horizon = ParseHorizon(flags.horizon);
   options.wind = ParseWindRequest(flags.wind_profile);
   options.check_recordings = flags.check;
   options.check_gradients = flags.check_gradients;
   options.profiles = ParseNames(flags.profile, "--profile");
   options.discretization = ParseDiscretization(flags.discretization);
-  options.growing_horizon = ParseHorizon(flags.horizon);
   options.landscape_paths = ParseNames(flags.landscape, "--landscape");
   options.output = flags.output;
   options.report_page = flags.report;

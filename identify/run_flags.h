@@ -28,7 +28,7 @@ struct RunFlags {
   std::uint64_t seed = 0;
   std::string profile, landscape, discretization, time_step;
   std::string holdout, holdout_frames;
-  std::string horizon = "growing", assimilate = "off";
+  std::string horizon = "growing", assimilate = "auto";
   std::string exports;  // --export
   bool resume = false, report = true;
   double step_tolerance = 0.0;

@@ -22,6 +22,8 @@
 namespace clothid {
 
 struct RunOptions {
+  RunOptions() { fit.assimilate.kind = AssimilationOption::Kind::kAuto; }
+
   // What is fitted, jointly: motion.bin files, or recordings that are in memory. One of the two, the other empty.
   std::vector<std::string> target_paths;
   std::vector<RecordedMotion> targets;
@@ -37,7 +39,6 @@ struct RunOptions {
   bool check_recordings = true;
   // The fit itself with its callbacks, which see the main fit, and its `cancel`, which ends the whole run.
   FitOptions fit;
-  bool growing_horizon = true;  // the fit is led by its first frames (identify/fit/first_frames.h)
   // A wind that changes over the time of every recording, fitted with the parameters; its smoothness is
   // `FitOptions::wind_smoothness`, 0: it is chosen (identify/uncertainty/smoothness.h).
   WindRequest wind;

@@ -89,7 +89,8 @@ struct FitOptions {
   double field_weight = 0.0;
   JacobianMethod jacobian = JacobianMethod::kAdjoint;
   AssimilationOption assimilate;
-  AdjointOptions adjoint;  // how reverse sweeps solve their linear systems
+  bool growing_horizon = true;  // a fit that knows its recordings is led by their first frames (fit/first_frames.h)
+  AdjointOptions adjoint;       // how reverse sweeps solve their linear systems
   FitPrecision precision = FitPrecision::kAdaptive;
   RobustLoss loss;
   int max_iterations = 50;

@@ -133,14 +133,14 @@ using Points = std::vector<Eigen::VectorXd>;
 
 // One after the other, on the problem itself, so that its journals hold all of them. Ends with the first that is
 // interrupted.
-std::vector<FitSummary> FitInTurn(const FitOptions& options, const std::vector<RecordedMotion>& motions, bool is_led,
+std::vector<FitSummary> FitInTurn(const FitOptions& options, const std::vector<RecordedMotion>& motions,
                                   const Points& points, int num_before, FitProblem* problem) {
   std::vector<FitSummary> fits;
   for (std::size_t s = 0; s < points.size(); ++s) {
     if (options.on_start) options.on_start(num_before + static_cast<int>(s));
     problem->SetStart(points[s]);
     problem->Forget();
-    fits.push_back(Fit(options, problem, is_led ? &motions : nullptr));
+    fits.push_back(Fit(options, problem, &motions));
     if (fits.back().status == FitStatus::kInterrupted) break;
   }
   return fits;
@@ -148,7 +148,7 @@ std::vector<FitSummary> FitInTurn(const FitOptions& options, const std::vector<R
 
 // Side by side, each on a problem of its own: fits of one problem do not depend on those before them.
 std::vector<FitSummary> FitSideBySide(const FitOptions& options, const std::vector<RecordedMotion>& motions,
-                                      bool is_led, const Points& points, int num_before) {
+                                      const Points& points, int num_before) {
   FitOptions each = options;
   each.num_threads = 1;
   each.on_iteration = nullptr;  // whose iterations these are nobody could tell
@@ -164,7 +164,7 @@ std::vector<FitSummary> FitSideBySide(const FitOptions& options, const std::vect
     }
     FitProblem problem(motions, each);
     problem.SetStart(points[s]);
-    fits[s] = Fit(each, &problem, is_led ? &motions : nullptr);
+    fits[s] = Fit(each, &problem, &motions);
   });
   return fits;
 }
@@ -197,8 +197,8 @@ FitSummary TakeBest(std::vector<FitSummary> fits, std::size_t* best_start) {
 
 }  // namespace
 
-FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMotion>& motions, bool is_led,
-                         FitProblem* problem, MultiStart* result) {
+FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMotion>& motions, FitProblem* problem,
+                         MultiStart* result) {
   FitOptions each = options;
   each.estimate_uncertainty = false;
   const FitOptions choosing = each;
@@ -209,15 +209,15 @@ FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMo
   std::vector<FitSummary> fits;
   const bool chooses = problem->chooses_weights();
   if (chooses) {
-    fits = FitInTurn(each, motions, is_led, {points.front()}, 0, problem);
+    fits = FitInTurn(each, motions, {points.front()}, 0, problem);
     problem->HoldWeights(true);
     each = problem->WithWeights(each);
   }
   const auto num_before = static_cast<int>(fits.size());
   const Points others(points.begin() + num_before, points.end());
   if (fits.empty() || !options.is_cancelled()) {
-    std::vector<FitSummary> rest = side_by_side ? FitSideBySide(each, motions, is_led, others, num_before)
-                                                : FitInTurn(each, motions, is_led, others, num_before, problem);
+    std::vector<FitSummary> rest = side_by_side ? FitSideBySide(each, motions, others, num_before)
+                                                : FitInTurn(each, motions, others, num_before, problem);
     std::move(rest.begin(), rest.end(), std::back_inserter(fits));
   }
   problem->HoldWeights(false);
@@ -239,7 +239,7 @@ FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMo
   problem->SetStart(points.front());
   problem->Forget();
   if (options.estimate_uncertainty && best.has_estimate()) {
-    FinishFit(options, problem, &best);
+    FinishFit(options, problem, &best, &motions);
     // Costs of frames that are weighed do not compare with those of the other starts.
     StartResult& start = result->starts[best_start];
     if (best.num_continuations > 0 && !problem->has_model_error()) start = Describe(best, start.start);

@@ -45,13 +45,12 @@ struct MultiStart {
 // factor of 10 to both sides of the start in logarithmic coordinates, 0 to 1 for friction. Frozen blocks stay.
 std::vector<Eigen::VectorXd> StartPoints(const std::vector<ParameterBlock>& blocks, int count, std::uint64_t seed);
 
-// `Fit` from options.num_starts points of `problem`, which is that of `motions` and `options`, every one of them led by
-// the first frames (identify/fit/first_frames.h) where `is_led`. Returns the converged fit of lowest cost, or else
-// the fit of lowest cost, with the work of all of them in its counts; its uncertainty is estimated at the end. Stops
-// early when options.cancel turns true. With several threads fits run side by side, unless they keep a journal: the
-// result is the same, but options.on_iteration and on_progress are not called.
-FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMotion>& motions, bool is_led,
-                         FitProblem* problem, MultiStart* result);
+// `Fit` with `motions` from options.num_starts points of `problem`, which is that of `motions` and `options`. Returns
+// the converged fit of lowest cost, or else the fit of lowest cost, with the work of all of them in its counts; its
+// uncertainty is estimated at the end. Stops early when options.cancel turns true. With several threads fits run side
+// by side, unless they keep a journal: the result is the same, but options.on_iteration and on_progress are not called.
+FitSummary FitFromStarts(const FitOptions& options, const std::vector<RecordedMotion>& motions, FitProblem* problem,
+                         MultiStart* result);
 
 }  // namespace clothid
 

@@ -66,7 +66,8 @@ class StepChooser {
     if (has_fits) FitAt(level + 1);
     const double noise_share = NoiseShare();
     for (int i = 0; has_fits && i < problem_.num_blocks(); ++i) {
-      const double std = noise_share * summary_->uncertainty->parameters[static_cast<std::size_t>(i)].coordinate_std;
+      const ParameterUncertainty& parameter = summary_->uncertainty->parameters[static_cast<std::size_t>(i)];
+      const double std = noise_share * (level > 0 ? parameter.independent_std : parameter.coordinate_std);
       if (!(std > 0.0)) continue;
       const DiscretizationError error = ErrorAt(level, i);
       if (error.error / std <= trial.error_over_noise) continue;  // a NaN there is replaced

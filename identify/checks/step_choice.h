@@ -5,8 +5,9 @@
 // identify/uncertainty/discretization_error.h), and a step is fine enough where no error is larger than the standard
 // deviation of its estimate: the share of the noise is then the larger one. What a coarse step misses of the recording
 // looks like noise, so standard deviations are those that the least residuals of all these fits leave. From h the
-// choice goes to coarser steps while they are fine enough; where h itself is not, to the step that the order promises,
-// and on from there.
+// choice goes to coarser steps while they are fine enough, by the standard deviations of independent residuals: a model
+// that errs widens intervals, but is no reason to err more. Where h itself is not, it goes to the step that the order
+// promises, and on from there.
 #ifndef CLOTHID_IDENTIFY_CHECKS_STEP_CHOICE_H_
 #define CLOTHID_IDENTIFY_CHECKS_STEP_CHOICE_H_
 

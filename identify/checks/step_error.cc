@@ -4,23 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
-#include "costs/prediction/recording_model.h"
-#include "identify/base/parallel_for.h"
 #include "identify/problem/evaluator.h"
 #include "identify/uncertainty/discretization_error.h"
-#include "sim/base/phase_seconds.h"
 #include "sim/matrix/dense.h"
 
 namespace clothid {
 namespace {
-
-// Of the rollouts at other steps, where that of the scene is tighter. On the shipped recordings the errors are then as
-// with 1e-8 within 3 %, or below 2e-4 of the value, and the rollouts a fifth cheaper. With 1e-3, friction that `slope`
-// tells exactly is said to be 1 % off.
-constexpr double kStepTolerance = 1e-5;
 
 class StepErrorFinder {
  public:
@@ -35,32 +26,26 @@ class StepErrorFinder {
   // Of q [p]; empty: not known, and `failure` says why where something failed.
   std::vector<DiscretizationError> Find(std::string* failure) {
     if (told_.empty() || options_.is_cancelled()) return {};
-    if (at_half_.empty()) at_half_ = PredictAt(0.5);
+    if (at_half_.empty()) at_half_ = PredictAllAtStep(0.5, motions_, options_, problem_, summary_->coordinates);
     const Eigen::VectorXd at_half = EstimateFrom(std::move(at_half_), failure);
     if (!failure->empty()) return {};
     std::vector<DiscretizationError> errors = ErrorsFrom(at_half, Nowhere());
     if (!ExceedNoise(errors)) return errors;
     std::string no_order;
-    const Eigen::VectorXd at_double = EstimateFrom(PredictAt(2.0), &no_order);
+    const Eigen::VectorXd at_double =
+        EstimateFrom(PredictAllAtStep(2.0, motions_, options_, problem_, summary_->coordinates), &no_order);
     return no_order.empty() ? ErrorsFrom(at_half, at_double) : errors;
   }
 
  private:
   // Where a fit at the step of `predictions` would end [p]: NaN for parameters that are not told.
   Eigen::VectorXd EstimateFrom(std::vector<StepPrediction> predictions, std::string* failure) {
-    std::vector<Eigen::MatrixXd> points, forces;
-    for (StepPrediction& prediction : predictions) {
-      summary_->statistics += prediction.statistics;
-      if (failure->empty()) *failure = prediction.failure;
-      points.push_back(std::move(prediction.points));
-      forces.push_back(std::move(prediction.forces));
-    }
-    if (!failure->empty()) return {};
     FitEvaluator evaluator(&problem_, options_.num_threads, EvaluationPurpose::kInterval);
     Eigen::VectorXd change;
-    if (!evaluator.PullBackChange(summary_->coordinates, points, forces, &change)) *failure = evaluator.last_failure();
+    const bool ok = PullBackStep(summary_->coordinates, std::move(predictions), &evaluator, &summary_->statistics,
+                                 &change, failure);
     summary_->statistics += evaluator.statistics();
-    return failure->empty() ? EstimateAfter(change) : Eigen::VectorXd();
+    return ok ? EstimateAfter(change) : Eigen::VectorXd();
   }
 
   Eigen::VectorXd Nowhere() const {
@@ -76,15 +61,6 @@ class StepErrorFinder {
     Eigen::VectorXd moved = Nowhere();
     moved(told_) = summary_->coordinates(told_) - SymmetricFactor(hessian).SolveOne(gradient(told_));
     return moved;
-  }
-
-  std::vector<StepPrediction> PredictAt(double factor) const {
-    std::vector<StepPrediction> predictions(motions_.size());
-    ParallelFor(static_cast<int>(motions_.size()), options_.num_threads, [&](int r) {
-      const auto index = static_cast<std::size_t>(r);
-      predictions[index] = PredictAtStep(factor, motions_[index], options_, problem_, r, summary_->coordinates);
-    });
-    return predictions;
   }
 
   std::vector<DiscretizationError> ErrorsFrom(const Eigen::VectorXd& at_half, const Eigen::VectorXd& at_double) const {
@@ -109,32 +85,6 @@ class StepErrorFinder {
 };
 
 }  // namespace
-
-StepPrediction PredictAtStep(double factor, const RecordedMotion& motion, const FitOptions& options,
-                             const FitProblem& problem, int recording, const Eigen::VectorXd& coordinates) {
-  RecordedMotion other = motion;
-  other.scene.time_step *= factor;
-  other.scene.solver.step_tolerance = std::max(other.scene.solver.step_tolerance, kStepTolerance);
-  const RecordingModel& fitted = problem.cost(recording).model();
-  StepPrediction prediction;
-  const ScopedTimer timer(&prediction.statistics.rollout_seconds);
-  try {
-    RecordingModel model(other, fitted.blocks(), {}, fitted.shared_start(), problem.fields());
-    model.SetNumThreads(std::max(1, options.num_threads / problem.num_recordings()));
-    model.Assimilate(problem.assimilation(), options.loss);
-    ForceTrack forces;
-    const Rollout rollout =
-        model.Simulate(problem.CoordinatesOf(recording, coordinates), {Precision::kFull, options.cancel}, {},
-                       &prediction.points, /*velocities=*/nullptr, &forces);
-    ++prediction.statistics.rollouts;
-    prediction.statistics.counts += rollout.counts;
-    prediction.forces = std::move(forces.predicted);
-    if (!rollout.ok()) prediction.failure = model.name() + ": " + rollout.failure->ToString();
-  } catch (const std::runtime_error& error) {  // a scene that cannot have this step, a system that is singular there
-    prediction.failure = error.what();
-  }
-  return prediction;
-}
 
 StepErrorEstimate AddStepError(const std::vector<RecordedMotion>& motions, const FitOptions& options,
                                const FitProblem& problem, FitSummary* summary, std::vector<StepPrediction> at_half) {

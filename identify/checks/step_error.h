@@ -22,19 +22,9 @@
 #include "identify/base/options.h"
 #include "identify/fit/fit_summary.h"
 #include "identify/problem/problem.h"
+#include "identify/problem/step_prediction.h"
 
 namespace clothid {
-
-// What is predicted of one recording at another step.
-struct StepPrediction {
-  Eigen::MatrixXd points, forces;  // as of `RolloutCost::Predict`
-  std::string failure;             // one line; empty: it worked
-  CostStatistics statistics;
-};
-
-// `factor` times the step of `motion`, which is `recording` of the problem, at its coordinates [p + n + f].
-StepPrediction PredictAtStep(double factor, const RecordedMotion& motion, const FitOptions& options,
-                             const FitProblem& problem, int recording, const Eigen::VectorXd& coordinates);
 
 struct StepErrorEstimate {
   std::vector<double> errors;  // [p] of the values, as ParameterUncertainty::step_error; empty: not known

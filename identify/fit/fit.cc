@@ -18,6 +18,7 @@
 #include "identify/problem/gauss_newton.h"
 #include "identify/problem/memory_trial.h"
 #include "identify/problem/model_errors.h"
+#include "identify/problem/step_prediction.h"
 #include "identify/uncertainty/discretization_error.h"
 
 namespace clothid {
@@ -35,6 +36,8 @@ constexpr double kShortStep = 5e4;
 constexpr double kTrialTolerance = 1e-5;
 constexpr double kTrialStep = 5e3;
 constexpr int kMostTrialIterations = 8;
+// What half the step moves, to the error of the step, at the first order and with one standard deviation to spare.
+constexpr double kStepErrors = 4.0;
 
 FitStatus StatusOf(ceres::TerminationType type) {
   switch (type) {
@@ -80,14 +83,17 @@ class PlannedFit {
         coordinates_(problem->StartCoordinates()),
         evaluator_(problem, options.num_threads),
         recorder_(options, *problem, evaluator_) {
-    summary_.plan = MakePlan(options, *problem, motions != nullptr && options.max_iterations > 0);
+    summary_.plan =
+        MakePlan(options, *problem, motions != nullptr && options.growing_horizon && options.max_iterations > 0);
   }
 
   // The trials of memories (identify/problem/memory_trial.h) after `exact`, a fit without corrections. It ends with
   // `summary.memory_trials` alone where that explains the recordings as well.
-  PlannedFit(const FitOptions& options, const FitSummary& exact, FitProblem* problem)
-      : PlannedFit(options, /*motions=*/nullptr, problem) {
+  PlannedFit(const FitOptions& options, const std::vector<RecordedMotion>* motions, const FitSummary& exact,
+             FitProblem* problem)
+      : PlannedFit(options, motions, problem) {
     summary_.plan = PlanMemoryTrials(*problem);
+    exact_end_ = exact.coordinates;
     led_ = exact.coordinates;
     led_.segment(problem->num_blocks(), problem->num_start_unknowns()).setZero();  // corrections find them
     exact_.coordinates = exact.coordinates.head(problem->num_blocks());
@@ -241,10 +247,56 @@ class PlannedFit {
   // After the last trial: what is left of the fit.
   void EndTrials() {
     if (!is_last_stage() || options_.is_cancelled() || trials_.empty()) return;
-    is_exact_ = IsNoWorse(exact_.cost, trials_);
+    is_exact_ = IsNoWorse(exact_.cost, trials_) || IsRuledByStep();
     if (is_exact_) return;
     if (!Follows(problem_->blocks(), trials_.back(), exact_) && MayLeaveLess()) return TryExact();
     GoOnWith({trials_.back().memory});
+  }
+
+  // Corrected rollouts judge fast motion, which a coarse step damps. Whether that moves the end of the trials far, and
+  // the fit before them, which agrees with it as far as the steps let anybody tell, by less.
+  bool IsRuledByStep() {
+    const Assimilation assimilation = problem_->assimilation();
+    const std::optional<Eigen::VectorXd> corrected = MoveByStep(coordinates_);
+    if (!corrected || IsShort(*problem_, coordinates_, *corrected, kShortStep)) return false;
+    problem_->Assimilate({});
+    const std::optional<Eigen::VectorXd> exact = MoveByStep(exact_end_);
+    problem_->Assimilate(assimilation);
+    evaluator_.SupersedeBest();
+    if (!exact) return false;
+    const Eigen::ArrayXd apart = (exact_end_ - coordinates_).head(problem_->num_blocks()).array().abs();
+    const Eigen::ArrayXd errors = kStepErrors * (corrected->array().abs() + exact->array().abs());
+    if ((apart > errors).any() || !(Length(*exact) < Length(*corrected))) return false;
+    summary_.plan[static_cast<std::size_t>(stage_)].note = "the time step decides what is estimated with corrections";
+    return true;
+  }
+
+  // Where half the step would move the parameters from `point` [p], as far as the cost is quadratic; nothing where
+  // nobody knows the recordings, or a rollout fails.
+  std::optional<Eigen::VectorXd> MoveByStep(const Eigen::VectorXd& point) {
+    if (motions_ == nullptr) return std::nullopt;
+    evaluator_.SupersedeBest();
+    double cost = 0.0;
+    if (!evaluator_.Evaluate(point, FitEvaluator::Derivative::kRows, &cost, nullptr)) return std::nullopt;
+    QuadraticModel model = evaluator_.model();
+    Eigen::VectorXd change;
+    std::string failure;
+    if (!PullBackStep(point, PredictAllAtStep(0.5, *motions_, options_, *problem_, point), &evaluator_,
+                      &summary_.statistics, &change, &failure)) {
+      return std::nullopt;
+    }
+    model.gradient = change.head(problem_->num_blocks());
+    return GaussNewtonStep(*problem_, model);
+  }
+
+  // The largest part of a step from where the fit is, in resolutions.
+  double Length(const Eigen::VectorXd& step) const {
+    double length = 0.0;
+    for (Eigen::Index i = 0; i < step.size(); ++i) {
+      length = std::max(
+          length, std::abs(step[i]) / problem_->blocks()[static_cast<std::size_t>(i)].Resolution(coordinates_[i]));
+    }
+    return length;
   }
 
   // Whether rollouts that nothing corrects may explain the recordings from where the trials have led. The evaluator has
@@ -451,7 +503,7 @@ class PlannedFit {
     problem_->CheckJournals();
     recorder_.AddLast();
     summary_.iterations = recorder_.iterations();
-    summary_.statistics = evaluator_.statistics();
+    summary_.statistics += evaluator_.statistics();
     summary_.total_seconds = recorder_.seconds();
     const double led_seconds = lead_ ? lead_->evaluation_seconds : 0.0;
     if (lead_) {
@@ -480,6 +532,7 @@ class PlannedFit {
   bool has_jumped_ = false;    // a longer one has led elsewhere, and down
   Eigen::VectorXd led_;        // where the fit before trials has ended; empty without them
   MemoryTrial exact_;          // the fit without corrections that has led to the trials
+  Eigen::VectorXd exact_end_;  // where it has ended [p + n + f]
   bool is_exact_ = false;      // it explains the recordings as well
   int last_exact_stage_ = -1;  // of another one, from where the trials have led
   bool is_near_ = false;       // a point near the solution is known
@@ -496,7 +549,8 @@ FitSummary FitOn(const FitOptions& options, FitProblem* problem) {
 
 // Where what `summary` leaves is no noise: with the recordings correcting the rollouts, if they can, and if that
 // explains them better.
-void AssimilateFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
+void AssimilateFit(const FitOptions& options, const std::vector<RecordedMotion>* motions, FitProblem* problem,
+                   FitSummary* summary) {
   if (options.assimilate.kind != AssimilationOption::Kind::kAuto || !summary->memory_trials.empty() ||
       options.max_iterations == 0 || problem->is_all_frozen() || options.is_cancelled() ||
       LeavesNoise(*problem, summary->predicted, summary->cost)) {
@@ -507,7 +561,7 @@ void AssimilateFit(const FitOptions& options, FitProblem* problem, FitSummary* s
   problem->HoldWeights(true);
   FitOptions next = OptionsOfNext(options, *problem, *summary);
   next.max_iterations = options.max_iterations;  // of the trials and of what follows
-  FitSummary found = PlannedFit(next, *summary, problem).Run();
+  FitSummary found = PlannedFit(next, motions, *summary, problem).Run();
   const bool is_taken = found.has_estimate();
   problem->Assimilate(is_taken ? found.assimilation : Assimilation());
   AppendFit(std::move(found), is_taken, summary);
@@ -522,19 +576,21 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector
   if (options.assimilate.kind == AssimilationOption::Kind::kAuto) problem->Assimilate({});
   if (problem->finds_model_error() && problem->has_model_error()) problem->SetModelErrors(NoModelErrors(*problem));
   FitSummary summary = PlannedFit(options, motions, problem).Run();
-  if (options.estimate_uncertainty && summary.has_estimate()) FinishFit(options, problem, &summary);
+  if (options.estimate_uncertainty && summary.has_estimate()) FinishFit(options, problem, &summary, motions);
   return summary;
 }
 
-void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
-  AssimilateFit(options, problem, summary);
+void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary,
+               const std::vector<RecordedMotion>* motions) {
+  AssimilateFit(options, motions, problem, summary);
   AddUncertainty(options, *problem, summary);
   ContinueFromLowerPoints(options, &FitOn, problem, summary);
-  WeighFit(options, problem, summary);
+  WeighFit(options, problem, summary, motions);
 }
 
-void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
-  AssimilateFit(options, problem, summary);
+void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary,
+              const std::vector<RecordedMotion>* motions) {
+  AssimilateFit(options, motions, problem, summary);
   WeighByModelError(options, &FitOn, problem, summary);
   const bool is_weighed = problem->finds_model_error() && problem->has_model_error();
   if (is_weighed || !summary->uncertainty) {

@@ -24,18 +24,21 @@ namespace clothid {
 // Where FitOptions::estimate_uncertainty asks for it, `FinishFit` follows.
 FitSummary Fit(const FitOptions& options, FitProblem* problem);
 
-// `motions` (may be null) are those of the problem: then the fit is led by their first frames, unless the cost is
-// higher where they lead. What that takes counts with the rest.
+// `motions` (may be null) are those of the problem: then the fit is led by their first frames where
+// FitOptions::growing_horizon says so, unless the cost is higher where they lead, and where recordings correct rollouts
+// it is known what the time step does to that. What it takes counts with the rest.
 FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector<RecordedMotion>* motions);
 
 // What comes after a fit that has an estimate: how sure it is; a fit from where the check of its interval meets a point
 // of lower cost; and where what is left is more than noise, fits whose frames count by that
 // (identify/fit/continued_fit.h), and how sure these are; at last, where the cost is rough, the estimate of a quadratic
 // (identify/fit/quadratic_estimate.h).
-void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary);
+void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary,
+               const std::vector<RecordedMotion>* motions = nullptr);
 
 // The last part of it, of a fit with an uncertainty.
-void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary);
+void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summary,
+              const std::vector<RecordedMotion>* motions = nullptr);
 
 // Fills `uncertainty` and `interval_check` of a fit that has an estimate, unless the derivative fails there or
 // options.cancel is true, and adds the work to its counts.

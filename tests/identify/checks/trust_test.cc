@@ -47,11 +47,12 @@ TEST(MultiStartTest, StartsThatAgreeSayTheSameAsOneFit) {
   FitOptions options = OptionsFor({"k_stretch", "k_bend"});
   options.num_starts = 4;
   options.seed = 1;
+  options.growing_horizon = false;
   const std::vector<RecordedMotion> motions = {NoisySwing()};
   FitProblem problem(motions, options);
   const FitSummary single = Fit(options, &problem);
   MultiStart starts;
-  const FitSummary summary = FitFromStarts(options, motions, /*is_led=*/false, &problem, &starts);
+  const FitSummary summary = FitFromStarts(options, motions, &problem, &starts);
   EXPECT_EQ(summary.status, FitStatus::kConverged);
   ASSERT_EQ(starts.starts.size(), 4u);
   ASSERT_EQ(starts.minima.size(), 1u);
@@ -75,7 +76,7 @@ TEST(MultiStartTest, SameBytesOnEveryNumberOfThreads) {
     int num_told = 0;
     options.on_start = [&](int start) { EXPECT_EQ(start, num_told++); };
     FitProblem problem(motions, options);
-    FitSummary summary = FitFromStarts(options, motions, /*is_led=*/true, &problem, starts);
+    FitSummary summary = FitFromStarts(options, motions, &problem, starts);
     EXPECT_EQ(num_told, 4);
     return summary;
   };
@@ -102,6 +103,7 @@ TEST(MultiStartTest, SameBytesOnEveryNumberOfThreads) {
 TEST(MultiStartTest, EndsWhereItIsInterrupted) {
   FitOptions options = OptionsFor({"k_stretch"});
   options.num_starts = 3;
+  options.growing_horizon = false;
   const std::vector<RecordedMotion> motions = {NoisySwing()};
   for (const int num_threads : {1, 2}) {
     std::atomic<bool> cancel{false};
@@ -110,7 +112,7 @@ TEST(MultiStartTest, EndsWhereItIsInterrupted) {
     options.on_start = [&](int start) { cancel = start == 1; };
     FitProblem problem(motions, options);
     MultiStart starts;
-    EXPECT_EQ(FitFromStarts(options, motions, /*is_led=*/false, &problem, &starts).status, FitStatus::kInterrupted);
+    EXPECT_EQ(FitFromStarts(options, motions, &problem, &starts).status, FitStatus::kInterrupted);
   }
 }
 

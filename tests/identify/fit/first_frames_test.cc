@@ -31,9 +31,10 @@ FitOptions OptionsFor(const std::string& name, double start) {
 
 FitSummary FitBounce(double start, bool is_led) {
   const std::vector<RecordedMotion> motions = {Bounce()};
-  const FitOptions options = OptionsFor("k_stretch", start);
+  FitOptions options = OptionsFor("k_stretch", start);
+  options.growing_horizon = is_led;
   FitProblem problem(motions, options);
-  return Fit(options, &problem, is_led ? &motions : nullptr);
+  return Fit(options, &problem, &motions);
 }
 
 TEST(FirstFramesTest, AreThoseOfTheFirstSeconds) {
@@ -195,7 +196,7 @@ TEST(FirstFramesFitTest, LeadsEveryOneOfSeveralStarts) {
   options.num_starts = 4;
   FitProblem problem(motions, options);
   MultiStart result;
-  FitFromStarts(options, motions, /*is_led=*/true, &problem, &result);
+  FitFromStarts(options, motions, &problem, &result);
   ASSERT_EQ(result.minima.size(), 1u);
   EXPECT_EQ(result.minima[0].num_starts, 4);
 }

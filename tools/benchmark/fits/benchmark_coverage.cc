@@ -102,7 +102,7 @@ RunOptions OptionsOfFit(const std::vector<TrueParameter>& truth, const CoverageO
                         const std::string& setting) {
   RunOptions run;
   run.check_recordings = false;
-  run.growing_horizon = false;
+  run.fit.growing_horizon = false;
   run.discretization = coverage.discretization;
   run.fit.jacobian = JacobianMethod::kSensitivity;
   run.fit.check_interval = false;

@@ -109,7 +109,7 @@ def identify(
     adjoint: str = "reduced",
     precision: str = "adaptive",
     horizon: str = "growing",
-    assimilate: Union[str, float] = "off",
+    assimilate: Union[str, float] = "auto",
     max_iterations: int = 50,
     time_step: Union[str, float] = "",
     step_tolerance: float = 0.0,
