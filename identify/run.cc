@@ -240,7 +240,8 @@ class Run {
       if (!summary_.uncertainty || fit_options_.is_cancelled()) break;
       checks_.profiles.push_back(ProfileParameter(fit_options_, summary_, name, problem_.get(), &summary_.statistics));
     }
-    const bool has_step = checks_.step_choice && checks_.step_choice->found;
+    // What the choice has fitted at other steps tells of rollouts without corrections.
+    const bool has_step = checks_.step_choice && checks_.step_choice->found && !summary_.assimilation.is_on();
     if ((options_.discretization.any() || has_step) && !fit_options_.is_cancelled()) {
       const DiscretizationCheck known = has_step ? checks_.step_choice->check : DiscretizationCheck();
       checks_.discretization =

@@ -562,7 +562,9 @@ void AssimilateFit(const FitOptions& options, const std::vector<RecordedMotion>*
   FitOptions next = OptionsOfNext(options, *problem, *summary);
   next.max_iterations = options.max_iterations;  // of the trials and of what follows
   FitSummary found = PlannedFit(next, motions, *summary, problem).Run();
-  const bool is_taken = found.has_estimate();
+  // One that does not come to its end is no better than one that did.
+  const bool is_taken =
+      found.has_estimate() && (found.status == FitStatus::kConverged || summary->status != FitStatus::kConverged);
   problem->Assimilate(is_taken ? found.assimilation : Assimilation());
   AppendFit(std::move(found), is_taken, summary);
   problem->HoldWeights(false);

@@ -25,7 +25,8 @@ constexpr double kNextStep = 5e4;
 // Costs that differ by less are the same. What rollouts without corrections may cost where a fit of them is tried.
 constexpr double kSameCost = 5e-3;
 constexpr double kNearCost = 0.2;
-constexpr double kNoiseCorrelation = 0.05;  // of consecutive frames
+// Of consecutive frames. Or what chance leaves of so many residuals, three standard deviations.
+constexpr double kNoiseCorrelation = 0.05;
 // Memories that are shorter by more than this factor say nothing of the drift.
 constexpr double kDriftFactor = 5.0;
 
@@ -115,7 +116,8 @@ bool LeavesNoise(const FitProblem& problem, const std::vector<Eigen::MatrixXd>& 
   for (int r = 0; r < problem.num_recordings(); ++r) {
     error += problem.cost(r).model().observation().Compare(predicted[static_cast<std::size_t>(r)]);
   }
-  return !(error.autocorrelation() > kNoiseCorrelation);
+  const double by_chance = kStds / std::sqrt(std::max(1.0, static_cast<double>(error.num_coordinates)));
+  return !(error.autocorrelation() > std::max(kNoiseCorrelation, by_chance));
 }
 
 bool LeavesAsLittle(double uncorrected_cost, const std::vector<MemoryTrial>& trials) {
