@@ -132,7 +132,10 @@ bool MayBeNoise(const std::vector<MemoryTrial>& trials) {
 }
 
 bool IsNoWorse(double uncorrected_cost, const std::vector<MemoryTrial>& trials) {
-  return IsExact(trials) || uncorrected_cost <= (1.0 + kSameCost) * trials.back().cost;
+  if (trials.empty()) return true;
+  const MemoryTrial& last = trials.back();
+  const double rounding = last.residual_scale > 0.0 ? kRoundingResiduals / last.residual_scale : 1.0;
+  return uncorrected_cost <= std::max(1.0 + kSameCost, rounding * rounding) * last.cost;
 }
 
 double FirstMemoryOfDrift(const std::vector<MemoryTrial>& trials) {

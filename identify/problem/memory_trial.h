@@ -60,7 +60,7 @@ bool LeavesNoise(const FitProblem& problem, const std::vector<Eigen::MatrixXd>& 
 
 // Rollouts without corrections and the last of the trials. Whether they leave about as much where they are; whether,
 // whatever they cost, nothing but noise may be left: the last of several trials leaves the least; and whether the end
-// of a fit of them explains the recordings as well. All true where there is no trial.
+// of a fit of them explains the recordings as well, or leaves rounding. All true where there is no trial.
 bool LeavesAsLittle(double uncorrected_cost, const std::vector<MemoryTrial>& trials);
 bool MayBeNoise(const std::vector<MemoryTrial>& trials);
 bool IsNoWorse(double uncorrected_cost, const std::vector<MemoryTrial>& trials);
