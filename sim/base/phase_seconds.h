@@ -11,7 +11,7 @@ struct PhaseSeconds {
   double evaluation = 0.0;     // forces, energy, gaps and the contact law
   double assembly = 0.0;       // K = P - dP
   double contact = 0.0;        // contacts taken out of K or added to it: dR
-  double factorization = 0.0;  // numeric
+  double factorization = 0.0;  // numeric, and the analysis of a pattern that pairs have widened
   double solution = 0.0;       // of linear systems with a factor at hand, products with the matrix included
 
   double sum() const { return evaluation + assembly + contact + factorization + solution; }

@@ -97,7 +97,7 @@ class ReverseSweep {
     if (step.pairs() == nullptr) {
       solver_.Solve(record, w, &step, &z, &y, &gradient_->work);
     } else {
-      solver_.SolveWithPairs(w, by_impulse, by_pairs, &step, &z, &y, &rho, &gradient_->work);
+      solver_.SolveWithPairs(record, w, by_impulse, by_pairs, step, &z, &y, &rho, &gradient_->work);
     }
     if (by_impulse.size() > 0) y -= by_impulse;
     AddParameterGradient(record, ids_, z, y, step, &gradient_->parameters);

@@ -21,7 +21,8 @@ AdjointSolver::AdjointSolver(const AdjointOptions& options, const Parameters& pa
       use_kept_factors_(options.use_kept_factors),
       threshold_(options.threshold.value_or(simulator->scene().solver.adjoint_tolerance)),
       parameters_(parameters),
-      simulator_(simulator) {}
+      simulator_(simulator),
+      pair_jacobian_(simulator->model(), &simulator->step_solver().jacobian()) {}
 
 void AdjointSolver::Solve(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
                           Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
@@ -34,24 +35,27 @@ void AdjointSolver::Solve(const StepRecord& record, const Eigen::MatrixXd& right
   }
 }
 
-void AdjointSolver::SolveWithPairs(const Eigen::MatrixXd& right, const Eigen::MatrixXd& by_impulse,
-                                   const Eigen::MatrixXd& by_pairs, StepDerivative* step, Eigen::MatrixXd* z,
-                                   Eigen::MatrixXd* y, Eigen::MatrixXd* rho, AdjointWork* work) {
+void AdjointSolver::SolveWithPairs(const StepRecord& record, const Eigen::MatrixXd& right,
+                                   const Eigen::MatrixXd& by_impulse, const Eigen::MatrixXd& by_pairs,
+                                   const StepDerivative& step, Eigen::MatrixXd* z, Eigen::MatrixXd* y,
+                                   Eigen::MatrixXd* rho, AdjointWork* work) {
   if (method_ != AdjointMethod::kReduced) {
     throw Error(ErrorKind::kUsage, "contacts of the cloth with itself: expected the adjoint method \"reduced\"");
   }
   ++work->solves;
-  if (!step->FactorWithPairs()) throw std::runtime_error("singular step Jacobian");
-  PairJacobian& jacobian = step->pair_jacobian();
+  step.SetPoint(&pair_jacobian_);
   Eigen::MatrixXd pair_right = by_pairs;
   if (pair_right.size() == 0) {
-    pair_right = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(step->pairs()->contacts().size()), right.cols());
+    pair_right = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(step.pairs()->contacts().size()), right.cols());
   }
-  if (by_impulse.size() > 0) pair_right -= jacobian.RelativeVelocities(by_impulse);
-  if (!jacobian.SolveTransposed(right, pair_right, threshold_, z, y, rho)) {
-    throw std::runtime_error("singular step Jacobian");
-  }
-  work->iterations += jacobian.iterations();
+  if (by_impulse.size() > 0) pair_right -= pair_jacobian_.RelativeVelocities(by_impulse);
+  const auto solve = [&] {
+    const bool solved = pair_jacobian_.SolveTransposed(right, pair_right, threshold_, z, y, rho);
+    work->iterations += pair_jacobian_.iterations();
+    return solved;
+  };
+  if (use_kept_factors_ && pair_jacobian_.UseFactor(record.factor) && solve()) return;
+  if (!pair_jacobian_.Factor() || !solve()) throw std::runtime_error("singular step Jacobian");
 }
 
 bool AdjointSolver::SolveByMethod(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
@@ -79,7 +83,7 @@ bool AdjointSolver::SolveByStepJacobian(StepJacobian::Method method, const Eigen
 
 bool AdjointSolver::SolveByKeptFactor(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step,
                                       Eigen::MatrixXd* z, Eigen::MatrixXd* y, AdjointWork* work) {
-  if (!use_kept_factors_ || record.factor == nullptr) return false;
+  if (!use_kept_factors_ || record.factor == nullptr || !record.factor->is_without_pairs()) return false;
   step->UseFactor(record.factor);
   const bool solved = step->jacobian().SolveTransposed(right, threshold_, z, y);
   work->iterations += step->jacobian().iterations();

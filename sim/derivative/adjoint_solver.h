@@ -28,9 +28,9 @@ class AdjointSolver {
   // The same where the cloth touches itself, with rho of its pairs [3c x s]. `by_impulse` and `by_pairs` (may be
   // empty): gradients by the impulses of obstacles and pairs. Throws `Error` (kUsage) for a method other than
   // kReduced.
-  void SolveWithPairs(const Eigen::MatrixXd& right, const Eigen::MatrixXd& by_impulse, const Eigen::MatrixXd& by_pairs,
-                      StepDerivative* step, Eigen::MatrixXd* z, Eigen::MatrixXd* y, Eigen::MatrixXd* rho,
-                      AdjointWork* work);
+  void SolveWithPairs(const StepRecord& record, const Eigen::MatrixXd& right, const Eigen::MatrixXd& by_impulse,
+                      const Eigen::MatrixXd& by_pairs, const StepDerivative& step, Eigen::MatrixXd* z,
+                      Eigen::MatrixXd* y, Eigen::MatrixXd* rho, AdjointWork* work);
 
  private:
   bool SolveByMethod(const StepRecord& record, const Eigen::MatrixXd& right, StepDerivative* step, Eigen::MatrixXd* z,
@@ -48,6 +48,7 @@ class AdjointSolver {
   double threshold_;
   const Parameters& parameters_;
   Simulator* simulator_;
+  PairJacobian pair_jacobian_;
   std::unique_ptr<SystemMatrixFactor> system_matrix_;  // of the last step size; made when first asked for
 };
 

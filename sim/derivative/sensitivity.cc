@@ -102,7 +102,8 @@ class TangentSolver {
         fields_(fields),
         sizes_(parameters, ids, *simulator),
         tolerance_(tolerance),
-        simulator_(simulator) {}
+        simulator_(simulator),
+        pair_jacobian_(simulator->model(), &simulator->step_solver().jacobian()) {}
 
   // Of one solve. `pair_forces`: the changes of those upon handles at its end [3H x (p + q)]; null: not asked for.
   void Advance(const StepRecord& record, const SolveStart& start, StateColumns* tangent,
@@ -128,7 +129,7 @@ class TangentSolver {
       end = derivative.Times(*tangent, first_end);
       if (derivative.has_impacts()) {
         Eigen::MatrixXd impulse = step.TimesVelocity(first_end.velocities) - change.momentum;
-        if (step.pairs() != nullptr) impulse -= step.pair_jacobian().Spread(change.pair_impulses);
+        if (step.pairs() != nullptr) impulse -= pair_jacobian_.Spread(change.pair_impulses);
         derivative.SubtractImpacts(*tangent, first_end, impulse, change.pair_impulses, &end);
         handles_->SubtractImpacts(first, derivative, &end.velocities);
         for (size_t p = 0; p < ids_.size(); ++p) {
@@ -190,7 +191,7 @@ class TangentSolver {
         *step);
     if (step->pairs() != nullptr) return SolveWithPairs(record, momentum, step, tangent);
     Eigen::MatrixXd dv;
-    if (record.factor != nullptr) {
+    if (record.factor != nullptr && record.factor->is_without_pairs()) {
       step->UseFactor(record.factor);
       if (step->jacobian().Solve(RightSide(momentum, *tangent, ids_, step), tolerance_, &dv)) {
         Move(record, dv, tangent);
@@ -208,10 +209,10 @@ class TangentSolver {
 
   SolveChange SolveWithPairs(const StepRecord& record, const Eigen::MatrixXd& momentum, StepDerivative* step,
                              StateColumns* tangent) const {
-    if (!step->FactorWithPairs()) throw std::runtime_error("singular step Jacobian");
+    step->SetPoint(&pair_jacobian_);
     Eigen::MatrixXd right = momentum, pair_right = -step->pairs()->TimesGeometry(tangent->positions);
     handles_->SubtractFromPairs(&pair_right);
-    step->pair_jacobian().AddImpulse(&right);
+    pair_jacobian_.AddImpulse(&right);
     right -= step->TimesFrames(tangent->positions);
     for (size_t p = 0; p < ids_.size(); ++p) {
       if (!IsOfContact(ids_[p].kind)) continue;
@@ -220,9 +221,9 @@ class TangentSolver {
     }
     SolveChange change{momentum, {}};
     Eigen::MatrixXd dv;
-    if (!step->pair_jacobian().Solve(right, pair_right, tolerance_, &dv, &change.pair_impulses)) {
-      throw std::runtime_error("singular step Jacobian");
-    }
+    const auto solve = [&] { return pair_jacobian_.Solve(right, pair_right, tolerance_, &dv, &change.pair_impulses); };
+    const bool solved = pair_jacobian_.UseFactor(record.factor) && solve();
+    if (!solved && !(pair_jacobian_.Factor() && solve())) throw std::runtime_error("singular step Jacobian");
     Move(record, dv, tangent);
     return change;
   }
@@ -239,6 +240,7 @@ class TangentSolver {
   SizeDerivative sizes_;
   double tolerance_;
   Simulator* simulator_;
+  mutable PairJacobian pair_jacobian_;  // of the last solve with pairs, which keeps its order of elimination
 };
 
 }  // namespace

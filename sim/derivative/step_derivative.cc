@@ -69,15 +69,12 @@ void StepDerivative::UseFactor(std::shared_ptr<const ReducedFactor> factor) {
   jacobian_.SetFactor(std::move(factor));
 }
 
-bool StepDerivative::FactorWithPairs() {
-  const ScopedTimer timer(&jacobian_.seconds().factorization);
+void StepDerivative::SetPoint(PairJacobian* jacobian) const {
   std::vector<PairCandidate> candidates;
   for (const PairContact& contact : pairs_->contacts()) candidates.push_back(contact.candidate);
-  pair_jacobian_ = std::make_unique<PairJacobian>(model_);
-  pair_jacobian_->SetCandidates(candidates);
-  pair_jacobian_->SetPoint(hessian_, contacts_, parameters_.friction_coefficients, pairs_->contacts(),
-                           parameters_.self_friction);
-  return pair_jacobian_->Factor();
+  jacobian->SetCandidates(candidates);
+  jacobian->SetPoint(hessian_, contacts_, parameters_.friction_coefficients, pairs_->contacts(),
+                     parameters_.self_friction);
 }
 
 Eigen::MatrixXd StepDerivative::TimesMass(const Eigen::MatrixXd& columns) const {

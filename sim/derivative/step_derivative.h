@@ -46,9 +46,8 @@ class StepDerivative {
 
   // Of the cloth with itself; null: none is in contact.
   const PairDerivative* pairs() const { return pairs_.get(); }
-  // Factors the matrix in (v, r) of a step that has such pairs. False where it fails.
-  bool FactorWithPairs();
-  PairJacobian& pair_jacobian() { return *pair_jacobian_; }
+  // Makes `jacobian` the matrix in (v, r) of a step that has such pairs.
+  void SetPoint(PairJacobian* jacobian) const;
 
   double time_step() const { return record_.time_step; }  // h
   // Whether N is there, and may be asked for.
@@ -105,7 +104,6 @@ class StepDerivative {
   std::vector<Contact> contacts_;              // of the record
   std::vector<AffineMotion> contact_motions_;  // of their obstacles there, per contact; empty where no obstacle moves
   std::unique_ptr<PairDerivative> pairs_;
-  std::unique_ptr<PairJacobian> pair_jacobian_;
 };
 
 }  // namespace clothid

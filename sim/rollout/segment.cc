@@ -189,20 +189,14 @@ class StepLoop {
     bool solved = solver.Solve(problem, tolerance_, guess, &point_, &outcome_.counts, candidates);
     for (int round = 0; solved && round < kMaxSecondSolves && problem.TakesBackPairs(point_); ++round) {
       ++outcome_.counts.second_solves;
-      const Eigen::VectorXd last = point_.velocities;
-      solved = solver.Solve(problem, tolerance_, &last, &point_, &outcome_.counts);
+      solved = solver.SolveAgain(problem, tolerance_, &point_, &outcome_.counts);
     }
     if (!solved) {
       *failure = DescribeFailure(step, StepSolver::Tolerance(problem, tolerance_, point_), point_);
       return false;
     }
-    StepRecord record{times.end_time,
-                      times.time_step,
-                      point_.positions,
-                      problem.AllVelocities(point_),
-                      {},
-                      problem.may_touch_itself() ? nullptr : solver.end_factor(),
-                      times.stage};
+    StepRecord record{times.end_time,      times.time_step, point_.positions, problem.AllVelocities(point_), {},
+                      solver.end_factor(), times.stage};
     pairs_.clear();
     if (problem.may_touch_itself()) {
       pairs_ = problem.ActivePairs(point_);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include "sim/matrix/block_product.h"
 #include "sim/matrix/krylov.h"
@@ -15,6 +16,8 @@ namespace {
 constexpr double kPenalty = 1e3;
 constexpr int kMaxPairIterations = 120;
 constexpr int kMaxLaggedPairIterations = 15;  // with the factor of another point
+constexpr int kMaxKeptPairIterations = 24;    // with one that was kept for a derivative, to all its digits
+constexpr int kMostKeptChanges = 2;  // of contacts since a factor that was kept, which then serves a derivative
 // 1 - beta of a slipping pair is held above this, which bounds kappa as u_T -> 0.
 constexpr double kSmallestSlip = 1e-12;
 
@@ -60,7 +63,7 @@ Eigen::Matrix3Xd PairJacobian::Pair::forces() const {
   return (frame.col(0) + coupling * frame.col(1)).rowwise().replicate(num_rows());
 }
 
-PairJacobian::PairJacobian(const ClothModel& model) : model_(model) {}
+PairJacobian::PairJacobian(const ClothModel& model, StepJacobian* shared) : model_(model), shared_(*shared) {}
 
 void PairJacobian::SetCandidates(const std::vector<PairCandidate>& candidates) { cliques_ = Cliques(candidates); }
 
@@ -69,9 +72,19 @@ void PairJacobian::Reset() {
   factor_.reset();
 }
 
+bool PairJacobian::UseFactor(std::shared_ptr<const ReducedFactor> factor) {
+  if (factor == nullptr || factor->pattern == nullptr) return false;
+  pattern_ = factor->pattern;
+  factor_ = factor->cholesky == nullptr ? nullptr : std::move(factor);
+  factor_is_of_point_ = false;
+  factor_was_given_ = true;
+  return num_changes() <= kMostKeptChanges;
+}
+
 void PairJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,
                             const std::vector<double>& friction_coefficients, const std::vector<PairContact>& pairs,
                             double self_friction) {
+  const ScopedTimer timer(&shared_.seconds().contact);
   hessian_ = &hessian;
   factor_is_of_point_ = false;
   touches_obstacles_ = !contacts.empty();
@@ -93,23 +106,23 @@ void PairJacobian::SetPoint(const BlockMatrix& hessian, const std::vector<Contac
     num_rows += pair.num_rows();
     pairs_.push_back(pair);
   }
-  SetBranches(contacts, pairs);
+  SetClosed(contacts, pairs);
   SetRows(pairs);
 }
 
-void PairJacobian::SetBranches(const std::vector<Contact>& contacts, const std::vector<PairContact>& pairs) {
-  branches_ = {};
-  for (const Contact& contact : contacts) branches_.nodes.emplace_back(contact.candidate.node, contact.response.branch);
+void PairJacobian::SetClosed(const std::vector<Contact>& contacts, const std::vector<PairContact>& pairs) {
+  closed_ = {};
+  for (const Contact& contact : contacts) closed_.nodes.emplace_back(contact.candidate.node, contact.response.branch);
   for (const PairContact& contact : pairs) {
     if (contact.response.branch == ContactBranch::kTakeOff) continue;
-    branches_.pairs.emplace_back(contact.candidate.features, contact.response.branch);
+    closed_.pairs.emplace_back(contact.candidate.features, contact.response.branch);
   }
 }
 
 int PairJacobian::num_changes() const {
   if (factor_ == nullptr) return std::numeric_limits<int>::max();
-  return NumDifferences(branches_.nodes, factor_branches_.nodes) +
-         NumDifferences(branches_.pairs, factor_branches_.pairs);
+  return NumDifferences(closed_.nodes, factor_->contacts.nodes) +
+         NumDifferences(closed_.pairs, factor_->contacts.pairs);
 }
 
 void PairJacobian::SetRows(const std::vector<PairContact>& contacts) {
@@ -143,11 +156,7 @@ void PairJacobian::SetRows(const std::vector<PairContact>& contacts) {
   set(side, side_stiffness_.size(), &side_rows_);
 }
 
-bool PairJacobian::Factor() {
-  factor_.reset();
-  if (pattern_ == nullptr || !pattern_->Covers(cliques_)) {
-    pattern_ = std::make_unique<WidePattern>(*model_.pattern(), cliques_);
-  }
+BlockMatrix PairJacobian::AugmentedMatrix() const {
   BlockMatrix wide = pattern_->Widened(*hessian_);
   for (std::size_t c = 0; c < pairs_.size(); ++c) {
     const Pair& pair = pairs_[c];
@@ -163,18 +172,33 @@ bool PairJacobian::Factor() {
       }
     }
   }
-  if (touches_obstacles_) {
-    Eigen::VectorXd reduced;
-    elimination_.Reduce(wide, &reduced);
-    factor_ = pattern_->Factor(reduced);
-    factor_frames_ = elimination_.SlipFrames();
-  } else {
-    factor_ = pattern_->Factor(wide.values);
-    factor_frames_.clear();
+  return wide;
+}
+
+bool PairJacobian::Factor() {
+  factor_.reset();  // first, so that its memory can be used again
+  if (pattern_ == nullptr || !pattern_->Covers(cliques_)) {
+    const ScopedTimer timer(&shared_.seconds().factorization);
+    pattern_ = std::make_shared<const WidePattern>(*model_.pattern(), cliques_);
   }
-  factor_branches_ = branches_;
+  Eigen::VectorXd values;
+  {
+    const ScopedTimer timer(&shared_.seconds().contact);
+    BlockMatrix wide = AugmentedMatrix();
+    if (touches_obstacles_) {
+      elimination_.Reduce(wide, &values);
+    } else {
+      values.swap(wide.values);
+    }
+  }
+  const ScopedTimer timer(&shared_.seconds().factorization);
+  ReducedFactor factor{pattern_->Factor(values, shared_.team()), {}, pattern_, closed_};
+  if (factor.cholesky == nullptr) return false;
+  if (touches_obstacles_) factor.frames = elimination_.SlipFrames();
+  factor_ = std::make_shared<const ReducedFactor>(std::move(factor));
   factor_is_of_point_ = true;
-  return factor_ != nullptr;
+  factor_was_given_ = false;
+  return true;
 }
 
 Eigen::MatrixXd PairJacobian::Spread(const Eigen::MatrixXd& impulses) const {
@@ -190,7 +214,7 @@ void PairJacobian::AddImpulse(Eigen::MatrixXd* vectors) const {
 }
 
 Eigen::MatrixXd PairJacobian::TimesStiffness(const Eigen::MatrixXd& velocities) const {
-  Eigen::MatrixXd product = MultiplySymmetric(*hessian_, velocities);
+  Eigen::MatrixXd product = MultiplySymmetric(*hessian_, velocities, shared_.team());
   if (side_stiffness_.size() == 0) return product;
   const Eigen::MatrixXd sides = side_stiffness_.asDiagonal() * (side_rows_ * velocities);
   product += side_rows_.transpose() * sides;
@@ -224,9 +248,9 @@ Eigen::MatrixXd PairJacobian::Precondition(const Eigen::MatrixXd& stacked) const
   Eigen::MatrixXd v = stacked.topRows(size);
   v += kPenalty * (constraint_rows_.transpose() * e);
   if (touches_obstacles_) elimination_.Project(&v);
-  ToLocal(factor_frames_, &v);
-  v = pattern_->Solve(*factor_, v);
-  ToWorld(factor_frames_, &v);
+  ToLocal(factor_->frames, &v);
+  v = factor_->pattern->Solve(*factor_->cholesky, v, shared_.team());
+  ToWorld(factor_->frames, &v);
   if (touches_obstacles_) elimination_.Project(&v);
   const Eigen::MatrixXd velocities = constraint_rows_ * v;
   Eigen::MatrixXd result(stacked.rows(), stacked.cols());
@@ -238,7 +262,10 @@ bool PairJacobian::SolveStacked(Direction direction, const Eigen::MatrixXd& righ
                                 Eigen::MatrixXd* solution) {
   const GmresResult result = Gmres([&](const Eigen::MatrixXd& v) { return Multiply(direction, v); },
                                    [&](const Eigen::MatrixXd& v) { return Precondition(v); }, right, tolerance,
-                                   factor_is_of_point_ ? kMaxPairIterations : kMaxLaggedPairIterations, solution);
+                                   factor_is_of_point_ ? kMaxPairIterations
+                                   : factor_was_given_ ? kMaxKeptPairIterations
+                                                       : kMaxLaggedPairIterations,
+                                   solution);
   iterations_ = result.iterations;
   return result.converged && solution->allFinite();
 }
@@ -267,6 +294,7 @@ Eigen::MatrixXd PairJacobian::KnownImpulse(const Eigen::MatrixXd& right) const {
 
 bool PairJacobian::Solve(const Eigen::MatrixXd& f, const Eigen::MatrixXd& s, double tolerance, Eigen::MatrixXd* dv,
                          Eigen::MatrixXd* dr) {
+  const ScopedTimer timer(&shared_.seconds().solution);
   const Eigen::Index size = 3 * model_.num_free();
   Eigen::MatrixXd right = KnownImpulse(s), known, constraints(row_weights_.size(), f.cols());
   AddImpulse(&right);
@@ -311,6 +339,7 @@ Eigen::MatrixXd PairJacobian::AdjointImpulse(const Pair& pair, const Eigen::Matr
 // d (rho_n + q rho_t) = lambda.
 bool PairJacobian::SolveTransposed(const Eigen::MatrixXd& w, const Eigen::MatrixXd& s, double tolerance,
                                    Eigen::MatrixXd* z, Eigen::MatrixXd* y, Eigen::MatrixXd* rho) {
+  const ScopedTimer timer(&shared_.seconds().solution);
   const Eigen::Index size = 3 * model_.num_free();
   Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(s.rows(), s.cols()), constraints(row_weights_.size(), w.cols());
   for (std::size_t c = 0; c < pairs_.size(); ++c) {

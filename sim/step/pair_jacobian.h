@@ -28,14 +28,15 @@
 #include "sim/contact/contact_elimination.h"
 #include "sim/contact/self_contact.h"
 #include "sim/matrix/block_matrix.h"
-#include "sim/matrix/cholesky.h"
+#include "sim/step/step_jacobian.h"
 #include "sim/step/wide_pattern.h"
 
 namespace clothid {
 
 class PairJacobian {
  public:
-  explicit PairJacobian(const ClothModel& model);
+  // With the threads and the timers of `shared`, which must outlive the object.
+  PairJacobian(const ClothModel& model, StepJacobian* shared);
 
   // The pairs that the next points and factors may have.
   void SetCandidates(const std::vector<PairCandidate>& candidates);
@@ -48,8 +49,16 @@ class PairJacobian {
                 const std::vector<double>& friction_coefficients, const std::vector<PairContact>& pairs,
                 double self_friction);
 
-  // Makes the factor of the point. False where M is not positive definite.
+  // Makes the factor of the point, in the order of the factor at hand or before, unless that lacks a pair. False where
+  // M is not positive definite.
   bool Factor();
+  // The factor that solves use, which has a pattern of its own: of the last Factor, whatever the point was, or the last
+  // one given. Null: none.
+  const std::shared_ptr<const ReducedFactor>& factor() const { return factor_; }
+  // Solves with `factor`, which was made by another object of the model, in its place. False where there is none, or
+  // one of a point too far from this one for that to pay: its pattern then serves the next Factor.
+  bool UseFactor(std::shared_ptr<const ReducedFactor> factor);
+  const std::shared_ptr<const WidePattern>& pattern() const { return pattern_; }  // of the last factor; null: none yet
   // Contacts that are in another branch than at the point of the factor at hand, which serves the better the fewer they
   // are; more than there can be without a factor.
   int num_changes() const;
@@ -85,20 +94,16 @@ class PairJacobian {
     Eigen::Matrix3Xd constraints() const;
     Eigen::Matrix3Xd forces() const;
   };
-  // Of contacts that are closed, with obstacles and with the cloth itself; ascending.
-  struct Branches {
-    std::vector<std::pair<int, ContactBranch>> nodes;
-    std::vector<std::pair<PairFeatures, ContactBranch>> pairs;
-  };
   using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
   enum class Direction { kForward, kTransposed };
 
-  void SetBranches(const std::vector<Contact>& contacts, const std::vector<PairContact>& pairs);
+  void SetClosed(const std::vector<Contact>& contacts, const std::vector<PairContact>& pairs);
   void SetRows(const std::vector<PairContact>& contacts);
   Eigen::MatrixXd TimesStiffness(const Eigen::MatrixXd& velocities) const;  // K~ v
   Eigen::MatrixXd Multiply(Direction direction, const Eigen::MatrixXd& stacked) const;
   Eigen::MatrixXd Precondition(const Eigen::MatrixXd& stacked) const;
   bool SolveStacked(Direction direction, const Eigen::MatrixXd& right, double tolerance, Eigen::MatrixXd* solution);
+  BlockMatrix AugmentedMatrix() const;  // K~ + gamma C^T d C, in the pattern
   // dr of a pair: `right` is its s, `velocities` its J dv.
   Eigen::MatrixXd Impulse(const Pair& pair, const Eigen::MatrixXd& lambda, const Eigen::MatrixXd& right,
                           const Eigen::MatrixXd& velocities) const;
@@ -108,8 +113,9 @@ class PairJacobian {
   Eigen::MatrixXd AdjointImpulse(const Pair& pair, const Eigen::MatrixXd& lambda, const Eigen::MatrixXd& sum) const;
 
   const ClothModel& model_;
-  std::vector<std::array<int, 4>> cliques_;  // of the candidates
-  std::unique_ptr<WidePattern> pattern_;     // of the factor
+  StepJacobian& shared_;
+  std::vector<std::array<int, 4>> cliques_;     // of the candidates
+  std::shared_ptr<const WidePattern> pattern_;  // of the last factor
   const BlockMatrix* hessian_ = nullptr;
   ContactElimination elimination_;
   bool touches_obstacles_ = false;
@@ -121,10 +127,10 @@ class PairJacobian {
   Rows side_rows_;                          // b . J of pairs that slip
   Eigen::VectorXd row_weights_;             // d of the rows of C
   Eigen::VectorXd side_stiffness_;          // kappa
-  std::shared_ptr<const CholeskyFactor> factor_;
-  std::vector<LocalFrame> factor_frames_;  // of the contacts of its point
-  Branches branches_, factor_branches_;    // of the point, and of that of the factor
+  std::shared_ptr<const ReducedFactor> factor_;
+  ClosedContacts closed_;  // at the point
   bool factor_is_of_point_ = false;
+  bool factor_was_given_ = false;
   int iterations_ = 0;
 };
 

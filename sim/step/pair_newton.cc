@@ -18,6 +18,11 @@ constexpr double kPairForcing = 1e-4;     // tolerance of the linear system, ...
 constexpr double kPairGoalShare = 0.1;    // ... not below this share of what is left to do, ...
 constexpr double kPairLoosest = 1e-2;     // ... and never above
 constexpr int kMostChanges = 4;           // of branches since the factor at hand was made, with which it still serves
+constexpr int kPairDerivativeDigits = 8;  // that are asked of a derivative, in no more iterations ...
+constexpr double kOwnIterations = 5.0;    // ... than with a factor of its own ...
+constexpr double kFewestSpared = 5.0, kMostSpared = 12.0;  // ... and those that take as long as to make it, by ...
+constexpr double kPairFlopsPerEntry = 18.0;                // ... its operations in the time of a solve per entry of L
+constexpr double kPairRefineTolerance = 1e-8;              // of the linear system of an iteration beyond the tolerance
 
 // |Phi|^2/P + sum |R|^2/d, kg m^2/s^2.
 double Merit(const StepProblem& problem, const StepPoint& point) {
@@ -30,12 +35,18 @@ double Merit(const StepProblem& problem, const StepPoint& point) {
 
 }  // namespace
 
-PairNewton::PairNewton(const ClothModel& model, BlockMatrix* hessian)
-    : model_(model), hessian_(*hessian), jacobian_(model) {}
+PairNewton::PairNewton(const ClothModel& model, BlockMatrix* hessian, StepJacobian* shared)
+    : model_(model), hessian_(*hessian), seconds_(shared->seconds()), jacobian_(model, shared) {}
 
 void PairNewton::Reset() {
   impulses_.clear();
   jacobian_.Reset();
+  iterations_per_digit_ = 0.0;
+}
+
+void PairNewton::Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point) {
+  const ScopedTimer timer(&seconds_.evaluation);
+  problem.Evaluate(velocities, point);
 }
 
 Eigen::Matrix3Xd PairNewton::WarmStart(const StepProblem& problem) const {
@@ -60,7 +71,7 @@ void PairNewton::Keep(const StepProblem& problem, const StepPoint& point) {
 
 bool PairNewton::Solve(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts) {
   point->pairs->impulses = WarmStart(problem);
-  problem.Evaluate(Eigen::VectorXd(point->velocities), point);
+  Evaluate(problem, Eigen::VectorXd(point->velocities), point);
   jacobian_.SetCandidates(problem.pairs());
   const auto is_solved = [&] { return point->relative_residual <= std::max(tolerance, problem.RoundingFloor(*point)); };
   const int most = std::min(kMostPairIterations, model_.scene().solver.max_newton_iterations);
@@ -79,7 +90,10 @@ bool PairNewton::Solve(const StepProblem& problem, double tolerance, StepPoint* 
 }
 
 void PairNewton::SetPoint(const StepProblem& problem, HessianKind kind, const StepPoint& point) {
-  problem.AssembleHessian(kind, point, &hessian_);
+  {
+    const ScopedTimer timer(&seconds_.assembly);
+    problem.AssembleHessian(kind, point, &hessian_);
+  }
   const std::vector<Contact> contacts = problem.may_touch() ? problem.ActiveContacts(point) : std::vector<Contact>();
   jacobian_.SetPoint(hessian_, contacts, problem.friction_coefficients(), problem.AllPairs(point),
                      problem.self_friction());
@@ -89,6 +103,7 @@ bool PairNewton::SolveAt(const StepPoint& point, double forcing, RolloutCounts* 
                          Eigen::MatrixXd* dr) {
   const bool solved = jacobian_.Solve(-point.residual, -point.pairs->residuals.reshaped(), forcing, dv, dr);
   counts->linear_iterations += jacobian_.iterations();
+  iterations_per_digit_ = -jacobian_.iterations() / std::log10(forcing);
   return solved;
 }
 
@@ -96,10 +111,19 @@ bool PairNewton::SolveLinearized(const StepProblem& problem, double forcing, con
                                  RolloutCounts* counts, Eigen::MatrixXd* dv, Eigen::MatrixXd* dr) {
   SetPoint(problem, HessianKind::kExact, point);
   if (jacobian_.num_changes() <= kMostChanges && SolveAt(point, forcing, counts, dv, dr)) return true;
+  return SolveWithNewFactor(problem, forcing, point, counts, dv, dr);
+}
+
+// With K of the point, which has been set.
+bool PairNewton::SolveWithNewFactor(const StepProblem& problem, double forcing, const StepPoint& point,
+                                    RolloutCounts* counts, Eigen::MatrixXd* dv, Eigen::MatrixXd* dr) {
   for (const HessianKind kind : {HessianKind::kExact, HessianKind::kClamped}) {
     if (kind == HessianKind::kClamped) SetPoint(problem, kind, point);
     ++counts->factorizations;
-    if (jacobian_.Factor() && SolveAt(point, forcing, counts, dv, dr)) return true;
+    if (!jacobian_.Factor() || !SolveAt(point, forcing, counts, dv, dr)) continue;
+    // Where few digits are missing, the step ends near to where the factor was made.
+    iterations_per_digit_ += 1.0 / std::max(1.0, -std::log10(point.relative_residual));
+    return true;
   }
   return false;
 }
@@ -111,6 +135,7 @@ bool PairNewton::FindDirection(const StepProblem& problem, double tolerance, con
   if (!SolveLinearized(problem, std::min(forcing, kPairLoosest), point, counts, &dv, &dr)) return false;
   *velocities = dv;
   if (is_swept && problem.may_touch()) {
+    const ScopedTimer timer(&seconds_.contact);
     const Eigen::VectorXd impulse = jacobian_.Spread(dr);
     sweeps_.Correct(problem, hessian_, point, forcing, velocities, &impulse);
   }
@@ -127,12 +152,47 @@ bool PairNewton::Iterate(const StepProblem& problem, double tolerance, double le
   if (!trial_.pairs) trial_.pairs.emplace();
   for (int halving = 0; halving < kMeritHalvings; ++halving, length *= 0.5) {
     trial_.pairs->impulses = point->pairs->impulses + length * impulses;
-    problem.Evaluate(point->velocities + length * velocities, &trial_);
+    Evaluate(problem, point->velocities + length * velocities, &trial_);
     if (!std::isfinite(trial_.relative_residual) || Merit(problem, trial_) > kExplosion * merit) continue;
     std::swap(*point, trial_);
     return true;
   }
   return false;
+}
+
+void PairNewton::Refine(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts) {
+  ++counts->newton_iterations;
+  Eigen::MatrixXd dv, dr;
+  SetPoint(problem, HessianKind::kExact, *point);
+  if (!SolveWithNewFactor(problem, kPairRefineTolerance, *point, counts, &dv, &dr)) return;
+  if (!trial_.pairs) trial_.pairs.emplace();
+  trial_.pairs->impulses = point->pairs->impulses + dr.reshaped(3, point->pairs->impulses.cols());
+  Evaluate(problem, point->velocities + dv, &trial_);
+  if (trial_.relative_residual > std::max(tolerance, problem.RoundingFloor(trial_))) return;
+  std::swap(*point, trial_);
+  Keep(problem, *point);
+}
+
+void PairNewton::EndWithFactor(const StepProblem& problem, const StepPoint& point, RolloutCounts* counts) {
+  SetPoint(problem, HessianKind::kExact, point);
+  if (jacobian_.num_changes() == 0 && FactorServesDerivative()) return;
+  ++counts->factorizations;
+  jacobian_.Factor();
+  iterations_per_digit_ = 0.0;
+}
+
+bool PairNewton::FactorServesDerivative() const {
+  if (jacobian_.factor() == nullptr) return false;
+  const double refactor =
+      std::clamp(jacobian_.pattern()->flops_per_entry() / kPairFlopsPerEntry, kFewestSpared, kMostSpared);
+  return kPairDerivativeDigits * iterations_per_digit_ <= kOwnIterations + refactor;
+}
+
+std::shared_ptr<const ReducedFactor> PairNewton::factor_or_pattern() const {
+  if (FactorServesDerivative()) return jacobian_.factor();
+  ReducedFactor none;
+  none.pattern = jacobian_.pattern();
+  return std::make_shared<const ReducedFactor>(std::move(none));
 }
 
 }  // namespace clothid

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <memory>
 
 #include "sim/step/contact_sweeps.h"
 #include "sim/step/pair_jacobian.h"
@@ -18,14 +19,23 @@ namespace clothid {
 
 class PairNewton {
  public:
-  // Borrows `hessian`, of the model's pattern.
-  PairNewton(const ClothModel& model, BlockMatrix* hessian);
+  // Borrows `hessian`, of the model's pattern, and the threads and the timers of `shared`.
+  PairNewton(const ClothModel& model, BlockMatrix* hessian, StepJacobian* shared);
 
   // Forgets what earlier steps have left for later ones.
   void Reset();
 
   // From the velocities of `point`, which it overwrites. True: it satisfies the step to `tolerance`.
   bool Solve(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts);
+
+  // A full iteration from a solution, kept where it is one, too.
+  void Refine(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts);
+  // Makes a factor at the solution `point`, unless the one at hand serves the derivative of the step.
+  void EndWithFactor(const StepProblem& problem, const StepPoint& point, RolloutCounts* counts);
+  // The factor at hand, null where there is none.
+  const std::shared_ptr<const ReducedFactor>& factor() const { return jacobian_.factor(); }
+  // The same if it is likely to serve the derivative of the last step, else its pattern.
+  std::shared_ptr<const ReducedFactor> factor_or_pattern() const;
 
  private:
   // r of the pairs from the step before, where they were in contact.
@@ -36,17 +46,24 @@ class PairNewton {
                RolloutCounts* counts);
   bool FindDirection(const StepProblem& problem, double tolerance, const StepPoint& point, bool is_swept,
                      RolloutCounts* counts, Eigen::VectorXd* velocities, Eigen::Matrix3Xd* impulses);
+  void Evaluate(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
   // (dv, dr) with the factor at hand where that serves, else with one of the point.
   bool SolveLinearized(const StepProblem& problem, double forcing, const StepPoint& point, RolloutCounts* counts,
                        Eigen::MatrixXd* dv, Eigen::MatrixXd* dr);
+  bool SolveWithNewFactor(const StepProblem& problem, double forcing, const StepPoint& point, RolloutCounts* counts,
+                          Eigen::MatrixXd* dv, Eigen::MatrixXd* dr);
   bool SolveAt(const StepPoint& point, double forcing, RolloutCounts* counts, Eigen::MatrixXd* dv, Eigen::MatrixXd* dr);
   void SetPoint(const StepProblem& problem, HessianKind kind, const StepPoint& point);
+  // Whether a derivative is likely to take less with the factor at hand than with a new one.
+  bool FactorServesDerivative() const;
 
   const ClothModel& model_;
   BlockMatrix& hessian_;
+  PhaseSeconds& seconds_;
   PairJacobian jacobian_;
   ContactSweeps sweeps_;
   std::map<PairFeatures, Eigen::Vector3d> impulses_;  // of the last step, over its size, N
+  double iterations_per_digit_ = 0.0;                 // of solves with the factor at hand, as far as is known
   StepPoint trial_;                                   // kept for its memory
 };
 

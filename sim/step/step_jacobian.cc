@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sim/matrix/block_product.h"
+#include "sim/step/wide_pattern.h"
 
 namespace clothid {
 namespace {
@@ -18,6 +19,11 @@ constexpr int kMaxLaggedIterations = 24;
 constexpr std::size_t kSinglePrecisionBytes = 512 * 1024;
 
 }  // namespace
+
+std::size_t ReducedFactor::bytes() const {
+  return (cholesky == nullptr ? 0 : cholesky->bytes()) + frames.size() * sizeof(LocalFrame) +
+         (pattern == nullptr ? 0 : pattern->bytes());
+}
 
 StepJacobian::StepJacobian(const ClothModel& model) : model_(model), cholesky_(model.pattern()) {
   if (model.has_contact()) elimination_ = std::make_unique<ContactElimination>();
@@ -80,7 +86,9 @@ bool StepJacobian::Factor(Method method, const BlockMatrix& hessian, const std::
 
 // A factor of another point is but a preconditioner.
 void StepJacobian::SolveWithFactor(const Eigen::MatrixXd& vectors, Eigen::MatrixXd* result) {
-  if (factor_is_of_point_ || factor_->cholesky->bytes() < kSinglePrecisionBytes) {
+  if (factor_->pattern != nullptr) {
+    *result = factor_->pattern->Solve(*factor_->cholesky, vectors, team_.get());
+  } else if (factor_is_of_point_ || factor_->cholesky->bytes() < kSinglePrecisionBytes) {
     factor_->cholesky->Solve(vectors, result, team_.get());
   } else {
     preconditioner_.Set(factor_->cholesky, team_.get());

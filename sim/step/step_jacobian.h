@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "sim/base/phase_seconds.h"
@@ -14,18 +15,32 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/contact/contact.h"
 #include "sim/contact/contact_elimination.h"
+#include "sim/contact/self_contact.h"
 #include "sim/matrix/cholesky.h"
 #include "sim/matrix/krylov.h"
 #include "sim/matrix/lu.h"
 
 namespace clothid {
 
+class WidePattern;
+
+// Of contacts that are closed, with obstacles and with the cloth itself; ascending.
+struct ClosedContacts {
+  std::vector<std::pair<int, ContactBranch>> nodes;
+  std::vector<std::pair<PairFeatures, ContactBranch>> pairs;
+};
+
 // The Cholesky factor of a reduced matrix, in the local frames that its slipping nodes had. Shared, never changed.
 struct ReducedFactor {
-  std::shared_ptr<const CholeskyFactor> cholesky;
+  std::shared_ptr<const CholeskyFactor> cholesky;  // null: there is but a pattern, for another factor
   std::vector<LocalFrame> frames;
+  // Of a factor of pair_jacobian.h: its pattern, null for that of the model, and the contacts of its point.
+  std::shared_ptr<const WidePattern> pattern = nullptr;
+  ClosedContacts contacts = {};
 
-  std::size_t bytes() const { return cholesky->bytes() + frames.size() * sizeof(LocalFrame); }
+  std::size_t bytes() const;
+  // Whether it may solve where the cloth does not touch itself.
+  bool is_without_pairs() const { return cholesky != nullptr && contacts.pairs.empty(); }
 };
 
 class StepJacobian {
@@ -41,6 +56,7 @@ class StepJacobian {
   void SetNumThreads(int num_threads);
   int num_threads() const { return num_threads_; }
   bool has_team() const { return team_ != nullptr; }  // whether there are others than the caller's
+  ThreadTeam* team() { return team_.get(); }          // null: the caller alone
 
   // A at a point: `hessian` is K and must outlive the solves.
   void SetPoint(const BlockMatrix& hessian, const std::vector<Contact>& contacts,

@@ -89,7 +89,7 @@ StepSolver::StepSolver(const ClothModel& model)
       jacobian_(model),
       refactor_iterations_(
           std::clamp(jacobian_.factor_flops_per_entry() / kFlopsPerEntry, kFewestIterations, kMostIterations)) {
-  if (model.scene().self_contact) pair_newton_ = std::make_unique<PairNewton>(model, &hessian_);
+  if (model.scene().self_contact) pair_newton_ = std::make_unique<PairNewton>(model, &hessian_, &jacobian_);
 }
 
 double StepSolver::Tolerance(const StepProblem& problem, double tolerance, const StepPoint& point) {
@@ -119,31 +119,55 @@ void StepSolver::StartAt(const StepProblem& problem, const Eigen::VectorXd& velo
 bool StepSolver::Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
                        RolloutCounts* counts, const std::vector<Eigen::VectorXd>& candidates) {
   const Task task{problem, tolerance, counts};
-  if (problem.may_touch_itself()) {
-    point->pairs.emplace();
-    point->pairs->impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
-    trial_.pairs = point->pairs;
-  }
+  SetPairs(problem, point);
   if (guess != nullptr) {
     StartAt(problem, *guess, point);
   } else {
     Start(task, point);
     for (const Eigen::VectorXd& velocities : candidates) StartAtBetter(task, velocities, point);
   }
-  acceleration_.resize(0);
-  bool solved = Newton(task, point);
-  if (solved) {
-    acceleration_ = (point->velocities - problem.start_velocities()) / problem.time_step();
-  } else if (std::isfinite(point->relative_residual)) {
-    solved = ContinueInFriction(task, point);
-  }
-  if (problem.may_touch_itself()) return solved;
+  const bool solved = SolveFrom(task, point);
   if (solved && guess != nullptr) Refine(task, point);
   if (solved && ends_with_factors_) EndWithFactor(task, *point);
   return solved;
 }
 
+bool StepSolver::SolveAgain(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts) {
+  const Task task{problem, tolerance, counts};
+  SetPairs(problem, point);
+  StartAt(problem, Eigen::VectorXd(point->velocities), point);
+  const bool solved = SolveFrom(task, point);
+  if (solved && ends_with_factors_) EndWithFactor(task, *point);
+  return solved;
+}
+
+void StepSolver::SetPairs(const StepProblem& problem, StepPoint* point) {
+  had_pairs_ = problem.may_touch_itself();
+  if (!had_pairs_) return;
+  point->pairs.emplace();
+  point->pairs->impulses = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(problem.pairs().size()));
+  trial_.pairs = point->pairs;
+}
+
+bool StepSolver::SolveFrom(const Task& task, StepPoint* point) {
+  acceleration_.resize(0);
+  if (Newton(task, point)) {
+    acceleration_ = (point->velocities - task.problem.start_velocities()) / task.problem.time_step();
+    return true;
+  }
+  return std::isfinite(point->relative_residual) && ContinueInFriction(task, point);
+}
+
+std::shared_ptr<const ReducedFactor> StepSolver::end_factor() const {
+  if (had_pairs_) return ends_with_factors_ ? pair_newton_->factor() : pair_newton_->factor_or_pattern();
+  return ends_with_factors_ ? jacobian_.factor() : nullptr;
+}
+
 void StepSolver::Refine(const Task& task, StepPoint* point) {
+  if (task.problem.may_touch_itself()) {
+    pair_newton_->Refine(task.problem, task.tolerance, point, task.counts);
+    return;
+  }
   ++task.counts->newton_iterations;
   std::vector<Contact> contacts;
   if (task.problem.may_touch()) task.problem.FindActiveContacts(*point, &contacts);
@@ -155,6 +179,10 @@ void StepSolver::Refine(const Task& task, StepPoint* point) {
 
 // A new one, unless the one at hand brings a derivative to full accuracy in fewer iterations than that costs.
 void StepSolver::EndWithFactor(const Task& task, const StepPoint& point) {
+  if (task.problem.may_touch_itself()) {
+    pair_newton_->EndWithFactor(task.problem, point, task.counts);
+    return;
+  }
   if (jacobian_.factor() != nullptr && kDerivativeDigits * iterations_per_digit_ <= kDerivativeIterations) return;
   std::vector<Contact> contacts;
   if (task.problem.may_touch()) task.problem.FindActiveContacts(point, &contacts);

@@ -28,8 +28,9 @@ class StepSolver {
   // last bit. `end_with_factors`: every Solve ends with a factor that serves the derivative of its step.
   void Reset(bool end_with_factors);
 
-  // After a Solve that ended with a factor: that one; null otherwise.
-  std::shared_ptr<const ReducedFactor> end_factor() const { return ends_with_factors_ ? jacobian_.factor() : nullptr; }
+  // After a Solve that ended with a factor: that one. Null otherwise, but where the cloth may touch itself the factor
+  // at hand, which costs nothing, or its pattern.
+  std::shared_ptr<const ReducedFactor> end_factor() const;
 
   // Solves `problem` from its start velocities, or from `guess` [3 Nf], which may be null; with a guess, one iteration
   // beyond the tolerance, because how the solution differs from the guess may be what is asked for. True: `point`
@@ -38,6 +39,8 @@ class StepSolver {
   // start from, where it has no guess.
   bool Solve(const StepProblem& problem, double tolerance, const Eigen::VectorXd* guess, StepPoint* point,
              RolloutCounts* counts, const std::vector<Eigen::VectorXd>& candidates = {});
+  // The same from the velocities of `point`, which solved the problem before it took back pairs.
+  bool SolveAgain(const StepProblem& problem, double tolerance, StepPoint* point, RolloutCounts* counts);
 
   // What `Solve` asks for at `point`: `tolerance`, or the rounding floor where that is larger.
   static double Tolerance(const StepProblem& problem, double tolerance, const StepPoint& point);
@@ -66,6 +69,10 @@ class StepSolver {
   // Starts at `velocities` where the residual is smaller there, unless the step is solved already.
   void StartAtBetter(const Task& task, const Eigen::VectorXd& velocities, StepPoint* point);
   void StartAt(const StepProblem& problem, const Eigen::VectorXd& velocities, StepPoint* point);
+  // At the impulses of no pair.
+  void SetPairs(const StepProblem& problem, StepPoint* point);
+  // From where `point` is.
+  bool SolveFrom(const Task& task, StepPoint* point);
   // A full Newton iteration from a solution, kept where it is one, too.
   void Refine(const Task& task, StepPoint* point);
   bool Newton(const Task& task, StepPoint* point);
@@ -101,6 +108,7 @@ class StepSolver {
   ContactSweeps sweeps_;                     // likewise
   Eigen::VectorXd acceleration_;             // of the last step, over the free nodes, m/s^2; empty: none
   bool ends_with_factors_ = false;
+  bool had_pairs_ = false;             // the last problem
   double iterations_per_digit_ = 0.0;  // of solves with the factor at hand, as far as is known
   bool new_factor_is_due_ = false;     // the last solve with the one at hand took as long as a new one
 };

@@ -97,22 +97,27 @@ BlockMatrix WidePattern::Widened(const BlockMatrix& matrix) const {
   return wide;
 }
 
-std::shared_ptr<const CholeskyFactor> WidePattern::Factor(const Eigen::VectorXd& values) {
+std::shared_ptr<const CholeskyFactor> WidePattern::Factor(const Eigen::VectorXd& values, ThreadTeam* team) const {
   Eigen::VectorXd ordered(values.size());
   ordered(ordered_) = values;
-  return cholesky_->Factor(ordered);
+  return cholesky_->Factor(ordered, team);
 }
 
-Eigen::MatrixXd WidePattern::Solve(const CholeskyFactor& factor, const Eigen::MatrixXd& right) const {
+Eigen::MatrixXd WidePattern::Solve(const CholeskyFactor& factor, const Eigen::MatrixXd& right, ThreadTeam* team) const {
   Eigen::MatrixXd ordered(right.rows(), right.cols()), result(right.rows(), right.cols());
   for (std::size_t i = 0; i < places_.size(); ++i) {
     ordered.middleRows<3>(3 * places_[i]) = right.middleRows<3>(3 * static_cast<Eigen::Index>(i));
   }
-  factor.Solve(ordered, &ordered);
+  factor.Solve(ordered, &ordered, team);
   for (std::size_t i = 0; i < places_.size(); ++i) {
     result.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = ordered.middleRows<3>(3 * places_[i]);
   }
   return result;
+}
+
+// Both patterns and the way from one to the other have an index per value.
+std::size_t WidePattern::bytes() const {
+  return sizeof(int) * (3 * static_cast<std::size_t>(pattern_->num_values()) + places_.size());
 }
 
 }  // namespace clothid

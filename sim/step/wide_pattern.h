@@ -5,9 +5,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
+#include "sim/base/thread_team.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/matrix/cholesky.h"
 
@@ -23,10 +25,14 @@ class WidePattern {
   // A matrix with the values of `matrix`, which has the pattern that this one was made of, and zeros.
   BlockMatrix Widened(const BlockMatrix& matrix) const;
 
-  // A factor of a matrix of this pattern; null where it is not positive definite.
-  std::shared_ptr<const CholeskyFactor> Factor(const Eigen::VectorXd& values);
+  // A factor of a matrix of this pattern; null where it is not positive definite. Team as CholeskyFactor::Solve.
+  std::shared_ptr<const CholeskyFactor> Factor(const Eigen::VectorXd& values, ThreadTeam* team = nullptr) const;
   // With a factor that was made here [3 n x s].
-  Eigen::MatrixXd Solve(const CholeskyFactor& factor, const Eigen::MatrixXd& right) const;
+  Eigen::MatrixXd Solve(const CholeskyFactor& factor, const Eigen::MatrixXd& right, ThreadTeam* team = nullptr) const;
+
+  // As of CholeskySolver, the one over the other.
+  double flops_per_entry() const { return cholesky_->num_flops() / cholesky_->num_entries(); }
+  std::size_t bytes() const;  // of its indices, roughly
 
  private:
   std::shared_ptr<const BlockPattern> pattern_;  // as its blocks are numbered

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "sim/obstacle/obstacle.h"
 #include "tests/sim/derivative/gradient_case.h"
@@ -53,6 +55,74 @@ TEST_P(SelfContactDerivativeTest, OfTwoLayersOnATable) {
   EXPECT_TRUE(gradient.HasInfluence("mu.self"));
   EXPECT_TRUE(gradient.HasInfluence("mu"));
   ExpectAgreement(gradient, 1e-5);
+}
+
+// Rollouts with and without factors that they keep, and the sweeps over them.
+struct Sweeps {
+  Sweeps(std::size_t factor_memory, bool use_kept_factors, Simulator* simulator) {
+    const Parameters parameters = simulator->scene().nominal_parameters();
+    const std::vector<ParameterId> ids = {{ParameterKind::kSelfFriction}, {ParameterKind::kStretchStiffness}};
+    RolloutOptions options;
+    options.factor_memory = factor_memory;
+    rollout = Simulate(parameters, simulator->scene().num_steps(), simulator, nullptr, options);
+    EXPECT_TRUE(rollout.ok());
+    SensitivityDirections directions;
+    directions.parameters = ids;
+    PushForward(
+        rollout, directions, [&](int, const Eigen::VectorXd&, const Eigen::MatrixXd& columns) { forward = columns; },
+        simulator);
+    AdjointOptions adjoint;
+    adjoint.use_kept_factors = use_kept_factors;
+    const auto add = [](int step, Eigen::MatrixXd* columns) { columns->array() += step; };
+    reverse = PullBack(rollout, ids, 1, add, simulator, adjoint);
+  }
+
+  Rollout rollout;
+  Eigen::MatrixXd forward;
+  RolloutGradient reverse;
+};
+
+// Every solve ends with a factor of its contacts, which takes the place of one that a sweep would make.
+TEST_P(SelfContactDerivativeTest, FactorsThatAreKeptServe) {
+  Scene scene = SlidingLayers(GetParam());
+  scene.duration = 0.05;
+  Simulator simulator(scene);
+  constexpr std::size_t kPlenty = std::size_t{1} << 30;  // bytes
+  const Sweeps kept(kPlenty, true, &simulator), own(kPlenty, false, &simulator), none(0, true, &simulator);
+  int num_with_pairs = 0;
+  for (const StepRecord& record : kept.rollout.records) {
+    EXPECT_NE(record.factor, nullptr);
+    num_with_pairs += !record.pairs.empty();
+  }
+  EXPECT_GT(num_with_pairs, 2);
+  for (const StepRecord& record : none.rollout.records) EXPECT_EQ(record.factor, nullptr);
+  EXPECT_EQ(kept.reverse.work.phases.factorization, 0.0);
+  EXPECT_GT(own.reverse.work.phases.factorization, 0.0);
+  EXPECT_EQ(kept.rollout.positions(1), own.rollout.positions(1));
+  EXPECT_LE((kept.reverse.parameters - own.reverse.parameters).norm(), 1e-9 * own.reverse.parameters.norm());
+  EXPECT_LE((none.reverse.parameters - own.reverse.parameters).norm(), 1e-6 * own.reverse.parameters.norm());
+  EXPECT_LE((kept.forward - none.forward).norm(), 1e-6 * none.forward.norm());
+}
+
+// The sweep that runs beside its rollout takes the factors that the steps have at hand.
+TEST_P(SelfContactDerivativeTest, ASweepBesideItsRolloutIsThatOverIt) {
+  Scene scene = SlidingLayers(GetParam());
+  scene.duration = 0.05;
+  Simulator simulator(scene);
+  const Sweeps over(0, true, &simulator);
+  SensitivityDirections directions;
+  directions.parameters = {{ParameterKind::kSelfFriction}, {ParameterKind::kStretchStiffness}};
+  Eigen::VectorXd end;
+  Eigen::MatrixXd beside;
+  PushForward(
+      scene.nominal_parameters(), scene.num_steps(), directions,
+      [&](int, const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns) {
+        end = positions;
+        beside = columns;
+      },
+      &simulator);
+  EXPECT_EQ(end, over.rollout.positions(scene.num_steps()));
+  EXPECT_LE((beside - over.forward).norm(), 1e-9 * over.forward.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, SelfContactDerivativeTest,

@@ -15,6 +15,8 @@
 #include "sim/rollout/simulator.h"
 #include "sim/step/step_problem.h"
 #include "sim/step/step_solver.h"
+#include "tests/sim/joined_mesh.h"
+#include "tests/sim/plain_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
 namespace clothid::rollout_test {
@@ -232,16 +234,17 @@ TEST(CheckpointIntervalTest, AnyIntervalServes) {
   }
 }
 
-// Some steps of a large sheet on the slope, with derivatives both ways.
+// Some steps of a large sheet, with derivatives both ways.
 struct SharedWork {
-  explicit SharedWork(int num_threads) {
-    Simulator simulator(ShippedScene("slope", 72));
+  SharedWork(const Scene& scene, ParameterId friction, int num_threads) {
+    Simulator simulator(scene);
     simulator.SetNumThreads(num_threads);
     EXPECT_EQ(simulator.step_solver().jacobian().has_team(), num_threads > 1);
     const Parameters parameters = simulator.scene().nominal_parameters();
-    const std::vector<ParameterId> ids = {{ParameterKind::kFriction, 0}, {ParameterKind::kStretchStiffness}};
+    const std::vector<ParameterId> ids = {friction, {ParameterKind::kStretchStiffness}};
     const Rollout rollout = Simulate(parameters, 4, &simulator);
     positions = rollout.positions(4);
+    num_pairs = rollout.counts.self_contacts;
     SensitivityDirections directions;
     directions.parameters = ids;
     PushForward(
@@ -253,18 +256,41 @@ struct SharedWork {
 
   Eigen::VectorXd positions;
   Eigen::MatrixXd forward, gradient;
+  int num_pairs = 0;  // in contact, over all steps
 };
 
-TEST(SharedWorkTest, ThreadsDoNotChangeAByte) {
-  const SharedWork alone(1);
+// Returns the pairs of one.
+int ExpectTheBytesOfOneThread(const Scene& scene, ParameterId friction) {
+  const SharedWork alone(scene, friction, 1);
   EXPECT_GT(alone.forward.norm(), 0.0);
   EXPECT_GT(alone.gradient.norm(), 0.0);
   for (const int num_threads : {2, 3}) {
-    const SharedWork shared(num_threads);
+    const SharedWork shared(scene, friction, num_threads);
     EXPECT_EQ(shared.positions, alone.positions) << num_threads;
     EXPECT_EQ(shared.forward, alone.forward) << num_threads;
     EXPECT_EQ(shared.gradient, alone.gradient) << num_threads;
   }
+  return alone.num_pairs;
+}
+
+TEST(SharedWorkTest, ThreadsDoNotChangeAByte) {
+  ExpectTheBytesOfOneThread(ShippedScene("slope", 72), {ParameterKind::kFriction, 0});
+}
+
+// A small sheet falls on a large one, both free.
+TEST(SharedWorkTest, NorDoTheyWhereTheClothTouchesItself) {
+  const GridOptions lower = SquareGrid(72, 0.72);
+  GridOptions upper = SquareGrid(7, 0.06);
+  upper.origin = {0.313, 0.307, 0.004};
+  Scene scene = ClothScene(lower, 0.005);
+  scene.mesh = JoinedMesh({MakeGrid(lower), MakeGrid(upper)});
+  scene.initial_positions = scene.mesh.rest_positions.reshaped();
+  scene.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
+  for (int node = 72 * 72; node < scene.mesh.num_nodes(); ++node) {
+    scene.initial_velocities.segment<3>(3 * node) << 0.1, 0.05, -0.3;
+  }
+  scene.self_contact = SelfContact{0.3, 0.003};
+  EXPECT_GT(ExpectTheBytesOfOneThread(scene, {ParameterKind::kSelfFriction}), 0);
 }
 
 // Where threads would gain nothing none is started.

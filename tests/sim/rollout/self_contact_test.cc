@@ -4,7 +4,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
+#include "sim/cloth/cloth_model.h"
+#include "sim/step/step_problem.h"
+#include "sim/step/step_solver.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/self_contact_scenes.h"
 
@@ -83,6 +87,33 @@ TEST(SelfContactTest, KeepsMomentum) {
     // It did meet: the upper sheet alone has lost some.
     EXPECT_GT((rollout.records.back().velocities - scene.initial_velocities).lpNorm<Eigen::Infinity>(), 0.05);
   }
+}
+
+// With a guess a solve goes an iteration beyond its tolerance, and ends with a factor where it is to, pairs or not.
+TEST(SelfContactTest, ASolveWithPairsKeepsTheContractOfOneWithout) {
+  const Scene scene = CollidingSheets(Integrator::kEuler);
+  const Rollout rollout = SimulateNominal(scene, 20);
+  std::size_t i = 1;
+  while (i < rollout.records.size() && rollout.records[i].pairs.empty()) ++i;
+  ASSERT_LT(i, rollout.records.size());
+  const StepRecord &record = rollout.records[i], &before = rollout.records[i - 1];
+  Simulator simulator(scene);
+  StepSolver& solver = simulator.step_solver();
+  const StepProblem problem(simulator.model(), rollout.parameters, {before.positions, before.velocities},
+                            record.times(), &simulator.step_workspace());
+  ASSERT_TRUE(problem.may_touch_itself());
+  const Eigen::VectorXd guess = simulator.model().Gather(record.velocities);
+  const auto residual = [&](const Eigen::VectorXd* from, bool end_with_factors) {
+    StepPoint point;
+    RolloutCounts counts;
+    solver.Reset(end_with_factors);
+    EXPECT_TRUE(solver.Solve(problem, 1e-4, from, &point, &counts));
+    return point.relative_residual;
+  };
+  const double without = residual(nullptr, false);
+  EXPECT_LE(residual(&guess, true), std::max(1e-3 * without, 1e-9));
+  ASSERT_NE(solver.end_factor(), nullptr);
+  EXPECT_NE(solver.end_factor()->cholesky, nullptr);
 }
 
 }  // namespace
