@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <memory>
 #include <numeric>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "sim/matrix/block_matrix.h"
+#include "sim/matrix/dense.h"
 #include "sim/mesh/mesh.h"
 #include "sim/shell/triangle_element.h"
 
@@ -54,7 +54,7 @@ class StrainedGridTest : public ::testing::Test {
 
   // The lowest eigenvalue of a symmetric matrix, relative to the highest.
   static double LowestEigenvalue(const Eigen::MatrixXd& matrix) {
-    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues();
+    const Eigen::VectorXd values = SymmetricEigenvalues(matrix);
     return values[0] / values[values.size() - 1];
   }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/contact/contact_law.h"
+#include "tests/sim/turn_from_z.h"
 
 namespace clothid::contact_elimination_test {
 namespace {
@@ -55,8 +56,7 @@ class ContactEliminationTest : public ::testing::Test {
     ContactCandidate candidate;
     candidate.node = node;
     candidate.obstacle = obstacle;
-    const Eigen::Quaterniond tilt =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d(0.3 * node, 0.5, 1.0));
+    const Eigen::Quaterniond tilt = TurnFromZ({0.3 * node, 0.5, 1.0});
     candidate.normal = tilt * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d in_world = tilt * force;
     contacts_.push_back({candidate, EvaluateContactLaw(in_world, candidate.normal, mu_[obstacle]), in_world, 0.4});

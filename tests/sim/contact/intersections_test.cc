@@ -39,7 +39,7 @@ Matrix3d Triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
 bool CutsBySolving(const Vector3d& p, const Vector3d& q, const Matrix3d& face) {
   Matrix3d matrix;
   matrix << q - p, face.col(0) - face.col(1), face.col(0) - face.col(2);
-  const Vector3d solution = matrix.fullPivLu().solve(face.col(0) - p);
+  const Vector3d solution = matrix.inverse() * (face.col(0) - p);
   return solution.minCoeff() > 0.0 && solution[0] < 1.0 && solution[1] + solution[2] < 1.0;
 }
 

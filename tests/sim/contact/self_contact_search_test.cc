@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -110,10 +110,16 @@ class BruteForce {
     return least;
   }
 
+  // The shares of two vectors that come nearest to `x`.
+  static Eigen::Vector2d Shares(const Eigen::Matrix<double, 3, 2>& vectors, const Vector3d& x) {
+    const Eigen::Matrix2d gram = vectors.transpose() * vectors;
+    return gram.inverse() * (vectors.transpose() * x);
+  }
+
   Vector3d Barycentric(const Vector3d& x, int face) const {
     Eigen::Matrix<double, 3, 2> sides;
     for (int k = 0; k < 2; ++k) sides.col(k) = x_.col(mesh_.faces(k + 1, face)) - x_.col(mesh_.faces(0, face));
-    const Eigen::Vector2d shares = sides.colPivHouseholderQr().solve(x - x_.col(mesh_.faces(0, face)));
+    const Eigen::Vector2d shares = Shares(sides, x - x_.col(mesh_.faces(0, face)));
     return {1.0 - shares.sum(), shares[0], shares[1]};
   }
 
@@ -186,7 +192,7 @@ class BruteForce {
     Eigen::Matrix<double, 3, 2> sides;
     sides << x_.col(first[1]) - x_.col(first[0]), x_.col(second[0]) - x_.col(second[1]);
     if (sides.col(0).normalized().cross(sides.col(1).normalized()).squaredNorm() <= 1e-4) return;
-    const Eigen::Vector2d shares = sides.colPivHouseholderQr().solve(x_.col(second[0]) - x_.col(first[0]));
+    const Eigen::Vector2d shares = Shares(sides, x_.col(second[0]) - x_.col(first[0]));
     if (shares.minCoeff() <= kShare || shares.maxCoeff() >= 1.0 - kShare) return;
     const Vector3d offset = x_.col(first[0]) + sides * shares - x_.col(second[0]);
     const double margin = ConeMargin(first, -offset, second), other_margin = ConeMargin(second, offset, first);
