@@ -186,8 +186,9 @@ TEST_F(PackageTest, HeaderOfAComponentIncludesAllOfIt) {
       "using clothid::Fit, clothid::PullBack, clothid::PushForward, clothid::Simulate;\n");
 }
 
-// Programs written for version 0.1, whose headers stood in no rooms.
+// Programs written for version 0.1, whose headers stood in no rooms. What is there is compiled above.
 TEST_F(PackageTest, HeadersOfVersion01KeepTheirPaths) {
+  const fs::path root = fs::path(kPrefix) / "include/clothid";
   const std::map<std::string, std::vector<std::string>> headers = {
       {"sim",
        {"adjoint", "contact", "contact_law", "error", "handle_path", "mesh", "obstacle", "parameters", "phase_seconds",
@@ -202,11 +203,9 @@ TEST_F(PackageTest, HeadersOfVersion01KeepTheirPaths) {
                     "interval_check",      "landscape",  "multi_start",   "node_prediction", "options",
                     "output_folder",       "problem",    "profile",       "report",          "report_page",
                     "result_json",         "step_check", "uncertainty",   "verdict",         "version"}}};
-  std::string includes;
   for (const auto& [component, names] : headers) {
-    for (const std::string& name : names) includes += "#include \"" + component + "/" + name + ".h\"\n";
+    for (const std::string& name : names) EXPECT_TRUE(fs::exists(root / component / (name + ".h"))) << name;
   }
-  CompileSyntax(includes);
 }
 
 TEST_F(PackageTest, OtherVersionsAreRefused) {
