@@ -8,7 +8,7 @@
 namespace clothid {
 namespace {
 
-constexpr char kDoc[] = R"(export(scene, parameters=None, simulators="all") -> {file name: text}
+constexpr char kExportDoc[] = R"(export(scene, parameters=None, simulators="all") -> {file name: text}
 
 The constants of a cloth as files for other simulators: mujoco (a model, ready to run), newton, arcsim, blender, ppf;
 with formula, unit and source beside every number, and what does not map. parameters: {name: value}, as `Result.values`;
@@ -34,7 +34,7 @@ py::dict ExportTexts(const py::object& scene_like, const py::object& values, con
 }  // namespace
 
 void BindExport(py::module_* module) {
-  module->def("export", &ExportTexts, kDoc, py::arg("scene"), py::arg("parameters") = py::none(),
+  module->def("export", &ExportTexts, kExportDoc, py::arg("scene"), py::arg("parameters") = py::none(),
               py::arg("simulators") = "all");
 }
 

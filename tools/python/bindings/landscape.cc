@@ -17,7 +17,7 @@
 namespace clothid {
 namespace {
 
-LandscapeFlags ToFlags(const std::map<std::string, std::string>& texts) {
+LandscapeFlags ToLandscapeFlags(const std::map<std::string, std::string>& texts) {
   LandscapeFlags flags;
   const std::map<std::string, std::string LandscapeFlags::*> fields = {
       {"x", &LandscapeFlags::x},       {"y", &LandscapeFlags::y},         {"zoom_around", &LandscapeFlags::zoom_around},
@@ -73,7 +73,7 @@ py::dict Described(const Landscape& landscape) {
 py::dict RunLandscapeScan(const PyMotion& motion, const std::map<std::string, std::string>& texts, bool zoom_only,
                           bool gradients, const py::object& truth, const std::string& sigma, const std::string& initial,
                           int threads) {
-  LandscapeFlags flags = ToFlags(texts);
+  LandscapeFlags flags = ToLandscapeFlags(texts);
   flags.zoom_only = zoom_only;
   flags.gradients = gradients;
   if (threads < 1) FailArgument("threads", "expected a number >= 1");

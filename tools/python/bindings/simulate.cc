@@ -12,7 +12,8 @@
 namespace clothid {
 namespace {
 
-constexpr char kDoc[] = R"(simulate(scene, parameters=None, *, noise=0.0, frame_rate=0.0, drop=0.0, markers=0, cloud=0,
+constexpr char kSimulateDoc[] =
+    R"(simulate(scene, parameters=None, *, noise=0.0, frame_rate=0.0, drop=0.0, markers=0, cloud=0,
          float32=False, seed=1, progress=None) -> Motion
 
 Runs a scene with the given parameters {name: value}, its nominal values for all others, and returns what a sensor
@@ -66,7 +67,7 @@ void BindSimulate(py::module_* module) {
         options.seed = seed;
         return SimulateMotion(scene, parameters, options, progress);
       },
-      kDoc, py::arg("scene"), py::arg("parameters") = py::none(), py::kw_only(), py::arg("noise") = 0.0,
+      kSimulateDoc, py::arg("scene"), py::arg("parameters") = py::none(), py::kw_only(), py::arg("noise") = 0.0,
       py::arg("frame_rate") = 0.0, py::arg("drop") = 0.0, py::arg("markers") = 0, py::arg("cloud") = 0,
       py::arg("float32") = false, py::arg("seed") = 1, py::arg("progress") = py::none());
 }
