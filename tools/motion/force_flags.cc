@@ -4,6 +4,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "tools/motion/track_flags.h"
 
 DEFINE_string(forces, "", "convert: file with forces at the handles");
 DEFINE_string(force_times, "", "convert: file with the times of a .npy of forces, s");
@@ -17,10 +18,6 @@ namespace clothid {
 namespace {
 
 bool IsSet(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
-
-[[noreturn]] void FailFlag(const std::string& flag, const std::string& message) {
-  throw Error(ErrorKind::kUsage, "--" + flag + ": " + message);
-}
 
 std::optional<int> AxisFromFlag() {
   if (!IsSet("force_axis")) return std::nullopt;

@@ -66,10 +66,6 @@ constexpr char kPointFlags[] =
 
 bool IsSet(const std::string& flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag.c_str()).is_default; }
 
-[[noreturn]] void FailFlag(const std::string& flag, const std::string& message) {
-  throw Error(ErrorKind::kUsage, "--" + flag + ": " + message);
-}
-
 // "0,56": numbers from 0 to `limit` - 1; `what` names them in the message.
 std::vector<int> ParseList(const std::string& flag, const std::string& text, int limit, const std::string& what) {
   std::vector<int> numbers;

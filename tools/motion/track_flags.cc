@@ -37,4 +37,8 @@ Eigen::Isometry3d TransformFromFlags() {
   return FLAGS_invert_transform ? transform.inverse() : transform;
 }
 
+void FailFlag(const std::string& flag, const std::string& message) {
+  throw Error(ErrorKind::kUsage, "--" + flag + ": " + message);
+}
+
 }  // namespace clothid

@@ -22,6 +22,9 @@ std::optional<double> StartFromFlags();
 // --transform and --invert_transform.
 Eigen::Isometry3d TransformFromFlags();
 
+// Throws `Error` (kUsage): "--flag: message".
+[[noreturn]] void FailFlag(const std::string& flag, const std::string& message);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_TOOLS_MOTION_TRACK_FLAGS_H_
