@@ -69,43 +69,6 @@ bool LinearizeAlong(const FitProblem& problem, const Eigen::VectorXd& coordinate
   return true;
 }
 
-Eigen::VectorXd AllResiduals(const FitProblem& problem, const std::vector<Eigen::MatrixXd>& predicted,
-                             const std::vector<Eigen::MatrixXd>& forces) {
-  Eigen::VectorXd all;
-  for (int r = 0; r < problem.num_recordings(); ++r) {
-    const Eigen::VectorXd own = problem.cost(r).model().observation().Residuals(predicted[r], forces[r]);
-    all.conservativeResize(all.size() + own.size());
-    all.tail(own.size()) = own;
-  }
-  return all;
-}
-
-std::vector<Eigen::MatrixXd> FrameScores(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary,
-                                         const Eigen::MatrixXd& slopes) {
-  std::vector<Eigen::MatrixXd> scores;
-  Eigen::Index first = 0;
-  for (int r = 0; r < problem.num_recordings(); ++r) {
-    const Observation& observation = problem.cost(r).model().observation();
-    const Eigen::VectorXd residuals = observation.Residuals(summary.predicted[r], summary.forces[r]);
-    Eigen::VectorXd weights;
-    LossWeights(loss, observation, 0, residuals, &weights);
-    const Eigen::MatrixXd parts = slopes.middleRows(first, residuals.size()).transpose() *
-                                  weights.cwiseAbs2().cwiseProduct(residuals).asDiagonal();
-    Eigen::MatrixXd& own = scores.emplace_back();
-    own.setZero(slopes.cols(), observation.num_frames());
-    const int num_readings = observation.forces().num_readings();
-    for (int frame = 0; frame < observation.num_frames() + num_readings; ++frame) {
-      const int reading = frame - observation.num_frames();
-      const Eigen::Index row = observation.first_row(frame);
-      const Eigen::Index end = reading + 1 == num_readings ? residuals.size() : observation.first_row(frame + 1);
-      own.col(reading < 0 ? frame : observation.forces().nearest_frame(reading)) +=
-          parts.middleCols(row, end - row).rowwise().sum();
-    }
-    first += residuals.size();
-  }
-  return scores;
-}
-
 double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary) {
   if (!loss.is_robust() && !problem.has_model_error()) return summary.error.autocorrelation();
   PredictionError error;

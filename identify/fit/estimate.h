@@ -23,15 +23,6 @@ void AddFieldRows(const FitProblem& problem, const Eigen::MatrixXd& combinations
 bool LinearizeAlong(const FitProblem& problem, const Eigen::VectorXd& coordinates, const Eigen::MatrixXd& follow,
                     FitEvaluator* evaluator, Linearization* along);
 
-// The residuals of all recordings over sigma, one after the other [m], of predictions and forces as in a `FitPoint`.
-Eigen::VectorXd AllResiduals(const FitProblem& problem, const std::vector<Eigen::MatrixXd>& predicted,
-                             const std::vector<Eigen::MatrixXd>& forces);
-
-// Per recording [p x T] what each frame adds to the gradient at the estimate, by a derivative `slopes` [m x p] of these
-// residuals: `Linearization::frame_scores`. Forces count with the nearest frame.
-std::vector<Eigen::MatrixXd> FrameScores(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary,
-                                         const Eigen::MatrixXd& slopes);
-
 // The autocorrelation from frame to frame at the estimate, of the residuals as the cost weighs them: gross errors,
 // which come and go, hide how the others are correlated. Points of clouds count as they are.
 double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem, const FitSummary& summary);

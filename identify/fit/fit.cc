@@ -12,7 +12,6 @@
 #include "identify/fit/fit_recorder.h"
 #include "identify/fit/joint_stage.h"
 #include "identify/fit/plan.h"
-#include "identify/fit/quadratic_estimate.h"
 #include "identify/fit/stage_rows.h"
 #include "identify/problem/evaluator.h"
 #include "identify/problem/gauss_newton.h"
@@ -599,7 +598,6 @@ void WeighFit(const FitOptions& options, FitProblem* problem, FitSummary* summar
     AddUncertainty(options, *problem, summary);
     ContinueFromLowerPoints(options, &FitOn, problem, summary);
   }
-  EstimateFromQuadratic(options, *problem, summary);
   if (!summary->uncertainty || !problem->assimilation().is_on() || summary->memory_trials.empty()) return;
   const Eigen::VectorXd blocks = summary->coordinates.head(problem->num_blocks());
   AddMemoryErrors(problem->blocks(), blocks, DriftOf(summary->memory_trials, blocks), &*summary->uncertainty);

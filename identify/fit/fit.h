@@ -31,8 +31,7 @@ FitSummary Fit(const FitOptions& options, FitProblem* problem, const std::vector
 
 // What comes after a fit that has an estimate: how sure it is; a fit from where the check of its interval meets a point
 // of lower cost; and where what is left is more than noise, fits whose frames count by that
-// (identify/fit/continued_fit.h), and how sure these are; at last, where the cost is rough, the estimate of a quadratic
-// (identify/fit/quadratic_estimate.h).
+// (identify/fit/continued_fit.h), and how sure these are.
 void FinishFit(const FitOptions& options, FitProblem* problem, FitSummary* summary,
                const std::vector<RecordedMotion>* motions = nullptr);
 

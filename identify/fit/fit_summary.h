@@ -45,17 +45,6 @@ struct MarginalModel {
   Eigen::MatrixXd hessian;  // [p x p] J^T J along with them, and the priors; rows of what nothing depends on are zero
 };
 
-// The quadratic that was fitted to a cost that is rough (identify/fit/quadratic_estimate.h).
-struct QuadraticEstimate {
-  bool is_accepted = false;  // false: what follows is of the quadratic that explained the most
-  Eigen::VectorXd distance;  // d [p] of q; 0 of what was held
-  double explained = std::numeric_limits<double>::quiet_NaN();  // the share of the scatter of the costs: R^2
-  double roughness = std::numeric_limits<double>::quiet_NaN();  // the standard deviation of the costs about it
-  int num_points = 0;                                           // that it was fitted to
-  int num_moves = 0;                                            // of the points, until then
-  int num_evaluations = 0;                                      // of the cost, in all
-};
-
 // `FitSummary::message` of a fit that was interrupted.
 inline constexpr char kInterruptedMessage[] = "stopped on request, at the best point so far";
 
@@ -85,8 +74,6 @@ struct FitSummary {
   std::optional<IntervalCheck> interval_check;  // of that uncertainty
   std::vector<BoundCheck> bound_checks;         // of what is not visible
   std::vector<DentCheck> dents;                 // of it, too, where noise does not explain the residuals
-  // Of a fit that stalled or ended in a dent; where it is accepted, estimate and uncertainty are its.
-  std::optional<QuadraticEstimate> quadratic;
   std::vector<StartEstimate> starts;     // of the recordings whose start was unknown, where there is an uncertainty
   std::vector<ModelError> model_errors;  // per recording, that frames were weighed by
   // The fits with corrected rollouts that found the memory, in their order, and whether the last of them is the answer:

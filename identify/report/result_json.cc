@@ -122,20 +122,6 @@ Json DentsJson(const FitSummary& summary) {
   return json;
 }
 
-// Distances in the coordinates of dents: of logarithms where the parameter is logarithmic. Null of what was held.
-Json QuadraticJson(const FitSummary& summary) {
-  const QuadraticEstimate& quadratic = *summary.quadratic;
-  Json distance = Json::object();
-  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
-    const double own = quadratic.distance.size() > 0 ? quadratic.distance[static_cast<Eigen::Index>(i)] : 0.0;
-    distance[summary.parameters[i].name] = own > 0.0 ? own : kNull;
-  }
-  return {{"accepted", quadratic.is_accepted},       {"distance", distance},
-          {"explained", quadratic.explained},        {"roughness", quadratic.roughness},
-          {"points", quadratic.num_points},          {"moves", quadratic.num_moves},
-          {"evaluations", quadratic.num_evaluations}};
-}
-
 Json UncertaintyJson(const FitSummary& summary) {
   if (!summary.uncertainty) return nullptr;
   const Uncertainty& uncertainty = *summary.uncertainty;
@@ -164,7 +150,6 @@ Json UncertaintyJson(const FitSummary& summary) {
                {"interval_check", IntervalCheckJson(summary)}};
   if (!summary.bound_checks.empty()) json["bound_checks"] = BoundChecksJson(summary);
   if (!summary.dents.empty()) json["dents"] = DentsJson(summary);
-  if (summary.quadratic) json["quadratic"] = QuadraticJson(summary);
   if (uncertainty.is_widened) json["widening"] = {{"quantile95", uncertainty.quantile95}, {"parameters", widening}};
   return json;
 }

@@ -78,42 +78,6 @@ std::string StepText(const FittedParameter& parameter, double step) {
   return PercentText(step / (parameter.scale == ParameterScale::kLog ? 1.0 : std::abs(parameter.value)), 2);
 }
 
-// "+- 10 %", or "+- 3 % (mu) and 10 % (k_stretch)".
-std::string DistanceText(const FitSummary& summary) {
-  std::vector<std::string> each;
-  bool is_same = true;
-  std::string first;
-  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
-    const double distance = summary.quadratic->distance[static_cast<Eigen::Index>(i)];
-    if (!(distance > 0.0)) continue;
-    const std::string text = StepText(summary.parameters[i], distance);
-    if (each.empty()) first = text;
-    is_same = is_same && text == first;
-    each.push_back(text + " (" + summary.parameters[i].name + ")");
-  }
-  return "+- " + (is_same ? first : JoinWords(each));
-}
-
-// "99.8 %" of the cost.
-std::string ExplainedText(const QuadraticEstimate& quadratic) {
-  return NumberText(100.0 * quadratic.explained, 3) + " %";
-}
-
-// Where there was none that the estimate could be taken from; empty where nobody looked.
-std::string NoQuadraticText(const FitSummary& summary) {
-  if (!summary.quadratic || summary.quadratic->is_accepted) return "";
-  if (summary.quadratic->distance.size() == 0) return "; no quadratic fits";
-  return "; no quadratic fits: at best " + ExplainedText(*summary.quadratic) + " of the cost explained over " +
-         DistanceText(summary);
-}
-
-void AddQuadratic(const FitSummary& summary, std::vector<Reason>* reasons) {
-  if (!summary.quadratic || !summary.quadratic->is_accepted) return;
-  reasons->push_back(Remark("the cost is rough: estimate and interval are those of a quadratic over " +
-                            DistanceText(summary) + " (" + ExplainedText(*summary.quadratic) +
-                            " of the cost explained, " + std::to_string(summary.quadratic->num_points) + " points)"));
-}
-
 void AddStalled(const FitSummary& summary, const std::vector<int>& stalled, std::vector<Reason>* reasons) {
   if (stalled.empty()) return;
   std::vector<std::string> distances;
@@ -121,12 +85,12 @@ void AddStalled(const FitSummary& summary, const std::vector<int>& stalled, std:
     distances.push_back(summary.parameters[i].name + (distances.empty() ? " is " : " ") +
                         NumberText(summary.uncertainty->parameters[i].distance, 2));
   }
-  reasons->push_back(NotTold(
-      stalled, "the fit stalled",
-      JoinWords(distances) +
-          " standard deviations from the minimum of the quadratic model at the estimate, which promises a " +
-          "cost lower by " + NumberText(summary.uncertainty->predicted_decrease, 2) +
-          " s^2: the fit stopped early, or at a kink of the cost; no interval is given" + NoQuadraticText(summary)));
+  reasons->push_back(
+      NotTold(stalled, "the fit stalled",
+              JoinWords(distances) +
+                  " standard deviations from the minimum of the quadratic model at the estimate, which promises a " +
+                  "cost lower by " + NumberText(summary.uncertainty->predicted_decrease, 2) +
+                  " s^2: the fit stopped early, or at a kink of the cost; no interval is given"));
 }
 
 void AddHardlyTold(const FitSummary& summary, const FitChecks& checks, int index, std::vector<Reason>* reasons) {
@@ -214,7 +178,6 @@ void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std
   }
   AddUndetermined(summary, checks, free, reasons);
   AddIntervalCheck(summary, checks, reasons);
-  AddQuadratic(summary, reasons);
   for (const int i : free) AddWide(summary, i, reasons);
 }
 
@@ -228,7 +191,7 @@ void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vec
                                brief + ": " + StepText(parameter, check.step) +
                                    " below and above it the cost rises by " + rise(check.rise_below) + " and " +
                                    rise(check.rise_above) + " instead of " + NumberText(check.expected_rise, 2) +
-                                   "; what --starts or a landscape show is its width" + NoQuadraticText(summary)));
+                                   "; what --starts or a landscape show is its width"));
   }
 }
 

@@ -288,28 +288,6 @@ TEST(VerdictTest, AStalledFitHasNoInterval) {
   EXPECT_EQ(ParameterRemark(summary, {}, 0), "stalled");
 }
 
-TEST(VerdictTest, SaysWhereAQuadraticDescribesARoughCost) {
-  FitSummary summary = ThreeParameters();
-  summary.quadratic.emplace();
-  summary.quadratic->is_accepted = true;
-  summary.quadratic->distance = Eigen::Vector3d(0.1 * summary.parameters[0].value, 0.1, 0.0);
-  summary.quadratic->explained = 0.998;
-  summary.quadratic->num_points = 9;
-  EXPECT_EQ(Judge(summary, {}).overall, Usability::kUsable);
-  EXPECT_TRUE(Says(summary, {},
-                   "the cost is rough: estimate and interval are those of a quadratic over +- 10 % (99.8 % of the cost "
-                   "explained, 9 points)"));
-  summary.quadratic->distance[1] = 0.03;
-  EXPECT_TRUE(Says(summary, {}, "over +- 10 % (mu) and 3 % (k_stretch)"));
-  summary.quadratic->is_accepted = false;
-  summary.quadratic->explained = 0.62;
-  EXPECT_FALSE(Says(summary, {}, "quadratic")) << "told beside what stalled, or a dent";
-  summary.uncertainty->parameters[0].stalled = true;
-  EXPECT_TRUE(Says(summary, {},
-                   "no interval is given; no quadratic fits: at best 62 % of the cost explained over +- 10 % (mu) and "
-                   "3 % (k_stretch)"));
-}
-
 TEST(VerdictTest, AnOpenProfileTellsNothing) {
   FitChecks checks;
   Profile profile;
