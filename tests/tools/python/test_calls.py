@@ -119,6 +119,41 @@ class DerivativeTest(unittest.TestCase):
                                    np.einsum("tni,tnip->p", weights, jacobian), rtol=1e-9)
 
 
+class CorrectedRolloutTest(unittest.TestCase):
+    NAMES = ["mu", "k_stretch"]
+
+    def setUp(self):
+        self.scene = clothid.Scene({**over_ball(), "solver": {"step_tolerance": 1e-12}})
+        self.recording = clothid.simulate(self.scene, {"mu": 0.3, "k_stretch": 80.0})
+
+    def positions(self, values, memory):
+        return clothid.Rollout(self.scene, values, self.recording, memory).positions
+
+    def test_a_short_memory_keeps_to_the_recording(self):
+        values = {"mu": 0.2, "k_stretch": 40.0}
+        errors = [np.abs(self.positions(values, memory) - self.recording.positions).max()
+                  for memory in (1e-3, 0.02, 0.1)]
+        free = np.abs(clothid.Rollout(self.scene, values).positions - self.recording.positions).max()
+        self.assertEqual(errors + [free], sorted(errors + [free]))
+        self.assertLess(3.0 * errors[0], free)
+        truth = {"mu": 0.3, "k_stretch": 80.0}
+        np.testing.assert_allclose(self.positions(truth, 0.02), self.recording.positions, rtol=0, atol=1e-10)
+
+    def test_its_derivatives_are_exact(self):
+        values = {"mu": 0.2, "k_stretch": 60.0}
+        rollout = clothid.Rollout(self.scene, values, self.recording, 0.05)
+        jacobian = rollout.push_forward(self.NAMES)
+        weights = np.random.default_rng(1).normal(size=rollout.positions.shape)
+        np.testing.assert_allclose(rollout.pull_back(weights, self.NAMES),
+                                   np.einsum("tni,tnip->p", weights, jacobian), rtol=1e-9)
+        for place, name in enumerate(self.NAMES):
+            step = 1e-4 * values[name]
+            after, before = (self.positions({**values, name: values[name] + sign * step}, 0.05) for sign in (1, -1))
+            difference = np.sum(weights * (after - before)) / (2 * step)
+            own = np.einsum("tni,tni->", weights, jacobian[..., place])
+            self.assertAlmostEqual(own / difference, 1.0, delta=1e-5, msg=name)
+
+
 class ResultTest(unittest.TestCase):
     def test_results_survive_pickling(self):
         motion = clothid.simulate(over_ball(), {"mu": 0.2})

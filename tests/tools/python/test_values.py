@@ -165,6 +165,9 @@ class RefusalTest(unittest.TestCase):
         self.refuse(usage, "threads: got 'two'", lambda: clothid.identify(self.motion, threads="two"))
         self.refuse(ValueError, "max_iterations", lambda: clothid.identify(self.motion, max_iterations=0))
         self.refuse(usage, "parameters: expected a list", lambda: clothid.Rollout(self.scene).push_forward("mu"))
+        self.refuse(usage, "memory: expected with", lambda: clothid.Rollout(self.scene, recording=self.motion))
+        self.refuse(usage, "memory: expected with", lambda: clothid.Rollout(self.scene, memory=0.1))
+        self.refuse(usage, "memory: expected a number > 0", lambda: clothid.Rollout(self.scene, {}, self.motion, -1.0))
         self.refuse(usage, "x: ", lambda: clothid.landscape(self.motion, "mu", "density=0.1:0.2:2"))
         with self.assertRaisesRegex(TypeError, "unexpected keyword argument 'sigmas'"):
             clothid.identify(self.motion, sigmas=1.0)

@@ -1,11 +1,17 @@
 // clothid.Rollout: a simulated motion with its exact derivatives.
 #include "sim/rollout/rollout.h"
 
+#include <pybind11/stl.h>
+
+#include <cmath>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "costs/assimilation/recording_correction.h"
+#include "datasets/observation/observation.h"
 #include "datasets/synthetic/true_parameters.h"
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
@@ -20,9 +26,11 @@ namespace {
 
 constexpr char kRolloutDoc[] = R"(A simulated motion of every node, with its exact derivatives.
 
-Rollout(scene, parameters=None): simulates `scene` with the given parameters {name: value}, its nominal values for all
-others. Raises UsageError, and SimulationError where a step does not converge. For optimisers of your own: see
-pull_back and push_forward. Calls of one Rollout take turns.)";
+Rollout(scene, parameters=None, recording=None, memory=None): simulates `scene` with the given parameters {name: value},
+its nominal values for all others. `recording`, a Motion of the same cloth, corrects the state after each of its frames:
+errors of the state are forgotten within `memory` s, and positions are the predictions before each correction. Raises
+UsageError, and SimulationError where a step does not converge. For optimisers of your own: see pull_back and
+push_forward. Calls of one Rollout take turns.)";
 
 constexpr char kPullBackDoc[] = R"(pull_back(dcost_dpositions, parameters) -> ndarray (P,)
 
@@ -52,7 +60,25 @@ std::vector<ParameterId> ToParameters(const py::object& names, const Scene& scen
   return parameters;
 }
 
-std::unique_ptr<PyRollout> MakeRollout(const py::object& scene_like, const py::object& values) {
+// How `recording` corrects rollouts of the scene of `simulator`; null without one.
+std::shared_ptr<const Correction> CorrectionBy(const std::optional<PyMotion>& recording, std::optional<double> memory,
+                                               const Simulator& simulator) {
+  if (recording.has_value() != memory.has_value()) FailArgument("memory", "expected with a recording, and only there");
+  if (!recording) return nullptr;
+  if (!(*memory > 0.0 && std::isfinite(*memory))) FailArgument("memory", "expected a number > 0 in s");
+  RecordedMotion motion = recording->Read({});
+  if (motion.scene.initial_positions.size() != simulator.scene().initial_positions.size()) {
+    FailArgument("recording", "expected one of the scene's cloth, with as many nodes");
+  }
+  motion.scene = simulator.scene();
+  const Observation observation(motion);
+  if (observation.has_clouds()) FailArgument("recording", "expected tracked points: clouds correct nothing");
+  return std::make_shared<const RecordingCorrection>(Assimilation{*memory}, InfluenceOf(), observation, motion.times,
+                                                     simulator.model());
+}
+
+std::unique_ptr<PyRollout> MakeRollout(const py::object& scene_like, const py::object& values,
+                                       const std::optional<PyMotion>& recording, std::optional<double> memory) {
   const PyScene scene = ToScene(scene_like);
   auto self = std::make_unique<PyRollout>();
   Scene true_scene = *scene.scene;
@@ -63,6 +89,7 @@ std::unique_ptr<PyRollout> MakeRollout(const py::object& scene_like, const py::o
     self->simulator = std::make_unique<Simulator>(*self->scene);
     self->positions.resize(self->scene->initial_positions.size(), num_steps + 1);
     RolloutOptions options;
+    options.correction = CorrectionBy(recording, memory, *self->simulator);
     options.visitor = [&](int step, const Eigen::VectorXd& positions) { self->positions.col(step) = positions; };
     self->rollout = Simulate(truth, num_steps, self->simulator.get(), &cancel, options);
     if (!self->rollout.ok()) throw SimulationFailure(self->rollout.failure->ToString());
@@ -110,7 +137,8 @@ py::array_t<double> PushForwardPositions(PyRollout* self, const py::object& name
 
 void BindRollout(py::module_* module) {
   py::class_<PyRollout> rollout(*module, "Rollout", kRolloutDoc);
-  rollout.def(py::init(&MakeRollout), py::arg("scene"), py::arg("parameters") = py::none());
+  rollout.def(py::init(&MakeRollout), py::arg("scene"), py::arg("parameters") = py::none(),
+              py::arg("recording") = py::none(), py::arg("memory") = py::none());
   rollout.def_property_readonly(
       "positions", [](const py::object& self) { return ViewOfTracks(self.cast<const PyRollout&>().positions, self); },
       "(T + 1, N, 3) m: every node at the start and after every step; a read-only view, no copy.");

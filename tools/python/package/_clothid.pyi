@@ -89,7 +89,13 @@ class Motion:
     def provenance(self) -> str: ...
 
 class Rollout:
-    def __init__(self, scene: SceneLike, parameters: Optional[Mapping[str, float]] = ...) -> None: ...
+    def __init__(
+        self,
+        scene: SceneLike,
+        parameters: Optional[Mapping[str, float]] = ...,
+        recording: Optional[Motion] = ...,
+        memory: Optional[float] = ...,
+    ) -> None: ...
     @property
     def positions(self) -> NDArray[np.float64]: ...
     @property
