@@ -89,7 +89,10 @@ void CheckPrior(const PairCase&, const RunResult& result) {
   EXPECT_TRUE(result.summary.uncertainty->parameters[1].beside_prior.has_value());
 }
 
-void StartAtRest(PairCase* pair) { pair->start_source = StartSource::kRest; }
+void StartAtRest(PairCase* pair) {
+  pair->start_source = StartSource::kRest;
+  pair->options.fit.assimilate = {};  // the recording would correct the state in place of a start
+}
 
 void CheckStartAtRest(const PairCase& pair, const RunResult& result) {
   ASSERT_EQ(result.summary.starts.size(), pair.bends.size());
