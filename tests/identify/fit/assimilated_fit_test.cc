@@ -1,6 +1,7 @@
 // Fits whose rollouts the recordings correct: which memories they try, where they end, and what they say.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -87,6 +88,10 @@ TEST(MemoryTrialTest, NoiseFallsWithTheMemoryAndErrorsOfTheModelRise) {
   EXPECT_FALSE(LeavesAsLittle(1.4, rises));
   EXPECT_TRUE(IsNoWorse(1.1, rises));
   EXPECT_FALSE(IsNoWorse(1.2, rises));
+  MemoryTrial exact = TrialOf(0.06, 4.0, 0.1, 1e-8);
+  exact.residual_scale = 1e-4;
+  EXPECT_TRUE(IsNoWorse(9e-7, {exact})) << "rounding, too";
+  EXPECT_FALSE(IsNoWorse(1.0, {exact})) << "another minimum";
 }
 
 TEST(MemoryTrialTest, TheDriftIsThatOfMemoriesThatAreAtMostFiveTimesShorter) {
@@ -139,6 +144,29 @@ TEST(AssimilatedFitTest, FindsWhatFinerStepsShowFromAnyStart) {
     EXPECT_GE(summary.uncertainty->parameters[0].half_width95,
               kNormal95 * summary.uncertainty->parameters[0].memory_error / summary.values()[0]);
   }
+}
+
+// With motions at hand it is known what half the step moves: the fit that it moves less stands.
+TEST(AssimilatedFitTest, LeavesToTheFirstFitWhatTheStepDecides) {
+  Scene scene = ClothScene(5, 50);
+  scene.handles.nodes = {0, 1, 2, 3, 4};
+  scene.time_step = 0.02;
+  scene.duration = 1.0;
+  const std::vector<RecordedMotion> motions = {RecordFinely(scene, 32, 0, {{"k_stretch", 90.0}}, 1e-3)};
+  FitOptions options = OptionsOf({"k_stretch"}, Auto());
+  options.growing_horizon = false;
+  FitProblem problem(motions, options), unknown(motions, options);
+  const FitSummary summary = Fit(options, &problem, &motions), corrected = Fit(options, &unknown);
+  ASSERT_EQ(summary.status, FitStatus::kConverged) << summary.message;
+  ASSERT_TRUE(corrected.assimilation.is_on()) << "without them nobody knows";
+  EXPECT_FALSE(summary.assimilation.is_on());
+  EXPECT_EQ(summary.memory_trials.size(), corrected.memory_trials.size());
+  const FitOptions off = OptionsOf({"k_stretch"}, {});
+  FitProblem plain(motions, off);
+  EXPECT_NEAR(summary.coordinates[0], Fit(off, &plain).coordinates[0], 1e-6);
+  EXPECT_TRUE(std::any_of(summary.plan.begin(), summary.plan.end(), [](const FitStage& stage) {
+    return stage.note == "the time step decides what is estimated with corrections";
+  }));
 }
 
 TEST(AssimilatedFitTest, TheFirstFramesCorrectAnUnknownStart) {
