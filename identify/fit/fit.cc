@@ -35,8 +35,6 @@ constexpr double kShortStep = 5e4;
 constexpr double kTrialTolerance = 1e-5;
 constexpr double kTrialStep = 5e3;
 constexpr int kMostTrialIterations = 8;
-// What half the step moves, to the error of the step, at the first order and with one standard deviation to spare.
-constexpr double kStepErrors = 4.0;
 
 FitStatus StatusOf(ceres::TerminationType type) {
   switch (type) {
@@ -93,8 +91,6 @@ class PlannedFit {
       : PlannedFit(options, motions, problem) {
     summary_.plan = PlanMemoryTrials(*problem);
     exact_end_ = exact.coordinates;
-    led_ = exact.coordinates;
-    led_.segment(problem->num_blocks(), problem->num_start_unknowns()).setZero();  // corrections find them
     exact_.coordinates = exact.coordinates.head(problem->num_blocks());
     exact_.std = Eigen::VectorXd::Constant(problem->num_blocks(), std::numeric_limits<double>::quiet_NaN());
     exact_.cost = exact.cost - problem->PriorCost(exact.coordinates);
@@ -129,15 +125,19 @@ class PlannedFit {
       summary_.message = "the rollout at the starting values failed: " + evaluator_.last_failure();
       return false;
     }
-    // Trials begin with a cost of one minimum: where it is lower, at the start or where the fit before them has led.
-    double led_cost = 0.0;
-    if (led_.size() > 0 && evaluator_.Evaluate(led_, derivative, &led_cost, nullptr) && led_cost < start_cost_) {
-      coordinates_ = led_;
-    }
+    if (tries_memories()) StartTrials(derivative);
     if (!summary_.plan.empty()) return true;
     summary_.status = FitStatus::kConverged;
     summary_.message = "every parameter is frozen";
     return true;
+  }
+
+  // Their cost has one minimum: they begin where it is lower, at the start or where the fit before them has ended.
+  void StartTrials(FitEvaluator::Derivative derivative) {
+    Eigen::VectorXd end = exact_end_;
+    end.segment(problem_->num_blocks(), problem_->num_start_unknowns()).setZero();  // corrections find them
+    double cost = 0.0;
+    if (evaluator_.Evaluate(end, derivative, &cost, nullptr) && cost < start_cost_) coordinates_ = end;
   }
 
   void RunStage() {
@@ -252,50 +252,35 @@ class PlannedFit {
     GoOnWith({trials_.back().memory});
   }
 
-  // Corrected rollouts judge fast motion, which a coarse step damps. Whether that moves the end of the trials far, and
-  // the fit before them, which agrees with it as far as the steps let anybody tell, by less.
+  // Whether half the step would move the end of the trials so far that the fit before them stands.
   bool IsRuledByStep() {
-    const Assimilation assimilation = problem_->assimilation();
+    if (motions_ == nullptr) return false;
     const std::optional<Eigen::VectorXd> corrected = MoveByStep(coordinates_);
     if (!corrected || IsShort(*problem_, coordinates_, *corrected, kShortStep)) return false;
+    const Assimilation assimilation = problem_->assimilation();
     problem_->Assimilate({});
     const std::optional<Eigen::VectorXd> exact = MoveByStep(exact_end_);
+    const bool has_stalled = !exact || ExactHasStalled();
     problem_->Assimilate(assimilation);
     evaluator_.SupersedeBest();
-    if (!exact) return false;
-    const Eigen::ArrayXd apart = (exact_end_ - coordinates_).head(problem_->num_blocks()).array().abs();
-    const Eigen::ArrayXd errors = kStepErrors * (corrected->array().abs() + exact->array().abs());
-    if ((apart > errors).any() || !(Length(*exact) < Length(*corrected))) return false;
+    if (has_stalled || !IsMovedLess(*problem_, {exact_end_, *exact}, {coordinates_, *corrected})) return false;
     summary_.plan[static_cast<std::size_t>(stage_)].note = "the time step decides what is estimated with corrections";
     return true;
   }
 
-  // Where half the step would move the parameters from `point` [p], as far as the cost is quadratic; nothing where
-  // nobody knows the recordings, or a rollout fails.
+  // Whether the fit before the trials, where the evaluator is, has ended short of its minimum: then it has no
+  // intervals.
+  bool ExactHasStalled() const {
+    const MemoryTrial end = DescribeTrial(*problem_, evaluator_, 0.0);
+    return exact_.cost - end.cost > kStalledDecrease * end.residual_scale * end.residual_scale;
+  }
+
+  // Where a fit at half the step would end, from `point` [p], with the corrections of the problem.
   std::optional<Eigen::VectorXd> MoveByStep(const Eigen::VectorXd& point) {
-    if (motions_ == nullptr) return std::nullopt;
     evaluator_.SupersedeBest();
     double cost = 0.0;
     if (!evaluator_.Evaluate(point, FitEvaluator::Derivative::kRows, &cost, nullptr)) return std::nullopt;
-    QuadraticModel model = evaluator_.model();
-    Eigen::VectorXd change;
-    std::string failure;
-    if (!PullBackStep(point, PredictAllAtStep(0.5, *motions_, options_, *problem_, point), &evaluator_,
-                      &summary_.statistics, &change, &failure)) {
-      return std::nullopt;
-    }
-    model.gradient = change.head(problem_->num_blocks());
-    return GaussNewtonStep(*problem_, model);
-  }
-
-  // The largest part of a step from where the fit is, in resolutions.
-  double Length(const Eigen::VectorXd& step) const {
-    double length = 0.0;
-    for (Eigen::Index i = 0; i < step.size(); ++i) {
-      length = std::max(
-          length, std::abs(step[i]) / problem_->blocks()[static_cast<std::size_t>(i)].Resolution(coordinates_[i]));
-    }
-    return length;
+    return HalfStepMove(*motions_, options_, *problem_, &evaluator_, &summary_.statistics);
   }
 
   // Whether rollouts that nothing corrects may explain the recordings from where the trials have led. The evaluator has
@@ -328,7 +313,7 @@ class PlannedFit {
     GoOnWith({trials_.back().memory});
   }
 
-  bool tries_memories() const { return led_.size() > 0; }
+  bool tries_memories() const { return exact_end_.size() > 0; }
   // Of trials: whether they have led to one other than the fit before them.
   bool has_answer() const { return !trials_.empty() && !is_exact_ && !options_.is_cancelled(); }
 
@@ -529,9 +514,8 @@ class PlannedFit {
   int num_trial_iterations_ = 0;
   bool has_memory_ = false;    // no longer one serves
   bool has_jumped_ = false;    // a longer one has led elsewhere, and down
-  Eigen::VectorXd led_;        // where the fit before trials has ended; empty without them
   MemoryTrial exact_;          // the fit without corrections that has led to the trials
-  Eigen::VectorXd exact_end_;  // where it has ended [p + n + f]
+  Eigen::VectorXd exact_end_;  // where it has ended [p + n + f]; empty: there are no trials
   bool is_exact_ = false;      // it explains the recordings as well
   int last_exact_stage_ = -1;  // of another one, from where the trials have led
   bool is_near_ = false;       // a point near the solution is known

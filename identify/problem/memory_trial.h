@@ -16,7 +16,8 @@
 // longest memory leaves the least, it is tried as well.
 //
 // Corrected rollouts judge fast motion, which coarse steps damp. Where half the step would move the end of the trials by
-// more than 5 %, and the first fit by less, and both agree as far as that lets anybody tell, the first fit stands.
+// more than 5 %, and the first fit by less, and both agree as far as that lets anybody tell, the first fit stands, unless
+// it has stalled.
 //
 // The estimates along the way are the picture of the model's error. Where they drift, the interval counts with it: the
 // largest difference of an estimate to that of the end, over the memories that are at most five times shorter, is taken

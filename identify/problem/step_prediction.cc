@@ -1,12 +1,14 @@
 #include "identify/problem/step_prediction.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "costs/prediction/recording_model.h"
 #include "identify/base/parallel_for.h"
 #include "identify/problem/evaluator.h"
+#include "identify/problem/gauss_newton.h"
 #include "sim/base/phase_seconds.h"
 
 namespace clothid {
@@ -16,6 +18,18 @@ namespace {
 // with 1e-8 within 3 %, or below 2e-4 of the value, and the rollouts a fifth cheaper. With 1e-3, friction that `slope`
 // tells exactly is said to be 1 % off.
 constexpr double kStepTolerance = 1e-5;
+// Of what half the step moves: the error of the step at the first order is 2, and two standard deviations are allowed.
+constexpr double kStepErrors = 4.0;
+
+// The largest part of a step from `coordinates`, in resolutions.
+double LengthOf(const FitProblem& problem, const MovedEnd& end) {
+  double length = 0.0;
+  for (Eigen::Index i = 0; i < end.move.size(); ++i) {
+    const ParameterBlock& block = problem.blocks()[static_cast<std::size_t>(i)];
+    length = std::max(length, std::abs(end.move[i]) / block.Resolution(end.coordinates[i]));
+  }
+  return length;
+}
 
 }  // namespace
 
@@ -69,6 +83,26 @@ bool PullBackStep(const Eigen::VectorXd& coordinates, std::vector<StepPrediction
     *failure = evaluator->last_failure();
   }
   return failure->empty();
+}
+
+std::optional<Eigen::VectorXd> HalfStepMove(const std::vector<RecordedMotion>& motions, const FitOptions& options,
+                                            const FitProblem& problem, FitEvaluator* evaluator,
+                                            CostStatistics* statistics) {
+  QuadraticModel model = evaluator->model();
+  Eigen::VectorXd change;
+  std::string failure;
+  if (!PullBackStep(model.coordinates, PredictAllAtStep(0.5, motions, options, problem, model.coordinates), evaluator,
+                    statistics, &change, &failure)) {
+    return std::nullopt;
+  }
+  model.gradient = change.head(problem.num_blocks());
+  return GaussNewtonStep(problem, model);
+}
+
+bool IsMovedLess(const FitProblem& problem, const MovedEnd& a, const MovedEnd& b) {
+  const Eigen::ArrayXd apart = (a.coordinates - b.coordinates).head(problem.num_blocks()).array().abs();
+  const Eigen::ArrayXd errors = kStepErrors * (a.move.array().abs() + b.move.array().abs());
+  return (apart <= errors).all() && LengthOf(problem, a) < LengthOf(problem, b);
 }
 
 }  // namespace clothid

@@ -3,6 +3,7 @@
 #define CLOTHID_IDENTIFY_PROBLEM_STEP_PREDICTION_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,22 @@ std::vector<StepPrediction> PredictAllAtStep(double factor, const std::vector<Re
 // these is added to `statistics`. False where one of them has failed, or the sweep does: `failure` says why.
 bool PullBackStep(const Eigen::VectorXd& coordinates, std::vector<StepPrediction> predictions, FitEvaluator* evaluator,
                   CostStatistics* statistics, Eigen::VectorXd* change, std::string* failure);
+
+// Where half the step would move the blocks to from the point of the evaluator's model, less that point [p], as far as
+// the cost is quadratic: the step of Gauss and Newton by that change alone. `statistics`: as above. Nothing where a
+// rollout fails or the model is singular.
+std::optional<Eigen::VectorXd> HalfStepMove(const std::vector<RecordedMotion>& motions, const FitOptions& options,
+                                            const FitProblem& problem, FitEvaluator* evaluator,
+                                            CostStatistics* statistics);
+
+// An end of a fit [p + n + f], and what half the step would move it by [p].
+struct MovedEnd {
+  const Eigen::VectorXd& coordinates;
+  const Eigen::VectorXd& move;
+};
+// Whether half the step moves `a` less than `b`, by the largest change of a block in resolutions, and both agree as far
+// as such errors, at the first order with one standard deviation to spare, let anybody tell.
+bool IsMovedLess(const FitProblem& problem, const MovedEnd& a, const MovedEnd& b);
 
 }  // namespace clothid
 

@@ -11,6 +11,7 @@
 #include "identify/fit/plan.h"
 #include "identify/problem/memory_trial.h"
 #include "identify/problem/problem.h"
+#include "identify/problem/step_prediction.h"
 #include "identify/report/report.h"
 #include "identify/run.h"
 #include "tests/costs/start/forget_start.h"
@@ -144,6 +145,15 @@ TEST(AssimilatedFitTest, FindsWhatFinerStepsShowFromAnyStart) {
     EXPECT_GE(summary.uncertainty->parameters[0].half_width95,
               kNormal95 * summary.uncertainty->parameters[0].memory_error / summary.values()[0]);
   }
+}
+
+TEST(StepPredictionTest, TheEndThatHalfTheStepMovesLessAgrees) {
+  const FitProblem problem({Swing(1e-3)}, OptionsOf({"k_stretch"}, {}));
+  const auto of = [](double value) { return Eigen::VectorXd::Constant(1, value); };
+  const Eigen::VectorXd near = of(4.6), far = of(5.0), distant = of(5.3), small = of(0.05), large = of(0.1);
+  EXPECT_TRUE(IsMovedLess(problem, {near, small}, {far, large}));
+  EXPECT_FALSE(IsMovedLess(problem, {near, large}, {far, small}));
+  EXPECT_FALSE(IsMovedLess(problem, {near, small}, {distant, large})) << "beyond what the step explains";
 }
 
 // With motions at hand it is known what half the step moves: the fit that it moves less stands.
