@@ -7,7 +7,7 @@
 #define CLOTHID_IDENTIFY_CHECKS_EXCLUDED_SIDE_H_
 
 #include "identify/base/options.h"
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/problem/problem.h"
 
 namespace clothid {

@@ -15,7 +15,7 @@
 #include "costs/prediction/recording_model.h"
 #include "costs/prediction/robust_loss.h"
 #include "datasets/motion/recorded_motion.h"
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/problem/problem.h"
 
 namespace clothid {

@@ -20,7 +20,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/problem/problem.h"
 #include "identify/problem/step_prediction.h"
 

@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "identify/checks/step_error.h"
+#include "identify/estimate/fit_summary.h"
+#include "identify/estimate/interval_check.h"
 #include "identify/experiment/information_sweep.h"
 #include "identify/experiment/informed_start.h"
 #include "identify/experiment/recorded_cloth.h"
-#include "identify/fit/fit_summary.h"
-#include "identify/fit/interval_check.h"
 #include "identify/problem/evaluator.h"
 #include "identify/problem/model_errors.h"
 #include "identify/problem/problem.h"

@@ -20,7 +20,7 @@ struct ClothRows {
   Eigen::MatrixXd rows;         // [r x p] of the parameters alone, without priors
   int num_measurements = 0;
   // Of the nominal cloth: blocks whose interval would be that of a dent of a rough cost, even where frames count by the
-  // error of the step (identify/fit/interval_check.h). They are not told, and what is known was believed before.
+  // error of the step (identify/estimate/interval_check.h). They are not told, and what is known was believed before.
   std::vector<int> rough;
 };
 

@@ -26,7 +26,7 @@
 //                (ParameterScale), over those in which the parameter is told
 //   told       = in more than half of the cloths; but not by the error of the step alone, nor where the cost is rough:
 //                1 % away that of the nominal cloth, frames counting by the error of the step, rises by less than a
-//                tenth of what its slope says (identify/fit/interval_check.h)
+//                tenth of what its slope says (identify/estimate/interval_check.h)
 //   told_share = the share of cloths in which a fit would call the parameter identifiable
 //   step_error = how far the step of the nominal cloth moves the estimate of a fit whose frames count by what the step
 //                makes them err (identify/checks/step_error.h, datasets/observation/model_error.h), and how much less

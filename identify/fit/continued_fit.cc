@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "identify/estimate/fit_uncertainty.h"
+#include "identify/fit/descent.h"
 #include "identify/problem/model_errors.h"
 #include "sim/mesh/mesh.h"
 
@@ -37,14 +39,14 @@ bool ExplainsMotion(const FitProblem& problem, const PredictionError& error) {
 constexpr int kMostErrorRounds = 5;
 
 // From the estimate, with `errors`. False where it does not converge; the errors are those of before then.
-bool FitWeighed(const FitOptions& options, FitFunction fit, const std::vector<ModelError>& errors, FitProblem* problem,
+bool FitWeighed(const FitOptions& options, const std::vector<ModelError>& errors, FitProblem* problem,
                 FitSummary* summary) {
   const std::vector<ModelError> before = problem->model_errors();
   problem->SetModelErrors(errors);
   problem->SetStart(summary->coordinates);
   FitOptions next = OptionsOfNext(options, *problem, *summary);
   next.estimate_uncertainty = false;
-  FitSummary found = fit(next, problem);
+  FitSummary found = Descend(next, problem);
   const bool has_converged = found.status == FitStatus::kConverged;
   if (!has_converged) problem->SetModelErrors(before);
   const int num_continuations = summary->num_continuations;
@@ -98,7 +100,7 @@ void AppendFit(FitSummary next, bool is_taken, FitSummary* summary) {
   summary->message = next.message;
 }
 
-void WeighByModelError(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary) {
+void WeighByModelError(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
   if (!options.weighs_model_error || !problem->finds_model_error() || options.precision == FitPrecision::kLoose) return;
   if (!ExplainsMotion(*problem, summary->error)) return;
   const Eigen::VectorXd start = problem->StartCoordinates();
@@ -108,19 +110,20 @@ void WeighByModelError(const FitOptions& options, FitFunction fit, FitProblem* p
     const std::vector<ModelError> errors =
         EstimateModelErrors(options.loss, *problem, summary->predicted, summary->forces);
     if (IsSameError(problem->model_errors(), errors)) break;
-    if (!FitWeighed(options, fit, errors, problem, summary)) break;
+    if (!FitWeighed(options, errors, problem, summary)) break;
   }
   problem->HoldWeights(false);
   problem->SetStart(start);
 }
 
-void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary) {
+void ContinueFromLowerPoints(const FitOptions& options, FitProblem* problem, FitSummary* summary) {
   const Eigen::VectorXd start = problem->StartCoordinates();
   problem->HoldWeights(true);
   while (CanContinue(options, *summary)) {
     problem->SetStart(summary->lower_point());
     const FitOptions next = OptionsOfNext(options, *problem, *summary);
-    FitSummary found = fit(next, problem);
+    FitSummary found = Descend(next, problem);
+    if (next.estimate_uncertainty && found.has_estimate()) AddUncertainty(next, *problem, &found);
     const bool is_lower = found.has_estimate() && found.cost < summary->cost;
     AppendFit(std::move(found), is_lower, summary);
     ++summary->num_continuations;

@@ -1,7 +1,8 @@
 // Fits that go on: from a lower point, and with other weights.
 //
-// The check of an interval evaluates the cost away from the estimate (identify/fit/interval_check.h). On a rough cost,
-// where a fit may end in a dent, it may meet a point of lower cost there. That point is no answer, but a start for one.
+// The check of an interval evaluates the cost away from the estimate (identify/estimate/interval_check.h). On a rough
+// cost, where a fit may end in a dent, it may meet a point of lower cost there. That point is no answer, but a start
+// for one.
 //
 // What a fit leaves of the residuals tells how far the model errs, and frames that count by that
 // (datasets/observation/model_error.h) give another fit, which leaves other residuals.
@@ -9,13 +10,10 @@
 #define CLOTHID_IDENTIFY_FIT_CONTINUED_FIT_H_
 
 #include "identify/base/options.h"
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/problem/problem.h"
 
 namespace clothid {
-
-// Of a fit that goes on, with its uncertainty where the options ask for it, and nothing of what this file does.
-using FitFunction = FitSummary (*)(const FitOptions& options, FitProblem* problem);
 
 // Of a fit that goes on from `summary`, with full precision, so that no point is left for one of higher cost, and with
 // what is left of the iterations, which are told as its.
@@ -30,14 +28,14 @@ void AppendFit(FitSummary next, bool is_taken, FitSummary* summary);
 // the last fit, with the start of the first and the iterations and the work of all; every one has a lower cost than the
 // one before. A fit from a lower point that gives no estimate leaves `summary` as it was but for the work. Leaves the
 // start of the problem as it was.
-void ContinueFromLowerPoints(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary);
+void ContinueFromLowerPoints(const FitOptions& options, FitProblem* problem, FitSummary* summary);
 
 // Fits again from a converged estimate with the weights that its residuals give (identify/problem/model_errors.h),
 // until these are steady; not at all where they are those of noise, or of a fit that is no
 // nearer to the recorded motion than a cloth at rest. The weights stay in the problem. A fit that does
 // not converge leaves `summary` and the weights as they were but for the work. What was said of the uncertainty before
 // is void where the weights have changed. Leaves the start of the problem as it was.
-void WeighByModelError(const FitOptions& options, FitFunction fit, FitProblem* problem, FitSummary* summary);
+void WeighByModelError(const FitOptions& options, FitProblem* problem, FitSummary* summary);
 
 }  // namespace clothid
 

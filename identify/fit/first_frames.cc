@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "costs/prediction/alignment.h"
+#include "identify/problem/gauss_newton.h"
 #include "sim/base/error.h"
 
 namespace clothid {
@@ -97,7 +98,7 @@ std::unique_ptr<FitProblem> MakePart(const std::vector<RecordedMotion>& motions,
 }  // namespace
 
 bool FitFirstFrames(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem& problem,
-                    FitFunction fit, FitStage* stage, Lead* lead) {
+                    FitStage* stage, Lead* lead) {
   const FitOptions own = OptionsOf(options, problem, lead->coordinates);
   const std::unique_ptr<FitProblem> part = MakePart(motions, problem, lead->coordinates, stage->share, own);
   if (part == nullptr) {
@@ -105,7 +106,7 @@ bool FitFirstFrames(const std::vector<RecordedMotion>& motions, const FitOptions
     stage->note = "its frames hold nothing to fit";
     return true;
   }
-  const FitSummary summary = fit(own, part.get());
+  const FitSummary summary = Descend(own, part.get());
   stage->state = StageState::kDone;
   stage->note = summary.message;
   stage->rollouts = summary.statistics.rollouts;
@@ -119,6 +120,46 @@ bool FitFirstFrames(const std::vector<RecordedMotion>& motions, const FitOptions
   lead->last_step = end - lead->coordinates;
   lead->coordinates = end;
   return true;
+}
+
+namespace {
+
+// Whether the last of the first frames moved no parameter far: then all frames are not expected to, either.
+bool IsSettled(const FitOptions& options, const FitProblem& problem, const Lead& lead, Precision precision) {
+  return options.precision == FitPrecision::kAdaptive && precision == Precision::kLoose &&
+         problem.num_unknowns() == 0 && lead.last_step.size() > 0 &&
+         IsShort(problem, lead.coordinates, lead.last_step, kShortStep);
+}
+
+}  // namespace
+
+Lead LeadByFirstFrames(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem& problem,
+                       Descent* descent) {
+  Lead lead;
+  lead.coordinates = descent->coordinates().head(problem.num_blocks());
+  bool is_lost = false;
+  for (std::size_t i = 0; i < descent->plan().size() && descent->plan()[i].share < 1.0; ++i) {
+    if (options.is_cancelled()) return lead;
+    if (is_lost) {
+      descent->SkipStage(i, "the frames before found nothing");
+      continue;
+    }
+    descent->BeginStage(i);
+    if (i == 0) descent->recorder().AddStart();
+    is_lost = !FitFirstFrames(motions, options, problem, &descent->plan()[i], &lead);
+    descent->Tell(i);
+  }
+  Eigen::VectorXd led = descent->coordinates();
+  led.head(problem.num_blocks()) = lead.coordinates;
+  if (options.is_cancelled() || led == descent->coordinates()) return lead;
+  descent->ArriveAt(led, IsSettled(options, problem, lead, descent->precision()));
+  return lead;
+}
+
+void AddLead(const Lead& lead, FitSummary* summary) {
+  summary->statistics += lead.statistics;
+  summary->lead = lead.statistics;
+  summary->solver_seconds = std::max(0.0, summary->solver_seconds - lead.evaluation_seconds);
 }
 
 }  // namespace clothid

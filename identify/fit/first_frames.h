@@ -23,7 +23,7 @@
 
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/options.h"
-#include "identify/fit/continued_fit.h"
+#include "identify/fit/descent.h"
 #include "identify/problem/problem.h"
 
 namespace clothid {
@@ -41,12 +41,20 @@ struct Lead {
   double evaluation_seconds = 0.0;  // of evaluations alone
 };
 
-// A stage of first frames of `motions`, fitted by `fit` as `problem` is with `options`, from and to `lead`. Other
-// unknowns than the parameters stay at zero. Fills state, note, work and cost of `stage`: it is skipped where its
-// frames hold nothing to fit. Goes on in the journals of `problem`, and throws where these do. False where nothing was
-// found, and the frames after it are none to go on with.
+// A stage of first frames of `motions`, fitted as `problem` is with `options`, from and to `lead`. Other unknowns than
+// the parameters stay at zero. Fills state, note, work and cost of `stage`: it is skipped where its frames hold nothing
+// to fit. Goes on in the journals of `problem`, and throws where these do. False where nothing was found, and the
+// frames after it are none to go on with.
 bool FitFirstFrames(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem& problem,
-                    FitFunction fit, FitStage* stage, Lead* lead);
+                    FitStage* stage, Lead* lead);
+
+// Runs those stages of the plan of `descent`, which has begun, and takes it to where they lead, unless the cost is
+// higher there. That of the start may be loose: the end is compared with it once more.
+Lead LeadByFirstFrames(const std::vector<RecordedMotion>& motions, const FitOptions& options, const FitProblem& problem,
+                       Descent* descent);
+
+// Adds what it took to the work of a descent that it has led.
+void AddLead(const Lead& lead, FitSummary* summary);
 
 }  // namespace clothid
 

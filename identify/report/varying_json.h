@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "identify/fit/fitted_field.h"
+#include "identify/estimate/fitted_field.h"
 #include "identify/wind/wind_result.h"
 
 namespace clothid {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "identify/base/join_words.h"
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/verdict/fit_checks.h"
 #include "identify/verdict/usability.h"
 #include "sim/base/error.h"
@@ -41,7 +41,7 @@ void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std
 // Parameters farther beyond what was measured of any cloth than one can be (sim/fabric/fabric.h), and the units and
 // sizes that would explain it.
 void AddMeasuredReasons(const FitSummary& summary, std::vector<Reason>* reasons);
-// Parameters whose interval a step of 1 % leads out of (identify/fit/interval_check.h).
+// Parameters whose interval a step of 1 % leads out of (identify/estimate/interval_check.h).
 void AddDentReasons(const FitSummary& summary, const FitChecks& checks, std::vector<Reason>* reasons);
 // What parameters and knots owe to what was believed of them, and where recordings contradict it.
 void AddPriorReasons(const FitSummary& summary, std::vector<Reason>* reasons);

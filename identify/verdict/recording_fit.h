@@ -11,7 +11,7 @@
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/observation/observation.h"
 #include "datasets/observation/start_difference.h"
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 
 namespace clothid {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/verdict/fit_checks.h"
 
 namespace clothid {
@@ -26,9 +26,9 @@ std::string RangeText(const ParameterUncertainty& parameter);
 
 // What stands beside a parameter in a table: "frozen", "not identifiable", "told by what is excluded", "hardly told",
 // "stalled", "reaches a bound", "at its bound", "one dent" of one whose interval is that of a dent
-// (identify/fit/interval_check.h), "as believed" and "by its prior" of one that is not identifiable without its prior,
-// or nothing; and where errors of time step and mesh exceed the noise what each of them is, "noise +- 0.0045, step +-
-// 0.017".
+// (identify/estimate/interval_check.h), "as believed" and "by its prior" of one that is not identifiable without its
+// prior, or nothing; and where errors of time step and mesh exceed the noise what each of them is, "noise +- 0.0045,
+// step +- 0.017".
 std::string ParameterRemark(const FitSummary& summary, const FitChecks& checks, int index);
 
 // "1e-05, factor 2; the recording adds nothing" of parameter `index`; empty where it has no prior.

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/verdict/fit_checks.h"
 #include "identify/verdict/told.h"
 #include "identify/verdict/usability.h"

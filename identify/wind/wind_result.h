@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/problem/problem.h"
 #include "sim/air/wind.h"
 

@@ -58,7 +58,7 @@ TEST(ContinuedFitTest, GoesOnFromALowerPoint) {
   FitOptions options = Options();
   std::vector<int> told;
   options.on_iteration = [&](const FitIteration& row) { told.push_back(row.iteration); };
-  ContinueFromLowerPoints(options, &Fit, &problem, &summary);
+  ContinueFromLowerPoints(options, &problem, &summary);
   EXPECT_EQ(problem.StartCoordinates(), start);
   EXPECT_EQ(summary.status, FitStatus::kConverged);
   EXPECT_EQ(summary.num_continuations, 1);
@@ -105,12 +105,12 @@ TEST(ContinuedFitTest, NotMoreOftenThanItMay) {
   const double cost = summary.cost;
   FitOptions options = Options();
   options.max_continuations = 0;
-  ContinueFromLowerPoints(options, &Fit, &problem, &summary);
+  ContinueFromLowerPoints(options, &problem, &summary);
   EXPECT_EQ(summary.cost, cost);
   EXPECT_EQ(summary.num_continuations, 0);
   options = Options();
   options.max_iterations = summary.num_iterations();
-  ContinueFromLowerPoints(options, &Fit, &problem, &summary);
+  ContinueFromLowerPoints(options, &problem, &summary);
   EXPECT_EQ(summary.cost, cost);
 }
 

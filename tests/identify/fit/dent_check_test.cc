@@ -1,8 +1,8 @@
 // An interval that is that of a dent of a rough cost is told from one of a smooth cost.
 #include <gtest/gtest.h>
 
+#include "identify/estimate/interval_check.h"
 #include "identify/fit/fit.h"
-#include "identify/fit/interval_check.h"
 #include "tests/costs/synthetic_motion.h"
 
 namespace clothid::dent_check_test {

@@ -181,7 +181,7 @@ TEST(FirstFramesFitTest, LeadsParametersWhoseUnitGrows) {
   lead.coordinates = problem.StartCoordinates();
   for (FitStage& stage : MakePlan(options, problem, /*is_led=*/true)) {
     if (stage.share < 1.0) {
-      ASSERT_TRUE(FitFirstFrames(motions, options, problem, &Fit, &stage, &lead));
+      ASSERT_TRUE(FitFirstFrames(motions, options, problem, &stage, &lead));
     }
   }
   const Eigen::VectorXd values = problem.Values(lead.coordinates);

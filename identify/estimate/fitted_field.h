@@ -1,6 +1,6 @@
 // What a fit found out about fields.
-#ifndef CLOTHID_IDENTIFY_FIT_FITTED_FIELD_H_
-#define CLOTHID_IDENTIFY_FIT_FITTED_FIELD_H_
+#ifndef CLOTHID_IDENTIFY_ESTIMATE_FITTED_FIELD_H_
+#define CLOTHID_IDENTIFY_ESTIMATE_FITTED_FIELD_H_
 
 #include <Eigen/Core>
 #include <string>
@@ -43,4 +43,4 @@ std::string DescribeField(const FittedField& field);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_FIT_FITTED_FIELD_H_
+#endif  // CLOTHID_IDENTIFY_ESTIMATE_FITTED_FIELD_H_

@@ -1,4 +1,4 @@
-#include "identify/fit/interval_check.h"
+#include "identify/estimate/interval_check.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // What a fit says of the best point that it has evaluated.
-#ifndef CLOTHID_IDENTIFY_FIT_ESTIMATE_H_
-#define CLOTHID_IDENTIFY_FIT_ESTIMATE_H_
+#ifndef CLOTHID_IDENTIFY_ESTIMATE_ESTIMATE_H_
+#define CLOTHID_IDENTIFY_ESTIMATE_ESTIMATE_H_
 
 #include "costs/prediction/robust_loss.h"
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/problem/evaluator.h"
 #include "identify/problem/problem.h"
 
@@ -29,4 +29,4 @@ double WeightedAutocorrelation(const RobustLoss& loss, const FitProblem& problem
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_FIT_ESTIMATE_H_
+#endif  // CLOTHID_IDENTIFY_ESTIMATE_ESTIMATE_H_

@@ -1,10 +1,10 @@
-// How sure a fit is of its estimate: the second function of identify/fit/fit.h.
+#include "identify/estimate/fit_uncertainty.h"
+
 #include <optional>
 #include <utility>
 
-#include "identify/fit/estimate.h"
-#include "identify/fit/fit.h"
-#include "identify/fit/unknowns_estimate.h"
+#include "identify/estimate/estimate.h"
+#include "identify/estimate/unknowns_estimate.h"
 #include "identify/problem/evaluator.h"
 #include "identify/uncertainty/marginal.h"
 #include "identify/uncertainty/priors.h"

@@ -1,4 +1,4 @@
-#include "identify/fit/fitted_field.h"
+#include "identify/estimate/fitted_field.h"
 
 #include <cstdio>
 

@@ -7,8 +7,8 @@
 //
 // A cost may have a lower minimum behind a hill, and an interval that residuals without an explanation make wide may
 // reach across. There the cost of its end says nothing, but a Gauss-Newton step from it leads down on the other side.
-#ifndef CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
-#define CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
+#ifndef CLOTHID_IDENTIFY_ESTIMATE_INTERVAL_CHECK_H_
+#define CLOTHID_IDENTIFY_ESTIMATE_INTERVAL_CHECK_H_
 
 #include <Eigen/Core>
 #include <limits>
@@ -116,4 +116,4 @@ std::vector<DentCheck> CheckForDents(const std::vector<ParameterBlock>& blocks, 
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_FIT_INTERVAL_CHECK_H_
+#endif  // CLOTHID_IDENTIFY_ESTIMATE_INTERVAL_CHECK_H_

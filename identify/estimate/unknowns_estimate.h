@@ -1,8 +1,8 @@
 // What a fit says of starts and fields, from the linearization at its estimate.
-#ifndef CLOTHID_IDENTIFY_FIT_UNKNOWNS_ESTIMATE_H_
-#define CLOTHID_IDENTIFY_FIT_UNKNOWNS_ESTIMATE_H_
+#ifndef CLOTHID_IDENTIFY_ESTIMATE_UNKNOWNS_ESTIMATE_H_
+#define CLOTHID_IDENTIFY_ESTIMATE_UNKNOWNS_ESTIMATE_H_
 
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 #include "identify/problem/problem.h"
 #include "identify/problem/unknown_basis.h"
 
@@ -26,4 +26,4 @@ Linearization KnownStart(const BasisLinearization& known, const FitProblem& prob
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_FIT_UNKNOWNS_ESTIMATE_H_
+#endif  // CLOTHID_IDENTIFY_ESTIMATE_UNKNOWNS_ESTIMATE_H_

@@ -1,7 +1,7 @@
-#include "identify/fit/estimate.h"
+#include "identify/estimate/estimate.h"
 
 #include "datasets/observation/observation.h"
-#include "identify/fit/unknowns_estimate.h"
+#include "identify/estimate/unknowns_estimate.h"
 #include "identify/uncertainty/priors.h"
 
 namespace clothid {

@@ -1,6 +1,6 @@
 // What comes out of a fit.
-#ifndef CLOTHID_IDENTIFY_FIT_FIT_SUMMARY_H_
-#define CLOTHID_IDENTIFY_FIT_FIT_SUMMARY_H_
+#ifndef CLOTHID_IDENTIFY_ESTIMATE_FIT_SUMMARY_H_
+#define CLOTHID_IDENTIFY_ESTIMATE_FIT_SUMMARY_H_
 
 #include <Eigen/Core>
 #include <limits>
@@ -11,8 +11,8 @@
 #include "costs/rollout_cost.h"
 #include "datasets/observation/observation.h"
 #include "identify/base/options.h"
-#include "identify/fit/fitted_field.h"
-#include "identify/fit/interval_check.h"
+#include "identify/estimate/fitted_field.h"
+#include "identify/estimate/interval_check.h"
 #include "identify/problem/memory_trial.h"
 #include "identify/problem/unknown_basis.h"
 #include "identify/uncertainty/uncertainty.h"
@@ -114,4 +114,4 @@ void AddEarlierFit(const FitSummary& first, FitSummary* summary);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_FIT_FIT_SUMMARY_H_
+#endif  // CLOTHID_IDENTIFY_ESTIMATE_FIT_SUMMARY_H_

@@ -1,4 +1,4 @@
-#include "identify/fit/fit_summary.h"
+#include "identify/estimate/fit_summary.h"
 
 namespace clothid {
 

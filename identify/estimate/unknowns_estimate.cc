@@ -1,4 +1,4 @@
-#include "identify/fit/unknowns_estimate.h"
+#include "identify/estimate/unknowns_estimate.h"
 
 #include <algorithm>
 #include <cmath>
