@@ -26,47 +26,69 @@ class StepErrorFinder {
   // Of q [p]; empty: not known, and `failure` says why where something failed.
   std::vector<DiscretizationError> Find(std::string* failure) {
     if (told_.empty() || options_.is_cancelled()) return {};
-    if (at_half_.empty()) at_half_ = PredictAllAtStep(0.5, motions_, options_, problem_, summary_->coordinates);
-    const Eigen::VectorXd at_half = EstimateFrom(std::move(at_half_), failure);
+    const std::vector<Eigen::VectorXd> at_half =
+        at_half_.empty() ? EstimatesAt(0.5, failure) : EstimatesFrom(std::move(at_half_), failure);
     if (!failure->empty()) return {};
-    std::vector<DiscretizationError> errors = ErrorsFrom(at_half, Nowhere());
+    const std::vector<DiscretizationError> errors = ErrorsFrom(at_half, {Nowhere(), Nowhere()});
     if (!ExceedNoise(errors)) return errors;
     std::string no_order;
-    const Eigen::VectorXd at_double =
-        EstimateFrom(PredictAllAtStep(2.0, motions_, options_, problem_, summary_->coordinates), &no_order);
+    const std::vector<Eigen::VectorXd> at_double = EstimatesAt(2.0, &no_order);
     return no_order.empty() ? ErrorsFrom(at_half, at_double) : errors;
   }
 
  private:
-  // Where a fit at the step of `predictions` would end [p]: NaN for parameters that are not told.
-  Eigen::VectorXd EstimateFrom(std::vector<StepPrediction> predictions, std::string* failure) {
+  // Where a fit at `factor` times the step would end [p], as far as its cost is quadratic: by the derivatives here and,
+  // of parameters alone, by those there.
+  std::vector<Eigen::VectorXd> EstimatesAt(double factor, std::string* failure) {
+    if (problem_.num_unknowns() > 0 || !problem_.has_few_blocks()) {
+      return EstimatesFrom(PredictAllAtStep(factor, motions_, options_, problem_, summary_->coordinates), failure);
+    }
+    QuadraticModel model;
+    std::vector<StepPrediction> predictions;
+    if (!ModelAtStep(factor, motions_, options_, problem_, summary_->coordinates, &summary_->statistics, &model,
+                     &predictions, failure)) {
+      return {};
+    }
+    std::vector<Eigen::VectorXd> estimates = EstimatesFrom(std::move(predictions), failure);
+    if (failure->empty()) estimates.push_back(EstimateAfter(model.hessian, model.gradient));
+    return estimates;
+  }
+
+  // By the derivatives here alone: NaN for parameters that are not told.
+  std::vector<Eigen::VectorXd> EstimatesFrom(std::vector<StepPrediction> predictions, std::string* failure) {
     FitEvaluator evaluator(&problem_, options_.num_threads, EvaluationPurpose::kInterval);
     Eigen::VectorXd change;
     const bool ok = PullBackStep(summary_->coordinates, std::move(predictions), &evaluator, &summary_->statistics,
                                  &change, failure);
     summary_->statistics += evaluator.statistics();
-    return ok ? EstimateAfter(change) : Eigen::VectorXd();
+    if (!ok) return {};
+    const MarginalModel& marginal = *summary_->marginal;
+    return {EstimateAfter(marginal.hessian, change.head(problem_.num_blocks()) +
+                                                marginal.follow.transpose() * change.tail(problem_.num_unknowns()))};
   }
 
   Eigen::VectorXd Nowhere() const {
     return Eigen::VectorXd::Constant(problem_.num_blocks(), std::numeric_limits<double>::quiet_NaN());
   }
 
-  // Where a change of the gradient [p + n + f] moves the minimum of the marginal model to [p].
-  Eigen::VectorXd EstimateAfter(const Eigen::VectorXd& change) const {
-    const MarginalModel& model = *summary_->marginal;
-    const Eigen::Index p = problem_.num_blocks();
-    const Eigen::VectorXd gradient = change.head(p) + model.follow.transpose() * change.tail(problem_.num_unknowns());
-    const Eigen::MatrixXd hessian = model.hessian(told_, told_);
+  // The minimum [p] of a quadratic cost that has these derivatives at the estimate.
+  Eigen::VectorXd EstimateAfter(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient) const {
     Eigen::VectorXd moved = Nowhere();
-    moved(told_) = summary_->coordinates(told_) - SymmetricFactor(hessian).SolveOne(gradient(told_));
+    const Eigen::MatrixXd own = hessian(told_, told_);
+    moved(told_) = summary_->coordinates(told_) - SymmetricFactor(own).SolveOne(gradient(told_));
     return moved;
   }
 
-  std::vector<DiscretizationError> ErrorsFrom(const Eigen::VectorXd& at_half, const Eigen::VectorXd& at_double) const {
-    std::vector<DiscretizationError> errors;
-    for (Eigen::Index i = 0; i < at_half.size(); ++i) {
-      errors.push_back(ErrorOfStep(summary_->coordinates[i], at_half[i], at_double[i]));
+  // The larger of those that the derivatives here and there tell.
+  std::vector<DiscretizationError> ErrorsFrom(const std::vector<Eigen::VectorXd>& at_half,
+                                              const std::vector<Eigen::VectorXd>& at_double) const {
+    std::vector<DiscretizationError> errors(static_cast<std::size_t>(problem_.num_blocks()));
+    for (std::size_t way = 0; way < std::min(at_half.size(), at_double.size()); ++way) {
+      for (Eigen::Index i = 0; i < problem_.num_blocks(); ++i) {
+        const DiscretizationError error = ErrorOfStep(summary_->coordinates[i], at_half[way][i], at_double[way][i]);
+        DiscretizationError* const largest = &errors[static_cast<std::size_t>(i)];
+        if (!(error.error <= largest->error)) *largest = error;
+      }
     }
     return errors;
   }

@@ -31,13 +31,18 @@ double LengthOf(const FitProblem& problem, const MovedEnd& end) {
   return length;
 }
 
+Scene AtStep(Scene scene, double factor) {
+  scene.time_step *= factor;
+  scene.solver.step_tolerance = std::max(scene.solver.step_tolerance, kStepTolerance);
+  return scene;
+}
+
 }  // namespace
 
 StepPrediction PredictAtStep(double factor, const RecordedMotion& motion, const FitOptions& options,
                              const FitProblem& problem, int recording, const Eigen::VectorXd& coordinates) {
   RecordedMotion other = motion;
-  other.scene.time_step *= factor;
-  other.scene.solver.step_tolerance = std::max(other.scene.solver.step_tolerance, kStepTolerance);
+  other.scene = AtStep(std::move(other.scene), factor);
   const RecordingModel& fitted = problem.cost(recording).model();
   StepPrediction prediction;
   const ScopedTimer timer(&prediction.statistics.rollout_seconds);
@@ -81,6 +86,32 @@ bool PullBackStep(const Eigen::VectorXd& coordinates, std::vector<StepPrediction
   }
   if (failure->empty() && !evaluator->PullBackChange(coordinates, points, forces, change)) {
     *failure = evaluator->last_failure();
+  }
+  return failure->empty();
+}
+
+bool ModelAtStep(double factor, const std::vector<RecordedMotion>& motions, const FitOptions& options,
+                 const FitProblem& problem, const Eigen::VectorXd& coordinates, CostStatistics* statistics,
+                 QuadraticModel* model, std::vector<StepPrediction>* predictions, std::string* failure) {
+  FitOptions own = problem.WithWeights(options);
+  own.journal_folder.clear();
+  own.on_progress = nullptr;
+  std::vector<RecordedMotion> others = motions;
+  for (RecordedMotion& motion : others) motion.scene = AtStep(std::move(motion.scene), factor);
+  try {
+    const FitProblem other(others, own);
+    FitEvaluator evaluator(&other, options.num_threads, EvaluationPurpose::kInterval);
+    double cost = 0.0;
+    const bool ok = evaluator.Evaluate(coordinates, FitEvaluator::Derivative::kExactRows, &cost, nullptr);
+    *statistics += evaluator.statistics();
+    for (int r = 0; ok && r < other.num_recordings(); ++r) {
+      const auto index = static_cast<std::size_t>(r);
+      predictions->push_back({evaluator.best().predicted[index], evaluator.best().forces[index], {}, {}});
+    }
+    if (ok) *model = evaluator.model();
+    *failure = ok ? std::string() : evaluator.last_failure();
+  } catch (const std::runtime_error& error) {  // a scene that cannot have this step
+    *failure = error.what();
   }
   return failure->empty();
 }

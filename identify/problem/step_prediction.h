@@ -15,6 +15,7 @@
 namespace clothid {
 
 class FitEvaluator;
+struct QuadraticModel;
 
 // What is predicted of one recording at another step.
 struct StepPrediction {
@@ -37,6 +38,13 @@ std::vector<StepPrediction> PredictAllAtStep(double factor, const std::vector<Re
 // these is added to `statistics`. False where one of them has failed, or the sweep does: `failure` says why.
 bool PullBackStep(const Eigen::VectorXd& coordinates, std::vector<StepPrediction> predictions, FitEvaluator* evaluator,
                   CostStatistics* statistics, Eigen::VectorXd* change, std::string* failure);
+
+// The Gauss-Newton model of the cost of `problem`, of parameters alone, at `factor` times the step. One forward sweep
+// along with a rollout of every recording; the work is added to `statistics`. False where one fails: `failure` says
+// why.
+bool ModelAtStep(double factor, const std::vector<RecordedMotion>& motions, const FitOptions& options,
+                 const FitProblem& problem, const Eigen::VectorXd& coordinates, CostStatistics* statistics,
+                 QuadraticModel* model, std::vector<StepPrediction>* predictions, std::string* failure);
 
 // Where half the step would move the blocks to from the point of the evaluator's model, less that point [p], as far as
 // the cost is quadratic: the step of Gauss and Newton by that change alone. `statistics`: as above. Nothing where a

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "identify/checks/step_error.h"
+#include "identify/problem/step_prediction.h"
 #include "sim/scene/scene_json.h"
 #include "tests/identify/fine_recordings.h"
 #include "tests/identify/sensitivity_fit.h"
@@ -67,6 +68,37 @@ TEST(DiscretizationCheckTest, OneRolloutTellsTheErrorOfTheStep) {
       EXPECT_TRUE(Contains(summary.uncertainty->parameters[i], value)) << summary.parameters[i].name << " at " << step;
     }
     EXPECT_FALSE(Contains(noise[0], truth.at("mu"))) << step;
+  }
+}
+
+// A sheet that swings down and lies on a floor with its lower half.
+constexpr char kSheetOnFloor[] = R"({
+  "clothid_scene": 2, "duration": 1.0, "time_step": 0.01,
+  "mesh": {"grid": {"nodes": [11, 11], "size": [0.3, 0.3], "axes": [[1, 0, 0], [0, 0.8660254037844387, -0.5]]}},
+  "initial": {"positions": "rest"}, "handles": [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10],
+  "obstacles": [{"type": "plane", "point": [0, 0, -0.18], "normal": [0, 0, 1], "mu": 0.6}],
+  "materials": {"density": 0.15, "k_stretch": 180, "bending": "edges", "k_bend": 1e-4, "damping": 0.02}})";
+
+// Its cost is rough: what half the step moves, the derivatives at the step do not tell.
+TEST(DiscretizationCheckTest, DerivativesAtHalfTheStepTellWhatARoughCostHides) {
+  const std::map<std::string, double> truth = {{"mu", 0.3}, {"k_stretch", 100.0}};
+  RecordedMotion motion = RecordFinely(ParseScene(kSheetOnFloor, "scene", ""), 32, 0, truth);
+  motion.scene.time_step = 2.5e-3;
+  FitOptions options;
+  options.parameters = {"mu", "k_stretch"};
+  options.overrides.start = truth;
+  options.check_interval = false;
+  FitProblem problem({motion}, options);
+  FitSummary summary = Fit(options, &problem), by_step = summary;
+  ASSERT_EQ(summary.status, FitStatus::kConverged) << summary.message;
+  AddStepError({motion}, options, problem, &by_step,
+               PredictAllAtStep(0.5, {motion}, options, problem, summary.coordinates));
+  ASSERT_TRUE(AddStepError({motion}, options, problem, &summary).is_known());
+  EXPECT_FALSE(Contains(by_step.uncertainty->parameters[1], 100.0)) << by_step.uncertainty->parameters[1].upper95;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ParameterUncertainty& found = summary.uncertainty->parameters[i];
+    EXPECT_TRUE(Contains(found, truth.at(summary.parameters[i].name))) << found.lower95 << " .. " << found.upper95;
+    EXPECT_GE(found.step_error, by_step.uncertainty->parameters[i].step_error);
   }
 }
 

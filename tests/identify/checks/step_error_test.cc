@@ -59,9 +59,10 @@ TEST(StepErrorTest, IsThatOfAFallInClosedForm) {
   EXPECT_EQ(widened.step_error, estimate.errors[0]);
   EXPECT_EQ(widened.std, noise.std);
   EXPECT_NEAR(widened.upper95 - widened.lower95, 2.0 * kNormal95 * std::hypot(noise.std, bias), 1e-6);
-  // At half the step and, since that is far above the noise, at twice the step; the Jacobian is that of the interval.
+  // At half the step and, since that is far above the noise, at twice the step, each with the Jacobian there; that of
+  // the step is the interval's.
   EXPECT_EQ(fall.summary.statistics.rollouts, before.rollouts + 2);
-  EXPECT_EQ(fall.summary.statistics.sweeps, before.sweeps);
+  EXPECT_EQ(fall.summary.statistics.sweeps, before.sweeps + 2);
 }
 
 // At half the step the fall is shorter, and the velocity that makes up for it smaller by g h/4.
