@@ -182,13 +182,14 @@ TEST(IntervalCheckTest, FindsACostThatIsNot) {
   dent.parameters[0].coordinate_std *= 0.1;
   Eigen::VectorXd coordinates = summary.coordinates;
   FitEvaluator evaluator(&problem, 1);
-  const auto check = CheckInterval(problem.blocks(), coordinates, summary.cost, dent, {}, &evaluator);
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(0, 1);  // nothing follows
+  const auto check = CheckInterval(problem.blocks(), coordinates, summary.cost, dent, none, &evaluator);
   ASSERT_TRUE(check.has_value());
   EXPECT_LT(check->rise_above, 0.1 * kChiSquare95);
   EXPECT_FALSE(check->is_quadratic());
   // Without noise there is nothing to compare with.
   dent.parameters[0].coordinate_std = 1e-6;
-  EXPECT_FALSE(CheckInterval(problem.blocks(), coordinates, summary.cost, dent, {}, &evaluator).has_value());
+  EXPECT_FALSE(CheckInterval(problem.blocks(), coordinates, summary.cost, dent, none, &evaluator).has_value());
 }
 
 TEST(ProfileTest, HasNothingToJudgeByWithoutNoise) {

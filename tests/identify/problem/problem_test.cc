@@ -29,7 +29,8 @@ TEST(FitProblemTest, SharesBlocksBetweenRecordings) {
   EXPECT_EQ(problem.block_indices(1), (std::vector<int>{0, 1}));
   Eigen::VectorXd coordinates = problem.StartCoordinates();
   FitEvaluator evaluator(&problem, 1);
-  FreshRows rows(problem, MakeBasis(problem, false, 0), coordinates, Precision::kFull, false, &evaluator);
+  const UnknownBasis basis = MakeBasis(problem, false, 0);
+  FreshRows rows(problem, basis, coordinates, Precision::kFull, false, &evaluator);
   Eigen::VectorXd free = rows.FreeCoordinates(coordinates);
   const auto ceres_problem = rows.MakeCeresProblem(free.data());
   EXPECT_EQ(ceres_problem->NumParameters(), 2);
@@ -44,7 +45,8 @@ TEST(FitProblemTest, FrozenBlocksAreConstant) {
   FitProblem problem({motion}, {});
   Eigen::VectorXd coordinates = problem.StartCoordinates();
   FitEvaluator evaluator(&problem, 1);
-  const FreshRows rows(problem, MakeBasis(problem, false, 0), coordinates, Precision::kFull, false, &evaluator);
+  const UnknownBasis basis = MakeBasis(problem, false, 0);
+  const FreshRows rows(problem, basis, coordinates, Precision::kFull, false, &evaluator);
   EXPECT_EQ(rows.free(), std::vector<int>{1});
 }
 
