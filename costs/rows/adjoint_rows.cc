@@ -12,8 +12,6 @@ namespace {
 
 // Differences that enter the subspace beside the last Jacobian, which holds the older ones.
 constexpr int kFreshDifferences = 2;
-// The sweep itself, which follows the rollout.
-constexpr int kPassesAfterRollout = 1;
 
 void ExpectFinite(const Eigen::MatrixXd& gradients) {
   if (!gradients.allFinite()) throw std::runtime_error("the adjoint sweep gave a gradient that is not finite");
@@ -63,8 +61,7 @@ void AdjointRows::KeepJacobian(const Eigen::VectorXd& weights, const Eigen::Matr
 }
 
 ResidualRows AdjointRows::At(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                             const EvaluationCache& recent, LatestRollout* rollouts, CostStatistics* statistics) {
-  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, kPassesAfterRollout, statistics);
+                             const EvaluationCache& recent, const LatestRollout& latest, CostStatistics* statistics) {
   const ScopedTimer timer(&statistics->derivative_seconds);
   Eigen::VectorXd weights;
   const Eigen::MatrixXd basis = Basis(evaluation, recent, &weights);
@@ -75,9 +72,9 @@ ResidualRows AdjointRows::At(const RolloutEvaluation& evaluation, const std::vec
   const bool is_weighted = options_->loss.is_robust() || model_->observation().error_weights().size() > 0;
   Eigen::MatrixXd weighted_basis;
   if (is_weighted) weighted_basis = weights.asDiagonal() * basis;
-  const Eigen::MatrixXd gradients = model_->PullBack(
-      rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
-      is_weighted ? weighted_basis : basis, options_->adjoint, evaluation.precision, &rollouts->forces());
+  const Eigen::MatrixXd gradients =
+      model_->PullBack(latest.rollout, evaluation.predicted, latest.velocities, evaluation.coordinates, active,
+                       is_weighted ? weighted_basis : basis, options_->adjoint, evaluation.precision, &latest.forces);
   ExpectFinite(gradients);
 
   // B^T e is |e| in the row of e, the first column of B, and zero in the others by construction.
@@ -94,15 +91,14 @@ ResidualRows AdjointRows::At(const RolloutEvaluation& evaluation, const std::vec
 }
 
 Eigen::VectorXd AdjointRows::GradientAt(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                                        LatestRollout* rollouts, CostStatistics* statistics) const {
-  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, kPassesAfterRollout, statistics);
+                                        const LatestRollout& latest, CostStatistics* statistics) const {
   const ScopedTimer timer(&statistics->derivative_seconds);
   Eigen::VectorXd weights;
   const Eigen::VectorXd weighted = WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);
   ++statistics->sweeps;
   const Eigen::VectorXd gradient =
-      model_->PullBack(rollout, evaluation.predicted, rollouts->velocities(), evaluation.coordinates, active,
-                       weights.cwiseProduct(weighted), options_->adjoint, evaluation.precision, &rollouts->forces());
+      model_->PullBack(latest.rollout, evaluation.predicted, latest.velocities, evaluation.coordinates, active,
+                       weights.cwiseProduct(weighted), options_->adjoint, evaluation.precision, &latest.forces);
   ExpectFinite(gradient);
   return gradient;
 }

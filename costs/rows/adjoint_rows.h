@@ -22,14 +22,14 @@ class AdjointRows {
   // How many rows there are: |w e| last, directions of the subspace before it, zeros where there are fewer.
   int num_rows() const;
 
-  // The rows at an evaluated point for the blocks `active`. `recent`: the rollouts whose differences from it enter the
-  // subspace. Throws `std::runtime_error` where the rollout or the sweep fails; `statistics` has counted them then,
-  // too. What the rows tell of the Jacobian enters the next subspace.
+  // The rows at an evaluated point, whose rollout is `latest`, for the blocks `active`. `recent`: the rollouts whose
+  // differences from it enter the subspace. Throws `std::runtime_error` where the sweep fails; `statistics` has counted
+  // it then, too. What the rows tell of the Jacobian enters the next subspace.
   ResidualRows At(const RolloutEvaluation& evaluation, const std::vector<int>& active, const EvaluationCache& recent,
-                  LatestRollout* rollouts, CostStatistics* statistics);
+                  const LatestRollout& latest, CostStatistics* statistics);
   // dL/dq [q] of the blocks `active`, by a sweep of one column. Throws likewise.
   Eigen::VectorXd GradientAt(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                             LatestRollout* rollouts, CostStatistics* statistics) const;
+                             const LatestRollout& latest, CostStatistics* statistics) const;
 
   // J [m x q], without the weights of the loss, as far as it is known; empty: not at all.
   const Eigen::MatrixXd& last_jacobian() const { return last_jacobian_; }

@@ -9,40 +9,35 @@
 #include "sim/base/phase_seconds.h"
 
 namespace clothid {
-namespace {
-
-// Sweeps of the blocks and of the unknowns, and the reverse sweep.
-constexpr int kPassesOfProduct = 3;
-
-}  // namespace
 
 Eigen::VectorXd CurvatureProduct::At(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                                     const Eigen::VectorXd& direction, LatestRollout* rollouts,
+                                     const Eigen::VectorXd& direction, const LatestRollout& latest,
                                      CostStatistics* statistics) {
-  const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, kPassesOfProduct, statistics);
   const ScopedTimer timer(&statistics->derivative_seconds);
   const auto first_unknown = std::lower_bound(active.begin(), active.end(), model_->num_blocks());
   const std::vector<int> blocks(active.begin(), first_unknown);
   Eigen::VectorXd along = Eigen::VectorXd::Zero(model_->observation().num_residuals());  // J direction
   if (!blocks.empty()) {
-    SetBlockRows(evaluation, blocks, rollout, statistics);
+    SetBlockRows(evaluation, blocks, latest.rollout, statistics);
     along += block_rows_ * direction(blocks);
   }
   if (model_->num_unknowns() > 0) {
     ++statistics->sweeps;
-    along += Sweep(evaluation, {{}, direction.tail(model_->num_unknowns())}, rollout, /*passes_left=*/1);
+    along += Sweep(evaluation, {{}, direction.tail(model_->num_unknowns())}, latest.rollout, /*passes_left=*/1);
   }
-  return SweepBack(evaluation, active, along, Precision::kLoose, rollout, *rollouts, statistics);
+  return SweepBack(evaluation, active, along, Precision::kLoose, latest, statistics);
 }
 
 Eigen::VectorXd CurvatureProduct::PullBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                                           const Eigen::VectorXd& change, LatestRollout* rollouts,
-                                           CostStatistics* statistics) {
-  if (!KeepsBlockRows(active.size())) {
-    const Rollout& rollout = rollouts->At(evaluation.coordinates, evaluation.precision, /*passes_left=*/1, statistics);
-    const ScopedTimer timer(&statistics->derivative_seconds);
-    return SweepBack(evaluation, active, change, evaluation.precision, rollout, *rollouts, statistics);
-  }
+                                           const Eigen::VectorXd& change, const LatestRollout& latest,
+                                           CostStatistics* statistics) const {
+  const ScopedTimer timer(&statistics->derivative_seconds);
+  return SweepBack(evaluation, active, change, evaluation.precision, latest, statistics);
+}
+
+Eigen::VectorXd CurvatureProduct::PullBackByBlockRows(const RolloutEvaluation& evaluation,
+                                                      const std::vector<int>& active, const Eigen::VectorXd& change,
+                                                      CostStatistics* statistics) {
   SetExactBlockRows(evaluation, active, statistics);
   Eigen::VectorXd weights;
   WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);
@@ -63,15 +58,15 @@ void CurvatureProduct::KeepBlockRows(const RolloutEvaluation& evaluation, Eigen:
 }
 
 Eigen::VectorXd CurvatureProduct::SweepBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                                            const Eigen::VectorXd& change, Precision precision, const Rollout& rollout,
-                                            const LatestRollout& rollouts, CostStatistics* statistics) const {
+                                            const Eigen::VectorXd& change, Precision precision,
+                                            const LatestRollout& latest, CostStatistics* statistics) const {
   Eigen::VectorXd weights;
   WeightedResiduals(options_->loss, model_->observation(), evaluation, &weights);
   ++statistics->sweeps;
   Eigen::VectorXd product = Eigen::VectorXd::Zero(model_->num_coordinates());
   product(active) =
-      model_->PullBack(rollout, evaluation.predicted, rollouts.velocities(), evaluation.coordinates, active,
-                       weights.cwiseAbs2().cwiseProduct(change), options_->adjoint, precision, &rollouts.forces());
+      model_->PullBack(latest.rollout, evaluation.predicted, latest.velocities, evaluation.coordinates, active,
+                       weights.cwiseAbs2().cwiseProduct(change), options_->adjoint, precision, &latest.forces);
   if (!product.allFinite()) throw std::runtime_error("the product with the Jacobian is not finite");
   return product;
 }

@@ -19,17 +19,24 @@ class CurvatureProduct {
   // Both must outlive it.
   CurvatureProduct(RecordingModel* model, const RolloutCostOptions* options) : model_(model), options_(options) {}
 
-  // J^T J `direction` [p + n + f] at an evaluated point, to about kLooseAdjointTolerance; `active`: the coordinates
-  // that are not frozen, all others count as zero. The columns of blocks are swept once for each point. Throws
-  // `std::runtime_error` where a sweep fails.
-  Eigen::VectorXd At(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                     const Eigen::VectorXd& direction, LatestRollout* rollouts, CostStatistics* statistics);
+  // How many passes `At` takes after the rollout: sweeps of the blocks and of the unknowns, and the reverse sweep.
+  static constexpr int kPasses = 3;
 
-  // J^T `change` [p + n + f] of a change of the residual [m], to the precision of the point; `active` and failures as
-  // above. Where `KeepsBlockRows`, from the columns of the blocks, which are swept unless they are those of the latest
-  // exact rows; else by one reverse sweep.
+  // J^T J `direction` [p + n + f] at an evaluated point, whose rollout is `latest`, to about kLooseAdjointTolerance;
+  // `active`: the coordinates that are not frozen, all others count as zero. The columns of blocks are swept once for
+  // each point. Throws `std::runtime_error` where a sweep fails.
+  Eigen::VectorXd At(const RolloutEvaluation& evaluation, const std::vector<int>& active,
+                     const Eigen::VectorXd& direction, const LatestRollout& latest, CostStatistics* statistics);
+
+  // J^T `change` [p + n + f] of a change of the residual [m], to the precision of the point, by one reverse sweep;
+  // the rest as above.
   Eigen::VectorXd PullBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                           const Eigen::VectorXd& change, LatestRollout* rollouts, CostStatistics* statistics);
+                           const Eigen::VectorXd& change, const LatestRollout& latest,
+                           CostStatistics* statistics) const;
+  // The same where `KeepsBlockRows`, without a rollout: from the columns of the blocks, which are swept unless they are
+  // those of the latest exact rows.
+  Eigen::VectorXd PullBackByBlockRows(const RolloutEvaluation& evaluation, const std::vector<int>& active,
+                                      const Eigen::VectorXd& change, CostStatistics* statistics);
 
   // Whether the columns of exact rows are to be kept: there are no others than those of `num_blocks` blocks, and they
   // take no more memory than a rollout may.
@@ -50,10 +57,9 @@ class CurvatureProduct {
                     CostStatistics* statistics);
   void SetExactBlockRows(const RolloutEvaluation& evaluation, const std::vector<int>& blocks,
                          CostStatistics* statistics);
-  // J^T of a change of the residual [m], by a reverse sweep along the latest of `rollouts`, which is of this point.
   Eigen::VectorXd SweepBack(const RolloutEvaluation& evaluation, const std::vector<int>& active,
-                            const Eigen::VectorXd& change, Precision precision, const Rollout& rollout,
-                            const LatestRollout& rollouts, CostStatistics* statistics) const;
+                            const Eigen::VectorXd& change, Precision precision, const LatestRollout& latest,
+                            CostStatistics* statistics) const;
   // J [m x (q + c)], without weights.
   Eigen::MatrixXd Sweep(const RolloutEvaluation& evaluation, const SweepColumns& columns, const Rollout& rollout,
                         int passes_left);

@@ -7,9 +7,6 @@ namespace clothid {
 
 void JournaledComputation::Complete(const EvaluationKey& key, const EvaluationCache& recent,
                                     RolloutEvaluation* evaluation, CostStatistics* statistics) {
-  if (journal_ == nullptr || computation_->options().is_cancelled()) {
-    return computation_->Complete(key, recent, evaluation, statistics);
-  }
   try {
     if (error_) throw *error_;
     if (auto outcome = journal_->Replay(key)) {

@@ -1,4 +1,5 @@
-// Evaluations by way of a journal: what it holds is replayed, what is computed is added to it before it is used.
+// Evaluations of a fit that has a journal: what it holds is replayed, what is computed is added to it before it is
+// used.
 #ifndef CLOTHID_COSTS_ROWS_JOURNALED_COMPUTATION_H_
 #define CLOTHID_COSTS_ROWS_JOURNALED_COMPUTATION_H_
 
@@ -16,12 +17,12 @@ namespace clothid {
 
 class JournaledComputation {
  public:
-  // Without a journal (null) it is the computation alone. `computation` must outlive it.
+  // `computation` must outlive it.
   JournaledComputation(RolloutComputation* computation, std::shared_ptr<EvaluationJournal> journal)
       : computation_(computation), journal_(std::move(journal)) {}
 
-  // As RolloutComputation::Complete, in the order of the journal, counts included. Nothing is replayed or added once
-  // `RolloutCostOptions::cancel` is set.
+  // As RolloutComputation::Complete, in the order of the journal, counts included. Not to be called once
+  // `RolloutCostOptions::cancel` is set: nothing is replayed or added then.
   void Complete(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                 CostStatistics* statistics);
 

@@ -1,4 +1,5 @@
-// Runs and counts the rollouts of one recording, and keeps the latest.
+// The rollout that was run last, with what was predicted along it. Trajectories are large, so there is one, and never
+// two.
 #ifndef CLOTHID_COSTS_ROWS_LATEST_ROLLOUT_H_
 #define CLOTHID_COSTS_ROWS_LATEST_ROLLOUT_H_
 
@@ -10,42 +11,24 @@
 
 namespace clothid {
 
-class LatestRollout {
- public:
-  // Both must outlive it.
-  LatestRollout(RecordingModel* model, const RolloutCostOptions* options) : model_(model), options_(options) {}
+struct LatestRollout {
+  Rollout rollout;
+  // [R x T] m, m/s and N: see RecordingModel::Simulate.
+  Eigen::MatrixXd predicted, velocities;
+  ForceTrack forces;
+  Eigen::VectorXd coordinates;  // whose rollout it is; empty: there is none
+  Precision precision = Precision::kFull;
+  // A journal has told whose rollout it was, and counted it: it has yet to be made again.
+  bool is_pending = false;
 
-  // Runs the rollout, with `passes_left` further passes to come, and adds it to `statistics`. `predicted`, `velocities`
-  // (may be null) and `forces`: see RecordingModel::Simulate. Throws `std::runtime_error` where it fails.
-  Rollout Run(const Eigen::VectorXd& coordinates, Precision precision, int passes_left, Eigen::MatrixXd* predicted,
-              Eigen::MatrixXd* velocities, ForceTrack* forces, CostStatistics* statistics) const;
-
-  // The kept rollout if it is that of `coordinates`, else as `Run`, and kept from then on. Trajectories are large, so
-  // there is one, and never two.
-  const Rollout& At(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
-                    CostStatistics* statistics);
-  // Of the last `At`.
-  const Eigen::MatrixXd& predicted() const { return predicted_; }    // [R x T] m
-  const Eigen::MatrixXd& velocities() const { return velocities_; }  // see RecordingModel::Simulate
-  const ForceTrack& forces() const { return forces_; }               // likewise
-
-  // A rollout of another precision is not kept.
-  void DropUnless(Precision precision);
+  // Whether it is the one at this point, made or pending.
+  bool IsAt(const Eigen::VectorXd& point) const {
+    return coordinates.size() > 0 && coordinates.size() == point.size() && coordinates == point;
+  }
   void Drop();
-  // Whose rollout is kept; empty: none.
-  const Eigen::VectorXd& coordinates() const { return coordinates_; }
-  // A journal tells whose rollout was kept, and has counted it: it is made when it is asked for.
-  void Resume(const Eigen::VectorXd& coordinates, Precision precision);
-
- private:
-  RecordingModel* model_;
-  const RolloutCostOptions* options_;
-  Rollout rollout_;
-  Eigen::MatrixXd predicted_, velocities_;
-  ForceTrack forces_;
-  Eigen::VectorXd coordinates_;
-  Precision precision_ = Precision::kFull;
-  bool is_pending_ = false;  // `rollout_` has yet to be made
+  // A rollout of another precision is not kept.
+  void DropUnless(Precision wanted);
+  void Resume(const Eigen::VectorXd& point, Precision wanted);
 };
 
 }  // namespace clothid

@@ -6,8 +6,7 @@
 namespace clothid {
 
 ResidualRows NumericRows(const RolloutEvaluation& evaluation, const std::vector<int>& active, int num_rows,
-                         const RolloutCostOptions& options, const RecordingModel& model, const LatestRollout& rollouts,
-                         CostStatistics* statistics) {
+                         const RolloutCostOptions& options, const RecordingModel& model, const RunRollout& run) {
   const Observation& observation = model.observation();
   const double step = ForwardDifferenceStep(model.SolverAt(evaluation.precision));
   Eigen::MatrixXd jacobian(observation.num_residuals(), static_cast<Eigen::Index>(active.size()));
@@ -16,8 +15,7 @@ ResidualRows NumericRows(const RolloutEvaluation& evaluation, const std::vector<
     shifted[active[i]] += step;
     Eigen::MatrixXd predicted;
     ForceTrack forces;
-    rollouts.Run(shifted, evaluation.precision, static_cast<int>(jacobian.cols() - 1 - i), &predicted,
-                 /*velocities=*/nullptr, &forces, statistics);
+    run(shifted, static_cast<int>(jacobian.cols() - 1 - i), &predicted, &forces);
     jacobian.col(i) = ResidualChange(observation, evaluation, predicted, forces.predicted) / step;
   }
   Eigen::VectorXd weights;

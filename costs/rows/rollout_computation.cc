@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <exception>
 #include <stdexcept>
 #include <utility>
 
 #include "costs/rows/evaluated_residuals.h"
 #include "costs/rows/numeric_rows.h"
+#include "sim/base/phase_seconds.h"
 
 namespace clothid {
 namespace {
+
+// With fields, products run along a rollout again and again: bytes for its steps, and as many for their factors.
+constexpr RolloutStorage kFieldStorage = {std::size_t{512} << 20, /*keep_factors=*/true};
 
 // J^T r of rows that cover `active`.
 Eigen::VectorXd GradientOf(const ResidualRows& rows, const std::vector<int>& active) {
@@ -29,7 +34,6 @@ RolloutComputation::RolloutComputation(const RecordedMotion& motion, std::vector
                                        const RolloutCostOptions& options)
     : options_(options),
       model_(motion, std::move(blocks), options.on_step, nullptr, options.fields),
-      latest_rollout_(&model_, &options_),
       adjoint_rows_(&model_, &options_),
       curvature_(&model_, &options_) {
   model_.SetNumThreads(options.num_threads);
@@ -87,12 +91,39 @@ void RolloutComputation::Complete(const EvaluationKey& key, const EvaluationCach
                                   RolloutEvaluation* evaluation, CostStatistics* statistics) {
   try {
     if (!key.coordinates.allFinite()) throw std::runtime_error("a parameter is not finite");
-    latest_rollout_.DropUnless(key.precision);
+    latest_.DropUnless(key.precision);
     Add(key, recent, evaluation, statistics);
     if (!std::isfinite(evaluation->cost)) throw std::runtime_error("the cost is not finite");
   } catch (const std::runtime_error& error) {
     evaluation->failure = model_.name() + ": " + error.what();
   }
+}
+
+Rollout RolloutComputation::Simulate(const Eigen::VectorXd& coordinates, Precision precision, int passes_left,
+                                     Eigen::MatrixXd* predicted, Eigen::MatrixXd* velocities, ForceTrack* forces,
+                                     CostStatistics* statistics) {
+  const ScopedTimer timer(&statistics->rollout_seconds);
+  ++statistics->rollouts;
+  const RolloutStorage storage =
+      options_.fields.empty() ? RolloutStorage{options_.memory_limit, /*keep_factors=*/false} : kFieldStorage;
+  Rollout rollout =
+      model_.Simulate(coordinates, {precision, options_.cancel, passes_left}, storage, predicted, velocities, forces);
+  statistics->counts += rollout.counts;
+  if (!rollout.ok()) throw std::runtime_error(rollout.failure->ToString());
+  return rollout;
+}
+
+const LatestRollout& RolloutComputation::RolloutOf(const RolloutEvaluation& evaluation, int passes_left,
+                                                   CostStatistics* statistics) {
+  latest_.DropUnless(evaluation.precision);
+  const bool is_known = latest_.IsAt(evaluation.coordinates);
+  if (is_known && !latest_.is_pending) return latest_;
+  latest_.Drop();
+  CostStatistics counted_before;
+  latest_.rollout = Simulate(evaluation.coordinates, evaluation.precision, passes_left, &latest_.predicted,
+                             &latest_.velocities, &latest_.forces, is_known ? &counted_before : statistics);
+  latest_.coordinates = evaluation.coordinates;
+  return latest_;
 }
 
 void RolloutComputation::AddPrediction(const EvaluationKey& key, RolloutEvaluation* evaluation,
@@ -124,20 +155,23 @@ void RolloutComputation::Add(const EvaluationKey& key, const EvaluationCache& re
     case EvaluationNeed::kExactRows:
       return AddExactRows(key, evaluation, statistics);
     case EvaluationNeed::kProduct:
-      evaluation->product =
-          curvature_.At(*evaluation, key.active, key.combinations.col(0), &latest_rollout_, statistics);
+      evaluation->product = curvature_.At(*evaluation, key.active, key.combinations.col(0),
+                                          RolloutOf(*evaluation, CurvatureProduct::kPasses, statistics), statistics);
       return;
     case EvaluationNeed::kPullBack:
       evaluation->product =
-          curvature_.PullBack(*evaluation, key.active, key.combinations.col(0), &latest_rollout_, statistics);
+          curvature_.KeepsBlockRows(key.active.size())
+              ? curvature_.PullBackByBlockRows(*evaluation, key.active, key.combinations.col(0), statistics)
+              : curvature_.PullBack(*evaluation, key.active, key.combinations.col(0),
+                                    RolloutOf(*evaluation, /*passes_left=*/1, statistics), statistics);
   }
 }
 
 void RolloutComputation::AddCost(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics) {
-  evaluation->counts =
-      latest_rollout_.At(evaluation->coordinates, evaluation->precision, PassesAfterRollout(key), statistics).counts;
-  evaluation->predicted = latest_rollout_.predicted();
-  evaluation->forces = latest_rollout_.forces().predicted;
+  const LatestRollout& latest = RolloutOf(*evaluation, PassesAfterRollout(key), statistics);
+  evaluation->counts = latest.rollout.counts;
+  evaluation->predicted = latest.predicted;
+  evaluation->forces = latest.forces.predicted;
   SetCost(options_.loss, model_.observation(), evaluation);
 }
 
@@ -172,14 +206,20 @@ void RolloutComputation::AddRows(const EvaluationKey& key, const EvaluationCache
   switch (options_.jacobian) {
     case JacobianMethod::kAdjoint:
       if (TakesFirstJacobian(key)) return AddForwardRows(key, evaluation, statistics);
-      evaluation->rows = adjoint_rows_.At(*evaluation, key.active, recent, &latest_rollout_, statistics);
+      evaluation->rows = adjoint_rows_.At(*evaluation, key.active, recent,
+                                          RolloutOf(*evaluation, /*passes_left=*/1, statistics), statistics);
       break;
     case JacobianMethod::kSensitivity:
       return AddForwardRows(key, evaluation, statistics);
-    case JacobianMethod::kNumeric:
-      evaluation->rows =
-          NumericRows(*evaluation, key.active, num_rows(), options_, model_, latest_rollout_, statistics);
+    case JacobianMethod::kNumeric: {
+      const auto run = [&](const Eigen::VectorXd& coordinates, int passes_left, Eigen::MatrixXd* predicted,
+                           ForceTrack* forces) {
+        Simulate(coordinates, evaluation->precision, passes_left, predicted, /*velocities=*/nullptr, forces,
+                 statistics);
+      };
+      evaluation->rows = NumericRows(*evaluation, key.active, num_rows(), options_, model_, run);
       break;
+    }
   }
   evaluation->has_rows = true;
 }
@@ -188,7 +228,8 @@ void RolloutComputation::AddGradient(const EvaluationKey& key, const EvaluationC
                                      RolloutEvaluation* evaluation, CostStatistics* statistics) {
   Eigen::VectorXd gradient;
   if (options_.jacobian == JacobianMethod::kAdjoint || model_.num_unknowns() > 0) {
-    gradient = adjoint_rows_.GradientAt(*evaluation, key.active, &latest_rollout_, statistics);
+    gradient = adjoint_rows_.GradientAt(*evaluation, key.active, RolloutOf(*evaluation, /*passes_left=*/1, statistics),
+                                        statistics);
   } else {
     if (!evaluation->has_rows || !evaluation->rows.Covers(key.active)) AddRows(key, recent, evaluation, statistics);
     gradient = GradientOf(evaluation->rows, key.active);
@@ -228,10 +269,8 @@ SweepColumns RolloutComputation::ColumnsOf(const EvaluationKey& key) const {
 
 ForwardRows RolloutComputation::Sweep(const RolloutEvaluation& evaluation, const SweepColumns& columns, int num_rows,
                                       bool keeps_jacobian, CostStatistics* statistics) {
-  const Rollout* rollout = nullptr;
-  if (!options_.fields.empty()) {
-    rollout = &latest_rollout_.At(evaluation.coordinates, evaluation.precision, /*passes_left=*/1, statistics);
-  }
+  const Rollout* const rollout =
+      options_.fields.empty() ? nullptr : &RolloutOf(evaluation, /*passes_left=*/1, statistics).rollout;
   return SweepForward(evaluation.coordinates, columns, LastPass(evaluation.precision), options_.loss, num_rows,
                       keeps_jacobian, &model_, statistics, rollout);
 }
@@ -246,7 +285,7 @@ void RolloutComputation::Resume(const EvaluationKey& key, EvaluationOutcome outc
   const bool has_block_rows = key.need == EvaluationNeed::kProduct || (KeepsBlockRows(key) && evaluation.ok()) ||
                               (key.need == EvaluationNeed::kPullBack && curvature_.KeepsBlockRows(key.active.size()));
   if (has_block_rows) curvature_.Resume(key.coordinates, key.precision);
-  latest_rollout_.Resume(outcome.rollout_coordinates, key.precision);
+  latest_.Resume(outcome.rollout_coordinates, key.precision);
 }
 
 }  // namespace clothid

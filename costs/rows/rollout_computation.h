@@ -48,14 +48,14 @@ class RolloutComputation {
   void ForgetJacobian() { adjoint_rows_.SetLastJacobian(Eigen::MatrixXd()); }
   // As if nothing had been computed before.
   void Forget() {
-    latest_rollout_.Drop();
+    latest_.Drop();
     curvature_.Forget();
     ForgetJacobian();
   }
 
   // What an outcome tells beside its evaluation, and the way back: as if `Complete` had just computed `evaluation`.
   // `took_first_jacobian`: in doing so; where the outcome does not have it, it was made again.
-  const Eigen::VectorXd& rollout_coordinates() const { return latest_rollout_.coordinates(); }
+  const Eigen::VectorXd& rollout_coordinates() const { return latest_.coordinates; }
   const Eigen::MatrixXd& last_jacobian() const { return adjoint_rows_.last_jacobian(); }
   void Resume(const EvaluationKey& key, EvaluationOutcome outcome, bool took_first_jacobian,
               const EvaluationCache& recent, const RolloutEvaluation& evaluation);
@@ -81,6 +81,12 @@ class RolloutComputation {
   void AddGradient(const EvaluationKey& key, const EvaluationCache& recent, RolloutEvaluation* evaluation,
                    CostStatistics* statistics);
   void AddExactRows(const EvaluationKey& key, RolloutEvaluation* evaluation, CostStatistics* statistics);
+  // Runs the rollout of a point, with `passes_left` further passes to come, and counts it. Throws `std::runtime_error`
+  // where it fails. The rest as of RecordingModel::Simulate.
+  Rollout Simulate(const Eigen::VectorXd& coordinates, Precision precision, int passes_left, Eigen::MatrixXd* predicted,
+                   Eigen::MatrixXd* velocities, ForceTrack* forces, CostStatistics* statistics);
+  // The rollout of an evaluation: the latest if it is that, else it is run, and the latest from then on.
+  const LatestRollout& RolloutOf(const RolloutEvaluation& evaluation, int passes_left, CostStatistics* statistics);
   // Whether the columns of a sweep for `key` are kept, for pull-backs from its point.
   bool KeepsBlockRows(const EvaluationKey& key) const;
   // The columns of a forward sweep that are asked for: of rows, those of the unknowns are some of the unit vectors.
@@ -99,7 +105,7 @@ class RolloutComputation {
   RolloutCostOptions options_;
   RecordingModel model_;
   std::vector<int> free_blocks_, free_coordinates_;
-  LatestRollout latest_rollout_;
+  LatestRollout latest_;
   AdjointRows adjoint_rows_;
   CurvatureProduct curvature_;
 };

@@ -8,9 +8,9 @@ namespace clothid {
 
 RolloutEvaluator::RolloutEvaluator(const RecordedMotion& motion, std::vector<ParameterBlock> blocks,
                                    const RolloutCostOptions& options)
-    : computation_(motion, std::move(blocks), options),
-      journaled_(&computation_, options.journal),
-      cache_(options.num_differences + 1) {}
+    : computation_(motion, std::move(blocks), options), cache_(options.num_differences + 1) {
+  if (options.journal != nullptr) journaled_.emplace(&computation_, options.journal);
+}
 
 void RolloutEvaluator::SetModelError(const ModelError& error) {
   computation_.SetModelError(error);
@@ -34,7 +34,11 @@ RolloutEvaluation* RolloutEvaluator::FindOrAdd(const EvaluationKey& key) {
 const RolloutEvaluation& RolloutEvaluator::At(const EvaluationKey& key) {
   RolloutEvaluation* const evaluation = FindOrAdd(key);
   if (evaluation->ok() && evaluation->Lacks(key)) {
-    journaled_.Complete(key, cache_, evaluation, &statistics_);
+    if (journaled_ && !options().is_cancelled()) {
+      journaled_->Complete(key, cache_, evaluation, &statistics_);
+    } else {
+      computation_.Complete(key, cache_, evaluation, &statistics_);
+    }
     last_failure_ = evaluation->failure;
     if (!evaluation->ok() && options().is_cancelled()) return TakeFailure(evaluation);
   }

@@ -1,7 +1,8 @@
 // Rows, cost and gradient of one recording, with a cache by parameter values. The engine of `RolloutCost`.
 //
-// From above: the cache (costs/rows/evaluation_cache.h), the journal (costs/rows/journaled_computation.h), what is
-// computed (costs/rows/rollout_computation.h) and how: costs/rows/adjoint_rows.h, forward_rows.h, numeric_rows.h.
+// From above: the cache (costs/rows/evaluation_cache.h), what is computed (costs/rows/rollout_computation.h) and how:
+// costs/rows/adjoint_rows.h, forward_rows.h, numeric_rows.h. Where there is a journal, it is asked before anything is
+// computed (costs/rows/journaled_computation.h).
 #ifndef CLOTHID_COSTS_ROWS_ROLLOUT_EVALUATOR_H_
 #define CLOTHID_COSTS_ROWS_ROLLOUT_EVALUATOR_H_
 
@@ -55,8 +56,8 @@ class RolloutEvaluator {
   const RecordingModel& model() const { return computation_.model(); }
   const CostStatistics& statistics() const { return statistics_; }
   const std::string& last_failure() const { return last_failure_; }
-  // See JournaledComputation::error.
-  const std::optional<Error>& journal_error() const { return journaled_.error(); }
+  // See JournaledComputation::error; null where nothing is wrong, or there is no journal.
+  const Error* journal_error() const { return journaled_ && journaled_->error() ? &*journaled_->error() : nullptr; }
 
  private:
   // The cached evaluation with its residuals, or a new one.
@@ -65,7 +66,7 @@ class RolloutEvaluator {
   const RolloutEvaluation& TakeFailure(RolloutEvaluation* evaluation);
 
   RolloutComputation computation_;
-  JournaledComputation journaled_;
+  std::optional<JournaledComputation> journaled_;  // absent without a journal
   EvaluationCache cache_;
   RolloutEvaluation cancelled_;  // the last one that was
   std::string last_failure_;

@@ -49,10 +49,10 @@ struct Program {
 // value or one that it cannot have, a number that is not finite included, that the command does not take or that breaks
 // a rule; a command that there is not; arguments that are too few, too many or empty; and stdout that cannot be
 // written.
+[[noreturn]] void RunCommandLine(const Program& program, int argc, char** argv);
+
 // The arguments of a program, as one line for its results.
 std::string JoinArguments(int argc, char** argv);
-
-[[noreturn]] void RunCommandLine(const Program& program, int argc, char** argv);
 
 }  // namespace clothid
 
