@@ -42,7 +42,7 @@ FieldRequest ParseRequest(std::string_view item) {
 
 // A constant varies as a field or from piece to piece.
 void ExpectNoPieces(const Scene& scene, ParameterId id) {
-  double Material::*const constant = MaterialConstant(id.kind);
+  double Material::*const constant = RowOf(id.kind).constant;
   for (const Material& piece : scene.pieces) {
     if (piece.*constant == scene.material.*constant) continue;
     throw Error(ErrorKind::kUsage, "--field: '" + ParameterName(id, {}) +

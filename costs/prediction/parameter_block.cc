@@ -25,7 +25,6 @@ constexpr double kMeasuredMargin = 100.0;
 constexpr double kFabricMargin = 10.0;
 constexpr double kStartMargin = 100.0;
 // Of the size of the cloth at rest, in shares of what the scene says.
-constexpr double kMostOversize = 1.25;
 constexpr ParameterPrior kSizePrior = {1.0, 1.03};
 
 // What `given` says of parameter `name`; null: nothing.
@@ -133,42 +132,18 @@ const Material& MaterialOf(ParameterId id, const Parameters& parameters) {
 
 // What was measured of the constant `kind`; null: nothing.
 const MeasuredConstant* Measured(const Fabric& fabric, ParameterKind kind) {
-  switch (kind) {
-    case ParameterKind::kDensity:
-      return &fabric.density;
-    case ParameterKind::kStretchStiffness:
-    case ParameterKind::kWarpStiffness:
-    case ParameterKind::kWeftStiffness:
-    case ParameterKind::kShearStiffness:
-      return &fabric.k_stretch;
-    case ParameterKind::kBendingStiffness:
-    case ParameterKind::kWarpBending:
-    case ParameterKind::kWeftBending:
-    case ParameterKind::kTwistBending:
-      return &fabric.k_bend;
-    default:
-      return nullptr;
-  }
-}
-
-// The value of a wind at q = 1.
-double WindUnit(ParameterKind kind, double nominal) {
-  constexpr double kOther = 10.0;  // m/s, rad/s, rad/m, 1/m
-  const double least = kind == ParameterKind::kGustPhase ? M_PI : kOther;
-  return std::max(least, 2.0 * std::abs(nominal));
-}
-
-// How far a measured path is off at the most, unless bounds are given.
-double PlacementUnit(ParameterKind kind) {
-  constexpr double kTimeOffset = 0.1, kShift = 0.05, kTurn = 0.2;  // s, m, rad
-  const PlacementPart part = PartOf(kind);
-  return part == PlacementPart::kTimeOffset ? kTimeOffset : part < PlacementPart::kTurnX ? kShift : kTurn;
+  if (kind == ParameterKind::kDensity) return &fabric.density;
+  const ParameterRow& row = RowOf(kind);
+  if (row.term == ParameterTerm::kBending) return &fabric.k_bend;
+  const bool is_stiffness = row.term == ParameterTerm::kMembrane && row.domain == ParameterDomain::kPositive;
+  return is_stiffness ? &fabric.k_stretch : nullptr;
 }
 
 // The value of a parameter that may be negative at q = 1.
-double SignedUnit(ParameterKind kind, double nominal, const Material& material) {
-  if (IsPlacement(kind)) return PlacementUnit(kind);
-  return IsWind(kind) ? WindUnit(kind, nominal) : LargestCoupling(material);
+double SignedUnit(const ParameterRow& row, double nominal, const Material& material) {
+  if (row.range == 0.0) return LargestCoupling(material);
+  const double own = row.term == ParameterTerm::kWind ? 2.0 * std::abs(nominal) : 0.0;
+  return std::max(row.range, own);
 }
 
 // A start above zero brings a drag into the scene.
@@ -187,8 +162,8 @@ void CheckWindHasDrag(const std::string& name, ParameterId id, const Scene& scen
 // Without given ones.
 std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKind kind, const Scene& scene) {
   if (block.is_signed) return {-block.unit, block.unit};
-  if (block.scale != ParameterScale::kLog) return {0.0, kMaxFriction};
-  if (IsSize(kind)) return {block.start / kMostOversize, block.start * kMostOversize};
+  if (block.scale != ParameterScale::kLog) return {0.0, RowOf(kind).range};
+  if (IsSize(kind)) return {block.start / RowOf(kind).range, block.start * RowOf(kind).range};
   const MeasuredConstant* any = MeasuredOfAnyCloth(block.name, scene);
   if (any == nullptr) return {block.start / kBoundFactor, block.start * kBoundFactor};
   const Fabric* fabric = FindFabric(scene.fabric);
@@ -312,8 +287,8 @@ ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, c
   CheckWindHasDrag(name, id, scene, overrides);
   block.name = name;
   block.scale = DefaultScale(id.kind);
-  block.is_signed = DomainOf(id.kind) == ParameterDomain::kAny;
-  if (block.is_signed) block.unit = SignedUnit(id.kind, nominal, MaterialOf(id, scene_values));
+  block.is_signed = RowOf(id.kind).domain == ParameterDomain::kAny;
+  if (block.is_signed) block.unit = SignedUnit(RowOf(id.kind), nominal, MaterialOf(id, scene_values));
   block.frozen = range.frozen;
   block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
   CheckStart(block);

@@ -12,7 +12,7 @@ std::vector<TrueParameter> MakeTrueParameters(const std::map<std::string, double
   std::vector<TrueParameter> parameters;
   for (const auto& [name, value] : truth) {
     const ParameterId id = ParseParameter(name, scene);
-    const ParameterDomain domain = DomainOf(id.kind);
+    const ParameterDomain domain = RowOf(id.kind).domain;
     if (domain != ParameterDomain::kAny && !(value > 0.0)) {
       throw Error(ErrorKind::kUsage, "--set: '" + name + "': expected a number > 0");
     }

@@ -53,7 +53,7 @@ void CheckOverlap(const std::vector<std::string>& names) {
     }
   };
   check("mu", "the friction of every obstacle");
-  for (const ParameterKind kind : kMaterialKinds) check(ParameterName({kind}, {}), "that of every piece");
+  for (const ParameterKind kind : MaterialKinds()) check(ParameterName({kind}, {}), "that of every piece");
 }
 
 // Expands groups of names, and refuses names that would not come out.
@@ -187,7 +187,7 @@ void SetFlatFields(const FitOptions& options, std::vector<RecordedMotion>* motio
 bool HasParameter(const Scene& scene, const std::string& name) {
   const std::string prefix = "mu.", base = BaseName(name);
   const std::size_t dot = std::min(base.find('.'), base.size());
-  for (const ParameterKind kind : kMaterialKinds) {
+  for (const ParameterKind kind : MaterialKinds()) {
     if (base.substr(0, dot) != ParameterName({kind}, {})) continue;
     const std::vector<std::string>& pieces = scene.mesh.piece_names;
     const bool is_whole = dot == base.size();

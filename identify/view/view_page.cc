@@ -73,7 +73,7 @@ void AddFindings(const RecordedMotion& motion, Json* json) {
 Json SceneJson(const Scene& scene) {
   Json constants = Json::object(), obstacles = Json::array();
   const Parameters nominal = scene.nominal_parameters();
-  for (const ParameterKind kind : kMaterialKinds) {
+  for (const ParameterKind kind : MaterialKinds()) {
     if (!scene.has(kind)) continue;
     const ParameterId id = {kind};
     constants[ParameterName(id, scene.obstacle_names())] = RoundedJson(GetParameter(nominal, id), kViewDigits);

@@ -6,54 +6,30 @@ namespace clothid {
 
 namespace {
 
-// Of what the shear is a factor of.
+// Of what the shear is a factor of: mean + profile(t) + gust sin(angle).
 Eigen::Vector3d UnshearedDerivative(const Wind& wind, ParameterId id, double time, const RestPlace& place) {
+  const ParameterRow& row = RowOf(id.kind);
+  if (row.term != ParameterTerm::kWind) return Eigen::Vector3d::Zero();
   const double angle = wind.GustAngle(time, place);
-  const double share = id.knot == kMeanWind ? 1.0 : wind.profile.Weight(id.knot, time);
-  switch (id.kind) {
-    case ParameterKind::kWindX:
-      return share * Eigen::Vector3d::UnitX();
-    case ParameterKind::kWindY:
-      return share * Eigen::Vector3d::UnitY();
-    case ParameterKind::kWindZ:
-      return share * Eigen::Vector3d::UnitZ();
-    case ParameterKind::kGustX:
-      return std::sin(angle) * Eigen::Vector3d::UnitX();
-    case ParameterKind::kGustY:
-      return std::sin(angle) * Eigen::Vector3d::UnitY();
-    case ParameterKind::kGustZ:
-      return std::sin(angle) * Eigen::Vector3d::UnitZ();
-    case ParameterKind::kGustFrequency:
-      return time * std::cos(angle) * wind.gust;
-    case ParameterKind::kGustPhase:
-      return std::cos(angle) * wind.gust;
-    case ParameterKind::kGustWaveX:
-      return place.position.x() * std::cos(angle) * wind.gust;
-    case ParameterKind::kGustWaveY:
-      return place.position.y() * std::cos(angle) * wind.gust;
-    case ParameterKind::kGustWaveZ:
-      return place.position.z() * std::cos(angle) * wind.gust;
-    default:
-      return Eigen::Vector3d::Zero();
+  if (row.wind_vector == &Wind::mean) {
+    return (id.knot == kMeanWind ? 1.0 : wind.profile.Weight(id.knot, time)) * Eigen::Vector3d::Unit(row.axis);
   }
-}
-
-// 0, 1 or 2 of a component of the shear; -1 of another kind.
-int ShearAxis(ParameterKind kind) {
-  return kind == ParameterKind::kWindShearX   ? 0
-         : kind == ParameterKind::kWindShearY ? 1
-         : kind == ParameterKind::kWindShearZ ? 2
-                                              : -1;
+  if (row.wind_vector == &Wind::gust) return std::sin(angle) * Eigen::Vector3d::Unit(row.axis);
+  // What else there is moves the angle: by its frequency, its wave vector or its phase.
+  const double slope = row.wind_number == &Wind::frequency     ? time
+                       : row.wind_vector == &Wind::wave_vector ? place.position[row.axis]
+                                                               : 1.0;
+  return slope * std::cos(angle) * wind.gust;
 }
 
 }  // namespace
 
 Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, const RestPlace& place) {
-  const int axis = ShearAxis(id.kind);
-  if (axis < 0) return wind.ShearFactor(place) * UnshearedDerivative(wind, id, time, place);
+  const ParameterRow& row = RowOf(id.kind);
+  if (row.wind_vector != &Wind::shear) return wind.ShearFactor(place) * UnshearedDerivative(wind, id, time, place);
   Wind unsheared = wind;
   unsheared.shear.setZero();
-  return place.from_center[axis] * unsheared.At(time, place);
+  return place.from_center[row.axis] * unsheared.At(time, place);
 }
 
 AirDrag::AirDrag(const Scene& scene)

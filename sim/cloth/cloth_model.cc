@@ -125,7 +125,7 @@ ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothMod
   if (!scene.mesh.links.empty()) seams_.emplace(scene.mesh, std::move(seams), free_index_, *pattern_);
   if (scene.has_drag()) drag_.emplace(scene);
   for (BendingMatrix& term : bending) {
-    bending_terms_.push_back({term.kind, MaterialConstant(term.kind),
+    bending_terms_.push_back({term.kind, RowOf(term.kind).constant,
                               BendingEnergy(std::move(term.matrix), free_index_, *pattern_),
                               MakeCurvature(std::move(term.moments))});
   }

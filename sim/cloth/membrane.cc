@@ -79,7 +79,7 @@ void Membrane::AddForceDerivative(ParameterId id, double factor, const Eigen::Ve
   }
   if (id.kind == ParameterKind::kStretchStiffness) return;
   Material direction;
-  direction.*MaterialConstant(id.kind) = factor;
+  direction.*RowOf(id.kind).constant = factor;
   std::get<OrthotropicEnergy>(energy_).AddForce(ConstantsOf(direction), positions, force);
 }
 

@@ -46,7 +46,7 @@ void CorrectionDerivative::SetPlacement(const std::vector<ParameterId>& ids, Lim
     }
     const int obstacle = node->limit.obstacle;
     const ObstacleChange change(model_.scene().obstacles[obstacle], motions_[obstacle], parameters_.placement(obstacle),
-                                PartOf(ids[p].kind), TimesAfter(record_));
+                                RowOf(ids[p].kind).part, TimesAfter(record_));
     const MotionChange motion =
         change.At(record_.positions.segment<3>(3 * node->limit.node), node->point.normal, node->point.normal_gradient);
     node->normals.col(static_cast<Eigen::Index>(p)) = motion.normal;

@@ -202,30 +202,24 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
   if (IsOfContact(id.kind)) return Eigen::VectorXd::Zero(3 * model_.num_free());
   const double h = record_.time_step;
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
-  switch (id.kind) {
-    case ParameterKind::kStretchStiffness:
-    case ParameterKind::kWarpStiffness:
-    case ParameterKind::kWeftStiffness:
-    case ParameterKind::kShearStiffness:
-    case ParameterKind::kPoissonStiffness:
+  switch (RowOf(id.kind).term) {
+    case ParameterTerm::kMembrane:
       model_.membrane().AddForceDerivative(id, -h, record_.positions, &derivative);
       break;
-    case ParameterKind::kBendingStiffness:
-    case ParameterKind::kWarpBending:
-    case ParameterKind::kWeftBending:
-    case ParameterKind::kTwistBending:
+    case ParameterTerm::kBending:
       model_.AddBendingDerivative(id, -h, record_.positions, &derivative);
       break;
-    case ParameterKind::kDensity: {
+    case ParameterTerm::kMass: {
       const Eigen::VectorXd& areas = *model_.MassSlopes(id);
+      const bool has_weight = id.kind == ParameterKind::kDensity;
       for (const int node : model_.free_nodes()) {
-        derivative.segment<3>(3 * node) =
-            areas[node] * (record_.velocities.segment<3>(3 * node) - start_.velocities.segment<3>(3 * node) -
-                           h * model_.scene().gravity);
+        Eigen::Vector3d change = record_.velocities.segment<3>(3 * node) - start_.velocities.segment<3>(3 * node);
+        if (has_weight) change -= h * model_.scene().gravity;
+        derivative.segment<3>(3 * node) = areas[node] * change;
       }
       break;
     }
-    case ParameterKind::kDrag:
+    case ParameterTerm::kDrag:
       if (model_.drag() == nullptr) break;
       for (const int node : model_.free_nodes()) {
         derivative.segment<3>(3 * node) =
@@ -233,25 +227,23 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
             (record_.velocities.segment<3>(3 * node) - model_.drag()->WindAt(node, record_.time, parameters_.wind));
       }
       break;
-    case ParameterKind::kAddedMass:
-      for (const int node : model_.free_nodes()) {
-        derivative.segment<3>(3 * node) = model_.node_areas()[node] * (record_.velocities.segment<3>(3 * node) -
-                                                                       start_.velocities.segment<3>(3 * node));
-      }
-      break;
-    case ParameterKind::kSizeX:
-    case ParameterKind::kSizeY:
+    case ParameterTerm::kSize:
       if (sizes_ == nullptr) throw std::logic_error("the derivative by a size that was not asked for");
       derivative = sizes_->MomentumDerivative(id.kind, record_, start_);
       break;
-    default:  // drag by direction, and wind
+    case ParameterTerm::kDirectionalDrag:
+    case ParameterTerm::kWind:
       derivative = DragDerivative(id);
       break;
-    case ParameterKind::kDamping:
+    case ParameterTerm::kDamping:
       if (model_.damping() != nullptr) {
         model_.DampingOf(id).AddForce(-h, h, held_.start_metrics, record_.positions, &derivative);
       }
       break;
+    case ParameterTerm::kFriction:
+    case ParameterTerm::kSelfFriction:
+    case ParameterTerm::kPlacement:
+      break;  // of contact: above
   }
   return model_.Gather(derivative);
 }
@@ -264,7 +256,7 @@ std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {
   std::vector<MotionChange> changes(contacts_.size());
   if (contacts_.empty()) return changes;
   const ObstacleChange change(model_.scene().obstacles[id.obstacle], motions_[id.obstacle],
-                              parameters_.placement(id.obstacle), PartOf(id.kind), record_.times());
+                              parameters_.placement(id.obstacle), RowOf(id.kind).part, record_.times());
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const ContactCandidate& candidate = contacts_[i].candidate;
     if (candidate.obstacle != id.obstacle) continue;

@@ -87,7 +87,7 @@ void HandleForces::SubtractSums(const Eigen::VectorXd& force, Eigen::VectorXd* s
   for (const Handle& handle : handles_) sums->segment<3>(3 * handle.group) -= force.segment<3>(3 * handle.local);
 }
 
-Eigen::Index HandleForces::RowOf(const Handle& handle) const {
+Eigen::Index HandleForces::FirstRowOf(const Handle& handle) const {
   const std::vector<int>& nodes = model_.scene().handles.nodes;
   return 3 * (std::find(nodes.begin(), nodes.end(), handle.node) - nodes.begin());
 }
@@ -95,7 +95,7 @@ Eigen::Index HandleForces::RowOf(const Handle& handle) const {
 Eigen::MatrixXd HandleForces::OverGroups(const Eigen::MatrixXd& handles) const {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(3 * num_groups(), handles.cols());
   for (const Handle& handle : handles_) {
-    sums.middleRows<3>(3 * handle.group) += handles.middleRows<3>(RowOf(handle));
+    sums.middleRows<3>(3 * handle.group) += handles.middleRows<3>(FirstRowOf(handle));
   }
   return sums;
 }
@@ -103,7 +103,8 @@ Eigen::MatrixXd HandleForces::OverGroups(const Eigen::MatrixXd& handles) const {
 Eigen::MatrixXd HandleForces::OverGroupsTransposed(const Eigen::MatrixXd& groups) const {
   const auto num_handles = static_cast<Eigen::Index>(model_.scene().handles.nodes.size());
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3 * num_handles, groups.cols());
-  for (const Handle& handle : handles_) rows.middleRows<3>(RowOf(handle)) += groups.middleRows<3>(3 * handle.group);
+  for (const Handle& handle : handles_)
+    rows.middleRows<3>(FirstRowOf(handle)) += groups.middleRows<3>(3 * handle.group);
   return rows;
 }
 
@@ -177,18 +178,11 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
   const ForceWindow window = Window(step);
   const Eigen::VectorXd positions = states[static_cast<std::size_t>(window.place)].col(0);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-  switch (id.kind) {
-    case ParameterKind::kStretchStiffness:
-    case ParameterKind::kWarpStiffness:
-    case ParameterKind::kWeftStiffness:
-    case ParameterKind::kShearStiffness:
-    case ParameterKind::kPoissonStiffness:
+  switch (RowOf(id.kind).term) {
+    case ParameterTerm::kMembrane:
       membrane_->AddForceDerivative(id, 1.0, positions, &force);
       break;
-    case ParameterKind::kBendingStiffness:
-    case ParameterKind::kWarpBending:
-    case ParameterKind::kWeftBending:
-    case ParameterKind::kTwistBending:
+    case ParameterTerm::kBending:
       if (const ClothPieces* pieces = model_.PiecesOf(id.kind)) {
         for (const BendingMatrix& term : pieces->bending(id.piece)) {
           if (term.kind == id.kind) AddBending({term.kind, 1.0, RowsOf(term.matrix)}, 1.0, positions, &sums);
@@ -199,34 +193,14 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
         if (bending.kind == id.kind) AddBending(bending, 1.0, positions, &sums);
       }
       break;
-    case ParameterKind::kDensity:
+    case ParameterTerm::kMass:
       for (const Handle& handle : handles_) {
-        sums.segment<3>(3 * handle.group) +=
-            (*model_.MassSlopes(id))[handle.node] * (Acceleration(handle, states) - model_.scene().gravity);
+        Eigen::Vector3d acceleration = Acceleration(handle, states);
+        if (id.kind == ParameterKind::kDensity) acceleration -= model_.scene().gravity;  // the air has no weight
+        sums.segment<3>(3 * handle.group) += (*model_.MassSlopes(id))[handle.node] * acceleration;
       }
       break;
-    case ParameterKind::kAddedMass:
-      for (const Handle& handle : handles_) {
-        sums.segment<3>(3 * handle.group) += model_.node_areas()[handle.node] * Acceleration(handle, states);
-      }
-      break;
-    case ParameterKind::kNormalDrag:
-    case ParameterKind::kTangentialDrag:
-      break;  // the constructor refuses scenes that have them
-    case ParameterKind::kWindX:
-    case ParameterKind::kWindY:
-    case ParameterKind::kWindZ:
-    case ParameterKind::kGustX:
-    case ParameterKind::kGustY:
-    case ParameterKind::kGustZ:
-    case ParameterKind::kGustFrequency:
-    case ParameterKind::kGustPhase:
-    case ParameterKind::kGustWaveX:
-    case ParameterKind::kGustWaveY:
-    case ParameterKind::kGustWaveZ:
-    case ParameterKind::kWindShearX:
-    case ParameterKind::kWindShearY:
-    case ParameterKind::kWindShearZ:
+    case ParameterTerm::kWind:
       for (const Handle& handle : handles_) {
         if (model_.drag() == nullptr) break;
         const double time = model_.scene().start_time + step * time_step_;
@@ -234,20 +208,22 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
             AirSlope(handle, 1.0) * model_.drag()->WindDerivativeAt(handle.node, time, wind_, id);
       }
       break;
-    case ParameterKind::kDrag:
+    case ParameterTerm::kDrag:
       for (const Handle& handle : handles_) {
         if (model_.drag() == nullptr) break;
         sums.segment<3>(3 * handle.group) += model_.DragAreas(id)[handle.node] * AirSpeed(step, handle, states);
       }
       break;
-    case ParameterKind::kSizeX:
-    case ParameterKind::kSizeY:
+    case ParameterTerm::kSize:
       throw Error(ErrorKind::kUsage, "size.x and size.y: no parameters of a recording with forces at its handles");
-    case ParameterKind::kDamping:
+    case ParameterTerm::kDamping:
       if (damping_) DampingOf(id).AddForce(1.0, time_step_, StartMetrics(window, states), positions, &force);
       break;
-    default:  // of contact, above
-      break;
+    case ParameterTerm::kDirectionalDrag:  // the constructor refuses scenes that have it
+    case ParameterTerm::kFriction:
+    case ParameterTerm::kSelfFriction:
+    case ParameterTerm::kPlacement:
+      break;  // of contact: above
   }
   SubtractSums(force, &sums);
   return sums;

@@ -112,7 +112,7 @@ class HandleForces {
   Eigen::SparseMatrix<double> RowsOf(const Eigen::SparseMatrix<double>& matrix) const;
   // What eta `id` multiplies.
   StrainRateDamping DampingOf(ParameterId id) const;
-  Eigen::Index RowOf(const Handle& handle) const;  // in columns over the scene's handles
+  Eigen::Index FirstRowOf(const Handle& handle) const;  // in columns over the scene's handles
   Eigen::Vector3d Derivative(const std::array<double, 3>& weights, const Handle& handle, const States& states) const;
   Eigen::Vector3d Acceleration(const Handle& handle, const States& states) const;  // a, m/s^2
   // The velocity of a handle to the air around it, m/s; and dR/dx_k of drag, kg/s. All that is said of air is here.

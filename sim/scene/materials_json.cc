@@ -22,6 +22,13 @@ void ReadPositive(const JsonNode& object, const char* key, double* value) {
   if (const auto node = object.Find(key)) *value = node->PositiveNumber();
 }
 
+// One that no law of the scene decides about.
+void ReadFreeConstant(const JsonNode& materials, const ParameterRow& row, Material* material) {
+  if (row.need != ParameterNeed::kNothing) return;
+  const bool is_positive = row.domain == ParameterDomain::kPositive;
+  (is_positive ? ReadPositive : ReadNonNegative)(materials, row.name, &(material->*row.constant));
+}
+
 void ReadBendRest(const JsonNode& node, Bending* bending) {
   if (!node.is(Kind::kString) || (node.String() != "mesh" && node.String() != "flat")) {
     node.Fail("expected \"mesh\" or \"flat\"");
@@ -162,7 +169,7 @@ ParameterPrior ReadPrior(const JsonNode& node, ParameterKind kind) {
   if (!IsLogarithmic(kind)) {
     node.ExpectKeys({"mean", "std"});
     const JsonNode mean = node.Require("mean", "a number");
-    prior.center = DomainOf(kind) == ParameterDomain::kAny ? mean.Number() : mean.NonNegativeNumber();
+    prior.center = RowOf(kind).domain == ParameterDomain::kAny ? mean.Number() : mean.NonNegativeNumber();
     prior.spread = node.Require("std", "a standard deviation > 0").PositiveNumber();
     return prior;
   }
@@ -188,17 +195,11 @@ void ReadFabric(const JsonNode& node, Scene* scene) {
 }
 
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene) {
-  node.ExpectKeys({"density",         "membrane",   "k_stretch",      "k_warp",     "k_weft",    "k_shear",
-                   "k_poisson",       "bending",    "k_bend",         "bend_warp",  "bend_weft", "bend_twist",
-                   "bend_poisson",    "bend_rest",  "warp_direction", "warp_angle", "drag",      "drag_normal",
-                   "drag_tangential", "added_mass", "damping"});
-  Material& material = scene->material;
-  ReadPositive(node, "density", &material.density);
-  ReadNonNegative(node, "drag", &material.drag);
-  ReadNonNegative(node, "drag_normal", &material.normal_drag);
-  ReadNonNegative(node, "drag_tangential", &material.tangential_drag);
-  ReadNonNegative(node, "added_mass", &material.added_mass);
-  ReadNonNegative(node, "damping", &material.damping);
+  std::vector<const char*> keys;
+  for (const ParameterKind kind : MaterialKinds()) keys.push_back(RowOf(kind).name);
+  keys.insert(keys.end(), {"membrane", "bending", "bend_poisson", "bend_rest", "warp_direction", "warp_angle"});
+  node.ExpectKeys(keys);
+  for (const ParameterKind kind : MaterialKinds()) ReadFreeConstant(node, RowOf(kind), &scene->material);
   ReadMembrane(node, scene);
   ReadBending(node, &scene->bending);
   ReadRigidities(node, scene);

@@ -1,5 +1,5 @@
 // What a fit may change: the constants of the material, or of those of its pieces, the friction of the obstacles and
-// the wind, and their names.
+// the wind, and their names. What is known of each kind: sim/scene/parameter_table.h.
 #ifndef CLOTHID_SIM_SCENE_PARAMETERS_H_
 #define CLOTHID_SIM_SCENE_PARAMETERS_H_
 
@@ -12,29 +12,10 @@
 
 #include "sim/air/wind.h"
 #include "sim/path/placement.h"
+#include "sim/scene/material.h"
+#include "sim/scene/parameter_table.h"
 
 namespace clothid {
-
-struct Material {
-  double density = 0.15;             // rho, kg/m^2
-  double stretch_stiffness = 100.0;  // k, N/m
-  double bending_stiffness = 0.0;    // k_b, N m; 0: the scene has no bending
-  double drag = 0.0;                 // c_d, kg/(m^2 s), the same in every direction; 0: the scene has no such drag
-  double damping = 0.0;              // eta, N s/m; 0: the scene has no internal damping. eta/k is a relaxation time
-  // Of an orthotropic membrane, in place of k: C_11, C_22, C_66 and C_12, N/m (sim/cloth/orthotropic_energy.h).
-  double warp_stiffness = 0.0, weft_stiffness = 0.0, shear_stiffness = 0.0, poisson_stiffness = 0.0;
-  // Of orthotropic bending, in place of k_b: D_11, D_22 and D_66, N m (sim/shell/bending_patch.h).
-  double warp_bending = 0.0, weft_bending = 0.0, twist_bending = 0.0;
-
-  // c_n and c_t of drag by direction: kg/(m^2 s), or kg/m^3 where the law of the air is quadratic
-  // (sim/cloth/directional_drag.h). Both 0: the scene has none.
-  double normal_drag = 0.0, tangential_drag = 0.0;
-  double added_mass = 0.0;  // m_a, kg/m^2: air that moves with the cloth; inertia without weight
-
-  double areal_inertia() const { return density + added_mass; }  // kg/m^2
-
-  bool operator==(const Material& other) const;
-};
 
 struct FieldFactors;  // sim/scene/material_field.h
 
@@ -58,78 +39,13 @@ struct Parameters {
   double self_friction = 0.0;  // mu of the cloth against itself, where the scene has self-contact
 };
 
-enum class ParameterKind {
-  kFriction,
-  kStretchStiffness,
-  kBendingStiffness,
-  kDensity,
-  kDrag,
-  kDamping,
-  kWarpStiffness,
-  kWeftStiffness,
-  kShearStiffness,
-  kPoissonStiffness,
-  kWarpBending,
-  kWeftBending,
-  kTwistBending,
-  kNormalDrag,
-  kTangentialDrag,
-  kAddedMass,
-  kWindX,  // the mean, or a knot of the profile
-  kWindY,
-  kWindZ,
-  kGustX,
-  kGustY,
-  kGustZ,
-  kGustFrequency,
-  kGustPhase,
-  kGustWaveX,
-  kGustWaveY,
-  kGustWaveZ,
-  kWindShearX,
-  kWindShearY,
-  kWindShearZ,
-  kSizeX,  // of the cloth at rest
-  kSizeY,
-  kPathTimeOffset,  // of an obstacle that moves
-  kPathShiftX,
-  kPathShiftY,
-  kPathShiftZ,
-  kPathTurnX,
-  kPathTurnY,
-  kPathTurnZ,
-  kSelfFriction,  // of the cloth against itself
-};
-
-// The constants of a material, in the order in which lists name them.
-inline constexpr ParameterKind kMaterialKinds[] = {ParameterKind::kStretchStiffness, ParameterKind::kBendingStiffness,
-                                                   ParameterKind::kDensity,          ParameterKind::kDrag,
-                                                   ParameterKind::kDamping,          ParameterKind::kWarpStiffness,
-                                                   ParameterKind::kWeftStiffness,    ParameterKind::kShearStiffness,
-                                                   ParameterKind::kPoissonStiffness, ParameterKind::kWarpBending,
-                                                   ParameterKind::kWeftBending,      ParameterKind::kTwistBending,
-                                                   ParameterKind::kNormalDrag,       ParameterKind::kTangentialDrag,
-                                                   ParameterKind::kAddedMass};
-inline constexpr ParameterKind kWindKinds[] = {
-    ParameterKind::kWindX,      ParameterKind::kWindY,     ParameterKind::kWindZ,         ParameterKind::kGustX,
-    ParameterKind::kGustY,      ParameterKind::kGustZ,     ParameterKind::kGustFrequency, ParameterKind::kGustPhase,
-    ParameterKind::kGustWaveX,  ParameterKind::kGustWaveY, ParameterKind::kGustWaveZ,     ParameterKind::kWindShearX,
-    ParameterKind::kWindShearY, ParameterKind::kWindShearZ};
-inline constexpr ParameterKind kPlacementKinds[] = {
-    ParameterKind::kPathTimeOffset, ParameterKind::kPathShiftX, ParameterKind::kPathShiftY, ParameterKind::kPathShiftZ,
-    ParameterKind::kPathTurnX,      ParameterKind::kPathTurnY,  ParameterKind::kPathTurnZ};
 bool IsWind(ParameterKind kind);
 bool IsSize(ParameterKind kind);
 bool IsPlacement(ParameterKind kind);
 bool IsFriction(ParameterKind kind);  // against obstacles or the cloth itself
 // Whether a step depends on it by its contacts alone: friction, and how an obstacle's path is placed.
 bool IsOfContact(ParameterKind kind);
-// Of a kind of placement.
-PlacementPart PartOf(ParameterKind kind);
-
 // Values that a parameter can have; finite ones.
-enum class ParameterDomain { kPositive, kNotNegative, kAny };
-ParameterDomain DomainOf(ParameterKind kind);
 bool IsInDomain(ParameterDomain domain, double value);
 const char* DomainWords(ParameterDomain domain);  // "a finite number > 0"
 
@@ -137,17 +53,13 @@ inline constexpr int kAllObstacles = -1;
 inline constexpr int kMeanWind = -1;
 inline constexpr int kWholeCloth = -1;
 
-// Whether pieces of a cloth can have such a constant of their own: all of the material but added mass and drag by
-// direction.
-bool CanBeOfPiece(ParameterKind kind);
-
 // One scalar of `Parameters`, or the friction of all obstacles, or a constant of all pieces, at once.
 struct ParameterId {
   ParameterKind kind = ParameterKind::kStretchStiffness;
   // An index into the scene's obstacles: for kFriction, or kAllObstacles, and for placements.
   int obstacle = kAllObstacles;
   int knot = kMeanWind;     // for kWindX, kWindY and kWindZ: one of the wind's profile, or kMeanWind
-  int piece = kWholeCloth;  // for what CanBeOfPiece: a piece of the scene's mesh, or kWholeCloth
+  int piece = kWholeCloth;  // for what `can_be_of_piece`: a piece of the scene's mesh, or kWholeCloth
 
   bool operator==(const ParameterId& other) const {
     return kind == other.kind && obstacle == other.obstacle && knot == other.knot && piece == other.piece;
@@ -178,9 +90,6 @@ bool Includes(ParameterId whole, ParameterId part);
 // "mu=0.3, k_stretch=300" -> {{"k_stretch", 300}, {"mu", 0.3}}. Empty text: empty map. Throws `Error` (kUsage), naming
 // `flag`, unless every item is NAME=NUMBER with a finite number and every name is there once. The names may be any.
 std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag);
-
-// The constant of a material that `kind` names; null for friction, wind and size.
-double Material::*MaterialConstant(ParameterKind kind);
 
 // The value of `id`. For the friction of all obstacles: that of the first; NaN where there is no obstacle. For a
 // constant of all pieces: that of `material`. Setting that sets those of all pieces. Throw `std::out_of_range` for an

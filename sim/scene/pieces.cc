@@ -63,26 +63,27 @@ Material ReadMaterial(const JsonNode& piece, const Scene& scene) {
   for (const std::string& key : piece.keys()) {
     if (key == kTriangles) continue;
     const JsonNode node = *piece.Find(key);
-    const auto kind = std::find_if(std::begin(kMaterialKinds), std::end(kMaterialKinds), [&](ParameterKind other) {
-      return CanBeOfPiece(other) && ParameterName({other}, {}) == key;
+    const auto kind = std::find_if(MaterialKinds().begin(), MaterialKinds().end(), [&](ParameterKind other) {
+      return RowOf(other).can_be_of_piece && ParameterName({other}, {}) == key;
     });
-    if (kind == std::end(kMaterialKinds)) node.Fail("expected triangles, or a constant that pieces can have");
+    if (kind == MaterialKinds().end()) node.Fail("expected triangles, or a constant that pieces can have");
     const bool is_field = std::any_of(scene.fields.begin(), scene.fields.end(),
                                       [&](const GridField& field) { return field.kind == *kind; });
     if (is_field) node.Fail("expected none beside 'fields." + key + "'");
     if (!scene.has(*kind)) node.Fail("the scene has no such term");
-    if (!IsInDomain(DomainOf(*kind), node.Number())) node.Fail(std::string("expected ") + DomainWords(DomainOf(*kind)));
-    material.*MaterialConstant(*kind) = node.Number();
+    if (!IsInDomain(RowOf(*kind).domain, node.Number()))
+      node.Fail(std::string("expected ") + DomainWords(RowOf(*kind).domain));
+    material.*RowOf(*kind).constant = node.Number();
   }
   return material;
 }
 
 // A level that is not 0 where a piece has more than that.
 void RaiseLevels(Scene* scene) {
-  for (const ParameterKind kind : kMaterialKinds) {
-    double& level = scene->material.*MaterialConstant(kind);
-    if (level != 0.0 || DomainOf(kind) == ParameterDomain::kAny) continue;
-    for (const Material& material : scene->pieces) level = std::max(level, material.*MaterialConstant(kind));
+  for (const ParameterKind kind : MaterialKinds()) {
+    double& level = scene->material.*RowOf(kind).constant;
+    if (level != 0.0 || RowOf(kind).domain == ParameterDomain::kAny) continue;
+    for (const Material& material : scene->pieces) level = std::max(level, material.*RowOf(kind).constant);
   }
 }
 
@@ -117,8 +118,8 @@ void ValidatePieceMaterials(const Parameters& parameters, const Scene& scene, co
     throw Error(ErrorKind::kBadData, source + ": expected a material for every piece of the scene");
   }
   for (std::size_t i = 0; i < parameters.pieces.size(); ++i) {
-    for (const ParameterKind kind : kMaterialKinds) {
-      double Material::*const constant = MaterialConstant(kind);
+    for (const ParameterKind kind : MaterialKinds()) {
+      double Material::*const constant = RowOf(kind).constant;
       const double value = parameters.pieces[i].*constant, level = parameters.material.*constant;
       const auto expect = [&](bool condition, const std::string& expected) {
         if (condition) return;
@@ -126,16 +127,16 @@ void ValidatePieceMaterials(const Parameters& parameters, const Scene& scene, co
         throw Error(ErrorKind::kBadData,
                     source + ": parameter '" + name + "' is " + std::to_string(value) + "; expected " + expected);
       };
-      if (scene.has(kind)) expect(IsInDomain(DomainOf(kind), value), DomainWords(DomainOf(kind)));
+      if (scene.has(kind)) expect(IsInDomain(RowOf(kind).domain, value), DomainWords(RowOf(kind).domain));
       expect(scene.has_of_pieces(kind) || value == level, "that of the whole cloth");
-      expect(level != 0.0 || value == 0.0 || DomainOf(kind) == ParameterDomain::kAny,
+      expect(level != 0.0 || value == 0.0 || RowOf(kind).domain == ParameterDomain::kAny,
              "0, as the material of the scene has it");
     }
   }
 }
 
 Eigen::VectorXd PieceWeights(const Parameters& parameters, ParameterKind kind, const Mesh& mesh) {
-  double Material::*const constant = MaterialConstant(kind);
+  double Material::*const constant = RowOf(kind).constant;
   const double level = parameters.material.*constant;
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(mesh.num_faces());
   if (level == 0.0) return weights;
@@ -149,9 +150,9 @@ Material MeanMaterial(const Parameters& parameters, const Mesh& mesh) {
   Material mean = parameters.material;
   if (parameters.pieces.empty()) return mean;
   const Eigen::VectorXd areas = TriangleAreas(mesh);
-  for (const ParameterKind kind : kMaterialKinds) {
-    double Material::*const constant = MaterialConstant(kind);
-    if (!CanBeOfPiece(kind)) continue;
+  for (const ParameterKind kind : MaterialKinds()) {
+    double Material::*const constant = RowOf(kind).constant;
+    if (!RowOf(kind).can_be_of_piece) continue;
     double sum = 0.0;
     for (int f = 0; f < mesh.num_faces(); ++f) {
       sum += areas[f] * (parameters.pieces[static_cast<std::size_t>(mesh.face_pieces[f])].*constant);

@@ -34,7 +34,7 @@ void SetFields(const Scene& scene, Parameters* parameters) {
 
 const char* IntegratorName(Integrator integrator) { return integrator == Integrator::kSdirk2 ? "sdirk2" : "euler"; }
 
-bool IsLogarithmic(ParameterKind kind) { return !IsFriction(kind) && DomainOf(kind) != ParameterDomain::kAny; }
+bool IsLogarithmic(ParameterKind kind) { return !IsFriction(kind) && RowOf(kind).domain != ParameterDomain::kAny; }
 
 int Scene::num_steps() const { return std::max(0, static_cast<int>(std::ceil(duration / time_step - kStepRounding))); }
 
@@ -110,38 +110,34 @@ SurfacePoint SurfacesAt::Nearest(const Eigen::Vector3d& position) const {
 }
 
 bool Scene::has(ParameterKind kind) const {
-  if (IsPlacement(kind)) return has_moving_obstacles();
-  switch (kind) {
-    case ParameterKind::kStretchStiffness:
+  switch (RowOf(kind).need) {
+    case ParameterNeed::kArapMembrane:
       return membrane == MembraneLaw::kArap;
-    case ParameterKind::kWarpStiffness:
-    case ParameterKind::kWeftStiffness:
-    case ParameterKind::kShearStiffness:
-    case ParameterKind::kPoissonStiffness:
+    case ParameterNeed::kOrthotropicMembrane:
       return membrane == MembraneLaw::kOrthotropic;
-    case ParameterKind::kSelfFriction:
-      return self_contact.has_value();
-    case ParameterKind::kBendingStiffness:
+    case ParameterNeed::kIsotropicBending:
       return !bending.orthotropic;
-    case ParameterKind::kWarpBending:
-    case ParameterKind::kWeftBending:
-    case ParameterKind::kTwistBending:
+    case ParameterNeed::kOrthotropicBending:
       return bending.orthotropic;
-    default:
-      return true;
+    case ParameterNeed::kSelfContact:
+      return self_contact.has_value();
+    case ParameterNeed::kMovingObstacle:
+      return has_moving_obstacles();
+    case ParameterNeed::kNothing:
+      break;
   }
+  return true;
 }
 
 bool Scene::has_term(ParameterKind kind) const {
-  switch (kind) {
-    case ParameterKind::kBendingStiffness:
+  switch (RowOf(kind).term) {
+    case ParameterTerm::kBending:
       return has(kind) && has_bending();
-    case ParameterKind::kDrag:
+    case ParameterTerm::kDrag:
       return has_drag();
-    case ParameterKind::kNormalDrag:
-    case ParameterKind::kTangentialDrag:
+    case ParameterTerm::kDirectionalDrag:
       return has_directional_drag();
-    case ParameterKind::kDamping:
+    case ParameterTerm::kDamping:
       return has_damping();
     default:
       return has(kind);
@@ -149,14 +145,14 @@ bool Scene::has_term(ParameterKind kind) const {
 }
 
 bool Scene::has_of_pieces(ParameterKind kind) const {
-  return !pieces.empty() && CanBeOfPiece(kind) && has(kind) &&
+  return !pieces.empty() && RowOf(kind).can_be_of_piece && has(kind) &&
          std::none_of(fields.begin(), fields.end(), [kind](const GridField& field) { return field.kind == kind; });
 }
 
 std::vector<ParameterId> Scene::piece_parameters() const {
   std::vector<ParameterId> ids;
   for (int i = 0; i < static_cast<int>(mesh.piece_names.size()); ++i) {
-    for (const ParameterKind kind : kMaterialKinds) {
+    for (const ParameterKind kind : MaterialKinds()) {
       if (has_of_pieces(kind) && has_term(kind)) ids.push_back({kind, kAllObstacles, kMeanWind, i});
     }
   }

@@ -242,7 +242,7 @@ class SceneReader {
       const ParameterId id = KnownParameter(node, name);
       node.ExpectKeys({"nominal", "lower", "upper", "frozen", "prior"});
       ParameterRange& range = scene_.parameters[name];
-      const ParameterDomain domain = DomainOf(id.kind);
+      const ParameterDomain domain = RowOf(id.kind).domain;
       const auto read_bound = domain == ParameterDomain::kAny ? ReadNumber : ReadNonNegative;
       (domain == ParameterDomain::kPositive ? ReadPositive : read_bound)(node, "nominal", &range.nominal);
       read_bound(node, "lower", &range.lower_bound);

@@ -132,7 +132,7 @@ void ValidateRange(const ParameterRange& range, ParameterDomain domain, const st
 void ValidatePrior(const ParameterRange& range, ParameterKind kind, const std::string& key, const Checker& check) {
   const ParameterPrior& prior = range.prior;
   if (!prior.is_given() && std::isnan(prior.spread)) return;
-  const ParameterDomain domain = IsLogarithmic(kind) ? ParameterDomain::kPositive : DomainOf(kind);
+  const ParameterDomain domain = IsLogarithmic(kind) ? ParameterDomain::kPositive : RowOf(kind).domain;
   check.Expect(IsInDomain(domain, prior.center), key + ".center", DomainWords(domain));
   const double least = IsLogarithmic(kind) ? 1.0 : 0.0;
   check.Expect(std::isfinite(prior.spread) && prior.spread > least, key + ".spread",
@@ -148,7 +148,7 @@ void ValidateRanges(const Scene& scene, const Checker& check) {
     } catch (const Error& error) {
       check.Expect(false, "parameters", std::string("known names: ") + error.what());
     }
-    ValidateRange(range, DomainOf(id.kind), "parameters." + name, check);
+    ValidateRange(range, RowOf(id.kind).domain, "parameters." + name, check);
     ValidatePrior(range, id.kind, "parameters." + name + ".prior", check);
   }
 }
@@ -160,11 +160,11 @@ void ValidateRanges(const Scene& scene, const Checker& check) {
 }
 
 void ValidateMaterial(const Parameters& parameters, const Scene& scene, const std::string& source) {
-  for (const ParameterKind kind : kMaterialKinds) {
-    const double value = parameters.material.*MaterialConstant(kind);
+  for (const ParameterKind kind : MaterialKinds()) {
+    const double value = parameters.material.*RowOf(kind).constant;
     const std::string name = ParameterName({kind}, {});
-    if (scene.has(kind) && !IsInDomain(DomainOf(kind), value)) {
-      Refuse(source, name, value, std::string("; expected ") + DomainWords(DomainOf(kind)));
+    if (scene.has(kind) && !IsInDomain(RowOf(kind).domain, value)) {
+      Refuse(source, name, value, std::string("; expected ") + DomainWords(RowOf(kind).domain));
     }
     if (scene.has_term(kind) || value == 0.0 || kind == ParameterKind::kStretchStiffness) continue;
     Refuse(source, name, value, ", but the scene was set up without it; expected 0, or a scene that gives it");

@@ -17,10 +17,10 @@ inline Scene InPieces(Scene scene, double a, double b) {
   for (int f = 0; f < mesh.num_faces(); ++f) mesh.face_pieces.push_back(3 * f / mesh.num_faces());
   Parameters nominal = scene.nominal_parameters();
   nominal.pieces.assign(3, nominal.material);
-  for (const ParameterKind kind : kMaterialKinds) {
-    if (!CanBeOfPiece(kind)) continue;
-    nominal.pieces[0].*MaterialConstant(kind) *= a;
-    nominal.pieces[1].*MaterialConstant(kind) *= b;
+  for (const ParameterKind kind : MaterialKinds()) {
+    if (!RowOf(kind).can_be_of_piece) continue;
+    nominal.pieces[0].*RowOf(kind).constant *= a;
+    nominal.pieces[1].*RowOf(kind).constant *= b;
     scene.parameters.erase(ParameterName({kind}, {}));
   }
   scene.SetMaterials(nominal);

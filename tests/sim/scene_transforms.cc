@@ -100,7 +100,7 @@ double Units::Of(ParameterKind kind, AirLaw law) const {
 
 Parameters Rescaled(const Parameters& parameters, const Units& units, AirLaw law) {
   Parameters result = parameters;
-  for (const ParameterKind kind : kMaterialKinds) result.material.*MaterialConstant(kind) *= units.Of(kind, law);
+  for (const ParameterKind kind : MaterialKinds()) result.material.*RowOf(kind).constant *= units.Of(kind, law);
   return result;
 }
 

@@ -56,8 +56,8 @@ LandscapeAxis ParseAxis(const std::string& text, const std::string& flag,
   if (!(axis.lower < axis.upper)) FailOnAxis(flag, text, "expected a lower end below the upper one");
   if (*num_cells < 2) FailOnAxis(flag, text, "expected at least 2 cells");
   if (has_scale && !(axis.lower > 0.0)) FailOnAxis(flag, text, "expected a lower end above 0 on a log axis");
-  if (!IsInDomain(DomainOf(kind), axis.lower)) {
-    const bool above = DomainOf(kind) == ParameterDomain::kPositive;
+  if (!IsInDomain(RowOf(kind).domain, axis.lower)) {
+    const bool above = RowOf(kind).domain == ParameterDomain::kPositive;
     FailOnAxis(flag, text, above ? "expected a lower end above 0" : "expected a lower end of at least 0");
   }
   return axis;

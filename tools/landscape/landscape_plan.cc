@@ -112,7 +112,7 @@ std::vector<double> ValuesOf(const std::string& parameter, const Scene& scene) {
   const Parameters nominal = scene.nominal_parameters();
   if (id.kind == ParameterKind::kFriction && id.obstacle == kAllObstacles) return nominal.friction_coefficients;
   std::vector<double> values = {GetParameter(nominal, id)};
-  double Material::*const constant = MaterialConstant(id.kind);
+  double Material::*const constant = RowOf(id.kind).constant;
   for (const Material& piece : nominal.pieces) {
     if (constant != nullptr && id.piece == kWholeCloth) values.push_back(piece.*constant);
   }

@@ -130,8 +130,8 @@ void CheckValues(const std::map<std::string, double>& values, const Scene& scene
     if (id.kind == ParameterKind::kFriction && scene.obstacles.empty()) {
       throw Error(ErrorKind::kUsage, source + ": '" + name + "': the scene has no obstacle");
     }
-    if (!IsInDomain(DomainOf(id.kind), value)) {
-      throw Error(ErrorKind::kUsage, source + ": '" + name + "': expected " + DomainWords(DomainOf(id.kind)));
+    if (!IsInDomain(RowOf(id.kind).domain, value)) {
+      throw Error(ErrorKind::kUsage, source + ": '" + name + "': expected " + DomainWords(RowOf(id.kind).domain));
     }
   }
 }

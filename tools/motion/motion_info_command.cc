@@ -107,31 +107,9 @@ void PrintTensors(const MotionTensors& tensors) {
   if (tensors.cloud_sigma > 0.0) PrintTensor("cloud_sigma", "F64", 0, 1, 1);
 }
 
-const char* UnitOf(ParameterKind kind, AirLaw law) {
-  switch (kind) {
-    case ParameterKind::kBendingStiffness:
-    case ParameterKind::kWarpBending:
-    case ParameterKind::kWeftBending:
-    case ParameterKind::kTwistBending:
-      return " N m";
-    case ParameterKind::kDrag:
-      return " kg/(m^2 s)";
-    case ParameterKind::kNormalDrag:
-    case ParameterKind::kTangentialDrag:
-      return law == AirLaw::kQuadratic ? " kg/m^3" : " kg/(m^2 s)";
-    case ParameterKind::kAddedMass:
-      return " kg/m^2";
-    case ParameterKind::kDamping:
-      return " N s/m";
-    default:
-      return " N/m";
-  }
-}
-
 // What few scenes have is told where it is there.
 bool IsTold(ParameterKind kind, double value) {
-  return value != 0.0 || (kind != ParameterKind::kNormalDrag && kind != ParameterKind::kTangentialDrag &&
-                          kind != ParameterKind::kAddedMass);
+  return value != 0.0 || (RowOf(kind).term != ParameterTerm::kDirectionalDrag && kind != ParameterKind::kAddedMass);
 }
 
 void PrintScene(const Scene& scene) {
@@ -142,16 +120,17 @@ void PrintScene(const Scene& scene) {
             << IntegratorName(scene.integrator) << ", contact mode "
             << (scene.contact_mode == ContactMode::kGap ? "gap" : "velocity") << "\n  nominal: density "
             << nominal.material.density << " kg/m^2";
-  for (const ParameterKind kind : kMaterialKinds) {
+  for (const ParameterKind kind : MaterialKinds()) {
     if (kind == ParameterKind::kDensity || !scene.has(kind)) continue;
-    const double value = nominal.material.*MaterialConstant(kind);
+    const double value = nominal.material.*RowOf(kind).constant;
     if (!IsTold(kind, value)) continue;
-    std::cout << ", " << ParameterName({kind}, {}) << " " << value << UnitOf(kind, scene.air_law);
+    std::cout << ", " << ParameterName({kind}, {}) << " " << value << " " << RowOf(kind).UnitIn(scene.air_law);
   }
   std::cout << "\n";
   for (const ParameterId id : scene.piece_parameters()) {
     const std::string name = ParameterName(id, {}, scene.mesh.piece_names);
-    std::cout << "  " << name << " " << GetParameter(nominal, id) << UnitOf(id.kind, scene.air_law) << "\n";
+    std::cout << "  " << name << " " << GetParameter(nominal, id) << " " << RowOf(id.kind).UnitIn(scene.air_law)
+              << "\n";
   }
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
     std::cout << "  obstacle " << scene.obstacles[i].name << ": mu " << nominal.friction_coefficients[i]

@@ -36,7 +36,7 @@ void SetTrueFields(const std::string& text, Scene* scene) {
     if (!seen.insert(field.kind).second) {
       throw Error(ErrorKind::kUsage, "--set_field: '" + name + "' is given twice");
     }
-    double Material::*const constant = MaterialConstant(field.kind);
+    double Material::*const constant = RowOf(field.kind).constant;
     for (const Material& piece : scene->pieces) {
       if (piece.*constant == scene->material.*constant) continue;
       throw Error(ErrorKind::kUsage, "--set_field: '" + name + "' differs between the pieces of the scene");

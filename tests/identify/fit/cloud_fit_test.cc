@@ -103,7 +103,9 @@ TEST_F(DrapeCloudTest, FrictionAndStiffnessAreFoundFromTheNominalStart) {
 
 TEST_F(DrapeCloudTest, OutliersNeedALoss) {
   const RecordedMotion motion = WithOutliers();
-  const FitSummary robust = RunFit(motion, WithLoss("huber:2")), squares = RunFit(motion, WithLoss("none"));
+  FitOptions huber = WithLoss("huber:2"), none = WithLoss("none");
+  huber.growing_horizon = none.growing_horizon = false;  // the first frames find nothing else, at twice the price
+  const FitSummary robust = RunFit(motion, huber), squares = RunFit(motion, none);
   ExpectTruthWithin(0.03, robust);
   EXPECT_GT(RelativeError(squares), 2.0 * RelativeError(robust));
   EXPECT_GT(robust.error.cloud.num_far, 0.05 * robust.error.cloud.num_points);

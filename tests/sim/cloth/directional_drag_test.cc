@@ -131,7 +131,7 @@ TEST_P(DirectionalDragTest, TheDerivativeByThePredictedPositionsIsADifference) {
 
 TEST_P(DirectionalDragTest, TheDerivativeByTheWindIsADifference) {
   Parameters parameters = scene_.nominal_parameters();
-  for (const ParameterKind kind : kWindKinds) {
+  for (const ParameterKind kind : KindsOf(ParameterTerm::kWind)) {
     const ParameterId id{kind};
     Eigen::VectorXd derivative = Eigen::VectorXd::Zero(v_.size()), sides[2];
     drag().SetAir(x_, scene_.wind, kTime, &air_);

@@ -100,11 +100,11 @@ class GradientCase {
     }
     for (int i = 0; i < static_cast<int>(scene_.obstacles.size()); ++i) {
       if (!scene_.obstacles[i].moves()) continue;
-      for (const ParameterKind kind : kPlacementKinds) ids_.push_back({kind, i});
+      for (const ParameterKind kind : KindsOf(ParameterTerm::kPlacement)) ids_.push_back({kind, i});
     }
     if (scene_.self_contact) ids_.push_back({ParameterKind::kSelfFriction});
-    for (const ParameterKind kind : kMaterialKinds) {
-      if (scene_.has(kind) && parameters_.material.*MaterialConstant(kind) != 0.0) ids_.push_back({kind});
+    for (const ParameterKind kind : MaterialKinds()) {
+      if (scene_.has(kind) && parameters_.material.*RowOf(kind).constant != 0.0) ids_.push_back({kind});
     }
     for (const ParameterId id : scene_.piece_parameters()) ids_.push_back(id);
   }
@@ -158,7 +158,7 @@ class GradientCase {
       if (ids_[i] == ParameterId{ParameterKind::kFriction, kAllObstacles}) {
         for (double& mu : parameters.friction_coefficients) mu += step;
       } else if (scene_.has_of_pieces(ids_[i].kind) && ids_[i].piece == kWholeCloth) {
-        for (Material& piece : parameters.pieces) piece.*MaterialConstant(ids_[i].kind) += step;
+        for (Material& piece : parameters.pieces) piece.*RowOf(ids_[i].kind).constant += step;
       } else {
         SetParameter(ids_[i], GetParameter(parameters_, ids_[i]) + step, &parameters);
       }

@@ -323,7 +323,7 @@ TEST_P(HandleForceDerivativeTest, IsThatOfTheForceByParameters) {
   ForEachStep(
       [this](const ClothModel& model, const HandleForces& forces, int step, const HandleForces::States& states) {
         std::vector<ParameterId> ids = {{ParameterKind::kWindX}, {ParameterKind::kWindZ}};
-        for (const ParameterKind kind : kMaterialKinds) {
+        for (const ParameterKind kind : MaterialKinds()) {
           const bool is_refused = kind == ParameterKind::kNormalDrag || kind == ParameterKind::kTangentialDrag;
           if (scene_.has(kind) && !is_refused) ids.push_back({kind});
         }

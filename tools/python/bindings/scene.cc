@@ -45,12 +45,12 @@ py::dict NominalValues(const PyScene& self) {
     values[py::str(ParameterName(id, scene.obstacle_names(), scene.mesh.piece_names))] = GetParameter(parameters, id);
   };
   for (int i = 0; i < static_cast<int>(scene.obstacles.size()); ++i) add({ParameterKind::kFriction, i});
-  for (const ParameterKind kind : kMaterialKinds) {
+  for (const ParameterKind kind : MaterialKinds()) {
     if (scene.has(kind)) add({kind});
   }
   for (const ParameterId id : scene.piece_parameters()) add(id);
   if (!scene.has_wind()) return values;
-  for (const ParameterKind kind : kWindKinds) add({kind});
+  for (const ParameterKind kind : KindsOf(ParameterTerm::kWind)) add({kind});
   return values;
 }
 

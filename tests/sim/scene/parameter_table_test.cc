@@ -1,0 +1,99 @@
+// The table of parameters: complete, in the order of its kinds, and what pages and programs say of units.
+#include "sim/scene/parameter_table.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "sim/base/text_file.h"
+#include "sim/scene/parameters.h"
+
+namespace clothid::parameter_table_test {
+namespace {
+
+std::string Source(const std::string& path) { return ReadText(CLOTHID_SOURCE_DIR "/" + path, 1 << 20); }
+
+TEST(ParameterTableTest, HasARowForEveryKindInTheirOrder) {
+  const std::vector<ParameterRow>& table = ParameterTable();
+  ASSERT_EQ(table.size(), static_cast<std::size_t>(ParameterKind::kPathTurnZ) + 1);
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    EXPECT_EQ(static_cast<std::size_t>(table[i].kind), i) << table[i].name;
+    EXPECT_TRUE(names.insert(table[i].name).second) << table[i].name;
+  }
+}
+
+TEST(ParameterTableTest, HoldsEveryConstantOfAMaterial) {
+  EXPECT_EQ(sizeof(Material), MaterialKinds().size() * sizeof(double));
+  Material material;
+  for (const ParameterKind kind : MaterialKinds()) {
+    Material other = material;
+    other.*RowOf(kind).constant += 1.0;
+    EXPECT_FALSE(other == material) << RowOf(kind).name;
+  }
+}
+
+// Each scalar has a place of its own: what is set comes back, and nothing else has changed.
+TEST(ParameterTableTest, EveryRowHasAPlaceOfItsOwn) {
+  Parameters parameters;
+  parameters.friction_coefficients = {0.3};
+  parameters.placements.resize(1);
+  std::vector<ParameterId> ids;
+  for (const ParameterRow& row : ParameterTable()) ids.push_back({row.kind, 0});
+  for (std::size_t i = 0; i < ids.size(); ++i) SetParameter(ids[i], static_cast<double>(i + 1), &parameters);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    EXPECT_EQ(GetParameter(parameters, ids[i]), static_cast<double>(i + 1)) << RowOf(ids[i].kind).name;
+  }
+}
+
+// costs/README.md lists every name, with its unit in the same row.
+TEST(ParameterTableTest, PageOfCostsTellsEveryUnit) {
+  const std::string page = Source("costs/README.md");
+  for (const ParameterRow& row : ParameterTable()) {
+    if (row.term == ParameterTerm::kPlacement) continue;  // in the page of scenes
+    std::string name = row.name, rest;
+    // The second and the third component stand behind the first: "`wind.x`, `.y`, `.z`".
+    const bool is_other_axis = std::regex_search(name, std::regex(R"(\.[yz]$)")) && row.term == ParameterTerm::kWind;
+    if (is_other_axis) name = name.substr(0, name.size() - 1) + "x";
+    const std::string unit = std::string(row.unit).empty() ? "1" : row.unit;
+    bool is_told = false;
+    for (const std::string& line : Split(page, '\n')) {
+      if (line.empty() || line[0] != '|' || line.find("`" + name + "`") == line.npos) continue;
+      is_told = is_told || std::count(line.begin(), line.end(), '|') >= 4;
+      EXPECT_NE(line.find(unit), line.npos) << row.name << ": " << line;
+    }
+    const bool is_self = row.term == ParameterTerm::kSelfFriction;  // one of "mu.NAME"
+    EXPECT_TRUE(is_told || is_self) << row.name;
+  }
+}
+
+// Pages of reports have the units of the table, with raised digits; none where the law of the air decides.
+TEST(ParameterTableTest, ReportsTellTheSameUnits) {
+  const std::string script = Source("identify/report/page/page_text.js");
+  const std::regex entry(R"('?([a-z_.]+)'?: '([^']*)')");
+  const std::size_t begin = script.find("const UNITS = {"), end = script.find("};", begin);
+  ASSERT_NE(end, script.npos);
+  std::map<std::string, std::string> units;
+  const std::string entries = script.substr(begin, end - begin);
+  for (std::sregex_iterator it(entries.begin(), entries.end(), entry), last; it != last; ++it) {
+    units[(*it)[1]] = std::regex_replace((*it)[2].str(), std::regex("²"), "^2");
+  }
+  for (const ParameterRow& row : ParameterTable()) {
+    const bool is_told =
+        *row.unit != '\0' && row.term != ParameterTerm::kDirectionalDrag && row.term != ParameterTerm::kPlacement;
+    EXPECT_EQ(units[row.name], is_told ? row.unit : "") << row.name;
+  }
+}
+
+TEST(ParameterTableTest, UnitOfDragFollowsTheAir) {
+  EXPECT_STREQ(RowOf(ParameterKind::kNormalDrag).UnitIn(AirLaw::kLinear), "kg/(m^2 s)");
+  EXPECT_STREQ(RowOf(ParameterKind::kNormalDrag).UnitIn(AirLaw::kQuadratic), "kg/m^3");
+  EXPECT_STREQ(RowOf(ParameterKind::kDrag).UnitIn(AirLaw::kQuadratic), "kg/(m^2 s)");
+}
+
+}  // namespace
+}  // namespace clothid::parameter_table_test
