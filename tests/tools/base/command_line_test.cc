@@ -110,8 +110,8 @@ TEST_F(CommandLineTest, RefusesWrongCommandsAndArguments) {
   ExpectRefused("motion paint", 1, "'paint': unknown command; there is: info, check");
   ExpectRefused("motion info", 1, "info: expected one file; see motion info --help");
   ExpectRefused("motion convert a.bin ''", 1, "convert: expected a file to read and one to write");
-  ExpectRefused("benchmark", 1, "a command is missing; there is: jacobian");
-  ExpectRefused("benchmark jacobian forward", 1, "'forward': unexpected argument");
+  ExpectRefused("benchmark", 1, "a command is missing; there is: forward");
+  ExpectRefused("benchmark forward backprop", 1, "'backprop': unexpected argument");
 }
 
 }  // namespace
