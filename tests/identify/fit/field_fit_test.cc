@@ -144,7 +144,7 @@ TEST(FieldFit, AFineControlGridTakesNoMoreWork) {
   EXPECT_EQ(fine.status, FitStatus::kConverged) << fine.message;
   EXPECT_NEAR(std::log(fine.fields->weight / coarse.fields->weight), 0.0, std::log(2.0));
   EXPECT_LE(fine.statistics.rollouts, 1.5 * coarse.statistics.rollouts);
-  EXPECT_LE(fine.statistics.sweeps, 1.5 * coarse.statistics.sweeps);
+  EXPECT_LE(fine.statistics.sweeps, 60) << "of 144 unknowns";
   EXPECT_GT(ShareDetermined(fine.fields->fields.front()), 0.5 * ShareDetermined(coarse.fields->fields.front()));
 }
 
