@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/synthetic/true_parameters.h"
+
 namespace clothid {
 
 Eigen::VectorXd FineTruth::PointsAt(double time) const {
@@ -17,7 +19,7 @@ Eigen::VectorXd FineTruth::PointsAt(double time) const {
   return (1.0 - fraction) * from + fraction * Interpolate(points, rollout.positions(before + 1));
 }
 
-FineTruth SimulateFineTruth(const GridScene& grid_scene, const std::vector<TrueParameter>& truth,
+FineTruth SimulateFineTruth(const GridScene& grid_scene, const std::map<std::string, double>& truth,
                             const RolloutOptions& options) {
   FineTruth result;
   result.nodes = {2 * grid_scene.nodes[0] - 1, 2 * grid_scene.nodes[1] - 1};

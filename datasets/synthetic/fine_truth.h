@@ -6,11 +6,12 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
 #include "datasets/synthetic/regrid.h"
-#include "datasets/synthetic/true_recording.h"
 #include "sim/rollout/rollout.h"
 
 namespace clothid {
@@ -29,8 +30,9 @@ struct FineTruth {
   Eigen::VectorXd PointsAt(double time) const;
 };
 
-// As long as the scene has steps. Throws `Error` for what `Regrid` rejects and where a step does not converge.
-FineTruth SimulateFineTruth(const GridScene& grid_scene, const std::vector<TrueParameter>& truth,
+// As long as the scene has steps. Throws `Error` for what `Regrid` and `SetTrueParameters` reject and where a step does
+// not converge.
+FineTruth SimulateFineTruth(const GridScene& grid_scene, const std::map<std::string, double>& truth,
                             const RolloutOptions& options = {});
 
 }  // namespace clothid

@@ -1,6 +1,9 @@
 #include "datasets/synthetic/true_parameters.h"
 
+#include <utility>
+
 #include "sim/base/error.h"
+#include "sim/rollout/simulator.h"
 
 namespace clothid {
 
@@ -21,6 +24,20 @@ Parameters SetTrueParameters(const std::map<std::string, double>& truth, const s
     throw Error(truth.empty() ? error.kind() : ErrorKind::kUsage, error.what());
   }
   return parameters;
+}
+
+Rollout SimulateTruth(const std::map<std::string, double>& truth, const std::string& source, Scene scene,
+                      const RolloutOptions& options) {
+  const Parameters parameters = SetTrueParameters(truth, "--set", source, &scene);
+  scene.wind = parameters.wind;
+  const int num_steps = scene.num_steps();
+  Simulator simulator(std::move(scene));
+  Rollout rollout = Simulate(parameters, num_steps, &simulator, nullptr, options);
+  if (!rollout.ok()) {
+    throw Error(ErrorKind::kBadData,
+                source + ": the true parameters cannot be simulated: " + rollout.failure->ToString());
+  }
+  return rollout;
 }
 
 }  // namespace clothid

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "sim/rollout/rollout.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene.h"
 
@@ -16,6 +17,11 @@ namespace clothid {
 // itself has them.
 Parameters SetTrueParameters(const std::map<std::string, double>& truth, const std::string& flag,
                              const std::string& source, Scene* scene);
+
+// The whole of `scene` with the true parameters, as `SetTrueParameters` sets them for --set. Throws `Error` (kBadData),
+// led by `source`, where a step does not converge.
+Rollout SimulateTruth(const std::map<std::string, double>& truth, const std::string& source, Scene scene,
+                      const RolloutOptions& options = {});
 
 }  // namespace clothid
 

@@ -6,7 +6,7 @@
 
 #include "datasets/motion/motion_file.h"
 #include "datasets/synthetic/synthetic.h"
-#include "datasets/synthetic/true_recording.h"
+#include "datasets/synthetic/true_parameters.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/scene_json.h"

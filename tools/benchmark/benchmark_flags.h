@@ -4,9 +4,6 @@
 
 #include "tools/benchmark/accuracy/benchmark_accuracy.h"
 #include "tools/benchmark/derivatives/benchmark_backprop.h"
-#include "tools/benchmark/derivatives/benchmark_jacobian.h"
-#include "tools/benchmark/fits/benchmark_coverage.h"
-#include "tools/benchmark/fits/benchmark_fields.h"
 #include "tools/benchmark/steps/benchmark_forward.h"
 #include "tools/benchmark/steps/benchmark_stability.h"
 
@@ -14,12 +11,9 @@ namespace clothid {
 
 // Each throws `Error` (kUsage), naming the flag, for text that is no number or list; what is out of range is left to
 // the options' Validate().
-JacobianBenchmarkOptions JacobianOptionsFromFlags();
-CoverageOptions CoverageOptionsFromFlags();
 ForwardBenchmarkOptions ForwardOptionsFromFlags();
 BackpropOptions BackpropOptionsFromFlags();
 AccuracyOptions AccuracyOptionsFromFlags();
-FieldsOptions FieldsOptionsFromFlags();
 StabilityOptions StabilityOptionsFromFlags();
 
 }  // namespace clothid

@@ -4,93 +4,25 @@
 
 namespace clothid {
 
-inline constexpr char kBenchmarkHelp[] = R"(benchmark: accuracy, cost and time of the methods against each other.
+inline constexpr char kBenchmarkHelp[] =
+    R"(benchmark: accuracy, time and stability of the simulation and its derivatives.
 
-  benchmark jacobian  --scene FILE --set LIST   fits with each kind of Jacobian
-  benchmark coverage  --scene FILE --set LIST   how often intervals are right
-  benchmark fields    --scene FILE              fits of constants that vary
-  benchmark forward                             the time of a step
-  benchmark backprop                            the time of a reverse sweep
-  benchmark accuracy                            error against run time
-  benchmark stability                           where simulation fails
+  benchmark forward      the time of a step
+  benchmark backprop     the time of a reverse sweep
+  benchmark accuracy     error against run time
+  benchmark stability    where simulation fails
 
 Everyday flags, each of those modes that `benchmark --help all` lists:
-  --scene FILE    scene.json; of forward and below names, as wind,slope
-  --set LIST      the fitted parameters and their true values, NAME=VALUE[,...]
+  --scene LIST    names of scenes, as wind,slope
   --nodes LIST    nodes along an axis of the meshes
   --settings LIST what is varied: see each mode
   --methods LIST  those to compare (all)
   --repeats N     repetitions, of which tables give medians (3)
-  --seed S        of the noise (1)
-  --threads N     fits or cells side by side; only seconds depend on it (1)
-  --output DIR    writes MODE.csv there, one row per fit, sweep or cell
+  --output DIR    writes MODE.csv there, one row per sweep, point or cell
   --help, --version
 
 Example:
   benchmark forward --scene wind,sphere --nodes 24,48
-)";
-
-inline constexpr char kJacobianHelp[] =
-    R"(benchmark jacobian: fits two parameters to a synthetic recording, without and with noise, from a grid of starts
-(friction 0.02 to 0.58, others 0.1 to 10 times the truth) with each method. Prints how many fits reached the minimum,
-rollouts, sweeps, failed steps, processor seconds (medians), and these relative to `sensitivity`.
-
-  --scene FILE      scene.json; parameters that are not set have its nominal values
-  --set LIST        two parameters and their true values, NAME=VALUE,NAME=VALUE
-  --noise SHARE     standard deviation of noise relative to the cloth's size; 0: none (0.01)
-  --starts N        N x N starts, N even (4)
-  --methods LIST    of adjoint, sensitivity, numeric (all); the linear solver of the first can be added as in
-                    adjoint:fixed_point:1e-4, see identify --adjoint
-  --precision KIND  of the fits: adaptive or full; see identify --help (adaptive)
-  --seed S          of the noise (1)
-  --threads N       fits side by side (1)
-  --output DIR      jacobian.csv, one row per fit
-)";
-
-inline constexpr char kCoverageHelp[] =
-    R"(benchmark coverage: fits recordings that differ by their noise and prints how many 95 % intervals contain the truth, and
-the reported standard deviation beside that of the estimates. With --sensor the truth is simulated on a grid of twice
-the density at a quarter of the time step, seen by that camera and gripper, imported, checked, and fitted together with
-the clock, which is 10 ms off. With --initial rest and others the fits do not know the scene's start, and the table
-also gives: fits without an interval (refused), the mean error over the reported standard deviation, that over the one
-that it would be if the start were known, and rollouts per fit.
-
-  --scene FILE, --set LIST, --seed S (of the first recording), --threads N  as of jacobian
-  --settings LIST   full: every point in every frame; half: half of the points missing; third: every third frame; with
-                    --sensor: clean: without its faults; faults: with them; outliers: with 5 % of the points far off;
-                    huber: the same and the loss huber:2; markers: 5 % of the nodes seen (all)
-  --seeds N         recordings per setting (40)
-  --noise SHARE     as of jacobian; --sigma M: the same in m
-  --start_factor X  the fits start from the true values times this (1.05)
-  --frame_rate HZ   frames per second; `third` has a third of them (one per step)
-  --markers N       free nodes seen, other ones with every seed; not with --initial first; 0: all nodes (0)
-  --initial START   what fits start from: scene (its own start), or first, smoothed, rest, moving as in identify --help;
-                    rest is true of a scene that starts at rest, without --cut (scene)
-  --cut SECONDS     the recording begins so much after the scene's start, in motion (0)
-  --handle_sigma M  standard deviation of noise in m on the path of handles that move (0)
-  --truth_steps N   steps of the truth per step of the scene (1)
-  --truth_levels N  so often the mesh of the truth is refined, every time to twice the density (0)
-  --discretization PARTS  the intervals count with the errors of step, mesh or all, see identify --help
-  --field NAME:RxC[,...]  the fits have fields for unknowns; the truth is that of the scene's `fields`
-  --wind_profile N[:AXES] and a wind that changes, of N knots; the truth is that of the scene's wind.profile
-  --force_sigma N   a gauge holds the handles, with this standard deviation of noise in N
-  --sensor FILE     sensor.json (datasets/README.md)
-  --output DIR      coverage.csv, one row per fit
-)";
-
-inline constexpr char kFieldsHelp[] =
-    R"(benchmark fields: fits a k_stretch that varies over the cloth by a factor of 2 or so. Prints the error of log k over all
-control nodes, the share of those that the verdict calls determined and their error, iterations, rollouts, sweeps,
-processor seconds, those of an iteration without the standard deviations at the end, and what a Jacobian by differences
-takes.
-
-  --scene FILE      scene.json with a grid
-  --set k_stretch=K the level of the truth, N/m (70)
-  --nodes N         along the first axis of the grid (24)
-  --settings LIST   nodes a side of the control grids (4,8,16,32)
-  --sigma M         standard deviation of noise, m (0.001)
-  --seed S          of field and noise (1)
-  --output DIR      fields.csv, one row per fit
 )";
 
 inline constexpr char kForwardHelp[] =

@@ -1,6 +1,5 @@
-// benchmark: accuracy, cost and time of the methods against each other.
+// benchmark: accuracy, time and stability of the simulation and its derivatives.
 #include <gflags/gflags.h>
-#include <glog/logging.h>
 
 #include <chrono>
 #include <iostream>
@@ -23,8 +22,8 @@ namespace {
 // Thrown out of a benchmark after a signal: it ends with the item that it is at.
 struct Interrupted {};
 
-// Prints every item: "3 of 128: adjoint, noise 0.01, start 0.02 7: converged, 7 rollouts; 310 s left", where the time
-// is right for items of one size. Throws `Interrupted` after a signal.
+// Prints every item: "3 of 128: wind, 48 nodes; 310 s left", where the time is right for items of one size. Throws
+// `Interrupted` after a signal.
 BenchmarkProgress ReportProgress() {
   return [start = std::chrono::steady_clock::now()](const std::string& item, int num_done, int num_items) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -46,7 +45,7 @@ int RunMode(const std::string& name) {
   auto options = options_from_flags();
   options.Validate();
   CatchInterrupts();
-  std::optional<OutputFolder> folder;  // before the fits, so that they do not run in vain
+  std::optional<OutputFolder> folder;  // before the benchmark, so that it does not run in vain
   if (!FLAGS_output.empty()) folder.emplace(FLAGS_output);
   *ProgressOf(&options) = ReportProgress();
   const auto benchmark = run(options);
@@ -66,14 +65,6 @@ struct Subcommand {
 };
 
 constexpr Subcommand kSubcommands[] = {
-    {"jacobian", kJacobianHelp, "scene set noise starts methods precision seed threads output",
-     RunMode<JacobianOptionsFromFlags, RunJacobianBenchmark, JacobianTable, JacobianCsv>},
-    {"coverage", kCoverageHelp,
-     "scene set sensor initial cut handle_sigma seeds settings noise sigma frame_rate markers truth_steps truth_levels "
-     "discretization field wind_profile force_sigma start_factor seed threads output",
-     RunMode<CoverageOptionsFromFlags, RunCoverageBenchmark, CoverageTable, CoverageCsv>},
-    {"fields", kFieldsHelp, "scene set nodes settings sigma seed output",
-     RunMode<FieldsOptionsFromFlags, RunFieldsBenchmark, FieldsTable, FieldsCsv>},
     {"forward", kForwardHelp, "scene integrator nodes steps repeats output",
      RunMode<ForwardOptionsFromFlags, RunForwardBenchmark, ForwardTable, ForwardCsv>},
     {"backprop", kBackpropHelp, "scene settings nodes steps methods repeats output",
@@ -97,10 +88,6 @@ int Run(const Subcommand& command) {
 }  // namespace clothid
 
 int main(int argc, char** argv) {
-  // Ceres logs through glog: to stderr, and only what is fatal.
-  FLAGS_logtostderr = true;
-  FLAGS_minloglevel = google::GLOG_FATAL;
-  google::InitGoogleLogging(argv[0]);
   clothid::Program program = {"benchmark", clothid::kBenchmarkHelp, clothid::kBenchmarkMore};
   for (const clothid::Subcommand& each : clothid::kSubcommands) {
     program.commands.push_back({each.name,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -158,8 +159,7 @@ int RunSensor() {
     throw Error(ErrorKind::kUsage, sensor.force_sensor ? "--forces_output is missing: the sensor reads forces"
                                                        : "--forces_output: the sensor reads no forces");
   }
-  const std::vector<TrueParameter> truth =
-      MakeTrueParameters(ParseParameterValues(FLAGS_set, "--set"), grid_scene.scene);
+  const std::map<std::string, double> truth = ParseParameterValues(FLAGS_set, "--set");
   CheckRolloutMemory(FLAGS_scene, (2.0 * grid_scene.nodes[0] - 1.0) * (2.0 * grid_scene.nodes[1] - 1.0),
                      kTrueStepDivisor * static_cast<double>(grid_scene.scene.num_steps()), grid_scene.scene.integrator);
   CheckFileCanBeWritten(FLAGS_output);

@@ -13,7 +13,7 @@
 #include "datasets/checking/check_start.h"
 #include "datasets/checking/motion_check.h"
 #include "datasets/synthetic/synthetic.h"
-#include "datasets/synthetic/true_recording.h"
+#include "datasets/synthetic/true_parameters.h"
 #include "sim/scene/scene_json.h"
 #include "tests/datasets/importing/made_up_capture.h"
 #include "tests/sim/scene/triangle_meshes.h"

@@ -135,6 +135,19 @@ TEST(FieldFit, RecoversAFieldWhereItIsDetermined) {
   EXPECT_NEAR(std::log(fit.values()[1] / 70.0), 0.0, 0.3);
 }
 
+// The weight of the prior, and so the work, are those of the field, not of the control grid.
+TEST(FieldFit, AFineControlGridTakesNoMoreWork) {
+  const RecordedMotion motion = FieldMotion();
+  const FitSummary coarse = FitField(Options({"k_stretch", kRequest.kind, 6, 6}), {motion});
+  const FitSummary fine = FitField(Options({"k_stretch", kRequest.kind, 12, 12}), {motion});
+  ASSERT_TRUE(coarse.fields && fine.fields) << coarse.message << fine.message;
+  EXPECT_EQ(fine.status, FitStatus::kConverged) << fine.message;
+  EXPECT_NEAR(std::log(fine.fields->weight / coarse.fields->weight), 0.0, std::log(2.0));
+  EXPECT_LE(fine.statistics.rollouts, 1.5 * coarse.statistics.rollouts);
+  EXPECT_LE(fine.statistics.sweeps, 60) << "of 144 unknowns";
+  EXPECT_GT(ShareDetermined(fine.fields->fields.front()), 0.5 * ShareDetermined(coarse.fields->fields.front()));
+}
+
 // With friction beside the field, on a fine control grid: the cost falls below that of the truth. It is steep in
 // either, and flat where the one makes up for the other.
 TEST(FieldFit, GoesOnWhereFrictionMakesUpForTheField) {

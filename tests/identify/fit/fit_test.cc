@@ -66,6 +66,16 @@ TEST_P(RecoveryTest, FindsFrictionAndStiffnessOnASphere) {
 }
 
 // The scene of the recording has no internal damping: its starting value brings the term in.
+// Gradients with errors of some per cent lead to the minimum, too.
+TEST(FitTest, OtherLinearSolversOfTheSweepFindTheSame) {
+  for (const char* adjoint : {"lu", "gmres:1e-2", "fixed_point:1e-4"}) {
+    FitOptions options = OptionsFor({"mu", "k_stretch"});
+    options.adjoint = ParseAdjointOptions(adjoint);
+    SCOPED_TRACE(adjoint);
+    ExpectRecovered(RunFit({SphereMotion()}, options), kSphereTruth, 1e-4);
+  }
+}
+
 TEST(FitTest, FindsADampingThatTheSceneDoesNotHave) {
   const std::map<std::string, double> truth = {{"k_stretch", 150.0}, {"damping", 0.6}};
   Scene scene = SwingScene();

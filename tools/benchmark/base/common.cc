@@ -39,10 +39,6 @@ std::string Format(const char* format, ...) {
 
 std::string FixedNumber(double value, int digits) { return std::isfinite(value) ? Format("%.*f", digits, value) : "-"; }
 
-std::string ScientificNumber(double value, int digits) {
-  return std::isfinite(value) ? Format("%.*e", digits, value) : "-";
-}
-
 std::string GeneralNumber(double value, int digits) {
   return std::isfinite(value) ? Format("%.*g", digits, value) : "-";
 }

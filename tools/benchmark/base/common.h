@@ -28,9 +28,8 @@ Integrator IntegratorNamed(const std::string& name);
 
 // As printf.
 std::string Format(const char* format, ...) __attribute__((format(printf, 1, 2)));
-// "1.50", "1.5e+00", "1.5" with so many digits; "-" where there is no number.
+// "1.50", "1.5" with so many digits; "-" where there is no number.
 std::string FixedNumber(double value, int digits);
-std::string ScientificNumber(double value, int digits = 1);
 std::string GeneralNumber(double value, int digits = 4);
 
 // A line of a CSV file, with all digits of its numbers.

@@ -1,0 +1,78 @@
+"""What measurements of fits share: motions that the fitting model did not make, fits that are timed, and tables.
+`measure_fits` and `measure_other_truths` import it."""
+import csv
+import os
+import time
+import warnings
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # read once, when NumPy and clothid load their linear algebra
+
+import clothid  # noqa: E402
+import numpy as np  # noqa: E402
+
+
+def finer_mesh(scene):
+    """The scene with twice the density of nodes. Nodes between handles are handles, too."""
+    columns, rows = scene["mesh"]["grid"]["nodes"]
+    held = np.zeros((rows, columns), dtype=bool)
+    held.flat[scene.get("handles", [])] = True
+    fine = np.zeros((2 * rows - 1, 2 * columns - 1), dtype=bool)
+    fine[::2, ::2] = held
+    fine[1::2, ::2] = held[:-1] & held[1:]
+    fine[::2, 1::2] = held[:, :-1] & held[:, 1:]
+    fine[1::2, 1::2] = fine[1::2, :-1:2] & fine[1::2, 2::2]
+    grid = {**scene["mesh"]["grid"], "nodes": [2 * columns - 1, 2 * rows - 1]}
+    return {**scene, "mesh": {"grid": grid}, "handles": np.flatnonzero(fine).tolist()}
+
+
+def simulated(scene, truth, steps=1, levels=0):
+    """Positions (T, N, 3) m of the scene's nodes at the scene's steps, of a rollout with `steps` times as many steps on
+    a mesh that was refined `levels` times."""
+    fine = {**scene, "time_step": scene["time_step"] / steps}
+    for _ in range(levels):
+        fine = finer_mesh(fine)
+    frames = np.asarray(clothid.Rollout(fine, truth).positions)[::steps]
+    if levels == 0:
+        return frames
+    columns, rows = fine["mesh"]["grid"]["nodes"]
+    stride = 2**levels
+    grid = frames.reshape(len(frames), rows, columns, 3)[:, ::stride, ::stride]
+    return grid.reshape(len(frames), -1, 3)
+
+
+def fit(motion, names, start, **options):
+    """{"result": the `clothid.Result`, "seconds", "rollouts", "all_seconds"} of a fit on one thread, or {"failure": why
+    there is none}. Seconds are those of the processor; "seconds" and "rollouts" end with the last iteration, before
+    intervals and checks."""
+    begin = time.process_time()
+    told = {}
+
+    def on_iteration(state):
+        told.update(seconds=time.process_time() - begin, rollouts=state["rollouts"])
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", clothid.RecordingWarning)
+        try:
+            result = clothid.identify(motion, names, start=start, on_iteration=on_iteration, **options)
+        except clothid.Error as error:
+            return {"failure": str(error)}
+    return {"result": result, **told, "all_seconds": time.process_time() - begin}
+
+
+def text(value):
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.4g}" if np.isfinite(value) else "-"
+    return "-" if value is None else str(value)
+
+
+def print_table(header, rows):
+    """Columns as wide as their widest entry."""
+    lines = [header] + [[text(value) for value in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*lines)]
+    for line in lines:
+        print("  ".join(entry.rjust(width) for entry, width in zip(line, widths)))
+
+
+def write_csv(path, header, rows):
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([header, *rows])
