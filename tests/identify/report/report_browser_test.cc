@@ -230,7 +230,7 @@ TEST_F(ReportBrowserTest, ShowsTheField) {
   EXPECT_NE(caption.find("determined at "), std::string::npos) << caption;
   for (const int width : {400, 1400}) {
     browser().Resize(width, 900);
-    browser().WaitUntil("Math.abs(" + plot + "._fullLayout.width - " + plot + ".clientWidth) < 1");
+    WaitForCharts();
     EXPECT_EQ(browser().WhatStandsOut(), "") << width;
     // A square cloth is square.
     const std::string layout = plot + "._fullLayout", x = layout + ".xaxis._length", y = layout + ".yaxis._length";
