@@ -45,7 +45,7 @@ bool IsPlacement(ParameterKind kind);
 bool IsFriction(ParameterKind kind);  // against obstacles or the cloth itself
 // Whether a step depends on it by its contacts alone: friction, and how an obstacle's path is placed.
 bool IsOfContact(ParameterKind kind);
-// Values that a parameter can have; finite ones.
+// Whether `value` is finite and one that a parameter of this domain can have.
 bool IsInDomain(ParameterDomain domain, double value);
 const char* DomainWords(ParameterDomain domain);  // "a finite number > 0"
 
