@@ -24,7 +24,7 @@ constexpr char kRecordingMark = '@';
 constexpr double kMeasuredMargin = 100.0;
 constexpr double kFabricMargin = 10.0;
 constexpr double kStartMargin = 100.0;
-// Of the size of the cloth at rest, in shares of what the scene says.
+// Of the size of the cloth at rest, over what the scene says.
 constexpr ParameterPrior kSizePrior = {1.0, 1.03};
 
 // What `given` says of parameter `name`; null: nothing.

@@ -21,8 +21,6 @@ namespace clothid {
 
 enum class ParameterScale { kLinear, kLog };
 
-// The largest friction coefficient a fit looks for, unless bounds are given.
-inline constexpr double kMaxFriction = 2.0;
 // Drag, damping and the k_bend of bending by edges, whose bounds nobody has measured, may move by this factor up and
 // down from their start: far enough for any wrong one, near enough that a wandering optimiser simulates what it can.
 inline constexpr double kBoundFactor = 1e4;

@@ -24,9 +24,11 @@ void ReadPositive(const JsonNode& object, const char* key, double* value) {
 
 // One that no law of the scene decides about.
 void ReadFreeConstant(const JsonNode& materials, const ParameterRow& row, Material* material) {
-  if (row.need != ParameterNeed::kNothing) return;
-  const bool is_positive = row.domain == ParameterDomain::kPositive;
-  (is_positive ? ReadPositive : ReadNonNegative)(materials, row.name, &(material->*row.constant));
+  const auto node = materials.Find(row.name);
+  if (row.need != ParameterNeed::kNothing || !node) return;
+  material->*row.constant = row.domain == ParameterDomain::kPositive      ? node->PositiveNumber()
+                            : row.domain == ParameterDomain::kNotNegative ? node->NonNegativeNumber()
+                                                                          : node->Number();
 }
 
 void ReadBendRest(const JsonNode& node, Bending* bending) {

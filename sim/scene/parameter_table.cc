@@ -48,7 +48,7 @@ ParameterRow PathRow(ParameterKind kind, const char* name, const char* unit, dou
 }
 
 ParameterRow FrictionRow(ParameterKind kind, const char* name, Term term, Need need) {
-  return {kind, name, "", term, need, Domain::kNotNegative, /*range=*/2.0};
+  return {kind, name, "", term, need, Domain::kNotNegative, kMaxFriction};
 }
 
 std::vector<ParameterRow> MakeTable() {

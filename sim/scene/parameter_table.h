@@ -85,6 +85,9 @@ enum class ParameterNeed {
 // Values that a parameter can have; finite ones.
 enum class ParameterDomain { kPositive, kNotNegative, kAny };
 
+// The largest friction coefficient that a fit looks for, unless bounds are given.
+inline constexpr double kMaxFriction = 2.0;
+
 struct ParameterRow {
   ParameterKind kind;
   const char* name;  // "k_stretch"; of the path of an obstacle what follows its name, ".shift.x"

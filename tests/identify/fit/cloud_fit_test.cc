@@ -104,7 +104,7 @@ TEST_F(DrapeCloudTest, FrictionAndStiffnessAreFoundFromTheNominalStart) {
 TEST_F(DrapeCloudTest, OutliersNeedALoss) {
   const RecordedMotion motion = WithOutliers();
   FitOptions huber = WithLoss("huber:2"), none = WithLoss("none");
-  huber.growing_horizon = none.growing_horizon = false;  // the first frames find nothing else, at twice the price
+  huber.growing_horizon = none.growing_horizon = false;
   const FitSummary robust = RunFit(motion, huber), squares = RunFit(motion, none);
   ExpectTruthWithin(0.03, robust);
   EXPECT_GT(RelativeError(squares), 2.0 * RelativeError(robust));
