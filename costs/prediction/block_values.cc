@@ -29,6 +29,14 @@ const ParameterBlock* BlockValues::FindSize() const {
   return nullptr;
 }
 
+std::vector<ParameterId> BlockValues::SizeIds() const {
+  std::vector<ParameterId> ids;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (!alignment_ids_[i] && IsSize(ids_[i].kind)) ids.push_back(ids_[i]);
+  }
+  return ids;
+}
+
 Parameters BlockValues::ParametersAt(const Eigen::VectorXd& coordinates) const {
   Parameters parameters = start_;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {

@@ -46,6 +46,7 @@ class BlockValues {
     return Find(AlignmentKind::kHandleShift) != nullptr || Find(AlignmentKind::kHandleTurn) != nullptr;
   }
   const ParameterBlock* FindSize() const;
+  std::vector<ParameterId> SizeIds() const;
 
   // `coordinates` [p], in the order of the blocks; what follows does not matter. What is no block is as at the start,
   // or zero.

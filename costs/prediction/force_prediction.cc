@@ -12,9 +12,10 @@ int PairForceStep(int step) { return std::max(step, 1); }
 }  // namespace
 
 ForcePrediction::ForcePrediction(const ForceObservation* observation, const ClothModel& model,
-                                 const Parameters& parameters, int num_steps, Eigen::VectorXd bias)
+                                 const Parameters& parameters, int num_steps, Eigen::VectorXd bias,
+                                 const std::vector<ParameterId>& sizes)
     : observation_(observation),
-      forces_(model, parameters, num_steps, observation->groups()),
+      forces_(model, parameters, num_steps, observation->groups(), sizes),
       bias_(std::move(bias)),
       is_needed_(static_cast<std::size_t>(num_steps) + 1, false) {
   for (const FrameStencil& stencil : observation->stencils()) {

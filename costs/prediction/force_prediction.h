@@ -24,9 +24,9 @@ namespace clothid {
 class ForcePrediction {
  public:
   // `observation`, which has forces, and `model` must outlive it; the fields of `parameters` must be in the model.
-  // `bias` [3G] N.
+  // `bias` [3G] N. `sizes`: those that it is differentiated by.
   ForcePrediction(const ForceObservation* observation, const ClothModel& model, const Parameters& parameters,
-                  int num_steps, Eigen::VectorXd bias);
+                  int num_steps, Eigen::VectorXd bias, const std::vector<ParameterId>& sizes);
 
   const ForceObservation& observation() const { return *observation_; }
   const HandleForces& forces() const { return forces_; }

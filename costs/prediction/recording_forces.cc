@@ -20,7 +20,7 @@ std::optional<ForcePrediction> RecordingModel::ForcesAt(const Eigen::VectorXd& c
   const Parameters parameters = ParametersAt(coordinates);
   simulator_.UseParameters(parameters);
   return ForcePrediction(&forces, simulator_.model(), parameters, num_steps(),
-                         values_.AlignmentAt(coordinates).ForceBias(forces.num_groups()));
+                         values_.AlignmentAt(coordinates).ForceBias(forces.num_groups()), values_.SizeIds());
 }
 
 Eigen::VectorXd RecordingModel::ForceBiasDerivative(AlignmentId id) const {

@@ -63,11 +63,6 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
   if (!fields.empty()) fields_.emplace(fields, scene(), name_);
   if (const ParameterBlock* size = values_.FindSize()) {
     FrontAxes(scene().mesh, "parameter '" + size->name + "': " + motion.name);
-    if (!observation_.forces().is_empty()) {
-      throw Error(ErrorKind::kUsage, "parameter '" + size->name + "': " + motion.name +
-                                         " has forces at its handles, whose derivative by the rest shape is not known; "
-                                         "expected a recording without them");
-    }
   }
   if (!values_.move_handles()) return;
   const bool turns = values_.Find(AlignmentKind::kHandleTurn) != nullptr;

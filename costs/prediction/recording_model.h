@@ -81,7 +81,7 @@ class RecordingModel {
  public:
   // Every name of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
   // simulation are those that the starting values of the blocks and the scene's nominal values ask for. Throws `Error`
-  // for names, for a size of the cloth beside forces at its handles, and for what `Observation` and `Simulator` reject.
+  // for names, and for what `Observation` and `Simulator` reject.
   // `observer`: told of every step of all passes; may be empty. `start`: that of the same cloth in another view of this
   // recording; null: what the recording says. `fields`: those whose unknowns are coordinates; the scene has them.
   RecordingModel(const RecordedMotion& motion, std::vector<ParameterBlock> blocks, PassObserver observer = {},

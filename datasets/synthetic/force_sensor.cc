@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/handle_forces.h"
 #include "sim/rollout/pair_forces.h"
+#include "sim/rollout/simulator.h"
 
 namespace clothid {
 namespace {
@@ -15,8 +17,9 @@ namespace {
 // After every step [3G x (steps + 1)].
 Eigen::MatrixXd ForcesAfterSteps(const Rollout& rollout, Scene scene, const std::vector<std::vector<int>>& groups) {
   scene.SetMaterials(rollout.parameters);  // bending and air are there where the rollout has them
-  ClothModel model(scene);
-  model.SetVariation(rollout.parameters);
+  Simulator simulator(std::move(scene));
+  simulator.UseParameters(rollout.parameters);
+  const ClothModel& model = simulator.model();
   const HandleForces forces(model, rollout.parameters, rollout.num_steps(), groups);
   Eigen::MatrixXd states(3 * static_cast<Eigen::Index>(forces.nodes().size()), rollout.num_steps() + 1);
   for (int step = 0; step <= rollout.num_steps(); ++step) states.col(step) = forces.Gather(rollout.positions(step));

@@ -1,7 +1,7 @@
 // What a fit has found, in the constants that other simulators are written in.
 //
 // clothid's membrane has, for small strains, the energy k/2 (e_11^2 + e_22^2 + 2 e_12^2) per area: that of a thin sheet
-// with Young's modulus times thickness k and Poisson's ratio 0 (sim/cloth/stretch_energy.h). Others bend at their
+// with Young's modulus times thickness k and Poisson's ratio 0 (sim/shell/stretch_energy.h). Others bend at their
 // edges: E = 1/2 K theta^2 per edge, theta the angle between its triangles. For small angles that is the law by edges
 // (sim/shell/bending_energy.h) with
 //   K = 3 k_edge l^2/(A_1 + A_2),   l the length of the edge, A_1 and A_2 the areas of its triangles.

@@ -4,31 +4,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/force/damping_term.h"
+#include "sim/force/directional_drag.h"
+#include "sim/force/membrane.h"
+#include "sim/force/seam_term.h"
 #include "sim/matrix/fill_reducing_order.h"
-#include "sim/scene/pieces.h"
-#include "sim/shell/bending_patch.h"
+#include "sim/scene/warp.h"
 
 namespace clothid {
 namespace {
-
-// Of the law that the scene has.
-std::vector<BendingMatrix> BendingMatrices(const Scene& scene, const Mesh& chosen_on) {
-  if (!scene.has_bending()) return {};
-  if (scene.bending.law == BendingLaw::kEdges) {
-    return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh), {}}};
-  }
-  const bool orthotropic = scene.bending.orthotropic;
-  const BendingPatches patches(scene.mesh,
-                               orthotropic ? WarpDirections(scene.warp, scene.mesh) : FirstEdges(scene.mesh),
-                               RestOf(scene), chosen_on);
-  const auto term = [&](ParameterKind kind, const FlexuralRigidity& rigidity) -> BendingMatrix {
-    return {kind, patches.Matrix(rigidity), patches.Moments(rigidity)};
-  };
-  if (!orthotropic) return {term(ParameterKind::kBendingStiffness, IsotropicRigidity(1.0, scene.bending.poisson))};
-  const OrthotropicShares shares = SharesOfRigidity(scene.bending.poisson);
-  return {term(ParameterKind::kWarpBending, shares.warp), term(ParameterKind::kWeftBending, shares.weft),
-          term(ParameterKind::kTwistBending, shares.twist)};
-}
 
 // Neighbours of each free node: those that share a triangle, and those that have an entry in the matrices of bending
 // and of `seams`.
@@ -83,23 +67,7 @@ std::shared_ptr<const BlockPattern> PatternFor(std::vector<std::vector<int>> nei
   return std::make_shared<BlockPattern>(neighbours);
 }
 
-bool HasField(const Scene& scene, ParameterKind kind) {
-  return std::any_of(scene.fields.begin(), scene.fields.end(),
-                     [kind](const GridField& field) { return field.kind == kind; });
-}
-
 }  // namespace
-
-double BendingTerm::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
-  const double quadratic = energy.AddForce(stiffness, positions, force);
-  return curvature == nullptr ? quadratic : quadratic + curvature->AddForce(stiffness, positions, force);
-}
-
-void BendingTerm::AddHessian(double stiffness, HessianKind hessian_kind, const Eigen::VectorXd& positions,
-                             BlockMatrix* hessian) const {
-  energy.AddHessian(stiffness, hessian);
-  if (curvature != nullptr) curvature->AddHessian(stiffness, hessian_kind, positions, hessian);
-}
 
 ClothModel::ClothModel(const Scene& scene) : ClothModel(scene, scene.mesh, nullptr) {}
 
@@ -108,26 +76,20 @@ ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on) : ClothModel(s
 ClothModel::ClothModel(const Scene& scene, const ClothModel& like) : ClothModel(scene, like.chosen_on(), &like) {}
 
 ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothModel* like)
-    : scene_(&scene), chosen_on_(&chosen_on), node_areas_(NodeAreas(scene.mesh)) {
-  std::vector<BendingMatrix> bending = MakeBending();
+    : scene_(&scene), chosen_on_(&chosen_on), nodes_(scene) {
+  BendingParts bending = MakeBendingParts(scene, chosen_on);
   Eigen::SparseMatrix<double> seams;
   if (!scene.mesh.links.empty()) seams = SeamMatrix(scene.mesh);
   if (like == nullptr) {
-    NumberFreeNodes(bending, seams);
-    pattern_ = std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending, seams));
+    NumberFreeNodes(bending.matrices, seams);
+    pattern_ =
+        std::make_shared<BlockPattern>(FreeNeighbours(scene.mesh, free_index_, num_free(), bending.matrices, seams));
     if (has_contact()) touch_gap_ = scene.touch * ClothSize(scene.mesh);
   } else {
     free_nodes_ = like->free_nodes_;
     free_index_ = like->free_index_;
     touch_gap_ = like->touch_gap_;
-    pattern_ = PatternFor(FreeNeighbours(scene.mesh, free_index_, num_free(), bending, seams), like->pattern_);
-  }
-  if (!scene.mesh.links.empty()) seams_.emplace(scene.mesh, std::move(seams), free_index_, *pattern_);
-  if (scene.has_drag()) drag_.emplace(scene);
-  for (BendingMatrix& term : bending) {
-    bending_terms_.push_back({term.kind, RowOf(term.kind).constant,
-                              BendingEnergy(std::move(term.matrix), free_index_, *pattern_),
-                              MakeCurvature(std::move(term.moments))});
+    pattern_ = PatternFor(FreeNeighbours(scene.mesh, free_index_, num_free(), bending.matrices, seams), like->pattern_);
   }
   Eigen::Matrix3Xd warp;
   const bool has_axes = scene.membrane == MembraneLaw::kOrthotropic;
@@ -135,123 +97,60 @@ ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothMod
   triangles_ = std::make_shared<const TriangleElements>(
       MakeTriangleElements(scene.mesh, free_index_, *pattern_, has_axes ? &warp : nullptr));
   laplacian_diagonal_ = LaplacianDiagonal(*triangles_, num_nodes());
-  membrane_.emplace(scene.membrane, triangles_);
   stretch_.emplace(triangles_);
-  if (scene.has_directional_drag()) directional_drag_.emplace(scene, triangles_, free_index_, *pattern_);
-  if (scene.has_damping()) damping_.emplace(triangles_);
-  if (!scene.pieces.empty()) MakePieces();
+  MakeForces(std::move(bending), std::move(seams));
 }
 
-std::vector<BendingMatrix> ClothModel::MakeBending() {
-  const bool varies = !scene_->pieces.empty() || HasField(*scene_, ParameterKind::kBendingStiffness);
-  if (!scene_->has_bending() || !varies) return BendingMatrices(*scene_, *chosen_on_);
-  std::vector<ParameterKind> kinds = {ParameterKind::kBendingStiffness};
-  if (scene_->bending.orthotropic) {
-    kinds = {ParameterKind::kWarpBending, ParameterKind::kWeftBending, ParameterKind::kTwistBending};
+// The one place that lists them.
+void ClothModel::MakeForces(BendingParts bending, Eigen::SparseMatrix<double> seams) {
+  const Scene& scene = *scene_;
+  const Mesh& mesh = scene.mesh;
+  const std::vector<int> one;
+  const ParameterKind stiffness =
+      scene.membrane == MembraneLaw::kOrthotropic ? ParameterKind::kWarpStiffness : ParameterKind::kStretchStiffness;
+  const bool has_pieces = scene.has_of_pieces(stiffness);
+  forces_.Add(std::make_unique<MembraneTerm>(scene.membrane, triangles_, has_pieces ? mesh.face_pieces : one,
+                                             has_pieces ? scene.pieces : std::vector<Material>()));
+  for (std::size_t i = 0; i < bending.matrices.size(); ++i) {
+    forces_.Add(MakeBendingTerm(&bending, i, scene, free_index_, *pattern_));
   }
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(scene_->mesh.num_faces());
-  std::vector<BendingMatrix> bending;
-  for (const ParameterKind kind : kinds) {
-    weighted_bending_.emplace_back(*scene_, kind, *chosen_on_);
-    bending.push_back(weighted_bending_.back().Of(ones));
+  if (!mesh.links.empty()) {
+    forces_.Add(std::make_unique<SeamTerm>(SeamEnergy(mesh, std::move(seams), free_index_, *pattern_)));
   }
-  return bending;
-}
-
-void ClothModel::MakePieces() {
-  pieces_ = std::make_unique<const ClothPieces>(*scene_, weighted_bending_);
-  const bool has_axes = scene_->membrane == MembraneLaw::kOrthotropic;
-  if (PiecesOf(has_axes ? ParameterKind::kWarpStiffness : ParameterKind::kStretchStiffness) == nullptr) return;
-  membrane_.emplace(MembraneParts(scene_->membrane, *triangles_, scene_->mesh.face_pieces, scene_->pieces));
+  if (scene.has_directional_drag()) {
+    forces_.Add(std::make_unique<DirectionalDragTerm>(scene.air_law, RestPlaces(mesh.rest_positions, node_areas()),
+                                                      triangles_, free_index_, *pattern_));
+  }
+  if (scene.has_damping()) {
+    forces_.Add(std::make_unique<DampingTerm>(triangles_, scene.pieces.empty() ? one : mesh.face_pieces));
+  }
 }
 
 const BendingEnergy* ClothModel::bending() const {
-  const bool isotropic = bending_terms_.size() == 1 && bending_terms_[0].kind == ParameterKind::kBendingStiffness;
-  return isotropic ? &bending_terms_[0].energy : nullptr;
-}
-
-const Eigen::VectorXd* ClothModel::MassSlopes(ParameterId id) const {
-  if (id.kind == ParameterKind::kAddedMass) return &node_areas_;
-  if (id.kind != ParameterKind::kDensity) return nullptr;
-  const ClothPieces* pieces = PiecesOf(id.kind);
-  return pieces != nullptr ? &pieces->areas(id.piece) : &mass_areas();
-}
-
-const Eigen::VectorXd& ClothModel::DragAreas(ParameterId id) const {
-  const ClothPieces* pieces = PiecesOf(ParameterKind::kDrag);
-  return pieces != nullptr ? pieces->areas(id.piece) : drag_->areas();
-}
-
-void ClothModel::AddBendingDerivative(ParameterId id, double factor, const Eigen::VectorXd& positions,
-                                      Eigen::VectorXd* force) const {
-  if (const ClothPieces* pieces = PiecesOf(id.kind)) {
-    for (const BendingMatrix& term : pieces->bending(id.piece)) {
-      if (term.kind == id.kind) term.AddForce(factor, positions, force);
-    }
-    return;
-  }
-  for (const BendingTerm& term : bending_terms_) {
-    if (term.kind == id.kind) term.AddForce(factor, positions, force);
-  }
-}
-
-StrainRateDamping ClothModel::DampingOf(ParameterId id) const {
-  if (PiecesOf(id.kind) == nullptr) return *damping_;
-  return StrainRateDamping(WeightedTriangles(*triangles_, PieceMask(id.piece, scene_->mesh.face_pieces)));
+  const auto* const first = forces_.Find<BendingTerm>();
+  return first != nullptr && first->kind() == ParameterKind::kBendingStiffness ? &first->energy() : nullptr;
 }
 
 bool ClothModel::SetVariation(const Parameters& parameters) {
   const bool has_fields = parameters.fields == fields_;
   const bool has_pieces =
-      pieces_ == nullptr || (parameters.pieces == piece_materials_ && parameters.material == level_);
+      scene_->pieces.empty() || (parameters.pieces == piece_materials_ && parameters.material == level_);
   if (has_fields && has_pieces) return false;
-  fields_ = parameters.fields;
-  if (!has_fields) SetFields(fields_.get());
-  if (!has_pieces) SetPieces(parameters);
-  return true;
-}
-
-void ClothModel::SetBending(std::size_t term, const Eigen::VectorXd& weights) {
-  bending_terms_[term].energy = BendingEnergy(weighted_bending_[term].Matrix(weights), free_index_, *pattern_);
-  bending_terms_[term].curvature = MakeCurvature(weighted_bending_[term].Moments(weights));
-}
-
-void ClothModel::SetFields(const std::vector<FieldFactors>* fields) {
-  for (std::size_t i = 0; i < scene_->fields.size(); ++i) {
-    const ParameterKind kind = scene_->fields[i].kind;
-    Eigen::VectorXd factors = Eigen::VectorXd::Ones(scene_->mesh.num_faces());
-    if (fields != nullptr) factors = (*fields)[i].log_factors.array().exp();
-    if (kind == ParameterKind::kStretchStiffness) {
-      const auto weighted = WeightedTriangles(*triangles_, factors);
-      membrane_.emplace(scene_->membrane, weighted);
-      stretch_.emplace(weighted);
-    }
-    if (kind == ParameterKind::kDensity) mass_areas_ = WeightedNodeAreas(scene_->mesh, factors);
-    if (kind == ParameterKind::kBendingStiffness && !weighted_bending_.empty()) SetBending(0, factors);
-  }
-}
-
-void ClothModel::SetPieces(const Parameters& parameters) {
-  if (parameters.pieces.size() != scene_->pieces.size()) {
+  if (!has_pieces && parameters.pieces.size() != scene_->pieces.size()) {
     throw std::logic_error("the parameters of a cloth of pieces: expected a material for each");
   }
-  level_ = parameters.material;
-  piece_materials_ = parameters.pieces;
-  membrane_->SetMaterials(piece_materials_);
-  const auto weights = [&](ParameterKind kind) { return PieceWeights(parameters, kind, scene_->mesh); };
-  if (PiecesOf(ParameterKind::kDensity) != nullptr) {
-    mass_areas_ = WeightedNodeAreas(scene_->mesh, weights(ParameterKind::kDensity));
+  fields_ = parameters.fields;
+  if (!has_pieces) {
+    level_ = parameters.material;
+    piece_materials_ = parameters.pieces;
   }
-  for (std::size_t i = 0; i < bending_terms_.size(); ++i) {
-    if (PiecesOf(bending_terms_[i].kind) != nullptr) SetBending(i, weights(bending_terms_[i].kind));
+  const ForceVariation variation{*scene_, parameters, !has_fields, !has_pieces, free_index_, *pattern_};
+  nodes_.SetVariation(variation, scene_->mesh);
+  forces_.SetVariation(variation);
+  if (const auto factors = variation.FieldOf(ParameterKind::kStretchStiffness)) {
+    stretch_.emplace(WeightedTriangles(*triangles_, *factors));
   }
-  if (drag_) drag_->SetAreas(WeightedNodeAreas(scene_->mesh, weights(ParameterKind::kDrag)));
-  if (damping_) damping_.emplace(WeightedTriangles(*triangles_, weights(ParameterKind::kDamping)));
-}
-
-std::shared_ptr<const RestCurvature> ClothModel::MakeCurvature(std::vector<RestMoment> moments) const {
-  if (moments.empty()) return nullptr;
-  return std::make_shared<const RestCurvature>(std::move(moments), free_index_, *pattern_);
+  return true;
 }
 
 void ClothModel::NumberFreeNodes(const std::vector<BendingMatrix>& bending, const Eigen::SparseMatrix<double>& seams) {

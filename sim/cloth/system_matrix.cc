@@ -40,22 +40,18 @@ void AddMatrix(double factor, const Eigen::SparseMatrix<double>& matrix, Triplet
 }  // namespace
 
 Eigen::SparseMatrix<double> AssembleSystemMatrix(const ClothModel& model, const Material& material, double time_step) {
-  const double h = time_step;
   TripletAssembly assembly(model);
-  const double areal_mass = material.areal_inertia() + (model.drag() != nullptr ? h * material.drag : 0.0);
+  const NodeForces& nodes = model.nodes();
+  const double areal_mass = nodes.ArealSlope(material, time_step);
   for (const int node : model.free_nodes()) {
-    const double further_area = model.mass_areas()[node] - model.node_areas()[node];  // 0 unless density varies
-    const double further_drag =
-        model.drag() != nullptr ? h * material.drag * (model.drag()->areas()[node] - model.node_areas()[node]) : 0.0;
-    assembly.Add(node, node, areal_mass * model.node_areas()[node] + material.density * further_area + further_drag);
+    const double further = nodes.has_density_field() ? nodes.FurtherSlope(material, time_step, node) : 0.0;
+    assembly.Add(node, node, areal_mass * nodes.areas()[node] + further);
   }
-  const double damping = model.damping() != nullptr ? material.damping : 0.0;
-  AddMatrix(h * h * model.membrane().SystemStiffness(material) + h * damping,
-            LaplacianMatrix(model.triangles(), model.num_nodes()), &assembly);
-  for (const BendingTerm& term : model.bending_terms()) {
-    AddMatrix(h * h * term.stiffness(material), term.energy.matrix(), &assembly);
+  AddMatrix(model.forces().LaplacianWeight(material, time_step), LaplacianMatrix(model.triangles(), model.num_nodes()),
+            &assembly);
+  for (const auto& term : model.forces().terms()) {
+    if (const auto part = term->SystemPart(material, time_step)) AddMatrix(part->weight, *part->matrix, &assembly);
   }
-  if (model.seams() != nullptr) AddMatrix(h * h, model.seams()->matrix(), &assembly);
   return assembly.Matrix(model.num_free());
 }
 

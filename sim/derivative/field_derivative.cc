@@ -2,8 +2,9 @@
 
 #include <cstddef>
 #include <stdexcept>
+#include <utility>
 
-#include "sim/cloth/field_terms.h"
+#include "sim/force/field_terms.h"
 #include "sim/scene/material_field.h"
 
 namespace clothid {
@@ -34,35 +35,22 @@ FieldTangent::FieldTangent(const Eigen::MatrixXd& columns, const Parameters& par
       const FieldFactors& field = (*parameters.fields)[static_cast<std::size_t>(k)];
       const Eigen::VectorXd weights =
           FactorsOf(field).cwiseProduct(columns.col(c).segment(k * mesh.num_faces(), mesh.num_faces()));
-      if (field.kind == ParameterKind::kStretchStiffness) {
-        direction.stretch.emplace_back(WeightedTriangles(model.triangles(), weights));
-      } else if (field.kind == ParameterKind::kDensity) {
+      if (field.kind == ParameterKind::kDensity) {
         direction.masses = parameters.material.density * WeightedNodeAreas(mesh, weights);
-      } else if (model.weighted_bending() != nullptr) {
-        direction.bending = model.weighted_bending()->Matrix(weights);
-        direction.moments = model.weighted_bending()->Moments(weights);
+      }
+      for (const auto& term : model.forces().terms()) {
+        if (auto along = term->AlongField(field.kind, weights)) direction.forces.push_back(std::move(along));
       }
     }
   }
 }
 
 void FieldTangent::Subtract(const StepRecord& record, const SolveStart& start, Eigen::MatrixXd* right) const {
-  const double h = record.time_step;
-  const Material& material = parameters_.material;
+  const ForcePoint point{parameters_, record.time_step, record.time, record.positions, record.velocities};
   for (std::size_t i = 0; i < directions_.size(); ++i) {
     const Direction& direction = directions_[i];
     Eigen::VectorXd impulse = Eigen::VectorXd::Zero(record.positions.size());  // -dg
-    for (const StretchEnergy& stretch : direction.stretch) {
-      stretch.AddForce(h * material.stretch_stiffness, record.positions, &impulse);
-    }
-    if (direction.bending.size() > 0) {
-      // Q is symmetric.
-      impulse.reshaped(3, model_.num_nodes()) -=
-          h * material.bending_stiffness * (record.positions.reshaped(3, model_.num_nodes()) * direction.bending);
-    }
-    for (const RestMoment& moment : direction.moments) {
-      AddMomentForce(moment, h * material.bending_stiffness, record.positions, &impulse);
-    }
+    for (const auto& add_force : direction.forces) add_force(record.time_step, point, &impulse);
     for (Eigen::Index node = 0; node < direction.masses.size(); ++node) {
       impulse.segment<3>(3 * node) -=
           direction.masses[node] * MassFactor(model_, record, start, static_cast<int>(node));
@@ -92,26 +80,19 @@ FieldGradient::FieldGradient(const Parameters& parameters, int num_columns, cons
 
 void FieldGradient::AddSolve(const StepRecord& record, const SolveStart& start, const Eigen::MatrixXd& y) {
   if (is_empty()) return;
-  const double h = record.time_step;
+  const ForcePoint point{parameters_, record.time_step, record.time, record.positions, record.velocities};
   const Eigen::MatrixXd all = model_.ScatterColumns(y);
   const Eigen::Index num_faces = model_.scene().mesh.num_faces();
   Eigen::Index first_row = 0;
   for (const FieldFactors& field : *parameters_.fields) {
-    if (field.kind == ParameterKind::kStretchStiffness) {
-      model_.stretch().AddForceProducts(h * parameters_.material.stretch_stiffness, record.positions, all,
-                                        values_.middleRows(first_row, num_faces));
-    } else if (field.kind == ParameterKind::kDensity) {
+    if (field.kind == ParameterKind::kDensity) {
       Eigen::MatrixXd by_mass(model_.num_nodes(), all.cols());
       for (int node = 0; node < model_.num_nodes(); ++node) {
         by_mass.row(node) = -MassFactor(model_, record, start, node).transpose() * all.middleRows<3>(3 * node);
       }
       AddMassGradient(by_mass, first_row);
-    } else if (model_.weighted_bending() != nullptr) {
-      Eigen::MatrixXd products = Eigen::MatrixXd::Zero(num_faces, all.cols());
-      model_.weighted_bending()->AddForceProducts(h * parameters_.material.bending_stiffness, record.positions, all,
-                                                  products);
-      values_.middleRows(first_row, num_faces) += FactorsOf(field).asDiagonal() * products;
     }
+    model_.forces().AddFieldProducts(field, record.time_step, point, all, values_.middleRows(first_row, num_faces));
     first_row += num_faces;
   }
 }

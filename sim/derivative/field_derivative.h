@@ -9,11 +9,9 @@
 #define CLOTHID_SIM_DERIVATIVE_FIELD_DERIVATIVE_H_
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
-#include "sim/cloth/stretch_energy.h"
 #include "sim/derivative/second_start_derivative.h"
 #include "sim/rollout/step_record.h"
 #include "sim/scene/parameters.h"
@@ -34,12 +32,10 @@ class FieldTangent {
   void SubtractMasses(const SecondStartDerivative& derivative, StateColumns* second) const;
 
  private:
-  // The terms of the model with what changes them along a column in place of their weights.
+  // What a column changes.
   struct Direction {
-    std::vector<StretchEnergy> stretch;  // none or one
-    Eigen::SparseMatrix<double> bending;
-    std::vector<RestMoment> moments;  // of bending about a curved rest shape
-    Eigen::VectorXd masses;           // [N] kg
+    std::vector<ForceTerm::FieldDirection> forces;
+    Eigen::VectorXd masses;  // [N] kg
   };
 
   const Parameters& parameters_;

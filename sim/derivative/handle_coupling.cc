@@ -34,16 +34,13 @@ void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, 
   record_ = &record;
   pairs_ = pairs;
   whole_.SetVariation(parameters);
-  damping_ = parameters.material.damping;
-  drag_ = DragConstantsOf(parameters.material);
+  parameters_ = &parameters;
   times_ = {record.time};
   origins_.clear();
-  if (whole_.damping() != nullptr) SetStartMetrics(whole_, start, &held_.start_metrics);
-  if (whole_.directional_drag() != nullptr) {
-    predicted_ = PredictedPositions(start, record.time_step, model_.scene().handles.nodes, record.positions);
-    whole_.directional_drag()->SetAir(predicted_, parameters.wind, record.time, &held_.air);
-  }
-  if (whole_.damping() != nullptr || whole_.directional_drag() != nullptr || pairs != nullptr) {
+  const ForceSet& forces = whole_.forces();
+  SetForceStart(forces, start, record.time_step, model_.scene().handles.nodes, record.positions, &held_.start);
+  forces.Hold(parameters, record.time, &held_);
+  if (forces.needs_origins() || forces.needs_velocities() || pairs != nullptr) {
     if (start.first_positions == nullptr) {
       times_.push_back(record.time - record.time_step);
       origins_ = {{&start.positions, 1.0}};
@@ -53,8 +50,7 @@ void HandleCoupling::SetStep(const StepRecord& record, const SolveStart& start, 
       origins_ = {{start.step_positions, 1.0 - kSecondStageReach}, {start.first_positions, kSecondStageReach}};
     }
   }
-  AssembleStepHessian(whole_, parameters, record.time_step, HessianKind::kExact, held_, record.positions,
-                      record.velocities, &hessian_);
+  AssembleStepHessian(whole_, HessianKind::kExact, point(), held_, &hessian_);
 }
 
 Eigen::MatrixXd HandleCoupling::FromHandles(const Eigen::MatrixXd& columns) const {
@@ -81,34 +77,22 @@ Eigen::MatrixXd HandleCoupling::TimesHessian(const Eigen::MatrixXd& all) const {
   return whole_.ScatterColumns(MultiplySymmetric(hessian_, whole_.GatherColumns(all))) / record_->time_step;
 }
 
-Eigen::MatrixXd HandleCoupling::TimesDrag(const Eigen::MatrixXd& all) const {
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
-  whole_.directional_drag()->AddVelocityProduct(1.0, drag_, record_->velocities, held_.air, all, &product);
-  return product;
-}
-
-Eigen::MatrixXd HandleCoupling::TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
-                                           const Eigen::MatrixXd& all) const {
-  const double h = record_->time_step;
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
-  whole_.damping()->AddMixedProduct(h * damping_, h, positions, start_positions, all, &product);
-  return product;
+ForcePoint HandleCoupling::point() const {
+  return {*parameters_, record_->time_step, record_->time, record_->positions, record_->velocities};
 }
 
 Eigen::MatrixXd HandleCoupling::Times(int place, const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd all = FromHandles(columns);
-  const DirectionalDrag* drag = whole_.directional_drag();
+  const ForceSet& forces = whole_.forces();
   if (place == 0) {
     Eigen::MatrixXd product = TimesHessian(all);
-    if (drag != nullptr) {
-      drag->AddNormalProduct(-record_->time_step, drag_, record_->velocities, held_.air, predicted_, all, &product);
-    }
+    forces.AddPredictionProduct(-record_->time_step, point(), held_, all, &product);
     return model_.GatherColumns(product);
   }
   const Origin& origin = origins_[place - 1];
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
-  if (whole_.damping() != nullptr) product = TimesMixed(record_->positions, *origin.positions, all);
-  if (drag != nullptr) product -= TimesDrag(all);
+  forces.AddOriginProduct(record_->time_step, point(), *origin.positions, all, &product);
+  forces.AddVelocityProduct(-1.0, point(), held_, all, &product);
   Eigen::MatrixXd free = model_.GatherColumns(product);
   if (pairs_ != nullptr) free += pairs_->TimesWeights(columns, PairNodes::kHandles);
   return origin.share * free;
@@ -116,19 +100,16 @@ Eigen::MatrixXd HandleCoupling::Times(int place, const Eigen::MatrixXd& columns)
 
 Eigen::MatrixXd HandleCoupling::TimesTransposed(int place, const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd all = model_.ScatterColumns(columns);
-  const DirectionalDrag* drag = whole_.directional_drag();
+  const ForceSet& forces = whole_.forces();
   if (place == 0) {
     Eigen::MatrixXd product = TimesHessian(all);
-    if (drag != nullptr) {
-      drag->AddNormalProductTransposed(-record_->time_step, drag_, record_->velocities, held_.air, predicted_, all,
-                                       &product);
-    }
+    forces.AddPredictionProductTransposed(-record_->time_step, point(), held_, all, &product);
     return HandleRows(product);
   }
   const Origin& origin = origins_[place - 1];
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
-  if (whole_.damping() != nullptr) product = TimesMixed(*origin.positions, record_->positions, all);
-  if (drag != nullptr) product -= TimesDrag(all);
+  forces.AddOriginProductTransposed(record_->time_step, point(), *origin.positions, all, &product);
+  forces.AddVelocityProduct(-1.0, point(), held_, all, &product);
   Eigen::MatrixXd held = HandleRows(product);
   if (pairs_ != nullptr) held += pairs_->TimesWeightsTransposed(columns, PairNodes::kHandles);
   return origin.share * held;

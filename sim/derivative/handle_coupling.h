@@ -43,7 +43,7 @@ class HandleCoupling {
   HandleCoupling(const HandleCoupling&) = delete;
   HandleCoupling& operator=(const HandleCoupling&) = delete;
 
-  // The solve that `record` ends. It and what `start` refers to must live until the next call.
+  // The solve that `record` ends. It, what `start` refers to and the parameters must live until the next call.
   // `pairs`: of the same solve, likewise; null: none is in contact.
   void SetStep(const StepRecord& record, const SolveStart& start, const Parameters& parameters,
                const PairDerivative* pairs);
@@ -69,20 +69,16 @@ class HandleCoupling {
   Eigen::MatrixXd FromHandles(const Eigen::MatrixXd& columns) const;
   Eigen::MatrixXd HandleRows(const Eigen::MatrixXd& all) const;
   Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& all) const;  // (h H + C) y, with the masses that K has
-  Eigen::MatrixXd TimesDrag(const Eigen::MatrixXd& all) const;     // C y
-  Eigen::MatrixXd TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
-                             const Eigen::MatrixXd& all) const;  // h V y, h V^T y with the positions exchanged
+  ForcePoint point() const;
 
   const ClothModel& model_;
   Scene scene_;       // without handles
   ClothModel whole_;  // of that scene, with the fields of the latest step
   BlockMatrix hessian_;
-  HeldTerms held_;
-  Eigen::VectorXd predicted_;  // x^ [3N]; empty without drag by direction
+  HeldForces held_;
   const StepRecord* record_ = nullptr;
   const PairDerivative* pairs_ = nullptr;
-  double damping_ = 0.0;
-  DragConstants drag_;
+  const Parameters* parameters_ = nullptr;
   std::vector<double> times_;  // of the places
   // Of the places before the end, and how much of V and -C they have.
   struct Origin {

@@ -16,29 +16,24 @@ StepDerivative::StepDerivative(const StepRecord& record, const SolveStart& start
       start_(start),
       parameters_(parameters),
       model_(simulator->model()),
+      forces_(model_.forces()),
       sizes_(sizes),
       hessian_(simulator->step_solver().hessian()),
       jacobian_(simulator->step_solver().jacobian()) {
   const ScopedTimer timer(&jacobian_.seconds().assembly);
-  if (model_.damping() != nullptr) SetStartMetrics(model_, start, &held_.start_metrics);
-  if (model_.directional_drag() != nullptr) {
-    predicted_ = PredictedPositions(start, record.time_step, model_.scene().handles.nodes, record.positions);
-    model_.directional_drag()->SetAir(predicted_, parameters.wind, record.time, &held_.air);
-  }
-  AssembleStepHessian(model_, parameters, record.time_step, HessianKind::kExact, held_, record.positions,
-                      record.velocities, &hessian_);
+  SetForceStart(forces_, start, record.time_step, model_.scene().handles.nodes, record.positions, &held_.start);
+  forces_.Hold(parameters, record.time, &held_);
+  AssembleStepHessian(model_, HessianKind::kExact, point(), held_, &hessian_);
   const Material& material = parameters.material;
-  const double areal_drag = model_.drag() ? record.time_step * material.drag : 0.0;
+  const NodeForces& nodes = model_.nodes();
   masses_.resize(3 * model_.num_free());
   for (int i = 0; i < model_.num_free(); ++i) {
     masses_.segment<3>(3 * i).setConstant(model_.mass(material, model_.free_nodes()[i]));
   }
-  damped_masses_ = masses_ * ((material.areal_inertia() + areal_drag) / material.areal_inertia());
-  for (int i = 0; model_.has_density_field() && i < model_.num_free(); ++i) {
-    const int row = 3 * i;
-    damped_masses_.segment<3>(row) =
-        masses_.segment<3>(row).array() +
-        (model_.drag() ? areal_drag * model_.drag()->areas()[model_.free_nodes()[i]] : 0.0);
+  damped_masses_ = masses_ * (nodes.ArealSlope(material, record.time_step) / material.areal_inertia());
+  for (int i = 0; nodes.has_density_field() && i < model_.num_free(); ++i) {
+    const double drag = nodes.drag(material, model_.free_nodes()[i]);
+    damped_masses_.segment<3>(3 * i) = masses_.segment<3>(3 * i).array() + record.time_step * drag;
   }
   if (!record.pairs.empty()) {
     pairs_ = std::make_unique<PairDerivative>(
@@ -88,10 +83,9 @@ Eigen::MatrixXd StepDerivative::TimesVelocity(const Eigen::MatrixXd& columns) co
 Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = MultiplySymmetric(hessian_, columns);
   product -= damped_masses_.asDiagonal() * columns;
-  if (has_prediction()) {
+  if (forces_.needs_velocities()) {
     Eigen::MatrixXd drag = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
-    model_.directional_drag()->AddVelocityProduct(record_.time_step, DragConstantsOf(parameters_.material),
-                                                  record_.velocities, held_.air, model_.ScatterColumns(columns), &drag);
+    forces_.AddVelocityProduct(record_.time_step, point(), held_, model_.ScatterColumns(columns), &drag);
     product -= model_.GatherColumns(drag);
   }
   return product / record_.time_step;
@@ -99,55 +93,51 @@ Eigen::MatrixXd StepDerivative::TimesHessian(const Eigen::MatrixXd& columns) con
 
 Eigen::MatrixXd StepDerivative::TimesStart(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = TimesHessian(columns);
-  if (model_.damping() != nullptr && !has_origins()) {
-    product += TimesMixed(record_.positions, start_.positions, columns);
-  }
+  if (forces_.needs_origins() && !has_origins()) product += TimesMixed(start_.positions, columns);
   if (pairs_ != nullptr) product += pairs_->TimesWeights(columns);
   return product;
 }
 
 Eigen::MatrixXd StepDerivative::TimesStartTransposed(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = TimesHessian(columns);
-  if (model_.damping() != nullptr && !has_origins()) {
-    product += TimesMixed(start_.positions, record_.positions, columns);
-  }
+  if (forces_.needs_origins() && !has_origins()) product += TimesMixedTransposed(start_.positions, columns);
   if (pairs_ != nullptr) product += pairs_->TimesWeightsTransposed(columns);
   return product;
 }
 
 Eigen::MatrixXd StepDerivative::TimesOrigins(const Eigen::MatrixXd& step, const Eigen::MatrixXd& first) const {
-  return (1.0 - kSecondStageReach) * TimesMixed(record_.positions, *start_.step_positions, step) +
-         kSecondStageReach * TimesMixed(record_.positions, *start_.first_positions, first);
+  return (1.0 - kSecondStageReach) * TimesMixed(*start_.step_positions, step) +
+         kSecondStageReach * TimesMixed(*start_.first_positions, first);
 }
 
 void StepDerivative::SubtractOriginsTransposed(const Eigen::MatrixXd& columns, Eigen::MatrixXd* step,
                                                Eigen::MatrixXd* first) const {
-  *step -= (1.0 - kSecondStageReach) * TimesMixed(*start_.step_positions, record_.positions, columns);
-  *first -= kSecondStageReach * TimesMixed(*start_.first_positions, record_.positions, columns);
+  *step -= (1.0 - kSecondStageReach) * TimesMixedTransposed(*start_.step_positions, columns);
+  *first -= kSecondStageReach * TimesMixedTransposed(*start_.first_positions, columns);
 }
 
-Eigen::MatrixXd StepDerivative::TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
-                                           const Eigen::MatrixXd& columns) const {
-  const double h = record_.time_step;
-  const Eigen::MatrixXd all = model_.ScatterColumns(columns);
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(all.rows(), all.cols());
-  model_.damping()->AddMixedProduct(h * parameters_.material.damping, h, positions, start_positions, all, &product);
+Eigen::MatrixXd StepDerivative::TimesMixed(const Eigen::VectorXd& origin, const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
+  forces_.AddOriginProduct(record_.time_step, point(), origin, model_.ScatterColumns(columns), &product);
+  return model_.GatherColumns(product);
+}
+
+Eigen::MatrixXd StepDerivative::TimesMixedTransposed(const Eigen::VectorXd& origin,
+                                                     const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
+  forces_.AddOriginProductTransposed(record_.time_step, point(), origin, model_.ScatterColumns(columns), &product);
   return model_.GatherColumns(product);
 }
 
 Eigen::MatrixXd StepDerivative::TimesPrediction(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
-  model_.directional_drag()->AddNormalProduct(-record_.time_step, DragConstantsOf(parameters_.material),
-                                              record_.velocities, held_.air, predicted_, model_.ScatterColumns(columns),
-                                              &product);
+  forces_.AddPredictionProduct(-record_.time_step, point(), held_, model_.ScatterColumns(columns), &product);
   return model_.GatherColumns(product);
 }
 
 Eigen::MatrixXd StepDerivative::TimesPredictionTransposed(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(3 * model_.num_nodes(), columns.cols());
-  model_.directional_drag()->AddNormalProductTransposed(-record_.time_step, DragConstantsOf(parameters_.material),
-                                                        record_.velocities, held_.air, predicted_,
-                                                        model_.ScatterColumns(columns), &product);
+  forces_.AddPredictionProductTransposed(-record_.time_step, point(), held_, model_.ScatterColumns(columns), &product);
   return model_.GatherColumns(product);
 }
 
@@ -172,84 +162,29 @@ Eigen::MatrixXd StepDerivative::TimesFramesTransposed(const Eigen::MatrixXd& col
   return product;
 }
 
-Eigen::VectorXd StepDerivative::DragDerivative(ParameterId id) const {
-  const double h = record_.time_step;
-  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
-  if (const AirDrag* drag = model_.drag(); drag != nullptr && IsWind(id.kind)) {
-    for (const int node : model_.free_nodes()) {
-      derivative.segment<3>(3 * node) = -h * parameters_.material.drag * drag->areas()[node] *
-                                        drag->WindDerivativeAt(node, record_.time, parameters_.wind, id);
-    }
-  }
-  const DirectionalDrag* drag = model_.directional_drag();
-  if (drag == nullptr) return derivative;
-  if (IsWind(id.kind)) {
-    drag->AddWindDerivative(-h, DragConstantsOf(parameters_.material), record_.velocities, held_.air, parameters_.wind,
-                            record_.time, id, &derivative);
-  } else {
-    // The force is linear in its constants.
-    Eigen::VectorXd force = Eigen::VectorXd::Zero(derivative.size());
-    const DragConstants unit = {id.kind == ParameterKind::kNormalDrag ? 1.0 : 0.0,
-                                id.kind == ParameterKind::kTangentialDrag ? 1.0 : 0.0};
-    drag->AddForce(unit, record_.velocities, held_.air, &force);
-    derivative -= h * force;
-  }
-  return derivative;
+ForcePoint StepDerivative::point() const {
+  return {parameters_, record_.time_step, record_.time, record_.positions, record_.velocities};
 }
 
-// g = M (v - v_n) - h (rho a g_0 + node_force + c_d a (w - v) + F) - h f_int, F the drag by direction
 Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
   if (IsOfContact(id.kind)) return Eigen::VectorXd::Zero(3 * model_.num_free());
-  const double h = record_.time_step;
-  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
-  switch (RowOf(id.kind).term) {
-    case ParameterTerm::kMembrane:
-      model_.membrane().AddForceDerivative(id, -h, record_.positions, &derivative);
-      break;
-    case ParameterTerm::kBending:
-      model_.AddBendingDerivative(id, -h, record_.positions, &derivative);
-      break;
-    case ParameterTerm::kMass: {
-      const Eigen::VectorXd& areas = *model_.MassSlopes(id);
-      const bool has_weight = id.kind == ParameterKind::kDensity;
-      for (const int node : model_.free_nodes()) {
-        Eigen::Vector3d change = record_.velocities.segment<3>(3 * node) - start_.velocities.segment<3>(3 * node);
-        if (has_weight) change -= h * model_.scene().gravity;
-        derivative.segment<3>(3 * node) = areas[node] * change;
-      }
-      break;
-    }
-    case ParameterTerm::kDrag:
-      if (model_.drag() == nullptr) break;
-      for (const int node : model_.free_nodes()) {
-        derivative.segment<3>(3 * node) =
-            h * model_.DragAreas(id)[node] *
-            (record_.velocities.segment<3>(3 * node) - model_.drag()->WindAt(node, record_.time, parameters_.wind));
-      }
-      break;
-    case ParameterTerm::kSize:
-      if (sizes_ == nullptr) throw std::logic_error("the derivative by a size that was not asked for");
-      derivative = sizes_->MomentumDerivative(id.kind, record_, start_);
-      break;
-    case ParameterTerm::kDirectionalDrag:
-    case ParameterTerm::kWind:
-      derivative = DragDerivative(id);
-      break;
-    case ParameterTerm::kDamping:
-      if (model_.damping() != nullptr) {
-        model_.DampingOf(id).AddForce(-h, h, held_.start_metrics, record_.positions, &derivative);
-      }
-      break;
-    case ParameterTerm::kFriction:
-    case ParameterTerm::kSelfFriction:
-    case ParameterTerm::kPlacement:
-      break;  // of contact: above
+  if (IsSize(id.kind)) {
+    if (sizes_ == nullptr) throw std::logic_error("the derivative by a size that was not asked for");
+    return model_.Gather(sizes_->MomentumDerivative(id.kind, record_, start_));
   }
+  Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
+  if (model_.nodes().DependOn(id)) {
+    for (const int node : model_.free_nodes()) {
+      const NodeMotion motion = MotionOf(node, record_.time_step, record_.time, start_.velocities, record_.velocities);
+      derivative.segment<3>(3 * node) = model_.nodes().ImpulseDerivative(id, motion, parameters_);
+    }
+  }
+  forces_.AddDerivative(id, -record_.time_step, point(), held_, &derivative);
   return model_.Gather(derivative);
 }
 
 const Eigen::VectorXd* StepDerivative::MassSlopes(ParameterId id) const {
-  return IsSize(id.kind) ? &sizes_->MassSlopes(id.kind) : model_.MassSlopes(id);
+  return IsSize(id.kind) ? &sizes_->MassSlopes(id.kind) : model_.nodes().MassSlopes(id);
 }
 
 std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {

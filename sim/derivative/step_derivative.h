@@ -51,7 +51,7 @@ class StepDerivative {
 
   double time_step() const { return record_.time_step; }  // h
   // Whether N is there, and may be asked for.
-  bool has_prediction() const { return model_.directional_drag() != nullptr; }
+  bool has_prediction() const { return forces_.needs_prediction(); }
 
   // On columns over the free nodes [3 Nf x s].
   Eigen::MatrixXd TimesMass(const Eigen::MatrixXd& columns) const;             // M y
@@ -64,7 +64,7 @@ class StepDerivative {
   Eigen::MatrixXd TimesFramesTransposed(const Eigen::MatrixXd& columns) const;      // X^T y
 
   // Of a second stage, whose TimesStart is h H y: whether C_s, and with it g, depends on x_n and x_1.
-  bool has_origins() const { return model_.damping() != nullptr && start_.first_positions != nullptr; }
+  bool has_origins() const { return forces_.needs_origins() && start_.first_positions != nullptr; }
   // h (V_n y_n + V_1 y_1).
   Eigen::MatrixXd TimesOrigins(const Eigen::MatrixXd& step, const Eigen::MatrixXd& first) const;
   // Takes h V_n^T y off `step` and h V_1^T y off `first`.
@@ -84,22 +84,22 @@ class StepDerivative {
 
  private:
   Eigen::MatrixXd TimesHessian(const Eigen::MatrixXd& columns) const;  // h H y = (K y - M y - h C y)/h
-  Eigen::VectorXd DragDerivative(ParameterId id) const;                // dg/dtheta [3N] of what the wind does
-  // h V y, and h V^T y with the positions exchanged.
-  Eigen::MatrixXd TimesMixed(const Eigen::VectorXd& positions, const Eigen::VectorXd& start_positions,
-                             const Eigen::MatrixXd& columns) const;
+  ForcePoint point() const;
+  // h V y by the positions `origin`, and h V^T y.
+  Eigen::MatrixXd TimesMixed(const Eigen::VectorXd& origin, const Eigen::MatrixXd& columns) const;
+  Eigen::MatrixXd TimesMixedTransposed(const Eigen::VectorXd& origin, const Eigen::MatrixXd& columns) const;
 
   const StepRecord& record_;
   const SolveStart start_;
   const Parameters& parameters_;
   const ClothModel& model_;
+  const ForceSet& forces_;
   const SizeDerivative* sizes_;
   BlockMatrix& hessian_;
   StepJacobian& jacobian_;
   Eigen::VectorXd masses_;         // M [3 Nf]
   Eigen::VectorXd damped_masses_;  // M + h c_d diag(a) [3 Nf]
-  HeldTerms held_;
-  Eigen::VectorXd predicted_;                  // x^ [3N]; empty without drag by direction
+  HeldForces held_;
   std::vector<ObstacleMotion> motions_;        // empty where no obstacle moves
   std::vector<Contact> contacts_;              // of the record
   std::vector<AffineMotion> contact_motions_;  // of their obstacles there, per contact; empty where no obstacle moves

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/force/membrane.h"
 #include "sim/rollout/contact_work.h"
 #include "sim/rollout/energy_loss.h"
 #include "sim/rollout/record_reader.h"
@@ -48,8 +49,8 @@ bool MayGainEnergy(const Parameters& parameters, const Simulator& simulator) {
   if (scene.self_contact) return true;
   if (scene.integrator != Integrator::kSdirk2) return false;
   const ClothModel& model = simulator.model();
-  const double stiffness = model.membrane().SystemStiffness(parameters.material);
-  const double inertia = parameters.material.areal_inertia() * model.mass_areas().minCoeff();
+  const double stiffness = model.forces().Find<MembraneTerm>()->membrane().SystemStiffness(parameters.material);
+  const double inertia = parameters.material.areal_inertia() * model.nodes().mass_areas().minCoeff();
   return stiffness * scene.time_step * scene.time_step >= kStiffStep * inertia;
 }
 

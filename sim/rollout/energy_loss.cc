@@ -4,32 +4,40 @@
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
+#include "sim/force/seam_term.h"
 #include "sim/rollout/simulator.h"
 #include "sim/step/second_start.h"
 
 namespace clothid {
 namespace {
 
-// -d(stretch + bending + seams)/dx [3N], with the energies.
-Eigen::VectorXd ElasticForce(const Material& material, const Eigen::VectorXd& positions, const ClothModel& model,
+double& ShareOf(EnergyShare share, EnergyParts* parts) {
+  if (share == EnergyShare::kSeams) return parts->seams;
+  return share == EnergyShare::kBending ? parts->bending : parts->stretch;
+}
+
+// -d(stretch + bending + seams)/dx [3N], with the energies, which hold nothing of the start of a solve.
+Eigen::VectorXd ElasticForce(const Parameters& parameters, const Eigen::VectorXd& positions, const ClothModel& model,
                              double time, EnergyParts* parts) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-  parts->stretch = model.membrane().AddForce(material, positions, &force);
-  for (const BendingTerm& term : model.bending_terms()) {
-    const double stiffness = term.stiffness(material);
-    parts->bending += stiffness * term.AddForce(stiffness, positions, &force);
+  const ForcePoint point{parameters, /*time_step=*/0.0, time, positions, positions};
+  for (const auto& term : model.forces().terms()) {
+    if (term->group() != ForceGroup::kElastic) continue;
+    ShareOf(term->energy_share(), parts) += term->AddForce(point, nullptr, &force);
   }
-  if (model.seams() != nullptr) parts->seams = model.seams()->AddForce(time, positions, &force);
   return force;
 }
 
-Eigen::VectorXd DampingForce(const Material& material, const StepRecord& record, const SolveStart& start,
+Eigen::VectorXd DampingForce(const Parameters& parameters, const StepRecord& record, const SolveStart& start,
                              const ClothModel& model) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(record.positions.size());
-  if (model.damping() == nullptr) return force;
-  std::vector<MetricBatch> start_metrics;
-  SetStartMetrics(model, start, &start_metrics);
-  model.damping()->AddForce(material.damping, record.time_step, start_metrics, record.positions, &force);
+  const ForceSet& forces = model.forces();
+  if (!forces.has(ForceGroup::kViscous)) return force;
+  HeldForces held;
+  SetForceStart(forces, start, record.time_step, model.scene().handles.nodes, record.positions, &held.start);
+  forces.Hold(parameters, record.time, &held);
+  const ForcePoint point{parameters, record.time_step, record.time, record.positions, record.velocities};
+  forces.AddForce(ForceGroup::kViscous, point, held, &force);
   return force;
 }
 
@@ -39,9 +47,9 @@ EnergyParts StateEnergy(const Parameters& parameters, const Eigen::VectorXd& pos
                         const Eigen::VectorXd& velocities, const Simulator& simulator, double time) {
   const ClothModel& model = simulator.model();
   EnergyParts parts;
-  ElasticForce(parameters.material, positions, model, time, &parts);
+  ElasticForce(parameters, positions, model, time, &parts);
   for (const int node : model.free_nodes()) {
-    const double weighty = parameters.material.density * model.mass_areas()[node];  // kg; air has no weight
+    const double weighty = parameters.material.density * model.nodes().mass_areas()[node];  // kg; air has no weight
     parts.kinetic += 0.5 * model.mass(parameters.material, node) * velocities.segment<3>(3 * node).squaredNorm();
     parts.gravitational -= weighty * model.scene().gravity.dot(positions.segment<3>(3 * node));
   }
@@ -53,8 +61,8 @@ double SolveWeight(const StepRecord& record) { return record.stage == Stage::kFi
 InternalForces ForcesAtEnd(const Parameters& parameters, const StepRecord& record, const SolveStart& start,
                            const Simulator& simulator) {
   EnergyParts parts;
-  return {ElasticForce(parameters.material, record.positions, simulator.model(), record.time, &parts),
-          DampingForce(parameters.material, record, start, simulator.model())};
+  return {ElasticForce(parameters, record.positions, simulator.model(), record.time, &parts),
+          DampingForce(parameters, record, start, simulator.model())};
 }
 
 int FirstOfStep(const Rollout& rollout, int last) {
@@ -88,11 +96,11 @@ Eigen::VectorXd NodeInertiaLoss(const Parameters& parameters, const VelocityChan
 }
 
 double SeamWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
-  const SeamEnergy* seams = simulator.model().seams();
+  const SeamTerm* const seams = simulator.model().forces().Find<SeamTerm>();
   double work = 0.0;
   for (int i = FirstOfStep(rollout, last); i <= last && seams != nullptr; ++i) {
     const StepRecord& record = reader->record(i);
-    work += SolveWeight(record) * record.time_step * seams->Power(record.time, record.positions);
+    work += SolveWeight(record) * record.time_step * seams->energy().Power(record.time, record.positions);
   }
   return work;
 }

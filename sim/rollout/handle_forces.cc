@@ -1,7 +1,11 @@
 #include "sim/rollout/handle_forces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/matrix/block_product.h"
@@ -32,10 +36,65 @@ ForceWindow WindowOfForce(int step, int num_steps, Integrator integrator, double
   return window;
 }
 
+HandleForces::HandleForces(WithoutPart, const ClothModel& model, const Parameters& parameters, int num_steps,
+                           const std::vector<std::vector<int>>& groups)
+    : model_(model),
+      parameters_(parameters),
+      num_steps_(num_steps),
+      time_step_(model.scene().time_step),
+      groups_(groups) {
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (groups[g].empty()) throw Error(ErrorKind::kBadData, "group " + std::to_string(g) + " of handles: has no node");
+    for (const int node : groups[g]) {
+      const bool is_handle = node >= 0 && node < model.num_nodes() && model.free_index()[node] < 0;
+      if (!is_handle) {
+        throw Error(ErrorKind::kBadData,
+                    "group " + std::to_string(g) + " of handles: node " + std::to_string(node) + " is no handle");
+      }
+      handles_.push_back({static_cast<int>(g), node, -1});
+    }
+  }
+}
+
+// Of all sizes the nodes are the same: those that any of them couples.
+HandleForces::HandleForces(const ClothModel& model, const Parameters& parameters, int num_steps,
+                           const std::vector<std::vector<int>>& groups, const std::vector<ParameterId>& ids)
+    : HandleForces(WithoutPart(), model, parameters, num_steps, groups) {
+  sized_models_ = SizedModels(parameters, ids, model);
+  std::vector<std::vector<int>> coupled = model.forces().CoupledWith(HandleNodes(), model.num_nodes());
+  for (const SizedModel& sized : sized_models_) {
+    for (std::vector<int>& set : sized.model->forces().CoupledWith(HandleNodes(), model.num_nodes())) {
+      coupled.push_back(std::move(set));
+    }
+  }
+  SetPart(coupled);
+  for (const SizedModel& sized : sized_models_) {
+    std::unique_ptr<HandleForces> forces(new HandleForces(WithoutPart(), *sized.model, parameters, num_steps, groups));
+    forces->SetPart(coupled);
+    sized_.push_back({sized.kind, sized.weight, std::move(forces)});
+  }
+}
+
+std::vector<int> HandleForces::HandleNodes() const {
+  std::vector<int> nodes;
+  for (const Handle& handle : handles_) nodes.push_back(handle.node);
+  return nodes;
+}
+
+void HandleForces::SetPart(const std::vector<std::vector<int>>& coupled) {
+  part_ = MakeForcePart(model_.scene(), HandleNodes(), coupled);
+  forces_ = model_.forces().PartOf(part_);
+  selection_ = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(part_.nodes.size()), 3 * num_groups());
+  for (Handle& handle : handles_) {
+    handle.local = part_.index[handle.node];
+    selection_.block<3, 3>(3 * handle.local, 3 * handle.group) += Eigen::Matrix3d::Identity();
+  }
+}
+
 Eigen::MatrixXd HandleForces::Gather(const Eigen::Ref<const Eigen::MatrixXd>& all) const {
-  Eigen::MatrixXd near(3 * static_cast<Eigen::Index>(nodes_.size()), all.cols());
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    near.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = all.middleRows<3>(3 * nodes_[i]);
+  Eigen::MatrixXd near(3 * static_cast<Eigen::Index>(nodes().size()), all.cols());
+  for (std::size_t i = 0; i < nodes().size(); ++i) {
+    near.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = all.middleRows<3>(3 * nodes()[i]);
   }
   return near;
 }
@@ -44,43 +103,49 @@ ForceWindow HandleForces::Window(int step) const {
   return WindowOfForce(step, num_steps_, model_.scene().integrator, time_step_);
 }
 
-Eigen::Vector3d HandleForces::Derivative(const std::array<double, 3>& weights, const Handle& handle,
-                                         const States& states) const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k) sum += weights[k] * states[k].col(0).segment<3>(3 * handle.local);
-  return sum;
+std::array<double, 3> HandleForces::PredictionShares(const ForceWindow& window) const {
+  std::array<double, 3> shares = {0.0, 0.0, 0.0};
+  const bool is_of_step = model_.scene().integrator == Integrator::kEuler && window.place == 2;
+  if (is_of_step) return {-1.0, 2.0, 0.0};
+  shares[static_cast<std::size_t>(window.place)] = 1.0;
+  return shares;
 }
 
-Eigen::Vector3d HandleForces::Acceleration(const Handle& handle, const States& states) const {
-  return Derivative(Scaled(kCurvature, 1.0 / (time_step_ * time_step_)), handle, states);
-}
-
-Eigen::Vector3d HandleForces::AirSpeed(int step, const Handle& handle, const States& states) const {
-  const double time = model_.scene().start_time + step * time_step_;
-  return Derivative(Window(step).rates, handle, states) - model_.drag()->WindAt(handle.node, time, wind_);
-}
-
-std::array<double, 3> HandleForces::MetricShares(const ForceWindow& window) const {
+std::array<double, 3> HandleForces::OriginShares(const ForceWindow& window) const {
   std::array<double, 3> shares = Scaled(window.rates, -time_step_);
   shares[static_cast<std::size_t>(window.place)] += 1.0;
   return shares;
 }
 
-std::vector<MetricBatch> HandleForces::StartMetrics(const ForceWindow& window, const States& states) const {
-  const std::array<double, 3> shares = MetricShares(window);
-  std::vector<MetricBatch> sum, one;
-  for (std::size_t k = 0; k < 3; ++k) {
-    damping_->SetMetrics(states[k].col(0), &one);
-    if (k == 0) sum.assign(one.size(), MetricBatch{});
-    for (std::size_t b = 0; b < one.size(); ++b) {
-      for (int i = 0; i < 3; ++i) {
-        for (int lane = 0; lane < kLanes; ++lane) {
-          sum[b].values[i][lane] += shares[k] * one[b].values[i][lane];
-        }
-      }
+HandleForces::Place HandleForces::PlaceOf(int step, const States& states) const {
+  Place place{Window(step), model_.scene().start_time + step * time_step_, {}, {}, {}};
+  for (std::size_t k = 0; k < 3; ++k) place.steps[k] = states[k].col(0);
+  const std::array<double, 3>& rates = place.window.rates;
+  place.velocities = rates[0] * place.steps[0] + rates[1] * place.steps[1] + rates[2] * place.steps[2];
+  ForceStart& start = place.held.start;
+  if (forces_.needs_origins()) {
+    const std::array<double, 3> shares = OriginShares(place.window);
+    for (std::size_t k = 0; k < 3; ++k) start.origins.push_back({&place.steps[k], shares[k]});
+  }
+  if (forces_.needs_prediction()) {
+    const std::array<double, 3> shares = PredictionShares(place.window);
+    start.predicted = shares[0] * place.steps[0] + shares[1] * place.steps[1] + shares[2] * place.steps[2];
+    const Eigen::VectorXd& own = place.steps[static_cast<std::size_t>(place.window.place)];
+    for (std::size_t i = 0; i < part_.nodes.size(); ++i) {
+      const auto row = 3 * static_cast<Eigen::Index>(i);
+      if (model_.free_index()[part_.nodes[i]] < 0) start.predicted.segment<3>(row) = own.segment<3>(row);
     }
   }
-  return sum;
+  forces_.Hold(parameters_, place.time, &place.held);
+  return place;
+}
+
+NodeMotion HandleForces::MotionAt(const Handle& handle, const Place& place) const {
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    acceleration += kCurvature[k] / (time_step_ * time_step_) * place.steps[k].segment<3>(3 * handle.local);
+  }
+  return {handle.node, /*time_step=*/1.0, place.time, acceleration, place.velocities.segment<3>(3 * handle.local)};
 }
 
 void HandleForces::SubtractSums(const Eigen::VectorXd& force, Eigen::VectorXd* sums) const {
@@ -108,64 +173,53 @@ Eigen::MatrixXd HandleForces::OverGroupsTransposed(const Eigen::MatrixXd& groups
   return rows;
 }
 
-void HandleForces::AddBending(const Bending& bending, double stiffness, const Eigen::VectorXd& positions,
-                              Eigen::VectorXd* sums) const {
-  sums->reshaped(3, num_groups()) +=
-      stiffness * (positions.reshaped(3, positions.size() / 3) * bending.rows.transpose());
-}
-
 Eigen::VectorXd HandleForces::At(int step, const States& states) const {
-  const ForceWindow window = Window(step);
-  const Eigen::VectorXd positions = states[static_cast<std::size_t>(window.place)].col(0);
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-  membrane_->AddForce(material_, positions, &force);
-  if (damping_) {
-    damping_->AddForce(material_.damping, time_step_, StartMetrics(window, states), positions, &force);
+  const Place place = PlaceOf(step, states);
+  const ForcePoint point = PointOf(place);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(point.positions.size());
+  for (const ForceGroup group : {ForceGroup::kElastic, ForceGroup::kAir, ForceGroup::kViscous}) {
+    forces_.AddForce(group, point, place.held, &force);
   }
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(3 * num_groups());
   SubtractSums(force, &sums);
-  for (const Bending& bending : bending_) AddBending(bending, bending.stiffness, positions, &sums);
-  const Scene& scene = model_.scene();
   for (const Handle& handle : handles_) {
-    auto sum = sums.segment<3>(3 * handle.group);
-    sum += handle.inertia * Acceleration(handle, states) - material_.density * handle.mass_area * scene.gravity -
-           scene.node_force;
-    if (model_.drag() != nullptr) sum += AirSlope(handle, 1.0) * AirSpeed(step, handle, states);
+    sums.segment<3>(3 * handle.group) += model_.nodes().Impulse(MotionAt(handle, place), parameters_);
   }
   return sums;
 }
 
 std::array<Eigen::MatrixXd, 3> HandleForces::Jacobian(int step, const States& states) const {
-  const ForceWindow window = Window(step);
-  const auto place = static_cast<std::size_t>(window.place);
-  const Eigen::VectorXd positions = states[place].col(0);
-  BlockMatrix hessian(pattern_);
-  membrane_->AddHessian(1.0, material_, HessianKind::kExact, positions, &hessian);
+  const Place place = PlaceOf(step, states);
+  const ForcePoint point = PointOf(place);
+  const auto own = static_cast<std::size_t>(place.window.place);
+  const std::array<double, 3>&rates = place.window.rates, origins = OriginShares(place.window);
+  BlockMatrix hessian(part_.pattern);
+  forces_.SetHessian(HessianKind::kExact, point, place.held, 1.0, rates[own], &hessian);
   std::array<Eigen::MatrixXd, 3> transposed;
   transposed.fill(Eigen::MatrixXd::Zero(selection_.rows(), selection_.cols()));
-  if (damping_) {
-    damping_->AddHessian(material_.damping, time_step_, HessianKind::kExact, StartMetrics(window, states), positions,
-                         &hessian);
-    const std::array<double, 3> shares = MetricShares(window);
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (shares[k] == 0.0) continue;
-      damping_->AddMixedProduct(shares[k] * material_.damping, time_step_, states[k].col(0), positions, selection_,
-                                &transposed[k]);
-    }
+  transposed[own] = MultiplySymmetric(hessian, selection_);
+  Eigen::MatrixXd by_prediction;  // x^
+  if (forces_.needs_prediction()) {
+    by_prediction.setZero(selection_.rows(), selection_.cols());
+    forces_.AddPredictionProductTransposed(-1.0, point, place.held, selection_, &by_prediction);
   }
-  hessian.CompleteFromLower();
-  transposed[place] += MultiplySymmetric(hessian, selection_);
-  for (const Bending& bending : bending_) {
-    for (int node = 0; node < bending.rows.outerSize(); ++node) {
-      for (Eigen::SparseMatrix<double>::InnerIterator it(bending.rows, node); it; ++it) {
-        transposed[place].block<3, 3>(3 * it.col(), 3 * it.row()).diagonal().array() += bending.stiffness * it.value();
-      }
-    }
-  }
+  const std::array<double, 3> predictions = PredictionShares(place.window);
+  const Material& material = parameters_.material;
   for (std::size_t k = 0; k < 3; ++k) {
+    if (k != own) forces_.AddVelocityProduct(rates[k], point, place.held, selection_, &transposed[k]);
+    if (origins[k] != 0.0) {
+      forces_.AddOriginProductTransposed(origins[k], point, place.steps[k], selection_, &transposed[k]);
+    }
+    for (std::size_t i = 0; by_prediction.size() > 0 && i < part_.nodes.size(); ++i) {
+      const auto row = 3 * static_cast<Eigen::Index>(i);
+      const bool is_handle = model_.free_index()[part_.nodes[i]] < 0;
+      const double share = is_handle ? (k == own ? 1.0 : 0.0) : predictions[k];
+      transposed[k].middleRows<3>(row) += share * by_prediction.middleRows<3>(row);
+    }
     for (const Handle& handle : handles_) {
       transposed[k].block<3, 3>(3 * handle.local, 3 * handle.group).diagonal().array() +=
-          handle.inertia * kCurvature[k] / (time_step_ * time_step_) + AirSlope(handle, window.rates[k]);
+          model_.mass(material, handle.node) * kCurvature[k] / (time_step_ * time_step_) +
+          model_.nodes().drag(material, handle.node) * rates[k];
     }
     transposed[k] = transposed[k].transpose().eval();
   }
@@ -175,58 +229,57 @@ std::array<Eigen::MatrixXd, 3> HandleForces::Jacobian(int step, const States& st
 Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, const States& states) const {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(3 * num_groups());
   if (IsOfContact(id.kind)) return sums;
-  const ForceWindow window = Window(step);
-  const Eigen::VectorXd positions = states[static_cast<std::size_t>(window.place)].col(0);
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-  switch (RowOf(id.kind).term) {
-    case ParameterTerm::kMembrane:
-      membrane_->AddForceDerivative(id, 1.0, positions, &force);
-      break;
-    case ParameterTerm::kBending:
-      if (const ClothPieces* pieces = model_.PiecesOf(id.kind)) {
-        for (const BendingMatrix& term : pieces->bending(id.piece)) {
-          if (term.kind == id.kind) AddBending({term.kind, 1.0, RowsOf(term.matrix)}, 1.0, positions, &sums);
-        }
-        break;
-      }
-      for (const Bending& bending : bending_) {
-        if (bending.kind == id.kind) AddBending(bending, 1.0, positions, &sums);
-      }
-      break;
-    case ParameterTerm::kMass:
-      for (const Handle& handle : handles_) {
-        Eigen::Vector3d acceleration = Acceleration(handle, states);
-        if (id.kind == ParameterKind::kDensity) acceleration -= model_.scene().gravity;  // the air has no weight
-        sums.segment<3>(3 * handle.group) += (*model_.MassSlopes(id))[handle.node] * acceleration;
-      }
-      break;
-    case ParameterTerm::kWind:
-      for (const Handle& handle : handles_) {
-        if (model_.drag() == nullptr) break;
-        const double time = model_.scene().start_time + step * time_step_;
-        sums.segment<3>(3 * handle.group) -=
-            AirSlope(handle, 1.0) * model_.drag()->WindDerivativeAt(handle.node, time, wind_, id);
-      }
-      break;
-    case ParameterTerm::kDrag:
-      for (const Handle& handle : handles_) {
-        if (model_.drag() == nullptr) break;
-        sums.segment<3>(3 * handle.group) += model_.DragAreas(id)[handle.node] * AirSpeed(step, handle, states);
-      }
-      break;
-    case ParameterTerm::kSize:
-      throw Error(ErrorKind::kUsage, "size.x and size.y: no parameters of a recording with forces at its handles");
-    case ParameterTerm::kDamping:
-      if (damping_) DampingOf(id).AddForce(1.0, time_step_, StartMetrics(window, states), positions, &force);
-      break;
-    case ParameterTerm::kDirectionalDrag:  // the constructor refuses scenes that have it
-    case ParameterTerm::kFriction:
-    case ParameterTerm::kSelfFriction:
-    case ParameterTerm::kPlacement:
-      break;  // of contact: above
+  if (IsSize(id.kind)) {
+    bool is_known = false;
+    for (const Sized& sized : sized_) {
+      if (sized.kind != id.kind) continue;
+      sums += sized.weight * sized.forces->At(step, states);
+      is_known = true;
+    }
+    if (!is_known) throw std::logic_error("the derivative of forces by a size that was not asked for");
+    return sums;
   }
+  const Place place = PlaceOf(step, states);
+  const ForcePoint point = PointOf(place);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(point.positions.size());
+  forces_.AddDerivative(id, 1.0, point, place.held, &force);
   SubtractSums(force, &sums);
+  for (const Handle& handle : handles_) {
+    sums.segment<3>(3 * handle.group) += model_.nodes().ImpulseDerivative(id, MotionAt(handle, place), parameters_);
+  }
   return sums;
+}
+
+Eigen::MatrixXd HandleForces::FieldDerivative(int step, const States& states) const {
+  if (parameters_.fields == nullptr) return Eigen::MatrixXd(3 * num_groups(), 0);
+  const Eigen::Index num_faces = model_.scene().mesh.num_faces();
+  const auto num_fields = static_cast<Eigen::Index>(parameters_.fields->size());
+  Eigen::MatrixXd derivative = Eigen::MatrixXd::Zero(3 * num_groups(), num_fields * num_faces);
+  const Place place = PlaceOf(step, states);
+  Eigen::Index first = 0;
+  for (const FieldFactors& field : *parameters_.fields) {
+    auto columns = derivative.middleCols(first, num_faces);
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(num_faces, selection_.cols());
+    forces_.AddFieldProducts(field, 1.0, PointOf(place), selection_, products);
+    columns -= products.transpose();
+    if (field.kind == ParameterKind::kDensity) AddMassColumns(field, place, columns);
+    first += num_faces;
+  }
+  return derivative;
+}
+
+void HandleForces::AddMassColumns(const FieldFactors& field, const Place& place,
+                                  Eigen::Ref<Eigen::MatrixXd> derivative) const {
+  const Mesh& mesh = model_.scene().mesh;
+  const Eigen::VectorXd areas = TriangleAreas(mesh);
+  for (const Handle& handle : handles_) {
+    const Eigen::Vector3d gain = MotionAt(handle, place).change - model_.scene().gravity;
+    for (const int face : part_.faces) {
+      if ((mesh.faces.col(face).array() != handle.node).all()) continue;
+      const double mass = parameters_.material.density / 3.0 * areas[face] * std::exp(field.log_factors[face]);
+      derivative.col(face).segment<3>(3 * handle.group) += mass * gain;
+    }
+  }
 }
 
 HandleForces::States HandleForces::StatesAt(int step, const Eigen::MatrixXd& positions) const {

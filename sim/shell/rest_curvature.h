@@ -52,6 +52,8 @@ class RestCurvature {
   // `free_index` [N] maps nodes to it (-1: a handle).
   RestCurvature(std::vector<RestMoment> moments, const std::vector<int>& free_index, const BlockPattern& pattern);
 
+  const std::vector<RestMoment>& moments() const { return moments_; }
+
   // Of all triangles, stiffness times.
   double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
 

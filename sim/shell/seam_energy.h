@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "sim/matrix/block_matrix.h"
@@ -24,11 +25,23 @@ Eigen::SparseMatrix<double> SeamMatrix(const Mesh& mesh);
 
 class SeamEnergy {
  public:
+  struct Link {
+    std::array<int, 3> nodes;
+    std::array<double, 3> weights;  // w
+    double stiffness, closing_time;
+    Eigen::Vector3d offset;  // d_0
+  };
+
   // `matrix` is that of `mesh`; `pattern`, the pattern of the Hessian over the free nodes, must cover it; `free_index`
   // [N] maps nodes to it (-1: a handle).
   SeamEnergy(const Mesh& mesh, Eigen::SparseMatrix<double> matrix, const std::vector<int>& free_index,
              const BlockPattern& pattern);
+  // Likewise, of links.
+  SeamEnergy(std::vector<Link> links, Eigen::SparseMatrix<double> matrix, const std::vector<int>& free_index,
+             const BlockPattern& pattern)
+      : links_(std::move(links)), quadratic_(std::move(matrix), free_index, pattern) {}
 
+  const std::vector<Link>& links() const { return links_; }
   const Eigen::SparseMatrix<double>& matrix() const { return quadratic_.matrix(); }  // Q
   const Eigen::VectorXd& diagonal() const { return quadratic_.diagonal(); }          // of Q [N]
 
@@ -42,12 +55,6 @@ class SeamEnergy {
   void AddHessian(double factor, BlockMatrix* hessian) const { quadratic_.AddHessian(factor, hessian); }
 
  private:
-  struct Link {
-    std::array<int, 3> nodes;
-    std::array<double, 3> weights;  // w
-    double stiffness, closing_time;
-    Eigen::Vector3d offset;  // d_0
-  };
   // sum_i w_i x_i - c(t) d_0.
   static Eigen::Vector3d Gap(const Link& link, double time, const Eigen::VectorXd& positions);
 

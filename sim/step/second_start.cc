@@ -43,12 +43,20 @@ SecondStart StartSecondStage(const ClothModel& model, const Material& material, 
   return second;
 }
 
-void SetStartMetrics(const ClothModel& model, const SolveStart& start, std::vector<MetricBatch>* metrics) {
-  if (start.first_positions == nullptr) {
-    model.damping()->SetMetrics(start.positions, metrics);
-  } else {
-    model.damping()->ExtrapolateMetrics(*start.step_positions, *start.first_positions, kSecondStageReach, metrics);
+void SetForceStart(const ForceSet& forces, const SolveStart& start, double time_step, const std::vector<int>& handles,
+                   const Eigen::VectorXd& end_positions, ForceStart* force_start) {
+  if (forces.needs_origins()) {
+    force_start->origins.clear();
+    if (start.first_positions == nullptr) {
+      force_start->origins.push_back({&start.positions, 1.0});
+    } else {
+      force_start->origins.push_back({start.step_positions, 1.0 - kSecondStageReach});
+      force_start->origins.push_back({start.first_positions, kSecondStageReach});
+    }
   }
+  if (!forces.needs_prediction()) return;
+  force_start->predicted = start.positions + time_step * start.velocities;
+  for (const int node : handles) force_start->predicted.segment<3>(3 * node) = end_positions.segment<3>(3 * node);
 }
 
 }  // namespace clothid

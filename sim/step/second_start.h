@@ -34,8 +34,11 @@ SecondStart StartSecondStage(const ClothModel& model, const Material& material, 
 PairImpactNodes ImpactNodes(const ClothModel& model, const Material& material, const PairCandidate& pair,
                             const Eigen::VectorXd& start_velocities, const Eigen::VectorXd& end_velocities);
 
-// C(x_n) of a solve, or C_s of a second stage. `model` has damping; its handles may be others than the scene's.
-void SetStartMetrics(const ClothModel& model, const SolveStart& start, std::vector<MetricBatch>* metrics);
+// What the forces of a solve of size `time_step` need of its start: the positions x_n, or x_n and x_1 of a second
+// stage, from which C is taken, and x^ = x_n + h v_n (x_s and v_s of a second stage), `handles` where they are in
+// `end_positions` [3N].
+void SetForceStart(const ForceSet& forces, const SolveStart& start, double time_step, const std::vector<int>& handles,
+                   const Eigen::VectorXd& end_positions, ForceStart* force_start);
 
 }  // namespace clothid
 

@@ -21,53 +21,30 @@ Eigen::Vector3d ObstacleGain(const std::vector<ObstacleMotion>& motions, const C
 
 // d_j = P_jj of P = M + h c_d diag(a) + h^2 (k L + k_b Q + Q_s) + h eta L.
 double SystemDiagonal(const ClothModel& model, const Material& material, double time_step, int node) {
-  const double h = time_step;
-  double diagonal = (material.areal_inertia() + (model.drag() ? h * material.drag : 0.0)) * model.node_areas()[node];
-  diagonal += h * h * model.membrane().SystemStiffness(material) * model.laplacian_diagonal()[node];
-  if (model.damping() != nullptr) diagonal += h * material.damping * model.laplacian_diagonal()[node];
-  for (const BendingTerm& term : model.bending_terms()) {
-    diagonal += h * h * term.stiffness(material) * term.energy.diagonal()[node];
+  double diagonal = model.nodes().ArealSlope(material, time_step) * model.node_areas()[node];
+  for (const auto& term : model.forces().terms()) {
+    diagonal += term->LaplacianWeight(material, time_step) * model.laplacian_diagonal()[node];
   }
-  if (model.seams() != nullptr) diagonal += h * h * model.seams()->diagonal()[node];
+  for (const auto& term : model.forces().terms()) {
+    const auto part = term->SystemPart(material, time_step);
+    if (part) diagonal += part->weight * (*part->diagonal)[node];
+  }
   return diagonal;
 }
 
-Eigen::VectorXd PredictedPositions(const SolveStart& start, double time_step, const std::vector<int>& handles,
-                                   const Eigen::VectorXd& end_positions) {
-  Eigen::VectorXd positions = start.positions + time_step * start.velocities;
-  for (const int node : handles) positions.segment<3>(3 * node) = end_positions.segment<3>(3 * node);
-  return positions;
-}
-
-void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
-                         const HeldTerms& held, const Eigen::VectorXd& positions, const Eigen::VectorXd& velocities,
+void AssembleStepHessian(const ClothModel& model, HessianKind kind, const ForcePoint& point, const HeldForces& held,
                          BlockMatrix* hessian) {
-  const Material& material = parameters.material;
-  const double h = time_step;
-  hessian->values.setZero();
-  model.membrane().AddHessian(h * h, material, kind, positions, hessian);
-  for (const BendingTerm& term : model.bending_terms()) {
-    term.AddHessian(h * h * term.stiffness(material), kind, positions, hessian);
-  }
-  if (model.seams() != nullptr) model.seams()->AddHessian(h * h, hessian);
-  if (model.damping() != nullptr) {
-    model.damping()->AddHessian(h * h * material.damping, h, kind, held.start_metrics, positions, hessian);
-  }
-  hessian->CompleteFromLower();
-  if (model.directional_drag() != nullptr) {
-    model.directional_drag()->AddHessian(h, DragConstantsOf(material), velocities, held.air, hessian);
-  }
-  const double areal_mass = material.areal_inertia() + (model.drag() ? h * material.drag : 0.0);
+  const double h = point.time_step;
+  const Material& material = point.parameters.material;
+  model.forces().SetHessian(kind, point, held, h * h, h, hessian);
+  const NodeForces& nodes = model.nodes();
+  const double areal_mass = nodes.ArealSlope(material, h);
   const BlockPattern& pattern = hessian->pattern();
   for (int i = 0; i < model.num_free(); ++i) {
-    hessian->block(pattern.Diagonal(i)).diagonal().array() += areal_mass * model.node_areas()[model.free_nodes()[i]];
+    hessian->block(pattern.Diagonal(i)).diagonal().array() += areal_mass * nodes.areas()[model.free_nodes()[i]];
   }
-  if (!model.has_density_field()) return;
-  for (int i = 0; i < model.num_free(); ++i) {
-    const int node = model.free_nodes()[i];
-    hessian->block(pattern.Diagonal(i)).diagonal().array() +=
-        material.density * (model.mass_areas()[node] - model.node_areas()[node]) +
-        (model.drag() ? h * material.drag * (model.drag()->areas()[node] - model.node_areas()[node]) : 0.0);
+  for (int i = 0; nodes.has_density_field() && i < model.num_free(); ++i) {
+    hessian->block(pattern.Diagonal(i)).diagonal().array() += nodes.FurtherSlope(material, h, model.free_nodes()[i]);
   }
 }
 
@@ -107,7 +84,7 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
       gap_time_(times.gap_time()) {
   const bool changed = work_.time_step != time_step_ || !(work_.material == parameters.material);
   if (changed) SetConstants();
-  if (changed || model.drag() != nullptr) SetExternalImpulse();  // the wind changes with time
+  if (changed || model.nodes().drag() != nullptr) SetExternalImpulse();  // the wind changes with time
   SetHandles(handle_offsets);
   work_.start_positions = start.positions;
   work_.start_velocities.resize(3 * model.num_free());
@@ -118,8 +95,7 @@ StepProblem::StepProblem(const ClothModel& model, const Parameters& parameters, 
     square += (work_.masses[i] * velocity).squaredNorm();
   }
   work_.start_momentum = std::sqrt(square);
-  if (model.damping() != nullptr) SetStartMetrics(model, start, &work_.held.start_metrics);
-  if (model.directional_drag() != nullptr) SetAir(start);
+  HoldForces(start);
   if (model.has_contact()) {
     work_.motions = ObstacleMotions(model.scene(), parameters, times);
     FindCandidates(model, start.positions, times.gap_time(), work_.motions, &work_.candidates);
@@ -143,8 +119,8 @@ void StepProblem::SetConstants() {
   for (int i = 0; i < model_.num_free(); ++i) {
     work_.masses[i] = model_.mass(parameters_.material, model_.free_nodes()[i]);
   }
-  if (model_.drag() != nullptr) {
-    work_.drag = time_step_ * parameters_.material.drag * model_.drag()->areas()(model_.free_nodes());
+  if (const AirDrag* drag = model_.nodes().drag()) {
+    work_.drag = time_step_ * parameters_.material.drag * drag->areas()(model_.free_nodes());
   }
   work_.weights.resize(model_.num_free());
   for (int i = 0; i < model_.num_free(); ++i) {
@@ -155,15 +131,14 @@ void StepProblem::SetConstants() {
 
 void StepProblem::SetExternalImpulse() {
   const Scene& scene = model_.scene();
+  const AirDrag* const drag = model_.nodes().drag();
   work_.external_impulse.resize(3 * model_.num_free());
   for (int i = 0; i < model_.num_free(); ++i) {
     const int node = model_.free_nodes()[i];
     auto impulse = work_.external_impulse.segment<3>(3 * i);
-    const double heavy_mass = parameters_.material.density * model_.mass_areas()[node];
+    const double heavy_mass = parameters_.material.density * model_.nodes().mass_areas()[node];
     impulse = time_step_ * (heavy_mass * scene.gravity + scene.node_force);
-    if (model_.drag() != nullptr) {
-      impulse += work_.drag[i] * model_.drag()->WindAt(node, end_time_, parameters_.wind);
-    }
+    if (drag != nullptr) impulse += work_.drag[i] * drag->WindAt(node, end_time_, parameters_.wind);
   }
   work_.external_norm = work_.external_impulse.norm();
 }
@@ -175,12 +150,16 @@ void StepProblem::SetHandles(const HandlePath* offsets) {
 }
 
 // Handles have the velocity of their way over the solve.
-void StepProblem::SetAir(const SolveStart& start) {
-  Eigen::VectorXd ends = start.positions;
-  PlaceHandles(&ends);
-  work_.all_velocities = (ends - start.positions) / time_step_;
-  const Eigen::VectorXd predicted = PredictedPositions(start, time_step_, model_.scene().handles.nodes, ends);
-  model_.directional_drag()->SetAir(predicted, parameters_.wind, end_time_, &work_.held.air);
+void StepProblem::HoldForces(const SolveStart& start) {
+  const ForceSet& forces = model_.forces();
+  Eigen::VectorXd ends;
+  if (forces.needs_velocities() || forces.needs_prediction()) {
+    ends = start.positions;
+    PlaceHandles(&ends);
+    work_.all_velocities = (ends - start.positions) / time_step_;
+  }
+  SetForceStart(forces, start, time_step_, model_.scene().handles.nodes, ends, &work_.held.start);
+  forces.Hold(parameters_, end_time_, &work_.held);
 }
 
 int StepProblem::free_block(int candidate) const { return model_.free_index()[work_.candidates[candidate].node]; }
@@ -192,10 +171,10 @@ double StepProblem::friction_coefficient(int candidate) const {
 void StepProblem::Evaluate(const Eigen::VectorXd& velocities, StepPoint* point) const {
   MoveTo(velocities, point);
   point->scale = std::max({work_.external_norm, work_.start_momentum, std::numeric_limits<double>::min()});
-  AddElasticForce(point);
-  if (model_.drag() != nullptr) AddDrag(point);
-  if (model_.directional_drag() != nullptr) AddDirectionalDrag(point);
-  if (model_.damping() != nullptr) AddViscousForce(point);
+  AddForces(ForceGroup::kElastic, point);
+  if (model_.nodes().drag() != nullptr) AddDrag(point);
+  AddForces(ForceGroup::kAir, point);
+  AddForces(ForceGroup::kViscous, point);
   if (may_touch_itself()) AddPairImpulses(point);
   if (may_touch()) {
     ApplyContactLaw(point);
@@ -243,42 +222,21 @@ void StepProblem::AddDrag(StepPoint* point) const {
   }
 }
 
-void StepProblem::AddDirectionalDrag(StepPoint* point) const {
-  model_.Scatter(point->velocities, &work_.all_velocities);
-  work_.force.setZero(3 * model_.num_nodes());
-  const double power = model_.directional_drag()->AddForce(DragConstantsOf(parameters_.material), work_.all_velocities,
-                                                           work_.held.air, &work_.force);
-  AddForce(time_step_ * power, point);
+ForcePoint StepProblem::ForcesAt(const StepPoint& point) const {
+  if (model_.forces().needs_velocities()) model_.Scatter(point.velocities, &work_.all_velocities);
+  return {parameters_, time_step_, end_time_, point.positions, work_.all_velocities};
 }
 
-void StepProblem::AddElasticForce(StepPoint* point) const {
-  const Material& material = parameters_.material;
+void StepProblem::AddForces(ForceGroup group, StepPoint* point) const {
+  if (!model_.forces().has(group)) return;
   work_.force.setZero(3 * model_.num_nodes());
-  double energy = model_.membrane().AddForce(material, point->positions, &work_.force);
-  for (const BendingTerm& term : model_.bending_terms()) {
-    const double stiffness = term.stiffness(material);
-    energy += stiffness * term.AddForce(stiffness, point->positions, &work_.force);
-  }
-  if (model_.seams() != nullptr) energy += model_.seams()->AddForce(end_time_, point->positions, &work_.force);
-  AddForce(energy, point);
-}
-
-void StepProblem::AddViscousForce(StepPoint* point) const {
-  const double damping = parameters_.material.damping;
-  work_.force.setZero(3 * model_.num_nodes());
-  const double potential = damping * model_.damping()->AddForce(damping, time_step_, work_.held.start_metrics,
-                                                                point->positions, &work_.force);
-  AddForce(potential, point);
-}
-
-void StepProblem::AddForce(double potential, StepPoint* point) const {
+  point->potential += model_.forces().AddForce(group, ForcesAt(*point), work_.held, &work_.force);
   Eigen::Array3d squares = Eigen::Array3d::Zero();
   for (int i = 0; i < model_.num_free(); ++i) {
     const Eigen::Vector3d impulse = time_step_ * work_.force.segment<3>(3 * model_.free_nodes()[i]);
     point->momentum_gradient.segment<3>(3 * i) -= impulse;
     squares += impulse.array().square();
   }
-  point->potential += potential;
   point->scale = std::max(point->scale, std::sqrt(squares.sum()));
 }
 
@@ -298,9 +256,7 @@ void StepProblem::ApplyContactLaw(StepPoint* point) const {
 }
 
 void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const {
-  if (model_.directional_drag() != nullptr) model_.Scatter(point.velocities, &work_.all_velocities);
-  AssembleStepHessian(model_, parameters_, time_step_, kind, work_.held, point.positions, work_.all_velocities,
-                      hessian);
+  AssembleStepHessian(model_, kind, ForcesAt(point), work_.held, hessian);
 }
 
 double StepProblem::RoundingFloor(const StepPoint& point) const {

@@ -31,12 +31,6 @@
 
 namespace clothid {
 
-// What a solve holds fixed of the terms that depend on its start. Empty where the model does not have them.
-struct HeldTerms {
-  std::vector<MetricBatch> start_metrics;  // of damping: C(x_n), or C_s
-  std::vector<AirBatch> air;               // of drag by direction: normals at x^ and the wind at the end
-};
-
 // The equations of the cloth's pairs with itself, likewise, in their order.
 struct PairPoint {
   Eigen::Matrix3Xd impulses;               // r
@@ -76,8 +70,8 @@ struct StepWorkspace {
   Eigen::VectorXd start_velocities;  // v_n
   double start_momentum = 0.0;       // |M v_n|, N s
   Eigen::VectorXd handle_positions;  // at the end, in the order of the scene's handles
-  Eigen::VectorXd all_velocities;    // [3N], those of handles set; empty without drag by direction
-  HeldTerms held;
+  Eigen::VectorXd all_velocities;    // [3N], those of handles set; empty where no force needs them
+  HeldForces held;
   std::vector<ObstacleMotion> motions;        // empty where no obstacle moves
   std::vector<ContactCandidate> candidates;   // empty without obstacles
   std::unique_ptr<SelfContactSearch> search;  // of the model's mesh; null without self-contact
@@ -88,20 +82,8 @@ struct StepWorkspace {
   Eigen::VectorXd force;             // [3N] scratch
 };
 
-// x^ [3N]: where a solve of size `time_step` from `start` would end at its first velocities, `handles` where they are
-// in `end_positions` [3N].
-Eigen::VectorXd PredictedPositions(const SolveStart& start, double time_step, const std::vector<int>& handles,
-                                   const Eigen::VectorXd& end_positions);
-
-// c_n and c_t.
-inline DragConstants DragConstantsOf(const Material& material) {
-  return {material.normal_drag, material.tangential_drag};
-}
-
-// K at `positions` and `velocities` [3N] overwrites `hessian`; the velocities matter to drag by direction alone, and
-// may be empty without it.
-void AssembleStepHessian(const ClothModel& model, const Parameters& parameters, double time_step, HessianKind kind,
-                         const HeldTerms& held, const Eigen::VectorXd& positions, const Eigen::VectorXd& velocities,
+// K at `point` overwrites `hessian`.
+void AssembleStepHessian(const ClothModel& model, HessianKind kind, const ForcePoint& point, const HeldForces& held,
                          BlockMatrix* hessian);
 
 // What a rollout keeps of contacts.
@@ -182,7 +164,7 @@ class StepProblem {
   void SetConstants();
   void SetExternalImpulse();
   void SetHandles(const HandlePath* offsets);
-  void SetAir(const SolveStart& start);
+  void HoldForces(const SolveStart& start);
 
   void FindPairs(const SolveStart& start, double gap_time);
   bool TakeBackPairs(const StepPoint& point);
@@ -191,11 +173,9 @@ class StepProblem {
   void MoveTo(const Eigen::VectorXd& velocities, StepPoint* point) const;
   void PlaceHandles(Eigen::VectorXd* positions) const;  // [3N], at the end
   void AddDrag(StepPoint* point) const;
-  // Take a force over the step off the gradient and add its potential and the size of its impulse.
-  void AddDirectionalDrag(StepPoint* point) const;
-  void AddElasticForce(StepPoint* point) const;
-  void AddViscousForce(StepPoint* point) const;
-  void AddForce(double potential, StepPoint* point) const;  // the one in `work_.force`
+  // Takes the forces of a group over the step off the gradient and adds their potential and the size of their impulse.
+  void AddForces(ForceGroup group, StepPoint* point) const;
+  ForcePoint ForcesAt(const StepPoint& point) const;  // sets the velocities in the workspace where forces need them
   // Phi and the responses, from v and g.
   void ApplyContactLaw(StepPoint* point) const;
   // Takes J^T r off g.

@@ -21,6 +21,7 @@ struct Case {
   bool has_ball;
   std::vector<std::string> parameters;
   bool touches_itself = false;
+  bool has_every_force = false;
 };
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
@@ -46,6 +47,19 @@ Scene TouchingScene(Integrator integrator) {
   return scene;
 }
 
+// Drag by direction, a rest shape that is curved, links at a handle and beside it.
+void AddEveryForce(Scene* scene) {
+  scene->material.normal_drag = 0.4;
+  scene->material.tangential_drag = 0.15;
+  scene->wind.mean = {0.2, 0.5, -0.1};
+  scene->bending.law = BendingLaw::kPatches;
+  scene->mesh.links = {{1, {7, 8}, 0.3, 2.0, 0.0}, {6, {12, 12}, 0.0, 3.0, 0.1}};
+  for (int node = 0; node < scene->mesh.num_nodes(); ++node) {
+    const double along = scene->mesh.rest_positions(0, node);
+    scene->mesh.rest_positions(2, node) += 0.5 * along * along;
+  }
+}
+
 // Two grippers, the second with a component that its sensor does not have, and readings left out.
 RecordedMotion ForceMotion(const Case& of) {
   Scene scene = of.touches_itself ? TouchingScene(of.integrator) : of.has_ball ? SphereScene() : SwingScene();
@@ -53,6 +67,7 @@ RecordedMotion ForceMotion(const Case& of) {
   scene.integrator = of.integrator;
   scene.contact_mode = of.contact_mode;
   scene.material.damping = of.damping;
+  if (of.has_every_force) AddEveryForce(&scene);
   scene.solver.step_tolerance = 1e-12;
   if (!of.touches_itself) scene = Shaken(scene);
   MotionOptions motion_options;
@@ -218,6 +233,22 @@ INSTANTIATE_TEST_SUITE_P(
              0.02,
              false,
              {"mu.self", "k_stretch", "density", "handle_shift1.x", "handle_shift2.z"},
+             true},
+        Case{"EveryForceEuler",
+             Integrator::kEuler,
+             ContactMode::kGap,
+             0.0,
+             false,
+             {"k_bend", "drag_normal", "drag_tangential", "wind.y", "size.x", "size.y"},
+             false,
+             true},
+        Case{"EveryForceSdirk2",
+             Integrator::kSdirk2,
+             ContactMode::kGap,
+             0.02,
+             false,
+             {"k_stretch", "density", "drag_normal", "size.x", "handle_shift1.x", "v0.z"},
+             false,
              true}),
     [](const auto& named) { return named.param.name; });
 

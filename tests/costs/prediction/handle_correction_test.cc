@@ -129,14 +129,5 @@ TEST(HandleCorrectionTest, AdjointIsSensitivityIsCentralDifferences) {
   }
 }
 
-TEST(SizeTest, IsNoParameterBesideForces) {
-  RecordedMotion motion = MakeMotion(SwingScene(), {});
-  motion.forces.times = Eigen::Vector2d(0.0, 0.1);
-  motion.forces.values = Eigen::MatrixXd::Zero(3, 2);
-  motion.forces.sigma = Eigen::VectorXd::Constant(1, 0.01);
-  ExpectError([&] { RolloutCost(motion, BlocksOf(motion, {"size.x"}), {}); }, ErrorKind::kUsage,
-              {"size.x", "synthetic", "forces at its handles"});
-}
-
 }  // namespace
 }  // namespace clothid::handle_correction_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/cloth/air_drag.h"
+#include "sim/force/air_drag.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_json.h"
 #include "tests/expect_error.h"

@@ -11,6 +11,7 @@
 #include "sim/rollout/handle_forces.h"
 #include "sim/rollout/sized_scene.h"
 #include "tests/expect_error.h"
+#include "tests/sim/forces_of.h"
 #include "tests/sim/garments.h"
 #include "tests/sim/order_of_convergence.h"
 #include "tests/sim/plain_scenes.h"
@@ -64,8 +65,8 @@ TEST(UvRestTest, PiecesMayLieElsewhere) {
   const Eigen::VectorXd x = 1.1 * SimulateNominal(one, 5).positions(5);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(x.size()), turned_force = force;
   const Material material = one.material;
-  const double energy = ClothModel(one).membrane().AddForce(material, x, &force);
-  EXPECT_NEAR(ClothModel(other).membrane().AddForce(material, x, &turned_force), energy, 1e-12 * energy);
+  const double energy = MembraneOf(ClothModel(one)).AddForce(material, x, &force);
+  EXPECT_NEAR(MembraneOf(ClothModel(other)).AddForce(material, x, &turned_force), energy, 1e-12 * energy);
   EXPECT_LT((force - turned_force).norm(), 1e-12 * force.norm());
   const Eigen::MatrixXd q = ClothModel(one).bending()->matrix();
   EXPECT_LT((q - Eigen::MatrixXd(ClothModel(other).bending()->matrix())).norm(), 1e-9 * q.norm());
@@ -84,14 +85,6 @@ TEST(UvRestTest, HasTheSameForcesAtHandles) {
   }
   EXPECT_GT(forces[0].norm(), 1e-3);
   EXPECT_EQ(forces[0], forces[1]);
-}
-
-TEST(DrawnSeamTest, LeavesForcesAtHandlesUnknown) {
-  Scene scene = Swinging(MakeGrid(SquareGrid(6, 0.3)), Integrator::kSdirk2);
-  scene.mesh.links = {{20, {1, 1}, 0.0, 10.0, 0.0}};
-  const ClothModel model(scene);
-  ExpectError([&] { HandleForces(model, scene.nominal_parameters(), 5, {{0}}); }, ErrorKind::kBadData,
-              {"forces at handles: expected no seam that closes and no button at a handle, found one at node 1"});
 }
 
 // size.x and size.y stretch along u and v.
@@ -330,11 +323,18 @@ TEST(ButtonTest, CarriesWhatHangsOnIt) {
   for (int node = 0; node < 9; ++node) scene.handles.nodes.push_back(node);
   scene.material.stretch_stiffness = 1e4;
   scene.material.bending_stiffness = 1.0;
-  const Eigen::VectorXd x = SimulateNominal(scene, 60).positions(60);
+  const Rollout rollout = SimulateNominal(scene, 60);
+  const Eigen::VectorXd& x = rollout.positions(60);
   const double weight = scene.material.density * 0.01 * 9.81;
   double length = 0.0;
   for (const int node : {0, 2, 6, 8}) length -= x[3 * (9 + node) + 2] / 4.0;
   EXPECT_NEAR(length, weight / (4.0 * kButtonStiffness), 1e-3 * length);
+  const ClothModel model(scene);
+  const HandleForces forces(model, scene.nominal_parameters(), 60, {scene.handles.nodes});
+  const Eigen::VectorXd held =
+      forces.At(60, {forces.Gather(rollout.positions(58)), forces.Gather(rollout.positions(59)),
+                     forces.Gather(rollout.positions(60))});
+  EXPECT_LT((held - Eigen::Vector3d(0.0, 0.0, 2.0 * weight)).norm(), 1e-5 * weight);
 }
 
 }  // namespace

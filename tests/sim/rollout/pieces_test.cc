@@ -6,6 +6,7 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/rollout/handle_forces.h"
+#include "tests/sim/forces_of.h"
 #include "tests/sim/pieces_scene.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/woven_scene.h"
@@ -129,8 +130,8 @@ TEST(PiecesTest, BendingEnergiesAddUp) {
       ClothModel model(pieces);
       model.SetVariation(pieces.nominal_parameters());
       Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-      for (const BendingTerm& term : model.bending_terms()) {
-        term.AddForce(term.stiffness(pieces.material), positions, &force);
+      for (const BendingTerm* term : BendingOf(model)) {
+        term->AddForce(term->stiffness(pieces.material), positions, &force);
       }
       return force;
     };

@@ -9,7 +9,7 @@
 
 #include "sim/scene/scene.h"
 #include "sim/shell/bending_patch.h"
-#include "tests/sim/cloth/strained_grid.h"
+#include "tests/sim/shell/strained_grid.h"
 
 namespace clothid::bending_energy_test {
 namespace {

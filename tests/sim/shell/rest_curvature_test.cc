@@ -13,6 +13,7 @@
 #include "sim/cloth/cloth_model.h"
 #include "sim/matrix/dense.h"
 #include "sim/shell/bending_patch.h"
+#include "tests/sim/forces_of.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/sheet_meshes.h"
 
@@ -70,20 +71,20 @@ class Bending1 {
   double Energy(const Eigen::VectorXd& positions) const {
     Eigen::VectorXd unused = Eigen::VectorXd::Zero(positions.size());
     double energy = 0.0;
-    for (const BendingTerm& term : model_.bending_terms()) energy += term.AddForce(1.0, positions, &unused);
+    for (const BendingTerm* term : BendingOf(model_)) energy += term->AddForce(1.0, positions, &unused);
     return energy;
   }
 
   Eigen::VectorXd Force(const Eigen::VectorXd& positions) const {
     Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-    for (const BendingTerm& term : model_.bending_terms()) term.AddForce(1.0, positions, &force);
+    for (const BendingTerm* term : BendingOf(model_)) term->AddForce(1.0, positions, &force);
     return force;
   }
 
   // Over the free nodes.
   Eigen::MatrixXd Hessian(HessianKind kind, const Eigen::VectorXd& positions) const {
     BlockMatrix hessian(model_.pattern());
-    for (const BendingTerm& term : model_.bending_terms()) term.AddHessian(1.0, kind, positions, &hessian);
+    for (const BendingTerm* term : BendingOf(model_)) term->AddHessian(1.0, kind, positions, &hessian);
     hessian.CompleteFromLower();
     return hessian.view();
   }
@@ -190,15 +191,15 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RestCurvatureTest, ::testing::ValuesIn(kSheetKin
 TEST(RestCurvatureOfFlatMeshesTest, ThereIsNone) {
   Mesh mesh = FlatSheet(SheetKind::kIrregular, 9);
   EXPECT_TRUE(IsFlat(mesh));
-  EXPECT_EQ(Bending1(SceneOf(mesh)).model().bending_terms()[0].curvature, nullptr);
+  EXPECT_EQ(BendingOf(Bending1(SceneOf(mesh)).model())[0]->curvature(), nullptr);
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 0.5).normalized()).toRotationMatrix();
   mesh.rest_positions = (1e6 * (turn * mesh.rest_positions)).array().round().matrix() / 1e6;  // as in a file
   EXPECT_TRUE(IsFlat(mesh));
   EXPECT_FALSE(IsFlat(HalfCylinder(SheetKind::kAlternating, 9)));
   Scene scene = SceneOf(HalfCylinder(SheetKind::kAlternating, 9));
-  EXPECT_NE(Bending1(scene).model().bending_terms()[0].curvature, nullptr);
+  EXPECT_NE(BendingOf(Bending1(scene).model())[0]->curvature(), nullptr);
   scene.bending.law = BendingLaw::kEdges;
-  EXPECT_EQ(Bending1(scene).model().bending_terms()[0].curvature, nullptr);
+  EXPECT_EQ(BendingOf(Bending1(scene).model())[0]->curvature(), nullptr);
 }
 
 // With shares along warp and weft the terms add up to the isotropic law.
@@ -211,13 +212,13 @@ TEST(RestCurvatureAlongYarnsTest, SharesAddUp) {
   scene.material.bending_stiffness = 0.0;
   scene.material.warp_bending = scene.material.weft_bending = scene.material.twist_bending = 1.0;
   const Bending1 shares(scene);
-  ASSERT_EQ(shares.model().bending_terms().size(), 3u);
+  ASSERT_EQ(BendingOf(shares.model()).size(), 3u);
   const Eigen::VectorXd positions = scene.initial_positions + Noise(scene.initial_positions.size(), 0.1 * kRadius);
   double sum = 0.0;
   Eigen::VectorXd unused = Eigen::VectorXd::Zero(positions.size());
-  for (const BendingTerm& term : shares.model().bending_terms()) {
-    const bool is_twist = term.kind == ParameterKind::kTwistBending;
-    sum += (is_twist ? 0.35 : 1.0) * term.AddForce(1.0, positions, &unused);
+  for (const BendingTerm* term : BendingOf(shares.model())) {
+    const bool is_twist = term->kind() == ParameterKind::kTwistBending;
+    sum += (is_twist ? 0.35 : 1.0) * term->AddForce(1.0, positions, &unused);
   }
   EXPECT_NEAR(sum, isotropic.Energy(positions), 1e-10 * sum);
 }

@@ -6,6 +6,7 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/cloth/system_matrix.h"
+#include "tests/sim/forces_of.h"
 #include "tests/sim/plain_scenes.h"
 
 namespace clothid::seam_energy_test {
@@ -44,19 +45,19 @@ TEST(SeamEnergyTest, IsThatOfItsFormula) {
   const double button = 20.0 * (x.col(3) - x.col(12)).squaredNorm();
   const Eigen::VectorXd positions = x.reshaped();
   EXPECT_NEAR(
-      EnergyAt(*model.seams(), 0.1, positions),
+      EnergyAt(SeamsOf(model), 0.1, positions),
       button + 35.0 * (gap(x) - 0.8 * gap(rest)).squaredNorm() + 12.5 * (other(x) - 0.5 * other(rest)).squaredNorm(),
       1e-14);
-  EXPECT_NEAR(EnergyAt(*model.seams(), 0.7, positions),
+  EXPECT_NEAR(EnergyAt(SeamsOf(model), 0.7, positions),
               button + 35.0 * gap(x).squaredNorm() + 12.5 * other(x).squaredNorm(), 1e-14);
-  EXPECT_NEAR(EnergyAt(*model.seams(), 0.0, scene.initial_positions), 20.0 * (rest.col(3) - rest.col(12)).squaredNorm(),
+  EXPECT_NEAR(EnergyAt(SeamsOf(model), 0.0, scene.initial_positions), 20.0 * (rest.col(3) - rest.col(12)).squaredNorm(),
               1e-14);
 }
 
 TEST(SeamEnergyTest, ForceAndPowerAreItsDerivatives) {
   const Scene scene = Linked();
   const ClothModel model(scene);
-  const SeamEnergy& seams = *model.seams();
+  const SeamEnergy& seams = SeamsOf(model);
   const Eigen::VectorXd positions = Scattered(scene);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
   seams.AddForce(0.13, positions, &force);
@@ -79,11 +80,11 @@ TEST(SeamEnergyTest, ForceAndPowerAreItsDerivatives) {
 TEST(SeamEnergyTest, HessianIsTheMatrix) {
   const Scene scene = Linked();
   const ClothModel model(scene);
-  const Eigen::MatrixXd matrix = model.seams()->matrix();
+  const Eigen::MatrixXd matrix = SeamsOf(model).matrix();
   EXPECT_LT((matrix * Eigen::VectorXd::Ones(16)).norm(), 1e-13);
   EXPECT_EQ(matrix, matrix.transpose());
   BlockMatrix hessian(model.pattern());
-  model.seams()->AddHessian(2.0, &hessian);
+  SeamsOf(model).AddHessian(2.0, &hessian);
   hessian.CompleteFromLower();
   const BlockPattern& pattern = *model.pattern();
   const Eigen::MatrixXd dense = Eigen::Map<const Eigen::SparseMatrix<double>>(
@@ -108,7 +109,7 @@ TEST(SeamEnergyTest, IsPartOfTheSystemMatrix) {
     all(of.free_nodes(), of.free_nodes()) = Eigen::MatrixXd(AssembleSystemMatrix(of, material, 0.02));
     return all;
   };
-  Eigen::MatrixXd expected = 0.02 * 0.02 * Eigen::MatrixXd(model.seams()->matrix());
+  Eigen::MatrixXd expected = 0.02 * 0.02 * Eigen::MatrixXd(SeamsOf(model).matrix());
   for (const int handle : scene.handles.nodes) {
     expected.row(handle).setZero();
     expected.col(handle).setZero();
@@ -118,7 +119,7 @@ TEST(SeamEnergyTest, IsPartOfTheSystemMatrix) {
 
 TEST(SeamEnergyTest, IsAbsentWithoutLinks) {
   const Scene scene = ClothScene(SquareGrid(4, 0.3), 0.01);
-  EXPECT_EQ(ClothModel(scene).seams(), nullptr);
+  EXPECT_EQ(ClothModel(scene).forces().Find<SeamTerm>(), nullptr);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sim/matrix/dense.h"
-#include "tests/sim/cloth/strained_grid.h"
+#include "tests/sim/shell/strained_grid.h"
 
 namespace clothid::triangle_element_test {
 namespace {

@@ -25,8 +25,11 @@ class StepJacobianTest : public ::testing::TestWithParam<std::string> {
     const Eigen::VectorXd& start = i == 0 ? rollout_.initial_positions : rollout_.records[i - 1].positions;
     const std::vector<Contact> contacts =
         RestoreContacts(simulator_.model(), rollout_.parameters, start, record.times(), {}, record.contacts);
-    AssembleStepHessian(simulator_.model(), rollout_.parameters, record.time_step, HessianKind::kExact, {},
-                        record.positions, record.velocities, hessian);
+    HeldForces held;  // of the start nothing: no force of these scenes needs it
+    simulator_.model().forces().Hold(rollout_.parameters, record.time, &held);
+    AssembleStepHessian(simulator_.model(), HessianKind::kExact,
+                        {rollout_.parameters, record.time_step, record.time, record.positions, record.velocities}, held,
+                        hessian);
     jacobian->SetPoint(*hessian, contacts, rollout_.parameters.friction_coefficients);
   }
 

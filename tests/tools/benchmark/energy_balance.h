@@ -92,9 +92,9 @@ inline void AddAir(const StepRecord& record, const Parameters& parameters, const
   for (const int node : model.free_nodes()) {
     const Eigen::Vector3d v = record.velocities.segment<3>(3 * node);
     flow->force_work += seconds * model.scene().node_force.dot(v);
-    if (model.drag() == nullptr) continue;
+    if (model.nodes().drag() == nullptr) continue;
     flow->air_work += seconds * material.drag * model.node_areas()[node] *
-                      (model.drag()->WindAt(node, record.time, parameters.wind) - v).dot(v);
+                      (model.nodes().drag()->WindAt(node, record.time, parameters.wind) - v).dot(v);
   }
 }
 

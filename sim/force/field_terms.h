@@ -1,13 +1,14 @@
-// What a constant of the material that varies over the cloth, as a field or from piece to piece, does to the terms of
-// its model: every energy is a sum over triangles, and so is the mass, so it is a weight for each triangle.
-#ifndef CLOTHID_SIM_CLOTH_FIELD_TERMS_H_
-#define CLOTHID_SIM_CLOTH_FIELD_TERMS_H_
+// What a constant of the material that varies over the cloth, as a field or from piece to piece, does to the forces in
+// it: every energy is a sum over triangles, and so is the mass, so it is a weight for each triangle.
+#ifndef CLOTHID_SIM_FORCE_FIELD_TERMS_H_
+#define CLOTHID_SIM_FORCE_FIELD_TERMS_H_
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <memory>
 #include <vector>
 
+#include "sim/force/force_part.h"
 #include "sim/scene/scene.h"
 #include "sim/shell/bending_energy.h"
 #include "sim/shell/rest_curvature.h"
@@ -22,6 +23,9 @@ std::shared_ptr<const TriangleElements> WeightedTriangles(const TriangleElements
 // Those of `triangles` that are `faces` of the mesh.
 TriangleElements SelectTriangles(const TriangleElements& triangles, const std::vector<int>& faces);
 
+// Of each of the triangles [F] with these pieces: 1 in `piece`, else 0; kWholeCloth: 1 in all.
+Eigen::VectorXd PieceMask(int piece, const std::vector<int>& face_pieces);
+
 // A third of the rest area of the triangles at every node times their `weights` [F]: [N] m^2.
 Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weights);
 
@@ -33,6 +37,8 @@ struct BendingMatrix {
 
   // Adds stiffness * (-Q x), and the force of the moments, to `force` [3N].
   void AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+  // Of a part, the triangles counted as in the mesh.
+  BendingMatrix PartOf(const ForcePart& part) const;
 };
 
 // Bending by a constant that varies: an edge has the mean weight of its two triangles.
@@ -42,6 +48,7 @@ class WeightedBending {
   WeightedBending(const Scene& scene, ParameterKind kind, const Mesh& chosen_on);
 
   ParameterKind kind() const { return kind_; }
+  WeightedBending PartOf(const ForcePart& part) const;  // likewise
   BendingMatrix Of(const Eigen::VectorXd& weights) const { return {kind_, Matrix(weights), Moments(weights)}; }
 
   // Q with its elements times the `weights` [F]: [N x N]. Its pattern is the same for all weights, those of zero too.
@@ -65,4 +72,4 @@ class WeightedBending {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_FIELD_TERMS_H_
+#endif  // CLOTHID_SIM_FORCE_FIELD_TERMS_H_

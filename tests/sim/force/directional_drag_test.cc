@@ -1,5 +1,5 @@
 // Drag by direction: the formula, and every derivative against central differences.
-#include "sim/cloth/directional_drag.h"
+#include "sim/force/directional_drag.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,7 @@
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/matrix/dense.h"
+#include "tests/sim/forces_of.h"
 #include "tests/sim/plain_scenes.h"
 
 namespace clothid::directional_drag_test {
@@ -40,7 +41,7 @@ class DirectionalDragTest : public ::testing::TestWithParam<AirLaw> {
     return scene;
   }
 
-  const DirectionalDrag& drag() const { return *model_.directional_drag(); }
+  const DirectionalDrag& drag() const { return DirectionalDragOf(model_); }
 
   Eigen::VectorXd Random(double scale) {
     std::normal_distribution<double> normal(0.0, scale);

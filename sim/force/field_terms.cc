@@ -1,4 +1,4 @@
-#include "sim/cloth/field_terms.h"
+#include "sim/force/field_terms.h"
 
 #include <cstddef>
 #include <utility>
@@ -25,6 +25,18 @@ FlexuralRigidity UnitRigidity(ParameterKind kind, double poisson) {
   if (kind == ParameterKind::kWarpBending) return shares.warp;
   if (kind == ParameterKind::kWeftBending) return shares.weft;
   return kind == ParameterKind::kTwistBending ? shares.twist : IsotropicRigidity(1.0, poisson);
+}
+
+// Those of chosen nodes, with the nodes of the part.
+std::vector<RestMoment> PartOfMoments(const std::vector<RestMoment>& moments, const ForcePart& part) {
+  std::vector<RestMoment> near;
+  for (const RestMoment& moment : moments) {
+    if (part.Touches(moment.nodes)) near.push_back(moment);
+  }
+  for (RestMoment& moment : near) {
+    for (int& node : moment.nodes) node = part.index[node];
+  }
+  return near;
 }
 
 }  // namespace
@@ -60,6 +72,14 @@ TriangleElements SelectTriangles(const TriangleElements& triangles, const std::v
   return selected;
 }
 
+Eigen::VectorXd PieceMask(int piece, const std::vector<int>& face_pieces) {
+  Eigen::VectorXd mask(static_cast<Eigen::Index>(face_pieces.size()));
+  for (std::size_t f = 0; f < face_pieces.size(); ++f) {
+    mask[static_cast<Eigen::Index>(f)] = piece == kWholeCloth || face_pieces[f] == piece ? 1.0 : 0.0;
+  }
+  return mask;
+}
+
 Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weights) {
   const Eigen::VectorXd thirds = TriangleAreas(mesh).cwiseProduct(weights) / 3.0;
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.num_nodes());
@@ -74,6 +94,23 @@ void BendingMatrix::AddForce(double stiffness, const Eigen::VectorXd& positions,
   // Q is symmetric.
   force->reshaped(3, num_nodes) -= stiffness * (positions.reshaped(3, num_nodes) * matrix);
   for (const RestMoment& moment : moments) AddMomentForce(moment, stiffness, positions, force);
+}
+
+BendingMatrix BendingMatrix::PartOf(const ForcePart& part) const {
+  return {kind, PartOfMatrix(matrix, part), PartOfMoments(moments, part)};
+}
+
+WeightedBending WeightedBending::PartOf(const ForcePart& part) const {
+  WeightedBending own = *this;
+  own.num_nodes_ = static_cast<int>(part.nodes.size());
+  own.moments_ = PartOfMoments(moments_, part);
+  own.elements_.clear();
+  for (const BendingElement& element : elements_) {
+    if (!part.Touches(element.nodes)) continue;
+    own.elements_.push_back(element);
+    for (int& node : own.elements_.back().nodes) node = part.index[node];
+  }
+  return own;
 }
 
 WeightedBending::WeightedBending(const Scene& scene, ParameterKind kind, const Mesh& chosen_on)

@@ -11,8 +11,8 @@
 // C_12 = nu C_11, C_66 = Y/(2 (1 + nu)). In uniaxial tension a strain of e, relative to the rest length, takes the
 // force Y e (1 + e)(1 + e/2) per width. In compression the force has its maximum at a length of 1/sqrt(3) and is 0
 // where the triangle is flat: the energy does not keep triangles from turning inside out.
-#ifndef CLOTHID_SIM_CLOTH_ORTHOTROPIC_ENERGY_H_
-#define CLOTHID_SIM_CLOTH_ORTHOTROPIC_ENERGY_H_
+#ifndef CLOTHID_SIM_SHELL_ORTHOTROPIC_ENERGY_H_
+#define CLOTHID_SIM_SHELL_ORTHOTROPIC_ENERGY_H_
 
 #include <Eigen/Core>
 #include <memory>
@@ -52,4 +52,4 @@ class OrthotropicEnergy {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_ORTHOTROPIC_ENERGY_H_
+#endif  // CLOTHID_SIM_SHELL_ORTHOTROPIC_ENERGY_H_

@@ -1,6 +1,6 @@
 // How the drag by direction (directional_drag.h) on one triangle depends on its normal, for both sweeps.
-#ifndef CLOTHID_SIM_CLOTH_NORMAL_SLOPE_H_
-#define CLOTHID_SIM_CLOTH_NORMAL_SLOPE_H_
+#ifndef CLOTHID_SIM_FORCE_NORMAL_SLOPE_H_
+#define CLOTHID_SIM_FORCE_NORMAL_SLOPE_H_
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -84,4 +84,4 @@ class NormalSlope {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_NORMAL_SLOPE_H_
+#endif  // CLOTHID_SIM_FORCE_NORMAL_SLOPE_H_

@@ -6,16 +6,18 @@
 // a third of f on each corner. D is the potential of the force for a fixed normal: the force on corner i is -dD/dv_i,
 // and d2D/dv2 is symmetric and positive semidefinite. The sign of n does not matter.
 //
-// During a solve normals and wind are held: n is the normal at positions x^ predicted from its start
-// (PredictedPositions in sim/step/step_problem.h), so that the force depends on them as well: dF/dx^ below.
-#ifndef CLOTHID_SIM_CLOTH_DIRECTIONAL_DRAG_H_
-#define CLOTHID_SIM_CLOTH_DIRECTIONAL_DRAG_H_
+// During a solve normals and wind are held: n is the normal at the positions x^ that its start predicts
+// (sim/step/second_start.h), so that the force depends on them as well: dF/dx^ below.
+#ifndef CLOTHID_SIM_FORCE_DIRECTIONAL_DRAG_H_
+#define CLOTHID_SIM_FORCE_DIRECTIONAL_DRAG_H_
 
 #include <Eigen/Core>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "sim/air/wind.h"
+#include "sim/force/force_term.h"
 #include "sim/matrix/block_matrix.h"
 #include "sim/scene/scene.h"
 #include "sim/shell/triangle_element.h"
@@ -34,8 +36,8 @@ struct DragConstants {
 
 class DirectionalDrag {
  public:
-  // `triangles`, in the order of the scene's faces, `free_index` and `pattern` as of `MakeTriangleElements`.
-  DirectionalDrag(const Scene& scene, std::shared_ptr<const TriangleElements> triangles,
+  // `triangles`, `free_index` and `pattern` as of `MakeTriangleElements`, `places` those of the nodes at rest [N].
+  DirectionalDrag(AirLaw law, const std::vector<RestPlace>& places, std::shared_ptr<const TriangleElements> triangles,
                   const std::vector<int>& free_index, const BlockPattern& pattern);
 
   // Normals at `positions` x^ [3N], the wind at `time`.
@@ -75,6 +77,41 @@ class DirectionalDrag {
   std::vector<Places> places_;
 };
 
+// Among the forces in a cloth.
+class DirectionalDragTerm final : public ForceTerm {
+ public:
+  DirectionalDragTerm(AirLaw law, std::vector<RestPlace> places, std::shared_ptr<const TriangleElements> triangles,
+                      const std::vector<int>& free_index, const BlockPattern& pattern)
+      : law_(law), places_(std::move(places)), drag_(law, places_, std::move(triangles), free_index, pattern) {}
+
+  const DirectionalDrag& drag() const { return drag_; }
+
+  ForceGroup group() const override { return ForceGroup::kAir; }
+  bool needs_velocities() const override { return true; }
+  bool needs_prediction() const override { return true; }
+  void Hold(const Parameters& parameters, double time, const ForceStart& start,
+            std::unique_ptr<HeldForce>* held) const override;
+  double AddForce(const ForcePoint& point, const HeldForce* held, Eigen::VectorXd* force) const override;
+  void AddVelocityHessian(double factor, const ForcePoint& point, const HeldForce* held,
+                          BlockMatrix* hessian) const override;
+  void AddVelocityProduct(double factor, const ForcePoint& point, const HeldForce* held, const Eigen::MatrixXd& columns,
+                          Eigen::MatrixXd* product) const override;
+  void AddPredictionProduct(double factor, const ForcePoint& point, const HeldForce* held,
+                            const Eigen::VectorXd& predicted, const Eigen::MatrixXd& columns,
+                            Eigen::MatrixXd* product) const override;
+  void AddPredictionProductTransposed(double factor, const ForcePoint& point, const HeldForce* held,
+                                      const Eigen::VectorXd& predicted, const Eigen::MatrixXd& columns,
+                                      Eigen::MatrixXd* product) const override;
+  void AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce* held,
+                     Eigen::VectorXd* force) const override;
+  std::unique_ptr<ForceTerm> PartOf(const ForcePart& part) const override;
+
+ private:
+  AirLaw law_;
+  std::vector<RestPlace> places_;  // [N]
+  DirectionalDrag drag_;
+};
+
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_DIRECTIONAL_DRAG_H_
+#endif  // CLOTHID_SIM_FORCE_DIRECTIONAL_DRAG_H_

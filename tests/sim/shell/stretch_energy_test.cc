@@ -1,11 +1,11 @@
 // The stretch energy against differences and closed forms.
-#include "sim/cloth/stretch_energy.h"
+#include "sim/shell/stretch_energy.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/sim/cloth/strained_grid.h"
+#include "tests/sim/shell/strained_grid.h"
 
 namespace clothid::stretch_energy_test {
 namespace {

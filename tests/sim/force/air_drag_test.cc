@@ -1,5 +1,5 @@
 // Wind and drag in closed form.
-#include "sim/cloth/air_drag.h"
+#include "sim/force/air_drag.h"
 
 #include <gtest/gtest.h>
 
@@ -71,8 +71,9 @@ TEST_F(AirDragTest, TheImpulseOfAStepIsTheFormula) {
   drag_of(velocities, &impulse);
   for (int i = 0; i < model.num_free(); ++i) {
     const int node = model.free_nodes()[i];
-    const Eigen::Vector3d expected = h * 0.7 * model.drag()->areas()[node] *
-                                     (velocities.segment<3>(3 * i) - model.drag()->WindAt(node, end_time, scene_.wind));
+    const Eigen::Vector3d expected =
+        h * 0.7 * model.nodes().drag()->areas()[node] *
+        (velocities.segment<3>(3 * i) - model.nodes().drag()->WindAt(node, end_time, scene_.wind));
     EXPECT_LT((impulse.segment<3>(3 * i) - expected).norm(), 1e-14) << node;
   }
   const double difference = 0.5 * (drag_of(velocities + direction, &unused) - drag_of(velocities - direction, &unused));

@@ -1,4 +1,4 @@
-#include "sim/cloth/directional_drag.h"
+#include "sim/force/directional_drag.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <numeric>
 #include <utility>
 
-#include "sim/cloth/air_drag.h"
-#include "sim/cloth/normal_slope.h"
+#include "sim/force/air_drag.h"
+#include "sim/force/normal_slope.h"
 
 namespace clothid {
 namespace {
@@ -120,17 +120,26 @@ NormalSlope SlopeOf(AirLaw law, const DragConstants& constants, const TriangleBa
                      normal, wind - CornerMean(batch, lane, velocities.data()), positions);
 }
 
+// c_n and c_t.
+DragConstants DragConstantsOf(const Material& material) { return {material.normal_drag, material.tangential_drag}; }
+
+struct HeldAir final : HeldForce {
+  std::vector<AirBatch> air;
+};
+
+const std::vector<AirBatch>& AirOf(const HeldForce* held) { return static_cast<const HeldAir*>(held)->air; }
+
 }  // namespace
 
-DirectionalDrag::DirectionalDrag(const Scene& scene, std::shared_ptr<const TriangleElements> triangles,
-                                 const std::vector<int>& free_index, const BlockPattern& pattern)
-    : law_(scene.air_law), triangles_(std::move(triangles)), places_(triangles_->size()) {
-  const std::vector<RestPlace> nodes = RestPlaces(scene.mesh.rest_positions, NodeAreas(scene.mesh));
+DirectionalDrag::DirectionalDrag(AirLaw law, const std::vector<RestPlace>& places,
+                                 std::shared_ptr<const TriangleElements> triangles, const std::vector<int>& free_index,
+                                 const BlockPattern& pattern)
+    : law_(law), triangles_(std::move(triangles)), places_(triangles_->size()) {
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
     for (int lane = 0; lane < kLanes; ++lane) {
       for (int i = 0; i < 3; ++i) {
-        const RestPlace& corner = nodes[batch.rows[i][lane] / 3];
+        const RestPlace& corner = places[batch.rows[i][lane] / 3];
         places_[b].centers[lane].position += corner.position / 3.0;
         places_[b].centers[lane].from_center += corner.from_center / 3.0;
         for (int j = 0; j < 3; ++j) {
@@ -257,6 +266,64 @@ void DirectionalDrag::AddWindDerivative(double factor, const DragConstants& cons
       for (int i = 0; i < 3; ++i) force->segment<3>(batch.rows[i][lane]) += third;
     }
   }
+}
+
+void DirectionalDragTerm::Hold(const Parameters& parameters, double time, const ForceStart& start,
+                               std::unique_ptr<HeldForce>* held) const {
+  if (*held == nullptr) *held = std::make_unique<HeldAir>();
+  drag_.SetAir(start.predicted, parameters.wind, time, &static_cast<HeldAir*>(held->get())->air);
+}
+
+double DirectionalDragTerm::AddForce(const ForcePoint& point, const HeldForce* held, Eigen::VectorXd* force) const {
+  return point.time_step *
+         drag_.AddForce(DragConstantsOf(point.parameters.material), point.velocities, AirOf(held), force);
+}
+
+void DirectionalDragTerm::AddVelocityHessian(double factor, const ForcePoint& point, const HeldForce* held,
+                                             BlockMatrix* hessian) const {
+  drag_.AddHessian(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held), hessian);
+}
+
+void DirectionalDragTerm::AddVelocityProduct(double factor, const ForcePoint& point, const HeldForce* held,
+                                             const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const {
+  drag_.AddVelocityProduct(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held), columns,
+                           product);
+}
+
+void DirectionalDragTerm::AddPredictionProduct(double factor, const ForcePoint& point, const HeldForce* held,
+                                               const Eigen::VectorXd& predicted, const Eigen::MatrixXd& columns,
+                                               Eigen::MatrixXd* product) const {
+  drag_.AddNormalProduct(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held), predicted,
+                         columns, product);
+}
+
+void DirectionalDragTerm::AddPredictionProductTransposed(double factor, const ForcePoint& point, const HeldForce* held,
+                                                         const Eigen::VectorXd& predicted,
+                                                         const Eigen::MatrixXd& columns,
+                                                         Eigen::MatrixXd* product) const {
+  drag_.AddNormalProductTransposed(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held),
+                                   predicted, columns, product);
+}
+
+void DirectionalDragTerm::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce* held,
+                                        Eigen::VectorXd* force) const {
+  const ParameterTerm term = RowOf(id.kind).term;
+  if (term == ParameterTerm::kWind) {
+    drag_.AddWindDerivative(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held),
+                            point.parameters.wind, point.time, id, force);
+  } else if (term == ParameterTerm::kDirectionalDrag) {
+    // The force is linear in its constants.
+    Eigen::VectorXd unit = Eigen::VectorXd::Zero(force->size());
+    const bool is_normal = id.kind == ParameterKind::kNormalDrag;
+    drag_.AddForce({is_normal ? 1.0 : 0.0, is_normal ? 0.0 : 1.0}, point.velocities, AirOf(held), &unit);
+    *force += factor * unit;
+  }
+}
+
+std::unique_ptr<ForceTerm> DirectionalDragTerm::PartOf(const ForcePart& part) const {
+  std::vector<RestPlace> places;
+  for (const int node : part.nodes) places.push_back(places_[node]);
+  return std::make_unique<DirectionalDragTerm>(law_, std::move(places), part.triangles, part.blocks, *part.pattern);
 }
 
 }  // namespace clothid

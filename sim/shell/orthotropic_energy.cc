@@ -1,4 +1,4 @@
-#include "sim/cloth/orthotropic_energy.h"
+#include "sim/shell/orthotropic_energy.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "sim/cloth/strain_rate_damping.h"
+#include "sim/shell/strain_rate_damping.h"
 
 #include <algorithm>
 #include <cmath>
@@ -111,27 +111,22 @@ void MixedProducts(const TriangleBatch& __restrict__ batch, const CornerVectors&
 
 }  // namespace
 
-void StrainRateDamping::SetMetrics(const Eigen::VectorXd& positions, std::vector<MetricBatch>* metrics) const {
+void StrainRateDamping::SetMetrics(const std::vector<StrainOrigin>& origins, std::vector<MetricBatch>* metrics) const {
   metrics->resize(triangles_->size());
   CornerVectors x;
+  MetricBatch other;
   for (size_t b = 0; b < triangles_->size(); ++b) {
-    GatherCorners((*triangles_)[b], positions.data(), &x);
-    TriangleMetrics((*triangles_)[b], x, &(*metrics)[b]);
-  }
-}
-
-void StrainRateDamping::ExtrapolateMetrics(const Eigen::VectorXd& first, const Eigen::VectorXd& second, double factor,
-                                           std::vector<MetricBatch>* metrics) const {
-  SetMetrics(first, metrics);
-  CornerVectors x;
-  MetricBatch end;
-  for (size_t b = 0; b < triangles_->size(); ++b) {
-    GatherCorners((*triangles_)[b], second.data(), &x);
-    TriangleMetrics((*triangles_)[b], x, &end);
-    for (int i = 0; i < 3; ++i) {
-      for (int lane = 0; lane < kLanes; ++lane) {
-        double& value = (*metrics)[b].values[i][lane];
-        value += factor * (end.values[i][lane] - value);
+    const TriangleBatch& batch = (*triangles_)[b];
+    GatherCorners(batch, origins[0].positions->data(), &x);
+    TriangleMetrics(batch, x, &(*metrics)[b]);
+    const MetricBatch first = (*metrics)[b];
+    for (size_t k = 1; k < origins.size(); ++k) {
+      GatherCorners(batch, origins[k].positions->data(), &x);
+      TriangleMetrics(batch, x, &other);
+      for (int i = 0; i < 3; ++i) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+          (*metrics)[b].values[i][lane] += origins[k].share * (other.values[i][lane] - first.values[i][lane]);
+        }
       }
     }
   }

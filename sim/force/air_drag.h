@@ -1,7 +1,7 @@
 // Linear air drag relative to the wind, the same in every direction: f_j = c_d a_j (w(t, X_j) - v_j), a_j a third of
 // the adjacent rest area.
-#ifndef CLOTHID_SIM_CLOTH_AIR_DRAG_H_
-#define CLOTHID_SIM_CLOTH_AIR_DRAG_H_
+#ifndef CLOTHID_SIM_FORCE_AIR_DRAG_H_
+#define CLOTHID_SIM_FORCE_AIR_DRAG_H_
 
 #include <Eigen/Core>
 #include <utility>
@@ -35,4 +35,4 @@ class AirDrag {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_AIR_DRAG_H_
+#endif  // CLOTHID_SIM_FORCE_AIR_DRAG_H_

@@ -1,4 +1,4 @@
-#include "sim/cloth/air_drag.h"
+#include "sim/force/air_drag.h"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // What tests of energies start from: a grid of cloth, strained and creased at random, every node free.
-#ifndef CLOTHID_TESTS_SIM_CLOTH_STRAINED_GRID_H_
-#define CLOTHID_TESTS_SIM_CLOTH_STRAINED_GRID_H_
+#ifndef CLOTHID_TESTS_SIM_SHELL_STRAINED_GRID_H_
+#define CLOTHID_TESTS_SIM_SHELL_STRAINED_GRID_H_
 
 #include <gtest/gtest.h>
 
@@ -67,4 +67,4 @@ class StrainedGridTest : public ::testing::Test {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_TESTS_SIM_CLOTH_STRAINED_GRID_H_
+#endif  // CLOTHID_TESTS_SIM_SHELL_STRAINED_GRID_H_

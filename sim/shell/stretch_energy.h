@@ -3,8 +3,8 @@
 // Per triangle with rest area a and shape gradients g_i (in its rest plane): F = sum x_i g_i^T [3 x 2] and
 //   E = k/2 a |F - R|^2,   R the polar factor of F (PD's stretch term in the DiffCloth paper; see sim/README.md).
 // With C = F^T F, s = sqrt(det C), tau = sqrt(tr C + 2 s), S = (C + s I)/tau: F = R S, tr S = tau, so no SVD is needed.
-#ifndef CLOTHID_SIM_CLOTH_STRETCH_ENERGY_H_
-#define CLOTHID_SIM_CLOTH_STRETCH_ENERGY_H_
+#ifndef CLOTHID_SIM_SHELL_STRETCH_ENERGY_H_
+#define CLOTHID_SIM_SHELL_STRETCH_ENERGY_H_
 
 #include <Eigen/Core>
 #include <memory>
@@ -35,4 +35,4 @@ class StretchEnergy {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_STRETCH_ENERGY_H_
+#endif  // CLOTHID_SIM_SHELL_STRETCH_ENERGY_H_

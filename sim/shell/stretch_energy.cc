@@ -1,4 +1,4 @@
-#include "sim/cloth/stretch_energy.h"
+#include "sim/shell/stretch_energy.h"
 
 #include <algorithm>
 #include <cmath>

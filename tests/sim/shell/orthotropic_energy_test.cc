@@ -1,12 +1,12 @@
 // The orthotropic stretch energy against differences and closed forms.
-#include "sim/cloth/orthotropic_energy.h"
+#include "sim/shell/orthotropic_energy.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "sim/scene/warp.h"
-#include "tests/sim/cloth/strained_grid.h"
+#include "tests/sim/shell/strained_grid.h"
 
 namespace clothid::orthotropic_energy_test {
 namespace {

@@ -1,5 +1,5 @@
 // Internal damping against differences, and a damped cloth against what is known in closed form.
-#include "sim/cloth/strain_rate_damping.h"
+#include "sim/shell/strain_rate_damping.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sim/scene/parameters.h"
-#include "tests/sim/cloth/strained_grid.h"
 #include "tests/sim/plain_scenes.h"
+#include "tests/sim/shell/strained_grid.h"
 
 namespace clothid::strain_rate_damping_test {
 namespace {
@@ -27,7 +27,7 @@ class StrainRateDampingTest : public StrainedGridTest {
 
   std::vector<MetricBatch> Metrics(const Eigen::VectorXd& positions) const {
     std::vector<MetricBatch> metrics;
-    damping_.SetMetrics(positions, &metrics);
+    damping_.SetMetrics({{&positions, 1.0}}, &metrics);
     return metrics;
   }
 

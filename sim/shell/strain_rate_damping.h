@@ -7,8 +7,8 @@
 // W is the dissipation potential of the step. C sees neither rotation nor translation, so a rigid motion from x_n to x
 // of any size is not damped at all. In small strains the force is eta/k times the rate of the stretch force:
 // Kelvin-Voigt damping with the relaxation time eta/k.
-#ifndef CLOTHID_SIM_CLOTH_STRAIN_RATE_DAMPING_H_
-#define CLOTHID_SIM_CLOTH_STRAIN_RATE_DAMPING_H_
+#ifndef CLOTHID_SIM_SHELL_STRAIN_RATE_DAMPING_H_
+#define CLOTHID_SIM_SHELL_STRAIN_RATE_DAMPING_H_
 
 #include <Eigen/Core>
 #include <memory>
@@ -24,16 +24,18 @@ struct alignas(64) MetricBatch {
   double values[3][kLanes];
 };
 
+// Positions [3N] from whose C a strain rate is taken, with others: C_o = sum of share C, the shares of a sum 1.
+struct StrainOrigin {
+  const Eigen::VectorXd* positions;
+  double share;
+};
+
 class StrainRateDamping {
  public:
   explicit StrainRateDamping(std::shared_ptr<const TriangleElements> triangles) : triangles_(std::move(triangles)) {}
 
-  // C of every triangle for positions [3N]: for x_n, what the functions below take as `start_metrics`.
-  void SetMetrics(const Eigen::VectorXd& positions, std::vector<MetricBatch>* metrics) const;
-
-  // C(first) + factor (C(second) - C(first)), for positions [3N].
-  void ExtrapolateMetrics(const Eigen::VectorXd& first, const Eigen::VectorXd& second, double factor,
-                          std::vector<MetricBatch>* metrics) const;
+  // C_o of every triangle: of one origin x_n alone C(x_n), what the functions below take as `start_metrics`.
+  void SetMetrics(const std::vector<StrainOrigin>& origins, std::vector<MetricBatch>* metrics) const;
 
   // Adds damping * (-d(W/eta)/dx) to `force` [3N] and returns W/eta, m^2/s.
   double AddForce(double damping, double time_step, const std::vector<MetricBatch>& start_metrics,
@@ -56,4 +58,4 @@ class StrainRateDamping {
 
 }  // namespace clothid
 
-#endif  // CLOTHID_SIM_CLOTH_STRAIN_RATE_DAMPING_H_
+#endif  // CLOTHID_SIM_SHELL_STRAIN_RATE_DAMPING_H_

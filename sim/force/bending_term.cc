@@ -1,0 +1,177 @@
+#include "sim/force/bending_term.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "sim/scene/material_field.h"
+#include "sim/scene/warp.h"
+#include "sim/shell/bending_patch.h"
+
+namespace clothid {
+namespace {
+
+// Of the law that the scene has.
+std::vector<BendingMatrix> BendingMatrices(const Scene& scene, const Mesh& chosen_on) {
+  if (scene.bending.law == BendingLaw::kEdges) {
+    return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh), {}}};
+  }
+  const bool orthotropic = scene.bending.orthotropic;
+  const BendingPatches patches(scene.mesh,
+                               orthotropic ? WarpDirections(scene.warp, scene.mesh) : FirstEdges(scene.mesh),
+                               RestOf(scene), chosen_on);
+  const auto term = [&](ParameterKind kind, const FlexuralRigidity& rigidity) -> BendingMatrix {
+    return {kind, patches.Matrix(rigidity), patches.Moments(rigidity)};
+  };
+  if (!orthotropic) return {term(ParameterKind::kBendingStiffness, IsotropicRigidity(1.0, scene.bending.poisson))};
+  const OrthotropicShares shares = SharesOfRigidity(scene.bending.poisson);
+  return {term(ParameterKind::kWarpBending, shares.warp), term(ParameterKind::kWeftBending, shares.weft),
+          term(ParameterKind::kTwistBending, shares.twist)};
+}
+
+bool HasBendingField(const Scene& scene) {
+  return std::any_of(scene.fields.begin(), scene.fields.end(),
+                     [](const GridField& field) { return field.kind == ParameterKind::kBendingStiffness; });
+}
+
+std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> moments, const std::vector<int>& free_index,
+                                                   const BlockPattern& pattern) {
+  if (moments.empty()) return nullptr;
+  return std::make_shared<const RestCurvature>(std::move(moments), free_index, pattern);
+}
+
+}  // namespace
+
+BendingParts MakeBendingParts(const Scene& scene, const Mesh& chosen_on) {
+  BendingParts parts;
+  if (!scene.has_bending()) return parts;
+  if (scene.pieces.empty() && !HasBendingField(scene)) {
+    parts.matrices = BendingMatrices(scene, chosen_on);
+    return parts;
+  }
+  std::vector<ParameterKind> kinds = {ParameterKind::kBendingStiffness};
+  if (scene.bending.orthotropic) {
+    kinds = {ParameterKind::kWarpBending, ParameterKind::kWeftBending, ParameterKind::kTwistBending};
+  }
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(scene.mesh.num_faces());
+  for (const ParameterKind kind : kinds) {
+    parts.weighted.emplace_back(scene, kind, chosen_on);
+    parts.matrices.push_back(parts.weighted.back().Of(ones));
+  }
+  return parts;
+}
+
+std::unique_ptr<BendingTerm> MakeBendingTerm(BendingParts* parts, std::size_t place, const Scene& scene,
+                                             const std::vector<int>& free_index, const BlockPattern& pattern) {
+  std::shared_ptr<const WeightedBending> weighted;
+  std::vector<BendingMatrix> pieces;
+  if (!parts->weighted.empty()) {
+    weighted = std::make_shared<const WeightedBending>(std::move(parts->weighted[place]));
+    if (scene.has_of_pieces(weighted->kind())) {
+      const int num_pieces = static_cast<int>(scene.mesh.piece_names.size());
+      for (int i = 0; i <= num_pieces; ++i) {
+        pieces.push_back(weighted->Of(PieceMask(i < num_pieces ? i : kWholeCloth, scene.mesh.face_pieces)));
+      }
+    }
+  }
+  return std::make_unique<BendingTerm>(std::move(parts->matrices[place]), std::move(weighted), std::move(pieces),
+                                       free_index, pattern);
+}
+
+BendingTerm::BendingTerm(BendingMatrix matrix, std::shared_ptr<const WeightedBending> weighted,
+                         std::vector<BendingMatrix> pieces, const std::vector<int>& free_index,
+                         const BlockPattern& pattern)
+    : kind_(matrix.kind),
+      energy_(std::move(matrix.matrix), free_index, pattern),
+      curvature_(MakeCurvature(std::move(matrix.moments), free_index, pattern)),
+      weighted_(std::move(weighted)),
+      pieces_(std::move(pieces)) {}
+
+double BendingTerm::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
+  const double quadratic = energy_.AddForce(stiffness, positions, force);
+  return curvature_ == nullptr ? quadratic : quadratic + curvature_->AddForce(stiffness, positions, force);
+}
+
+void BendingTerm::AddHessian(double stiffness, HessianKind hessian_kind, const Eigen::VectorXd& positions,
+                             BlockMatrix* hessian) const {
+  energy_.AddHessian(stiffness, hessian);
+  if (curvature_ != nullptr) curvature_->AddHessian(stiffness, hessian_kind, positions, hessian);
+}
+
+void BendingTerm::SetVariation(const ForceVariation& variation) {
+  std::optional<Eigen::VectorXd> weights = variation.FieldOf(kind_);
+  if (!weights) weights = variation.PiecesOf(kind_);
+  if (!weights) return;
+  energy_ = BendingEnergy(weighted_->Matrix(*weights), variation.free_index, variation.pattern);
+  curvature_ = MakeCurvature(weighted_->Moments(*weights), variation.free_index, variation.pattern);
+}
+
+double BendingTerm::AddForce(const ForcePoint& point, const HeldForce*, Eigen::VectorXd* force) const {
+  const double k = stiffness(point.parameters.material);
+  return k * AddForce(k, point.positions, force);
+}
+
+void BendingTerm::AddPositionHessian(double factor, HessianKind hessian_kind, const ForcePoint& point, const HeldForce*,
+                                     BlockMatrix* hessian) const {
+  AddHessian(factor * stiffness(point.parameters.material), hessian_kind, point.positions, hessian);
+}
+
+void BendingTerm::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce*,
+                                Eigen::VectorXd* force) const {
+  if (id.kind != kind_) return;
+  if (pieces_.empty()) {
+    AddForce(factor, point.positions, force);
+  } else {
+    const std::size_t piece = id.piece == kWholeCloth ? pieces_.size() - 1 : static_cast<std::size_t>(id.piece);
+    pieces_[piece].AddForce(factor, point.positions, force);
+  }
+}
+
+void BendingTerm::AddFieldProducts(const FieldFactors& field, double factor, const ForcePoint& point,
+                                   const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
+  if (field.kind != kind_) return;
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(products.rows(), products.cols());
+  weighted_->AddForceProducts(factor * stiffness(point.parameters.material), point.positions, columns, unit);
+  products += field.log_factors.array().exp().matrix().asDiagonal() * unit;
+}
+
+ForceTerm::FieldDirection BendingTerm::AlongField(ParameterKind kind, const Eigen::VectorXd& weights) const {
+  if (kind != kind_) return nullptr;
+  return [matrix = weighted_->Of(weights)](double factor, const ForcePoint& point, Eigen::VectorXd* force) {
+    matrix.AddForce(factor * point.parameters.material.*RowOf(matrix.kind).constant, point.positions, force);
+  };
+}
+
+std::optional<ForceTerm::ConstantPart> BendingTerm::SystemPart(const Material& material, double time_step) const {
+  return ConstantPart{time_step * time_step * stiffness(material), &energy_.matrix(), &energy_.diagonal()};
+}
+
+void BendingTerm::VisitCoupled(const std::vector<bool>& is_chosen, const NodeVisitor& visit) const {
+  const Eigen::SparseMatrix<double>& matrix = energy_.matrix();
+  for (int node = 0; node < matrix.outerSize(); ++node) {
+    if (!is_chosen[node]) continue;
+    std::vector<int> nodes;
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, node); it; ++it) {
+      nodes.push_back(static_cast<int>(it.row()));
+    }
+    visit(std::move(nodes));
+  }
+  if (curvature_ == nullptr) return;
+  for (const RestMoment& moment : curvature_->moments()) {
+    const std::vector<int>& nodes = moment.nodes;
+    if (std::any_of(nodes.begin(), nodes.end(), [&](int node) { return is_chosen[node]; })) visit(nodes);
+  }
+}
+
+std::unique_ptr<ForceTerm> BendingTerm::PartOf(const ForcePart& part) const {
+  BendingMatrix matrix{kind_, energy_.matrix(), {}};
+  if (curvature_ != nullptr) matrix.moments = curvature_->moments();
+  std::shared_ptr<const WeightedBending> weighted;
+  if (weighted_ != nullptr) weighted = std::make_shared<const WeightedBending>(weighted_->PartOf(part));
+  std::vector<BendingMatrix> pieces;
+  for (const BendingMatrix& piece : pieces_) pieces.push_back(piece.PartOf(part));
+  return std::make_unique<BendingTerm>(matrix.PartOf(part), std::move(weighted), std::move(pieces), part.blocks,
+                                       *part.pattern);
+}
+
+}  // namespace clothid

@@ -1,0 +1,192 @@
+#include "sim/force/membrane.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "sim/force/field_terms.h"
+#include "sim/scene/material_field.h"
+
+namespace clothid {
+namespace {
+
+OrthotropicConstants ConstantsOf(const Material& material) {
+  return {material.warp_stiffness, material.weft_stiffness, material.poisson_stiffness, material.shear_stiffness};
+}
+
+using Parts = std::shared_ptr<const std::vector<MembranePart>>;
+
+std::variant<StretchEnergy, OrthotropicEnergy, Parts> MakeEnergy(MembraneLaw law,
+                                                                 std::shared_ptr<const TriangleElements> triangles) {
+  if (law == MembraneLaw::kOrthotropic) return OrthotropicEnergy(std::move(triangles));
+  return StretchEnergy(std::move(triangles));
+}
+
+}  // namespace
+
+Membrane::Membrane(MembraneLaw law, std::shared_ptr<const TriangleElements> triangles)
+    : energy_(MakeEnergy(law, std::move(triangles))) {}
+
+Membrane::Membrane(std::vector<MembranePart> parts)
+    : energy_(std::make_shared<const std::vector<MembranePart>>(std::move(parts))) {}
+
+void Membrane::SetMaterials(const std::vector<Material>& materials) {
+  const auto* const parts = std::get_if<Parts>(&energy_);
+  if (parts == nullptr) return;
+  std::vector<MembranePart> others = **parts;
+  for (std::size_t i = 0; i < others.size(); ++i) others[i].material = materials[i];
+  energy_ = std::make_shared<const std::vector<MembranePart>>(std::move(others));
+}
+
+double Membrane::AddForce(const Material& material, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
+  if (const auto* arap = std::get_if<StretchEnergy>(&energy_)) {
+    return material.stretch_stiffness * arap->AddForce(material.stretch_stiffness, positions, force);
+  }
+  if (const auto* orthotropic = std::get_if<OrthotropicEnergy>(&energy_)) {
+    return orthotropic->AddForce(ConstantsOf(material), positions, force);
+  }
+  double energy = 0.0;
+  for (const MembranePart& part : *std::get<Parts>(energy_)) {
+    energy += part.membrane.AddForce(part.material, positions, force);
+  }
+  return energy;
+}
+
+void Membrane::AddHessian(double factor, const Material& material, HessianKind kind, const Eigen::VectorXd& positions,
+                          BlockMatrix* hessian) const {
+  if (const auto* arap = std::get_if<StretchEnergy>(&energy_)) {
+    arap->AddHessian(factor * material.stretch_stiffness, kind, positions, hessian);
+    return;
+  }
+  if (const auto* parts = std::get_if<Parts>(&energy_)) {
+    for (const MembranePart& part : **parts) part.membrane.AddHessian(factor, part.material, kind, positions, hessian);
+    return;
+  }
+  OrthotropicConstants constants = ConstantsOf(material);
+  for (double* constant : {&constants.c11, &constants.c22, &constants.c12, &constants.c66}) *constant *= factor;
+  std::get<OrthotropicEnergy>(energy_).AddHessian(constants, kind, positions, hessian);
+}
+
+void Membrane::AddForceDerivative(ParameterId id, double factor, const Eigen::VectorXd& positions,
+                                  Eigen::VectorXd* force) const {
+  if (const auto* arap = std::get_if<StretchEnergy>(&energy_)) {
+    if (id.kind == ParameterKind::kStretchStiffness) arap->AddForce(factor, positions, force);
+    return;
+  }
+  if (const auto* parts = std::get_if<Parts>(&energy_)) {
+    for (std::size_t i = 0; i < (*parts)->size(); ++i) {
+      if (id.piece != kWholeCloth && id.piece != static_cast<int>(i)) continue;
+      (**parts)[i].membrane.AddForceDerivative({id.kind}, factor, positions, force);
+    }
+    return;
+  }
+  if (id.kind == ParameterKind::kStretchStiffness) return;
+  Material direction;
+  direction.*RowOf(id.kind).constant = factor;
+  std::get<OrthotropicEnergy>(energy_).AddForce(ConstantsOf(direction), positions, force);
+}
+
+double Membrane::SystemStiffness(const Material& material) const {
+  if (std::holds_alternative<StretchEnergy>(energy_)) return material.stretch_stiffness;
+  if (const auto* parts = std::get_if<Parts>(&energy_)) {
+    double largest = 0.0;
+    for (const MembranePart& part : **parts) {
+      largest = std::max(largest, part.membrane.SystemStiffness(part.material));
+    }
+    return largest;
+  }
+  return ConstantsOf(material).Largest();
+}
+
+void Membrane::AddForceProducts(double factor, const Material& material, const Eigen::VectorXd& positions,
+                                const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
+  std::get<StretchEnergy>(energy_).AddForceProducts(factor * material.stretch_stiffness, positions, columns, products);
+}
+
+std::vector<MembranePart> MembraneParts(MembraneLaw law, const TriangleElements& triangles,
+                                        const std::vector<int>& face_pieces, const std::vector<Material>& materials) {
+  std::vector<std::vector<int>> faces(materials.size());
+  for (std::size_t f = 0; f < face_pieces.size(); ++f) {
+    faces[static_cast<std::size_t>(face_pieces[f])].push_back(static_cast<int>(f));
+  }
+  std::vector<MembranePart> parts;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    auto own = std::make_shared<const TriangleElements>(SelectTriangles(triangles, faces[i]));
+    parts.push_back({Membrane(law, std::move(own)), materials[i]});
+  }
+  return parts;
+}
+
+MembraneTerm::MembraneTerm(MembraneLaw law, std::shared_ptr<const TriangleElements> triangles,
+                           std::vector<int> face_pieces, std::vector<Material> materials)
+    : law_(law),
+      triangles_(std::move(triangles)),
+      face_pieces_(std::move(face_pieces)),
+      materials_(std::move(materials)),
+      membrane_(materials_.empty() ? Membrane(law, triangles_)
+                                   : Membrane(MembraneParts(law, *triangles_, face_pieces_, materials_))) {}
+
+void MembraneTerm::SetWeights(Eigen::VectorXd weights) {
+  weights_ = std::move(weights);
+  membrane_ = Membrane(law_, WeightedTriangles(*triangles_, weights_));
+}
+
+void MembraneTerm::SetVariation(const ForceVariation& variation) {
+  if (auto factors = variation.FieldOf(ParameterKind::kStretchStiffness)) SetWeights(std::move(*factors));
+  if (!variation.pieces || materials_.empty()) return;
+  materials_ = variation.parameters.pieces;
+  membrane_.SetMaterials(materials_);
+}
+
+double MembraneTerm::AddForce(const ForcePoint& point, const HeldForce*, Eigen::VectorXd* force) const {
+  return membrane_.AddForce(point.parameters.material, point.positions, force);
+}
+
+void MembraneTerm::AddPositionHessian(double factor, HessianKind kind, const ForcePoint& point, const HeldForce*,
+                                      BlockMatrix* hessian) const {
+  membrane_.AddHessian(factor, point.parameters.material, kind, point.positions, hessian);
+}
+
+void MembraneTerm::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce*,
+                                 Eigen::VectorXd* force) const {
+  if (RowOf(id.kind).term == ParameterTerm::kMembrane) membrane_.AddForceDerivative(id, factor, point.positions, force);
+}
+
+void MembraneTerm::AddFieldProducts(const FieldFactors& field, double factor, const ForcePoint& point,
+                                    const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
+  if (field.kind != ParameterKind::kStretchStiffness) return;
+  if (faces_.empty()) {
+    membrane_.AddForceProducts(factor, point.parameters.material, point.positions, columns, products);
+    return;
+  }
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(faces_.size()), columns.cols());
+  membrane_.AddForceProducts(factor, point.parameters.material, point.positions, columns, own);
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    products.row(faces_[i]) += own.row(static_cast<Eigen::Index>(i));
+  }
+}
+
+ForceTerm::FieldDirection MembraneTerm::AlongField(ParameterKind kind, const Eigen::VectorXd& weights) const {
+  if (kind != ParameterKind::kStretchStiffness) return nullptr;
+  return [stretch = StretchEnergy(WeightedTriangles(*triangles_, weights))](double factor, const ForcePoint& point,
+                                                                            Eigen::VectorXd* force) {
+    stretch.AddForce(factor * point.parameters.material.stretch_stiffness, point.positions, force);
+  };
+}
+
+double MembraneTerm::LaplacianWeight(const Material& material, double time_step) const {
+  return time_step * time_step * membrane_.SystemStiffness(material);
+}
+
+std::unique_ptr<ForceTerm> MembraneTerm::PartOf(const ForcePart& part) const {
+  std::vector<int> face_pieces;
+  for (const int face : part.faces) {
+    if (!materials_.empty()) face_pieces.push_back(face_pieces_[static_cast<std::size_t>(face)]);
+  }
+  auto own = std::make_unique<MembraneTerm>(law_, part.triangles, std::move(face_pieces), materials_);
+  own->faces_ = part.faces;
+  if (weights_.size() > 0) own->SetWeights(weights_(part.faces));
+  return own;
+}
+
+}  // namespace clothid

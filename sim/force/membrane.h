@@ -1,0 +1,99 @@
+// What resists strain in the surface of a cloth: the energy of the law that its scene has, with the constants of a
+// material, or, of a cloth of pieces, of a material each.
+#ifndef CLOTHID_SIM_FORCE_MEMBRANE_H_
+#define CLOTHID_SIM_FORCE_MEMBRANE_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include "sim/force/force_term.h"
+#include "sim/scene/parameters.h"
+#include "sim/scene/scene.h"
+#include "sim/shell/orthotropic_energy.h"
+#include "sim/shell/stretch_energy.h"
+
+namespace clothid {
+
+struct MembranePart;
+
+class Membrane {
+ public:
+  // An orthotropic law wants the shape gradients of `triangles` in axes along warp and weft.
+  Membrane(MembraneLaw law, std::shared_ptr<const TriangleElements> triangles);
+  // The sum of those of pieces, which have their materials in place of those given below.
+  explicit Membrane(std::vector<MembranePart> parts);
+  // Other materials for these parts; nothing where there are none.
+  void SetMaterials(const std::vector<Material>& materials);
+
+  // Adds -dE/dx to `force` [3N] and returns E for positions [3N], J.
+  double AddForce(const Material& material, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+
+  // Adds factor * d2E/dx2 below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`.
+  void AddHessian(double factor, const Material& material, HessianKind kind, const Eigen::VectorXd& positions,
+                  BlockMatrix* hessian) const;
+
+  // Adds factor * (-d2E/(dx dtheta)) to `force` [3N], theta the constant `id`: E is linear in it. Nothing for one
+  // that the law does not have.
+  void AddForceDerivative(ParameterId id, double factor, const Eigen::VectorXd& positions,
+                          Eigen::VectorXd* force) const;
+
+  // k of the constant matrix of projective dynamics, P = .. + h^2 k L, N/m: of an orthotropic law the largest
+  // eigenvalue of its constants.
+  double SystemStiffness(const Material& material) const;
+
+  // Of one isotropic membrane alone, as `StretchEnergy` has it, the stiffness that of `material`.
+  void AddForceProducts(double factor, const Material& material, const Eigen::VectorXd& positions,
+                        const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const;
+
+ private:
+  std::variant<StretchEnergy, OrthotropicEnergy, std::shared_ptr<const std::vector<MembranePart>>> energy_;
+};
+
+// A piece, or what belongs to none.
+struct MembranePart {
+  Membrane membrane;
+  Material material;
+};
+
+// The membrane of every piece, with its material. `face_pieces`: of each of the `triangles`, an index of `materials`.
+std::vector<MembranePart> MembraneParts(MembraneLaw law, const TriangleElements& triangles,
+                                        const std::vector<int>& face_pieces, const std::vector<Material>& materials);
+
+class MembraneTerm final : public ForceTerm {
+ public:
+  // `materials`: of the pieces of `face_pieces`, as above; empty where the cloth is one.
+  MembraneTerm(MembraneLaw law, std::shared_ptr<const TriangleElements> triangles, std::vector<int> face_pieces,
+               std::vector<Material> materials);
+
+  const Membrane& membrane() const { return membrane_; }
+
+  ForceGroup group() const override { return ForceGroup::kElastic; }
+  void SetVariation(const ForceVariation& variation) override;
+  double AddForce(const ForcePoint& point, const HeldForce* held, Eigen::VectorXd* force) const override;
+  void AddPositionHessian(double factor, HessianKind kind, const ForcePoint& point, const HeldForce* held,
+                          BlockMatrix* hessian) const override;
+  void AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce* held,
+                     Eigen::VectorXd* force) const override;
+  void AddFieldProducts(const FieldFactors& field, double factor, const ForcePoint& point,
+                        const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const override;
+  FieldDirection AlongField(ParameterKind kind, const Eigen::VectorXd& weights) const override;
+  double LaplacianWeight(const Material& material, double time_step) const override;
+  std::unique_ptr<ForceTerm> PartOf(const ForcePart& part) const override;
+
+ private:
+  void SetWeights(Eigen::VectorXd weights);
+
+  MembraneLaw law_;
+  std::shared_ptr<const TriangleElements> triangles_;
+  std::vector<int> face_pieces_;     // [F]
+  std::vector<Material> materials_;  // [P + 1]; empty: one
+  Eigen::VectorXd weights_;          // [F] of a field; empty: none
+  std::vector<int> faces_;           // [F] of a part: which triangles of the mesh; empty: all
+  Membrane membrane_;
+};
+
+}  // namespace clothid
+
+#endif  // CLOTHID_SIM_FORCE_MEMBRANE_H_

@@ -1,0 +1,32 @@
+// The forces of a model by their types, for tests of their formulas.
+#ifndef CLOTHID_TESTS_SIM_FORCES_OF_H_
+#define CLOTHID_TESTS_SIM_FORCES_OF_H_
+
+#include <vector>
+
+#include "sim/cloth/cloth_model.h"
+#include "sim/force/directional_drag.h"
+#include "sim/force/membrane.h"
+#include "sim/force/seam_term.h"
+
+namespace clothid {
+
+inline const Membrane& MembraneOf(const ClothModel& model) { return model.forces().Find<MembraneTerm>()->membrane(); }
+
+inline std::vector<const BendingTerm*> BendingOf(const ClothModel& model) {
+  std::vector<const BendingTerm*> found;
+  for (const auto& term : model.forces().terms()) {
+    if (const auto* bending = dynamic_cast<const BendingTerm*>(term.get())) found.push_back(bending);
+  }
+  return found;
+}
+
+inline const SeamEnergy& SeamsOf(const ClothModel& model) { return model.forces().Find<SeamTerm>()->energy(); }
+
+inline const DirectionalDrag& DirectionalDragOf(const ClothModel& model) {
+  return model.forces().Find<DirectionalDragTerm>()->drag();
+}
+
+}  // namespace clothid
+
+#endif  // CLOTHID_TESTS_SIM_FORCES_OF_H_
