@@ -49,8 +49,8 @@ Parameters, of --fit, --each, --start, --lower, --upper, --prior and --profile:
   mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping
   where the scene has warp and weft k_warp, k_weft, k_shear, k_poisson in place of k_stretch and bend_warp, bend_weft,
                       bend_twist in place of k_bend; --fit is then mu,k_warp,k_weft where it is not given
-  of the air          drag_normal, drag_tangential, added_mass, wind.x, .y, .z, gust.x, .y, .z, gust.frequency,
-                      gust.phase, gust.wave.x, .., wind.shear.x, .. and wind.x.1, .. of a wind profile
+  of the air          drag_normal, drag_tangential, added_mass, pressure, wind.x, .y, .z, gust.x, .y, .z,
+                      gust.frequency, gust.phase, gust.wave.x, .., wind.shear.x, .. and wind.x.1, .. of a wind profile
   size.x, size.y      what the cloth at rest is larger by than the scene says
   OBSTACLE.time_offset, OBSTACLE.shift.x, .., OBSTACLE.turn.x, ..
                       s, m and rad: what the path of an obstacle is off

@@ -142,7 +142,7 @@ const MeasuredConstant* Measured(const Fabric& fabric, ParameterKind kind) {
 // The value of a parameter that may be negative at q = 1.
 double SignedUnit(const ParameterRow& row, double nominal, const Material& material) {
   if (row.range == 0.0) return LargestCoupling(material);
-  const double own = row.term == ParameterTerm::kWind ? 2.0 * std::abs(nominal) : 0.0;
+  const double own = row.term == ParameterTerm::kPlacement ? 0.0 : 2.0 * std::abs(nominal);
   return std::max(row.range, own);
 }
 

@@ -94,7 +94,7 @@ std::string PriorText(const ParameterPrior& prior, ParameterScale scale);
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
 // obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction], +- its unit sqrt(k_warp k_weft)
 // (k_poisson), of the size of the cloth a factor of 1.25, of the wind +- its unit: twice the nominal value, at least 10
-// m/s, of its frequency 10 rad/s, of its phase pi, of its wave vector 10 rad/m, of its shear 10 1/m, of the placement
+// m/s, of its frequency 10 rad/s, of its phase pi, of its wave vector 10 rad/m, of its shear 10 1/m, of the pressure likewise, at least 50 Pa, of the placement
 // of an obstacle's path 0.1 s, 0.05 m, 0.2 rad; and kBoundFactor, or 100 times beyond what was measured of any cloth,
 // 10 times of the scene's fabric (sim/fabric/fabric.h) and 100 times beyond the start. Throws `Error` (kUsage) for an
 // unknown name, wrong bounds and priors, a start outside the bounds, and one of zero in log space: a scene without

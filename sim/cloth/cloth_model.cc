@@ -7,6 +7,7 @@
 #include "sim/force/damping_term.h"
 #include "sim/force/directional_drag.h"
 #include "sim/force/membrane.h"
+#include "sim/force/pressure_term.h"
 #include "sim/force/seam_term.h"
 #include "sim/matrix/fill_reducing_order.h"
 #include "sim/scene/warp.h"
@@ -121,6 +122,7 @@ void ClothModel::MakeForces(BendingParts bending, Eigen::SparseMatrix<double> se
     forces_.Add(std::make_unique<DirectionalDragTerm>(scene.air_law, RestPlaces(mesh.rest_positions, node_areas()),
                                                       triangles_, free_index_, *pattern_));
   }
+  if (scene.has_term(ParameterKind::kPressure)) forces_.Add(std::make_unique<PressureTerm>(mesh.faces));
   if (scene.has_damping()) {
     forces_.Add(std::make_unique<DampingTerm>(triangles_, scene.pieces.empty() ? one : mesh.face_pieces));
   }

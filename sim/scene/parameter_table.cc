@@ -21,6 +21,12 @@ ParameterRow ConstantRow(ParameterKind kind, const char* name, const char* unit,
   return row;
 }
 
+ParameterRow PressureRow(ParameterKind kind, const char* name) {
+  ParameterRow row{kind, name, "Pa", Term::kPressure, Need::kNothing, Domain::kAny, /*range=*/50.0};
+  row.constant = &Material::pressure;
+  return row;
+}
+
 ParameterRow WindRow(ParameterKind kind, const char* name, const char* unit, double range, double Wind::*number) {
   ParameterRow row{kind, name, unit, Term::kWind, Need::kNothing, Domain::kAny, range};
   row.wind_number = number;
@@ -85,6 +91,7 @@ std::vector<ParameterRow> MakeTable() {
                   Domain::kNotNegative, &Material::tangential_drag, /*can_be_of_piece=*/false),
       ConstantRow(ParameterKind::kAddedMass, "added_mass", "kg/m^2", Term::kMass, Need::kNothing, Domain::kNotNegative,
                   &Material::added_mass, /*can_be_of_piece=*/false),
+      PressureRow(ParameterKind::kPressure, "pressure"),
       FrictionRow(ParameterKind::kFriction, "mu", Term::kFriction, Need::kNothing),
       FrictionRow(ParameterKind::kSelfFriction, "mu.self", Term::kSelfFriction, Need::kSelfContact),
       WindRow(ParameterKind::kWindX, "wind.x", "m/s", kSpeed, &Wind::mean, 0),

@@ -28,6 +28,7 @@ enum class ParameterKind {
   kNormalDrag,
   kTangentialDrag,
   kAddedMass,
+  kPressure,
   kFriction,
   kSelfFriction,  // of the cloth against itself
   kWindX,         // the mean, or a knot of the profile
@@ -63,6 +64,7 @@ enum class ParameterTerm {
   kMass,
   kDrag,             // the same in every direction
   kDirectionalDrag,  // by direction
+  kPressure,
   kDamping,
   kFriction,
   kSelfFriction,

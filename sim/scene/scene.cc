@@ -139,6 +139,8 @@ bool Scene::has_term(ParameterKind kind) const {
       return has_directional_drag();
     case ParameterTerm::kDamping:
       return has_damping();
+    case ParameterTerm::kPressure:
+      return material.pressure != 0.0 || nominal_parameters().material.pressure != 0.0;
     default:
       return has(kind);
   }

@@ -112,6 +112,26 @@ TEST_F(ForceFitTest, TellsTheLevelOfAField) {
   }
 }
 
+// Whatever else acts at the gripper: the air across the cloth and behind it, and how large it is at rest.
+TEST_F(ForceFitTest, GoesWithDragByDirectionPressureAndSize) {
+  nlohmann::json scene = nlohmann::json::parse(ReadBytes(folder() / "scene.json"));
+  scene["materials"].update({{"k_bend", 1e-4}, {"drag_normal", 0.2}, {"pressure", 0.5}});
+  scene["wind"]["mean"] = {0.2, 1.0, 0.0};
+  std::ofstream(folder() / "scene.json") << scene;
+  const ToolResult recorded =
+      Run("simulate --scene scene.json --output r.bin --forces --force_sigma 0.002 --noise 0.0005 "
+          "--set density=0.22,k_stretch=85,drag_normal=0.35,pressure=1.2,size.x=1.02");
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  const nlohmann::json result = Fit("--fit k_stretch,density,drag_normal,pressure,size.x", 0);
+  for (const auto& [name, truth] :
+       {std::pair("k_stretch", 85.0), std::pair("density", 0.22), std::pair("drag_normal", 0.35),
+        std::pair("pressure", 1.2), std::pair("size.x", 1.02)}) {
+    const nlohmann::json& parameter = result["parameters"][name];
+    EXPECT_NEAR(parameter["value"].get<double>(), truth, 4.0 * parameter["std"].get<double>()) << name;
+    EXPECT_NEAR(parameter["value"].get<double>(), truth, 0.1 * truth) << name;
+  }
+}
+
 TEST_F(ForceFitTest, NamesWhatIsWrong) {
   EXPECT_NE(Record("--force_sigma 0.1").err.find("--force_sigma: expected with --forces"), std::string::npos);
   EXPECT_NE(Record("--forces --force_nodes 0,7").err.find("node 7 is no handle"), std::string::npos);

@@ -6,7 +6,7 @@ const part = (id) => document.getElementById(id);
 const plain = (text) => String(text).replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;');
 const UNITS = {k_stretch: 'N/m', k_bend: 'N m', density: 'kg/m²', drag: 'kg/(m² s)', damping: 'N s/m',
   k_warp: 'N/m', k_weft: 'N/m', k_shear: 'N/m', k_poisson: 'N/m', bend_warp: 'N m', bend_weft: 'N m',
-  bend_twist: 'N m', added_mass: 'kg/m²', 'wind.x': 'm/s', 'wind.y': 'm/s', 'wind.z': 'm/s', 'gust.x': 'm/s',
+  bend_twist: 'N m', added_mass: 'kg/m²', pressure: 'Pa', 'wind.x': 'm/s', 'wind.y': 'm/s', 'wind.z': 'm/s', 'gust.x': 'm/s',
   'gust.y': 'm/s', 'gust.z': 'm/s', 'gust.frequency': 'rad/s', 'gust.phase': 'rad',
   'gust.wave.x': 'rad/m', 'gust.wave.y': 'rad/m', 'gust.wave.z': 'rad/m', 'wind.shear.x': '1/m', 'wind.shear.y': '1/m',
   'wind.shear.z': '1/m'};

@@ -1,4 +1,4 @@
-// Drag by direction, added mass and wind in a rollout with contact, damping and handles that move: adjoint =
+// Drag by direction, added mass, wind and pressure in a rollout with contact, damping and handles that move: adjoint =
 // sensitivity = central finite differences, for their parameters, the start and the handles' offsets.
 #include <gtest/gtest.h>
 
@@ -43,6 +43,7 @@ Scene AirScene(const AirParam& param) {
   scene.material.normal_drag = 0.3;
   scene.material.tangential_drag = 0.08;
   scene.material.added_mass = 0.05;
+  scene.material.pressure = 0.4;
   scene.wind.mean = {0.4, 0.3, -0.2};
   scene.wind.gust = {0.3, -0.4, 0.2};
   scene.wind.frequency = 9.0;
@@ -62,9 +63,10 @@ class AirCase {
   explicit AirCase(const AirParam& param)
       : scene_(AirScene(param)), simulator_(scene_), parameters_(scene_.nominal_parameters()) {
     for (const char* name :
-         {"drag_normal",    "drag_tangential", "added_mass",  "drag",        "density",      "wind.x",      "wind.y",
-          "wind.z",         "wind.x.1",        "wind.y.2",    "wind.z.3",    "gust.x",       "gust.y",      "gust.z",
-          "gust.frequency", "gust.phase",      "gust.wave.x", "gust.wave.y", "wind.shear.x", "wind.shear.y"}) {
+         {"drag_normal",  "drag_tangential", "added_mass",     "drag",       "density",     "wind.x",
+          "wind.y",       "wind.z",          "wind.x.1",       "wind.y.2",   "wind.z.3",    "gust.x",
+          "gust.y",       "gust.z",          "gust.frequency", "gust.phase", "gust.wave.x", "gust.wave.y",
+          "wind.shear.x", "wind.shear.y",    "pressure"}) {
       directions_.parameters.push_back(ParseParameter(name, scene_));
       names_.emplace_back(name);
     }

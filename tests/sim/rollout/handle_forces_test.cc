@@ -84,10 +84,11 @@ Scene ShakenCloth(Integrator integrator, double time_step) {
   return scene;
 }
 
-// Drag by direction, a rest shape that is curved, and links at and beside the handles, one of which closes.
+// Drag by direction, pressure, a rest shape that is curved, and links at and beside the handles, one of which closes.
 Scene WithEveryForce(Scene scene) {
   scene.material.normal_drag = 0.4;
   scene.material.tangential_drag = 0.15;
+  scene.material.pressure = 1.5;
   scene.mesh.links = {{2, {14, 14}, 0.0, 3.0, 0.0}, {9, {3, 4}, 0.4, 5.0, 0.2}, {20, {27, 28}, 0.5, 4.0, 0.1}};
   for (int node = 0; node < scene.mesh.num_nodes(); ++node) {
     const double along = scene.mesh.rest_positions(0, node);
@@ -108,6 +109,7 @@ TEST(HandleForcesTest, IsTheDragOfAPlate) {
       scene.air_law = law;
       scene.material.normal_drag = 0.7;
       scene.material.tangential_drag = 0.2;
+      scene.material.pressure = 5.0;
       scene.handles.nodes = FirstRow(8);
       const Simulator simulator(scene);
       const HandleForces forces(simulator.model(), scene.nominal_parameters(), 10, {scene.handles.nodes});
@@ -120,7 +122,7 @@ TEST(HandleForcesTest, IsTheDragOfAPlate) {
       }
       const double area = simulator.model().node_areas().head(8).sum();
       const double drag = 0.7 * (law == AirLaw::kQuadratic ? kSpeed * kSpeed : kSpeed);
-      const Eigen::Vector3d expected(0.0, 0.0, area * drag);
+      const Eigen::Vector3d expected(0.0, 0.0, area * (drag - 5.0));
       EXPECT_LT((forces.At(5, states) - expected).norm(), 1e-11 * expected.norm());
     }
   }
@@ -132,6 +134,7 @@ TEST(HandleForcesTest, IsTheSlopeOfTheEnergyOfEveryForce) {
   scene.gravity.setZero();
   scene.node_force.setZero();
   scene.wind = Wind();
+  scene.material.pressure = 0.0;  // has no energy
   const Simulator simulator(scene);
   const Groups groups = {{0, 1, 2}, {4, 5}};
   const HandleForces forces(simulator.model(), scene.nominal_parameters(), scene.num_steps(), groups);

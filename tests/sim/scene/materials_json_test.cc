@@ -103,7 +103,7 @@ TEST(ReadMaterials, ASceneHasTheParametersOfItsLaws) {
     ExpectError(
         [&] { ParseParameter(name, plain); }, ErrorKind::kUsage,
         {"parameter '", name, "': the scene has no such term",
-         "expected one of k_stretch, k_bend, density, drag, damping, drag_normal, drag_tangential, added_mass, mu"});
+         "expected one of k_stretch, k_bend, density, drag, damping, drag_normal, drag_tangential, added_mass, pressure, mu"});
     ExpectBad("", std::string("parameter '") + name + "'",
               std::string(R"(, "parameters": {")") + name + R"(": {"nominal": 1}})");
   }
@@ -111,7 +111,7 @@ TEST(ReadMaterials, ASceneHasTheParametersOfItsLaws) {
     ExpectError([&] { ParseParameter(name, woven); }, ErrorKind::kUsage,
                 {name,
                  "expected one of density, drag, damping, k_warp, k_weft, k_shear, k_poisson, bend_warp, "
-                 "bend_weft, bend_twist, drag_normal, drag_tangential, added_mass, mu"});
+                 "bend_weft, bend_twist, drag_normal, drag_tangential, added_mass, pressure, mu"});
   }
   ExpectError([&] { ParseParameter("k", woven); }, ErrorKind::kUsage,
               {"unknown parameter 'k'; expected one of density"});

@@ -27,7 +27,7 @@ TEST(ParseParameter, ListsTheNamesItKnows) {
   for (const char* name : {"", "k", "mu.", "mu.wall", "mu.ball2", "K_STRETCH"}) {
     ExpectError([&] { ParseParameter(name, Names()); }, ErrorKind::kUsage,
                 {"unknown parameter", name, "k_stretch, k_bend, density, drag, damping, k_warp, ",
-                 "bend_twist, drag_normal, drag_tangential, added_mass, mu, mu.ball, mu.floor, mu.self, wind.x, "});
+                 "bend_twist, drag_normal, drag_tangential, added_mass, pressure, mu, mu.ball, mu.floor, mu.self, wind.x, "});
   }
 }
 
