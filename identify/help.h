@@ -48,7 +48,8 @@ inline constexpr char kMoreHelp[] = R"(
 Parameters, of --fit, --each, --start, --lower, --upper, --prior and --profile:
   mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping
   where the scene has warp and weft k_warp, k_weft, k_shear, k_poisson in place of k_stretch and bend_warp, bend_weft,
-                      bend_twist in place of k_bend; --fit is then mu,k_warp,k_weft where it is not given
+                      bend_twist in place of k_bend; --fit is then mu,k_warp,k_weft where it is not given. Of yarns
+                      also stiffening_warp, stiffening_weft
   of the air          drag_normal, drag_tangential, added_mass, pressure, wind.x, .y, .z, gust.x, .y, .z,
                       gust.frequency, gust.phase, gust.wave.x, .., wind.shear.x, .. and wind.x.1, .. of a wind profile
   size.x, size.y      what the cloth at rest is larger by than the scene says

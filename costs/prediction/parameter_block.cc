@@ -164,6 +164,7 @@ std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKi
   if (block.is_signed) return {-block.unit, block.unit};
   if (block.scale != ParameterScale::kLog) return {0.0, RowOf(kind).range};
   if (IsSize(kind)) return {block.start / RowOf(kind).range, block.start * RowOf(kind).range};
+  if (const double most = RowOf(kind).range; most > 0.0) return {1e-3 * most, std::max(most, 2.0 * block.start)};
   const MeasuredConstant* any = MeasuredOfAnyCloth(block.name, scene);
   if (any == nullptr) return {block.start / kBoundFactor, block.start * kBoundFactor};
   const Fabric* fabric = FindFabric(scene.fabric);

@@ -94,13 +94,14 @@ std::string PriorText(const ParameterPrior& prior, ParameterScale scale);
 // The block of parameter `name` in `scene`. Start: the override, else `parameters.nominal`, else the material or the
 // obstacle. Bounds: the override, else the scene's, else [0, kMaxFriction], +- its unit sqrt(k_warp k_weft)
 // (k_poisson), of the size of the cloth a factor of 1.25, of the wind +- its unit: twice the nominal value, at least 10
-// m/s, of its frequency 10 rad/s, of its phase pi, of its wave vector 10 rad/m, of its shear 10 1/m, of the pressure likewise, at least 50 Pa, of the placement
-// of an obstacle's path 0.1 s, 0.05 m, 0.2 rad; and kBoundFactor, or 100 times beyond what was measured of any cloth,
-// 10 times of the scene's fabric (sim/fabric/fabric.h) and 100 times beyond the start. Throws `Error` (kUsage) for an
-// unknown name, wrong bounds and priors, a start outside the bounds, and one of zero in log space: a scene without
-// bending (or drag, or damping) has no such term to start at; and for wind in a scene without drag. Prior: the
-// override, else the scene's; of the size of the cloth else a median of 1 and a factor of 1.03, for who measures a
-// cloth with a ruler, or lays a grid of 8 x 8 over what a camera sees, is some per cent off.
+// m/s, of its frequency 10 rad/s, of its phase pi, of its wave vector 10 rad/m, of its shear 10 1/m, of the pressure
+// likewise, at least 50 Pa, of the stiffening of yarns 0.05 to 50, of the placement of an obstacle's path 0.1 s, 0.05
+// m, 0.2 rad; and kBoundFactor, or 100 times beyond what was measured of any cloth, 10 times of the scene's fabric
+// (sim/fabric/fabric.h) and 100 times beyond the start. Throws `Error` (kUsage) for an unknown name, wrong bounds and
+// priors, a start outside the bounds, and one of zero in log space: a scene without bending (or drag, or damping) has
+// no such term to start at; and for wind in a scene without drag. Prior: the override, else the scene's; of the size of
+// the cloth else a median of 1 and a factor of 1.03, for who measures a cloth with a ruler, or lays a grid of 8 x 8
+// over what a camera sees, is some per cent off.
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
 
 // The same for a recording, and for its own parameters (costs/prediction/alignment.h), too. Of those: start 0, bounds

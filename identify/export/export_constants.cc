@@ -95,6 +95,8 @@ void SetMembrane(const Scene& scene, const Material& material, ExportConstants* 
   constants->stiffness = std::sqrt(constants->warp * constants->weft);
   constants->not_mapped.push_back(
       "warp and weft: an isotropic simulator gets the geometric mean of k_warp and k_weft, and shears as such");
+  if (material.warp_stiffening == 0.0 && material.weft_stiffening == 0.0) return;
+  constants->not_mapped.push_back("stiffening: k_warp and k_weft are those at zero strain");
 }
 
 void SetBending(const Scene& scene, const Material& material, ExportConstants* constants) {

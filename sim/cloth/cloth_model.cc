@@ -93,7 +93,7 @@ ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothMod
     pattern_ = PatternFor(FreeNeighbours(scene.mesh, free_index_, num_free(), bending.matrices, seams), like->pattern_);
   }
   Eigen::Matrix3Xd warp;
-  const bool has_axes = scene.membrane == MembraneLaw::kOrthotropic;
+  const bool has_axes = scene.membrane != MembraneLaw::kArap;
   if (has_axes) warp = WarpDirections(scene.warp, scene.mesh);
   triangles_ = std::make_shared<const TriangleElements>(
       MakeTriangleElements(scene.mesh, free_index_, *pattern_, has_axes ? &warp : nullptr));
@@ -108,7 +108,7 @@ void ClothModel::MakeForces(BendingParts bending, Eigen::SparseMatrix<double> se
   const Mesh& mesh = scene.mesh;
   const std::vector<int> one;
   const ParameterKind stiffness =
-      scene.membrane == MembraneLaw::kOrthotropic ? ParameterKind::kWarpStiffness : ParameterKind::kStretchStiffness;
+      scene.membrane == MembraneLaw::kArap ? ParameterKind::kStretchStiffness : ParameterKind::kWarpStiffness;
   const bool has_pieces = scene.has_of_pieces(stiffness);
   forces_.Add(std::make_unique<MembraneTerm>(scene.membrane, triangles_, has_pieces ? mesh.face_pieces : one,
                                              has_pieces ? scene.pieces : std::vector<Material>()));

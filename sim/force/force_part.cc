@@ -63,7 +63,7 @@ ForcePart MakeForcePart(const Scene& scene, const std::vector<int>& chosen,
   part.blocks.resize(part.nodes.size());
   std::iota(part.blocks.begin(), part.blocks.end(), 0);
   Eigen::Matrix3Xd warp;
-  const bool has_axes = scene.membrane == MembraneLaw::kOrthotropic;
+  const bool has_axes = scene.membrane != MembraneLaw::kArap;
   if (has_axes) warp = WarpDirections(scene.warp, whole)(Eigen::all, part.faces);
   part.triangles = std::make_shared<const TriangleElements>(
       MakeTriangleElements(PartOfMesh(whole, part), part.blocks, *part.pattern, has_axes ? &warp : nullptr));

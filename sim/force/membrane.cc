@@ -14,11 +14,16 @@ OrthotropicConstants ConstantsOf(const Material& material) {
   return {material.warp_stiffness, material.weft_stiffness, material.poisson_stiffness, material.shear_stiffness};
 }
 
+YarnConstants YarnConstantsOf(const Material& material) {
+  return {ConstantsOf(material), {material.warp_stiffening, material.weft_stiffening}};
+}
+
 using Parts = std::shared_ptr<const std::vector<MembranePart>>;
 
-std::variant<StretchEnergy, OrthotropicEnergy, Parts> MakeEnergy(MembraneLaw law,
-                                                                 std::shared_ptr<const TriangleElements> triangles) {
+std::variant<StretchEnergy, OrthotropicEnergy, YarnEnergy, Parts> MakeEnergy(
+    MembraneLaw law, std::shared_ptr<const TriangleElements> triangles) {
   if (law == MembraneLaw::kOrthotropic) return OrthotropicEnergy(std::move(triangles));
+  if (law == MembraneLaw::kYarn) return YarnEnergy(std::move(triangles));
   return StretchEnergy(std::move(triangles));
 }
 
@@ -45,6 +50,9 @@ double Membrane::AddForce(const Material& material, const Eigen::VectorXd& posit
   if (const auto* orthotropic = std::get_if<OrthotropicEnergy>(&energy_)) {
     return orthotropic->AddForce(ConstantsOf(material), positions, force);
   }
+  if (const auto* yarn = std::get_if<YarnEnergy>(&energy_)) {
+    return yarn->AddForce(YarnConstantsOf(material), positions, force);
+  }
   double energy = 0.0;
   for (const MembranePart& part : *std::get<Parts>(energy_)) {
     energy += part.membrane.AddForce(part.material, positions, force);
@@ -62,13 +70,17 @@ void Membrane::AddHessian(double factor, const Material& material, HessianKind k
     for (const MembranePart& part : **parts) part.membrane.AddHessian(factor, part.material, kind, positions, hessian);
     return;
   }
+  if (const auto* yarn = std::get_if<YarnEnergy>(&energy_)) {
+    yarn->AddHessian(factor, YarnConstantsOf(material), kind, positions, hessian);
+    return;
+  }
   OrthotropicConstants constants = ConstantsOf(material);
   for (double* constant : {&constants.c11, &constants.c22, &constants.c12, &constants.c66}) *constant *= factor;
   std::get<OrthotropicEnergy>(energy_).AddHessian(constants, kind, positions, hessian);
 }
 
-void Membrane::AddForceDerivative(ParameterId id, double factor, const Eigen::VectorXd& positions,
-                                  Eigen::VectorXd* force) const {
+void Membrane::AddForceDerivative(ParameterId id, double factor, const Material& material,
+                                  const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
   if (const auto* arap = std::get_if<StretchEnergy>(&energy_)) {
     if (id.kind == ParameterKind::kStretchStiffness) arap->AddForce(factor, positions, force);
     return;
@@ -76,14 +88,27 @@ void Membrane::AddForceDerivative(ParameterId id, double factor, const Eigen::Ve
   if (const auto* parts = std::get_if<Parts>(&energy_)) {
     for (std::size_t i = 0; i < (*parts)->size(); ++i) {
       if (id.piece != kWholeCloth && id.piece != static_cast<int>(i)) continue;
-      (**parts)[i].membrane.AddForceDerivative({id.kind}, factor, positions, force);
+      const MembranePart& part = (**parts)[i];
+      part.membrane.AddForceDerivative({id.kind}, factor, part.material, positions, force);
     }
     return;
   }
   if (id.kind == ParameterKind::kStretchStiffness) return;
   Material direction;
   direction.*RowOf(id.kind).constant = factor;
-  std::get<OrthotropicEnergy>(energy_).AddForce(ConstantsOf(direction), positions, force);
+  if (const auto* orthotropic = std::get_if<OrthotropicEnergy>(&energy_)) {
+    orthotropic->AddForce(ConstantsOf(direction), positions, force);
+    return;
+  }
+  const YarnEnergy& yarn = std::get<YarnEnergy>(energy_);
+  YarnConstants constants = YarnConstantsOf(material);
+  if (RowOf(id.kind).need == ParameterNeed::kYarnMembrane) {
+    yarn.AddStiffeningDerivative(id.kind == ParameterKind::kWarpStiffening ? 0 : 1, factor, constants, positions,
+                                 force);
+    return;
+  }
+  constants.k = ConstantsOf(direction);
+  yarn.AddForce(constants, positions, force);
 }
 
 double Membrane::SystemStiffness(const Material& material) const {
@@ -149,7 +174,9 @@ void MembraneTerm::AddPositionHessian(double factor, HessianKind kind, const For
 
 void MembraneTerm::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce*,
                                  Eigen::VectorXd* force) const {
-  if (RowOf(id.kind).term == ParameterTerm::kMembrane) membrane_.AddForceDerivative(id, factor, point.positions, force);
+  if (RowOf(id.kind).term == ParameterTerm::kMembrane) {
+    membrane_.AddForceDerivative(id, factor, point.parameters.material, point.positions, force);
+  }
 }
 
 void MembraneTerm::AddFieldProducts(const FieldFactors& field, double factor, const ForcePoint& point,

@@ -13,6 +13,7 @@
 #include "sim/scene/scene.h"
 #include "sim/shell/orthotropic_energy.h"
 #include "sim/shell/stretch_energy.h"
+#include "sim/shell/yarn_energy.h"
 
 namespace clothid {
 
@@ -20,7 +21,7 @@ struct MembranePart;
 
 class Membrane {
  public:
-  // An orthotropic law wants the shape gradients of `triangles` in axes along warp and weft.
+  // Laws along warp and weft want the shape gradients of `triangles` in these axes.
   Membrane(MembraneLaw law, std::shared_ptr<const TriangleElements> triangles);
   // The sum of those of pieces, which have their materials in place of those given below.
   explicit Membrane(std::vector<MembranePart> parts);
@@ -34,13 +35,13 @@ class Membrane {
   void AddHessian(double factor, const Material& material, HessianKind kind, const Eigen::VectorXd& positions,
                   BlockMatrix* hessian) const;
 
-  // Adds factor * (-d2E/(dx dtheta)) to `force` [3N], theta the constant `id`: E is linear in it. Nothing for one
-  // that the law does not have.
-  void AddForceDerivative(ParameterId id, double factor, const Eigen::VectorXd& positions,
+  // Adds factor * (-d2E/(dx dtheta)) to `force` [3N], theta the constant `id`: E is linear in every one but a
+  // stiffening. Nothing for one that the law does not have.
+  void AddForceDerivative(ParameterId id, double factor, const Material& material, const Eigen::VectorXd& positions,
                           Eigen::VectorXd* force) const;
 
-  // k of the constant matrix of projective dynamics, P = .. + h^2 k L, N/m: of an orthotropic law the largest
-  // eigenvalue of its constants.
+  // k of the constant matrix of projective dynamics, P = .. + h^2 k L, N/m: of a law along warp and weft
+  // the largest eigenvalue of its constants.
   double SystemStiffness(const Material& material) const;
 
   // Of one isotropic membrane alone, as `StretchEnergy` has it, the stiffness that of `material`.
@@ -48,7 +49,7 @@ class Membrane {
                         const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const;
 
  private:
-  std::variant<StretchEnergy, OrthotropicEnergy, std::shared_ptr<const std::vector<MembranePart>>> energy_;
+  std::variant<StretchEnergy, OrthotropicEnergy, YarnEnergy, std::shared_ptr<const std::vector<MembranePart>>> energy_;
 };
 
 // A piece, or what belongs to none.

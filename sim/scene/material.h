@@ -10,8 +10,10 @@ struct Material {
   double bending_stiffness = 0.0;    // k_b, N m; 0: the scene has no bending
   double drag = 0.0;                 // c_d, kg/(m^2 s), the same in every direction; 0: the scene has no such drag
   double damping = 0.0;              // eta, N s/m; 0: the scene has no internal damping. eta/k is a relaxation time
-  // Of an orthotropic membrane, in place of k: C_11, C_22, C_66 and C_12, N/m (sim/shell/orthotropic_energy.h).
+  // Of an orthotropic membrane, in place of k: C_11, C_22, C_66 and C_12, N/m (sim/shell/orthotropic_energy.h). One of
+  // yarns has them at zero strain, and stiffens by b_1 and b_2 (sim/shell/yarn_energy.h).
   double warp_stiffness = 0.0, weft_stiffness = 0.0, shear_stiffness = 0.0, poisson_stiffness = 0.0;
+  double warp_stiffening = 0.0, weft_stiffening = 0.0;
   // Of orthotropic bending, in place of k_b: D_11, D_22 and D_66, N m (sim/shell/bending_patch.h).
   double warp_bending = 0.0, weft_bending = 0.0, twist_bending = 0.0;
 

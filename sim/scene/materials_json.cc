@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -72,25 +73,33 @@ bool HasSeveral(const JsonNode& materials, const char* one, const std::vector<co
 
 void ReadMembrane(const JsonNode& materials, Scene* scene) {
   if (const auto law = materials.Find("membrane")) {
-    if (!law->is(Kind::kString) || (law->String() != "arap" && law->String() != "orthotropic")) {
-      law->Fail("expected \"arap\" or \"orthotropic\"");
-    }
-    scene->membrane = law->String() == "arap" ? MembraneLaw::kArap : MembraneLaw::kOrthotropic;
+    const std::map<std::string, MembraneLaw> laws = {
+        {"arap", MembraneLaw::kArap}, {"orthotropic", MembraneLaw::kOrthotropic}, {"yarn", MembraneLaw::kYarn}};
+    const auto known = law->is(Kind::kString) ? laws.find(law->String()) : laws.end();
+    if (known == laws.end()) law->Fail("expected \"arap\", \"orthotropic\" or \"yarn\"");
+    scene->membrane = known->second;
   }
   const bool has_constants = HasSeveral(materials, "k_stretch", {"k_warp", "k_weft", "k_shear"});
   const auto poisson = materials.Find("k_poisson");
+  for (const char* key : {"stiffening_warp", "stiffening_weft"}) {
+    const auto node = materials.Find(key);
+    if (node && scene->membrane != MembraneLaw::kYarn) node->Fail("expected \"membrane\": \"yarn\" beside it");
+  }
   if (scene->membrane == MembraneLaw::kArap) {
     for (const char* key : {"k_warp", "k_poisson"}) {
-      if (const auto node = materials.Find(key)) node->Fail("expected \"membrane\": \"orthotropic\" beside it");
+      const auto node = materials.Find(key);
+      if (node) node->Fail("expected \"membrane\": \"orthotropic\" or \"yarn\" beside it");
     }
     ReadPositive(materials, "k_stretch", &scene->material.stretch_stiffness);
     return;
   }
-  if (!has_constants) materials.Require("k_warp", "a number > 0 (N/m), as the membrane is orthotropic");
+  if (!has_constants) materials.Require("k_warp", "a number > 0 (N/m), as the membrane has warp and weft");
   ReadPositive(materials, "k_warp", &scene->material.warp_stiffness);
   ReadPositive(materials, "k_weft", &scene->material.weft_stiffness);
   ReadPositive(materials, "k_shear", &scene->material.shear_stiffness);
   if (poisson) scene->material.poisson_stiffness = poisson->Number();
+  ReadNonNegative(materials, "stiffening_warp", &scene->material.warp_stiffening);
+  ReadNonNegative(materials, "stiffening_weft", &scene->material.weft_stiffening);
 }
 
 void ReadRigidities(const JsonNode& materials, Scene* scene) {

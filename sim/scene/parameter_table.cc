@@ -21,6 +21,12 @@ ParameterRow ConstantRow(ParameterKind kind, const char* name, const char* unit,
   return row;
 }
 
+ParameterRow StiffeningRow(ParameterKind kind, const char* name, double Material::*constant) {
+  ParameterRow row = ConstantRow(kind, name, "", Term::kMembrane, Need::kYarnMembrane, Domain::kNotNegative, constant);
+  row.range = 50.0;
+  return row;
+}
+
 ParameterRow PressureRow(ParameterKind kind, const char* name) {
   ParameterRow row{kind, name, "Pa", Term::kPressure, Need::kNothing, Domain::kAny, /*range=*/50.0};
   row.constant = &Material::pressure;
@@ -79,6 +85,8 @@ std::vector<ParameterRow> MakeTable() {
                   Domain::kPositive, &Material::shear_stiffness),
       ConstantRow(ParameterKind::kPoissonStiffness, "k_poisson", "N/m", Term::kMembrane, Need::kOrthotropicMembrane,
                   Domain::kAny, &Material::poisson_stiffness),
+      StiffeningRow(ParameterKind::kWarpStiffening, "stiffening_warp", &Material::warp_stiffening),
+      StiffeningRow(ParameterKind::kWeftStiffening, "stiffening_weft", &Material::weft_stiffening),
       ConstantRow(ParameterKind::kWarpBending, "bend_warp", "N m", Term::kBending, Need::kOrthotropicBending,
                   Domain::kPositive, &Material::warp_bending),
       ConstantRow(ParameterKind::kWeftBending, "bend_weft", "N m", Term::kBending, Need::kOrthotropicBending,

@@ -22,6 +22,8 @@ enum class ParameterKind {
   kWeftStiffness,
   kShearStiffness,
   kPoissonStiffness,
+  kWarpStiffening,
+  kWeftStiffening,
   kWarpBending,
   kWeftBending,
   kTwistBending,
@@ -77,7 +79,8 @@ enum class ParameterTerm {
 enum class ParameterNeed {
   kNothing,
   kArapMembrane,
-  kOrthotropicMembrane,
+  kOrthotropicMembrane,  // or of yarns
+  kYarnMembrane,
   kIsotropicBending,
   kOrthotropicBending,
   kSelfContact,
@@ -98,8 +101,9 @@ struct ParameterRow {
   ParameterNeed need;
   ParameterDomain domain;
   // How far a fit looks for what has bounds of its own kind: friction from 0 to here, what may be negative to both
-  // sides of 0, and twice as far as the nominal value of a wind; the size of the cloth by this factor up and down. 0:
-  // what is measured of fabrics, or how far the start is, says more (costs/prediction/parameter_block.h).
+  // sides of 0, and twice as far as the nominal value; the stiffening of yarns from a thousandth of it; the size of the
+  // cloth by this factor up and down. 0: what is measured of fabrics, or how far the start is, says more
+  // (costs/prediction/parameter_block.h).
   double range = 0.0;
 
   // Where it is kept: one of these is there, but for friction, size and what a placement has by its part.

@@ -66,10 +66,11 @@ struct ParameterId {
   }
 };
 
-// "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson"; "bend_warp",
-// "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass", "pressure"; "mu" (every obstacle), "mu.NAME" (one of
-// them), "mu.self" (of the cloth against itself); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot
-// of the profile), .., "gust.x", "gust.y", "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x",
+// "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson", "stiffening_warp",
+// "stiffening_weft"; "bend_warp", "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass",
+// "pressure"; "mu" (every obstacle), "mu.NAME" (one of them), "mu.self" (of the cloth against itself); "wind.x",
+// "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y", "gust.z",
+// "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x",
 // ..; "size.x", "size.y"; "NAME.time_offset", "NAME.shift.x", .., "NAME.turn.x", .. of the path of an obstacle;
 // "k_stretch.NAME", .. of one piece (without, of the whole cloth). `obstacle_names` are the scene's, `piece_names` its
 // mesh's, in their order. Throws `Error` (kUsage) that lists the names it would accept. `ParseParameter` in

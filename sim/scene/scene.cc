@@ -114,7 +114,9 @@ bool Scene::has(ParameterKind kind) const {
     case ParameterNeed::kArapMembrane:
       return membrane == MembraneLaw::kArap;
     case ParameterNeed::kOrthotropicMembrane:
-      return membrane == MembraneLaw::kOrthotropic;
+      return membrane != MembraneLaw::kArap;
+    case ParameterNeed::kYarnMembrane:
+      return membrane == MembraneLaw::kYarn;
     case ParameterNeed::kIsotropicBending:
       return !bending.orthotropic;
     case ParameterNeed::kOrthotropicBending:

@@ -62,6 +62,7 @@ struct Bending {
 enum class MembraneLaw {
   kArap,         // k_stretch; isotropic: the paper's
   kOrthotropic,  // k_warp, k_weft, k_shear and k_poisson, along warp and weft
+  kYarn,         // the same at zero strain, with stiffening_warp and stiffening_weft
 };
 
 struct SceneObstacle {
@@ -150,7 +151,7 @@ struct Scene {
 
   // Which terms a model of the scene has: those of a positive nominal value.
   bool has_bending() const;
-  bool has_warp() const { return membrane == MembraneLaw::kOrthotropic || bending.orthotropic; }
+  bool has_warp() const { return membrane != MembraneLaw::kArap || bending.orthotropic; }
   bool has_drag() const;              // the same in every direction
   bool has_directional_drag() const;  // drag_normal or drag_tangential
   bool has_air() const { return has_drag() || has_directional_drag(); }

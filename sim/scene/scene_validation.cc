@@ -259,7 +259,7 @@ std::string Indefinite(const Material& material, const Scene& scene) {
     text << coupling << "^2 must be below " << names << ", and is " << value * value << ", not below " << product;
     return text.str();
   };
-  if (scene.membrane == MembraneLaw::kOrthotropic) {
+  if (scene.membrane != MembraneLaw::kArap) {
     const double poisson = material.poisson_stiffness, product = material.warp_stiffness * material.weft_stiffness;
     if (!(poisson * poisson < product)) return compare("k_poisson", poisson, "k_warp k_weft", product);
   }

@@ -132,6 +132,38 @@ TEST_F(ForceFitTest, GoesWithDragByDirectionPressureAndSize) {
   }
 }
 
+// Pulled along its weft by a fifth of its length: the curve of force has the stiffness and how it grows.
+TEST_F(ForceFitTest, TellsHowYarnsStiffen) {
+  nlohmann::json scene = nlohmann::json::parse(ReadBytes(folder() / "scene.json"));
+  scene["materials"] = {{"density", 0.15}, {"membrane", "yarn"},   {"k_warp", 80},        {"k_weft", 60},
+                        {"k_shear", 10},   {"stiffening_warp", 3}, {"stiffening_weft", 3}};
+  scene["handles"] = {{"nodes", {0, 1, 2, 3, 4, 5, 30, 31, 32, 33, 34, 35}}, {"path", "path.csv"}};
+  std::ofstream(folder() / "scene.json") << scene;
+  std::ofstream path(folder() / "path.csv");
+  path.precision(17);
+  path << "time";
+  for (int i = 0; i < 12; ++i) path << ",x" << i << ",y" << i << ",z" << i;
+  path << "\n";
+  for (int k = 0; k <= 50; ++k) {
+    path << 0.01 * k;
+    for (int i = 0; i < 12; ++i) {
+      path << "," << 0.05 * (i % 6) << ",0," << (i < 6 ? 0.0 : -0.25 * (1.0 + 0.2 * k / 50.0));
+    }
+    path << "\n";
+  }
+  path.close();
+  const ToolResult recorded =
+      Run("simulate --scene scene.json --output r.bin --forces --force_nodes 0,1,2,3,4,5 --force_sigma 0.02 "
+          "--set k_weft=90,stiffening_weft=6");
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  const nlohmann::json result = Fit("--fit k_weft,stiffening_weft", 0);
+  for (const auto& [name, truth] : {std::pair("k_weft", 90.0), std::pair("stiffening_weft", 6.0)}) {
+    const nlohmann::json& parameter = result["parameters"][name];
+    EXPECT_NEAR(parameter["value"].get<double>(), truth, 4.0 * parameter["std"].get<double>()) << name;
+    EXPECT_NEAR(parameter["value"].get<double>(), truth, 0.05 * truth) << name;
+  }
+}
+
 TEST_F(ForceFitTest, NamesWhatIsWrong) {
   EXPECT_NE(Record("--force_sigma 0.1").err.find("--force_sigma: expected with --forces"), std::string::npos);
   EXPECT_NE(Record("--forces --force_nodes 0,7").err.find("node 7 is no handle"), std::string::npos);

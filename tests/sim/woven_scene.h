@@ -3,6 +3,7 @@
 #define CLOTHID_TESTS_SIM_WOVEN_SCENE_H_
 
 #include <Eigen/Core>
+#include <utility>
 
 #include "sim/scene/scene.h"
 
@@ -26,6 +27,15 @@ inline Scene Woven(Scene scene) {
   material.weft_bending = 0.7 * bend;
   material.twist_bending = 0.5 * bend;
   return scene;
+}
+
+// The same with a membrane of yarns that stiffen.
+inline Scene Knitted(Scene scene) {
+  Scene knit = Woven(std::move(scene));
+  knit.membrane = MembraneLaw::kYarn;
+  knit.material.warp_stiffening = 6.0;
+  knit.material.weft_stiffening = 3.0;
+  return knit;
 }
 
 }  // namespace clothid

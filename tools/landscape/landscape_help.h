@@ -45,7 +45,8 @@ Example:
 inline constexpr char kMoreHelp[] = R"(
 The cells:
   --x, --y AXIS       names: mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping, and where the scene has warp
-                      and weft k_warp, k_weft, k_shear, k_poisson, bend_warp, bend_weft, bend_twist; drag_normal,
+                      and weft k_warp, k_weft, k_shear, k_poisson, stiffening_warp, stiffening_weft, bend_warp,
+                      bend_weft, bend_twist; drag_normal,
                       drag_tangential, added_mass, pressure, size.x, size.y, wind.x and the like (costs/README.md)
   --zoom_only         leaves out the whole of the axes
   --sweep LIST        KEY=NUMBER[,NUMBER...][;KEY=...]: every combination is a setting. Keys are paths into the scene:

@@ -115,6 +115,17 @@ TEST_P(WovenGradientTest, AdjointEqualsSensitivityEqualsDifferences) {
   ExpectAgreement(gradient, 1e-6);
 }
 
+TEST_P(WovenGradientTest, OfYarnsInPiecesToo) {
+  Scene scene = Knitted(SceneOf(GetParam(), 7));
+  scene.duration *= 0.3;
+  const GradientCase gradient(InPieces(scene, 1.5, 0.6));
+  for (const char* name : {"k_warp", "k_weft", "k_shear", "k_poisson", "stiffening_warp", "stiffening_weft", "k_weft.a",
+                           "stiffening_warp.b"}) {
+    EXPECT_TRUE(gradient.HasInfluence(name)) << name;
+  }
+  ExpectAgreement(gradient, 1e-6);
+}
+
 TEST_P(WovenGradientTest, WithInternalDampingToo) {
   Scene scene = Woven(SceneOf(GetParam(), 6));
   scene.material.damping = 0.01 * scene.material.warp_stiffness;

@@ -193,6 +193,30 @@ TEST(HandleForcesTest, IsTheStressOfAStretchedStrip) {
   EXPECT_LE(std::abs(run.values(1, 0)) + std::abs(run.values(2, 0)), 1e-12);
 }
 
+// Of yarns that stiffen k (exp(b e) - 1)/b per width.
+TEST(HandleForcesTest, IsTheCurveOfAStripOfYarns) {
+  GridOptions grid;
+  grid.nodes = {5, 3};
+  grid.size = {0.2, 0.05};
+  Scene scene = ClothScene(grid, 0.01);
+  scene.gravity.setZero();
+  scene.duration = 0.02;
+  scene.membrane = MembraneLaw::kYarn;
+  Material& material = scene.material;
+  material.stretch_stiffness = 0.0;
+  material.warp_stiffness = material.weft_stiffness = 80.0;
+  material.shear_stiffness = 15.0;
+  material.warp_stiffening = 20.0;
+  scene.handles.nodes = FirstRow(14);
+  for (const double strain : {0.02, 0.1, 0.3}) {
+    Scene strained = scene;
+    for (int node = 0; node < 15; ++node) strained.initial_positions[3 * node] *= 1.0 + strain;
+    const TestRun run(strained, {{0, 5, 10}});
+    const double expected = -80.0 * std::expm1(20.0 * strain) / 20.0 * 0.05;
+    EXPECT_NEAR(run.values(0, 0), expected, 1e-9 * std::abs(expected)) << strain;
+  }
+}
+
 // Lifted as a whole: weight and inertia of all of it, in each group of its own nodes.
 TEST(HandleForcesTest, LiftsAClothHeldEverywhere) {
   Scene scene = ClothScene(SquareGrid(3, 0.1), 0.01);
@@ -363,7 +387,11 @@ class HandleForceDerivativeTest : public testing::TestWithParam<DifferenceCase> 
     scene_.bending.orthotropic = GetParam().orthotropic_bending;
     Material& material = scene_.material;
     material.added_mass = 0.05;
-    if (scene_.membrane == MembraneLaw::kOrthotropic) {
+    if (scene_.membrane == MembraneLaw::kYarn) {
+      material.warp_stiffening = 6.0;
+      material.weft_stiffening = 3.0;
+    }
+    if (scene_.membrane != MembraneLaw::kArap) {
       material.warp_stiffness = 80.0;
       material.weft_stiffness = 50.0;
       material.poisson_stiffness = 20.0;
@@ -428,8 +456,9 @@ TEST_P(HandleForceDerivativeTest, IsThatOfTheForceByParameters) {
         }
         for (const ParameterId& id : ids) {
           const Eigen::VectorXd derivative = forces.ParameterDerivative(id, step, states);
-          // R is linear in every constant, and in a wind that drag is linear in.
-          const bool is_linear = !IsWind(id.kind) || scene_.air_law == AirLaw::kLinear;
+          // R is linear in every constant but a stiffening, and in a wind that drag is linear in.
+          const bool is_linear = RowOf(id.kind).need != ParameterNeed::kYarnMembrane &&
+                                 (!IsWind(id.kind) || scene_.air_law == AirLaw::kLinear);
           const double value = GetParameter(scene_.nominal_parameters(), id);
           const double change = !is_linear ? 1e-5 : value == 0.0 ? 1.0 : 0.1 * value;
           const auto force_at = [&](double changed) -> Eigen::VectorXd {
@@ -484,7 +513,8 @@ INSTANTIATE_TEST_SUITE_P(
                     DifferenceCase{"Orthotropic", MembraneLaw::kOrthotropic, BendingLaw::kPatches, true},
                     DifferenceCase{"EveryForce", MembraneLaw::kArap, BendingLaw::kPatches, false, true},
                     DifferenceCase{"EveryForceOrthotropicQuadratic", MembraneLaw::kOrthotropic, BendingLaw::kPatches,
-                                   true, true, AirLaw::kQuadratic}),
+                                   true, true, AirLaw::kQuadratic},
+                    DifferenceCase{"EveryForceYarn", MembraneLaw::kYarn, BendingLaw::kPatches, true, true}),
     [](const auto& named) { return named.param.name; });
 
 // Fields of one value everywhere are that value.

@@ -54,12 +54,27 @@ TEST(ReadMaterials, ReadsConstantsOfWarpAndWeft) {
   EXPECT_FALSE(Read(kWoven).has_bending());
 }
 
+TEST(ReadMaterials, ReadsAMembraneOfYarns) {
+  constexpr char kYarns[] = R"("membrane": "yarn", "k_warp": 700, "k_weft": 320, "k_shear": 20, "stiffening_warp": 6)";
+  const Scene scene = Read(kYarns);
+  EXPECT_EQ(scene.membrane, MembraneLaw::kYarn);
+  EXPECT_TRUE(scene.has_warp() && scene.has(ParameterKind::kWarpStiffness));
+  EXPECT_EQ(scene.material.warp_stiffening, 6.0);
+  EXPECT_EQ(scene.material.weft_stiffening, 0.0);
+  EXPECT_TRUE(scene.has(ParameterKind::kWeftStiffening));
+  ExpectBad(R"("membrane": "yarn")", "'materials.k_warp': is missing");
+  ExpectBad(R"("stiffening_warp": 6)", "'materials.stiffening_warp': expected \"membrane\": \"yarn\" beside it");
+  ExpectBad(std::string(kYarns) + R"(, "stiffening_weft": -1)", "'materials.stiffening_weft'");
+  EXPECT_FALSE(Read(kWoven).has(ParameterKind::kWarpStiffening));
+}
+
 TEST(ReadMaterials, NamesWhatDoesNotGoTogether) {
-  ExpectBad(R"("membrane": "knit")", "'materials.membrane': expected \"arap\" or \"orthotropic\"");
+  ExpectBad(R"("membrane": "knit")", "'materials.membrane': expected \"arap\", \"orthotropic\" or \"yarn\"");
   ExpectBad(R"("membrane": "orthotropic")", "'materials.k_warp': is missing");
   ExpectBad(R"("membrane": "orthotropic", "k_warp": 1, "k_weft": 2)", "'materials.k_shear': is missing");
-  ExpectBad(R"("k_warp": 1, "k_weft": 2, "k_shear": 1)", "expected \"membrane\": \"orthotropic\" beside it");
-  ExpectBad(R"("k_poisson": 1)", "'materials.k_poisson': expected \"membrane\": \"orthotropic\" beside it");
+  ExpectBad(R"("k_warp": 1, "k_weft": 2, "k_shear": 1)",
+            "expected \"membrane\": \"orthotropic\" or \"yarn\" beside it");
+  ExpectBad(R"("k_poisson": 1)", "'materials.k_poisson': expected \"membrane\": \"orthotropic\" or \"yarn\" beside it");
   ExpectBad(std::string(kWoven) + R"(, "k_stretch": 5)", "'materials.k_stretch': expected none beside 'k_warp'");
   ExpectBad(std::string(kBent) + R"(, "k_bend": 0)", "'materials.k_bend': expected none beside 'bend_warp'");
   ExpectBad(R"("bending": "patches", "bend_warp": 1e-4)", "'materials.bend_weft': is missing");
@@ -100,10 +115,10 @@ TEST(ReadMaterials, ASceneHasTheParametersOfItsLaws) {
   const Scene plain = Read(""), woven = Read(Both());
   for (const char* name : {"k_warp", "k_weft", "k_shear", "k_poisson", "bend_warp", "bend_weft", "bend_twist"}) {
     EXPECT_EQ(ParameterName(ParseParameter(name, woven), {}), name);
-    ExpectError(
-        [&] { ParseParameter(name, plain); }, ErrorKind::kUsage,
-        {"parameter '", name, "': the scene has no such term",
-         "expected one of k_stretch, k_bend, density, drag, damping, drag_normal, drag_tangential, added_mass, pressure, mu"});
+    ExpectError([&] { ParseParameter(name, plain); }, ErrorKind::kUsage,
+                {"parameter '", name, "': the scene has no such term",
+                 "expected one of k_stretch, k_bend, density, drag, damping, drag_normal, drag_tangential, added_mass, "
+                 "pressure, mu"});
     ExpectBad("", std::string("parameter '") + name + "'",
               std::string(R"(, "parameters": {")") + name + R"(": {"nominal": 1}})");
   }
