@@ -3,15 +3,6 @@
 #include <cstdio>
 
 namespace clothid {
-namespace {
-
-const char* UnitOf(ParameterKind kind) {
-  if (kind == ParameterKind::kStretchStiffness) return "N/m";
-  return kind == ParameterKind::kBendingStiffness ? "N m" : "kg/m^2";
-}
-
-}  // namespace
-
 bool IsDetermined(const FittedField& field, Eigen::Index row, Eigen::Index column) {
   if (field.log_std.size() == 0) return false;
   return IsDetermined(field.log_std(row, column), field.deviation_std(row, column),
@@ -30,7 +21,8 @@ std::string DescribeField(const FittedField& field) {
   const auto size = static_cast<int>(field.values.size());
   char text[200];
   std::snprintf(text, sizeof(text), "%s over %d x %d: %.4g .. %.4g %s", field.request.name.c_str(), field.request.rows,
-                field.request.columns, field.values.minCoeff(), field.values.maxCoeff(), UnitOf(field.request.kind));
+                field.request.columns, field.values.minCoeff(), field.values.maxCoeff(),
+                RowOf(field.request.kind).unit);
   std::string line = text;
   if (field.log_std.size() == 0) return line + ", how sure was not estimated";
   std::snprintf(text, sizeof(text), ", determined at %.0f of %d control nodes", ShareDetermined(field) * size, size);
