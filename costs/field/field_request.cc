@@ -83,7 +83,7 @@ void SetField(const GridField& field, std::vector<RecordedMotion>* motions) {
     }
     double level = 0.0;
     FieldOverTriangles(field, scene.mesh, &level);
-    const ParameterId id{field.kind, kAllObstacles};
+    const ParameterId id{field.kind};
     ExpectNoPieces(scene, id);
     Parameters parameters{scene.material, {}, nullptr};
     parameters.pieces = scene.pieces;

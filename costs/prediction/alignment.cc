@@ -1,12 +1,11 @@
 #include "costs/prediction/alignment.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <string_view>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "sim/base/error.h"
@@ -15,62 +14,15 @@
 namespace clothid {
 namespace {
 
-constexpr double kFrameIntervals = 2.0;
-constexpr double kShareOfCloth = 0.25;
-constexpr double kHandleShareOfCloth = 0.1;
-constexpr double kLargestTurn = 0.2;        // rad
-constexpr double kLargestStartSpeed = 2.0;  // m/s
-
-constexpr char kTimeOffsetName[] = "time_offset";
 constexpr char kAlignName[] = "align";  // shift and turn
-constexpr char kForceBiasName[] = "force_bias";
-constexpr char kHandleShiftName[] = "handle_shift";
-constexpr int kMostGroups = 1000;
-constexpr double kHandleShiftSpread = 0.01;  // m
-constexpr double kHandleTurnSpread = 0.05;   // rad
-constexpr char kAxes[] = "xyz";
-
-struct GroupName {
-  const char* name;
-  AlignmentKind kind;
-};
-
-constexpr std::array<GroupName, 5> kGroups = {{{"shift", AlignmentKind::kShift},
-                                               {"turn", AlignmentKind::kTurn},
-                                               {"v0", AlignmentKind::kStartVelocity},
-                                               {kHandleShiftName, AlignmentKind::kHandleShift},
-                                               {"handle_turn", AlignmentKind::kHandleTurn}}};
-
-// K of "NAMEK", from `first` to kMostGroups without leading zeros; nothing for any other text.
-std::optional<int> NumberAfter(std::string_view name, std::string_view text, int first) {
-  if (text.substr(0, name.size()) != name) return std::nullopt;
-  const std::string_view digits = text.substr(name.size());
-  int number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  const bool is_number = error == std::errc() && end == digits.data() + digits.size() && digits[0] != '0';
-  if (!is_number || number < first || number > kMostGroups) return std::nullopt;
-  return number;
-}
-
-// What "force_bias", "force_bias2", .. and "handle_shift1", .. are, but for the axis; nothing for any other name.
-std::optional<AlignmentId> NumberedGroup(const std::string& name) {
-  if (name == kForceBiasName) return AlignmentId{AlignmentKind::kForceBias, 0, 0};
-  if (const auto number = NumberAfter(kForceBiasName, name, 2)) {
-    return AlignmentId{AlignmentKind::kForceBias, 0, *number - 1};
-  }
-  if (const auto number = NumberAfter(kHandleShiftName, name, 1)) {
-    return AlignmentId{AlignmentKind::kHandleShift, 0, *number};
-  }
-  return std::nullopt;
-}
 
 // The measured forces of a group along an axis [F]; empty where there is no such group.
-Eigen::VectorXd ForcesAlong(AlignmentId id, const ForceReadings& forces) {
-  if (forces.is_empty() || id.group >= forces.num_groups()) return {};
-  return forces.values.row(3 * static_cast<Eigen::Index>(id.group) + id.axis).transpose();
+Eigen::VectorXd ForcesAlong(ParameterId id, const ForceReadings& forces) {
+  if (forces.is_empty() || id.part >= forces.num_groups()) return {};
+  return forces.values.row(3 * static_cast<Eigen::Index>(id.part) + id.axis).transpose();
 }
 
-double LargestForce(AlignmentId id, const ForceReadings& forces) {
+double LargestForce(ParameterId id, const ForceReadings& forces) {
   double largest = 0.0;
   for (const double force : ForcesAlong(id, forces)) {
     if (std::isfinite(force)) largest = std::max(largest, std::abs(force));
@@ -87,39 +39,43 @@ double MedianFrameInterval(const RecordedMotion& motion) {
   return *middle;
 }
 
-void AppendAxes(const std::string& group, std::vector<std::string>* names) {
-  for (int axis = 0; axis < 3; ++axis) names->push_back(group + "." + kAxes[axis]);
+// Of one kind, and of one group of handles if `part` says so.
+void AppendAxes(ParameterKind kind, int part, std::vector<std::string>* names) {
+  for (int axis = 0; axis < RowOf(kind).num_axes; ++axis) names->push_back(ParameterName({kind, axis, part}, {}));
+}
+
+void SetInGroup(int place, int axis, double value, std::vector<Eigen::Vector3d>* vectors) {
+  if (static_cast<int>(vectors->size()) <= place) vectors->resize(place + 1, Eigen::Vector3d::Zero());
+  (*vectors)[place][axis] = value;
 }
 
 }  // namespace
 
-void Alignment::Set(AlignmentId id, double value) {
-  const auto set_of_group = [&](std::vector<Eigen::Vector3d>* vectors) {
-    if (static_cast<int>(vectors->size()) <= id.group) vectors->resize(id.group + 1, Eigen::Vector3d::Zero());
-    (*vectors)[id.group][id.axis] = value;
-  };
+void Alignment::Set(ParameterId id, double value) {
   switch (id.kind) {
-    case AlignmentKind::kTimeOffset:
+    case ParameterKind::kTimeOffset:
       time_offset = value;
       break;
-    case AlignmentKind::kShift:
+    case ParameterKind::kShift:
       shift[id.axis] = value;
       break;
-    case AlignmentKind::kTurn:
+    case ParameterKind::kTurn:
       turn[id.axis] = value;
       break;
-    case AlignmentKind::kStartVelocity:
+    case ParameterKind::kStartVelocity:
       start_velocity[id.axis] = value;
       break;
-    case AlignmentKind::kHandleShift:
-      set_of_group(&handle_shifts);
+    case ParameterKind::kHandleShift:
+      SetInGroup(id.part + 1, id.axis, value, &handle_shifts);
       break;
-    case AlignmentKind::kHandleTurn:
+    case ParameterKind::kHandleTurn:
       handle_turn[id.axis] = value;
       break;
-    case AlignmentKind::kForceBias:
-      set_of_group(&force_bias);
+    case ParameterKind::kForceBias:
+      SetInGroup(id.part, id.axis, value, &force_bias);
       break;
+    default:
+      throw std::logic_error("no parameter of a recording");
   }
 }
 
@@ -131,83 +87,54 @@ Eigen::VectorXd Alignment::ForceBias(int num_groups) const {
   return bias;
 }
 
-std::optional<AlignmentId> ParseAlignmentId(const std::string& name) {
-  if (name == kTimeOffsetName) return AlignmentId{AlignmentKind::kTimeOffset, 0};
-  for (const GroupName& group : kGroups) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (name == std::string(group.name) + "." + kAxes[axis]) return AlignmentId{group.kind, axis};
-    }
-  }
-  if (name.size() > 2 && name[name.size() - 2] == '.') {
-    const std::size_t axis = std::string_view(kAxes).find(name.back());
-    std::optional<AlignmentId> id = NumberedGroup(name.substr(0, name.size() - 2));
-    if (id && axis < 3) {
-      id->axis = static_cast<int>(axis);
-      return id;
-    }
-  }
-  return std::nullopt;
-}
-
 std::vector<std::string> ExpandAlignmentNames(const std::vector<std::string>& names) {
   std::vector<std::string> expanded;
   for (const std::string& name : names) {
-    const bool is_align = name == kAlignName;
-    bool is_group = false;
-    for (const GroupName& group : kGroups) {
-      const bool is_rigid = group.kind == AlignmentKind::kShift || group.kind == AlignmentKind::kTurn;
-      if (name != group.name && !(is_align && is_rigid)) continue;
-      AppendAxes(group.name, &expanded);
-      is_group = true;
+    const std::optional<ParameterId> first = FindParameter(name + ".x");
+    if (name == kAlignName) {
+      AppendAxes(ParameterKind::kShift, kWhole, &expanded);
+      AppendAxes(ParameterKind::kTurn, kWhole, &expanded);
+    } else if (first && IsOfRecording(first->kind)) {
+      AppendAxes(first->kind, first->part, &expanded);
+    } else {
+      expanded.push_back(name);
     }
-    if (NumberedGroup(name)) {
-      AppendAxes(name, &expanded);
-      is_group = true;
-    }
-    if (!is_group) expanded.push_back(name);
   }
   return expanded;
 }
 
-std::string AlignmentGroup(const std::string& name) {
-  return ParseAlignmentId(name) ? name.substr(0, name.find('.')) : name;
-}
-
 std::string KnownAlignmentNames() {
-  std::string names = std::string(kTimeOffsetName) + ", " + kAlignName;
-  for (const GroupName& group : kGroups) names += ", " + std::string(group.name) + "[.x|.y|.z]";
-  return names + ", " + kHandleShiftName + "1[.x|.y|.z], .., " + kForceBiasName + "[.x|.y|.z]";
-}
-
-double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion) {
-  switch (id.kind) {
-    case AlignmentKind::kTimeOffset:
-      return kFrameIntervals * MedianFrameInterval(motion);
-    case AlignmentKind::kShift:
-      return kShareOfCloth * ClothSize(motion.scene.mesh);
-    case AlignmentKind::kTurn:
-    case AlignmentKind::kHandleTurn:
-      return kLargestTurn;
-    case AlignmentKind::kStartVelocity:
-      return kLargestStartSpeed;
-    case AlignmentKind::kHandleShift:
-      return kHandleShareOfCloth * ClothSize(motion.scene.mesh);
-    case AlignmentKind::kForceBias:
-      return std::max(LargestForce(id, motion.forces), motion.forces.sigma[id.group]);
+  std::string names, of_groups;
+  for (const ParameterRow& row : ParameterTable()) {
+    if (!IsOfRecording(row.kind)) continue;
+    const std::string axes = row.num_axes > 0 ? "[.x|.y|.z]" : "";
+    if (row.has_whole) names += (names.empty() ? "" : ", ") + (row.name + axes);
+    if (row.kind == ParameterKind::kTimeOffset) names.append(", ").append(kAlignName);
+    if (row.part != ParameterPart::kHandleGroup) continue;
+    of_groups += ", " + std::string(row.name) + (row.has_whole ? "1" + axes + ", .." : axes);
   }
-  return 0.0;
+  return names + of_groups;
 }
 
-double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion) {
-  if (id.kind == AlignmentKind::kTimeOffset) return motion.times[motion.times.size() - 1] - motion.times[0];
-  const bool is_turn = id.kind == AlignmentKind::kTurn || id.kind == AlignmentKind::kHandleTurn;
+double DefaultAlignmentRange(ParameterId id, const RecordedMotion& motion) {
+  const double range = RowOf(id.kind).range;
+  switch (id.kind) {
+    case ParameterKind::kTimeOffset:
+      return range * MedianFrameInterval(motion);
+    case ParameterKind::kShift:
+    case ParameterKind::kHandleShift:
+      return range * ClothSize(motion.scene.mesh);
+    case ParameterKind::kForceBias:
+      return range * std::max(LargestForce(id, motion.forces), motion.forces.sigma[id.part]);
+    default:
+      return range;
+  }
+}
+
+double LargestAlignmentBound(ParameterId id, const RecordedMotion& motion) {
+  if (id.kind == ParameterKind::kTimeOffset) return motion.times[motion.times.size() - 1] - motion.times[0];
+  const bool is_turn = id.kind == ParameterKind::kTurn || id.kind == ParameterKind::kHandleTurn;
   return is_turn ? M_PI : std::numeric_limits<double>::infinity();
-}
-
-ParameterPrior DefaultAlignmentPrior(AlignmentId id) {
-  if (id.kind == AlignmentKind::kHandleShift) return {0.0, kHandleShiftSpread};
-  if (id.kind == AlignmentKind::kHandleTurn) return {0.0, kHandleTurnSpread};
-  return {};
 }
 
 std::vector<std::vector<int>> HandleGroups(const RecordedMotion& motion) {
@@ -234,23 +161,23 @@ std::vector<std::vector<int>> HandleGroups(const RecordedMotion& motion) {
   return list;
 }
 
-void ExpectMeasured(AlignmentId id, const std::string& name, const RecordedMotion& motion) {
+void ExpectMeasured(ParameterId id, const std::string& name, const RecordedMotion& motion) {
   const auto num_handles = static_cast<int>(motion.scene.handles.nodes.size());
   const auto expect = [&](bool condition, const std::string& problem) {
     if (!condition) throw Error(ErrorKind::kUsage, "parameter '" + name + "': " + motion.name + problem);
   };
-  if (id.kind == AlignmentKind::kHandleShift) {
+  if (id.kind == ParameterKind::kHandleShift) {
     expect(num_handles > 0, " has no handles");
     const auto num_groups = static_cast<int>(HandleGroups(motion).size());
-    expect(id.group <= num_groups,
+    expect(id.part < num_groups,
            " has " + std::to_string(num_groups) + (num_groups == 1 ? " group" : " groups") + " of handles");
   }
-  if (id.kind == AlignmentKind::kHandleTurn) expect(num_handles > 1, " has not two handles, which alone can turn");
-  if (id.kind != AlignmentKind::kForceBias) return;
+  if (id.kind == ParameterKind::kHandleTurn) expect(num_handles > 1, " has not two handles, which alone can turn");
+  if (id.kind != ParameterKind::kForceBias) return;
   const Eigen::VectorXd forces = ForcesAlong(id, motion.forces);
   if (!forces.array().isNaN().all()) return;
-  throw Error(ErrorKind::kUsage, "parameter '" + name + "': " + motion.name + " has no forces along " + kAxes[id.axis] +
-                                     " of group " + std::to_string(id.group + 1) + " of its handles");
+  throw Error(ErrorKind::kUsage, "parameter '" + name + "': " + motion.name + " has no forces along " + "xyz"[id.axis] +
+                                     " of group " + std::to_string(id.part + 1) + " of its handles");
 }
 
 Eigen::Vector3d TurnCenter(const RecordedMotion& motion) {

@@ -26,29 +26,13 @@
 #define CLOTHID_COSTS_PREDICTION_ALIGNMENT_H_
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
+#include "sim/scene/parameters.h"
 
 namespace clothid {
-
-enum class AlignmentKind { kTimeOffset, kShift, kTurn, kStartVelocity, kHandleShift, kHandleTurn, kForceBias };
-
-inline constexpr int kAllHandles = 0;
-
-// One scalar of `Alignment`.
-struct AlignmentId {
-  AlignmentKind kind = AlignmentKind::kTimeOffset;
-  int axis = 0;  // 0, 1, 2: x, y, z; of the time offset 0
-  // Of handles: of a force bias from 0 on; of a shift of handles kAllHandles, or from 1 on.
-  int group = 0;
-
-  bool operator==(const AlignmentId& other) const {
-    return kind == other.kind && axis == other.axis && group == other.group;
-  }
-};
 
 struct Alignment {
   double time_offset = 0.0;                                  // s
@@ -62,34 +46,21 @@ struct Alignment {
   // [3G] N.
   Eigen::VectorXd ForceBias(int num_groups) const;
 
-  void Set(AlignmentId id, double value);
+  // `id`: of a recording.
+  void Set(ParameterId id, double value);
 };
 
-// "time_offset", "shift.x" .. "shift.z", "turn.x" .., "v0.x" .., "handle_shift.x" .. of all handles, "handle_shift1.x"
-// .. of their first group, .., "handle_turn.x" .., "force_bias.x" .. of the first group, "force_bias2.x" .. of the
-// second,
-// ..; nothing for any other name.
-std::optional<AlignmentId> ParseAlignmentId(const std::string& name);
-
-// `names` with shift, turn, v0, handle_shift, handle_turn and force_bias replaced by the three of each, and align by
-// those of shift and turn; all others as they are.
+// `names` with shift, turn, v0, handle_shift, handle_turn and force_bias, also of one group of handles, replaced by the
+// three of each, and align by those of shift and turn; all others as they are.
 std::vector<std::string> ExpandAlignmentNames(const std::vector<std::string>& names);
 
-// "shift" of "shift.x"; a name without axes as it is.
-std::string AlignmentGroup(const std::string& name);
-
-// Every name that `ExpandAlignmentNames` and `ParseAlignmentId` know, for messages.
+// Every name of what belongs to a recording, those that `ExpandAlignmentNames` replaces among them, for messages.
 std::string KnownAlignmentNames();
 
-// How far a parameter may be from zero unless bounds are given, in its own unit: two frame intervals (their median), a
-// quarter of the cloth's size, 0.2 rad (turns of handles, too), 2 m/s, a tenth of the cloth's size, the largest force
-// that was measured along that axis.
-double DefaultAlignmentRange(AlignmentId id, const RecordedMotion& motion);
-
-// What is believed of how far handles are off unless a prior is given: 0 +- 10 mm, and 0 +- 0.05 rad, which moves the
-// fingers of a tool 0.3 m wide by as much. (A depth camera that took the corners of a cloth as its handles placed two
-// handles 0.3 m apart 266 to 302 mm from each other.) None of other parameters.
-ParameterPrior DefaultAlignmentPrior(AlignmentId id);
+// How far a parameter of a recording may be from zero unless bounds are given, in its own unit: the range of its row,
+// which counts frame intervals (their median) of its clock, sizes of the cloth of shifts, also of handles, and the
+// largest force that was measured along its axis of a force bias.
+double DefaultAlignmentRange(ParameterId id, const RecordedMotion& motion);
 
 // The groups of the handles that may be off by themselves, in the order of their first nodes: those that the
 // recording's forces have, where it says which; else handles that edges of the mesh connect belong together.
@@ -97,12 +68,12 @@ std::vector<std::vector<int>> HandleGroups(const RecordedMotion& motion);
 
 // The farthest that a bound may be from zero: of the time offset the duration of the recording, because the simulation
 // has to cover it; of a turn pi, beyond which the same rotations come again; else infinite.
-double LargestAlignmentBound(AlignmentId id, const RecordedMotion& motion);
+double LargestAlignmentBound(ParameterId id, const RecordedMotion& motion);
 
 // Throws `Error` (kUsage), naming parameter and recording, where the recording has not what `id` is a correction of: a
 // force bias wants forces that were measured along its axis, a shift of handles wants handles, or that group of them, a
 // turn of handles wants two.
-void ExpectMeasured(AlignmentId id, const std::string& name, const RecordedMotion& motion);
+void ExpectMeasured(ParameterId id, const std::string& name, const RecordedMotion& motion);
 
 // c: RecordedMotion::centroid, where it is given, else the mean of the measured points of all frames.
 Eigen::Vector3d TurnCenter(const RecordedMotion& motion);

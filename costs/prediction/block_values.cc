@@ -1,6 +1,5 @@
 #include "costs/prediction/block_values.h"
 
-#include <string>
 #include <utility>
 
 namespace clothid {
@@ -8,31 +7,29 @@ namespace clothid {
 BlockValues::BlockValues(std::vector<ParameterBlock> blocks, const Scene& scene)
     : blocks_(std::move(blocks)), start_(scene.nominal_parameters()) {
   for (const ParameterBlock& block : blocks_) {
-    const std::string name = BaseName(block.name);
-    alignment_ids_.push_back(ParseAlignmentId(name));
-    ids_.push_back(alignment_ids_.back() ? ParameterId() : ParseParameter(name, scene));
-    if (!alignment_ids_.back()) SetParameter(ids_.back(), block.start, &start_);
+    ids_.push_back(block.IdIn(scene));
+    if (!IsOfRecording(ids_.back().kind)) SetParameter(ids_.back(), block.start, &start_);
   }
 }
 
-const ParameterBlock* BlockValues::Find(AlignmentKind kind) const {
+const ParameterBlock* BlockValues::Find(ParameterTerm term) const {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    if (alignment_ids_[i] && alignment_ids_[i]->kind == kind) return &blocks_[i];
+    if (RowOf(ids_[i].kind).term == term) return &blocks_[i];
   }
   return nullptr;
 }
 
-const ParameterBlock* BlockValues::FindSize() const {
+const ParameterBlock* BlockValues::Find(ParameterKind kind) const {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    if (!alignment_ids_[i] && IsSize(ids_[i].kind)) return &blocks_[i];
+    if (ids_[i].kind == kind) return &blocks_[i];
   }
   return nullptr;
 }
 
-std::vector<ParameterId> BlockValues::SizeIds() const {
+std::vector<ParameterId> BlockValues::IdsOf(ParameterTerm term) const {
   std::vector<ParameterId> ids;
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    if (!alignment_ids_[i] && IsSize(ids_[i].kind)) ids.push_back(ids_[i]);
+  for (const ParameterId id : ids_) {
+    if (RowOf(id.kind).term == term) ids.push_back(id);
   }
   return ids;
 }
@@ -41,7 +38,7 @@ Parameters BlockValues::ParametersAt(const Eigen::VectorXd& coordinates) const {
   Parameters parameters = start_;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const double coordinate = coordinates[static_cast<Eigen::Index>(i)];
-    if (!alignment_ids_[i]) SetParameter(ids_[i], blocks_[i].ToValue(coordinate), &parameters);
+    if (!IsOfRecording(ids_[i].kind)) SetParameter(ids_[i], blocks_[i].ToValue(coordinate), &parameters);
   }
   return parameters;
 }
@@ -50,7 +47,7 @@ Alignment BlockValues::AlignmentAt(const Eigen::VectorXd& coordinates) const {
   Alignment alignment;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const double coordinate = coordinates[static_cast<Eigen::Index>(i)];
-    if (alignment_ids_[i]) alignment.Set(*alignment_ids_[i], blocks_[i].ToValue(coordinate));
+    if (IsOfRecording(ids_[i].kind)) alignment.Set(ids_[i], blocks_[i].ToValue(coordinate));
   }
   return alignment;
 }
@@ -71,19 +68,19 @@ SortedBlocks BlockValues::Sort(const std::vector<int>& active, int num_start_unk
       (is_start ? sorted.start_places : sorted.field_places).push_back(place);
       continue;
     }
-    const std::optional<AlignmentId>& id = alignment_ids_[active[place]];
-    if (!id) {
-      sorted.parameters.push_back(ids_[active[place]]);
-      sorted.parameter_places.push_back(place);
-    } else if (id->kind == AlignmentKind::kStartVelocity) {
-      sorted.velocity_axes.push_back(id->axis);
-      sorted.velocity_places.push_back(place);
-    } else if (id->kind == AlignmentKind::kHandleShift || id->kind == AlignmentKind::kHandleTurn) {
-      sorted.handles.push_back(*id);
-      sorted.handle_places.push_back(place);
-    } else {
-      sorted.corrections.push_back(*id);
-      sorted.correction_places.push_back(place);
+    const ParameterId id = ids_[active[place]];
+    switch (RowOf(id.kind).term) {
+      case ParameterTerm::kStart:
+        sorted.velocity_axes.push_back(id.axis);
+        sorted.velocity_places.push_back(place);
+        break;
+      case ParameterTerm::kHandles:
+        sorted.handles.push_back(id);
+        sorted.handle_places.push_back(place);
+        break;
+      default:
+        (IsOfRecording(id.kind) ? sorted.corrections : sorted.parameters).push_back(id);
+        (IsOfRecording(id.kind) ? sorted.correction_places : sorted.parameter_places).push_back(place);
     }
   }
   return sorted;

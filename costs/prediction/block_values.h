@@ -3,7 +3,6 @@
 #define CLOTHID_COSTS_PREDICTION_BLOCK_VALUES_H_
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "costs/prediction/alignment.h"
@@ -19,9 +18,9 @@ struct SortedBlocks {
   std::vector<int> parameter_places;
   std::vector<int> velocity_axes;  // of the start velocity
   std::vector<int> velocity_places;
-  std::vector<AlignmentId> handles;  // shifts and turns of the handles
+  std::vector<ParameterId> handles;  // shifts and turns of the handles
   std::vector<int> handle_places;
-  std::vector<AlignmentId> corrections;  // all other parameters of the recording
+  std::vector<ParameterId> corrections;  // all other parameters of the recording
   std::vector<int> correction_places;
   std::vector<int> start_places, field_places;  // of the unknowns that follow the blocks, in their order
 
@@ -32,21 +31,17 @@ struct SortedBlocks {
 
 class BlockValues {
  public:
-  // Every name must exist in the scene or be a parameter of a recording. Throws `Error` for other names.
+  // Every one must exist in the scene or be of a recording. Throws `Error` for others.
   BlockValues(std::vector<ParameterBlock> blocks, const Scene& scene);
 
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   // The scene's nominal parameters with the starting values of the blocks.
   const Parameters& start() const { return start_; }
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
-  // The first block of a kind; null where there is none.
-  const ParameterBlock* Find(AlignmentKind kind) const;
-  // Whether a block moves handles; and one of the size of the cloth, null where there is none.
-  bool move_handles() const {
-    return Find(AlignmentKind::kHandleShift) != nullptr || Find(AlignmentKind::kHandleTurn) != nullptr;
-  }
-  const ParameterBlock* FindSize() const;
-  std::vector<ParameterId> SizeIds() const;
+  // The first block of a term, or of a kind; null where there is none.
+  const ParameterBlock* Find(ParameterTerm term) const;
+  const ParameterBlock* Find(ParameterKind kind) const;
+  std::vector<ParameterId> IdsOf(ParameterTerm term) const;  // of all its blocks
 
   // `coordinates` [p], in the order of the blocks; what follows does not matter. What is no block is as at the start,
   // or zero.
@@ -59,8 +54,7 @@ class BlockValues {
 
  private:
   std::vector<ParameterBlock> blocks_;
-  std::vector<ParameterId> ids_;                           // of the simulation's blocks; of others meaningless
-  std::vector<std::optional<AlignmentId>> alignment_ids_;  // of the recording's own blocks
+  std::vector<ParameterId> ids_;  // of the blocks, in the scene
   Parameters start_;
 };
 

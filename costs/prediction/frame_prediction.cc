@@ -22,12 +22,12 @@ Eigen::VectorXd FramePrediction::Velocities(int frame, const FrameStates& states
   return correction_.is_identity() ? velocities : Eigen::VectorXd(correction_.Rotate(velocities));
 }
 
-Eigen::VectorXd FramePrediction::Derivative(AlignmentId id, const Eigen::VectorXd& points,
+Eigen::VectorXd FramePrediction::Derivative(ParameterId id, const Eigen::VectorXd& points,
                                             const Eigen::VectorXd& velocities) const {
-  if (id.kind == AlignmentKind::kTimeOffset) return velocities;
-  if (id.kind == AlignmentKind::kTurn) return correction_.TurnDerivative(id.axis, points);
+  if (id.kind == ParameterKind::kTimeOffset) return velocities;
+  if (id.kind == ParameterKind::kTurn) return correction_.TurnDerivative(id.axis, points);
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(points.size());
-  if (id.kind == AlignmentKind::kShift) {
+  if (id.kind == ParameterKind::kShift) {
     for (Eigen::Index row = id.axis; row < points.size(); row += 3) derivative[row] = 1.0;
   }
   return derivative;

@@ -35,7 +35,7 @@ class FramePrediction {
   // d points/d id [R] of a frame, in the unit of `id`, for a fixed rollout: zero for start velocity, shift of
   // handles and force bias.
   // `points` and `velocities`: of the frame; only the time offset needs velocities.
-  Eigen::VectorXd Derivative(AlignmentId id, const Eigen::VectorXd& points, const Eigen::VectorXd& velocities) const;
+  Eigen::VectorXd Derivative(ParameterId id, const Eigen::VectorXd& points, const Eigen::VectorXd& velocities) const;
 
   // Of the frames that hold a step: those that end there, or those that go on.
   enum class FramesOf { kAll, kEnding, kGoingOn };

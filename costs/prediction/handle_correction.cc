@@ -32,9 +32,9 @@ HandleCorrection::HandleCorrection(const Scene& scene, std::vector<std::vector<i
 }
 
 bool HandleCorrection::IsIn(int group, int handle) const {
-  if (group == kAllHandles) return true;
-  if (group > static_cast<int>(groups_.size())) return false;
-  const std::vector<int>& nodes = groups_[static_cast<std::size_t>(group) - 1];
+  if (group == kWhole) return true;
+  if (group >= static_cast<int>(groups_.size())) return false;
+  const std::vector<int>& nodes = groups_[static_cast<std::size_t>(group)];
   return std::find(nodes.begin(), nodes.end(), nodes_[static_cast<std::size_t>(handle)]) != nodes.end();
 }
 
@@ -43,28 +43,28 @@ HandlePath HandleCorrection::OffsetsAt(const Alignment& alignment, const HandleP
   if (own != nullptr) offsets = own->positions();
   const RigidCorrection turn = TurnOf(alignment);
   if (!turn.is_identity()) offsets += turn.Rotate(arms_) - arms_;
-  for (std::size_t group = 0; group < alignment.handle_shifts.size(); ++group) {
+  for (std::size_t i = 0; i < alignment.handle_shifts.size(); ++i) {
     for (int handle = 0; handle < static_cast<int>(nodes_.size()); ++handle) {
-      if (!IsIn(static_cast<int>(group), handle)) continue;
-      offsets.middleRows<3>(3 * static_cast<Eigen::Index>(handle)).colwise() += alignment.handle_shifts[group];
+      if (!IsIn(static_cast<int>(i) - 1, handle)) continue;
+      offsets.middleRows<3>(3 * static_cast<Eigen::Index>(handle)).colwise() += alignment.handle_shifts[i];
     }
   }
   return HandlePath(knots_, offsets);
 }
 
-Eigen::MatrixXd HandleCorrection::Columns(const Alignment& alignment, const std::vector<AlignmentId>& ids) const {
+Eigen::MatrixXd HandleCorrection::Columns(const Alignment& alignment, const std::vector<ParameterId>& ids) const {
   const RigidCorrection turn = TurnOf(alignment);
   const Eigen::VectorXd turned = turn.Rotate(arms_).reshaped();
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(arms_.size(), static_cast<Eigen::Index>(ids.size()));
   for (std::size_t i = 0; i < ids.size(); ++i) {
     auto column = columns.col(static_cast<Eigen::Index>(i));
-    if (ids[i].kind == AlignmentKind::kHandleTurn) {
+    if (ids[i].kind == ParameterKind::kHandleTurn) {
       column = turn.TurnDerivative(ids[i].axis, turned);
       continue;
     }
     for (Eigen::Index row = ids[i].axis; row < column.size(); row += 3) {
       const auto handle = static_cast<int>(row / 3 % static_cast<Eigen::Index>(nodes_.size()));
-      if (IsIn(ids[i].group, handle)) column[row] = 1.0;
+      if (IsIn(ids[i].part, handle)) column[row] = 1.0;
     }
   }
   return columns;

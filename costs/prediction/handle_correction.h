@@ -27,10 +27,10 @@ class HandleCorrection {
   // The offsets at `alignment`, on top of `own` (may be null), those of an unknown start.
   HandlePath OffsetsAt(const Alignment& alignment, const HandlePath* own) const;
   // Their derivatives by `ids`, shifts and turns of handles [3 H K x q], those at the first knot first.
-  Eigen::MatrixXd Columns(const Alignment& alignment, const std::vector<AlignmentId>& ids) const;
+  Eigen::MatrixXd Columns(const Alignment& alignment, const std::vector<ParameterId>& ids) const;
 
  private:
-  bool IsIn(int group, int handle) const;  // of `AlignmentId::group`; none is in one that there is not
+  bool IsIn(int group, int handle) const;  // kWhole: all are; none is in one that there is not
 
   std::vector<int> nodes_;  // [H]
   std::vector<std::vector<int>> groups_;

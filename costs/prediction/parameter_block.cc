@@ -24,8 +24,6 @@ constexpr char kRecordingMark = '@';
 constexpr double kMeasuredMargin = 100.0;
 constexpr double kFabricMargin = 10.0;
 constexpr double kStartMargin = 100.0;
-// Of the size of the cloth at rest, over what the scene says.
-constexpr ParameterPrior kSizePrior = {1.0, 1.03};
 
 // What `given` says of parameter `name`; null: nothing.
 template <typename Value>
@@ -45,9 +43,15 @@ double Choose(const std::map<std::string, double>& given, const std::string& nam
 }
 
 ParameterPrior ChoosePrior(const ParameterOverrides& overrides, const std::string& name,
-                           const ParameterPrior& from_scene) {
+                           const ParameterPrior& otherwise) {
   const ParameterPrior* given = Given(overrides.priors, name);
-  return given != nullptr ? *given : from_scene;
+  return given != nullptr ? *given : otherwise;
+}
+
+// What is believed of a parameter of which nobody has said anything.
+ParameterPrior DefaultPrior(ParameterKind kind) {
+  const double spread = RowOf(kind).prior_spread;
+  return spread > 0.0 ? ParameterPrior{IsLogarithmic(kind) ? 1.0 : 0.0, spread} : ParameterPrior();
 }
 
 [[noreturn]] void FailOnParameter(const std::string& name, const std::string& problem) {
@@ -127,7 +131,7 @@ double LargestCoupling(const Material& material) {
 
 // That `id` is a constant of.
 const Material& MaterialOf(ParameterId id, const Parameters& parameters) {
-  return id.piece == kWholeCloth ? parameters.material : parameters.pieces.at(static_cast<std::size_t>(id.piece));
+  return id.part == kWhole ? parameters.material : parameters.pieces.at(static_cast<std::size_t>(id.part));
 }
 
 // What was measured of the constant `kind`; null: nothing.
@@ -140,32 +144,33 @@ const MeasuredConstant* Measured(const Fabric& fabric, ParameterKind kind) {
 }
 
 // The value of a parameter that may be negative at q = 1.
-double SignedUnit(const ParameterRow& row, double nominal, const Material& material) {
-  if (row.range == 0.0) return LargestCoupling(material);
+double SignedUnit(ParameterId id, double nominal, const Parameters& parameters) {
+  const ParameterRow& row = RowOf(id.kind);
+  if (row.range == 0.0) return LargestCoupling(MaterialOf(id, parameters));
   const double own = row.term == ParameterTerm::kPlacement ? 0.0 : 2.0 * std::abs(nominal);
   return std::max(row.range, own);
 }
 
 // A start above zero brings a drag into the scene.
-void CheckWindHasDrag(const std::string& name, ParameterId id, const Scene& scene,
-                      const ParameterOverrides& overrides) {
-  if (!IsWind(id.kind) || scene.has_air()) return;
+void CheckWindHasDrag(const ParameterBlock& block, const Scene& scene, const ParameterOverrides& overrides) {
+  if (!IsWind(block.id.kind) || scene.has_air()) return;
   for (const char* drag : {"drag", "drag_normal", "drag_tangential"}) {
     const auto start = overrides.start.find(drag);
     if (start != overrides.start.end() && start->second > 0.0) return;
   }
-  FailOnParameter(name,
+  FailOnParameter(block.name,
                   "wind does nothing to a cloth without drag; give a positive nominal value of drag or drag_normal in "
                   "the scene or a positive start");
 }
 
 // Without given ones.
-std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKind kind, const Scene& scene) {
+std::pair<double, double> DefaultBounds(const ParameterBlock& block, const Scene& scene) {
+  const ParameterKind kind = block.id.kind;
   if (block.is_signed) return {-block.unit, block.unit};
   if (block.scale != ParameterScale::kLog) return {0.0, RowOf(kind).range};
   if (IsSize(kind)) return {block.start / RowOf(kind).range, block.start * RowOf(kind).range};
   if (const double most = RowOf(kind).range; most > 0.0) return {1e-3 * most, std::max(most, 2.0 * block.start)};
-  const MeasuredConstant* any = MeasuredOfAnyCloth(block.name, scene);
+  const MeasuredConstant* any = MeasuredOfAnyCloth(kind, scene);
   if (any == nullptr) return {block.start / kBoundFactor, block.start * kBoundFactor};
   const Fabric* fabric = FindFabric(scene.fabric);
   const MeasuredConstant* own = fabric == nullptr ? nullptr : Measured(*fabric, kind);
@@ -176,24 +181,59 @@ std::pair<double, double> DefaultBounds(const ParameterBlock& block, ParameterKi
           std::max(range.highest * margin, block.start * kStartMargin)};
 }
 
-ParameterBlock MakeAlignmentBlock(const std::string& name, AlignmentId id, const RecordedMotion& motion,
+ParameterBlock MakeAlignmentBlock(const std::string& name, ParameterId id, const RecordedMotion& motion,
                                   const ParameterOverrides& overrides) {
   ValidateMotion(motion);
   ExpectMeasured(id, name, motion);
   ParameterBlock block;
   block.name = name;
+  block.id = id;
   block.is_signed = true;
   block.unit = DefaultAlignmentRange(id, motion);
   block.start = Choose(overrides.start, name, 0.0, 0.0);
   block.lower_bound = Choose(overrides.lower_bounds, name, -block.unit, 0.0);
   block.upper_bound = Choose(overrides.upper_bounds, name, block.unit, 0.0);
   CheckAlignmentBounds(block, LargestAlignmentBound(id, motion));
-  block.prior = ChoosePrior(overrides, name, DefaultAlignmentPrior(id));
+  block.prior = ChoosePrior(overrides, name, DefaultPrior(id.kind));
+  CheckPrior(block);
+  return block;
+}
+
+// `id`: that of `name` in the scene.
+ParameterBlock MakeSceneBlock(const std::string& name, ParameterId id, const Scene& scene,
+                              const ParameterOverrides& overrides) {
+  const auto range_it = scene.parameters.find(BaseName(name));
+  const ParameterRange range = range_it == scene.parameters.end() ? ParameterRange() : range_it->second;
+  // The friction of all obstacles of a scene that has none: any start will do, nothing depends on it.
+  const Parameters scene_values = scene.nominal_parameters();
+  const double nominal = GetParameter(scene_values, id);
+
+  ParameterBlock block;
+  block.name = name;
+  block.id = id;
+  CheckWindHasDrag(block, scene, overrides);
+  block.scale = DefaultScale(id.kind);
+  block.is_signed = RowOf(id.kind).domain == ParameterDomain::kAny;
+  if (block.is_signed) block.unit = SignedUnit(id, nominal, scene_values);
+  block.frozen = range.frozen;
+  block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
+  CheckStart(block);
+  const auto [lower, upper] = DefaultBounds(block, scene);
+  block.lower_bound = Choose(overrides.lower_bounds, name, range.lower_bound, lower);
+  block.upper_bound = Choose(overrides.upper_bounds, name, range.upper_bound, upper);
+  CheckBounds(block);
+  const ParameterPrior believed = DefaultPrior(id.kind);
+  const bool is_given = range.prior.is_given() || !believed.is_given() || block.frozen;
+  block.prior = ChoosePrior(overrides, name, is_given ? range.prior : believed);
   CheckPrior(block);
   return block;
 }
 
 }  // namespace
+
+ParameterId ParameterBlock::IdIn(const Scene& scene) const {
+  return IsOfRecording(id.kind) ? id : ParseParameter(BaseName(name), scene);
+}
 
 double ParameterBlock::ToCoordinate(double value) const {
   return scale == ParameterScale::kLog ? std::log(value) : value / unit;
@@ -257,7 +297,9 @@ std::string PriorText(const ParameterPrior& prior, ParameterScale scale) {
 }
 
 std::vector<std::string> OverrideNames(const std::string& name) {
-  const std::string base = BaseName(name), group = AlignmentGroup(base), suffix = name.substr(base.size());
+  const std::string base = BaseName(name), suffix = name.substr(base.size());
+  const std::optional<ParameterId> id = FindParameter(base);
+  const std::string group = id && IsOfRecording(id->kind) ? base.substr(0, base.find('.')) : base;
   std::vector<std::string> names;
   for (const std::string& candidate : {name, group + suffix, base, group}) {
     if (std::find(names.begin(), names.end(), candidate) == names.end()) names.push_back(candidate);
@@ -265,9 +307,7 @@ std::vector<std::string> OverrideNames(const std::string& name) {
   return names;
 }
 
-const MeasuredConstant* MeasuredOfAnyCloth(const std::string& name, const Scene& scene) {
-  if (ParseAlignmentId(BaseName(name))) return nullptr;
-  const ParameterKind kind = ParseParameter(BaseName(name), scene).kind;
+const MeasuredConstant* MeasuredOfAnyCloth(ParameterKind kind, const Scene& scene) {
   const bool is_edges = kind == ParameterKind::kBendingStiffness && scene.bending.law == BendingLaw::kEdges;
   return is_edges ? nullptr : Measured(AnyFabric(), kind);
 }
@@ -276,43 +316,25 @@ ParameterScale DefaultScale(ParameterKind kind) {
   return IsLogarithmic(kind) ? ParameterScale::kLog : ParameterScale::kLinear;
 }
 
-ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides) {
-  const ParameterId id = ParseParameter(BaseName(name), scene);
-  const auto range_it = scene.parameters.find(BaseName(name));
-  const ParameterRange range = range_it == scene.parameters.end() ? ParameterRange() : range_it->second;
-  // The friction of all obstacles of a scene that has none: any start will do, nothing depends on it.
-  const Parameters scene_values = scene.nominal_parameters();
-  const double nominal = GetParameter(scene_values, id);
+ParameterId ParseParameter(const std::string& name, const RecordedMotion& motion) {
+  const std::optional<ParameterId> id = FindParameter(name);
+  if (id && IsOfRecording(id->kind)) return *id;
+  try {
+    return ParseParameter(name, motion.scene);
+  } catch (const Error& error) {
+    throw Error(error.kind(), error.what() + (", " + KnownAlignmentNames()));
+  }
+}
 
-  ParameterBlock block;
-  CheckWindHasDrag(name, id, scene, overrides);
-  block.name = name;
-  block.scale = DefaultScale(id.kind);
-  block.is_signed = RowOf(id.kind).domain == ParameterDomain::kAny;
-  if (block.is_signed) block.unit = SignedUnit(RowOf(id.kind), nominal, MaterialOf(id, scene_values));
-  block.frozen = range.frozen;
-  block.start = Choose(overrides.start, name, range.nominal, std::isnan(nominal) ? 0.25 * kMaxFriction : nominal);
-  CheckStart(block);
-  const auto [lower, upper] = DefaultBounds(block, id.kind, scene);
-  block.lower_bound = Choose(overrides.lower_bounds, name, range.lower_bound, lower);
-  block.upper_bound = Choose(overrides.upper_bounds, name, range.upper_bound, upper);
-  CheckBounds(block);
-  const bool is_given = range.prior.is_given() || !IsSize(id.kind) || block.frozen;
-  block.prior = ChoosePrior(overrides, name, is_given ? range.prior : kSizePrior);
-  CheckPrior(block);
-  return block;
+ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides) {
+  return MakeSceneBlock(name, ParseParameter(BaseName(name), scene), scene, overrides);
 }
 
 ParameterBlock MakeParameterBlock(const std::string& name, const RecordedMotion& motion,
                                   const ParameterOverrides& overrides) {
-  const std::string base = BaseName(name);
-  if (const auto id = ParseAlignmentId(base)) return MakeAlignmentBlock(name, *id, motion, overrides);
-  try {
-    ParseParameter(base, motion.scene);
-  } catch (const Error& error) {
-    throw Error(error.kind(), error.what() + (", " + KnownAlignmentNames()));
-  }
-  return MakeParameterBlock(name, motion.scene, overrides);
+  const ParameterId id = ParseParameter(BaseName(name), motion);
+  return IsOfRecording(id.kind) ? MakeAlignmentBlock(name, id, motion, overrides)
+                                : MakeSceneBlock(name, id, motion.scene, overrides);
 }
 
 }  // namespace clothid

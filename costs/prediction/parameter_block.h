@@ -29,9 +29,11 @@ inline constexpr int kEveryRecording = -1;
 inline constexpr int kNoBlock = -1;
 
 struct ParameterBlock {
-  // As `ParseParameter` or `ParseAlignmentId` reads it, the same in every recording of a joint fit; or, of one
-  // recording alone, with a suffix: "drag@2" is the drag of the second recording.
+  // As `FindParameter` reads it, the same in every recording of a joint fit; or, of one recording alone, with a suffix:
+  // "drag@2" is the drag of the second recording.
   std::string name;
+  // What the name says. An obstacle or a piece has the number of the scene that the block was made of: see `IdIn`.
+  ParameterId id;
   int recording = kEveryRecording;  // or the index of the only one
   ParameterScale scale = ParameterScale::kLinear;
   double unit = 1.0;         // linear scale: the value at q = 1
@@ -49,6 +51,9 @@ struct ParameterBlock {
   int linked_to = kNoBlock;
   double link_spread = 0.0;
 
+  // The same parameter in `scene`, whose obstacles and pieces may stand in another order; of a recording it is `id`.
+  // Throws `Error` (kUsage) where the scene has no such parameter.
+  ParameterId IdIn(const Scene& scene) const;
   double ToCoordinate(double value) const;
   double ToValue(double coordinate) const;
   // d value / d coordinate.
@@ -71,11 +76,15 @@ struct ParameterBlock {
 // "drag" of "drag@2"; a name without suffix as it is.
 std::string BaseName(const std::string& name);
 
-// What was measured of any cloth of constant `name` of `scene`; null: nothing, as of friction and of bending by edges.
-const MeasuredConstant* MeasuredOfAnyCloth(const std::string& name, const Scene& scene);
+// What was measured of any cloth of constant `kind` of `scene`; null: nothing, as of friction and of bending by edges.
+const MeasuredConstant* MeasuredOfAnyCloth(ParameterKind kind, const Scene& scene);
 
 // Log for everything but friction, k_poisson and the wind.
 ParameterScale DefaultScale(ParameterKind kind);
+
+// The parameter of a name without suffix in `motion`: one of its scene, or of the recording itself. Throws `Error`
+// (kUsage) that lists all that there are. Whether the recording has what such a one corrects: `ExpectMeasured`.
+ParameterId ParseParameter(const std::string& name, const RecordedMotion& motion);
 
 // What the user gives over the scene's `parameters`; by parameter name. Of "shift.x@2" the first of "shift.x@2",
 // "shift@2", "shift.x" and "shift" that is given counts.
@@ -105,7 +114,7 @@ std::string PriorText(const ParameterPrior& prior, ParameterScale scale);
 ParameterBlock MakeParameterBlock(const std::string& name, const Scene& scene, const ParameterOverrides& overrides);
 
 // The same for a recording, and for its own parameters (costs/prediction/alignment.h), too. Of those: start 0, bounds
-// +- `DefaultAlignmentRange`, prior `DefaultAlignmentPrior`, the override before any of them. Throws `Error` (kUsage)
+// +- `DefaultAlignmentRange`, prior that of their row, the override before any of them. Throws `Error` (kUsage)
 // also for bounds beyond `LargestAlignmentBound`.
 ParameterBlock MakeParameterBlock(const std::string& name, const RecordedMotion& motion,
                                   const ParameterOverrides& overrides);

@@ -20,15 +20,15 @@ std::optional<ForcePrediction> RecordingModel::ForcesAt(const Eigen::VectorXd& c
   const Parameters parameters = ParametersAt(coordinates);
   simulator_.UseParameters(parameters);
   return ForcePrediction(&forces, simulator_.model(), parameters, num_steps(),
-                         values_.AlignmentAt(coordinates).ForceBias(forces.num_groups()), values_.SizeIds());
+                         values_.AlignmentAt(coordinates).ForceBias(forces.num_groups()), values_.IdsOf(ParameterTerm::kSize));
 }
 
-Eigen::VectorXd RecordingModel::ForceBiasDerivative(AlignmentId id) const {
+Eigen::VectorXd RecordingModel::ForceBiasDerivative(ParameterId id) const {
   const ForceObservation& forces = observation_.forces();
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(observation_.num_residuals());
-  if (id.group >= forces.num_groups()) return derivative;
+  if (id.part >= forces.num_groups()) return derivative;
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(3 * forces.num_groups(), forces.num_readings());
-  unit.row(3 * static_cast<Eigen::Index>(id.group) + id.axis).setOnes();
+  unit.row(3 * static_cast<Eigen::Index>(id.part) + id.axis).setOnes();
   derivative.tail(forces.num_residuals()) = forces.Whiten(unit);
   return derivative;
 }
@@ -36,9 +36,9 @@ Eigen::VectorXd RecordingModel::ForceBiasDerivative(AlignmentId id) const {
 Eigen::MatrixXd RecordingModel::ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& blocks) {
   Eigen::MatrixXd all = Arranged(swept, blocks);
   for (std::size_t i = 0; i < blocks.corrections.size(); ++i) {
-    const AlignmentId id = blocks.corrections[i];
-    const Eigen::Index row = 3 * static_cast<Eigen::Index>(id.group) + id.axis;
-    if (id.kind == AlignmentKind::kForceBias && row < all.rows()) all(row, 1 + blocks.correction_places[i]) = 1.0;
+    const ParameterId id = blocks.corrections[i];
+    const Eigen::Index row = 3 * static_cast<Eigen::Index>(id.part) + id.axis;
+    if (id.kind == ParameterKind::kForceBias && row < all.rows()) all(row, 1 + blocks.correction_places[i]) = 1.0;
   }
   return all;
 }

@@ -19,7 +19,7 @@ namespace {
 // Linear where no block is the time offset.
 FrameInterpolation InterpolationFor(const RecordedMotion& motion, const BlockValues& values,
                                     const Observation& observation) {
-  const ParameterBlock* const time_offset = values.Find(AlignmentKind::kTimeOffset);
+  const ParameterBlock* const time_offset = values.Find(ParameterTerm::kClock);
   return time_offset == nullptr ? FrameInterpolation(observation)
                                 : FrameInterpolation(motion, time_offset->upper_bound);
 }
@@ -55,17 +55,19 @@ RecordingModel::RecordingModel(const RecordedMotion& motion, std::vector<Paramet
       observation_(motion),
       interpolation_(InterpolationFor(motion, values_, observation_)),
       turn_center_(TurnCenter(motion)),
-      simulator_(SceneAtStart(values_.move_handles() ? WithHandlePath(motion.scene) : motion.scene, values_.start())),
+      simulator_(
+          SceneAtStart(values_.Find(ParameterTerm::kHandles) != nullptr ? WithHandlePath(motion.scene) : motion.scene,
+                       values_.start())),
       start_(std::move(start)),
       times_(motion.times),
       observer_(std::move(observer)) {
   if (start_ == nullptr && IsUnknown(motion.start_source)) start_ = std::make_shared<const UnknownStart>(motion);
   if (!fields.empty()) fields_.emplace(fields, scene(), name_);
-  if (const ParameterBlock* size = values_.FindSize()) {
+  if (const ParameterBlock* size = values_.Find(ParameterTerm::kSize)) {
     FrontAxes(scene().mesh, "parameter '" + size->name + "': " + motion.name);
   }
-  if (!values_.move_handles()) return;
-  const bool turns = values_.Find(AlignmentKind::kHandleTurn) != nullptr;
+  if (values_.Find(ParameterTerm::kHandles) == nullptr) return;
+  const bool turns = values_.Find(ParameterKind::kHandleTurn) != nullptr;
   handle_correction_.emplace(scene(), HandleGroups(motion), start_ ? start_->handle_knots() : Eigen::VectorXd(), turns);
 }
 
@@ -102,9 +104,7 @@ std::string RecordingModel::WhyNotAssimilated() const {
   if (observation_.has_clouds()) return "has points that are compared with the surface";
   if (observation_.coordinates().empty() || !observation_.forces().is_empty()) return "has forces at its handles";
   if (interpolation_.has_slopes()) return "has a clock that is fitted";
-  if (values_.Find(AlignmentKind::kShift) != nullptr || values_.Find(AlignmentKind::kTurn) != nullptr) {
-    return "has a frame of reference that is fitted";
-  }
+  if (values_.Find(ParameterTerm::kFrame) != nullptr) return "has a frame of reference that is fitted";
   return {};
 }
 
@@ -261,12 +261,12 @@ void RecordingModel::SetCorrectionRows(const FramePrediction& prediction, const 
                                        Eigen::MatrixXd* gradient) const {
   Eigen::MatrixXd change(predicted.rows(), predicted.cols());
   for (std::size_t i = 0; i < active.corrections.size(); ++i) {
-    const AlignmentId id = active.corrections[i];
-    if (id.kind == AlignmentKind::kForceBias) {
+    const ParameterId id = active.corrections[i];
+    if (id.kind == ParameterKind::kForceBias) {
       gradient->row(active.correction_places[i]) = ForceBiasDerivative(id).transpose() * seeds;
       continue;
     }
-    const bool needs_velocities = id.kind == AlignmentKind::kTimeOffset;
+    const bool needs_velocities = id.kind == ParameterKind::kTimeOffset;
     if (needs_velocities && velocities.size() != predicted.size()) {
       throw std::logic_error("the derivative along the time offset needs the velocities of the prediction");
     }

@@ -79,7 +79,7 @@ struct RolloutCheck {
 // blocks and start, mean zero for the rest.
 class RecordingModel {
  public:
-  // Every name of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
+  // Every one of `blocks` must exist in the recording's scene or be one of its own parameters. The terms of the
   // simulation are those that the starting values of the blocks and the scene's nominal values ask for. Throws `Error`
   // for names, and for what `Observation` and `Simulator` reject.
   // `observer`: told of every step of all passes; may be empty. `start`: that of the same cloth in another view of this
@@ -212,7 +212,7 @@ class RecordingModel {
   // Forces [3G x (1 + q + c)] likewise, with the derivatives of their bias.
   static Eigen::MatrixXd ForcesWithDerivatives(const Eigen::MatrixXd& swept, const SortedBlocks& blocks);
   // Of all residuals [m] by a force bias, 1/N.
-  Eigen::VectorXd ForceBiasDerivative(AlignmentId id) const;
+  Eigen::VectorXd ForceBiasDerivative(ParameterId id) const;
   // The rows of `gradient` that belong to corrections.
   void SetCorrectionRows(const FramePrediction& prediction, const SortedBlocks& active,
                          const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& velocities,

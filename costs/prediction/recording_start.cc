@@ -44,7 +44,7 @@ RecordingModel::RolloutStart RecordingModel::StartAt(const Eigen::VectorXd& coor
     start.handle_offsets = start_->HandleOffsetsAt(unknowns);
   }
   if (handle_correction_) MoveHandles(values_.AlignmentAt(coordinates), &start);
-  if (values_.Find(AlignmentKind::kStartVelocity) == nullptr) return start;
+  if (values_.Find(ParameterTerm::kStart) == nullptr) return start;
   const Eigen::Vector3d velocity = values_.AlignmentAt(coordinates).start_velocity;
   if (!start.velocities) start.velocities = scene().initial_velocities;
   for (int node : simulator_.model().free_nodes()) start.velocities->segment<3>(3 * node) += velocity;

@@ -10,17 +10,15 @@ namespace {
 // Whether `next` is the knot after `name`, of the same recording.
 bool AreSuccessive(const std::string& name, const std::string& next) {
   const std::optional<ParameterId> id = FindKnot(name), next_id = FindKnot(next);
-  return id && next_id && id->kind == next_id->kind && next_id->knot == id->knot + 1 &&
+  return id && next_id && id->axis == next_id->axis && next_id->part == id->part + 1 &&
          name.substr(BaseName(name).size()) == next.substr(BaseName(next).size());
 }
 
 }  // namespace
 
 std::optional<ParameterId> FindKnot(const std::string& name) {
-  const std::string base = BaseName(name);
-  if (base.rfind("wind.", 0) != 0) return std::nullopt;
-  const ParameterId id = ParseParameter(base, std::vector<std::string>());
-  return id.knot == kMeanWind ? std::nullopt : std::optional<ParameterId>(id);
+  const std::optional<ParameterId> id = FindParameter(BaseName(name));
+  return id && IsWindKnot(*id) ? id : std::nullopt;
 }
 
 std::vector<std::string> WithKnotRuns(const std::vector<std::string>& names) {

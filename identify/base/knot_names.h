@@ -10,7 +10,7 @@
 
 namespace clothid {
 
-// Nothing for any other name.
+// Of a name that a file or a flag has; a block knows what it is of. Nothing for any other name.
 std::optional<ParameterId> FindKnot(const std::string& name);
 
 // `names` with runs of successive knots, of three or more, as one: "wind.y.3 to wind.y.7".

@@ -24,6 +24,7 @@ void FillEstimate(const FitProblem& problem, const FitEvaluator& evaluator, FitS
     const ParameterBlock& block = problem.blocks()[i];
     FittedParameter parameter;
     parameter.name = block.name;
+    parameter.id = block.id;
     parameter.frozen = block.frozen;
     parameter.start = block.start;
     parameter.lower_bound = block.lower_bound;

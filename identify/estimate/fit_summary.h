@@ -50,6 +50,7 @@ inline constexpr char kInterruptedMessage[] = "stopped on request, at the best p
 
 struct FittedParameter {
   std::string name;
+  ParameterId id;  // of its block
   double value = 0.0;
   double start = 0.0;
   double lower_bound = -std::numeric_limits<double>::infinity(), upper_bound = std::numeric_limits<double>::infinity();

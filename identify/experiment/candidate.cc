@@ -33,7 +33,6 @@ std::vector<std::string> AllNames(const FitOptions& fit) {
 
 // Friction says something only where there are obstacles.
 bool Tells(const Scene& scene, const std::string& name) {
-  if (ParseAlignmentId(name)) return true;
   return HasParameter(scene, name) && (name != "mu" || !scene.obstacles.empty());
 }
 
@@ -164,7 +163,8 @@ std::vector<Candidate> ReadCandidates(const PlanOptions& options) {
       return !anyone_tells || Tells(candidate.scene, name);
     });
     for (const std::string& name : AllNames(candidate.fit)) {
-      if (ParseAlignmentId(name)) continue;
+      const std::optional<ParameterId> id = FindParameter(name);
+      if (id && IsOfRecording(id->kind)) continue;
       candidate.blocks.push_back(MakeParameterBlock(name, candidate.scene, candidate.fit.overrides));
     }
   }

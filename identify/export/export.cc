@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
-#include "costs/prediction/alignment.h"
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/motion_file.h"
 #include "identify/base/fitted_result.h"
@@ -84,9 +84,9 @@ Parameters ParametersOfEstimates(const std::map<std::string, double>& values, co
   for (const auto& [name, value] : values) {
     const std::string base = BaseName(name);
     const bool is_of_another = name != base && name != base + "@1";
-    const bool is_air = base.rfind("wind.", 0) == 0 || base.rfind("gust.", 0) == 0;
-    if (!is_of_another && !is_air && !ParseAlignmentId(base))
-      SetParameter(ParseParameter(base, scene), value, &parameters);
+    const std::optional<ParameterId> id = FindParameter(base);
+    const bool is_of_cloth = !id || (!IsWind(id->kind) && !IsOfRecording(id->kind));
+    if (!is_of_another && is_of_cloth) SetParameter(ParseParameter(base, scene), value, &parameters);
   }
   return parameters;
 }

@@ -43,12 +43,11 @@ Landscape OneSetting(Landscape landscape, int setting) {
 }
 
 bool IsOfScene(const ParameterBlock& block, int recording) {
-  return !ParseAlignmentId(BaseName(block.name)) &&
-         (block.recording == kEveryRecording || block.recording == recording);
+  return !IsOfRecording(block.id.kind) && (block.recording == kEveryRecording || block.recording == recording);
 }
 
-LandscapeParameter FindParameter(const std::vector<ParameterBlock>& blocks, const FitLandscape& landscape,
-                                 const std::string& name) {
+LandscapeParameter FindAxis(const std::vector<ParameterBlock>& blocks, const FitLandscape& landscape,
+                            const std::string& name) {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     if (IsOfScene(blocks[i], landscape.recording) && BaseName(blocks[i].name) == name) {
       return {static_cast<int>(i), blocks[i]};
@@ -89,8 +88,8 @@ FitLandscape ReadFitLandscape(const std::string& folder, const std::vector<Recor
 
 void MatchLandscape(const std::vector<ParameterBlock>& blocks, FitLandscape* landscape) {
   const LandscapeWindow& window = landscape->landscape.plan.windows.front();
-  landscape->x = FindParameter(blocks, *landscape, window.x.parameter);
-  landscape->y = FindParameter(blocks, *landscape, window.y.parameter);
+  landscape->x = FindAxis(blocks, *landscape, window.x.parameter);
+  landscape->y = FindAxis(blocks, *landscape, window.y.parameter);
   landscape->others.clear();
   for (int i = 0; i < static_cast<int>(blocks.size()); ++i) {
     const ParameterBlock& block = blocks[i];

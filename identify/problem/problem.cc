@@ -131,7 +131,7 @@ void FitProblem::AddSmoothness(const FitOptions& options) {
 MeasuredConstant FitProblem::MeasuredOf(int block) const {
   for (int r = 0; r < num_recordings(); ++r) {
     if (std::count(block_indices_[r].begin(), block_indices_[r].end(), block) == 0) continue;
-    const MeasuredConstant* measured = MeasuredOfAnyCloth(blocks_[block].name, costs_[r]->model().scene());
+    const MeasuredConstant* measured = MeasuredOfAnyCloth(blocks_[block].id.kind, costs_[r]->model().scene());
     return measured == nullptr ? MeasuredConstant() : *measured;
   }
   return {};

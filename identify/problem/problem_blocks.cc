@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <utility>
+#include <optional>
 
-#include "identify/base/knot_names.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 
@@ -145,21 +144,17 @@ const Eigen::VectorXd& KnotTimes(const ParameterBlock& block, int knot, const st
 // difference has the standard deviation smoothness sqrt(time between them), m/s. Throws `Error` (kUsage) where no two
 // are.
 void LinkKnots(const std::vector<RecordedMotion>& motions, double smoothness, std::vector<ParameterBlock>* blocks) {
-  std::map<std::pair<std::string, int>, int> places;  // by name without suffix, and recording
-  for (std::size_t i = 0; i < blocks->size(); ++i) {
-    places[{BaseName((*blocks)[i].name), (*blocks)[i].recording}] = static_cast<int>(i);
-  }
   bool has_links = false;
   for (ParameterBlock& block : *blocks) {
-    const std::optional<ParameterId> knot = FindKnot(block.name);
-    if (!knot || knot->knot == 0) continue;
-    ParameterId before = *knot;
-    --before.knot;
-    const auto place = places.find({ParameterName(before, {}), block.recording});
-    if (place == places.end()) continue;
-    const Eigen::VectorXd& times = KnotTimes(block, knot->knot, motions);
-    block.linked_to = place->second;
-    block.link_spread = smoothness * std::sqrt(times[knot->knot] - times[before.knot]);
+    const int knot = block.id.part;
+    if (!IsWindKnot(block.id) || knot == 0) continue;
+    const auto before = std::find_if(blocks->begin(), blocks->end(), [&](const ParameterBlock& other) {
+      return other.id == ParameterId{block.id.kind, block.id.axis, knot - 1} && other.recording == block.recording;
+    });
+    if (before == blocks->end()) continue;
+    const Eigen::VectorXd& times = KnotTimes(block, knot, motions);
+    block.linked_to = static_cast<int>(before - blocks->begin());
+    block.link_spread = smoothness * std::sqrt(times[knot] - times[knot - 1]);
     has_links = true;
   }
   if (!has_links) {
@@ -175,8 +170,7 @@ void SetFlatFields(const FitOptions& options, std::vector<RecordedMotion>* motio
   for (const FieldRequest& field : options.fields) {
     const auto given = options.overrides.start.find(field.name);
     const Parameters nominal = motions->front().scene.nominal_parameters();
-    const double level =
-        given == options.overrides.start.end() ? GetParameter(nominal, {field.kind, kAllObstacles}) : given->second;
+    const double level = given == options.overrides.start.end() ? GetParameter(nominal, {field.kind}) : given->second;
     if (!(level > 0.0)) {
       throw Error(ErrorKind::kUsage, "--field: '" + field.name + "' is 0 in the scene; expected one that gives it");
     }
@@ -185,24 +179,13 @@ void SetFlatFields(const FitOptions& options, std::vector<RecordedMotion>* motio
 }
 
 bool HasParameter(const Scene& scene, const std::string& name) {
-  const std::string prefix = "mu.", base = BaseName(name);
-  const std::size_t dot = std::min(base.find('.'), base.size());
-  for (const ParameterKind kind : MaterialKinds()) {
-    if (base.substr(0, dot) != ParameterName({kind}, {})) continue;
-    const std::vector<std::string>& pieces = scene.mesh.piece_names;
-    const bool is_whole = dot == base.size();
-    return is_whole ? scene.has(kind)
-                    : scene.has_of_pieces(kind) &&
-                          std::find(pieces.begin(), pieces.end(), base.substr(dot + 1)) != pieces.end();
+  const std::string base = BaseName(name);
+  if (const auto id = FindParameter(base, scene.obstacle_names(), scene.mesh.piece_names)) {
+    return IsPlacement(id->kind) || scene.has(*id);
   }
-  if (scene.self_contact && base == ParameterName({ParameterKind::kSelfFriction}, {})) return true;
-  if (base.rfind("wind.", 0) == 0) {
-    const int knot = ParseParameter(base, scene.obstacle_names()).knot;
-    return knot < scene.wind.profile.num_knots();
-  }
-  if (base.rfind(prefix, 0) != 0) return true;
-  const std::vector<std::string> names = scene.obstacle_names();
-  return std::find(names.begin(), names.end(), base.substr(prefix.size())) != names.end();
+  // Of another scene's obstacle or piece; a name of nothing is refused by who makes a block of it.
+  const std::optional<ParameterId> whole = FindParameter(base.substr(0, base.find('.')));
+  return !whole || (whole->kind != ParameterKind::kFriction && RowOf(whole->kind).constant == nullptr);
 }
 
 bool Concerns(const ParameterBlock& block, const RecordedMotion& motion, int recording) {

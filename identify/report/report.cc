@@ -13,7 +13,6 @@
 #include "datasets/importing/handle_tracks.h"
 #include "datasets/motion/scene_text.h"
 #include "identify/base/join_words.h"
-#include "identify/base/knot_names.h"
 #include "identify/base/version.h"
 #include "identify/export/export.h"
 #include "identify/report/interval_text.h"
@@ -303,7 +302,7 @@ std::string ResultTable(const FitSummary& summary, const FitChecks& checks) {
   print_row("parameter", "estimate", "95 % interval", "start", "");
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
     const FittedParameter& parameter = summary.parameters[i];
-    if (checks.wind && FindKnot(parameter.name)) continue;
+    if (checks.wind && IsWindKnot(parameter.id)) continue;
     print_row(parameter.name, NumberText(parameter.value, 8), Interval(summary, checks, i),
               NumberText(parameter.start, 6), ParameterRemark(summary, checks, i));
   }

@@ -29,15 +29,13 @@ bool IsCommonFactor(const std::vector<ParameterBlock>& blocks, const Eigen::Vect
 
 std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& direction) {
   std::vector<int> parts;
-  std::vector<std::string> names, moves, knots;
+  std::vector<std::string> names, moves, moves_but_knots, knots;
   for (int i = 0; i < direction.size(); ++i) {
     if (std::abs(direction[i]) < kNegligibleShare) continue;
     parts.push_back(i);
     names.push_back(blocks[i].name);
-    if (FindKnot(blocks[i].name)) {
-      knots.push_back(blocks[i].name);
-      if (knots.size() > kMostKnots) continue;
-    }
+    const bool is_knot = IsWindKnot(blocks[i].id);
+    if (is_knot) knots.push_back(blocks[i].name);
     std::ostringstream move;
     move << std::setprecision(3) << blocks[i].name;
     if (blocks[i].scale == ParameterScale::kLog) {
@@ -46,12 +44,11 @@ std::string DescribeDirection(const std::vector<ParameterBlock>& blocks, const E
       move << (direction[i] < 0.0 ? " minus " : " plus ") << blocks[i].unit * std::abs(direction[i]) * std::log(2.0);
     }
     moves.push_back(move.str());
+    if (!is_knot) moves_but_knots.push_back(move.str());
   }
   if (parts.size() == 1) return names.front();
   if (knots.size() > kMostKnots) {
-    moves.erase(std::remove_if(moves.begin(), moves.end(),
-                               [](const std::string& move) { return FindKnot(move.substr(0, move.find(' '))); }),
-                moves.end());
+    moves = moves_but_knots;
     for (const std::string& run : WithKnotRuns(knots)) moves.push_back(run);
   }
   if (IsCommonFactor(blocks, direction, parts)) return JoinWords(names) + " multiplied by one factor";

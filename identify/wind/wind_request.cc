@@ -4,7 +4,6 @@
 #include <optional>
 #include <string_view>
 
-#include "identify/base/knot_names.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 
@@ -12,7 +11,6 @@ namespace clothid {
 namespace {
 
 constexpr std::string_view kAxes = "xyz";
-constexpr ParameterKind kKinds[] = {ParameterKind::kWindX, ParameterKind::kWindY, ParameterKind::kWindZ};
 
 [[noreturn]] void Refuse(const std::string& text) {
   throw Error(ErrorKind::kUsage, "--wind_profile: expected KNOTS or KNOTS:AXES, as in 8 or 8:xy, with 2 to " +
@@ -30,11 +28,10 @@ void SetProfile(const WindRequest& request, RecordedMotion* motion) {
     profile.velocities.col(knot) = wind.profile.At(profile.times[knot]);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    const std::string name = ParameterName({kKinds[axis]}, {});
     for (auto range = scene.parameters.begin(); range != scene.parameters.end();) {
-      const std::optional<ParameterId> knot = FindKnot(range->first);
-      const bool is_replaced = (knot && knot->kind == kKinds[axis]) || (request.axes[axis] && range->first == name);
-      range = is_replaced ? scene.parameters.erase(range) : std::next(range);
+      const std::optional<ParameterId> id = FindParameter(range->first);
+      const bool is_of_axis = id && id->kind == ParameterKind::kWind && id->axis == axis;
+      range = is_of_axis && (IsWindKnot(*id) || request.axes[axis]) ? scene.parameters.erase(range) : std::next(range);
     }
     if (!request.axes[axis]) continue;
     profile.velocities.row(axis).array() += wind.mean[axis];
@@ -77,15 +74,14 @@ void SetWindProfile(const WindRequest& request, std::vector<RecordedMotion>* mot
 void AddKnots(const WindRequest& request, FitOptions* options) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!request.axes[axis]) continue;
-    const std::string name = ParameterName({kKinds[axis]}, {});
+    const std::string name = ParameterName({ParameterKind::kWind, axis}, {});
     for (const std::vector<std::string>* names : {&options->parameters, &options->each}) {
       if (std::find(names->begin(), names->end(), name) == names->end()) continue;
       throw Error(ErrorKind::kUsage, "--wind_profile: its knots take the place of '" + name +
                                          "'; expected it not to be " + "fitted beside them");
     }
     for (int knot = 0; knot < request.num_knots; ++knot) {
-      const std::string own = ParameterName({kKinds[axis], kAllObstacles, knot}, {});
-      options->each.push_back(own);
+      options->each.push_back(ParameterName({ParameterKind::kWind, axis, knot}, {}));
     }
   }
 }

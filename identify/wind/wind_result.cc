@@ -1,27 +1,18 @@
 #include "identify/wind/wind_result.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <limits>
 #include <map>
-#include <optional>
 #include <sstream>
 #include <tuple>
 #include <utility>
 
 #include "costs/prediction/parameter_block.h"
-#include "identify/base/knot_names.h"
 
 namespace clothid {
 namespace {
-
-// The recording of "wind.y.3@2", counted from 0; with a single one there is no suffix.
-int RecordingOf(const std::string& name) {
-  const std::string base = BaseName(name);
-  return base == name ? 0 : std::stoi(name.substr(base.size() + 1)) - 1;
-}
-
-int AxisOf(ParameterKind kind) { return kind == ParameterKind::kWindX ? 0 : kind == ParameterKind::kWindY ? 1 : 2; }
 
 FittedWind MakeWind(const std::pair<int, int>& recording_and_axis, std::vector<int> parameters,
                     const std::vector<RecordedMotion>& motions, const FitSummary& summary) {
@@ -79,8 +70,8 @@ WindResult DescribeWind(const std::vector<RecordedMotion>& motions, const FitSum
   for (const RecordedMotion& motion : motions) result.profiles.push_back(motion.scene.wind.profile);
   std::map<std::pair<int, int>, std::vector<int>> knots;
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
-    const std::optional<ParameterId> id = FindKnot(summary.parameters[i].name);
-    if (id) knots[{RecordingOf(summary.parameters[i].name), AxisOf(id->kind)}].push_back(i);
+    const ParameterBlock& block = problem.blocks()[i];
+    if (IsWindKnot(block.id)) knots[{std::max(0, block.recording), block.id.axis}].push_back(i);
   }
   for (const auto& [place, parameters] : knots) {
     result.winds.push_back(MakeWind(place, parameters, motions, summary));

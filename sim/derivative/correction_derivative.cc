@@ -39,14 +39,14 @@ CorrectionDerivative::CorrectionDerivative(const Correction& correction, int ste
 
 void CorrectionDerivative::SetPlacement(const std::vector<ParameterId>& ids, LimitedNode* node) const {
   for (std::size_t p = 0; p < ids.size(); ++p) {
-    if (!IsPlacement(ids[p].kind) || ids[p].obstacle != node->limit.obstacle) continue;
+    if (!IsPlacement(ids[p].kind) || ids[p].part != node->limit.obstacle) continue;
     if (node->normals.cols() == 0) {
       node->normals = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(ids.size()));
       node->distances = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(ids.size()));
     }
     const int obstacle = node->limit.obstacle;
     const ObstacleChange change(model_.scene().obstacles[obstacle], motions_[obstacle], parameters_.placement(obstacle),
-                                RowOf(ids[p].kind).part, TimesAfter(record_));
+                                PlacementPartOf(ids[p]), TimesAfter(record_));
     const MotionChange motion =
         change.At(record_.positions.segment<3>(3 * node->limit.node), node->point.normal, node->point.normal_gradient);
     node->normals.col(static_cast<Eigen::Index>(p)) = motion.normal;

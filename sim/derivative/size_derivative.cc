@@ -33,7 +33,7 @@ SizeDerivative::SizeDerivative(const Parameters& parameters, const std::vector<P
                                const Simulator& simulator)
     : parameters_(parameters), models_(SizedModels(parameters, ids, simulator.model())) {
   for (const SizedModel& sized : models_) {
-    Eigen::VectorXd& slopes = mass_slopes_[sized.kind];
+    Eigen::VectorXd& slopes = mass_slopes_[static_cast<std::size_t>(sized.id.axis)];
     if (slopes.size() == 0) slopes.setZero(sized.model->num_nodes());
     for (int node = 0; node < slopes.size(); ++node) {
       slopes[node] += sized.weight * sized.model->mass(parameters.material, node);
@@ -41,20 +41,20 @@ SizeDerivative::SizeDerivative(const Parameters& parameters, const std::vector<P
   }
 }
 
-Eigen::VectorXd SizeDerivative::MomentumDerivative(ParameterKind kind, const StepRecord& record,
+Eigen::VectorXd SizeDerivative::MomentumDerivative(ParameterId id, const StepRecord& record,
                                                    const SolveStart& start) const {
-  MassSlopes(kind);
+  MassSlopes(id);
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record.positions.size());
   for (const SizedModel& sized : models_) {
-    if (sized.kind == kind) derivative += sized.weight * MomentumGradient(*sized.model, parameters_, record, start);
+    if (sized.id == id) derivative += sized.weight * MomentumGradient(*sized.model, parameters_, record, start);
   }
   return derivative;
 }
 
-const Eigen::VectorXd& SizeDerivative::MassSlopes(ParameterKind kind) const {
-  const auto slopes = mass_slopes_.find(kind);
-  if (slopes == mass_slopes_.end()) throw std::logic_error("the derivative by a size that was not asked for");
-  return slopes->second;
+const Eigen::VectorXd& SizeDerivative::MassSlopes(ParameterId id) const {
+  const Eigen::VectorXd& slopes = mass_slopes_[static_cast<std::size_t>(id.axis)];
+  if (!IsSize(id.kind) || slopes.size() == 0) throw std::logic_error("the derivative by a size that was not asked for");
+  return slopes;
 }
 
 }  // namespace clothid

@@ -7,7 +7,7 @@
 #define CLOTHID_SIM_DERIVATIVE_SIZE_DERIVATIVE_H_
 
 #include <Eigen/Core>
-#include <map>
+#include <array>
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
@@ -30,14 +30,14 @@ class SizeDerivative {
 
   // dg/ds [3N] of the solve that `record` ends, from `start`; rows of handles do not count. Throws `std::logic_error`
   // for a size that was not among the `ids`, as does the other one.
-  Eigen::VectorXd MomentumDerivative(ParameterKind kind, const StepRecord& record, const SolveStart& start) const;
+  Eigen::VectorXd MomentumDerivative(ParameterId id, const StepRecord& record, const SolveStart& start) const;
   // dM/ds of every node [N] kg.
-  const Eigen::VectorXd& MassSlopes(ParameterKind kind) const;
+  const Eigen::VectorXd& MassSlopes(ParameterId id) const;
 
  private:
   const Parameters& parameters_;
   std::vector<SizedModel> models_;
-  std::map<ParameterKind, Eigen::VectorXd> mass_slopes_;  // of the sizes that were asked for
+  std::array<Eigen::VectorXd, 2> mass_slopes_;  // of size.x and size.y; empty unless asked for
 };
 
 }  // namespace clothid

@@ -170,7 +170,7 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
   if (IsOfContact(id.kind)) return Eigen::VectorXd::Zero(3 * model_.num_free());
   if (IsSize(id.kind)) {
     if (sizes_ == nullptr) throw std::logic_error("the derivative by a size that was not asked for");
-    return model_.Gather(sizes_->MomentumDerivative(id.kind, record_, start_));
+    return model_.Gather(sizes_->MomentumDerivative(id, record_, start_));
   }
   Eigen::VectorXd derivative = Eigen::VectorXd::Zero(record_.positions.size());
   if (model_.nodes().DependOn(id)) {
@@ -184,17 +184,17 @@ Eigen::VectorXd StepDerivative::MomentumDerivative(ParameterId id) const {
 }
 
 const Eigen::VectorXd* StepDerivative::MassSlopes(ParameterId id) const {
-  return IsSize(id.kind) ? &sizes_->MassSlopes(id.kind) : model_.nodes().MassSlopes(id);
+  return IsSize(id.kind) ? &sizes_->MassSlopes(id) : model_.nodes().MassSlopes(id);
 }
 
 std::vector<MotionChange> StepDerivative::MotionChanges(ParameterId id) const {
   std::vector<MotionChange> changes(contacts_.size());
   if (contacts_.empty()) return changes;
-  const ObstacleChange change(model_.scene().obstacles[id.obstacle], motions_[id.obstacle],
-                              parameters_.placement(id.obstacle), RowOf(id.kind).part, record_.times());
+  const ObstacleChange change(model_.scene().obstacles[id.part], motions_[id.part], parameters_.placement(id.part),
+                              PlacementPartOf(id), record_.times());
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const ContactCandidate& candidate = contacts_[i].candidate;
-    if (candidate.obstacle != id.obstacle) continue;
+    if (candidate.obstacle != id.part) continue;
     changes[i] =
         change.At(start_.positions.segment<3>(3 * candidate.node), candidate.normal, candidate.normal_gradient);
   }
@@ -207,7 +207,7 @@ Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
     const std::vector<MotionChange> changes = MotionChanges(id);
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
       const ContactCandidate& candidate = contacts_[i].candidate;
-      if (candidate.obstacle != id.obstacle) continue;
+      if (candidate.obstacle != id.part) continue;
       derivative.segment<3>(3 * model_.free_index()[candidate.node]) =
           ContactMotionDerivative(contacts_[i], parameters_.friction_coefficients[candidate.obstacle], changes[i]);
     }
@@ -215,7 +215,7 @@ Eigen::VectorXd StepDerivative::ImpulseDerivative(ParameterId id) const {
   if (id.kind != ParameterKind::kFriction) return derivative;
   for (const Contact& contact : contacts_) {
     if (contact.response.branch != ContactBranch::kSlip) continue;
-    if (id.obstacle != kAllObstacles && id.obstacle != contact.candidate.obstacle) continue;
+    if (id.part != kWhole && id.part != contact.candidate.obstacle) continue;
     derivative.segment<3>(3 * model_.free_index()[contact.candidate.node]) =
         contact.response.normal_force * contact.response.slip_direction;
   }

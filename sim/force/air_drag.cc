@@ -12,12 +12,12 @@ Eigen::Vector3d UnshearedDerivative(const Wind& wind, ParameterId id, double tim
   if (row.term != ParameterTerm::kWind) return Eigen::Vector3d::Zero();
   const double angle = wind.GustAngle(time, place);
   if (row.wind_vector == &Wind::mean) {
-    return (id.knot == kMeanWind ? 1.0 : wind.profile.Weight(id.knot, time)) * Eigen::Vector3d::Unit(row.axis);
+    return (id.part == kWhole ? 1.0 : wind.profile.Weight(id.part, time)) * Eigen::Vector3d::Unit(id.axis);
   }
-  if (row.wind_vector == &Wind::gust) return std::sin(angle) * Eigen::Vector3d::Unit(row.axis);
+  if (row.wind_vector == &Wind::gust) return std::sin(angle) * Eigen::Vector3d::Unit(id.axis);
   // What else there is moves the angle: by its frequency, its wave vector or its phase.
   const double slope = row.wind_number == &Wind::frequency     ? time
-                       : row.wind_vector == &Wind::wave_vector ? place.position[row.axis]
+                       : row.wind_vector == &Wind::wave_vector ? place.position[id.axis]
                                                                : 1.0;
   return slope * std::cos(angle) * wind.gust;
 }
@@ -29,7 +29,7 @@ Eigen::Vector3d WindDerivative(const Wind& wind, ParameterId id, double time, co
   if (row.wind_vector != &Wind::shear) return wind.ShearFactor(place) * UnshearedDerivative(wind, id, time, place);
   Wind unsheared = wind;
   unsheared.shear.setZero();
-  return place.from_center[row.axis] * unsheared.At(time, place);
+  return place.from_center[id.axis] * unsheared.At(time, place);
 }
 
 AirDrag::AirDrag(const Scene& scene)

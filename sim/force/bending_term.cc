@@ -70,7 +70,7 @@ std::unique_ptr<BendingTerm> MakeBendingTerm(BendingParts* parts, std::size_t pl
     if (scene.has_of_pieces(weighted->kind())) {
       const int num_pieces = static_cast<int>(scene.mesh.piece_names.size());
       for (int i = 0; i <= num_pieces; ++i) {
-        pieces.push_back(weighted->Of(PieceMask(i < num_pieces ? i : kWholeCloth, scene.mesh.face_pieces)));
+        pieces.push_back(weighted->Of(PieceMask(i < num_pieces ? i : kWhole, scene.mesh.face_pieces)));
       }
     }
   }
@@ -122,7 +122,7 @@ void BendingTerm::AddDerivative(ParameterId id, double factor, const ForcePoint&
   if (pieces_.empty()) {
     AddForce(factor, point.positions, force);
   } else {
-    const std::size_t piece = id.piece == kWholeCloth ? pieces_.size() - 1 : static_cast<std::size_t>(id.piece);
+    const std::size_t piece = id.part == kWhole ? pieces_.size() - 1 : static_cast<std::size_t>(id.part);
     pieces_[piece].AddForce(factor, point.positions, force);
   }
 }

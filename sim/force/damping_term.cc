@@ -62,7 +62,7 @@ void DampingTerm::AddDerivative(ParameterId id, double factor, const ForcePoint&
   if (face_pieces_.empty()) {
     damping_.AddForce(factor, point.time_step, MetricsOf(held), point.positions, force);
   } else {
-    const StrainRateDamping unit(WeightedTriangles(*triangles_, PieceMask(id.piece, face_pieces_)));
+    const StrainRateDamping unit(WeightedTriangles(*triangles_, PieceMask(id.part, face_pieces_)));
     unit.AddForce(factor, point.time_step, MetricsOf(held), point.positions, force);
   }
 }

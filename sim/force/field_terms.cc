@@ -75,7 +75,7 @@ TriangleElements SelectTriangles(const TriangleElements& triangles, const std::v
 Eigen::VectorXd PieceMask(int piece, const std::vector<int>& face_pieces) {
   Eigen::VectorXd mask(static_cast<Eigen::Index>(face_pieces.size()));
   for (std::size_t f = 0; f < face_pieces.size(); ++f) {
-    mask[static_cast<Eigen::Index>(f)] = piece == kWholeCloth || face_pieces[f] == piece ? 1.0 : 0.0;
+    mask[static_cast<Eigen::Index>(f)] = piece == kWhole || face_pieces[f] == piece ? 1.0 : 0.0;
   }
   return mask;
 }

@@ -23,7 +23,7 @@ std::shared_ptr<const TriangleElements> WeightedTriangles(const TriangleElements
 // Those of `triangles` that are `faces` of the mesh.
 TriangleElements SelectTriangles(const TriangleElements& triangles, const std::vector<int>& faces);
 
-// Of each of the triangles [F] with these pieces: 1 in `piece`, else 0; kWholeCloth: 1 in all.
+// Of each of the triangles [F] with these pieces: 1 in `piece`, else 0; kWhole: 1 in all.
 Eigen::VectorXd PieceMask(int piece, const std::vector<int>& face_pieces);
 
 // A third of the rest area of the triangles at every node times their `weights` [F]: [N] m^2.

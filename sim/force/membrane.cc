@@ -87,7 +87,7 @@ void Membrane::AddForceDerivative(ParameterId id, double factor, const Material&
   }
   if (const auto* parts = std::get_if<Parts>(&energy_)) {
     for (std::size_t i = 0; i < (*parts)->size(); ++i) {
-      if (id.piece != kWholeCloth && id.piece != static_cast<int>(i)) continue;
+      if (id.part != kWhole && id.part != static_cast<int>(i)) continue;
       const MembranePart& part = (**parts)[i];
       part.membrane.AddForceDerivative({id.kind}, factor, part.material, positions, force);
     }

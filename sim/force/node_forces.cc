@@ -9,7 +9,7 @@ namespace clothid {
 namespace {
 
 std::size_t PlaceOfPiece(ParameterId id, std::size_t num_places) {
-  return id.piece == kWholeCloth ? num_places - 1 : static_cast<std::size_t>(id.piece);
+  return id.part == kWhole ? num_places - 1 : static_cast<std::size_t>(id.part);
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ NodeForces::NodeForces(const Scene& scene)
   if (scene.pieces.empty()) return;
   const int num_pieces = static_cast<int>(scene.mesh.piece_names.size());
   for (int i = 0; i <= num_pieces; ++i) {
-    const Eigen::VectorXd mask = PieceMask(i < num_pieces ? i : kWholeCloth, scene.mesh.face_pieces);
+    const Eigen::VectorXd mask = PieceMask(i < num_pieces ? i : kWhole, scene.mesh.face_pieces);
     piece_areas_.push_back(WeightedNodeAreas(scene.mesh, mask));
   }
 }

@@ -71,7 +71,7 @@ HandleForces::HandleForces(const ClothModel& model, const Parameters& parameters
   for (const SizedModel& sized : sized_models_) {
     std::unique_ptr<HandleForces> forces(new HandleForces(WithoutPart(), *sized.model, parameters, num_steps, groups));
     forces->SetPart(coupled);
-    sized_.push_back({sized.kind, sized.weight, std::move(forces)});
+    sized_.push_back({sized.id, sized.weight, std::move(forces)});
   }
 }
 
@@ -232,7 +232,7 @@ Eigen::VectorXd HandleForces::ParameterDerivative(ParameterId id, int step, cons
   if (IsSize(id.kind)) {
     bool is_known = false;
     for (const Sized& sized : sized_) {
-      if (sized.kind != id.kind) continue;
+      if (!(sized.id == id)) continue;
       sums += sized.weight * sized.forces->At(step, states);
       is_known = true;
     }

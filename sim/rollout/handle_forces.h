@@ -105,7 +105,7 @@ class HandleForces {
   };
   // The same forces of the cloth at another size, whose share in the derivative by one is `weight`.
   struct Sized {
-    ParameterKind kind;
+    ParameterId id;
     double weight;
     std::unique_ptr<const HandleForces> forces;
   };

@@ -19,15 +19,15 @@ constexpr std::array<double, 4> kWeights = {1.0, -8.0, 8.0, -1.0};  // times 1/(
 std::vector<SizedModel> SizedModels(const Parameters& parameters, const std::vector<ParameterId>& ids,
                                     const ClothModel& model) {
   std::vector<SizedModel> models;
-  for (const ParameterKind kind : KindsOf(ParameterTerm::kSize)) {
-    if (std::none_of(ids.begin(), ids.end(), [kind](ParameterId id) { return id.kind == kind; })) continue;
+  for (const ParameterId id : ParametersOf(ParameterTerm::kSize)) {
+    if (std::find(ids.begin(), ids.end(), id) == ids.end()) continue;
     Scene own_size = model.scene();
     own_size.mesh = model.chosen_on();
-    const auto axis = static_cast<std::size_t>(RowOf(kind).axis);
+    const auto axis = static_cast<std::size_t>(id.axis);
     for (std::size_t i = 0; i < kPlaces.size(); ++i) {
       std::array<double, 2> size = parameters.size;
       size[axis] *= 1.0 + kPlaces[i] * kShareOfSize;
-      SizedModel sized{kind, kWeights[i] / (12.0 * kShareOfSize * parameters.size[axis]), nullptr, nullptr};
+      SizedModel sized{id, kWeights[i] / (12.0 * kShareOfSize * parameters.size[axis]), nullptr, nullptr};
       sized.scene = std::make_unique<const Scene>(SizedScene(own_size, size));
       auto own = std::make_unique<ClothModel>(*sized.scene, model);
       own->SetVariation(parameters);

@@ -17,8 +17,8 @@ namespace clothid {
 
 // One of four.
 struct SizedModel {
-  ParameterKind kind;  // of the size
-  double weight;       // of the difference
+  ParameterId id;  // of the size
+  double weight;   // of the difference
   std::unique_ptr<const Scene> scene;
   std::unique_ptr<const ClothModel> model;
 };

@@ -126,7 +126,7 @@ FieldFactors FieldOverTriangles(const GridField& grid, const Mesh& mesh, double*
 void ValidateFields(const std::vector<GridField>& fields, const Mesh& mesh, const std::string& source) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const GridField& field = fields[i];
-    const std::string key = source + ": key 'fields." + ParameterName({field.kind, kAllObstacles}, {}) + "': expected ";
+    const std::string key = source + ": key 'fields." + ParameterName({field.kind}, {}) + "': expected ";
     const auto expect = [&key](bool condition, const std::string& expected) {
       if (!condition) throw Error(ErrorKind::kBadData, key + expected);
     };

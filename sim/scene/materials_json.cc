@@ -232,7 +232,7 @@ void SetLevels(Scene* scene) {
   for (const GridField& field : scene->fields) {
     double level = 0.0;
     FieldOverTriangles(field, scene->mesh, &level);
-    SetParameter({field.kind, kAllObstacles}, level, &parameters);
+    SetParameter({field.kind}, level, &parameters);
   }
   scene->SetMaterials(parameters);
 }

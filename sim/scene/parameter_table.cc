@@ -9,15 +9,21 @@ namespace {
 using Term = ParameterTerm;
 using Need = ParameterNeed;
 using Domain = ParameterDomain;
-using Part = PlacementPart;
+using Part = ParameterPart;
 
 constexpr char kArealDrag[] = "kg/(m^2 s)";
 
 ParameterRow ConstantRow(ParameterKind kind, const char* name, const char* unit, Term term, Need need, Domain domain,
-                         double Material::*constant, bool can_be_of_piece = true) {
+                         double Material::*constant, Part part = Part::kPiece) {
   ParameterRow row{kind, name, unit, term, need, domain};
   row.constant = constant;
-  row.can_be_of_piece = can_be_of_piece;
+  row.part = part;
+  return row;
+}
+
+ParameterRow FrictionRow(ParameterKind kind, const char* name, Term term, Need need, Part part) {
+  ParameterRow row{kind, name, "", term, need, Domain::kNotNegative, kMaxFriction};
+  row.part = part;
   return row;
 }
 
@@ -40,32 +46,50 @@ ParameterRow WindRow(ParameterKind kind, const char* name, const char* unit, dou
 }
 
 ParameterRow WindRow(ParameterKind kind, const char* name, const char* unit, double range,
-                     Eigen::Vector3d Wind::*vector, int axis) {
-  ParameterRow row{kind, name, unit, Term::kWind, Need::kNothing, Domain::kAny, range};
+                     Eigen::Vector3d Wind::*vector) {
+  ParameterRow row{kind, name, unit, Term::kWind, Need::kNothing, Domain::kAny, range, /*num_axes=*/3};
   row.wind_vector = vector;
-  row.axis = axis;
+  if (vector == &Wind::mean) row.part = Part::kKnot;
   return row;
 }
 
-ParameterRow SizeRow(ParameterKind kind, const char* name, int axis) {
-  ParameterRow row{kind, name, "", Term::kSize, Need::kNothing, Domain::kPositive, /*range=*/1.25};
-  row.axis = axis;
+ParameterRow SizeRow() {
+  ParameterRow row{ParameterKind::kSize, "size", "", Term::kSize, Need::kNothing, Domain::kPositive, /*range=*/1.25};
+  row.num_axes = 2;
+  row.prior_spread = 1.03;
   return row;
 }
 
-ParameterRow PathRow(ParameterKind kind, const char* name, const char* unit, double range, Part part) {
-  ParameterRow row{kind, name, unit, Term::kPlacement, Need::kMovingObstacle, Domain::kAny, range};
-  row.part = part;
+ParameterRow PathRow(ParameterKind kind, const char* name, const char* unit, double range, int num_axes,
+                     PlacementPart placement) {
+  ParameterRow row{kind, name, unit, Term::kPlacement, Need::kMovingObstacle, Domain::kAny, range, num_axes};
+  row.part = Part::kObstacle;
+  row.has_whole = false;
+  row.placement = placement;
   return row;
 }
 
-ParameterRow FrictionRow(ParameterKind kind, const char* name, Term term, Need need) {
-  return {kind, name, "", term, need, Domain::kNotNegative, kMaxFriction};
+ParameterRow RecordingRow(ParameterKind kind, const char* name, const char* unit, Term term, double range, int num_axes,
+                          double prior_spread = 0.0) {
+  ParameterRow row{kind, name, unit, term, Need::kNothing, Domain::kAny, range, num_axes};
+  row.prior_spread = prior_spread;
+  return row;
+}
+
+ParameterRow OfHandleGroups(ParameterRow row, bool has_whole) {
+  row.part = Part::kHandleGroup;
+  row.has_whole = has_whole;
+  return row;
 }
 
 std::vector<ParameterRow> MakeTable() {
   const double kSpeed = 10.0, kFrequency = 10.0, kWave = 10.0, kShear = 10.0;  // m/s, rad/s, rad/m, 1/m
   const double kOffset = 0.1, kShift = 0.05, kTurn = 0.2;  // s, m, rad: how far a measured path is off at the most
+  const double kStartSpeed = 2.0;                          // m/s
+  const double kFrameIntervals = 2.0, kShareOfCloth = 0.25, kHandleShareOfCloth = 0.1;
+  // The second moves the fingers of a tool 0.3 m wide by as much as the first. (A depth camera that took the corners of
+  // a cloth as its handles placed two handles 0.3 m apart 266 to 302 mm from each other.)
+  const double kHandleShiftSpread = 0.01, kHandleTurnSpread = 0.05;  // m, rad
   return {
       ConstantRow(ParameterKind::kStretchStiffness, "k_stretch", "N/m", Term::kMembrane, Need::kArapMembrane,
                   Domain::kPositive, &Material::stretch_stiffness),
@@ -94,47 +118,35 @@ std::vector<ParameterRow> MakeTable() {
       ConstantRow(ParameterKind::kTwistBending, "bend_twist", "N m", Term::kBending, Need::kOrthotropicBending,
                   Domain::kPositive, &Material::twist_bending),
       ConstantRow(ParameterKind::kNormalDrag, "drag_normal", kArealDrag, Term::kDirectionalDrag, Need::kNothing,
-                  Domain::kNotNegative, &Material::normal_drag, /*can_be_of_piece=*/false),
+                  Domain::kNotNegative, &Material::normal_drag, Part::kNone),
       ConstantRow(ParameterKind::kTangentialDrag, "drag_tangential", kArealDrag, Term::kDirectionalDrag, Need::kNothing,
-                  Domain::kNotNegative, &Material::tangential_drag, /*can_be_of_piece=*/false),
+                  Domain::kNotNegative, &Material::tangential_drag, Part::kNone),
       ConstantRow(ParameterKind::kAddedMass, "added_mass", "kg/m^2", Term::kMass, Need::kNothing, Domain::kNotNegative,
-                  &Material::added_mass, /*can_be_of_piece=*/false),
+                  &Material::added_mass, Part::kNone),
       PressureRow(ParameterKind::kPressure, "pressure"),
-      FrictionRow(ParameterKind::kFriction, "mu", Term::kFriction, Need::kNothing),
-      FrictionRow(ParameterKind::kSelfFriction, "mu.self", Term::kSelfFriction, Need::kSelfContact),
-      WindRow(ParameterKind::kWindX, "wind.x", "m/s", kSpeed, &Wind::mean, 0),
-      WindRow(ParameterKind::kWindY, "wind.y", "m/s", kSpeed, &Wind::mean, 1),
-      WindRow(ParameterKind::kWindZ, "wind.z", "m/s", kSpeed, &Wind::mean, 2),
-      WindRow(ParameterKind::kGustX, "gust.x", "m/s", kSpeed, &Wind::gust, 0),
-      WindRow(ParameterKind::kGustY, "gust.y", "m/s", kSpeed, &Wind::gust, 1),
-      WindRow(ParameterKind::kGustZ, "gust.z", "m/s", kSpeed, &Wind::gust, 2),
+      FrictionRow(ParameterKind::kFriction, "mu", Term::kFriction, Need::kNothing, Part::kObstacle),
+      FrictionRow(ParameterKind::kSelfFriction, "mu.self", Term::kSelfFriction, Need::kSelfContact, Part::kNone),
+      WindRow(ParameterKind::kWind, "wind", "m/s", kSpeed, &Wind::mean),
+      WindRow(ParameterKind::kGust, "gust", "m/s", kSpeed, &Wind::gust),
       WindRow(ParameterKind::kGustFrequency, "gust.frequency", "rad/s", kFrequency, &Wind::frequency),
       WindRow(ParameterKind::kGustPhase, "gust.phase", "rad", M_PI, &Wind::phase),
-      WindRow(ParameterKind::kGustWaveX, "gust.wave.x", "rad/m", kWave, &Wind::wave_vector, 0),
-      WindRow(ParameterKind::kGustWaveY, "gust.wave.y", "rad/m", kWave, &Wind::wave_vector, 1),
-      WindRow(ParameterKind::kGustWaveZ, "gust.wave.z", "rad/m", kWave, &Wind::wave_vector, 2),
-      WindRow(ParameterKind::kWindShearX, "wind.shear.x", "1/m", kShear, &Wind::shear, 0),
-      WindRow(ParameterKind::kWindShearY, "wind.shear.y", "1/m", kShear, &Wind::shear, 1),
-      WindRow(ParameterKind::kWindShearZ, "wind.shear.z", "1/m", kShear, &Wind::shear, 2),
-      SizeRow(ParameterKind::kSizeX, "size.x", 0),
-      SizeRow(ParameterKind::kSizeY, "size.y", 1),
-      PathRow(ParameterKind::kPathTimeOffset, ".time_offset", "s", kOffset, Part::kTimeOffset),
-      PathRow(ParameterKind::kPathShiftX, ".shift.x", "m", kShift, Part::kShiftX),
-      PathRow(ParameterKind::kPathShiftY, ".shift.y", "m", kShift, Part::kShiftY),
-      PathRow(ParameterKind::kPathShiftZ, ".shift.z", "m", kShift, Part::kShiftZ),
-      PathRow(ParameterKind::kPathTurnX, ".turn.x", "rad", kTurn, Part::kTurnX),
-      PathRow(ParameterKind::kPathTurnY, ".turn.y", "rad", kTurn, Part::kTurnY),
-      PathRow(ParameterKind::kPathTurnZ, ".turn.z", "rad", kTurn, Part::kTurnZ),
+      WindRow(ParameterKind::kGustWave, "gust.wave", "rad/m", kWave, &Wind::wave_vector),
+      WindRow(ParameterKind::kWindShear, "wind.shear", "1/m", kShear, &Wind::shear),
+      SizeRow(),
+      PathRow(ParameterKind::kPathTimeOffset, ".time_offset", "s", kOffset, 0, PlacementPart::kTimeOffset),
+      PathRow(ParameterKind::kPathShift, ".shift", "m", kShift, 3, PlacementPart::kShiftX),
+      PathRow(ParameterKind::kPathTurn, ".turn", "rad", kTurn, 3, PlacementPart::kTurnX),
+      RecordingRow(ParameterKind::kTimeOffset, "time_offset", "s", Term::kClock, kFrameIntervals, 0),
+      RecordingRow(ParameterKind::kShift, "shift", "m", Term::kFrame, kShareOfCloth, 3),
+      RecordingRow(ParameterKind::kTurn, "turn", "rad", Term::kFrame, kTurn, 3),
+      RecordingRow(ParameterKind::kStartVelocity, "v0", "m/s", Term::kStart, kStartSpeed, 3),
+      OfHandleGroups(RecordingRow(ParameterKind::kHandleShift, "handle_shift", "m", Term::kHandles, kHandleShareOfCloth,
+                                  3, kHandleShiftSpread),
+                     /*has_whole=*/true),
+      RecordingRow(ParameterKind::kHandleTurn, "handle_turn", "rad", Term::kHandles, kTurn, 3, kHandleTurnSpread),
+      OfHandleGroups(RecordingRow(ParameterKind::kForceBias, "force_bias", "N", Term::kForces, /*range=*/1.0, 3),
+                     /*has_whole=*/false),
   };
-}
-
-template <typename Condition>
-std::vector<ParameterKind> KindsThat(const Condition& condition) {
-  std::vector<ParameterKind> kinds;
-  for (const ParameterRow& row : ParameterTable()) {
-    if (condition(row)) kinds.push_back(row.kind);
-  }
-  return kinds;
 }
 
 }  // namespace
@@ -151,13 +163,14 @@ const std::vector<ParameterRow>& ParameterTable() {
 // The rows stand in the order of the enumeration: tests/sim/scene/parameter_table_test.cc.
 const ParameterRow& RowOf(ParameterKind kind) { return ParameterTable()[static_cast<std::size_t>(kind)]; }
 
-std::vector<ParameterKind> KindsOf(ParameterTerm term) {
-  return KindsThat([term](const ParameterRow& row) { return row.term == term; });
-}
-
 const std::vector<ParameterKind>& MaterialKinds() {
-  static const std::vector<ParameterKind> kinds =
-      KindsThat([](const ParameterRow& row) { return row.constant != nullptr; });
+  static const std::vector<ParameterKind> kinds = [] {
+    std::vector<ParameterKind> all;
+    for (const ParameterRow& row : ParameterTable()) {
+      if (row.constant != nullptr) all.push_back(row.kind);
+    }
+    return all;
+  }();
   return kinds;
 }
 

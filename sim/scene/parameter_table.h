@@ -1,5 +1,5 @@
-// What is known of each kind of parameter, a row each: name, unit, values, where a scene keeps it and what it belongs
-// to. Whoever reads, names, bounds or lists parameters asks the table.
+// What is known of each kind of parameter, a row each: name, axes and parts, unit, values, where a scene keeps it and
+// what it belongs to. Whoever reads, names, bounds or lists parameters asks the table.
 #ifndef CLOTHID_SIM_SCENE_PARAMETER_TABLE_H_
 #define CLOTHID_SIM_SCENE_PARAMETER_TABLE_H_
 
@@ -33,33 +33,28 @@ enum class ParameterKind {
   kPressure,
   kFriction,
   kSelfFriction,  // of the cloth against itself
-  kWindX,         // the mean, or a knot of the profile
-  kWindY,
-  kWindZ,
-  kGustX,
-  kGustY,
-  kGustZ,
+  kWind,          // the mean, or a knot of the profile
+  kGust,
   kGustFrequency,
   kGustPhase,
-  kGustWaveX,
-  kGustWaveY,
-  kGustWaveZ,
-  kWindShearX,
-  kWindShearY,
-  kWindShearZ,
-  kSizeX,  // of the cloth at rest
-  kSizeY,
+  kGustWave,
+  kWindShear,
+  kSize,            // of the cloth at rest
   kPathTimeOffset,  // of an obstacle that moves
-  kPathShiftX,
-  kPathShiftY,
-  kPathShiftZ,
-  kPathTurnX,
-  kPathTurnY,
-  kPathTurnZ,
+  kPathShift,
+  kPathTurn,
+  kTimeOffset,  // of a recording (costs/prediction/alignment.h), as all that follow
+  kShift,
+  kTurn,
+  kStartVelocity,
+  kHandleShift,
+  kHandleTurn,
+  kForceBias,
 };
 
-// The part of a scene that a parameter belongs to. What each is derived by: MomentumDerivative and ImpulseDerivative of
-// sim/derivative/step_derivative.h, ParameterDerivative of sim/rollout/handle_forces.h.
+// The part of a scene, or of a recording, that a parameter belongs to. What those of a scene are derived by:
+// MomentumDerivative and ImpulseDerivative of sim/derivative/step_derivative.h, ParameterDerivative of
+// sim/rollout/handle_forces.h.
 enum class ParameterTerm {
   kMembrane,
   kBending,
@@ -73,7 +68,16 @@ enum class ParameterTerm {
   kWind,
   kSize,
   kPlacement,  // of an obstacle's path
+  kClock,      // of a recording, as all that follow
+  kFrame,      // of reference
+  kStart,
+  kHandles,
+  kForces,
 };
+
+// What a kind has parts of, each a parameter of its own: the obstacles, the knots of the wind's profile, the pieces of
+// the cloth, groups of handles.
+enum class ParameterPart { kNone, kObstacle, kKnot, kPiece, kHandleGroup };
 
 // What a scene must have for a parameter.
 enum class ParameterNeed {
@@ -95,25 +99,30 @@ inline constexpr double kMaxFriction = 2.0;
 
 struct ParameterRow {
   ParameterKind kind;
-  const char* name;  // "k_stretch"; of the path of an obstacle what follows its name, ".shift.x"
+  const char* name;  // "k_stretch", "wind", before axis and part; of the path of an obstacle what follows it, ".shift"
   const char* unit;  // "N/m"; empty: a number
   ParameterTerm term;
   ParameterNeed need;
   ParameterDomain domain;
   // How far a fit looks for what has bounds of its own kind: friction from 0 to here, what may be negative to both
   // sides of 0, and twice as far as the nominal value; the stiffening of yarns from a thousandth of it; the size of the
-  // cloth by this factor up and down. 0: what is measured of fabrics, or how far the start is, says more
+  // cloth by this factor up and down; of a recording see `DefaultAlignmentRange`. 0: what is measured of fabrics, or how
+  // far the start is, says more
   // (costs/prediction/parameter_block.h).
   double range = 0.0;
+  int num_axes = 0;  // 0: it has none, and `ParameterId::axis` is 0; else the first of x, y, z
+  ParameterPart part = ParameterPart::kNone;
+  bool has_whole = true;  // whether there is one of all parts at once, or beside them
+  // What is believed unless a prior is given: of a logarithm the factor about 1, else the standard deviation about 0;
+  // 0: nothing.
+  double prior_spread = 0.0;
 
-  // Where it is kept: one of these is there, but for friction, size and what a placement has by its part.
+  // Where a scene keeps it: one of these is there, but for friction, size and what a placement has, from `placement`
+  // on.
   double Material::*constant = nullptr;
-  bool can_be_of_piece = false;  // of the cloth (a `constant`)
   double Wind::*wind_number = nullptr;
   Eigen::Vector3d Wind::*wind_vector = nullptr;
-  // Of a wind's vector and of a size: 0, 1, 2 for x, y, z.
-  int axis = 0;
-  PlacementPart part = PlacementPart::kTimeOffset;
+  PlacementPart placement = PlacementPart::kTimeOffset;
 
   // Drag by direction in quadratic air, "kg/m^3", has another unit than in linear air.
   const char* UnitIn(AirLaw law) const;
@@ -123,8 +132,7 @@ struct ParameterRow {
 const std::vector<ParameterRow>& ParameterTable();
 const ParameterRow& RowOf(ParameterKind kind);
 
-// Those of one term, or of the material of the cloth, in that order.
-std::vector<ParameterKind> KindsOf(ParameterTerm term);
+// Those of the material of the cloth, in that order.
 const std::vector<ParameterKind>& MaterialKinds();
 
 }  // namespace clothid

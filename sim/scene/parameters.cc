@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -15,81 +14,74 @@
 namespace clothid {
 namespace {
 
-constexpr std::string_view kFrictionPrefix = "mu.";
+constexpr std::string_view kAxes = "xyz";
+constexpr int kMostHandleGroups = 1000;
 
-std::string Named(ParameterKind kind) { return RowOf(kind).name; }
+using Names = std::vector<std::string>;
 
-// Of one row, or null.
-const ParameterRow* FindRow(std::string_view name) {
-  for (const ParameterRow& row : ParameterTable()) {
-    if (name == row.name && row.term != ParameterTerm::kPlacement) return &row;
+// The number in "wind.x.12" or "handle_shift2.y"; 1 where there is none that these may have.
+int NumberIn(std::string_view name, ParameterPart part) {
+  const std::size_t first = std::min(name.find_first_of("0123456789"), name.size());
+  const std::optional<long long> number = ParseInteger(name.substr(first, name.find('.', first) - first));
+  const int most = part == ParameterPart::kKnot ? kMaxWindKnots : kMostHandleGroups;
+  return number && *number >= 1 && *number <= most ? static_cast<int>(*number) : 1;
+}
+
+// The parts that `name` may be of, if it is one of the row.
+std::vector<int> PartsIn(const std::string& name, const ParameterRow& row, const Names& obstacles,
+                         const Names& pieces) {
+  std::vector<int> parts;
+  if (row.has_whole) parts.push_back(kWhole);
+  const auto add_all = [&parts](const Names& names) {
+    for (std::size_t i = 0; i < names.size(); ++i) parts.push_back(static_cast<int>(i));
+  };
+  switch (row.part) {
+    case ParameterPart::kNone:
+      break;
+    case ParameterPart::kObstacle:
+      add_all(obstacles);
+      break;
+    case ParameterPart::kPiece:
+      add_all(pieces);
+      break;
+    case ParameterPart::kKnot:
+    case ParameterPart::kHandleGroup:
+      parts.push_back(NumberIn(name, row.part) - 1);
+      break;
   }
-  return nullptr;
+  return parts;
 }
 
-bool CanBeOfKnot(ParameterKind kind) { return RowOf(kind).wind_vector == &Wind::mean; }
-
-// "wind.x.1" of a knot.
-std::optional<ParameterId> FindKnot(std::string_view name) {
-  for (const ParameterKind kind : KindsOf(ParameterTerm::kWind)) {
-    const std::string prefix = Named(kind) + ".";
-    if (!CanBeOfKnot(kind) || name.substr(0, prefix.size()) != prefix) continue;
-    const std::string_view digits = name.substr(prefix.size());
-    const std::optional<long long> number = ParseInteger(digits);
-    if (number && *number >= 1 && *number <= kMaxWindKnots && digits == std::to_string(*number)) {
-      return ParameterId{kind, kAllObstacles, static_cast<int>(*number - 1)};
-    }
-  }
-  return std::nullopt;
-}
-
-// "NAME.shift.x".
-std::optional<ParameterId> FindPlacement(const std::string& name, const std::vector<std::string>& obstacle_names) {
-  for (std::size_t i = 0; i < obstacle_names.size(); ++i) {
-    for (const ParameterKind kind : KindsOf(ParameterTerm::kPlacement)) {
-      if (name == obstacle_names[i] + Named(kind)) return ParameterId{kind, static_cast<int>(i)};
-    }
-  }
-  return std::nullopt;
-}
-
-// "k_stretch.NAME" of a piece.
-std::optional<ParameterId> FindOfPiece(std::string_view name, const std::vector<std::string>& piece_names) {
-  const std::size_t dot = name.find('.');
-  if (dot == name.npos) return std::nullopt;
-  const auto piece = std::find(piece_names.begin(), piece_names.end(), name.substr(dot + 1));
-  if (piece == piece_names.end()) return std::nullopt;
-  const ParameterRow* const row = FindRow(name.substr(0, dot));
-  if (row == nullptr || !row->can_be_of_piece) return std::nullopt;
-  return ParameterId{row->kind, kAllObstacles, kMeanWind, static_cast<int>(piece - piece_names.begin())};
-}
-
-// The value that `kind`, of a placement, names.
-double& PlacementValue(ParameterKind kind, Placement* placement) {
-  const auto index = static_cast<int>(RowOf(kind).part);
-  if (index == 0) return placement->time_offset;
-  return index < static_cast<int>(PlacementPart::kTurnX)
-             ? placement->shift[index - static_cast<int>(PlacementPart::kShiftX)]
-             : placement->turn[index - static_cast<int>(PlacementPart::kTurnX)];
+// The value that `id`, of a placement, names.
+double& PlacementValue(ParameterId id, Placement* placement) {
+  if (id.kind == ParameterKind::kPathTimeOffset) return placement->time_offset;
+  return (id.kind == ParameterKind::kPathShift ? placement->shift : placement->turn)[id.axis];
 }
 
 // The value that `id`, of a wind, names.
 double& WindValue(ParameterId id, Wind* wind) {
   const ParameterRow& row = RowOf(id.kind);
   if (row.wind_number != nullptr) return wind->*row.wind_number;
-  if (id.knot == kMeanWind) return (wind->*row.wind_vector)[row.axis];
-  if (id.knot >= wind->profile.velocities.cols()) throw std::out_of_range("knot of the wind's profile");
-  return wind->profile.velocities(row.axis, id.knot);
+  if (id.part == kWhole) return (wind->*row.wind_vector)[id.axis];
+  if (id.part >= wind->profile.velocities.cols()) throw std::out_of_range("knot of the wind's profile");
+  return wind->profile.velocities(id.axis, id.part);
+}
+
+// The constant of the material that `id` names.
+double Material::*ConstantOf(ParameterId id) {
+  double Material::*const constant = RowOf(id.kind).constant;
+  if (constant == nullptr) throw std::logic_error("a parameter that a scene does not have");
+  return constant;
 }
 
 void SetConstant(ParameterId id, double value, Parameters* parameters) {
-  double Material::*const constant = RowOf(id.kind).constant;
+  double Material::*const constant = ConstantOf(id);
   double& level = parameters->material.*constant;
-  if (id.piece == kWholeCloth) {
+  if (id.part == kWhole) {
     level = value;
     for (Material& piece : parameters->pieces) piece.*constant = value;
   } else {
-    parameters->pieces.at(static_cast<std::size_t>(id.piece)).*constant = value;
+    parameters->pieces.at(static_cast<std::size_t>(id.part)).*constant = value;
     if (level == 0.0) level = value;
   }
 }
@@ -101,6 +93,8 @@ bool IsWind(ParameterKind kind) { return RowOf(kind).term == ParameterTerm::kWin
 bool IsSize(ParameterKind kind) { return RowOf(kind).term == ParameterTerm::kSize; }
 
 bool IsPlacement(ParameterKind kind) { return RowOf(kind).term == ParameterTerm::kPlacement; }
+
+bool IsOfRecording(ParameterKind kind) { return RowOf(kind).term >= ParameterTerm::kClock; }
 
 bool IsFriction(ParameterKind kind) { return kind == ParameterKind::kFriction || kind == ParameterKind::kSelfFriction; }
 
@@ -123,15 +117,33 @@ const char* DomainWords(ParameterDomain domain) {
   return "a finite number";
 }
 
-std::string ParameterNames(const std::vector<std::string>& obstacle_names,
-                           const std::function<bool(ParameterKind)>& has, const std::vector<std::string>& piece_names) {
-  std::string names;
+bool IsWindKnot(ParameterId id) { return RowOf(id.kind).part == ParameterPart::kKnot && id.part != kWhole; }
+
+std::vector<ParameterId> ParametersOf(ParameterTerm term) {
+  std::vector<ParameterId> ids;
   for (const ParameterRow& row : ParameterTable()) {
-    if (row.term == ParameterTerm::kPlacement) continue;
+    for (int axis = 0; row.term == term && axis < std::max(1, row.num_axes); ++axis) ids.push_back({row.kind, axis});
+  }
+  return ids;
+}
+
+PlacementPart PlacementPartOf(ParameterId id) {
+  return static_cast<PlacementPart>(static_cast<int>(RowOf(id.kind).placement) + id.axis);
+}
+
+std::string ParameterNames(const Names& obstacle_names, const std::function<bool(ParameterKind)>& has,
+                           const Names& piece_names) {
+  std::string names;
+  const auto add = [&names](const std::string& name) { names.append(names.empty() ? "" : ", ").append(name); };
+  for (const ParameterRow& row : ParameterTable()) {
+    if (IsPlacement(row.kind) || IsOfRecording(row.kind)) continue;
     const bool is_always_told = row.term == ParameterTerm::kFriction || row.term == ParameterTerm::kSize;
-    if (is_always_told || has(row.kind)) names.append(names.empty() ? "" : ", ").append(row.name);
-    if (row.term != ParameterTerm::kFriction) continue;
-    for (const std::string& obstacle : obstacle_names) names.append(", ").append(kFrictionPrefix).append(obstacle);
+    if (!is_always_told && !has(row.kind)) continue;
+    for (int axis = 0; axis < std::max(1, row.num_axes); ++axis) add(ParameterName({row.kind, axis}, {}));
+    if (row.part != ParameterPart::kObstacle) continue;
+    for (std::size_t i = 0; i < obstacle_names.size(); ++i) {
+      add(ParameterName({row.kind, 0, static_cast<int>(i)}, obstacle_names));
+    }
   }
   if (piece_names.empty()) return names;
   names += "; with a piece behind a constant of the cloth, as in";
@@ -139,39 +151,43 @@ std::string ParameterNames(const std::vector<std::string>& obstacle_names,
   return names;
 }
 
-ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names,
-                           const std::vector<std::string>& piece_names) {
-  const ParameterRow* const row = FindRow(name);
-  const bool is_own = row != nullptr && row->kind != ParameterKind::kSelfFriction;  // an obstacle may be called "self"
-  if (is_own) return {row->kind};
-  if (const auto knot = FindKnot(name)) return *knot;
-  if (name.compare(0, kFrictionPrefix.size(), kFrictionPrefix) == 0) {
-    const auto found = std::find(obstacle_names.begin(), obstacle_names.end(), name.substr(kFrictionPrefix.size()));
-    if (found != obstacle_names.end()) {
-      return {ParameterKind::kFriction, static_cast<int>(found - obstacle_names.begin())};
+std::optional<ParameterId> FindParameter(const std::string& name, const Names& obstacle_names,
+                                         const Names& piece_names) {
+  for (const ParameterRow& row : ParameterTable()) {
+    for (const int part : PartsIn(name, row, obstacle_names, piece_names)) {
+      for (int axis = 0; axis < std::max(1, row.num_axes); ++axis) {
+        const ParameterId id = {row.kind, axis, part};
+        if (ParameterName(id, obstacle_names, piece_names) == name) return id;
+      }
     }
   }
-  if (row != nullptr) return {row->kind};
-  if (const auto placement = FindPlacement(name, obstacle_names)) return *placement;
-  if (const auto of_piece = FindOfPiece(name, piece_names)) return *of_piece;
+  return std::nullopt;
+}
+
+ParameterId ParseParameter(const std::string& name, const Names& obstacle_names, const Names& piece_names) {
+  const std::optional<ParameterId> id = FindParameter(name, obstacle_names, piece_names);
+  if (id && !IsOfRecording(id->kind)) return *id;
   throw Error(ErrorKind::kUsage, "unknown parameter '" + name + "'; expected one of " +
                                      ParameterNames(
                                          obstacle_names, [](ParameterKind) { return true; }, piece_names));
 }
 
-std::string ParameterName(ParameterId id, const std::vector<std::string>& obstacle_names,
-                          const std::vector<std::string>& piece_names) {
-  const std::string name = Named(id.kind);
-  if (id.piece != kWholeCloth) return name + "." + piece_names.at(static_cast<std::size_t>(id.piece));
-  if (id.knot != kMeanWind) return name + "." + std::to_string(id.knot + 1);
-  if (IsPlacement(id.kind)) return obstacle_names.at(static_cast<std::size_t>(id.obstacle)) + name;
-  if (id.obstacle == kAllObstacles || id.kind != ParameterKind::kFriction) return name;
-  return name + "." + obstacle_names.at(static_cast<std::size_t>(id.obstacle));
+std::string ParameterName(ParameterId id, const Names& obstacle_names, const Names& piece_names) {
+  const ParameterRow& row = RowOf(id.kind);
+  const auto part = static_cast<std::size_t>(id.part);
+  std::string name = row.name;
+  if (IsPlacement(id.kind)) name = obstacle_names.at(part) + name;
+  const int unnamed = row.has_whole ? kWhole : 0;
+  if (row.part == ParameterPart::kHandleGroup && id.part > unnamed) name += std::to_string(id.part + 1);
+  if (row.num_axes > 0) name.append(".").append(kAxes.substr(static_cast<std::size_t>(id.axis), 1));
+  if (id.part == kWhole || !row.has_whole) return name;
+  if (row.part == ParameterPart::kObstacle) return name + "." + obstacle_names.at(part);
+  if (row.part == ParameterPart::kPiece) return name + "." + piece_names.at(part);
+  return row.part == ParameterPart::kKnot ? name + "." + std::to_string(id.part + 1) : name;
 }
 
 bool Includes(ParameterId whole, ParameterId part) {
-  return whole.kind == part.kind && (whole.obstacle == kAllObstacles || whole.obstacle == part.obstacle) &&
-         (whole.piece == kWholeCloth || whole.piece == part.piece);
+  return whole.kind == part.kind && whole.axis == part.axis && (whole.part == kWhole || whole.part == part.part);
 }
 
 std::map<std::string, double> ParseParameterValues(const std::string& text, const std::string& flag) {
@@ -193,52 +209,50 @@ std::map<std::string, double> ParseParameterValues(const std::string& text, cons
 }
 
 double GetParameter(const Parameters& parameters, ParameterId id) {
-  const ParameterRow& row = RowOf(id.kind);
-  switch (row.term) {
+  switch (RowOf(id.kind).term) {
     case ParameterTerm::kWind: {
       Wind wind = parameters.wind;
       return WindValue(id, &wind);
     }
     case ParameterTerm::kSize:
-      return parameters.size[static_cast<std::size_t>(row.axis)];
+      return parameters.size[static_cast<std::size_t>(id.axis)];
     case ParameterTerm::kPlacement: {
-      Placement placement = parameters.placement(id.obstacle);
-      return PlacementValue(id.kind, &placement);
+      Placement placement = parameters.placement(id.part);
+      return PlacementValue(id, &placement);
     }
     case ParameterTerm::kSelfFriction:
       return parameters.self_friction;
     case ParameterTerm::kFriction: {
       const std::vector<double>& mu = parameters.friction_coefficients;
       if (mu.empty()) return std::numeric_limits<double>::quiet_NaN();
-      return id.obstacle == kAllObstacles ? mu.front() : mu.at(static_cast<std::size_t>(id.obstacle));
+      return id.part == kWhole ? mu.front() : mu.at(static_cast<std::size_t>(id.part));
     }
     default:  // of the material
       break;
   }
-  return (id.piece == kWholeCloth ? parameters.material : parameters.pieces.at(static_cast<std::size_t>(id.piece))).*
-         row.constant;
+  return (id.part == kWhole ? parameters.material : parameters.pieces.at(static_cast<std::size_t>(id.part))).*
+         ConstantOf(id);
 }
 
 void SetParameter(ParameterId id, double value, Parameters* parameters) {
   std::vector<double>& mu = parameters->friction_coefficients;
-  const ParameterRow& row = RowOf(id.kind);
-  switch (row.term) {
+  switch (RowOf(id.kind).term) {
     case ParameterTerm::kWind:
       WindValue(id, &parameters->wind) = value;
       return;
     case ParameterTerm::kSize:
-      parameters->size[static_cast<std::size_t>(row.axis)] = value;
+      parameters->size[static_cast<std::size_t>(id.axis)] = value;
       return;
     case ParameterTerm::kPlacement:
       if (parameters->placements.empty()) parameters->placements.resize(mu.size());
-      PlacementValue(id.kind, &parameters->placements.at(static_cast<std::size_t>(id.obstacle))) = value;
+      PlacementValue(id, &parameters->placements.at(static_cast<std::size_t>(id.part))) = value;
       return;
     case ParameterTerm::kSelfFriction:
       parameters->self_friction = value;
       return;
     case ParameterTerm::kFriction:
-      if (id.obstacle == kAllObstacles) return std::fill(mu.begin(), mu.end(), value);
-      mu.at(static_cast<std::size_t>(id.obstacle)) = value;
+      if (id.part == kWhole) return std::fill(mu.begin(), mu.end(), value);
+      mu.at(static_cast<std::size_t>(id.part)) = value;
       return;
     default:
       return SetConstant(id, value, parameters);

@@ -1,5 +1,5 @@
-// What a fit may change: the constants of the material, or of those of its pieces, the friction of the obstacles and
-// the wind, and their names. What is known of each kind: sim/scene/parameter_table.h.
+// What a fit may change: the constants of the material, or of those of its pieces, the friction of the obstacles, the
+// wind, and what belongs to a recording, and their names. What is known of each kind: sim/scene/parameter_table.h.
 #ifndef CLOTHID_SIM_SCENE_PARAMETERS_H_
 #define CLOTHID_SIM_SCENE_PARAMETERS_H_
 
@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ struct Parameters {
 bool IsWind(ParameterKind kind);
 bool IsSize(ParameterKind kind);
 bool IsPlacement(ParameterKind kind);
+bool IsOfRecording(ParameterKind kind);
 bool IsFriction(ParameterKind kind);  // against obstacles or the cloth itself
 // Whether a step depends on it by its contacts alone: friction, and how an obstacle's path is placed.
 bool IsOfContact(ParameterKind kind);
@@ -49,32 +51,44 @@ bool IsOfContact(ParameterKind kind);
 bool IsInDomain(ParameterDomain domain, double value);
 const char* DomainWords(ParameterDomain domain);  // "a finite number > 0"
 
-inline constexpr int kAllObstacles = -1;
-inline constexpr int kMeanWind = -1;
-inline constexpr int kWholeCloth = -1;
+inline constexpr int kWhole = -1;
 
-// One scalar of `Parameters`, or the friction of all obstacles, or a constant of all pieces, at once.
+// One scalar of `Parameters`, or of a recording, or that of several parts at once. The row of its kind says which axes
+// and parts there are.
 struct ParameterId {
   ParameterKind kind = ParameterKind::kStretchStiffness;
-  // An index into the scene's obstacles: for kFriction, or kAllObstacles, and for placements.
-  int obstacle = kAllObstacles;
-  int knot = kMeanWind;     // for kWindX, kWindY and kWindZ: one of the wind's profile, or kMeanWind
-  int piece = kWholeCloth;  // for what `can_be_of_piece`: a piece of the scene's mesh, or kWholeCloth
+  int axis = 0;  // 0, 1, 2: x, y, z
+  // An obstacle, a piece or a knot of the wind, as the scene numbers them, or a group of handles, from 0 on; or kWhole:
+  // all obstacles, the whole cloth, the mean wind, all handles.
+  int part = kWhole;
 
   bool operator==(const ParameterId& other) const {
-    return kind == other.kind && obstacle == other.obstacle && knot == other.knot && piece == other.piece;
+    return kind == other.kind && axis == other.axis && part == other.part;
   }
 };
 
-// "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson", "stiffening_warp",
-// "stiffening_weft"; "bend_warp", "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass",
-// "pressure"; "mu" (every obstacle), "mu.NAME" (one of them), "mu.self" (of the cloth against itself); "wind.x",
-// "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y", "gust.z",
-// "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x",
+bool IsWindKnot(ParameterId id);  // of its profile
+
+// Every axis of every kind of one term, as a whole, in the order of the table.
+std::vector<ParameterId> ParametersOf(ParameterTerm term);
+// Of the path of an obstacle: what `id` changes of how it is placed.
+PlacementPart PlacementPartOf(ParameterId id);
+
+// The parameter of a name; nothing for any other name:
+// "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson", "stiffening_warp", "stiffening_weft"; "bend_warp",
+// "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass", "pressure"; "mu" (every obstacle), "mu.NAME" (one of
+// them), "mu.self" (of the cloth against itself); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot
+// of the profile), .., "gust.x", "gust.y", "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x",
 // ..; "size.x", "size.y"; "NAME.time_offset", "NAME.shift.x", .., "NAME.turn.x", .. of the path of an obstacle;
-// "k_stretch.NAME", .. of one piece (without, of the whole cloth). `obstacle_names` are the scene's, `piece_names` its
-// mesh's, in their order. Throws `Error` (kUsage) that lists the names it would accept. `ParseParameter` in
-// sim/scene/scene.h also asks whether a scene has the parameter.
+// "k_stretch.NAME", .. of one piece (without, of the whole cloth); and of a recording "time_offset", "shift.x", ..,
+// "turn.x", .., "v0.x", .., "handle_shift.x", .. of all handles, "handle_shift1.x", .. of their first group, ..,
+// "handle_turn.x", .., "force_bias.x", .. of the first group, "force_bias2.x", .. of the second, ... `obstacle_names`
+// are the scene's, `piece_names` its mesh's, in their order.
+std::optional<ParameterId> FindParameter(const std::string& name, const std::vector<std::string>& obstacle_names = {},
+                                         const std::vector<std::string>& piece_names = {});
+// The same, of those of scenes alone. Throws `Error` (kUsage) that lists the names it would accept. `ParseParameter` in
+// sim/scene/scene.h also asks whether a scene has the parameter, that in costs/prediction/parameter_block.h knows those
+// of recordings, too.
 ParameterId ParseParameter(const std::string& name, const std::vector<std::string>& obstacle_names,
                            const std::vector<std::string>& piece_names = {});
 // The names that are accepted, "k_stretch, k_bend, .., mu.ball, wind.x, ..", less those of kinds for which `has` is
@@ -94,7 +108,7 @@ std::map<std::string, double> ParseParameterValues(const std::string& text, cons
 
 // The value of `id`. For the friction of all obstacles: that of the first; NaN where there is no obstacle. For a
 // constant of all pieces: that of `material`. Setting that sets those of all pieces. Throw `std::out_of_range` for an
-// obstacle, a knot or a piece that the parameters do not have.
+// obstacle, a knot or a piece that the parameters do not have, `std::logic_error` for what belongs to a recording.
 double GetParameter(const Parameters& parameters, ParameterId id);
 void SetParameter(ParameterId id, double value, Parameters* parameters);
 

@@ -64,7 +64,7 @@ Material ReadMaterial(const JsonNode& piece, const Scene& scene) {
     if (key == kTriangles) continue;
     const JsonNode node = *piece.Find(key);
     const auto kind = std::find_if(MaterialKinds().begin(), MaterialKinds().end(), [&](ParameterKind other) {
-      return RowOf(other).can_be_of_piece && ParameterName({other}, {}) == key;
+      return RowOf(other).part == ParameterPart::kPiece && ParameterName({other}, {}) == key;
     });
     if (kind == MaterialKinds().end()) node.Fail("expected triangles, or a constant that pieces can have");
     const bool is_field = std::any_of(scene.fields.begin(), scene.fields.end(),
@@ -152,7 +152,7 @@ Material MeanMaterial(const Parameters& parameters, const Mesh& mesh) {
   const Eigen::VectorXd areas = TriangleAreas(mesh);
   for (const ParameterKind kind : MaterialKinds()) {
     double Material::*const constant = RowOf(kind).constant;
-    if (!RowOf(kind).can_be_of_piece) continue;
+    if (RowOf(kind).part != ParameterPart::kPiece) continue;
     double sum = 0.0;
     for (int f = 0; f < mesh.num_faces(); ++f) {
       sum += areas[f] * (parameters.pieces[static_cast<std::size_t>(mesh.face_pieces[f])].*constant);

@@ -25,7 +25,7 @@ void SetFields(const Scene& scene, Parameters* parameters) {
   for (const GridField& grid : scene.fields) {
     double level = 0.0;
     fields->push_back(FieldOverTriangles(grid, scene.mesh, &level));
-    SetParameter({grid.kind, kAllObstacles}, level, parameters);
+    SetParameter({grid.kind}, level, parameters);
   }
   parameters->fields = std::move(fields);
 }
@@ -131,6 +131,18 @@ bool Scene::has(ParameterKind kind) const {
   return true;
 }
 
+bool Scene::has(ParameterId id) const {
+  if (!has(id.kind) || id.part == kWhole) return has(id.kind);
+  switch (RowOf(id.kind).part) {
+    case ParameterPart::kKnot:
+      return id.part < wind.profile.num_knots();
+    case ParameterPart::kPiece:
+      return has_of_pieces(id.kind);
+    default:
+      return !IsPlacement(id.kind) || obstacles[static_cast<std::size_t>(id.part)].moves();
+  }
+}
+
 bool Scene::has_term(ParameterKind kind) const {
   switch (RowOf(kind).term) {
     case ParameterTerm::kBending:
@@ -149,7 +161,7 @@ bool Scene::has_term(ParameterKind kind) const {
 }
 
 bool Scene::has_of_pieces(ParameterKind kind) const {
-  return !pieces.empty() && RowOf(kind).can_be_of_piece && has(kind) &&
+  return !pieces.empty() && RowOf(kind).part == ParameterPart::kPiece && has(kind) &&
          std::none_of(fields.begin(), fields.end(), [kind](const GridField& field) { return field.kind == kind; });
 }
 
@@ -157,7 +169,7 @@ std::vector<ParameterId> Scene::piece_parameters() const {
   std::vector<ParameterId> ids;
   for (int i = 0; i < static_cast<int>(mesh.piece_names.size()); ++i) {
     for (const ParameterKind kind : MaterialKinds()) {
-      if (has_of_pieces(kind) && has_term(kind)) ids.push_back({kind, kAllObstacles, kMeanWind, i});
+      if (has_of_pieces(kind) && has_term(kind)) ids.push_back({kind, 0, i});
     }
   }
   return ids;
@@ -174,18 +186,11 @@ ParameterId ParseParameter(const std::string& name, const Scene& scene) {
       names.append(", ").append(obstacle.name).append(part);
     }
   }
-  std::optional<ParameterId> id;
-  try {
-    id = ParseParameter(name, obstacles, pieces);
-  } catch (const Error&) {
-  }
-  const bool moves = !id || !IsPlacement(id->kind) || scene.obstacles[id->obstacle].moves();
-  if (id && scene.has(id->kind) && moves && id->knot < scene.wind.profile.num_knots() &&
-      (id->piece == kWholeCloth || scene.has_of_pieces(id->kind))) {
-    return *id;
-  }
+  const std::optional<ParameterId> id = FindParameter(name, obstacles, pieces);
+  const bool is_known = id && !IsOfRecording(id->kind);
+  if (is_known && scene.has(*id)) return *id;
   throw Error(ErrorKind::kUsage,
-              (id ? "parameter '" + name + "': the scene has no such term" : "unknown parameter '" + name + "'") +
+              (is_known ? "parameter '" + name + "': the scene has no such term" : "unknown parameter '" + name + "'") +
                   "; expected one of " + names);
 }
 

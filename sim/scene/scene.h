@@ -161,6 +161,8 @@ struct Scene {
   // Whether the laws of the scene have such a parameter. k_bend, damping, drag of either kind and wind count as there
   // where their term has the nominal value 0.
   bool has(ParameterKind kind) const;
+  // The same, and the obstacle that moves, the knot or the piece that `id` is of. The numbers are those of the scene.
+  bool has(ParameterId id) const;
   // Whether a model of the scene has what a constant of the material multiplies.
   bool has_term(ParameterKind kind) const;
   // Whether its pieces have such a parameter each: not of a constant that is a field.

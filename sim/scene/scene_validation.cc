@@ -221,7 +221,7 @@ void ValidateScene(const Scene& scene, const std::string& source) {
   ValidateState(scene, check);
   if (!scene.fields.empty()) ValidateFields(scene.fields, scene.mesh, source);
   for (const GridField& field : scene.fields) {
-    const std::string name = ParameterName({field.kind, kAllObstacles}, {});
+    const std::string name = ParameterName({field.kind}, {});
     check.Expect(scene.has(field.kind), "fields." + name,
                  "none where the scene has constants along warp and weft instead");
   }
@@ -238,10 +238,10 @@ void ValidateDomains(const Parameters& parameters, const Scene& scene, const std
   ValidateFriction(parameters, scene, source);
   ValidateMaterial(parameters, scene, source);
   ValidatePlacements(parameters, scene, source);
-  for (const ParameterKind kind : {ParameterKind::kSizeX, ParameterKind::kSizeY}) {
-    const double factor = GetParameter(parameters, {kind});
+  for (const ParameterId id : ParametersOf(ParameterTerm::kSize)) {
+    const double factor = GetParameter(parameters, id);
     if (factor >= kLeastSize && factor <= kMostSize) continue;
-    Refuse(source, ParameterName({kind}, {}), factor, "; expected a factor from 0.1 to 10");
+    Refuse(source, ParameterName(id, {}), factor, "; expected a factor from 0.1 to 10");
   }
   ValidateFactors(parameters, scene, source);
   ValidatePieceMaterials(parameters, scene, source);

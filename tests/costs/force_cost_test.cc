@@ -265,10 +265,10 @@ TEST(ForceBiasTest, HasNamesPerGroupAndAxis) {
   EXPECT_EQ(ExpandAlignmentNames({"force_bias", "force_bias12"}),
             (std::vector<std::string>{"force_bias.x", "force_bias.y", "force_bias.z", "force_bias12.x",
                                       "force_bias12.y", "force_bias12.z"}));
-  EXPECT_EQ(ParseAlignmentId("force_bias12.y"), (AlignmentId{AlignmentKind::kForceBias, 1, 11}));
+  EXPECT_EQ(FindParameter("force_bias12.y"), (ParameterId{ParameterKind::kForceBias, 1, 11}));
   for (const char* name : {"force_bias", "force_bias1.x", "force_bias02.x", "force_bias-2.x", "force_bias2", "force.x",
                            "force_bias.w", "force_bias99999.x"}) {
-    EXPECT_FALSE(ParseAlignmentId(name)) << name;
+    EXPECT_FALSE(FindParameter(name)) << name;
   }
 }
 

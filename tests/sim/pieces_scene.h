@@ -18,7 +18,7 @@ inline Scene InPieces(Scene scene, double a, double b) {
   Parameters nominal = scene.nominal_parameters();
   nominal.pieces.assign(3, nominal.material);
   for (const ParameterKind kind : MaterialKinds()) {
-    if (!RowOf(kind).can_be_of_piece) continue;
+    if (RowOf(kind).part != ParameterPart::kPiece) continue;
     nominal.pieces[0].*RowOf(kind).constant *= a;
     nominal.pieces[1].*RowOf(kind).constant *= b;
     scene.parameters.erase(ParameterName({kind}, {}));

@@ -15,24 +15,26 @@ namespace clothid {
 namespace {
 
 // A value is its own coordinate, so that cells and truths are simulated at exactly the numbers that are written down.
-ParameterBlock MakeBlock(const std::string& name, double start) {
+ParameterBlock MakeBlock(const std::string& name, double start, const RecordedMotion& motion) {
   ParameterBlock block;
   block.name = name;
+  block.id = ParseParameter(name, motion);
   block.start = block.lower_bound = block.upper_bound = start;
   return block;
 }
 
 // What is held, then both axes. An axis starts at its largest value: the scene then has the terms that it asks for.
-std::vector<ParameterBlock> MakeBlocks(const LandscapePlan& plan, const std::map<std::string, double>& held) {
+std::vector<ParameterBlock> MakeBlocks(const LandscapePlan& plan, const std::map<std::string, double>& held,
+                                       const RecordedMotion& motion) {
   std::vector<ParameterBlock> blocks;
-  for (const auto& [name, value] : held) blocks.push_back(MakeBlock(name, value));
+  for (const auto& [name, value] : held) blocks.push_back(MakeBlock(name, value, motion));
   double x = 0.0, y = 0.0;
   for (const LandscapeWindow& window : plan.windows) {
     x = std::max(x, window.x.upper);
     y = std::max(y, window.y.upper);
   }
-  blocks.push_back(MakeBlock(plan.windows.front().x.parameter, x));
-  blocks.push_back(MakeBlock(plan.windows.front().y.parameter, y));
+  blocks.push_back(MakeBlock(plan.windows.front().x.parameter, x, motion));
+  blocks.push_back(MakeBlock(plan.windows.front().y.parameter, y, motion));
   return blocks;
 }
 
@@ -41,7 +43,7 @@ std::vector<ParameterBlock> MakeBlocks(const LandscapePlan& plan, const std::map
 LandscapeCellModel::LandscapeCellModel(const RecordedMotion& motion, const LandscapePlan& plan,
                                        const std::map<std::string, double>& held, const ModelError& model_error,
                                        const Assimilation& assimilation)
-    : model_(motion, MakeBlocks(plan, held)) {
+    : model_(motion, MakeBlocks(plan, held, motion)) {
   model_.SetModelError(model_error);
   const std::string reason = assimilation.is_on() ? model_.WhyNotAssimilated() : std::string();
   if (!reason.empty()) throw Error(ErrorKind::kUsage, "--assimilate: " + model_.name() + " " + reason);

@@ -110,11 +110,11 @@ void CheckNumCells(const LandscapeWindow& whole, std::size_t num_settings, std::
 std::vector<double> ValuesOf(const std::string& parameter, const Scene& scene) {
   const ParameterId id = ParseParameter(parameter, scene);
   const Parameters nominal = scene.nominal_parameters();
-  if (id.kind == ParameterKind::kFriction && id.obstacle == kAllObstacles) return nominal.friction_coefficients;
+  if (id.kind == ParameterKind::kFriction && id.part == kWhole) return nominal.friction_coefficients;
   std::vector<double> values = {GetParameter(nominal, id)};
   double Material::*const constant = RowOf(id.kind).constant;
   for (const Material& piece : nominal.pieces) {
-    if (constant != nullptr && id.piece == kWholeCloth) values.push_back(piece.*constant);
+    if (constant != nullptr && id.part == kWhole) values.push_back(piece.*constant);
   }
   return values;
 }
@@ -126,7 +126,8 @@ void CheckSweep(const LandscapeScanOptions& scan, const Scene& own) {
   std::vector<std::pair<std::string, std::string>> set = {{window.x.parameter, "is on --x"},
                                                           {window.y.parameter, "is on --y"}};
   for (const auto& [name, value] : scan.held) {
-    if (!ParseAlignmentId(name)) set.emplace_back(name, "--result holds");
+    const auto own_id = FindParameter(name);
+    if (!own_id || !IsOfRecording(own_id->kind)) set.emplace_back(name, "--result holds");
   }
   for (std::size_t i = 0; i < scan.motions.size(); ++i) {
     for (const auto& [name, reason] : set) {

@@ -137,7 +137,7 @@ void CheckValues(const std::map<std::string, double>& values, const Scene& scene
 }
 
 // Parameters of the recording itself. Throws `Error` (kUsage), led by `source`, where it has not what they correct.
-void CheckAlignment(AlignmentId id, const std::string& name, double value, const RecordedMotion& motion,
+void CheckAlignment(ParameterId id, const std::string& name, double value, const RecordedMotion& motion,
                     const std::string& source) {
   try {
     ExpectMeasured(id, name, motion);
@@ -156,8 +156,8 @@ void CheckHeld(const LandscapeScanOptions& options, const std::string& source) {
   const std::vector<std::string>& pieces = motion.scene.mesh.piece_names;
   const LandscapeWindow& window = options.plan.windows.front();
   for (const auto& [name, value] : options.held) {
-    if (const auto alignment = ParseAlignmentId(name)) {
-      CheckAlignment(*alignment, name, value, motion, source);
+    if (const auto own = FindParameter(name); own && IsOfRecording(own->kind)) {
+      CheckAlignment(*own, name, value, motion, source);
       continue;
     }
     CheckValues({{name, value}}, motion.scene, source);

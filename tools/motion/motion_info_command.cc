@@ -109,7 +109,7 @@ void PrintTensors(const MotionTensors& tensors) {
 
 // What few scenes have is told where it is there.
 bool IsTold(ParameterKind kind, double value) {
-  return value != 0.0 || RowOf(kind).can_be_of_piece;
+  return value != 0.0 || RowOf(kind).part == ParameterPart::kPiece;
 }
 
 void PrintScene(const Scene& scene) {

@@ -32,7 +32,7 @@ void SetTrueFields(const std::string& text, Scene* scene) {
   std::set<ParameterKind> seen;
   for (const std::string& item : Split(text, ',')) {
     const GridField field = ReadField(item);
-    const std::string name = ParameterName({field.kind, kAllObstacles}, {});
+    const std::string name = ParameterName({field.kind}, {});
     if (!seen.insert(field.kind).second) {
       throw Error(ErrorKind::kUsage, "--set_field: '" + name + "' is given twice");
     }

@@ -14,19 +14,19 @@ namespace {
 using Names = std::vector<std::string>;
 
 TEST(AlignmentTest, NamesStandForScalars) {
-  EXPECT_EQ(*ParseAlignmentId("time_offset"), (AlignmentId{AlignmentKind::kTimeOffset, 0}));
-  EXPECT_EQ(*ParseAlignmentId("shift.x"), (AlignmentId{AlignmentKind::kShift, 0}));
-  EXPECT_EQ(*ParseAlignmentId("turn.y"), (AlignmentId{AlignmentKind::kTurn, 1}));
-  EXPECT_EQ(*ParseAlignmentId("v0.z"), (AlignmentId{AlignmentKind::kStartVelocity, 2}));
-  EXPECT_EQ(*ParseAlignmentId("handle_shift.x"), (AlignmentId{AlignmentKind::kHandleShift, 0}));
-  EXPECT_EQ(*ParseAlignmentId("handle_shift2.y"), (AlignmentId{AlignmentKind::kHandleShift, 1, 2}));
-  EXPECT_EQ(*ParseAlignmentId("handle_turn.z"), (AlignmentId{AlignmentKind::kHandleTurn, 2}));
-  for (const char* name : {"", "shift", "shift.", "shift.w", "shift.xy", "v0", "align", "time_offset.x", "mu",
+  EXPECT_EQ(*FindParameter("time_offset"), (ParameterId{ParameterKind::kTimeOffset, 0}));
+  EXPECT_EQ(*FindParameter("shift.x"), (ParameterId{ParameterKind::kShift, 0}));
+  EXPECT_EQ(*FindParameter("turn.y"), (ParameterId{ParameterKind::kTurn, 1}));
+  EXPECT_EQ(*FindParameter("v0.z"), (ParameterId{ParameterKind::kStartVelocity, 2}));
+  EXPECT_EQ(*FindParameter("handle_shift.x"), (ParameterId{ParameterKind::kHandleShift, 0}));
+  EXPECT_EQ(*FindParameter("handle_shift2.y"), (ParameterId{ParameterKind::kHandleShift, 1, 1}));
+  EXPECT_EQ(*FindParameter("handle_turn.z"), (ParameterId{ParameterKind::kHandleTurn, 2}));
+  for (const char* name : {"", "shift", "shift.", "shift.w", "shift.xy", "v0", "align", "time_offset.x",
                            "handle_shift0.x", "handle_shift01.x", "handle_shift2", "handle_turn2.x"}) {
-    EXPECT_FALSE(ParseAlignmentId(name).has_value()) << name;
+    EXPECT_FALSE(FindParameter(name).has_value()) << name;
   }
   Alignment alignment;
-  alignment.Set(*ParseAlignmentId("turn.y"), 0.1);
+  alignment.Set(*FindParameter("turn.y"), 0.1);
   EXPECT_EQ(alignment.turn, Eigen::Vector3d(0.0, 0.1, 0.0));
   EXPECT_EQ(alignment.shift, Eigen::Vector3d::Zero());
 }

@@ -74,7 +74,7 @@ TEST(HandleCorrectionTest, TurnsAboutTheMiddleOfTheHandlesAtEveryTime) {
   const HandleCorrection correction(scene, {{0}, {4}}, {}, true);
   Alignment alignment;
   alignment.handle_turn = {0.02, -0.1, 0.05};
-  alignment.Set({AlignmentKind::kHandleShift, 1, 2}, 0.003);
+  alignment.Set({ParameterKind::kHandleShift, 1, 1}, 0.003);
   const HandlePath offsets = correction.OffsetsAt(alignment, nullptr);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(alignment.handle_turn.norm(), alignment.handle_turn.normalized()).toRotationMatrix();

@@ -109,6 +109,28 @@ TEST(ParameterBlockTest, BoundsFollowFromWhatWasMeasured) {
   EXPECT_DOUBLE_EQ(bounds("k_bend", 1e-4).second, 1.0) << "no rigidity of a cloth";
 }
 
+// Obstacles and pieces are those of the same name, wherever they stand; of what the number of a part is, the kind says.
+TEST(ParameterBlockTest, KnowsItselfInOtherScenes) {
+  Scene scene = SphereScene();
+  scene.wind.profile = {Eigen::Vector2d(0.0, 1.0), Eigen::Matrix<double, 3, 2>::Ones()};
+  scene.material.drag = 0.1;
+  const ParameterBlock knot = MakeParameterBlock("wind.y.2", scene, {});
+  EXPECT_EQ(knot.id, (ParameterId{ParameterKind::kWind, 1, 1}));
+  EXPECT_EQ(knot.unit, 10.0);
+  scene.obstacles.front().name = "ball";
+  const ParameterBlock friction = MakeParameterBlock("mu.ball@1", scene, {});
+  EXPECT_EQ(friction.id, (ParameterId{ParameterKind::kFriction, 0, 0}));
+  Scene other = scene;
+  other.obstacles.insert(other.obstacles.begin(), scene.obstacles.front());
+  other.obstacles.front().name = "floor";
+  EXPECT_EQ(friction.IdIn(other), (ParameterId{ParameterKind::kFriction, 0, 1}));
+  EXPECT_EQ(knot.IdIn(other), knot.id);
+  other.obstacles.clear();
+  EXPECT_THROW(friction.IdIn(other), Error);
+  const ParameterBlock shift = MakeParameterBlock("shift.z@2", MakeMotion(SphereScene(), {}), {});
+  EXPECT_EQ(shift.IdIn(other), (ParameterId{ParameterKind::kShift, 2}));
+}
+
 TEST(ParameterBlockTest, PriorsAreOfTheSceneOrGiven) {
   Scene scene = SphereScene();
   scene.parameters["k_stretch"].prior = {100.0, 2.0};

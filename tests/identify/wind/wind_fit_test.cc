@@ -36,6 +36,7 @@ Walk MakeWalk(int count, double spread, double smoothness) {
   for (int i = 0; i < count; ++i) {
     ParameterBlock block;
     block.name = "wind.y." + std::to_string(i + 1);
+    block.id = {ParameterKind::kWind, 1, i};
     block.is_signed = true;
     block.lower_bound = -100.0;
     block.upper_bound = 100.0;
@@ -281,7 +282,7 @@ TEST(WindRequestTest, IsReadOrRefused) {
 
 TEST(KnotNamesTest, RunsAreOneName) {
   EXPECT_FALSE(FindKnot("wind.y") || FindKnot("wind.shear.x") || FindKnot("drag@2") || FindKnot("mu.ball"));
-  EXPECT_EQ(FindKnot("wind.y.12@3")->knot, 11);
+  EXPECT_EQ(FindKnot("wind.y.12@3")->part, 11);
   EXPECT_EQ(WithKnotRuns({"mu", "wind.y.2", "wind.y.3", "wind.y.4", "wind.z.5", "wind.z.6@2"}),
             (std::vector<std::string>{"mu", "wind.y.2 to wind.y.4", "wind.z.5", "wind.z.6@2"}));
 }

@@ -111,7 +111,7 @@ TEST(WindTest, NamesOfKnotsAreCountedFromOne) {
   Scene scene;
   ExpectError([&] { ParseParameter("wind.x.1", scene); }, ErrorKind::kUsage, {"wind.x.1", "no such term"});
   scene.wind = FullWind();
-  EXPECT_EQ(ParseParameter("wind.y.3", scene).knot, 2);
+  EXPECT_EQ(ParseParameter("wind.y.3", scene).part, 2);
   ExpectError([&] { ParseParameter("wind.y.4", scene); }, ErrorKind::kUsage, {"wind.y.4", "no such term"});
 }
 

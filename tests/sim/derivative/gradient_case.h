@@ -94,13 +94,13 @@ class GradientCase {
   }
 
   void CollectParameters() {
-    if (!scene_.obstacles.empty()) ids_.push_back({ParameterKind::kFriction, kAllObstacles});
+    if (!scene_.obstacles.empty()) ids_.push_back({ParameterKind::kFriction});
     for (size_t i = 0; i < scene_.obstacles.size() && scene_.obstacles.size() > 1; ++i) {
-      ids_.push_back({ParameterKind::kFriction, static_cast<int>(i)});
+      ids_.push_back({ParameterKind::kFriction, 0, static_cast<int>(i)});
     }
     for (int i = 0; i < static_cast<int>(scene_.obstacles.size()); ++i) {
       if (!scene_.obstacles[i].moves()) continue;
-      for (const ParameterKind kind : KindsOf(ParameterTerm::kPlacement)) ids_.push_back({kind, i});
+      for (const ParameterId id : ParametersOf(ParameterTerm::kPlacement)) ids_.push_back({id.kind, id.axis, i});
     }
     if (scene_.self_contact) ids_.push_back({ParameterKind::kSelfFriction});
     for (const ParameterKind kind : MaterialKinds()) {
@@ -155,9 +155,9 @@ class GradientCase {
     Parameters parameters = parameters_;
     if (i < num_parameters()) {
       // Friction of all obstacles at once moves each from where it is, and so do constants of all pieces.
-      if (ids_[i] == ParameterId{ParameterKind::kFriction, kAllObstacles}) {
+      if (ids_[i] == ParameterId{ParameterKind::kFriction}) {
         for (double& mu : parameters.friction_coefficients) mu += step;
-      } else if (scene_.has_of_pieces(ids_[i].kind) && ids_[i].piece == kWholeCloth) {
+      } else if (scene_.has_of_pieces(ids_[i].kind) && ids_[i].part == kWhole) {
         for (Material& piece : parameters.pieces) piece.*RowOf(ids_[i].kind).constant += step;
       } else {
         SetParameter(ids_[i], GetParameter(parameters_, ids_[i]) + step, &parameters);

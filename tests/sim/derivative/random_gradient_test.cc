@@ -97,11 +97,11 @@ class RandomDerivative {
     if (material.normal_drag > 0.0) all.push_back({ParameterKind::kNormalDrag});
     if (material.tangential_drag > 0.0) all.push_back({ParameterKind::kTangentialDrag});
     if (material.added_mass > 0.0) all.push_back({ParameterKind::kAddedMass});
-    if (scene().has_wind()) all.push_back({ParameterKind::kWindY});
+    if (scene().has_wind()) all.push_back({ParameterKind::kWind, 1});
     if (material.damping > 0.0) all.push_back({ParameterKind::kDamping});
     for (std::size_t i = 0; i < scene().obstacles.size(); ++i) {
       if (scene().obstacles[i].friction_coefficient > 0.0) {
-        all.push_back({ParameterKind::kFriction, static_cast<int>(i)});
+        all.push_back({ParameterKind::kFriction, 0, static_cast<int>(i)});
       }
     }
     for (const int i : random_.Permutation(static_cast<int>(all.size()))) {

@@ -27,7 +27,7 @@
 namespace clothid::size_derivative_test {
 namespace {
 
-const std::vector<ParameterId> kSizes = {{ParameterKind::kSizeX}, {ParameterKind::kSizeY}};
+const std::vector<ParameterId> kSizes = {{ParameterKind::kSize, 0}, {ParameterKind::kSize, 1}};
 
 // A scalar of the trajectory, L = 1/2 sum over steps of |x - target|^2.
 double Cost(const Rollout& rollout, const Eigen::VectorXd& target) {
@@ -117,9 +117,9 @@ TEST(SizeDerivativeTest, IsBuiltForSizesAlone) {
   const Parameters parameters = scene.nominal_parameters();
   const Simulator simulator(scene);
   EXPECT_EQ(SizeDerivative(parameters, {{ParameterKind::kStretchStiffness}}, simulator).num_models(), 0);
-  const SizeDerivative one(parameters, {{ParameterKind::kSizeY}, {ParameterKind::kDensity}}, simulator);
+  const SizeDerivative one(parameters, {{ParameterKind::kSize, 1}, {ParameterKind::kDensity}}, simulator);
   EXPECT_EQ(one.num_models(), 4);
-  EXPECT_THROW(one.MassSlopes(ParameterKind::kSizeX), std::logic_error);
+  EXPECT_THROW(one.MassSlopes({ParameterKind::kSize, 0}), std::logic_error);
 }
 
 // The grid has the axes x and z.

@@ -145,7 +145,7 @@ TEST_F(StepDerivativeTest, ParameterDerivativesAreDifferences) {
   for (const ParameterKind kind :
        {ParameterKind::kFriction, ParameterKind::kStretchStiffness, ParameterKind::kBendingStiffness,
         ParameterKind::kDensity, ParameterKind::kDrag, ParameterKind::kDamping}) {
-    const ParameterId id{kind, kAllObstacles};
+    const ParameterId id{kind};
     const double value = GetParameter(parameters_, id);
     SCOPED_TRACE(static_cast<int>(kind));
     const auto residual = [&](double s) {

@@ -132,8 +132,7 @@ TEST_P(DirectionalDragTest, TheDerivativeByThePredictedPositionsIsADifference) {
 
 TEST_P(DirectionalDragTest, TheDerivativeByTheWindIsADifference) {
   Parameters parameters = scene_.nominal_parameters();
-  for (const ParameterKind kind : KindsOf(ParameterTerm::kWind)) {
-    const ParameterId id{kind};
+  for (const ParameterId id : ParametersOf(ParameterTerm::kWind)) {
     Eigen::VectorXd derivative = Eigen::VectorXd::Zero(v_.size()), sides[2];
     drag().SetAir(x_, scene_.wind, kTime, &air_);
     drag().AddWindDerivative(1.0, kConstants, v_, air_, scene_.wind, kTime, id, &derivative);
@@ -145,7 +144,7 @@ TEST_P(DirectionalDragTest, TheDerivativeByTheWindIsADifference) {
       sides[side] = Force(v_);
     }
     const Eigen::VectorXd difference = (sides[1] - sides[0]) / (2.0 * step);
-    EXPECT_LE((derivative - difference).norm(), 1e-7 * difference.norm()) << static_cast<int>(kind);
+    EXPECT_LE((derivative - difference).norm(), 1e-7 * difference.norm()) << ParameterName(id, {});
   }
 }
 

@@ -148,8 +148,7 @@ TEST_P(CorrectionTest, ComesBackFromCheckpoints) {
       EXPECT_EQ(reader.start_positions(0), visited[0]);
     }
     const auto seed = [&](int step, Eigen::MatrixXd* gradient) { gradient->col(0) += visited[step]; };
-    const std::vector<ParameterId> ids = {{ParameterKind::kFriction, kAllObstacles},
-                                          {ParameterKind::kStretchStiffness}};
+    const std::vector<ParameterId> ids = {{ParameterKind::kFriction}, {ParameterKind::kStretchStiffness}};
     const Eigen::VectorXd gradient = PullBack(rollout, ids, 1, seed, &simulator).parameters;
     const Rollout all = Corrected(scene, options.correction);
     const Eigen::VectorXd expected = PullBack(all, ids, 1, seed, &simulator).parameters;
@@ -170,7 +169,7 @@ TEST_P(CorrectionTest, SweepsAlongItAgree) {
   options.factor_memory = std::size_t{1} << 28;
   const Rollout rollout = Simulate(scene.nominal_parameters(), scene.num_steps(), &simulator, nullptr, options);
   ASSERT_TRUE(rollout.ok());
-  const std::vector<ParameterId> ids = {{ParameterKind::kFriction, kAllObstacles}, {ParameterKind::kDensity}};
+  const std::vector<ParameterId> ids = {{ParameterKind::kFriction}, {ParameterKind::kDensity}};
   const auto corrected = [&](int step) -> const Eigen::VectorXd& {
     return rollout.records[rollout.last_record[step - 1]].correction->positions;
   };

@@ -450,7 +450,7 @@ TEST_P(HandleForceDerivativeTest, IsThatOfTheForceByPositions) {
 TEST_P(HandleForceDerivativeTest, IsThatOfTheForceByParameters) {
   ForEachStep(
       [this](const ClothModel& model, const HandleForces& forces, int step, const HandleForces::States& states) {
-        std::vector<ParameterId> ids = {{ParameterKind::kWindX}, {ParameterKind::kWindZ}};
+        std::vector<ParameterId> ids = {{ParameterKind::kWind, 0}, {ParameterKind::kWind, 2}};
         for (const ParameterKind kind : MaterialKinds()) {
           if (scene_.has_term(kind)) ids.push_back({kind});
         }
@@ -474,7 +474,7 @@ TEST_P(HandleForceDerivativeTest, IsThatOfTheForceByParameters) {
 }
 
 TEST_P(HandleForceDerivativeTest, IsThatOfTheForceBySizes) {
-  const std::vector<ParameterId> sizes = {{ParameterKind::kSizeX}, {ParameterKind::kSizeY}};
+  const std::vector<ParameterId> sizes = ParametersOf(ParameterTerm::kSize);
   Simulator simulator(scene_);
   Parameters parameters = scene_.nominal_parameters();
   parameters.size = {1.02, 0.97};

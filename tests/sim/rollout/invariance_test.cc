@@ -182,7 +182,7 @@ TEST(InvarianceTest, AnObstacleOutOfReachChangesNothingAndItsFrictionHasNoGradie
     ++compared;
     EXPECT_LE(Distance(with, expected, RigidMotion(), rollout), kSame);
     const int far_index = static_cast<int>(with.obstacles.size()) - 1;
-    EXPECT_EQ(GradientOfSum(rollout, {{ParameterKind::kFriction, far_index}}, &simulator)[0], 0.0);
+    EXPECT_EQ(GradientOfSum(rollout, {{ParameterKind::kFriction, 0, far_index}}, &simulator)[0], 0.0);
   }
   ExpectMost(compared, seeds.size());
 }

@@ -63,7 +63,7 @@ TEST(PiecesTest, OfParametersThatChangeAreThoseOfANewSimulator) {
   Parameters second = first;
   for (const ParameterKind kind : {ParameterKind::kStretchStiffness, ParameterKind::kBendingStiffness,
                                    ParameterKind::kDensity, ParameterKind::kDrag, ParameterKind::kDamping}) {
-    SetParameter({kind, kAllObstacles, kMeanWind, 1}, 1.3 * GetParameter(first, {kind}), &second);
+    SetParameter({kind, 0, 1}, 1.3 * GetParameter(first, {kind}), &second);
   }
   for (const Parameters& parameters : {second, first, second}) {
     Simulator fresh(scene);
@@ -157,7 +157,7 @@ TEST(PiecesTest, ForcesAtHandlesHaveTheirDerivatives) {
     Eigen::MatrixXd states(3 * static_cast<Eigen::Index>(forces.nodes().size()), scene.num_steps() + 1);
     for (int step = 0; step <= scene.num_steps(); ++step) states.col(step) = forces.Gather(rollout.positions(step));
     for (const ParameterId id : scene.piece_parameters()) {
-      if (id.piece != 0) continue;  // the one at the handles
+      if (id.part != 0) continue;  // the one at the handles
       constexpr int kStep = 7;
       const double value = GetParameter(nominal, id), change = 1e-4 * std::abs(value);
       Parameters more = nominal, less = nominal;

@@ -61,7 +61,7 @@ class CheckpointTest : public testing::TestWithParam<std::tuple<bool, Integrator
   }
 
   RolloutGradient Gradient(const Rollout& rollout) {
-    const std::vector<ParameterId> ids = {{ParameterKind::kFriction, kAllObstacles},
+    const std::vector<ParameterId> ids = {{ParameterKind::kFriction},
                                           {ParameterKind::kStretchStiffness},
                                           {ParameterKind::kDensity},
                                           {ParameterKind::kDrag}};

@@ -127,7 +127,7 @@ class KeptFactorsTest : public testing::TestWithParam<std::tuple<std::string, In
     options.use_kept_factors = use_kept_factors;
     // On `slope` the cloth slides without strain: nothing depends on the stiffness.
     const ParameterId id = std::get<0>(GetParam()) == "wind" ? ParameterId{ParameterKind::kStretchStiffness}
-                                                             : ParameterId{ParameterKind::kFriction, kAllObstacles};
+                                                             : ParameterId{ParameterKind::kFriction};
     return PullBack(rollout, {id}, 1, seed, &simulator_, options);
   }
 
@@ -274,7 +274,7 @@ int ExpectTheBytesOfOneThread(const Scene& scene, ParameterId friction) {
 }
 
 TEST(SharedWorkTest, ThreadsDoNotChangeAByte) {
-  ExpectTheBytesOfOneThread(ShippedScene("slope", 72), {ParameterKind::kFriction, 0});
+  ExpectTheBytesOfOneThread(ShippedScene("slope", 72), {ParameterKind::kFriction, 0, 0});
 }
 
 // A small sheet falls on a large one, both free.

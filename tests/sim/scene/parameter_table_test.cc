@@ -7,19 +7,31 @@
 #include <map>
 #include <regex>
 #include <set>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "sim/base/error.h"
 #include "sim/base/text_file.h"
 #include "sim/scene/parameters.h"
 
 namespace clothid::parameter_table_test {
 namespace {
 
+// Every axis of a row, of the first of its parts where there is none of the whole.
+std::vector<ParameterId> AxesOf(const ParameterRow& row) {
+  std::vector<ParameterId> ids;
+  for (int axis = 0; axis < std::max(1, row.num_axes); ++axis) {
+    ids.push_back({row.kind, axis, row.has_whole ? kWhole : 0});
+  }
+  return ids;
+}
+
 std::string Source(const std::string& path) { return ReadText(CLOTHID_SOURCE_DIR "/" + path, 1 << 20); }
 
 TEST(ParameterTableTest, HasARowForEveryKindInTheirOrder) {
   const std::vector<ParameterRow>& table = ParameterTable();
-  ASSERT_EQ(table.size(), static_cast<std::size_t>(ParameterKind::kPathTurnZ) + 1);
+  ASSERT_EQ(table.size(), static_cast<std::size_t>(ParameterKind::kForceBias) + 1);
   std::set<std::string> names;
   for (std::size_t i = 0; i < table.size(); ++i) {
     EXPECT_EQ(static_cast<std::size_t>(table[i].kind), i) << table[i].name;
@@ -43,10 +55,43 @@ TEST(ParameterTableTest, EveryRowHasAPlaceOfItsOwn) {
   parameters.friction_coefficients = {0.3};
   parameters.placements.resize(1);
   std::vector<ParameterId> ids;
-  for (const ParameterRow& row : ParameterTable()) ids.push_back({row.kind, 0});
+  for (const ParameterRow& row : ParameterTable()) {
+    for (const ParameterId id : AxesOf(row)) {
+      if (!IsOfRecording(row.kind)) ids.push_back(id);
+    }
+  }
   for (std::size_t i = 0; i < ids.size(); ++i) SetParameter(ids[i], static_cast<double>(i + 1), &parameters);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     EXPECT_EQ(GetParameter(parameters, ids[i]), static_cast<double>(i + 1)) << RowOf(ids[i].kind).name;
+  }
+  EXPECT_THROW(GetParameter(parameters, {ParameterKind::kShift, 1}), std::logic_error);
+  EXPECT_THROW(SetParameter({ParameterKind::kShift, 1}, 1.0, &parameters), std::logic_error);
+}
+
+// Whatever there is has one name, which reads back; but for a recording's, `ParseParameter` reads it, too.
+TEST(ParameterTableTest, EveryNameReadsBack) {
+  const std::vector<std::string> obstacles = {"wind", "ball"}, pieces = {"x", "hem"};
+  std::set<std::string> names;
+  for (const ParameterRow& row : ParameterTable()) {
+    for (const ParameterId first : AxesOf(row)) {
+      const int num_parts = row.part == ParameterPart::kNone ? 0 : 2;
+      for (int part = first.part; part < num_parts; ++part) {
+        const ParameterId id = {row.kind, first.axis, part};
+        const std::string name = ParameterName(id, obstacles, pieces);
+        EXPECT_TRUE(names.insert(name).second) << name;
+        EXPECT_EQ(FindParameter(name, obstacles, pieces), id) << name;
+        if (IsOfRecording(row.kind)) {
+          EXPECT_THROW(ParseParameter(name, obstacles, pieces), Error) << name;
+        } else {
+          EXPECT_EQ(ParseParameter(name, obstacles, pieces), id) << name;
+        }
+      }
+    }
+  }
+  for (const char* name :
+       {"wind", "wind.w", "wind.x.0", "wind.x.01", "wind.x.", "gust.x.1", "size.z", "shift.x.1", "mu.", "ball.shift",
+        "ball.shift.x.1", "cup.shift.x", ".shift.x", "k_stretch.cup", "drag_normal.x"}) {
+    EXPECT_FALSE(FindParameter(name, obstacles, pieces)) << name;
   }
 }
 
@@ -55,10 +100,8 @@ TEST(ParameterTableTest, PageOfCostsTellsEveryUnit) {
   const std::string page = Source("costs/README.md");
   for (const ParameterRow& row : ParameterTable()) {
     if (row.term == ParameterTerm::kPlacement) continue;  // in the page of scenes
-    std::string name = row.name, rest;
-    // The second and the third component stand behind the first: "`wind.x`, `.y`, `.z`".
-    const bool is_other_axis = std::regex_search(name, std::regex(R"(\.[yz]$)")) && row.term == ParameterTerm::kWind;
-    if (is_other_axis) name = name.substr(0, name.size() - 1) + "x";
+    const std::string name =
+        ParameterName(AxesOf(row).front(), {});  // the others stand behind it: "`wind.x`, `.y`, `.z`"
     const std::string unit = std::string(row.unit).empty() ? "1" : row.unit;
     bool is_told = false;
     for (const std::string& line : Split(page, '\n')) {
@@ -83,9 +126,12 @@ TEST(ParameterTableTest, ReportsTellTheSameUnits) {
     units[(*it)[1]] = std::regex_replace((*it)[2].str(), std::regex("²"), "^2");
   }
   for (const ParameterRow& row : ParameterTable()) {
-    const bool is_told =
-        *row.unit != '\0' && row.term != ParameterTerm::kDirectionalDrag && row.term != ParameterTerm::kPlacement;
-    EXPECT_EQ(units[row.name], is_told ? row.unit : "") << row.name;
+    if (row.term == ParameterTerm::kPlacement) continue;
+    const bool is_told = *row.unit != '\0' && row.term != ParameterTerm::kDirectionalDrag && !IsOfRecording(row.kind);
+    for (const ParameterId id : AxesOf(row)) {
+      const std::string name = ParameterName(id, {});
+      EXPECT_EQ(units[name], is_told ? row.unit : "") << name;
+    }
   }
 }
 

@@ -19,8 +19,8 @@ TEST(ParseParameter, TurnsNamesIntoIdsAndBack) {
   for (const char* name : {"k_stretch", "k_bend", "density", "drag", "damping", "mu", "mu.ball", "mu.floor"}) {
     EXPECT_EQ(ParameterName(ParseParameter(name, Names()), Names()), name);
   }
-  EXPECT_EQ(ParseParameter("mu", Names()).obstacle, kAllObstacles);
-  EXPECT_EQ(ParseParameter("mu.floor", Names()).obstacle, 1);
+  EXPECT_EQ(ParseParameter("mu", Names()).part, kWhole);
+  EXPECT_EQ(ParseParameter("mu.floor", Names()).part, 1);
 }
 
 TEST(ParseParameter, ListsTheNamesItKnows) {

@@ -138,7 +138,7 @@ TEST(PieceParameters, HaveNames) {
   const Scene scene =
       Read(kTwoPieces, R"(, "parameters": {"density": {"nominal": 0.4}, "density.b": {"nominal": 0.6}})");
   const ParameterId id = ParseParameter("k_stretch.b", scene);
-  EXPECT_EQ(id, (ParameterId{ParameterKind::kStretchStiffness, kAllObstacles, kMeanWind, 1}));
+  EXPECT_EQ(id, (ParameterId{ParameterKind::kStretchStiffness, 0, 1}));
   EXPECT_EQ(ParameterName(id, {}, scene.mesh.piece_names), "k_stretch.b");
   ExpectError([&] { ParseParameter("k_stretch.c", scene); }, ErrorKind::kUsage,
               {"unknown parameter 'k_stretch.c'", "as in density.a, density.b"});
@@ -176,7 +176,7 @@ TEST(PieceParameters, OfTheWholeSetEveryPiece) {
 TEST(PieceParameters, AreNoneOfAField) {
   const Scene scene = Read(kTwoPieces, R"(, "fields": {"density": [[0.1, 0.2]]})");
   ExpectError([&] { ParseParameter("density.a", scene); }, ErrorKind::kUsage, {"density.a"});
-  EXPECT_EQ(ParseParameter("k_stretch.a", scene).piece, 0);
+  EXPECT_EQ(ParseParameter("k_stretch.a", scene).part, 0);
   EXPECT_EQ(scene.pieces[0].density, scene.material.density);
 }
 

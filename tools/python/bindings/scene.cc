@@ -44,13 +44,13 @@ py::dict NominalValues(const PyScene& self) {
   const auto add = [&](ParameterId id) {
     values[py::str(ParameterName(id, scene.obstacle_names(), scene.mesh.piece_names))] = GetParameter(parameters, id);
   };
-  for (int i = 0; i < static_cast<int>(scene.obstacles.size()); ++i) add({ParameterKind::kFriction, i});
+  for (int i = 0; i < static_cast<int>(scene.obstacles.size()); ++i) add({ParameterKind::kFriction, 0, i});
   for (const ParameterKind kind : MaterialKinds()) {
     if (scene.has(kind)) add({kind});
   }
   for (const ParameterId id : scene.piece_parameters()) add(id);
   if (!scene.has_wind()) return values;
-  for (const ParameterKind kind : KindsOf(ParameterTerm::kWind)) add({kind});
+  for (const ParameterId id : ParametersOf(ParameterTerm::kWind)) add(id);
   return values;
 }
 
