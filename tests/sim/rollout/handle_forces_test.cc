@@ -250,6 +250,7 @@ double MomentumDefect(const TestRun& run, int step) {
   }
   if (model.forces().has(ForceGroup::kAir)) {  // of a step of backward Euler
     HeldForces held;
+    held.start.origins = {{&run.rollout.positions(step - 1), 1.0}};
     held.start.predicted = 2.0 * run.rollout.positions(step - 1) - run.rollout.positions(step - 2);
     for (const int node : scene.handles.nodes) held.start.predicted.segment<3>(3 * node) = ends.segment<3>(3 * node);
     model.forces().Hold(run.rollout.parameters, step * scene.time_step, &held);
