@@ -13,7 +13,6 @@
 
 #include "sim/air/wind.h"
 #include "sim/path/placement.h"
-#include "sim/scene/material.h"
 #include "sim/scene/parameter_table.h"
 
 namespace clothid {
@@ -75,10 +74,11 @@ std::vector<ParameterId> ParametersOf(ParameterTerm term);
 PlacementPart PlacementPartOf(ParameterId id);
 
 // The parameter of a name; nothing for any other name:
-// "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson", "stiffening_warp", "stiffening_weft"; "bend_warp",
-// "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass", "pressure"; "mu" (every obstacle), "mu.NAME" (one of
-// them), "mu.self" (of the cloth against itself); "wind.x", "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot
-// of the profile), .., "gust.x", "gust.y", "gust.z", "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x",
+// "k_stretch", "k_bend", "density", "drag", "damping"; "k_warp", "k_weft", "k_shear", "k_poisson", "stiffening_warp",
+// "stiffening_weft"; "bend_warp", "bend_weft", "bend_twist"; "drag_normal", "drag_tangential", "added_mass",
+// "pressure"; "mu" (every obstacle), "mu.NAME" (one of them), "mu.self" (of the cloth against itself); "wind.x",
+// "wind.y", "wind.z" (the mean), "wind.x.1" (the first knot of the profile), .., "gust.x", "gust.y", "gust.z",
+// "gust.frequency", "gust.phase", "gust.wave.x", .., "wind.shear.x",
 // ..; "size.x", "size.y"; "NAME.time_offset", "NAME.shift.x", .., "NAME.turn.x", .. of the path of an obstacle;
 // "k_stretch.NAME", .. of one piece (without, of the whole cloth); and of a recording "time_offset", "shift.x", ..,
 // "turn.x", .., "v0.x", .., "handle_shift.x", .. of all handles, "handle_shift1.x", .. of their first group, ..,

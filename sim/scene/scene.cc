@@ -30,6 +30,15 @@ void SetFields(const Scene& scene, Parameters* parameters) {
   parameters->fields = std::move(fields);
 }
 
+// Whether a constant of `term` has a value other than 0, before or after what `parameters` say.
+bool HasConstantOf(ParameterTerm term, const Scene& scene) {
+  const Material nominal = scene.nominal_parameters().material;
+  return std::any_of(MaterialKinds().begin(), MaterialKinds().end(), [&](ParameterKind kind) {
+    const ParameterRow& row = RowOf(kind);
+    return row.term == term && (scene.material.*row.constant != 0.0 || nominal.*row.constant != 0.0);
+  });
+}
+
 }  // namespace
 
 const char* IntegratorName(Integrator integrator) { return integrator == Integrator::kSdirk2 ? "sdirk2" : "euler"; }
@@ -68,20 +77,13 @@ void Scene::SetMaterials(const Parameters& parameters_of_both) {
   pieces = parameters_of_both.pieces;
 }
 
-bool Scene::has_bending() const {
-  return bending.orthotropic || material.bending_stiffness > 0.0 ||
-         nominal_parameters().material.bending_stiffness > 0.0;
-}
+bool Scene::has_bending() const { return bending.orthotropic || HasConstantOf(ParameterTerm::kBending, *this); }
 
-bool Scene::has_drag() const { return material.drag > 0.0 || nominal_parameters().material.drag > 0.0; }
+bool Scene::has_drag() const { return HasConstantOf(ParameterTerm::kDrag, *this); }
 
-bool Scene::has_directional_drag() const {
-  const Material nominal = nominal_parameters().material;
-  return material.normal_drag > 0.0 || material.tangential_drag > 0.0 || nominal.normal_drag > 0.0 ||
-         nominal.tangential_drag > 0.0;
-}
+bool Scene::has_directional_drag() const { return HasConstantOf(ParameterTerm::kDirectionalDrag, *this); }
 
-bool Scene::has_damping() const { return material.damping > 0.0 || nominal_parameters().material.damping > 0.0; }
+bool Scene::has_damping() const { return HasConstantOf(ParameterTerm::kDamping, *this); }
 
 bool Scene::has_moving_obstacles() const {
   return std::any_of(obstacles.begin(), obstacles.end(),
@@ -144,20 +146,11 @@ bool Scene::has(ParameterId id) const {
 }
 
 bool Scene::has_term(ParameterKind kind) const {
-  switch (RowOf(kind).term) {
-    case ParameterTerm::kBending:
-      return has(kind) && has_bending();
-    case ParameterTerm::kDrag:
-      return has_drag();
-    case ParameterTerm::kDirectionalDrag:
-      return has_directional_drag();
-    case ParameterTerm::kDamping:
-      return has_damping();
-    case ParameterTerm::kPressure:
-      return material.pressure != 0.0 || nominal_parameters().material.pressure != 0.0;
-    default:
-      return has(kind);
-  }
+  const ParameterRow& row = RowOf(kind);
+  if (row.term == ParameterTerm::kBending) return has(kind) && has_bending();
+  const bool is_always_there =
+      row.constant == nullptr || row.term == ParameterTerm::kMembrane || row.term == ParameterTerm::kMass;
+  return is_always_there ? has(kind) : HasConstantOf(row.term, *this);
 }
 
 bool Scene::has_of_pieces(ParameterKind kind) const {

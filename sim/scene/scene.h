@@ -149,7 +149,7 @@ struct Scene {
   std::map<std::string, ParameterRange> parameters;  // by parameter name
   SolverOptions solver;
 
-  // Which terms a model of the scene has: those of a positive nominal value.
+  // Which terms a model of the scene has: those with a constant that is not 0.
   bool has_bending() const;
   bool has_warp() const { return membrane != MembraneLaw::kArap || bending.orthotropic; }
   bool has_drag() const;              // the same in every direction

@@ -114,6 +114,16 @@ TEST(ParameterTableTest, PageOfCostsTellsEveryUnit) {
   }
 }
 
+// Whoever asks `identify --help all` finds every name of a scene, and every one of a recording without its axis.
+TEST(ParameterTableTest, HelpTellsEveryName) {
+  const std::string help = Source("identify/help.h");
+  for (const ParameterRow& row : ParameterTable()) {
+    const bool is_in_short = row.term == ParameterTerm::kPlacement || IsOfRecording(row.kind);
+    const std::string name = is_in_short ? row.name : ParameterName(AxesOf(row).front(), {});
+    EXPECT_NE(help.find(name), help.npos) << name;
+  }
+}
+
 // Pages of reports have the units of the table, with raised digits; none where the law of the air decides.
 TEST(ParameterTableTest, ReportsTellTheSameUnits) {
   const std::string script = Source("identify/report/page/page_text.js");
