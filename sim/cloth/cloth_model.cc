@@ -78,7 +78,7 @@ ClothModel::ClothModel(const Scene& scene, const ClothModel& like) : ClothModel(
 
 ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothModel* like)
     : scene_(&scene), chosen_on_(&chosen_on), nodes_(scene) {
-  BendingParts bending = MakeBendingParts(scene, chosen_on);
+  BendingMatrices bending = MakeBendingMatrices(scene, chosen_on);
   Eigen::SparseMatrix<double> seams;
   if (!scene.mesh.links.empty()) seams = SeamMatrix(scene.mesh);
   if (like == nullptr) {
@@ -103,7 +103,7 @@ ClothModel::ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothMod
 }
 
 // The one place that lists them.
-void ClothModel::MakeForces(BendingParts bending, Eigen::SparseMatrix<double> seams) {
+void ClothModel::MakeForces(BendingMatrices bending, Eigen::SparseMatrix<double> seams) {
   const Scene& scene = *scene_;
   const Mesh& mesh = scene.mesh;
   const std::vector<int> one;
@@ -119,8 +119,8 @@ void ClothModel::MakeForces(BendingParts bending, Eigen::SparseMatrix<double> se
     forces_.Add(std::make_unique<SeamTerm>(SeamEnergy(mesh, std::move(seams), free_index_, *pattern_)));
   }
   if (scene.has_directional_drag()) {
-    forces_.Add(std::make_unique<DirectionalDragTerm>(scene.air_law, RestPlaces(mesh.rest_positions, node_areas()),
-                                                      triangles_, free_index_, *pattern_));
+    forces_.Add(std::make_unique<DirectionalDrag>(scene.air_law, RestPlaces(mesh.rest_positions, node_areas()),
+                                                  triangles_, free_index_, *pattern_));
   }
   if (scene.has_term(ParameterKind::kPressure)) forces_.Add(std::make_unique<PressureTerm>(mesh.faces));
   if (scene.has_damping()) {

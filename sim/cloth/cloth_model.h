@@ -68,7 +68,7 @@ class ClothModel {
   ClothModel(const Scene& scene, const Mesh& chosen_on, const ClothModel* like);
   // By what they couple beside triangles.
   void NumberFreeNodes(const std::vector<BendingMatrix>& bending, const Eigen::SparseMatrix<double>& seams);
-  void MakeForces(BendingParts bending, Eigen::SparseMatrix<double> seams);
+  void MakeForces(BendingMatrices bending, Eigen::SparseMatrix<double> seams);
   const Scene* scene_;
   const Mesh* chosen_on_;
   std::vector<int> free_nodes_, free_index_;

@@ -12,7 +12,7 @@ namespace clothid {
 namespace {
 
 // Of the law that the scene has.
-std::vector<BendingMatrix> BendingMatrices(const Scene& scene, const Mesh& chosen_on) {
+std::vector<BendingMatrix> MatricesOf(const Scene& scene, const Mesh& chosen_on) {
   if (scene.bending.law == BendingLaw::kEdges) {
     return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh), {}}};
   }
@@ -42,11 +42,11 @@ std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> momen
 
 }  // namespace
 
-BendingParts MakeBendingParts(const Scene& scene, const Mesh& chosen_on) {
-  BendingParts parts;
+BendingMatrices MakeBendingMatrices(const Scene& scene, const Mesh& chosen_on) {
+  BendingMatrices parts;
   if (!scene.has_bending()) return parts;
   if (scene.pieces.empty() && !HasBendingField(scene)) {
-    parts.matrices = BendingMatrices(scene, chosen_on);
+    parts.matrices = MatricesOf(scene, chosen_on);
     return parts;
   }
   std::vector<ParameterKind> kinds = {ParameterKind::kBendingStiffness};
@@ -61,7 +61,7 @@ BendingParts MakeBendingParts(const Scene& scene, const Mesh& chosen_on) {
   return parts;
 }
 
-std::unique_ptr<BendingTerm> MakeBendingTerm(BendingParts* parts, std::size_t place, const Scene& scene,
+std::unique_ptr<BendingTerm> MakeBendingTerm(BendingMatrices* parts, std::size_t place, const Scene& scene,
                                              const std::vector<int>& free_index, const BlockPattern& pattern) {
   std::shared_ptr<const WeightedBending> weighted;
   std::vector<BendingMatrix> pieces;

@@ -18,16 +18,16 @@
 namespace clothid {
 
 // What the bending of a scene is made of, before a pattern is there that covers it.
-struct BendingParts {
+struct BendingMatrices {
   std::vector<BendingMatrix> matrices;    // of k_b, or three along warp, weft and twist; none without bending
   std::vector<WeightedBending> weighted;  // likewise, where constants vary over the cloth; else empty
 };
 // `chosen_on`: of patches, as `BendingPatches` has it.
-BendingParts MakeBendingParts(const Scene& scene, const Mesh& chosen_on);
+BendingMatrices MakeBendingMatrices(const Scene& scene, const Mesh& chosen_on);
 
 class BendingTerm;
 // The term of `parts->matrices[place]`, which it takes.
-std::unique_ptr<BendingTerm> MakeBendingTerm(BendingParts* parts, std::size_t place, const Scene& scene,
+std::unique_ptr<BendingTerm> MakeBendingTerm(BendingMatrices* parts, std::size_t place, const Scene& scene,
                                              const std::vector<int>& free_index, const BlockPattern& pattern);
 
 class BendingTerm final : public ForceTerm {

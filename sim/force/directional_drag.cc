@@ -10,6 +10,17 @@
 #include "sim/force/normal_slope.h"
 
 namespace clothid {
+
+// What a solve holds of a batch of triangles: n, and w at their centres, m/s.
+struct alignas(64) AirBatch {
+  double normal[3][kLanes];
+  double wind[3][kLanes];
+};
+
+struct DragConstants {
+  double normal = 0.0, tangential = 0.0;  // c_n and c_t: kg/(m^2 s), or kg/m^3 where the law is quadratic
+};
+
 namespace {
 
 // The kernels have no clones for other instruction sets, as those of strain_rate_damping.cc.
@@ -131,15 +142,15 @@ const std::vector<AirBatch>& AirOf(const HeldForce* held) { return static_cast<c
 
 }  // namespace
 
-DirectionalDrag::DirectionalDrag(AirLaw law, const std::vector<RestPlace>& places,
+DirectionalDrag::DirectionalDrag(AirLaw law, std::vector<RestPlace> places,
                                  std::shared_ptr<const TriangleElements> triangles, const std::vector<int>& free_index,
                                  const BlockPattern& pattern)
-    : law_(law), triangles_(std::move(triangles)), places_(triangles_->size()) {
+    : law_(law), nodes_(std::move(places)), triangles_(std::move(triangles)), places_(triangles_->size()) {
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
     for (int lane = 0; lane < kLanes; ++lane) {
       for (int i = 0; i < 3; ++i) {
-        const RestPlace& corner = places[batch.rows[i][lane] / 3];
+        const RestPlace& corner = nodes_[batch.rows[i][lane] / 3];
         places_[b].centers[lane].position += corner.position / 3.0;
         places_[b].centers[lane].from_center += corner.from_center / 3.0;
         for (int j = 0; j < 3; ++j) {
@@ -153,22 +164,24 @@ DirectionalDrag::DirectionalDrag(AirLaw law, const std::vector<RestPlace>& place
   }
 }
 
-void DirectionalDrag::SetAir(const Eigen::VectorXd& positions, const Wind& wind, double time,
-                             std::vector<AirBatch>* air) const {
-  air->resize(triangles_->size());
+void DirectionalDrag::Hold(const Parameters& parameters, double time, const ForceStart& start,
+                           std::unique_ptr<HeldForce>* held) const {
+  if (*held == nullptr) *held = std::make_unique<HeldAir>();
+  std::vector<AirBatch>& air = static_cast<HeldAir*>(held->get())->air;
+  air.resize(triangles_->size());
   CornerVectors x;
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
-    GatherCorners((*triangles_)[b], positions.data(), &x);
-    SetNormals(x, &(*air)[b]);
+    GatherCorners((*triangles_)[b], start.predicted.data(), &x);
+    SetNormals(x, &air[b]);
     for (int lane = 0; lane < kLanes; ++lane) {
-      const Eigen::Vector3d velocity = wind.At(time, places_[b].centers[lane]);
-      for (int c = 0; c < 3; ++c) (*air)[b].wind[c][lane] = velocity[c];
+      const Eigen::Vector3d velocity = parameters.wind.At(time, places_[b].centers[lane]);
+      for (int c = 0; c < 3; ++c) air[b].wind[c][lane] = velocity[c];
     }
   }
 }
 
-double DirectionalDrag::AddForce(const DragConstants& constants, const Eigen::VectorXd& velocities,
-                                 const std::vector<AirBatch>& air, Eigen::VectorXd* force) const {
+double DirectionalDrag::AddForceOf(const DragConstants& constants, const Eigen::VectorXd& velocities,
+                                   const std::vector<AirBatch>& air, Eigen::VectorXd* force) const {
   CornerVectors v, forces;
   double potentials[kLanes] = {};
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
@@ -184,12 +197,14 @@ double DirectionalDrag::AddForce(const DragConstants& constants, const Eigen::Ve
   return std::accumulate(potentials, potentials + kLanes, 0.0);
 }
 
-void DirectionalDrag::AddHessian(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
-                                 const std::vector<AirBatch>& air, BlockMatrix* hessian) const {
+void DirectionalDrag::AddVelocityHessian(double factor, const ForcePoint& point, const HeldForce* held,
+                                         BlockMatrix* hessian) const {
+  const DragConstants constants = DragConstantsOf(point.parameters.material);
+  const std::vector<AirBatch>& air = AirOf(held);
   CornerVectors v;
   FlowBlocks blocks;
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
-    GatherCorners((*triangles_)[b], velocities.data(), &v);
+    GatherCorners((*triangles_)[b], point.velocities.data(), &v);
     FillBlocks(law_, (*triangles_)[b], air[b], v, constants, &blocks);
     for (int lane = 0; lane < kLanes; ++lane) {
       const Eigen::Matrix3d block = (factor / 9.0) * BlockAt(blocks, lane);
@@ -202,14 +217,15 @@ void DirectionalDrag::AddHessian(double factor, const DragConstants& constants, 
   }
 }
 
-void DirectionalDrag::AddVelocityProduct(double factor, const DragConstants& constants,
-                                         const Eigen::VectorXd& velocities, const std::vector<AirBatch>& air,
+void DirectionalDrag::AddVelocityProduct(double factor, const ForcePoint& point, const HeldForce* held,
                                          const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const {
+  const DragConstants constants = DragConstantsOf(point.parameters.material);
+  const std::vector<AirBatch>& air = AirOf(held);
   CornerVectors v;
   FlowBlocks blocks;
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
-    GatherCorners(batch, velocities.data(), &v);
+    GatherCorners(batch, point.velocities.data(), &v);
     FillBlocks(law_, batch, air[b], v, constants, &blocks);
     for (int lane = 0; lane < kLanes; ++lane) {
       const Eigen::Matrix3d block = (factor / 3.0) * BlockAt(blocks, lane);
@@ -221,13 +237,15 @@ void DirectionalDrag::AddVelocityProduct(double factor, const DragConstants& con
   }
 }
 
-void DirectionalDrag::AddNormalProduct(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
-                                       const std::vector<AirBatch>& air, const Eigen::VectorXd& positions,
-                                       const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const {
+void DirectionalDrag::AddPredictionProduct(double factor, const ForcePoint& point, const HeldForce* held,
+                                           const Eigen::VectorXd& predicted, const Eigen::MatrixXd& columns,
+                                           Eigen::MatrixXd* product) const {
+  const DragConstants constants = DragConstantsOf(point.parameters.material);
+  const std::vector<AirBatch>& air = AirOf(held);
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
     for (int lane = 0; lane < kLanes && batch.area[lane] > 0.0; ++lane) {
-      const NormalSlope slope = SlopeOf(law_, constants, batch, air[b], lane, velocities, positions);
+      const NormalSlope slope = SlopeOf(law_, constants, batch, air[b], lane, point.velocities, predicted);
       for (Eigen::Index c = 0; c < columns.cols(); ++c) {
         const Eigen::Vector3d third = (factor / 3.0) * slope.Times(columns.col(c).data());
         for (int i = 0; i < 3; ++i) product->col(c).segment<3>(batch.rows[i][lane]) += third;
@@ -236,14 +254,15 @@ void DirectionalDrag::AddNormalProduct(double factor, const DragConstants& const
   }
 }
 
-void DirectionalDrag::AddNormalProductTransposed(double factor, const DragConstants& constants,
-                                                 const Eigen::VectorXd& velocities, const std::vector<AirBatch>& air,
-                                                 const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns,
-                                                 Eigen::MatrixXd* product) const {
+void DirectionalDrag::AddPredictionProductTransposed(double factor, const ForcePoint& point, const HeldForce* held,
+                                                     const Eigen::VectorXd& predicted, const Eigen::MatrixXd& columns,
+                                                     Eigen::MatrixXd* product) const {
+  const DragConstants constants = DragConstantsOf(point.parameters.material);
+  const std::vector<AirBatch>& air = AirOf(held);
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
     for (int lane = 0; lane < kLanes && batch.area[lane] > 0.0; ++lane) {
-      const NormalSlope slope = SlopeOf(law_, constants, batch, air[b], lane, velocities, positions);
+      const NormalSlope slope = SlopeOf(law_, constants, batch, air[b], lane, point.velocities, predicted);
       for (Eigen::Index c = 0; c < columns.cols(); ++c) {
         slope.AddTransposed(factor * CornerMean(batch, lane, columns.col(c).data()), product->col(c).data());
       }
@@ -251,79 +270,46 @@ void DirectionalDrag::AddNormalProductTransposed(double factor, const DragConsta
   }
 }
 
-void DirectionalDrag::AddWindDerivative(double factor, const DragConstants& constants,
-                                        const Eigen::VectorXd& velocities, const std::vector<AirBatch>& air,
-                                        const Wind& wind, double time, ParameterId id, Eigen::VectorXd* force) const {
+void DirectionalDrag::AddWindDerivative(ParameterId id, double factor, const ForcePoint& point,
+                                        const std::vector<AirBatch>& air, Eigen::VectorXd* force) const {
+  const DragConstants constants = DragConstantsOf(point.parameters.material);
   CornerVectors v;
   FlowBlocks blocks;
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
-    GatherCorners(batch, velocities.data(), &v);
+    GatherCorners(batch, point.velocities.data(), &v);
     FillBlocks(law_, batch, air[b], v, constants, &blocks);
     for (int lane = 0; lane < kLanes; ++lane) {
-      const Eigen::Vector3d third =
-          (factor / 3.0) * BlockAt(blocks, lane) * WindDerivative(wind, id, time, places_[b].centers[lane]);
+      const Eigen::Vector3d third = (factor / 3.0) * BlockAt(blocks, lane) *
+                                    WindDerivative(point.parameters.wind, id, point.time, places_[b].centers[lane]);
       for (int i = 0; i < 3; ++i) force->segment<3>(batch.rows[i][lane]) += third;
     }
   }
 }
 
-void DirectionalDragTerm::Hold(const Parameters& parameters, double time, const ForceStart& start,
-                               std::unique_ptr<HeldForce>* held) const {
-  if (*held == nullptr) *held = std::make_unique<HeldAir>();
-  drag_.SetAir(start.predicted, parameters.wind, time, &static_cast<HeldAir*>(held->get())->air);
+double DirectionalDrag::AddForce(const ForcePoint& point, const HeldForce* held, Eigen::VectorXd* force) const {
+  const DragConstants constants = DragConstantsOf(point.parameters.material);
+  return point.time_step * AddForceOf(constants, point.velocities, AirOf(held), force);
 }
 
-double DirectionalDragTerm::AddForce(const ForcePoint& point, const HeldForce* held, Eigen::VectorXd* force) const {
-  return point.time_step *
-         drag_.AddForce(DragConstantsOf(point.parameters.material), point.velocities, AirOf(held), force);
-}
-
-void DirectionalDragTerm::AddVelocityHessian(double factor, const ForcePoint& point, const HeldForce* held,
-                                             BlockMatrix* hessian) const {
-  drag_.AddHessian(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held), hessian);
-}
-
-void DirectionalDragTerm::AddVelocityProduct(double factor, const ForcePoint& point, const HeldForce* held,
-                                             const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const {
-  drag_.AddVelocityProduct(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held), columns,
-                           product);
-}
-
-void DirectionalDragTerm::AddPredictionProduct(double factor, const ForcePoint& point, const HeldForce* held,
-                                               const Eigen::VectorXd& predicted, const Eigen::MatrixXd& columns,
-                                               Eigen::MatrixXd* product) const {
-  drag_.AddNormalProduct(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held), predicted,
-                         columns, product);
-}
-
-void DirectionalDragTerm::AddPredictionProductTransposed(double factor, const ForcePoint& point, const HeldForce* held,
-                                                         const Eigen::VectorXd& predicted,
-                                                         const Eigen::MatrixXd& columns,
-                                                         Eigen::MatrixXd* product) const {
-  drag_.AddNormalProductTransposed(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held),
-                                   predicted, columns, product);
-}
-
-void DirectionalDragTerm::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce* held,
-                                        Eigen::VectorXd* force) const {
+void DirectionalDrag::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce* held,
+                                    Eigen::VectorXd* force) const {
   const ParameterTerm term = RowOf(id.kind).term;
   if (term == ParameterTerm::kWind) {
-    drag_.AddWindDerivative(factor, DragConstantsOf(point.parameters.material), point.velocities, AirOf(held),
-                            point.parameters.wind, point.time, id, force);
+    AddWindDerivative(id, factor, point, AirOf(held), force);
   } else if (term == ParameterTerm::kDirectionalDrag) {
     // The force is linear in its constants.
     Eigen::VectorXd unit = Eigen::VectorXd::Zero(force->size());
     const bool is_normal = id.kind == ParameterKind::kNormalDrag;
-    drag_.AddForce({is_normal ? 1.0 : 0.0, is_normal ? 0.0 : 1.0}, point.velocities, AirOf(held), &unit);
+    AddForceOf({is_normal ? 1.0 : 0.0, is_normal ? 0.0 : 1.0}, point.velocities, AirOf(held), &unit);
     *force += factor * unit;
   }
 }
 
-std::unique_ptr<ForceTerm> DirectionalDragTerm::PartOf(const ForcePart& part) const {
+std::unique_ptr<ForceTerm> DirectionalDrag::PartOf(const ForcePart& part) const {
   std::vector<RestPlace> places;
-  for (const int node : part.nodes) places.push_back(places_[node]);
-  return std::make_unique<DirectionalDragTerm>(law_, std::move(places), part.triangles, part.blocks, *part.pattern);
+  for (const int node : part.nodes) places.push_back(nodes_[node]);
+  return std::make_unique<DirectionalDrag>(law_, std::move(places), part.triangles, part.blocks, *part.pattern);
 }
 
 }  // namespace clothid

@@ -24,67 +24,14 @@
 
 namespace clothid {
 
-// What a solve holds of a batch of triangles: n, and w at their centres, m/s.
-struct alignas(64) AirBatch {
-  double normal[3][kLanes];
-  double wind[3][kLanes];
-};
+struct AirBatch;
+struct DragConstants;
 
-struct DragConstants {
-  double normal = 0.0, tangential = 0.0;  // c_n and c_t: kg/(m^2 s), or kg/m^3 where the law is quadratic
-};
-
-class DirectionalDrag {
+class DirectionalDrag final : public ForceTerm {
  public:
   // `triangles`, `free_index` and `pattern` as of `MakeTriangleElements`, `places` those of the nodes at rest [N].
-  DirectionalDrag(AirLaw law, const std::vector<RestPlace>& places, std::shared_ptr<const TriangleElements> triangles,
+  DirectionalDrag(AirLaw law, std::vector<RestPlace> places, std::shared_ptr<const TriangleElements> triangles,
                   const std::vector<int>& free_index, const BlockPattern& pattern);
-
-  // Normals at `positions` x^ [3N], the wind at `time`.
-  void SetAir(const Eigen::VectorXd& positions, const Wind& wind, double time, std::vector<AirBatch>* air) const;
-
-  // Adds F [3N] at `velocities` [3N] to `force` and returns D, W.
-  double AddForce(const DragConstants& constants, const Eigen::VectorXd& velocities, const std::vector<AirBatch>& air,
-                  Eigen::VectorXd* force) const;
-  // Adds factor * d2D/dv2, to a matrix that is whole on either side of its diagonal.
-  void AddHessian(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
-                  const std::vector<AirBatch>& air, BlockMatrix* hessian) const;
-  // Adds factor * d2D/dv2 y to `product`, for columns y [3N x s].
-  void AddVelocityProduct(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
-                          const std::vector<AirBatch>& air, const Eigen::MatrixXd& columns,
-                          Eigen::MatrixXd* product) const;
-  // Adds factor * dF/dx^ y, and its transpose times y. `positions`: x^.
-  void AddNormalProduct(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
-                        const std::vector<AirBatch>& air, const Eigen::VectorXd& positions,
-                        const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const;
-  void AddNormalProductTransposed(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
-                                  const std::vector<AirBatch>& air, const Eigen::VectorXd& positions,
-                                  const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const;
-  // Adds factor * dF/dtheta to `force` [3N], theta the parameter `id` of `wind`.
-  void AddWindDerivative(double factor, const DragConstants& constants, const Eigen::VectorXd& velocities,
-                         const std::vector<AirBatch>& air, const Wind& wind, double time, ParameterId id,
-                         Eigen::VectorXd* force) const;
-
- private:
-  // Of a batch: where d2D/dv2 has its blocks, invalid for handles, and the centres at rest.
-  struct Places {
-    BlockPosition blocks[3][3][kLanes];
-    RestPlace centers[kLanes];
-  };
-
-  AirLaw law_;
-  std::shared_ptr<const TriangleElements> triangles_;
-  std::vector<Places> places_;
-};
-
-// Among the forces in a cloth.
-class DirectionalDragTerm final : public ForceTerm {
- public:
-  DirectionalDragTerm(AirLaw law, std::vector<RestPlace> places, std::shared_ptr<const TriangleElements> triangles,
-                      const std::vector<int>& free_index, const BlockPattern& pattern)
-      : law_(law), places_(std::move(places)), drag_(law, places_, std::move(triangles), free_index, pattern) {}
-
-  const DirectionalDrag& drag() const { return drag_; }
 
   ForceGroup group() const override { return ForceGroup::kAir; }
   bool needs_velocities() const override { return true; }
@@ -107,9 +54,21 @@ class DirectionalDragTerm final : public ForceTerm {
   std::unique_ptr<ForceTerm> PartOf(const ForcePart& part) const override;
 
  private:
+  double AddForceOf(const DragConstants& constants, const Eigen::VectorXd& velocities, const std::vector<AirBatch>& air,
+                    Eigen::VectorXd* force) const;  // F; returns D, W
+  void AddWindDerivative(ParameterId id, double factor, const ForcePoint& point, const std::vector<AirBatch>& air,
+                         Eigen::VectorXd* force) const;
+
+  // Of a batch: where d2D/dv2 has its blocks, invalid for handles, and the centres at rest.
+  struct Places {
+    BlockPosition blocks[3][3][kLanes];
+    RestPlace centers[kLanes];
+  };
+
   AirLaw law_;
-  std::vector<RestPlace> places_;  // [N]
-  DirectionalDrag drag_;
+  std::vector<RestPlace> nodes_;  // [N]
+  std::shared_ptr<const TriangleElements> triangles_;
+  std::vector<Places> places_;
 };
 
 }  // namespace clothid

@@ -45,10 +45,11 @@ class ForceSet {
   // Adds the forces of a group to `force` [3N] and returns their potential, J.
   double AddForce(ForceGroup group, const ForcePoint& point, const HeldForces& held, Eigen::VectorXd* force) const;
 
-  // Of all terms what `ForceTerm` says. K over the free nodes is h^2 -df/dx + h -df/dv and more; it overwrites
-  // `hessian`.
+  // position_factor * -df/dx + velocity_factor * -df/dv over the free nodes overwrites `hessian`: of what K has of
+  // forces, h^2 and h (sim/step/step_problem.h).
   void SetHessian(HessianKind kind, const ForcePoint& point, const HeldForces& held, double position_factor,
                   double velocity_factor, BlockMatrix* hessian) const;
+  // Of all terms what `ForceTerm` says.
   void AddVelocityProduct(double factor, const ForcePoint& point, const HeldForces& held,
                           const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const;
   void AddOriginProduct(double factor, const ForcePoint& point, const Eigen::VectorXd& origin,

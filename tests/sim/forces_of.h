@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "sim/cloth/cloth_model.h"
-#include "sim/force/directional_drag.h"
 #include "sim/force/membrane.h"
 #include "sim/force/seam_term.h"
 
@@ -22,10 +21,6 @@ inline std::vector<const BendingTerm*> BendingOf(const ClothModel& model) {
 }
 
 inline const SeamEnergy& SeamsOf(const ClothModel& model) { return model.forces().Find<SeamTerm>()->energy(); }
-
-inline const DirectionalDrag& DirectionalDragOf(const ClothModel& model) {
-  return model.forces().Find<DirectionalDragTerm>()->drag();
-}
 
 }  // namespace clothid
 

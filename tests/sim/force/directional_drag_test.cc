@@ -5,33 +5,33 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <memory>
 #include <random>
 #include <string>
 
 #include "sim/cloth/cloth_model.h"
 #include "sim/matrix/dense.h"
-#include "tests/sim/forces_of.h"
 #include "tests/sim/plain_scenes.h"
 
 namespace clothid::directional_drag_test {
 namespace {
 
-constexpr double kTime = 0.3;
-const DragConstants kConstants = {0.7, 0.2};
+constexpr double kTime = 0.3, kNormal = 0.7, kTangential = 0.2;
 
 // A crumpled cloth of 18 triangles with a handle, whose nodes have velocities of their own.
 class DirectionalDragTest : public ::testing::TestWithParam<AirLaw> {
  protected:
-  DirectionalDragTest() : scene_(MakeScene()), model_(scene_) {
+  DirectionalDragTest() : scene_(MakeScene()), model_(scene_), parameters_(scene_.nominal_parameters()) {
     x_ = scene_.initial_positions + Random(0.02);
     v_ = Random(1.0);
-    drag().SetAir(x_, scene_.wind, kTime, &air_);
+    Hold(x_);
   }
 
   static Scene MakeScene() {
     Scene scene = ClothScene(SquareGrid(4, 0.3), 0.01);
     scene.handles.nodes = {3};
-    scene.material.normal_drag = kConstants.normal;
+    scene.material.normal_drag = kNormal;
+    scene.material.tangential_drag = kTangential;
     scene.air_law = GetParam();
     scene.wind.mean = {1.0, -2.0, 0.5};
     scene.wind.gust = {0.0, 3.0, 1.0};
@@ -41,7 +41,17 @@ class DirectionalDragTest : public ::testing::TestWithParam<AirLaw> {
     return scene;
   }
 
-  const DirectionalDrag& drag() const { return DirectionalDragOf(model_); }
+  const DirectionalDrag& drag() const { return *model_.forces().Find<DirectionalDrag>(); }
+
+  // In the wind of `parameters_`.
+  void Hold(const Eigen::VectorXd& predicted) {
+    ForceStart start;
+    start.predicted = predicted;
+    drag().Hold(parameters_, kTime, start, &held_);
+  }
+
+  // Of a solve of 1 s, so that potentials are D.
+  ForcePoint At(const Eigen::VectorXd& velocities) const { return {parameters_, 1.0, kTime, x_, velocities}; }
 
   Eigen::VectorXd Random(double scale) {
     std::normal_distribution<double> normal(0.0, scale);
@@ -52,20 +62,21 @@ class DirectionalDragTest : public ::testing::TestWithParam<AirLaw> {
 
   Eigen::VectorXd Force(const Eigen::VectorXd& velocities) const {
     Eigen::VectorXd force = Eigen::VectorXd::Zero(velocities.size());
-    drag().AddForce(kConstants, velocities, air_, &force);
+    drag().AddForce(At(velocities), held_.get(), &force);
     return force;
   }
 
   double Potential(const Eigen::VectorXd& velocities) const {
     Eigen::VectorXd unused = Eigen::VectorXd::Zero(velocities.size());
-    return drag().AddForce(kConstants, velocities, air_, &unused);
+    return drag().AddForce(At(velocities), held_.get(), &unused);
   }
 
   std::mt19937_64 generator_{3};
   Scene scene_;
   ClothModel model_;
+  Parameters parameters_;
   Eigen::VectorXd x_, v_;
-  std::vector<AirBatch> air_;
+  std::unique_ptr<HeldForce> held_;
 };
 
 TEST_P(DirectionalDragTest, TheForceIsTheFormula) {
@@ -84,8 +95,8 @@ TEST_P(DirectionalDragTest, TheForceIsTheFormula) {
     const Eigen::Vector3d u = scene_.wind.At(kTime, {rest, rest - center}) - v;
     const Eigen::Vector3d u_n = u.dot(n) * n, u_t = u - u_n;
     const bool quadratic = GetParam() == AirLaw::kQuadratic;
-    const Eigen::Vector3d force = areas[f] * (kConstants.normal * (quadratic ? u_n.norm() : 1.0) * u_n +
-                                              kConstants.tangential * (quadratic ? u_t.norm() : 1.0) * u_t);
+    const Eigen::Vector3d force = areas[f] * (kNormal * (quadratic ? u_n.norm() : 1.0) * u_n +
+                                              kTangential * (quadratic ? u_t.norm() : 1.0) * u_t);
     for (int i = 0; i < 3; ++i) expected.segment<3>(3 * nodes[i]) += force / 3.0;
   }
   EXPECT_LT((Force(v_) - expected).norm(), 1e-13 * expected.norm());
@@ -104,10 +115,10 @@ TEST_P(DirectionalDragTest, TheHessianIsMinusTheDerivativeOfTheForce) {
   const double step = 1e-5;
   const Eigen::VectorXd difference = (Force(v_ - step * direction) - Force(v_ + step * direction)) / (2.0 * step);
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(v_.size(), 1);
-  drag().AddVelocityProduct(1.0, kConstants, v_, air_, direction, &product);
+  drag().AddVelocityProduct(1.0, At(v_), held_.get(), direction, &product);
   EXPECT_LT((product - difference).norm(), 1e-8 * difference.norm());
   BlockMatrix hessian(model_.pattern());
-  drag().AddHessian(1.0, kConstants, v_, air_, &hessian);
+  drag().AddVelocityHessian(1.0, At(v_), held_.get(), &hessian);
   EXPECT_LT((hessian.view() * free - model_.Gather(product)).norm(), 1e-13 * product.norm());
   const Eigen::MatrixXd dense(hessian.view());
   EXPECT_EQ((dense - dense.transpose()).norm(), 0.0);
@@ -117,13 +128,13 @@ TEST_P(DirectionalDragTest, TheHessianIsMinusTheDerivativeOfTheForce) {
 TEST_P(DirectionalDragTest, TheDerivativeByThePredictedPositionsIsADifference) {
   const Eigen::VectorXd direction = Random(1.0), other = Random(1.0);
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(x_.size(), 1), transposed = product;
-  drag().AddNormalProduct(2.0, kConstants, v_, air_, x_, direction, &product);
-  drag().AddNormalProductTransposed(2.0, kConstants, v_, air_, x_, other, &transposed);
+  drag().AddPredictionProduct(2.0, At(v_), held_.get(), x_, direction, &product);
+  drag().AddPredictionProductTransposed(2.0, At(v_), held_.get(), x_, other, &transposed);
   EXPECT_NEAR(other.dot(product.col(0)), direction.dot(transposed.col(0)), 1e-12 * other.norm() * product.norm());
   Eigen::VectorXd sides[2];
   const double step = 1e-7;
   for (const int side : {0, 1}) {
-    drag().SetAir(x_ + (side == 0 ? -step : step) * direction, scene_.wind, kTime, &air_);
+    Hold(x_ + (side == 0 ? -step : step) * direction);
     sides[side] = Force(v_);
   }
   const Eigen::VectorXd difference = (sides[1] - sides[0]) / step;
@@ -131,18 +142,17 @@ TEST_P(DirectionalDragTest, TheDerivativeByThePredictedPositionsIsADifference) {
 }
 
 TEST_P(DirectionalDragTest, TheDerivativeByTheWindIsADifference) {
-  Parameters parameters = scene_.nominal_parameters();
   for (const ParameterId id : ParametersOf(ParameterTerm::kWind)) {
     Eigen::VectorXd derivative = Eigen::VectorXd::Zero(v_.size()), sides[2];
-    drag().SetAir(x_, scene_.wind, kTime, &air_);
-    drag().AddWindDerivative(1.0, kConstants, v_, air_, scene_.wind, kTime, id, &derivative);
-    const double value = GetParameter(parameters, id), step = 1e-6;
+    Hold(x_);
+    drag().AddDerivative(id, 1.0, At(v_), held_.get(), &derivative);
+    const double value = GetParameter(parameters_, id), step = 1e-6;
     for (const int side : {0, 1}) {
-      Parameters moved = parameters;
-      SetParameter(id, value + (side == 0 ? -step : step), &moved);
-      drag().SetAir(x_, moved.wind, kTime, &air_);
+      SetParameter(id, value + (side == 0 ? -step : step), &parameters_);
+      Hold(x_);
       sides[side] = Force(v_);
     }
+    SetParameter(id, value, &parameters_);
     const Eigen::VectorXd difference = (sides[1] - sides[0]) / (2.0 * step);
     EXPECT_LE((derivative - difference).norm(), 1e-7 * difference.norm()) << ParameterName(id, {});
   }
@@ -150,16 +160,16 @@ TEST_P(DirectionalDragTest, TheDerivativeByTheWindIsADifference) {
 
 // Wind that meets the cloth squarely, or not at all, has no tangential direction.
 TEST_P(DirectionalDragTest, AirAtRestHasFiniteDerivatives) {
-  Wind calm;
+  parameters_.wind = Wind();
   for (const double speed : {0.0, 1.0}) {
-    calm.mean.z() = speed;
-    drag().SetAir(scene_.initial_positions, calm, kTime, &air_);
+    parameters_.wind.mean.z() = speed;
+    Hold(scene_.initial_positions);
     const Eigen::VectorXd still = Eigen::VectorXd::Zero(v_.size());
     BlockMatrix hessian(model_.pattern());
-    drag().AddHessian(1.0, kConstants, still, air_, &hessian);
+    drag().AddVelocityHessian(1.0, At(still), held_.get(), &hessian);
     EXPECT_TRUE(hessian.values.allFinite());
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(v_.size(), 1);
-    drag().AddNormalProduct(1.0, kConstants, still, air_, scene_.initial_positions, v_, &product);
+    drag().AddPredictionProduct(1.0, At(still), held_.get(), scene_.initial_positions, v_, &product);
     EXPECT_TRUE(product.allFinite());
     EXPECT_TRUE(Force(still).allFinite());
   }
