@@ -1,0 +1,150 @@
+#include "datasets/curves/tensile_recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "datasets/motion/motion_file.h"
+#include "datasets/motion/motion_validation.h"
+#include "sim/base/error.h"
+#include "sim/mesh/mesh.h"
+
+namespace clothid {
+namespace {
+
+constexpr double kDensity = 0.2;    // kg/m^2, of a fabric of medium weight; a curve does not depend on it
+constexpr double kTimeStep = 0.1;   // s
+constexpr int kNumPullSteps = 100;  // at which the frames are
+constexpr double kDuration = kNumPullSteps * kTimeStep;
+
+// Of a guess: cloth stiffens by less, and a scattered curve must not tell anything.
+constexpr double kLeastStiffening = 0.5, kMostStiffening = 25.0;
+constexpr double kShearShare = 0.5;  // of k: an isotropic cloth that does not contract
+
+struct GuessedLaw {
+  double stiffness = 0.0;   // N/m
+  double stiffening = 0.0;  // 1
+};
+
+// Least squares of force per width over strain: the slope, N/m.
+double SlopeOf(const Eigen::VectorXd& strains, const Eigen::VectorXd& tensions) {
+  const Eigen::VectorXd centred = strains.array() - strains.mean();
+  return centred.dot(tensions) / centred.squaredNorm();
+}
+
+// Rounded to three digits: it is a guess.
+double RoundedGuess(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  return std::round(value / unit) * unit;
+}
+
+GuessedLaw GuessLaw(const TensileCurve& curve, MembraneLaw membrane) {
+  const Eigen::VectorXd tensions = curve.forces / curve.width;
+  const Eigen::Index count = tensions.size(), half = count / 2;
+  const double secant = tensions[count - 1] / curve.strains[count - 1];
+  if (membrane == MembraneLaw::kOrthotropic) return {RoundedGuess(secant), 0.0};
+  const double lower = SlopeOf(curve.strains.head(half), tensions.head(half));
+  const double upper = SlopeOf(curve.strains.tail(half), tensions.tail(half));
+  const double at_lower = curve.strains.head(half).mean(), at_upper = curve.strains.tail(half).mean();
+  GuessedLaw law;
+  law.stiffening = kLeastStiffening;
+  if (lower > 0.0 && upper > lower) law.stiffening = std::log(upper / lower) / (at_upper - at_lower);
+  law.stiffening = RoundedGuess(std::clamp(law.stiffening, kLeastStiffening, kMostStiffening));
+  // Such that the law goes through the last reading.
+  const double last = law.stiffening * curve.strains[count - 1];
+  law.stiffness = RoundedGuess(secant * last / std::expm1(last));
+  return law;
+}
+
+const char* NameOfPull(PullDirection direction) { return direction == PullDirection::kWarp ? "warp" : "weft"; }
+
+std::string SceneOfStrip(const TensileCurve& curve, const TensileStrip& strip) {
+  const GuessedLaw law = GuessLaw(curve, strip.membrane);
+  nlohmann::ordered_json scene = {{"clothid_scene", 2},
+                                  {"time_step", kTimeStep},
+                                  {"integrator", "euler"},
+                                  {"gravity", {0, 0, 0}},
+                                  {"initial", {{"positions", "rest"}}}};
+  nlohmann::ordered_json& materials = scene["materials"];
+  materials = {{"density", kDensity},
+               {"membrane", strip.membrane == MembraneLaw::kYarn ? "yarn" : "orthotropic"},
+               {"k_warp", law.stiffness},
+               {"k_weft", law.stiffness},
+               {"k_shear", kShearShare * law.stiffness},
+               {"k_poisson", 0}};
+  if (strip.membrane == MembraneLaw::kYarn) {
+    materials["stiffening_warp"] = materials["stiffening_weft"] = law.stiffening;
+  }
+  if (strip.direction == PullDirection::kWarp) {
+    materials["warp_direction"] = {0, 0, 1};
+  } else {
+    materials["warp_direction"] = {1, 0, 0};
+  }
+  return scene.dump(2);
+}
+
+void CheckStrip(const TensileStrip& strip) {
+  ExpectUsage(strip.membrane != MembraneLaw::kArap, "membrane: expected one with warp and weft");
+  ExpectUsage(strip.nodes[0] >= 2 && strip.nodes[1] >= 3 && strip.nodes[0] <= kMaxNodes / strip.nodes[1],
+              "nodes: expected at least 2 across and 3 along the pull, and at most " + std::to_string(kMaxNodes));
+}
+
+// The rows at both clamps, the upper one moved at constant speed.
+void HoldClamps(const TensileCurve& curve, const TensileStrip& strip, MotionTensors* motion) {
+  const int num_across = strip.nodes[0], first_upper = motion->mesh.num_nodes() - num_across;
+  std::vector<int> upper;
+  for (int i = 0; i < num_across; ++i) motion->handle_index.push_back(i);
+  for (int i = 0; i < num_across; ++i) upper.push_back(first_upper + i);
+  motion->handle_index.insert(motion->handle_index.end(), upper.begin(), upper.end());
+  const Eigen::VectorXd start = motion->mesh.rest_positions(Eigen::all, motion->handle_index).reshaped();
+  motion->handle_times = Eigen::Vector2d(0.0, kDuration);
+  motion->handle_positions = start.replicate(1, 2);
+  const double pull = curve.length * curve.strains[curve.strains.size() - 1];
+  for (int i = num_across; i < 2 * num_across; ++i) motion->handle_positions(3 * i + 2, 1) += pull;
+
+  ForceReadings& forces = motion->forces;
+  const Eigen::Index count = curve.strains.size();
+  forces.times = curve.strains / curve.strains[count - 1] * kDuration;
+  forces.times[count - 1] = kDuration;
+  forces.values = Eigen::MatrixXd::Constant(3, count, std::numeric_limits<double>::quiet_NaN());
+  forces.values.row(2) = curve.forces.transpose();
+  forces.groups = {upper};
+  forces.sigma = Eigen::VectorXd::Constant(1, curve.force_sigma);
+}
+
+}  // namespace
+
+MotionTensors RecordTensileTest(const TensileCurve& curve, const TensileStrip& strip, const std::string& provenance) {
+  CheckStrip(strip);
+  GridOptions grid;
+  grid.nodes = strip.nodes;
+  grid.size = {curve.width, curve.length};
+  grid.origin = {-0.5 * curve.width, 0.0, 0.0};
+  grid.axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()};
+  MotionTensors motion;
+  motion.mesh = MakeGrid(grid);
+  motion.times = Eigen::VectorXd::LinSpaced(kNumPullSteps + 1, 0.0, kDuration);
+  motion.node_index = {strip.nodes[0] / 2 + strip.nodes[0] * (strip.nodes[1] / 2)};
+  motion.positions.setConstant(3, motion.times.size(), std::numeric_limits<double>::quiet_NaN());
+  HoldClamps(curve, strip, &motion);
+  motion.scene_text = SceneOfStrip(curve, strip);
+  motion.provenance = provenance;
+  ValidateMotionTensors(motion, provenance);
+  InterpretMotion(motion, provenance);
+  return motion;
+}
+
+double InertiaAtClamp(const TensileCurve& curve) {
+  const double speed = curve.length * curve.strains[curve.strains.size() - 1] / kDuration;
+  return kDensity * curve.width * curve.length / 3.0 * speed / kTimeStep;
+}
+
+std::string ParametersOfPull(const TensileStrip& strip) {
+  const std::string name = NameOfPull(strip.direction);
+  return "k_" + name + (strip.membrane == MembraneLaw::kYarn ? ",stiffening_" + name : "");
+}
+
+}  // namespace clothid

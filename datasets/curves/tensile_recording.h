@@ -1,0 +1,52 @@
+// A recording of a tensile test: a strip between two clamps in place of the curve.
+//
+// The strip is a flat grid in the plane y = 0, its length at rest along z. Its lowest and its uppermost row of nodes
+// are handles, the clamps: the lower one stands, the upper one moves along z from a strain of 0 to that of the last
+// reading, at constant speed, so that a reading at the strain e belongs to the time T e/e_last. The only forces that
+// are told are those of the upper clamp along z. A recording has a point at least: the node in the middle, which is
+// never seen. Whoever tracked markers on the specimen can put them in its place.
+//
+// The clock is not that of the machine. A curve has no rate: the laws of stretch have none, and what of a real curve
+// is creep and relaxation no constant can express. T = 10 s in 100 steps of backward Euler, no gravity, no air. What
+// then is in the predicted force beside that of the stretched cloth is inertia. Points of a strip that stretches evenly
+// have the velocity v z/l, v that of the clamp; with density rho, width w and length l, the virtual work of their
+// inertia gives the clamp
+//   rho w l/3 v/h in the first step of length h, then 0
+// and oscillations, which a step divides by h w with their angular frequency w, hundreds per second. That is 2e-5 N for
+// 0.2 kg/m^2, 50 x 200 mm and 15 %: see `InertiaAtClamp`. Readings lie in between steps on a straight line, which is
+// high by b^2 d^2/8 of the force for a curve that stiffens by exp(b e), d the strain of a step: 3e-5 for b = 6, 25 %.
+#ifndef CLOTHID_DATASETS_CURVES_TENSILE_RECORDING_H_
+#define CLOTHID_DATASETS_CURVES_TENSILE_RECORDING_H_
+
+#include <array>
+#include <string>
+
+#include "datasets/curves/tensile_curve.h"
+#include "datasets/motion/motion_tensors.h"
+#include "sim/scene/scene.h"
+
+namespace clothid {
+
+enum class PullDirection { kWarp, kWeft };
+
+struct TensileStrip {
+  PullDirection direction = PullDirection::kWarp;
+  MembraneLaw membrane = MembraneLaw::kYarn;  // or kOrthotropic
+  std::array<int, 2> nodes = {9, 9};          // across and along the pull, at least 2 and 3
+};
+
+// The recording, which `ReadMotion` has been tried on. Nominal values of the scene are guessed from the curve: along
+// the pull k (and stiffening) from the slopes of its lower and upper half; across it the same k, for shear half of it,
+// k_poisson = 0. They matter to a fit as its start alone, and where the curve does not determine them. Throws `Error`:
+// kUsage for a strip that is none.
+MotionTensors RecordTensileTest(const TensileCurve& curve, const TensileStrip& strip, const std::string& provenance);
+
+// N, the bound above, for the density of the scene of RecordTensileTest.
+double InertiaAtClamp(const TensileCurve& curve);
+
+// The parameters that such a curve determines, "k_weft,stiffening_weft".
+std::string ParametersOfPull(const TensileStrip& strip);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_DATASETS_CURVES_TENSILE_RECORDING_H_
