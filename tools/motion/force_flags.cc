@@ -8,7 +8,7 @@
 
 DEFINE_string(forces, "", "convert: file with forces at the handles");
 DEFINE_string(force_times, "", "convert: file with the times of a .npy of forces, s");
-DEFINE_double(force_sigma, 0.0, "convert: standard deviation of a component of a force, N");
+DEFINE_double(force_sigma, 0.0, "convert, convert_curve: standard deviation of a component of a force, N");
 DEFINE_string(force_nodes, "", "convert: the handles that each sensor holds");
 DEFINE_string(force_axis, "", "convert: x, y or z, of a .npy of forces with one component");
 DEFINE_double(force_scale, 1.0, "convert: factor of forces");
@@ -31,7 +31,10 @@ std::optional<int> AxisFromFlag() {
 }  // namespace
 
 std::optional<ForceFile> ForceFileFromFlags() {
-  if (!IsSet("forces")) return std::nullopt;
+  if (!IsSet("forces")) {
+    if (IsSet("force_sigma")) FailFlag("force_sigma", "expected with --forces");
+    return std::nullopt;
+  }
   if (!(FLAGS_force_sigma > 0.0)) FailFlag("force_sigma", "expected with --forces, a number > 0 (N)");
   ForceFile file;
   file.path = FLAGS_forces;

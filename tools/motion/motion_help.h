@@ -17,6 +17,8 @@ inline constexpr char kHelp[] = R"(motion: looks at recordings, checks and conve
                                              a motion.bin, to another
   motion convert_clouds FOLDER OUT [flags]   from point clouds, a .npy or .ply
                                              per frame
+  motion convert_curve FILE OUT [flags]      from force over elongation, as a
+                                             testing machine exports it
 
 Everyday flags of convert:
   --scene FILE         scene.json; OUT, a name ending in .bin, needs it
@@ -128,6 +130,26 @@ start, handles and obstacles.
   --obstacle LIST, --obstacle_transform FILE, --obstacle_time_offset S   as of convert
   --fit_pose           moves the mesh as a rigid body onto the first cloud, from where the scene has it
   --float64            clouds in double precision
+)";
+
+inline constexpr char kConvertCurveHelp[] =
+    R"(motion convert_curve FILE OUT [flags]: a motion.bin with its scene from the curve of a tensile test.
+
+FILE is a table with a column of force (N, kN, cN, gf, or per width N/m, N/cm, N/mm) and one of extension, displacement
+(mm, cm, m) or strain (%, 1), units in brackets behind the names or in a row below; lines about the test may stand
+above. The recording is a strip between two clamps, the upper one pulled up, with the forces there.
+  --direction D        warp or weft: along which the cloth was pulled; needed
+  --specimen WxL       width and length between the clamps, mm, as in 50x200 (those of the lines Width, Gauge length)
+  --gauge L            length over which the elongation was measured, mm (that between the clamps)
+  --preload F          force that ends the slack, N (0.5 % of the largest force)
+  --strain FROM:TO     keeps these strains, as in 0.02:0.25 (all of the first loading)
+  --force_sigma S      standard deviation of the forces of the recording, N (their scatter)
+  --membrane LAW       yarn: stiffens with strain; or orthotropic (yarn)
+  --nodes NXxNY        of the strip, across and along the pull (9x9)
+
+Example: a knit, pulled along its courses, and the fit of its curve
+  motion convert_curve courses.csv courses.bin --specimen 66.6x69.2 --direction weft --strain 0:0.25
+  identify --target courses.bin --fit k_weft,stiffening_weft
 )";
 
 inline constexpr char kMoreHelp[] = R"(

@@ -19,17 +19,21 @@ int main(int argc, char** argv) {
                        "scene frame_rate times time_scale start_at missing scale transform invert_transform box sigma "
                        "voxel max_points seed obstacle obstacle_transform obstacle_time_offset fit_pose float64",
                        clothid::MotionConvertClouds,
-                       clothid::kConvertCloudsHelp}};
-  program.rules = {
-      {"grid", FlagRule::kWithout, "faces"},
-      {"transpose", FlagRule::kWith, "grid"},
-      {"invert_transform", FlagRule::kWith, "transform"},
-      {"map_distance", FlagRule::kWith, "map", {"nearest", "markers"}},
-      {"borders corners", FlagRule::kWith, "as_surface"},
-      {"handles", FlagRule::kWith, "handle_nodes"},
-      {"handle_offsets handle_transform handle_time_offset", FlagRule::kWith, "handles"},
-      {"obstacle_transform obstacle_time_offset", FlagRule::kWith, "obstacle"},
-      {"force_times force_sigma force_nodes force_axis force_scale force_time_offset", FlagRule::kWith, "forces"},
-      {"seed", FlagRule::kWith, "max_points"}};
+                       clothid::kConvertCloudsHelp},
+                      {"convert_curve",
+                       {"a table of a testing machine", "a file to write"},
+                       "specimen direction gauge strain preload membrane nodes force_sigma",
+                       clothid::MotionConvertCurve,
+                       clothid::kConvertCurveHelp}};
+  program.rules = {{"grid", FlagRule::kWithout, "faces"},
+                   {"transpose", FlagRule::kWith, "grid"},
+                   {"invert_transform", FlagRule::kWith, "transform"},
+                   {"map_distance", FlagRule::kWith, "map", {"nearest", "markers"}},
+                   {"borders corners", FlagRule::kWith, "as_surface"},
+                   {"handles", FlagRule::kWith, "handle_nodes"},
+                   {"handle_offsets handle_transform handle_time_offset", FlagRule::kWith, "handles"},
+                   {"obstacle_transform obstacle_time_offset", FlagRule::kWith, "obstacle"},
+                   {"force_times force_nodes force_axis force_scale force_time_offset", FlagRule::kWith, "forces"},
+                   {"seed", FlagRule::kWith, "max_points"}};
   clothid::RunCommandLine(program, argc, argv);
 }

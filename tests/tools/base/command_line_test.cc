@@ -83,7 +83,7 @@ TEST_F(CommandLineTest, HelpAllNamesEveryFlag) {
 
 TEST_F(CommandLineTest, CommandsHaveAHelpOfTheirOwn) {
   const std::string all = Help("motion --help all");
-  for (const std::string command : {"check", "convert", "convert_clouds"}) {
+  for (const std::string command : {"check", "convert", "convert_clouds", "convert_curve"}) {
     const std::string help = Help("motion " + command + " --help");
     EXPECT_EQ(help.rfind("motion " + command + " ", 0), 0u) << help;
     EXPECT_EQ(Help("motion --help " + command), help);
@@ -106,7 +106,8 @@ TEST_F(CommandLineTest, RefusesWrongCommandsAndArguments) {
   ExpectRefused("identify extra", 1, "'extra': unexpected argument; see identify --help");
   ExpectRefused("identify ''", 1, "'': unexpected argument");
   ExpectRefused("landscape ''", 1, "'': unexpected argument");
-  ExpectRefused("motion", 1, "a command is missing; there is: info, check, view, convert, convert_clouds");
+  ExpectRefused("motion", 1,
+                "a command is missing; there is: info, check, view, convert, convert_clouds, convert_curve");
   ExpectRefused("motion paint", 1, "'paint': unknown command; there is: info, check");
   ExpectRefused("motion info", 1, "info: expected one file; see motion info --help");
   ExpectRefused("motion convert a.bin ''", 1, "convert: expected a file to read and one to write");
