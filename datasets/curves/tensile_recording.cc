@@ -1,6 +1,5 @@
 #include "datasets/curves/tensile_recording.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -15,68 +14,40 @@
 namespace clothid {
 namespace {
 
-constexpr double kDensity = 0.2;    // kg/m^2, of a fabric of medium weight; a curve does not depend on it
-constexpr double kTimeStep = 0.1;   // s
-constexpr int kNumPullSteps = 100;  // at which the frames are
+constexpr double kDensity = 0.2;         // kg/m^2, of a fabric of medium weight; a curve does not depend on it
+constexpr double kTimeStep = 0.1;        // s
+constexpr double kStepTolerance = 0.01;  // of the momentum of the strip, see the header
+constexpr int kNumPullSteps = 100;       // at which the frames are
 constexpr double kDuration = kNumPullSteps * kTimeStep;
 
-// Of a guess: cloth stiffens by less, and a scattered curve must not tell anything.
-constexpr double kLeastStiffening = 0.5, kMostStiffening = 25.0;
-constexpr double kShearShare = 0.5;  // of k: an isotropic cloth that does not contract
+constexpr double kUsualStiffening = 3.0;  // of knits along their courses; woven cloth and their wales have more
+constexpr double kShearShare = 0.5;       // of k: an isotropic cloth that does not contract
 
-struct GuessedLaw {
-  double stiffness = 0.0;   // N/m
-  double stiffening = 0.0;  // 1
-};
-
-// Least squares of force per width over strain: the slope, N/m.
-double SlopeOf(const Eigen::VectorXd& strains, const Eigen::VectorXd& tensions) {
-  const Eigen::VectorXd centred = strains.array() - strains.mean();
-  return centred.dot(tensions) / centred.squaredNorm();
-}
-
-// Rounded to three digits: it is a guess.
-double RoundedGuess(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
-  return std::round(value / unit) * unit;
-}
-
-GuessedLaw GuessLaw(const TensileCurve& curve, MembraneLaw membrane) {
-  const Eigen::VectorXd tensions = curve.forces / curve.width;
-  const Eigen::Index count = tensions.size(), half = count / 2;
-  const double secant = tensions[count - 1] / curve.strains[count - 1];
-  if (membrane == MembraneLaw::kOrthotropic) return {RoundedGuess(secant), 0.0};
-  const double lower = SlopeOf(curve.strains.head(half), tensions.head(half));
-  const double upper = SlopeOf(curve.strains.tail(half), tensions.tail(half));
-  const double at_lower = curve.strains.head(half).mean(), at_upper = curve.strains.tail(half).mean();
-  GuessedLaw law;
-  law.stiffening = kLeastStiffening;
-  if (lower > 0.0 && upper > lower) law.stiffening = std::log(upper / lower) / (at_upper - at_lower);
-  law.stiffening = RoundedGuess(std::clamp(law.stiffening, kLeastStiffening, kMostStiffening));
-  // Such that the law goes through the last reading.
-  const double last = law.stiffening * curve.strains[count - 1];
-  law.stiffness = RoundedGuess(secant * last / std::expm1(last));
-  return law;
+// N/m: the power of ten that is nearest to the force per width over the strain at the last reading.
+double NominalStiffness(const TensileCurve& curve) {
+  const Eigen::Index last = curve.strains.size() - 1;
+  return std::pow(10.0, std::round(std::log10(curve.forces[last] / (curve.width * curve.strains[last]))));
 }
 
 const char* NameOfPull(PullDirection direction) { return direction == PullDirection::kWarp ? "warp" : "weft"; }
 
 std::string SceneOfStrip(const TensileCurve& curve, const TensileStrip& strip) {
-  const GuessedLaw law = GuessLaw(curve, strip.membrane);
+  const double stiffness = NominalStiffness(curve);
   nlohmann::ordered_json scene = {{"clothid_scene", 2},
                                   {"time_step", kTimeStep},
                                   {"integrator", "euler"},
                                   {"gravity", {0, 0, 0}},
-                                  {"initial", {{"positions", "rest"}}}};
+                                  {"initial", {{"positions", "rest"}}},
+                                  {"solver", {{"step_tolerance", kStepTolerance}}}};
   nlohmann::ordered_json& materials = scene["materials"];
   materials = {{"density", kDensity},
                {"membrane", strip.membrane == MembraneLaw::kYarn ? "yarn" : "orthotropic"},
-               {"k_warp", law.stiffness},
-               {"k_weft", law.stiffness},
-               {"k_shear", kShearShare * law.stiffness},
+               {"k_warp", stiffness},
+               {"k_weft", stiffness},
+               {"k_shear", kShearShare * stiffness},
                {"k_poisson", 0}};
   if (strip.membrane == MembraneLaw::kYarn) {
-    materials["stiffening_warp"] = materials["stiffening_weft"] = law.stiffening;
+    materials["stiffening_warp"] = materials["stiffening_weft"] = kUsualStiffening;
   }
   if (strip.direction == PullDirection::kWarp) {
     materials["warp_direction"] = {0, 0, 1};

@@ -13,8 +13,11 @@
 // inertia gives the clamp
 //   rho w l/3 v/h in the first step of length h, then 0
 // and oscillations, which a step divides by h w with their angular frequency w, hundreds per second. That is 2e-5 N for
-// 0.2 kg/m^2, 50 x 200 mm and 15 %: see `InertiaAtClamp`. Readings lie in between steps on a straight line, which is
-// high by b^2 d^2/8 of the force for a curve that stiffens by exp(b e), d the strain of a step: 3e-5 for b = 6, 25 %.
+// 0.2 kg/m^2, 50 x 200 mm and 15 %: see `InertiaAtClamp`. In balance that is also the largest term of a step, to which
+// its residual is compared: a step tolerance of 0.01 leaves a hundredth of that force. With the usual 1e-8 a cloth that
+// has stiffened by exp(2.5) is not solved at all: its forces are rounded by more. Readings lie in between steps on a
+// straight line, which is high by b^2 d^2/8 of the force for a curve that stiffens by exp(b e), d the strain of a step:
+// 3e-5 for b = 6, 25 %.
 #ifndef CLOTHID_DATASETS_CURVES_TENSILE_RECORDING_H_
 #define CLOTHID_DATASETS_CURVES_TENSILE_RECORDING_H_
 
@@ -35,10 +38,10 @@ struct TensileStrip {
   std::array<int, 2> nodes = {9, 9};          // across and along the pull, at least 2 and 3
 };
 
-// The recording, which `ReadMotion` has been tried on. Nominal values of the scene are guessed from the curve: along
-// the pull k (and stiffening) from the slopes of its lower and upper half; across it the same k, for shear half of it,
-// k_poisson = 0. They matter to a fit as its start alone, and where the curve does not determine them. Throws `Error`:
-// kUsage for a strip that is none.
+// The recording, which `ReadMotion` has been tried on. Nominal values of the scene: k of warp and weft is the power of
+// ten nearest to that of the curve, the shear stiffness half of it, k_poisson 0, stiffening 3. They know no more of the
+// curve, so that a curve that is held out is judged against what does not know it. Throws `Error`: kUsage for a strip
+// that is none.
 MotionTensors RecordTensileTest(const TensileCurve& curve, const TensileStrip& strip, const std::string& provenance);
 
 // N, the bound above, for the density of the scene of RecordTensileTest.

@@ -147,9 +147,9 @@ above. The recording is a strip between two clamps, the upper one pulled up, wit
   --membrane LAW       yarn: stiffens with strain; or orthotropic (yarn)
   --nodes NXxNY        of the strip, across and along the pull (9x9)
 
-Example: a knit, pulled along its courses, and the fit of its curve
-  motion convert_curve courses.csv courses.bin --specimen 66.6x69.2 --direction weft --strain 0:0.25
-  identify --target courses.bin --fit k_weft,stiffening_weft
+Example: a knit, pulled along its wales, and the fit of its curve
+  motion convert_curve wales.csv wales.bin --specimen 95.9x45.2 --direction warp --strain 0:0.25
+  identify --target wales.bin --fit k_warp,stiffening_warp
 )";
 
 inline constexpr char kMoreHelp[] = R"(

