@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,8 @@
 
 namespace clothid {
 namespace {
+
+constexpr double kLargestReading = 1e9;  // m, N or N/m: beyond it a number is none of a machine
 
 constexpr double kStandardGravity = 9.80665;  // m/s^2
 
@@ -223,7 +226,8 @@ class CurveReader {
     const std::string number = cells_.size() > 1 ? std::string(Trimmed(cells_[1])) : "";
     const std::optional<double> value = CellNumbers(separator_).Parse(number);
     const std::string source = "'" + Printable(Trimmed(cells_[0])) + "': ";
-    if (!value || !(*value > 0.0)) Fail(source + "expected a number > 0, found '" + Printable(number) + "'");
+    if (!value || !(*value > 0.0 && *value <= kLargestReading))
+      Fail(source + "expected a number > 0, found '" + Printable(number) + "'");
     const std::string name = key.unit.empty() && cells_.size() > 2 ? UnitOfCell(cells_[2]) : key.unit;
     const std::optional<CurveUnit> unit = FindCurveUnit(name);
     if (!unit || unit->quantity != CurveQuantity::kLength) {
@@ -288,9 +292,9 @@ class CurveReader {
   double Number(const CurveColumn& column, CellNumbers* numbers) const {
     const std::string cell(Trimmed(cells_[column.column]));
     const std::optional<double> value = numbers->Parse(cell);
-    if (!value) {
-      Fail("column '" + Printable(column.title) + "': expected a finite number, found '" + Printable(cell) + "'" +
-           numbers->LikelyCause(cell));
+    if (!value || !(std::abs(*value * column.scale.factor) <= kLargestReading)) {
+      Fail("column '" + Printable(column.title) + "': expected a " + (value ? "smaller" : "finite") +
+           " number, found '" + Printable(cell) + "'" + numbers->LikelyCause(cell));
     }
     return *value * column.scale.factor;
   }

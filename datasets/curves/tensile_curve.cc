@@ -81,6 +81,12 @@ double ElongationAt(const CurveMeans& means, double force) {
          (force - means.forces[below]) / rise * (means.elongations[above] - means.elongations[below]);
 }
 
+// N, of a mean, about the smooth curve through its neighbours.
+double ScatterOf(const CurveMeans& means, double least) {
+  const Eigen::VectorXd sigma = EstimateSigma(means.elongations, means.forces.transpose().replicate(3, 1), least);
+  return sigma.size() > 0 ? sigma[0] : least;
+}
+
 void CheckCurveOptions(const TensileCurveOptions& options) {
   const auto expect = [](double value, const char* name) {
     ExpectUsage(value >= 0.0 && std::isfinite(value), std::string(name) + ": expected a number > 0");
@@ -162,10 +168,13 @@ TensileCurve MakeTensileCurve(const CurveTable& table, const TensileCurveOptions
   }
   curve.strains = means.elongations;
   curve.forces = means.forces;
+  if (!(curve.forces[means.size() - 1] > 0.0)) {
+    FailOnData(table.name, "the last force that is kept is " + ShortestText(curve.forces[means.size() - 1]) +
+                               " N; expected one above 0: tension is positive");
+  }
   curve.is_sigma_estimated = options.force_sigma == 0.0;
-  curve.force_sigma = options.force_sigma > 0.0 ? options.force_sigma
-                                                : EstimateSigma(curve.strains, curve.forces.transpose().replicate(3, 1),
-                                                                kLeastSigmaShare * largest_force)[0];
+  curve.force_sigma =
+      options.force_sigma > 0.0 ? options.force_sigma : ScatterOf(means, kLeastSigmaShare * largest_force);
   return curve;
 }
 

@@ -81,6 +81,7 @@ TEST_F(CurveTableTest, RefusesBadTables) {
   ExpectRefused(header + "0;1;2\nbreak;;\n", "c.csv:4: column 'Extension'", "expected a finite number, found ''");
   ExpectRefused(header + "0;1;2\n1;1;2 N\n", "c.csv:4: column 'Force'", "found '2 N'");
   ExpectRefused(header + "0;1;inf\n", "c.csv:3: column 'Force'", "found 'inf'");
+  ExpectRefused(header + "0;1;1e12\n", "c.csv:3: column 'Force'", "expected a smaller number, found '1e12'");
   ExpectRefused(header + "0;1,5;2\n1;1.5;2\n", "c.csv:4: column 'Extension'", "have ',' as their decimal mark");
   ExpectRefused(header + "0;1.234,5;2\n", "c.csv:3: column 'Extension'", "no marks between thousands");
   ExpectRefused("Extension [mm],Force [N]\n1,5,2,5\n", "c.csv:2: ", "a decimal comma needs ';' or tabs");
