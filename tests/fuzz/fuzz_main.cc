@@ -18,6 +18,7 @@ struct Target {
 };
 
 constexpr std::array kTargets = {
+    Target{"curve", &FuzzCurve},
     Target{"flags", &FuzzFlags},
     Target{"handle_csv", &FuzzHandleCsv},
     Target{"import", &FuzzImport},
