@@ -181,41 +181,45 @@ class CurveReader {
   }
 
   void FindHeader() {
-    int nearly = 0;  // the first line with one of both
-    std::string found;
     while (TakeCells(true)) {
-      const bool has_names = !IsNumber(cells_[0]) || !IsNumber(cells_.back());
-      if (!has_names && cells_.size() > 1) {
-        Fail(std::string("expected a header above the first row of numbers, as in '") + kExample + "'" +
-             (nearly > 0 ? "; line " + std::to_string(nearly) + ", '" + Printable(found) +
-                               "', does not name both force and extension, displacement or strain"
-                         : ""));
-      }
       const auto is_number = [&](const std::string& cell) { return IsNumber(cell); };
+      if (cells_.size() > 1 && std::all_of(cells_.begin(), cells_.end(), is_number)) FailWithoutHeader();
       // A line about the test may have the name of a column: "Preload force";"0,5";"N".
       const bool has_numbers = std::any_of(cells_.begin(), cells_.end(), is_number);
-      const std::optional<CurveColumn> force = has_numbers ? std::nullopt : FindColumn(kForceNames);
-      const std::optional<CurveColumn> elongation = has_numbers ? std::nullopt : FindColumn(kElongationNames);
-      if (force && elongation) {
-        force_ = *force;
-        elongation_ = *elongation;
-        num_cells_ = cells_.size();
-        while (num_cells_ > 1 && Trimmed(cells_[num_cells_ - 1]).empty()) --num_cells_;
-        return;
-      }
-      if ((force || elongation) && nearly == 0) {
-        nearly = line_;
-        for (const std::string& cell : cells_) found += (found.empty() ? "" : ";") + cell;
-      }
+      if (!has_numbers && TakeHeader()) return;
       TakeDimension(kWidthNames, &table_.width);
       TakeDimension(kGaugeNames, &table_.gauge_length);
     }
-    const std::string expected = std::string(
-                                     "expected a header with columns of force and of extension, displacement "
-                                     "or strain, as in '") +
-                                 kExample + "'";
-    if (nearly > 0) FailOnLine(nearly, expected + ", found '" + Printable(found) + "'");
+    const std::string expected =
+        std::string("expected a header with columns of force and of extension, displacement or strain, as in '") +
+        kExample + "'";
+    if (nearly_line_ > 0) FailOnLine(nearly_line_, expected + ", found '" + Printable(nearly_) + "'");
     FailOnData(path_, expected);
+  }
+
+  [[noreturn]] void FailWithoutHeader() const {
+    const std::string found = nearly_line_ == 0
+                                  ? ""
+                                  : "; line " + std::to_string(nearly_line_) + ", '" + Printable(nearly_) +
+                                        "', does not name both force and extension, displacement or strain";
+    Fail(std::string("expected a header above the first row of numbers, as in '") + kExample + "'" + found);
+  }
+
+  // Whether the line has both columns.
+  bool TakeHeader() {
+    const std::optional<CurveColumn> force = FindColumn(kForceNames), elongation = FindColumn(kElongationNames);
+    if (force && elongation) {
+      force_ = *force;
+      elongation_ = *elongation;
+      num_cells_ = cells_.size();
+      while (num_cells_ > 1 && Trimmed(cells_[num_cells_ - 1]).empty()) --num_cells_;
+      return true;
+    }
+    if ((force || elongation) && nearly_line_ == 0) {
+      nearly_line_ = line_;
+      for (const std::string& cell : cells_) nearly_ += (nearly_.empty() ? "" : ";") + cell;
+    }
+    return false;
   }
 
   // "Width";"95,92";"mm" or "Width [mm]";"95,92".
@@ -304,6 +308,8 @@ class CurveReader {
   int line_ = 0, header_line_ = 0, units_line_ = 0;
   char separator_ = ',';
   std::size_t num_cells_ = 0;  // of the header
+  int nearly_line_ = 0;        // the first line with one of both columns; 0: none
+  std::string nearly_;         // what stands in it
   std::vector<std::string> cells_;
   CurveColumn force_, elongation_;
   CurveTable table_;

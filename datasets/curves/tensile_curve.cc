@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "datasets/motion/noise_estimate.h"
 #include "sim/base/error.h"
@@ -109,73 +110,104 @@ double DimensionOf(double given, const std::optional<double>& told, const CurveT
   return given > 0.0 ? given : *told;
 }
 
+// The part of a table that is kept, step by step.
+class CurveCutter {
+ public:
+  CurveCutter(const CurveTable& table, const TensileCurveOptions& options) : table_(table), options_(options) {}
+
+  TensileCurve Cut() {
+    curve_.width = DimensionOf(options_.width, table_.width, table_, "width");
+    length_ = DimensionOf(options_.length, table_.gauge_length, table_, "length");
+    gauge_length_ = options_.gauge_length > 0.0 ? options_.gauge_length : length_;
+    TakeLoading();
+    int num_used = 0;
+    const CurveMeans fine =
+        MeansOf(elongations_, forces_, elongations_.minCoeff(), LastOf(elongations_), kSlackIntervals, &num_used);
+    FindSlack(fine);
+    ThinOut(fine.forces.maxCoeff());
+    return std::move(curve_);
+  }
+
+ private:
+  static double LastOf(const Eigen::VectorXd& values) { return values[values.size() - 1]; }
+
+  void ExpectTension(const char* which, double force) const {
+    if (force > 0.0) return;
+    FailOnData(table_.name, std::string("the ") + which + " is " + ShortestText(force) +
+                                " N; expected one above 0: tension is positive");
+  }
+
+  void TakeLoading() {
+    const Eigen::Index count = EndOfLoading(table_.elongations);
+    curve_.num_after = static_cast<int>(table_.elongations.size() - count);
+    curve_.returns_to_more = table_.elongations.maxCoeff() > table_.elongations[count - 1];
+    elongations_ = table_.elongations.head(count) * (table_.is_strain ? gauge_length_ : 1.0);
+    forces_ = table_.forces.head(count) * (table_.is_per_width ? curve_.width : 1.0);
+    const double most = LastOf(elongations_);
+    if (!(most > elongations_.minCoeff())) FailOnData(table_.name, "expected an elongation that grows; it never does");
+    if (!(most / gauge_length_ <= kMostStrain)) {
+      FailOnData(table_.name, "its largest elongation is " + ShortestText(most) + " m, of a gauge length of " +
+                                  ShortestText(gauge_length_) + " m; expected a strain of at most 10: is a unit off?");
+    }
+  }
+
+  // `fine`: the means of the loading in which the end of the slack is looked for.
+  void FindSlack(const CurveMeans& fine) {
+    const double largest = fine.forces.maxCoeff();
+    ExpectTension("force at the largest elongation", LastOf(fine.forces));
+    curve_.preload = options_.preload > 0.0 ? options_.preload : kPreloadShare * largest;
+    if (!(curve_.preload < largest)) {
+      FailOnData(table_.name, "its largest force is " + ShortestText(largest) + " N; expected more than the preload, " +
+                                  ShortestText(curve_.preload) + " N");
+    }
+    const double at_preload = ElongationAt(fine, curve_.preload);
+    curve_.has_slack = std::isfinite(at_preload);
+    if (curve_.has_slack) {
+      const double more = std::min(std::max(2.0 * curve_.preload, kToeShare * largest), largest);
+      curve_.slack = at_preload - (ElongationAt(fine, more) - at_preload) * curve_.preload / (more - curve_.preload);
+    }
+    rest_gauge_ = gauge_length_ + curve_.slack;
+    if (!(rest_gauge_ > 0.0)) FailOnData(table_.name, "its slack is negative and longer than the specimen");
+    curve_.length = length_ * rest_gauge_ / gauge_length_;
+    first_strain_ = curve_.has_slack ? (at_preload - curve_.slack) / rest_gauge_ : kAboveZero;
+  }
+
+  void ThinOut(double largest_force) {
+    const Eigen::VectorXd strains = (elongations_.array() - curve_.slack) / rest_gauge_;
+    const double first = std::max(first_strain_, options_.least_strain);
+    const double last = std::min(LastOf(strains), options_.most_strain);
+    CurveMeans means;
+    if (first < last) means = MeansOf(strains, forces_, first, last, options_.max_readings, &curve_.num_thinned);
+    curve_.num_slack = static_cast<int>((strains.array() < first_strain_).count());
+    curve_.num_outside = static_cast<int>(strains.size()) - curve_.num_slack - curve_.num_thinned;
+    if (means.size() < kFewestCurveReadings) {
+      FailOnData(table_.name, "expected at least " + std::to_string(kFewestCurveReadings) +
+                                  " readings of the loading at different elongations, of strains from " +
+                                  ShortestText(first) + " to " + ShortestText(last) + ", found " +
+                                  std::to_string(means.size()));
+    }
+    ExpectTension("last force that is kept", LastOf(means.forces));
+    curve_.strains = means.elongations;
+    curve_.forces = means.forces;
+    curve_.is_sigma_estimated = options_.force_sigma == 0.0;
+    curve_.force_sigma =
+        curve_.is_sigma_estimated ? ScatterOf(means, kLeastSigmaShare * largest_force) : options_.force_sigma;
+  }
+
+  const CurveTable& table_;
+  const TensileCurveOptions& options_;
+  TensileCurve curve_;
+  double length_ = 0.0, gauge_length_ = 0.0;  // m, as they are given
+  double rest_gauge_ = 0.0;                   // m, slack included
+  double first_strain_ = 0.0;                 // at the preload
+  Eigen::VectorXd elongations_, forces_;      // m, N: of the loading
+};
+
 }  // namespace
 
 TensileCurve MakeTensileCurve(const CurveTable& table, const TensileCurveOptions& options) {
   CheckCurveOptions(options);
-  TensileCurve curve;
-  curve.width = DimensionOf(options.width, table.width, table, "width");
-  const double length = DimensionOf(options.length, table.gauge_length, table, "length");
-  const double gauge_length = options.gauge_length > 0.0 ? options.gauge_length : length;
-
-  const Eigen::Index num_loading = EndOfLoading(table.elongations);
-  curve.num_after = static_cast<int>(table.elongations.size() - num_loading);
-  const Eigen::VectorXd elongations = table.elongations.head(num_loading) * (table.is_strain ? gauge_length : 1.0);
-  const Eigen::VectorXd forces = table.forces.head(num_loading) * (table.is_per_width ? curve.width : 1.0);
-  curve.returns_to_more = table.elongations.maxCoeff() > table.elongations[num_loading - 1];
-  const double least = elongations.minCoeff(), most = elongations[num_loading - 1];
-  if (!(most > least)) FailOnData(table.name, "expected an elongation that grows; it never does");
-  if (!(most / gauge_length <= kMostStrain)) {
-    FailOnData(table.name, "its largest elongation is " + ShortestText(most) + " m, of a gauge length of " +
-                               ShortestText(gauge_length) + " m; expected a strain of at most 10: is a unit off?");
-  }
-
-  int num_used = 0;
-  const CurveMeans fine = MeansOf(elongations, forces, least, most, kSlackIntervals, &num_used);
-  const double largest_force = fine.forces.maxCoeff();
-  if (!(largest_force > 0.0) || !(fine.forces[fine.size() - 1] > 0.0)) {
-    FailOnData(table.name, "the force at the largest elongation is " + ShortestText(fine.forces[fine.size() - 1]) +
-                               " N; expected one above 0: tension is positive");
-  }
-  curve.preload = options.preload > 0.0 ? options.preload : kPreloadShare * largest_force;
-  if (!(curve.preload < largest_force)) {
-    FailOnData(table.name, "its largest force is " + ShortestText(largest_force) +
-                               " N; expected more than the preload, " + ShortestText(curve.preload) + " N");
-  }
-  const double at_preload = ElongationAt(fine, curve.preload);
-  curve.has_slack = std::isfinite(at_preload);
-  if (curve.has_slack) {
-    const double more = std::min(std::max(2.0 * curve.preload, kToeShare * largest_force), largest_force);
-    curve.slack = at_preload - (ElongationAt(fine, more) - at_preload) * curve.preload / (more - curve.preload);
-  }
-  const double rest_gauge = gauge_length + curve.slack;
-  if (!(rest_gauge > 0.0)) FailOnData(table.name, "its slack is negative and longer than the specimen");
-  curve.length = length * rest_gauge / gauge_length;
-
-  const Eigen::VectorXd strains = (elongations.array() - curve.slack) / rest_gauge;
-  const double first_strain = curve.has_slack ? (at_preload - curve.slack) / rest_gauge : kAboveZero;
-  const double first = std::max(first_strain, options.least_strain);
-  const double last = std::min(strains[num_loading - 1], options.most_strain);
-  curve.num_slack = static_cast<int>((strains.array() < first_strain).count());
-  const CurveMeans means =
-      first < last ? MeansOf(strains, forces, first, last, options.max_readings, &curve.num_thinned) : CurveMeans();
-  curve.num_outside = static_cast<int>(num_loading) - curve.num_slack - curve.num_thinned;
-  if (means.size() < kFewestCurveReadings) {
-    FailOnData(table.name, "expected at least " + std::to_string(kFewestCurveReadings) +
-                               " readings of the loading at different elongations, of strains from " +
-                               ShortestText(first) + " to " + ShortestText(last) + ", found " +
-                               std::to_string(means.size()));
-  }
-  curve.strains = means.elongations;
-  curve.forces = means.forces;
-  if (!(curve.forces[means.size() - 1] > 0.0)) {
-    FailOnData(table.name, "the last force that is kept is " + ShortestText(curve.forces[means.size() - 1]) +
-                               " N; expected one above 0: tension is positive");
-  }
-  curve.is_sigma_estimated = options.force_sigma == 0.0;
-  curve.force_sigma =
-      options.force_sigma > 0.0 ? options.force_sigma : ScatterOf(means, kLeastSigmaShare * largest_force);
-  return curve;
+  return CurveCutter(table, options).Cut();
 }
 
 }  // namespace clothid

@@ -17,6 +17,7 @@ int clothid::FuzzCurve(const std::uint8_t* data, std::size_t size) {
   TensileCurve curve;
   if (!Accepts([&] { curve = MakeTensileCurve(table, options); }, file.path())) return 0;
   Check(curve.strains.size() <= options.max_readings && curve.strains.minCoeff() >= 0.0, "strains of a loading");
+  Check(curve.num_outside >= 0, "no reading counted twice");
   Check(curve.num_slack + curve.num_after + curve.num_outside + curve.num_thinned == table.forces.size(),
         "an account of every reading");
   TensileStrip strip;
