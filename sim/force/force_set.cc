@@ -118,6 +118,12 @@ double ForceSet::LaplacianWeight(const Material& material, double time_step) con
   return weight;
 }
 
+double ForceSet::StiffnessGrowth(const ForcePoint& point) const {
+  double growth = 1.0;
+  for (const auto& term : terms_) growth = std::max(growth, term->StiffnessGrowth(point));
+  return growth;
+}
+
 std::vector<std::vector<int>> ForceSet::CoupledWith(const std::vector<int>& chosen, int num_nodes) const {
   std::vector<bool> is_chosen(static_cast<std::size_t>(num_nodes), false);
   for (const int node : chosen) is_chosen[node] = true;

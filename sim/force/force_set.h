@@ -68,6 +68,9 @@ class ForceSet {
   // The sum of what terms add to the constant matrix of projective dynamics times L, kg.
   double LaplacianWeight(const Material& material, double time_step) const;
 
+  // Of the term that has stiffened most.
+  double StiffnessGrowth(const ForcePoint& point) const;
+
   // Sets of nodes that terms couple beside triangles, each with one of `chosen`, for `MakeForcePart`.
   std::vector<std::vector<int>> CoupledWith(const std::vector<int>& chosen, int num_nodes) const;
   ForceSet PartOf(const ForcePart& part) const;

@@ -141,6 +141,10 @@ class ForceTerm {
   };
   virtual std::optional<ConstantPart> SystemPart(const Material&, double /*time_step*/) const { return std::nullopt; }
 
+  // How many times as stiff as in that matrix it is at `point`, where that is more: what its force is rounded by grows
+  // likewise.
+  virtual double StiffnessGrowth(const ForcePoint&) const { return 1.0; }
+
   // Calls `visit` with sets of nodes, each with one of those in `is_chosen` [N], that it couples beside triangles.
   using NodeVisitor = std::function<void(std::vector<int> nodes)>;
   virtual void VisitCoupled(const std::vector<bool>& /*is_chosen*/, const NodeVisitor& /*visit*/) const {}

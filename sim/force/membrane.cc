@@ -123,6 +123,19 @@ double Membrane::SystemStiffness(const Material& material) const {
   return ConstantsOf(material).Largest();
 }
 
+double Membrane::StiffnessGrowth(const Material& material, const Eigen::VectorXd& positions) const {
+  if (const auto* yarn = std::get_if<YarnEnergy>(&energy_)) {
+    return yarn->StiffnessGrowth(YarnConstantsOf(material), positions);
+  }
+  double growth = 1.0;
+  if (const auto* parts = std::get_if<Parts>(&energy_)) {
+    for (const MembranePart& part : **parts) {
+      growth = std::max(growth, part.membrane.StiffnessGrowth(part.material, positions));
+    }
+  }
+  return growth;
+}
+
 void Membrane::AddForceProducts(double factor, const Material& material, const Eigen::VectorXd& positions,
                                 const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
   std::get<StretchEnergy>(energy_).AddForceProducts(factor * material.stretch_stiffness, positions, columns, products);
@@ -203,6 +216,10 @@ ForceTerm::FieldDirection MembraneTerm::AlongField(ParameterKind kind, const Eig
 
 double MembraneTerm::LaplacianWeight(const Material& material, double time_step) const {
   return time_step * time_step * membrane_.SystemStiffness(material);
+}
+
+double MembraneTerm::StiffnessGrowth(const ForcePoint& point) const {
+  return membrane_.StiffnessGrowth(point.parameters.material, point.positions);
 }
 
 std::unique_ptr<ForceTerm> MembraneTerm::PartOf(const ForcePart& part) const {

@@ -44,6 +44,9 @@ class Membrane {
   // the largest eigenvalue of its constants.
   double SystemStiffness(const Material& material) const;
 
+  // Of yarns; else 1.
+  double StiffnessGrowth(const Material& material, const Eigen::VectorXd& positions) const;
+
   // Of one isotropic membrane alone, as `StretchEnergy` has it, the stiffness that of `material`.
   void AddForceProducts(double factor, const Material& material, const Eigen::VectorXd& positions,
                         const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const;
@@ -81,6 +84,7 @@ class MembraneTerm final : public ForceTerm {
                         const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const override;
   FieldDirection AlongField(ParameterKind kind, const Eigen::VectorXd& weights) const override;
   double LaplacianWeight(const Material& material, double time_step) const override;
+  double StiffnessGrowth(const ForcePoint& point) const override;
   std::unique_ptr<ForceTerm> PartOf(const ForcePart& part) const override;
 
  private:

@@ -163,4 +163,19 @@ void YarnEnergy::AddHessian(double factor, const YarnConstants& constants, Hessi
   }
 }
 
+double YarnEnergy::StiffnessGrowth(const YarnConstants& constants, const Eigen::VectorXd& positions) const {
+  CornerVectors x;
+  double growth = 1.0;
+  for (const TriangleBatch& batch : *triangles_) {
+    GatherCorners(batch, positions.data(), &x);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Yarns yarns(batch, x, lane);
+      for (int k = 0; k < 2; ++k) {
+        growth = std::max(growth, ResponseAt(yarns.strain(k), constants.stiffening[k]).slope);
+      }
+    }
+  }
+  return growth;
+}
+
 }  // namespace clothid

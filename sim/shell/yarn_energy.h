@@ -43,6 +43,9 @@ class YarnEnergy {
   void AddHessian(double factor, const YarnConstants& constants, HessianKind kind, const Eigen::VectorXd& positions,
                   BlockMatrix* hessian) const;
 
+  // The largest psi'' of a yarn, at least 1: how many times its stiffness has grown.
+  double StiffnessGrowth(const YarnConstants& constants, const Eigen::VectorXd& positions) const;
+
  private:
   std::shared_ptr<const TriangleElements> triangles_;
 };

@@ -135,7 +135,8 @@ class StepProblem {
 
   void AssembleHessian(HessianKind kind, const StepPoint& point, BlockMatrix* hessian) const;
 
-  // Smallest relative residual that rounding allows at `point`: 0.6 eps sqrt(3) |d| |x|_max/(h scale).
+  // Smallest relative residual that rounding allows at `point`: 0.6 eps sqrt(3) |d| |x|_max/(h scale), times what
+  // forces have stiffened by.
   double RoundingFloor(const StepPoint& point) const;
 
   // sum |v_i|^2/d_i of a vector over the free nodes.

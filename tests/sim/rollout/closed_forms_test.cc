@@ -204,6 +204,29 @@ TEST(HangingTest, OrthotropicSleeveStretchesByItsOwnWeightExactly) {
   }
 }
 
+// And with yarns, whose tension is k (exp(b e) - 1)/b: the uppermost ring is some fifteen times as stiff as at rest.
+TEST(HangingTest, SleeveOfYarnsStretchesByItsOwnWeightExactly) {
+  constexpr int kRings = 12, kRingSize = 8;
+  constexpr double kRowHeight = 0.025, kRadius = 0.05, kStiffness = 0.5, kStiffening = 20.0;  // m, N/m, 1
+  Scene scene = ClothScene(SquareGrid(2, 0.1), 0.1);
+  PutSleeve(kRings, kRingSize, kRadius, kRowHeight, &scene);
+  scene.membrane = MembraneLaw::kYarn;
+  scene.warp.direction = Eigen::Vector3d::UnitZ();
+  scene.material.warp_stiffness = kStiffness;
+  scene.material.warp_stiffening = kStiffening;
+  scene.material.weft_stiffness = 10.0;
+  scene.material.shear_stiffness = 4.0;
+  const double girth = kRingSize * 2.0 * kRadius * std::sin(kPi / kRingSize);
+  const Eigen::VectorXd masses = RowMasses(scene.mesh, scene.material.density, kRingSize);
+  double expected = 0.0, weight = 0.0;
+  for (Eigen::Index row = kRings - 1; row > 0; --row) {
+    weight += kGravity * masses[row];
+    expected += kRowHeight * (1.0 + std::log1p(kStiffening * weight / (girth * kStiffness)) / kStiffening);
+  }
+  EXPECT_GT(expected, 1.1 * kRowHeight * (kRings - 1));
+  EXPECT_NEAR(SimulatedHungLength(scene, kRingSize, 100), expected, 1e-9 * expected);
+}
+
 // A flat strip: the two corners of its last row differ in mass, which tilts the rows by a little; the mean length feels
 // that in second order.
 TEST(HangingTest, StripStretchesByItsOwnWeight) {
