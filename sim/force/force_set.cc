@@ -22,20 +22,13 @@ std::optional<Eigen::VectorXd> ForceVariation::PiecesOf(ParameterKind kind) cons
   return PieceWeights(parameters, kind, scene.mesh);
 }
 
-bool ForceSet::has(ForceGroup group) const {
-  return std::any_of(terms_.begin(), terms_.end(), [group](const auto& term) { return term->group() == group; });
-}
-
-bool ForceSet::needs_velocities() const {
-  return std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->needs_velocities(); });
-}
-
-bool ForceSet::needs_origins() const {
-  return std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->needs_origins(); });
-}
-
-bool ForceSet::needs_prediction() const {
-  return std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->needs_prediction(); });
+void ForceSet::Add(std::unique_ptr<ForceTerm> term) {
+  has_group_[static_cast<std::size_t>(term->group())] = true;
+  needs_velocities_ = needs_velocities_ || term->needs_velocities();
+  needs_origins_ = needs_origins_ || term->needs_origins();
+  needs_prediction_ = needs_prediction_ || term->needs_prediction();
+  stiffens_ = stiffens_ || term->stiffens();
+  terms_.push_back(std::move(term));
 }
 
 void ForceSet::SetVariation(const ForceVariation& variation) {
@@ -44,7 +37,8 @@ void ForceSet::SetVariation(const ForceVariation& variation) {
 
 void ForceSet::Hold(const Parameters& parameters, double time, HeldForces* held) const {
   held->terms.resize(terms_.size());
-  for (std::size_t i = 0; i < terms_.size(); ++i) terms_[i]->Hold(parameters, time, held->start, &held->terms[i]);
+  for (std::size_t i = 0; needs_start() && i < terms_.size(); ++i)
+    terms_[i]->Hold(parameters, time, held->start, &held->terms[i]);
 }
 
 double ForceSet::AddForce(ForceGroup group, const ForcePoint& point, const HeldForces& held,

@@ -4,6 +4,8 @@
 #define CLOTHID_SIM_FORCE_FORCE_SET_H_
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -22,13 +24,15 @@ struct HeldForces {
 class ForceSet {
  public:
   // Sums are taken in the order in which terms come.
-  void Add(std::unique_ptr<ForceTerm> term) { terms_.push_back(std::move(term)); }
+  void Add(std::unique_ptr<ForceTerm> term);
 
   const std::vector<std::unique_ptr<ForceTerm>>& terms() const { return terms_; }
-  bool has(ForceGroup group) const;
-  bool needs_velocities() const;
-  bool needs_origins() const;
-  bool needs_prediction() const;
+  bool has(ForceGroup group) const { return has_group_[static_cast<std::size_t>(group)]; }
+  bool needs_velocities() const { return needs_velocities_; }
+  bool needs_origins() const { return needs_origins_; }
+  bool needs_prediction() const { return needs_prediction_; }
+  bool needs_start() const { return needs_origins_ || needs_prediction_; }
+  bool stiffens() const { return stiffens_; }
   // The first term of a type; null: there is none.
   template <typename Term>
   const Term* Find() const {
@@ -77,6 +81,9 @@ class ForceSet {
 
  private:
   std::vector<std::unique_ptr<ForceTerm>> terms_;
+  // Of any of them.
+  std::array<bool, 3> has_group_ = {false, false, false};
+  bool needs_velocities_ = false, needs_origins_ = false, needs_prediction_ = false, stiffens_ = false;
 };
 
 }  // namespace clothid

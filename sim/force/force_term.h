@@ -86,7 +86,8 @@ class ForceTerm {
   // Takes over how its constants vary over the cloth.
   virtual void SetVariation(const ForceVariation&) {}
 
-  // Makes `held` what the term keeps of `start`, for the solve that ends at `time`; memory is used again.
+  // Of a term that needs origins or a prediction: makes `held` what it keeps of `start`, for the solve that ends at
+  // `time`; memory is used again.
   virtual void Hold(const Parameters&, double /*time*/, const ForceStart&, std::unique_ptr<HeldForce>* /*held*/) const {
   }
 
@@ -141,8 +142,9 @@ class ForceTerm {
   };
   virtual std::optional<ConstantPart> SystemPart(const Material&, double /*time_step*/) const { return std::nullopt; }
 
-  // How many times as stiff as in that matrix it is at `point`, where that is more: what its force is rounded by grows
-  // likewise.
+  // Whether it may be stiffer than in that matrix, and how many times it is so at `point`, at least 1: what its force
+  // is rounded by grows likewise.
+  virtual bool stiffens() const { return false; }
   virtual double StiffnessGrowth(const ForcePoint&) const { return 1.0; }
 
   // Calls `visit` with sets of nodes, each with one of those in `is_chosen` [N], that it couples beside triangles.

@@ -84,6 +84,7 @@ class MembraneTerm final : public ForceTerm {
                         const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const override;
   FieldDirection AlongField(ParameterKind kind, const Eigen::VectorXd& weights) const override;
   double LaplacianWeight(const Material& material, double time_step) const override;
+  bool stiffens() const override { return law_ == MembraneLaw::kYarn; }
   double StiffnessGrowth(const ForcePoint& point) const override;
   std::unique_ptr<ForceTerm> PartOf(const ForcePart& part) const override;
 

@@ -260,7 +260,8 @@ void StepProblem::AssembleHessian(HessianKind kind, const StepPoint& point, Bloc
 }
 
 double StepProblem::RoundingFloor(const StepPoint& point) const {
-  const double growth = model_.forces().StiffnessGrowth(ForcesAt(point));
+  const ForceSet& forces = model_.forces();
+  const double growth = forces.stiffens() ? forces.StiffnessGrowth(ForcesAt(point)) : 1.0;
   return growth * 0.6 * std::numeric_limits<double>::epsilon() * std::sqrt(3.0) * work_.weight_norm *
          point.positions.lpNorm<Eigen::Infinity>() / (time_step_ * point.scale);
 }

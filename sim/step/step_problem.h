@@ -6,8 +6,8 @@
 //   K = dg/dv = M + h C + h^2 H(x_n + h v)
 // Where the cloth may touch itself, the impulses r of those contacts are unknowns, too (sim/contact/self_contact.h):
 // g(v) - sum_c J_c^T r_c stands for g(v) in the above, and R_c(v, r) = 0 beside Phi(v, r) = 0.
-// f_ext is gravity, which does not see the added mass in M, the scene's node force and drag: c_d a (w - v), and that by
-// direction (directional_drag.h). C = c_d diag(a) + d2D/dv2. f_int = -d(E + W)/dx and
+// f_ext is gravity, which does not see the added mass in M, the scene's node force, pressure (pressure_term.h) and
+// drag: c_d a (w - v), and that by direction (directional_drag.h). C = c_d diag(a) + d2D/dv2. f_int = -d(E + W)/dx and
 // H = d2(E + W)/dx2, E the energy of stretch, bending and, at the end of the step, seams, W the dissipation potential
 // of internal damping, which alone depends on x_n and h as well (strain_rate_damping.h). The normals of drag by
 // direction are those at the positions x^ = x_n + h v_n, handles at the end of the step; handles have there the
