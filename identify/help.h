@@ -46,7 +46,7 @@ Example:
 
 inline constexpr char kMoreHelp[] = R"(
 Parameters, of --fit, --each, --start, --lower, --upper, --prior and --profile:
-  mu, mu.OBSTACLE, k_stretch, k_bend, density, drag, damping
+  mu, mu.OBSTACLE, mu.self of the cloth against itself, k_stretch, k_bend, density, drag, damping
   where the scene has warp and weft k_warp, k_weft, k_shear, k_poisson in place of k_stretch and bend_warp, bend_weft,
                       bend_twist in place of k_bend; --fit is then mu,k_warp,k_weft where it is not given. Of yarns
                       also stiffening_warp, stiffening_weft
