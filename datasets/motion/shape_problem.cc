@@ -17,7 +17,8 @@ Scene ShapeScene(const Scene& scene) {
   shape.initial_positions = scene.initial_positions;
   shape.initial_velocities = Eigen::VectorXd::Zero(scene.initial_positions.size());
   shape.start_time = scene.start_time;
-  shape.handles = scene.handles;
+  shape.handles.nodes = scene.handles.nodes;
+  shape.handles.path = scene.handles.path;
   shape.obstacles = scene.obstacles;
   shape.material.bending_stiffness = 1.0;
   shape.bending.law = scene.bending.law;

@@ -8,8 +8,10 @@
 namespace clothid {
 namespace {
 
+// Where they clamp the cloth the slope stays.
 Scene WithoutHandles(Scene scene) {
-  scene.handles = Handles();
+  scene.handles.nodes.clear();
+  scene.handles.path = HandlePath();
   return scene;
 }
 

@@ -14,14 +14,20 @@ namespace {
 // Of the law that the scene has.
 std::vector<BendingMatrix> MatricesOf(const Scene& scene, const Mesh& chosen_on) {
   if (scene.bending.law == BendingLaw::kEdges) {
-    return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh), {}}};
+    const std::vector<ClampedEdge>& clamped = scene.handles.clamped;
+    SlopeBending slopes;
+    if (!clamped.empty()) {
+      slopes = SumOfSlopes(EdgeBendingElements(scene.mesh, clamped), scene.mesh.num_nodes(),
+                           static_cast<int>(clamped.size()), [](const BendingElement&) { return 1.0; });
+    }
+    return {{ParameterKind::kBendingStiffness, EdgeBendingMatrix(scene.mesh, clamped), {}, std::move(slopes)}};
   }
   const bool orthotropic = scene.bending.orthotropic;
   const BendingPatches patches(scene.mesh,
                                orthotropic ? WarpDirections(scene.warp, scene.mesh) : FirstEdges(scene.mesh),
-                               RestOf(scene), chosen_on);
+                               RestOf(scene), chosen_on, scene.handles.clamped);
   const auto term = [&](ParameterKind kind, const FlexuralRigidity& rigidity) -> BendingMatrix {
-    return {kind, patches.Matrix(rigidity), patches.Moments(rigidity)};
+    return {kind, patches.Matrix(rigidity), patches.Moments(rigidity), patches.Slopes(rigidity)};
   };
   if (!orthotropic) return {term(ParameterKind::kBendingStiffness, IsotropicRigidity(1.0, scene.bending.poisson))};
   const OrthotropicShares shares = SharesOfRigidity(scene.bending.poisson);
@@ -75,27 +81,27 @@ std::unique_ptr<BendingTerm> MakeBendingTerm(BendingMatrices* parts, std::size_t
     }
   }
   return std::make_unique<BendingTerm>(std::move(parts->matrices[place]), std::move(weighted), std::move(pieces),
-                                       free_index, pattern);
+                                       scene.handles.slopes, free_index, pattern);
 }
 
 BendingTerm::BendingTerm(BendingMatrix matrix, std::shared_ptr<const WeightedBending> weighted,
-                         std::vector<BendingMatrix> pieces, const std::vector<int>& free_index,
+                         std::vector<BendingMatrix> pieces, HandlePath slopes, const std::vector<int>& free_index,
                          const BlockPattern& pattern)
     : kind_(matrix.kind),
       energy_(std::move(matrix.matrix), free_index, pattern),
       curvature_(MakeCurvature(std::move(matrix.moments), free_index, pattern)),
+      slopes_(std::move(matrix.slopes)),
+      slope_path_(std::move(slopes)),
       weighted_(std::move(weighted)),
       pieces_(std::move(pieces)) {}
 
-double BendingTerm::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
-  const double quadratic = energy_.AddForce(stiffness, positions, force);
-  return curvature_ == nullptr ? quadratic : quadratic + curvature_->AddForce(stiffness, positions, force);
-}
-
-void BendingTerm::AddHessian(double stiffness, HessianKind hessian_kind, const Eigen::VectorXd& positions,
-                             BlockMatrix* hessian) const {
-  energy_.AddHessian(stiffness, hessian);
-  if (curvature_ != nullptr) curvature_->AddHessian(stiffness, hessian_kind, positions, hessian);
+double BendingTerm::AddForceTimes(double stiffness, const ForcePoint& point, Eigen::VectorXd* force) const {
+  double energy = energy_.AddForce(stiffness, point.positions, force);
+  if (curvature_ == nullptr && !HasClamps()) return energy;
+  const Eigen::VectorXd slopes = SlopesAt(point.time);
+  if (curvature_ != nullptr) energy += curvature_->AddForce(stiffness, point.positions, slopes, force);
+  if (HasClamps()) energy += slopes_.AddForce(stiffness, point.positions, slopes, force);
+  return energy;
 }
 
 void BendingTerm::SetVariation(const ForceVariation& variation) {
@@ -104,26 +110,39 @@ void BendingTerm::SetVariation(const ForceVariation& variation) {
   if (!weights) return;
   energy_ = BendingEnergy(weighted_->Matrix(*weights), variation.free_index, variation.pattern);
   curvature_ = MakeCurvature(weighted_->Moments(*weights), variation.free_index, variation.pattern);
+  slopes_ = weighted_->Slopes(*weights);
 }
 
 double BendingTerm::AddForce(const ForcePoint& point, const HeldForce*, Eigen::VectorXd* force) const {
   const double k = stiffness(point.parameters.material);
-  return k * AddForce(k, point.positions, force);
+  return k * AddForceTimes(k, point, force);
 }
 
 void BendingTerm::AddPositionHessian(double factor, HessianKind hessian_kind, const ForcePoint& point, const HeldForce*,
                                      BlockMatrix* hessian) const {
-  AddHessian(factor * stiffness(point.parameters.material), hessian_kind, point.positions, hessian);
+  const double k = factor * stiffness(point.parameters.material);
+  energy_.AddHessian(k, hessian);
+  if (curvature_ != nullptr) {
+    curvature_->AddHessian(k, hessian_kind, point.positions, SlopesAt(point.time), hessian);
+  }
+}
+
+void BendingTerm::AddSlopeForce(const ForcePoint& point, Eigen::VectorXd* force) const {
+  if (!HasClamps()) return;
+  const double k = stiffness(point.parameters.material);
+  slopes_.AddSlopeForce(k, point.positions, SlopesAt(point.time), force);
+  if (curvature_ == nullptr) return;
+  for (const RestMoment& moment : curvature_->moments()) AddMomentSlopeForce(moment, k, point.positions, force);
 }
 
 void BendingTerm::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce*,
                                 Eigen::VectorXd* force) const {
   if (id.kind != kind_) return;
   if (pieces_.empty()) {
-    AddForce(factor, point.positions, force);
+    AddForceTimes(factor, point, force);
   } else {
     const std::size_t piece = id.part == kWhole ? pieces_.size() - 1 : static_cast<std::size_t>(id.part);
-    pieces_[piece].AddForce(factor, point.positions, force);
+    pieces_[piece].AddForce(factor, point.positions, SlopesAt(point.time), force);
   }
 }
 
@@ -131,14 +150,16 @@ void BendingTerm::AddFieldProducts(const FieldFactors& field, double factor, con
                                    const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
   if (field.kind != kind_) return;
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(products.rows(), products.cols());
-  weighted_->AddForceProducts(factor * stiffness(point.parameters.material), point.positions, columns, unit);
+  weighted_->AddForceProducts(factor * stiffness(point.parameters.material), point.positions, SlopesAt(point.time),
+                              columns, unit);
   products += field.log_factors.array().exp().matrix().asDiagonal() * unit;
 }
 
 ForceTerm::FieldDirection BendingTerm::AlongField(ParameterKind kind, const Eigen::VectorXd& weights) const {
   if (kind != kind_) return nullptr;
-  return [matrix = weighted_->Of(weights)](double factor, const ForcePoint& point, Eigen::VectorXd* force) {
-    matrix.AddForce(factor * point.parameters.material.*RowOf(matrix.kind).constant, point.positions, force);
+  return [matrix = weighted_->Of(weights), this](double factor, const ForcePoint& point, Eigen::VectorXd* force) {
+    matrix.AddForce(factor * point.parameters.material.*RowOf(matrix.kind).constant, point.positions,
+                    SlopesAt(point.time), force);
   };
 }
 
@@ -156,6 +177,15 @@ void BendingTerm::VisitCoupled(const std::vector<bool>& is_chosen, const NodeVis
     }
     visit(std::move(nodes));
   }
+  for (int slope = 0; slope < slopes_.by_nodes.outerSize(); ++slope) {
+    std::vector<int> nodes;
+    bool is_at_chosen = false;
+    for (Eigen::SparseMatrix<double>::InnerIterator it(slopes_.by_nodes, slope); it; ++it) {
+      nodes.push_back(static_cast<int>(it.row()));
+      is_at_chosen = is_at_chosen || is_chosen[nodes.back()];
+    }
+    if (is_at_chosen) visit(std::move(nodes));
+  }
   if (curvature_ == nullptr) return;
   for (const RestMoment& moment : curvature_->moments()) {
     const std::vector<int>& nodes = moment.nodes;
@@ -164,14 +194,14 @@ void BendingTerm::VisitCoupled(const std::vector<bool>& is_chosen, const NodeVis
 }
 
 std::unique_ptr<ForceTerm> BendingTerm::PartOf(const ForcePart& part) const {
-  BendingMatrix matrix{kind_, energy_.matrix(), {}};
+  BendingMatrix matrix{kind_, energy_.matrix(), {}, slopes_};
   if (curvature_ != nullptr) matrix.moments = curvature_->moments();
   std::shared_ptr<const WeightedBending> weighted;
   if (weighted_ != nullptr) weighted = std::make_shared<const WeightedBending>(weighted_->PartOf(part));
   std::vector<BendingMatrix> pieces;
   for (const BendingMatrix& piece : pieces_) pieces.push_back(piece.PartOf(part));
-  return std::make_unique<BendingTerm>(matrix.PartOf(part), std::move(weighted), std::move(pieces), part.blocks,
-                                       *part.pattern);
+  return std::make_unique<BendingTerm>(matrix.PartOf(part), std::move(weighted), std::move(pieces), slope_path_,
+                                       part.blocks, *part.pattern);
 }
 
 }  // namespace clothid

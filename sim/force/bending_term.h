@@ -1,5 +1,6 @@
 // The bending of a cloth by one constant of its material: an energy that is quadratic in the positions
-// (sim/shell/bending_energy.h), and what a curved rest shape adds to it (sim/shell/rest_curvature.h).
+// (sim/shell/bending_energy.h) and of the slopes at clamps, which the time tells, and what a curved rest shape adds to
+// it (sim/shell/rest_curvature.h).
 #ifndef CLOTHID_SIM_FORCE_BENDING_TERM_H_
 #define CLOTHID_SIM_FORCE_BENDING_TERM_H_
 
@@ -11,6 +12,7 @@
 
 #include "sim/force/field_terms.h"
 #include "sim/force/force_term.h"
+#include "sim/path/handle_path.h"
 #include "sim/scene/scene.h"
 #include "sim/shell/bending_energy.h"
 #include "sim/shell/rest_curvature.h"
@@ -34,19 +36,14 @@ class BendingTerm final : public ForceTerm {
  public:
   // `pattern`, the pattern of the Hessian over the free nodes, must cover `matrix`; `free_index` [N] maps nodes to it
   // (-1: a handle). `weighted` (may be null): of a constant that varies. `pieces`: what each piece of the cloth, and
-  // last the whole, has per unit of the constant; empty where it is the same in all.
+  // last the whole, has per unit of the constant; empty where it is the same in all. `slopes`: at clamps, over time.
   BendingTerm(BendingMatrix matrix, std::shared_ptr<const WeightedBending> weighted, std::vector<BendingMatrix> pieces,
-              const std::vector<int>& free_index, const BlockPattern& pattern);
+              HandlePath slopes, const std::vector<int>& free_index, const BlockPattern& pattern);
 
   ParameterKind kind() const { return kind_; }
   double stiffness(const Material& material) const { return material.*RowOf(kind_).constant; }
   const BendingEnergy& energy() const { return energy_; }
   const RestCurvature* curvature() const { return curvature_.get(); }  // null: the cloth is flat at rest
-
-  // Of energy and curvature, as they stand there.
-  double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
-  void AddHessian(double stiffness, HessianKind hessian_kind, const Eigen::VectorXd& positions,
-                  BlockMatrix* hessian) const;
 
   ForceGroup group() const override { return ForceGroup::kElastic; }
   EnergyShare energy_share() const override { return EnergyShare::kBending; }
@@ -54,6 +51,7 @@ class BendingTerm final : public ForceTerm {
   double AddForce(const ForcePoint& point, const HeldForce* held, Eigen::VectorXd* force) const override;
   void AddPositionHessian(double factor, HessianKind hessian_kind, const ForcePoint& point, const HeldForce* held,
                           BlockMatrix* hessian) const override;
+  void AddSlopeForce(const ForcePoint& point, Eigen::VectorXd* force) const override;
   void AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce* held,
                      Eigen::VectorXd* force) const override;
   void AddFieldProducts(const FieldFactors& field, double factor, const ForcePoint& point,
@@ -64,9 +62,16 @@ class BendingTerm final : public ForceTerm {
   std::unique_ptr<ForceTerm> PartOf(const ForcePart& part) const override;
 
  private:
+  // Of energy, curvature and clamps: adds stiffness times their force per unit of the constant, and returns the energy.
+  double AddForceTimes(double stiffness, const ForcePoint& point, Eigen::VectorXd* force) const;
+  Eigen::VectorXd SlopesAt(double time) const { return HasClamps() ? slope_path_.At(time) : Eigen::VectorXd(); }
+  bool HasClamps() const { return !slopes_.is_empty(); }
+
   ParameterKind kind_;
   BendingEnergy energy_;
   std::shared_ptr<const RestCurvature> curvature_;  // null: of none
+  SlopeBending slopes_;
+  HandlePath slope_path_;
   std::shared_ptr<const WeightedBending> weighted_;
   std::vector<BendingMatrix> pieces_;
 };

@@ -9,13 +9,22 @@
 namespace clothid {
 namespace {
 
-// The vectors of an element's nodes [n x 3].
-Eigen::MatrixX3d NodeRows(const BendingElement& element, const double* all) {
-  Eigen::MatrixX3d rows(element.nodes.size(), 3);
-  for (std::size_t i = 0; i < element.nodes.size(); ++i) {
+// The vectors that `all` has with these numbers [n x 3].
+Eigen::MatrixX3d RowsOf(const std::vector<int>& numbers, const double* all) {
+  Eigen::MatrixX3d rows(numbers.size(), 3);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
     rows.row(static_cast<Eigen::Index>(i)) =
-        Eigen::Map<const Eigen::RowVector3d>(all + 3 * static_cast<Eigen::Index>(element.nodes[i]));
+        Eigen::Map<const Eigen::RowVector3d>(all + 3 * static_cast<Eigen::Index>(numbers[i]));
   }
+  return rows;
+}
+
+// Of an element's nodes, and of its slopes behind them.
+Eigen::MatrixX3d ElementRows(const BendingElement& element, const Eigen::VectorXd& positions,
+                             const Eigen::VectorXd& slopes) {
+  if (element.slopes.empty()) return RowsOf(element.nodes, positions.data());
+  Eigen::MatrixX3d rows(element.block.rows(), 3);
+  rows << RowsOf(element.nodes, positions.data()), RowsOf(element.slopes, slopes.data());
   return rows;
 }
 
@@ -89,15 +98,28 @@ Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weigh
   return areas;
 }
 
-void BendingMatrix::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
+void BendingMatrix::AddForce(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes_now,
+                             Eigen::VectorXd* force) const {
   const Eigen::Index num_nodes = positions.size() / 3;
   // Q is symmetric.
   force->reshaped(3, num_nodes) -= stiffness * (positions.reshaped(3, num_nodes) * matrix);
-  for (const RestMoment& moment : moments) AddMomentForce(moment, stiffness, positions, force);
+  for (const RestMoment& moment : moments) AddMomentForce(moment, stiffness, positions, slopes_now, force);
+  if (!slopes.is_empty()) slopes.AddForce(stiffness, positions, slopes_now, force);
 }
 
 BendingMatrix BendingMatrix::PartOf(const ForcePart& part) const {
-  return {kind, PartOfMatrix(matrix, part), PartOfMoments(moments, part)};
+  BendingMatrix own{kind, PartOfMatrix(matrix, part), PartOfMoments(moments, part), {}};
+  if (slopes.is_empty()) return own;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int slope = 0; slope < slopes.by_nodes.outerSize(); ++slope) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(slopes.by_nodes, slope); it; ++it) {
+      if (const int node = part.index[it.row()]; node >= 0) entries.emplace_back(node, slope, it.value());
+    }
+  }
+  own.slopes.by_nodes.resize(static_cast<Eigen::Index>(part.nodes.size()), slopes.by_nodes.cols());
+  own.slopes.by_nodes.setFromTriplets(entries.begin(), entries.end());
+  own.slopes.own = slopes.own;
+  return own;
 }
 
 WeightedBending WeightedBending::PartOf(const ForcePart& part) const {
@@ -114,15 +136,15 @@ WeightedBending WeightedBending::PartOf(const ForcePart& part) const {
 }
 
 WeightedBending::WeightedBending(const Scene& scene, ParameterKind kind, const Mesh& chosen_on)
-    : num_nodes_(scene.mesh.num_nodes()), kind_(kind) {
+    : num_nodes_(scene.mesh.num_nodes()), num_slopes_(static_cast<int>(scene.handles.clamped.size())), kind_(kind) {
   if (scene.bending.law == BendingLaw::kEdges) {
-    elements_ = EdgeBendingElements(scene.mesh);
+    elements_ = EdgeBendingElements(scene.mesh, scene.handles.clamped);
     return;
   }
   const bool orthotropic = scene.bending.orthotropic;
   const BendingPatches patches(scene.mesh,
                                orthotropic ? WarpDirections(scene.warp, scene.mesh) : FirstEdges(scene.mesh),
-                               RestOf(scene), chosen_on);
+                               RestOf(scene), chosen_on, scene.handles.clamped);
   const FlexuralRigidity rigidity = UnitRigidity(kind, scene.bending.poisson);
   elements_ = patches.Elements(rigidity);
   moments_ = patches.Moments(rigidity);
@@ -152,19 +174,28 @@ std::vector<RestMoment> WeightedBending::Moments(const Eigen::VectorXd& weights)
   return moments;
 }
 
+SlopeBending WeightedBending::Slopes(const Eigen::VectorXd& weights) const {
+  if (num_slopes_ == 0) return {};
+  return SumOfSlopes(elements_, num_nodes_, num_slopes_,
+                     [&](const BendingElement& element) { return weights(element.faces).mean(); });
+}
+
 void WeightedBending::AddForceProducts(double stiffness, const Eigen::VectorXd& positions,
-                                       const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
+                                       const Eigen::VectorXd& slopes, const Eigen::MatrixXd& columns,
+                                       Eigen::Ref<Eigen::MatrixXd> products) const {
   for (const BendingElement& element : elements_) {
     const double share = stiffness / static_cast<double>(element.faces.size());
-    const Eigen::MatrixX3d force = -share * (element.block * NodeRows(element, positions.data()));
+    const auto num_nodes = static_cast<Eigen::Index>(element.nodes.size());
+    const Eigen::MatrixX3d force =
+        -share * (element.block.topRows(num_nodes) * ElementRows(element, positions, slopes));
     for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-      const double product = force.cwiseProduct(NodeRows(element, columns.col(c).data())).sum();
+      const double product = force.cwiseProduct(RowsOf(element.nodes, columns.col(c).data())).sum();
       for (const int face : element.faces) products(face, c) += product;
     }
   }
   Eigen::VectorXd force = Eigen::VectorXd::Zero(moments_.empty() ? 0 : positions.size());
   for (const RestMoment& moment : moments_) {
-    AddMomentForce(moment, stiffness, positions, &force);
+    AddMomentForce(moment, stiffness, positions, slopes, &force);
     for (const int node : moment.nodes) {
       products.row(moment.face) += force.segment<3>(3 * node).transpose() * columns.middleRows<3>(3 * node);
       force.segment<3>(3 * node).setZero();

@@ -29,14 +29,16 @@ Eigen::VectorXd PieceMask(int piece, const std::vector<int>& face_pieces);
 // A third of the rest area of the triangles at every node times their `weights` [F]: [N] m^2.
 Eigen::VectorXd WeightedNodeAreas(const Mesh& mesh, const Eigen::VectorXd& weights);
 
-// Q [N x N] of a term of bending, and what a curved rest shape adds to it.
+// Q [N x N] of a term of bending, and what a curved rest shape and clamps add to it.
 struct BendingMatrix {
   ParameterKind kind;
   Eigen::SparseMatrix<double> matrix;
   std::vector<RestMoment> moments;
+  SlopeBending slopes;
 
-  // Adds stiffness * (-Q x), and the force of the moments, to `force` [3N].
-  void AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+  // Adds stiffness * (-Q x), and the force of the moments and of the slopes at clamps [3C], to `force` [3N].
+  void AddForce(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes_now,
+                Eigen::VectorXd* force) const;
   // Of a part, the triangles counted as in the mesh.
   BendingMatrix PartOf(const ForcePart& part) const;
 };
@@ -49,7 +51,9 @@ class WeightedBending {
 
   ParameterKind kind() const { return kind_; }
   WeightedBending PartOf(const ForcePart& part) const;  // likewise
-  BendingMatrix Of(const Eigen::VectorXd& weights) const { return {kind_, Matrix(weights), Moments(weights)}; }
+  BendingMatrix Of(const Eigen::VectorXd& weights) const {
+    return {kind_, Matrix(weights), Moments(weights), Slopes(weights)};
+  }
 
   // Q with its elements times the `weights` [F]: [N x N]. Its pattern is the same for all weights, those of zero too.
   Eigen::SparseMatrix<double> Matrix(const Eigen::VectorXd& weights) const;
@@ -57,14 +61,17 @@ class WeightedBending {
   // What a curved rest shape adds, with the `weights` [F]; none where it is flat.
   std::vector<RestMoment> Moments(const Eigen::VectorXd& weights) const;
 
+  // What clamps add, likewise.
+  SlopeBending Slopes(const Eigen::VectorXd& weights) const;
+
   // Adds stiffness * (-Q_f x) . y of every triangle f to `products` [F x s], for columns y [3N x s]. The Q_f, one per
   // unit of weight, times the weights are the sum Q. With
-  // a curved rest shape it is the force of the triangle about that.
-  void AddForceProducts(double stiffness, const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns,
-                        Eigen::Ref<Eigen::MatrixXd> products) const;
+  // a curved rest shape it is the force of the triangle about that, with clamps the force of their slopes is in it.
+  void AddForceProducts(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes,
+                        const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const;
 
  private:
-  int num_nodes_;
+  int num_nodes_, num_slopes_;
   ParameterKind kind_;
   std::vector<BendingElement> elements_;
   std::vector<RestMoment> moments_;

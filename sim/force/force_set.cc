@@ -94,6 +94,10 @@ void ForceSet::AddPredictionProductTransposed(double factor, const ForcePoint& p
   }
 }
 
+void ForceSet::AddSlopeForce(const ForcePoint& point, Eigen::VectorXd* force) const {
+  for (const auto& term : terms_) term->AddSlopeForce(point, force);
+}
+
 void ForceSet::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForces& held,
                              Eigen::VectorXd* force) const {
   for (std::size_t i = 0; i < terms_.size(); ++i) {

@@ -64,6 +64,7 @@ class ForceSet {
                             const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const;
   void AddPredictionProductTransposed(double factor, const ForcePoint& point, const HeldForces& held,
                                       const Eigen::MatrixXd& columns, Eigen::MatrixXd* product) const;
+  void AddSlopeForce(const ForcePoint& point, Eigen::VectorXd* force) const;
   void AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForces& held,
                      Eigen::VectorXd* force) const;
   void AddFieldProducts(const FieldFactors& field, double factor, const ForcePoint& point,

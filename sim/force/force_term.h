@@ -119,6 +119,10 @@ class ForceTerm {
                                               const Eigen::VectorXd& /*predicted*/, const Eigen::MatrixXd& /*columns*/,
                                               Eigen::MatrixXd* /*product*/) const {}
 
+  // Adds what it turns the clamps by, -dE/dd [3C] N m of an elastic one, at the slopes d that it has of the scene at
+  // the time (Handles::slopes).
+  virtual void AddSlopeForce(const ForcePoint&, Eigen::VectorXd* /*force*/) const {}
+
   // Adds factor * df/dtheta for the parameter `id`; nothing for one that it does not have.
   virtual void AddDerivative(ParameterId /*id*/, double /*factor*/, const ForcePoint&, const HeldForce*,
                              Eigen::VectorXd* /*force*/) const {}

@@ -1,5 +1,6 @@
 #include "sim/rollout/handle_forces.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -173,19 +174,55 @@ Eigen::MatrixXd HandleForces::OverGroupsTransposed(const Eigen::MatrixXd& groups
   return rows;
 }
 
-Eigen::VectorXd HandleForces::At(int step, const States& states) const {
-  const Place place = PlaceOf(step, states);
+Eigen::VectorXd HandleForces::ForceAt(const Place& place) const {
   const ForcePoint point = PointOf(place);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(point.positions.size());
   for (const ForceGroup group : {ForceGroup::kElastic, ForceGroup::kAir, ForceGroup::kViscous}) {
     forces_.AddForce(group, point, place.held, &force);
   }
+  return force;
+}
+
+Eigen::VectorXd HandleForces::At(int step, const States& states) const {
+  const Place place = PlaceOf(step, states);
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(3 * num_groups());
-  SubtractSums(force, &sums);
+  SubtractSums(ForceAt(place), &sums);
   for (const Handle& handle : handles_) {
     sums.segment<3>(3 * handle.group) += model_.nodes().Impulse(MotionAt(handle, place), parameters_);
   }
   return sums;
+}
+
+Eigen::VectorXd HandleForces::MomentsAt(int step, const States& states) const {
+  const Place place = PlaceOf(step, states);
+  const ForcePoint point = PointOf(place);
+  const Eigen::VectorXd force = ForceAt(place);
+  Eigen::Matrix3Xd centres = Eigen::Matrix3Xd::Zero(3, num_groups()), moments = centres;
+  for (const Handle& handle : handles_) {
+    const auto num_nodes = static_cast<double>(groups_[static_cast<std::size_t>(handle.group)].size());
+    centres.col(handle.group) += point.positions.segment<3>(3 * handle.local) / num_nodes;
+  }
+  for (const Handle& handle : handles_) {
+    const Eigen::Vector3d arm = point.positions.segment<3>(3 * handle.local) - centres.col(handle.group);
+    const Eigen::Vector3d upon = model_.nodes().Impulse(MotionAt(handle, place), parameters_);
+    moments.col(handle.group) += arm.cross(Eigen::Vector3d(upon - force.segment<3>(3 * handle.local)));
+  }
+  const Handles& handles = model_.scene().handles;
+  if (handles.clamped.empty()) return moments.reshaped();
+  const Eigen::VectorXd slopes = handles.slopes.At(place.time);
+  Eigen::VectorXd upon_slopes = Eigen::VectorXd::Zero(slopes.size());
+  forces_.AddSlopeForce(point, &upon_slopes);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const auto holds = [&](int node) {
+      return std::find(groups_[g].begin(), groups_[g].end(), node) != groups_[g].end();
+    };
+    for (std::size_t k = 0; k < handles.clamped.size(); ++k) {
+      if (!holds(handles.clamped[k].nodes[0]) || !holds(handles.clamped[k].nodes[1])) continue;
+      const auto row = 3 * static_cast<Eigen::Index>(k);
+      moments.col(static_cast<Eigen::Index>(g)) -= slopes.segment<3>(row).cross(upon_slopes.segment<3>(row));
+    }
+  }
+  return moments.reshaped();
 }
 
 std::array<Eigen::MatrixXd, 3> HandleForces::Jacobian(int step, const States& states) const {
@@ -291,6 +328,12 @@ Eigen::MatrixXd HandleForces::Over(const Eigen::MatrixXd& positions) const {
   Eigen::MatrixXd forces(3 * num_groups(), num_steps_ + 1);
   for (int step = 0; step <= num_steps_; ++step) forces.col(step) = At(step, StatesAt(step, positions));
   return forces;
+}
+
+Eigen::MatrixXd HandleForces::MomentsOver(const Eigen::MatrixXd& positions) const {
+  Eigen::MatrixXd moments(3 * num_groups(), num_steps_ + 1);
+  for (int step = 0; step <= num_steps_; ++step) moments.col(step) = MomentsAt(step, StatesAt(step, positions));
+  return moments;
 }
 
 }  // namespace clothid

@@ -69,6 +69,10 @@ class HandleForces {
 
   // R [3G] N after `step` steps, from the first columns of the states of its window.
   Eigen::VectorXd At(int step, const States& states) const;
+  // The moments of the same forces about the mean c of the positions of a group, with those by which a clamp turns its
+  // slopes d (Handles::slopes) [3G] N m:
+  //   sum of (x_i - c) x R_i + sum over its edges of d x dE/dd
+  Eigen::VectorXd MomentsAt(int step, const States& states) const;
   // dR/dx_k [3G x 3n] N/m.
   std::array<Eigen::MatrixXd, 3> Jacobian(int step, const States& states) const;
   // dR/d(parameter) [3G] at fixed positions, in the parameter's own unit; zero for friction. Throws `std::logic_error`
@@ -81,6 +85,8 @@ class HandleForces {
 
   // R after every step [3G x (num_steps + 1)] from the positions of `nodes()` after every step [3n x (num_steps + 1)].
   Eigen::MatrixXd Over(const Eigen::MatrixXd& positions) const;
+  // Likewise the moments.
+  Eigen::MatrixXd MomentsOver(const Eigen::MatrixXd& positions) const;
   // The sums over groups [3G x c] of columns over the scene's handles, in their order [3H x c]; and the transpose.
   Eigen::MatrixXd OverGroups(const Eigen::MatrixXd& handles) const;
   Eigen::MatrixXd OverGroupsTransposed(const Eigen::MatrixXd& groups) const;
@@ -124,6 +130,8 @@ class HandleForces {
   std::array<double, 3> PredictionShares(const ForceWindow& window) const;
   // Of the x_k in C_o with Edot = (C(x_q) - C_o)/(2 h).
   std::array<double, 3> OriginShares(const ForceWindow& window) const;
+  // All forces in the cloth and by the air at a place [3n].
+  Eigen::VectorXd ForceAt(const Place& place) const;
   NodeMotion MotionAt(const Handle& handle, const Place& place) const;  // over a unit of time: a in place of a change
   Eigen::Index FirstRowOf(const Handle& handle) const;                  // in columns over the scene's handles
   // Takes the sums of a force [3n] over groups off `sums` [3G].

@@ -44,7 +44,9 @@ RigidPath ReadRows(const JsonNode& list) {
   return PathOfTable(table);
 }
 
-std::shared_ptr<const RigidPath> ReadPath(const JsonNode& node, const std::string& folder) {
+}  // namespace
+
+std::shared_ptr<const RigidPath> ReadBodyPath(const JsonNode& node, const std::string& folder) {
   std::string problem;
   try {
     const bool is_file = node.is(JsonValue::Kind::kString);
@@ -55,8 +57,6 @@ std::shared_ptr<const RigidPath> ReadPath(const JsonNode& node, const std::strin
   }
   node.Fail(problem);
 }
-
-}  // namespace
 
 std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const RecordedSequences& recorded,
                                          const std::string& folder) {
@@ -73,7 +73,7 @@ std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const RecordedSeq
     obstacle.shape = ReadShape(node, folder);
     if (const auto mu = node.Find("mu")) obstacle.friction_coefficient = mu->NonNegativeNumber();
     if (const auto distance = node.Find("contact_distance")) obstacle.contact_distance = distance->NonNegativeNumber();
-    if (const auto path = node.Find("path")) obstacle.path = ReadPath(*path, folder);
+    if (const auto path = node.Find("path")) obstacle.path = ReadBodyPath(*path, folder);
     const auto name = node.Find("name");
     obstacle.name = name ? name->String() : UniqueName(node.Find("type")->String(), &names);
     if (const auto sequence = node.Find("sequence")) {

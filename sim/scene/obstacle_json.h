@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ using RecordedSequences = std::map<std::string, Eigen::MatrixXd>;
 // read (kIo).
 std::vector<SceneObstacle> ReadObstacles(const JsonNode& list, const RecordedSequences& recorded,
                                          const std::string& folder);
+
+// The path of a body: a file (sim/path/pose_csv.h), or a list of its rows. Throws likewise.
+std::shared_ptr<const RigidPath> ReadBodyPath(const JsonNode& node, const std::string& folder);
 
 }  // namespace clothid
 

@@ -46,6 +46,27 @@ Handles RefineHandles(const Handles& handles, const RefinedMesh& refined) {
   return result;
 }
 
+// Of every clamped edge both halves, with its slope.
+void RefineClamps(const Handles& handles, const RefinedMesh& refined, Handles* result) {
+  if (handles.clamped.empty()) return;
+  const Eigen::MatrixXd& coarse = handles.slopes.positions();
+  Eigen::MatrixXd slopes(2 * coarse.rows(), coarse.cols());
+  for (std::size_t i = 0; i < handles.clamped.size(); ++i) {
+    const ClampedEdge& edge = handles.clamped[i];
+    const int middle = refined.Midpoint(edge.nodes[0], edge.nodes[1]);
+    for (int half = 0; half < 2; ++half) {
+      // The triangle at a corner is the one that still has it.
+      int face = 4 * edge.face;
+      while ((refined.mesh.faces.col(face).array() != edge.nodes[static_cast<std::size_t>(half)]).all()) ++face;
+      result->clamped.push_back(
+          {half == 0 ? std::array<int, 2>{edge.nodes[0], middle} : std::array<int, 2>{middle, edge.nodes[1]}, face});
+      slopes.middleRows<3>(6 * static_cast<Eigen::Index>(i) + 3 * half) =
+          coarse.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+    }
+  }
+  result->slopes = HandlePath(handles.slopes.times(), slopes);
+}
+
 // The corners of the four triangles that follow in the place of one, as sums of two corners of it: the four of
 // RefineMesh, in their order.
 constexpr int kParts[4][3][2] = {
@@ -121,6 +142,7 @@ Scene RefineScene(const Scene& scene, const RefinedMesh& refined) {
   result.initial_positions = refined.Interpolate(scene.initial_positions);
   result.initial_velocities = refined.Interpolate(scene.initial_velocities);
   result.handles = RefineHandles(scene.handles, refined);
+  RefineClamps(scene.handles, refined, &result.handles);
   result.warp.directions = RefineDirections(scene.warp.directions);
   return result;
 }

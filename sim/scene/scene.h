@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim/air/wind.h"
+#include "sim/mesh/clamped_edges.h"
 #include "sim/mesh/mesh.h"
 #include "sim/obstacle/obstacle.h"
 #include "sim/path/handle_path.h"
@@ -89,6 +90,10 @@ struct SelfContact {
 struct Handles {
   std::vector<int> nodes;
   HandlePath path;  // of nodes.size() handles, in the same order; times on the scene's clock
+  // Where the cloth also leaves them with a prescribed slope (sim/scene/clamps.h): the direction, a unit vector at
+  // right angles to the edge, in which it does.
+  std::vector<ClampedEdge> clamped = {};
+  HandlePath slopes = {};  // of clamped.size() directions, in the same order; 1
 };
 
 // What is believed of a parameter before a recording is looked at: that it is normally distributed, or, of a parameter

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
-#include <set>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -12,8 +12,7 @@
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
 #include "sim/mesh/mesh_json.h"
-#include "sim/path/handle_csv.h"
-#include "sim/scene/attached_handles.h"
+#include "sim/scene/handles_json.h"
 #include "sim/scene/materials_json.h"
 #include "sim/scene/obstacle_json.h"
 #include "sim/scene/pieces.h"
@@ -47,7 +46,7 @@ class SceneReader {
     if (const auto obstacles = root_.Find("obstacles"))
       scene_.obstacles = ReadObstacles(*obstacles, defaults_.sequences, folder_);
     if (const auto self_contact = root_.Find("self_contact")) ReadSelfContact(*self_contact);
-    AttachHandles();
+    if (handles_) handles_->Attach(&scene_);
     if (const auto fabric = root_.Find("fabric")) ReadFabric(*fabric, &scene_);
     if (const auto materials = root_.Find("materials")) ReadMaterials(*materials, folder_, &scene_);
     if (const auto fields = root_.Find("fields")) scene_.fields = ReadFields(*fields);
@@ -138,45 +137,7 @@ class SceneReader {
 
   void ReadHandles() {
     scene_.handles = defaults_.handles;
-    const auto handles = root_.Find("handles");
-    if (!handles) return;
-    std::vector<int> nodes;
-    if (handles->is(Kind::kObject)) {
-      handles->ExpectKeys({"nodes", "path", "attach"});
-      if (handles->Find("path") && handles->Find("attach")) handles->Fail("expected either \"path\" or \"attach\"");
-      nodes = ReadHandleNodes(handles->Require("nodes", "a list of nodes"));
-    } else {
-      if (!handles->is(Kind::kArray))
-        handles->Fail("expected a list of nodes or {\"nodes\": [..], \"path\": \"FILE\"}");
-      nodes = ReadHandleNodes(*handles);
-    }
-    const auto path = handles->is(Kind::kObject) ? handles->Find("path") : std::nullopt;
-    const std::string file = path ? path->Path(folder_) : "";
-    if (defaults_.handles.nodes.empty()) {
-      scene_.handles.nodes = nodes;
-      if (path) scene_.handles.path = ReadHandleCsv(file, static_cast<int>(nodes.size()));
-    } else if (std::set<int>(nodes.begin(), nodes.end()) !=
-               std::set<int>(defaults_.handles.nodes.begin(), defaults_.handles.nodes.end())) {
-      handles->Fail("expected the handles of the recording: " + List(defaults_.handles.nodes));
-    }
-  }
-
-  static std::string List(const std::vector<int>& nodes) {
-    std::string list;
-    for (const int node : nodes) list += (list.empty() ? "" : ", ") + std::to_string(node);
-    return Printable(list);
-  }
-
-  std::vector<int> ReadHandleNodes(const JsonNode& list) const {
-    std::vector<int> nodes;
-    std::set<int> seen;
-    const int num_nodes = scene_.mesh.num_nodes();
-    for (const JsonNode& item : list.items()) {
-      nodes.push_back(item.Integer(0, num_nodes - 1));
-      if (!seen.insert(nodes.back()).second) item.Fail("node " + std::to_string(nodes.back()) + " is listed twice");
-    }
-    if (static_cast<int>(nodes.size()) == num_nodes) list.Fail("expected at least one node that is not a handle");
-    return nodes;
+    if (const auto handles = root_.Find("handles")) handles_.emplace(*handles, folder_, &scene_);
   }
 
   void ReadSelfContact(const JsonNode& node) {
@@ -184,19 +145,6 @@ class SceneReader {
     scene_.self_contact.emplace();
     ReadNonNegative(node, "mu", &scene_.self_contact->friction_coefficient);
     scene_.self_contact->thickness = node.Require("thickness", "a number > 0 (m)").PositiveNumber();
-  }
-
-  // Those of a recording have their path from it.
-  void AttachHandles() {
-    const auto handles = root_.Find("handles");
-    const auto attach = handles && handles->is(Kind::kObject) ? handles->Find("attach") : std::nullopt;
-    if (!attach || !defaults_.handles.nodes.empty()) return;
-    for (const SceneObstacle& obstacle : scene_.obstacles) {
-      if (obstacle.name != attach->String() || obstacle.path == nullptr) continue;
-      scene_.handles.path = AttachedPath(scene_, *obstacle.path);
-      return;
-    }
-    attach->Fail("expected the name of an obstacle that has a path");
   }
 
   void ReadInitial() {
@@ -221,6 +169,7 @@ class SceneReader {
   }
 
   void PutHandlesOnPath() {
+    if (handles_) handles_->PutOnPaths(&scene_);
     if (scene_.handles.path.times().size() == 0) return;
     const Eigen::VectorXd start = scene_.handles.path.At(scene_.start_time);
     for (std::size_t i = 0; i < scene_.handles.nodes.size(); ++i) {
@@ -295,6 +244,7 @@ class SceneReader {
   const std::string& folder_;
   const SceneDefaults& defaults_;
   FaceGroups groups_;  // of the file of the mesh, where pieces need them
+  std::optional<HandlesReader> handles_;
   Scene scene_;
 };
 
@@ -307,7 +257,8 @@ void CollectFiles(const JsonValue& value, const std::string& key, const std::str
   const bool is_warp = key == "warp_direction" && value.text != kWarpByUv;
   const bool is_sequence = key == "file";
   const std::string path = (std::filesystem::path(folder) / value.text).string();
-  if (value.kind == Kind::kString && (key == "obj" || key == "path" || key == "times" || is_start || is_warp)) {
+  if (value.kind == Kind::kString &&
+      (key == "obj" || key == "path" || key == "poses" || key == "times" || is_start || is_warp)) {
     files->push_back(path);
   } else if (value.kind == Kind::kString && is_sequence) {
     for (const std::string& file : FilesOfSequence(path)) files->push_back(file);

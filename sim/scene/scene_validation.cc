@@ -89,6 +89,14 @@ void ValidateHandles(const Scene& scene, const Checker& check) {
   const HandlePath& path = scene.handles.path;
   check.Expect(path.times().size() == 0 || path.num_handles() == static_cast<int>(scene.handles.nodes.size()),
                "handles.path", "a path for each of the " + std::to_string(scene.handles.nodes.size()) + " handles");
+  const std::size_t num_clamped = scene.handles.clamped.size();
+  check.Expect(scene.handles.slopes.num_handles() == static_cast<int>(num_clamped), "handles.slopes",
+               "a slope for each of the " + std::to_string(num_clamped) + " clamped edges");
+  for (const ClampedEdge& edge : scene.handles.clamped) {
+    const bool are_handles = seen.count(edge.nodes[0]) + seen.count(edge.nodes[1]) == 2;
+    check.Expect(are_handles && edge.face >= 0 && edge.face < scene.mesh.num_faces(), "handles.clamped",
+                 "edges of the cloth between handles");
+  }
 }
 
 void ValidateObstacles(const Scene& scene, const Checker& check) {

@@ -37,45 +37,117 @@ double Cotangent(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Ei
 
 }  // namespace
 
-std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh) {
+namespace {
+
+// The weights of a triangle in the angle at an edge of it, of the edge's nodes and of its apex.
+struct HingeSide {
+  double first, last, apex;
+  double area;
+};
+
+HingeSide SideOf(const Eigen::Vector3d& first, const Eigen::Vector3d& last, const Eigen::Vector3d& apex) {
+  const double at_first = Cotangent(first, last, apex), at_last = Cotangent(last, first, apex);
+  return {at_last, at_first, -(at_first + at_last), 0.5 * (last - first).cross(apex - first).norm()};
+}
+
+// The apex of the mirrored triangle is x_apex' = (1 - s) x_start + s x_end - height d, so that the weights of the nodes
+// are those of the triangle and of what it has mirrored.
+BendingElement ClampedElement(const Mesh& mesh, const ClampedEdge& edge, int number) {
+  int side = 0;
+  while (mesh.faces(side, edge.face) != edge.nodes[0]) ++side;
+  const Eigen::Vector3d start = RestCorner(mesh, edge.face, side), apex = RestCorner(mesh, edge.face, (side + 2) % 3);
+  const Eigen::Vector3d end = RestCorner(mesh, edge.face, (side + 1) % 3), along = end - start;
+  const double share = (apex - start).dot(along) / along.squaredNorm();
+  const HingeSide own = SideOf(start, end, apex);
+  const Eigen::Vector4d weights(2.0 * own.first + (1.0 - share) * own.apex, 2.0 * own.last + share * own.apex, own.apex,
+                                -own.apex * 2.0 * own.area / along.norm());
+  const int tip = mesh.faces((side + 2) % 3, edge.face);
+  return {{edge.nodes[0], edge.nodes[1], tip}, {edge.face}, {number}, 3.0 / own.area * weights * weights.transpose()};
+}
+
+}  // namespace
+
+std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh, const std::vector<ClampedEdge>& clamped) {
   std::vector<BendingElement> elements;
   for (const auto& [edge, beside] : FindEdges(mesh)) {
     if (beside.faces.size() != 2) continue;
     std::array<int, 4> nodes = {edge.first, edge.second, 0, 0};
     std::array<double, 4> weights = {0.0, 0.0, 0.0, 0.0};
     double area = 0.0;
-    for (std::size_t side = 0; side < 2; ++side) {
-      const int face = beside.faces[side], first = beside.sides[side], last = (first + 1) % 3, tip = (first + 2) % 3;
-      nodes[2 + side] = mesh.faces(tip, face);
-      const bool rises = mesh.faces(first, face) == edge.first;
-      const Eigen::Vector3d x0 = RestCorner(mesh, face, rises ? first : last);
-      const Eigen::Vector3d x1 = RestCorner(mesh, face, rises ? last : first);
-      const Eigen::Vector3d apex = RestCorner(mesh, face, tip);
-      const double at_0 = Cotangent(x0, x1, apex), at_1 = Cotangent(x1, x0, apex);
-      weights[0] += at_1;
-      weights[1] += at_0;
-      weights[2 + side] = -(at_0 + at_1);
-      area += 0.5 * (x1 - x0).cross(apex - x0).norm();
+    for (std::size_t k = 0; k < 2; ++k) {
+      const int face = beside.faces[k], side = beside.sides[k];
+      nodes[2 + k] = mesh.faces((side + 2) % 3, face);
+      const int next = (side + 1) % 3;
+      const bool rises = mesh.faces(side, face) == edge.first;
+      const HingeSide own = SideOf(RestCorner(mesh, face, rises ? side : next),
+                                   RestCorner(mesh, face, rises ? next : side), RestCorner(mesh, face, (side + 2) % 3));
+      weights[0] += own.first;
+      weights[1] += own.last;
+      weights[2 + k] = own.apex;
+      area += own.area;
     }
     Eigen::MatrixXd block(4, 4);
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < 4; ++j) block(i, j) = 3.0 / area * weights[i] * weights[j];
     }
-    elements.push_back({{nodes.begin(), nodes.end()}, beside.faces, std::move(block)});
+    elements.push_back({{nodes.begin(), nodes.end()}, beside.faces, {}, std::move(block)});
+  }
+  for (std::size_t i = 0; i < clamped.size(); ++i) {
+    elements.push_back(ClampedElement(mesh, clamped[i], static_cast<int>(i)));
   }
   return elements;
 }
 
-Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh) {
+Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh, const std::vector<ClampedEdge>& clamped) {
   std::vector<Eigen::Triplet<double>> triplets;
-  for (const BendingElement& element : EdgeBendingElements(mesh)) {
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) triplets.emplace_back(element.nodes[i], element.nodes[j], element.block(i, j));
+  for (const BendingElement& element : EdgeBendingElements(mesh, clamped)) {
+    const auto num_nodes = static_cast<Eigen::Index>(element.nodes.size());
+    for (Eigen::Index i = 0; i < num_nodes; ++i) {
+      for (Eigen::Index j = 0; j < num_nodes; ++j) {
+        triplets.emplace_back(element.nodes[static_cast<std::size_t>(i)], element.nodes[static_cast<std::size_t>(j)],
+                              element.block(i, j));
+      }
     }
   }
   Eigen::SparseMatrix<double> matrix(mesh.num_nodes(), mesh.num_nodes());
   matrix.setFromTriplets(triplets.begin(), triplets.end());
   return matrix;
+}
+
+SlopeBending SumOfSlopes(const std::vector<BendingElement>& elements, int num_nodes, int num_slopes,
+                         const std::function<double(const BendingElement& element)>& weight) {
+  std::vector<Eigen::Triplet<double>> by_nodes, own;
+  for (const BendingElement& element : elements) {
+    const auto first = static_cast<Eigen::Index>(element.nodes.size());
+    for (std::size_t k = 0; k < element.slopes.size(); ++k) {
+      const auto column = (weight(element) * element.block.col(first + static_cast<Eigen::Index>(k))).eval();
+      for (std::size_t i = 0; i < element.nodes.size(); ++i) {
+        by_nodes.emplace_back(element.nodes[i], element.slopes[k], column[static_cast<Eigen::Index>(i)]);
+      }
+      for (std::size_t i = 0; i < element.slopes.size(); ++i) {
+        own.emplace_back(element.slopes[i], element.slopes[k], column[first + static_cast<Eigen::Index>(i)]);
+      }
+    }
+  }
+  SlopeBending sum{Eigen::SparseMatrix<double>(num_nodes, num_slopes),
+                   Eigen::SparseMatrix<double>(num_slopes, num_slopes)};
+  sum.by_nodes.setFromTriplets(by_nodes.begin(), by_nodes.end());
+  sum.own.setFromTriplets(own.begin(), own.end());
+  return sum;
+}
+
+double SlopeBending::AddForce(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes,
+                              Eigen::VectorXd* force) const {
+  const auto d = slopes.reshaped(3, own.cols()), x = positions.reshaped(3, by_nodes.rows());
+  const Eigen::Matrix3Xd on_nodes = d * by_nodes.transpose(), on_slopes = d * own;
+  force->reshaped(3, by_nodes.rows()) -= stiffness * on_nodes;
+  return on_nodes.cwiseProduct(x).sum() + 0.5 * on_slopes.cwiseProduct(d).sum();
+}
+
+void SlopeBending::AddSlopeForce(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes,
+                                 Eigen::VectorXd* moment) const {
+  const auto d = slopes.reshaped(3, own.cols()), x = positions.reshaped(3, by_nodes.rows());
+  moment->reshaped(3, own.cols()) -= stiffness * (x * by_nodes + d * own);
 }
 
 BendingEnergy::BendingEnergy(Eigen::SparseMatrix<double> matrix, const std::vector<int>& free_index,

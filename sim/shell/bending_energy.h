@@ -14,24 +14,46 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <functional>
 #include <vector>
 
 #include "sim/matrix/block_matrix.h"
+#include "sim/mesh/clamped_edges.h"
 #include "sim/mesh/mesh.h"
 
 namespace clothid {
 
 // A part of Q that belongs to some triangles, with k_b = 1.
 struct BendingElement {
-  std::vector<int> nodes;  // [n]
-  std::vector<int> faces;  // an edge lies in two, a patch is that of one
-  Eigen::MatrixXd block;   // [n x n], 1/m^2
+  std::vector<int> nodes;   // [n]
+  std::vector<int> faces;   // an edge lies in two, a patch is that of one
+  std::vector<int> slopes;  // [m] clamped edges whose slopes it has
+  Eigen::MatrixXd block;    // [(n + m) x (n + m)] of nodes and slopes, 1/m^2 and 1/m
 };
 
-// Of every interior edge; and their sum, Q by edges [N x N], 1/m^2, symmetric positive semidefinite, both triangles
-// stored.
-std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh);
-Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh);
+// What Q has beside the nodes where the cloth is clamped: with the slopes d [C] (Handles::clamped) the energy is
+//   E = k_b/2 (x^T Q x + 2 x^T A d + d^T B d)
+struct SlopeBending {
+  Eigen::SparseMatrix<double> by_nodes;  // A [N x C], 1/m
+  Eigen::SparseMatrix<double> own;       // B [C x C], 1
+
+  bool is_empty() const { return own.cols() == 0; }
+  // For slopes [3C] and positions [3N]: adds stiffness * (-A d) to `force` [3N] and returns x^T A d + d^T B d/2.
+  double AddForce(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes,
+                  Eigen::VectorXd* force) const;
+  // Adds stiffness * (-A^T x - B d) to `moment` [3C].
+  void AddSlopeForce(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes,
+                     Eigen::VectorXd* moment) const;
+};
+// The sum over `elements`, each `weight` times.
+SlopeBending SumOfSlopes(const std::vector<BendingElement>& elements, int num_nodes, int num_slopes,
+                         const std::function<double(const BendingElement& element)>& weight);
+
+// Of every interior edge, and of every clamped one: it has its triangle and, mirrored at it, another that the slope
+// holds, 3/A_1 c c^T, as the half within the cloth has the curvature of both. The other: their sum Q by edges [N x N],
+// 1/m^2, symmetric positive semidefinite, both triangles stored.
+std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh, const std::vector<ClampedEdge>& clamped = {});
+Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh, const std::vector<ClampedEdge>& clamped = {});
 
 class BendingEnergy {
  public:

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <numeric>
+#include <utility>
 
 #include "sim/geometry/quadratic_fit.h"
 #include "sim/shell/mesh_unfolding.h"
@@ -30,10 +32,12 @@ Eigen::VectorXd DistancesFromCentre(const Mesh& mesh, const Eigen::VectorXd& are
   return (middles.colwise() - centre).colwise().norm() / std::sqrt(areas.sum());
 }
 
-// A linear function of the nodes.
+// A linear function of the nodes and, at a clamped edge, of the slope there.
 struct NodeWeights {
   std::vector<int> nodes;
   Eigen::VectorXd weights;
+  int slope = -1;  // the number of the edge, -1: none
+  double slope_weight = 0.0;
 };
 
 // The slope at the middle of an edge, across it and towards its first triangle. Nodes of that side tell what the slopes
@@ -129,26 +133,88 @@ class EdgeSlope {
   const bool both_;
 };
 
+// Along `warp` in the plane of a triangle, and a right angle further [3 x 2].
+Eigen::Matrix<double, 3, 2> TriangleAxes(const Mesh& mesh, int face, const Eigen::Vector3d& warp) {
+  const auto corner = [&](int k) { return RestCorner(mesh, face, k); };
+  const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(1)).normalized();
+  Eigen::Matrix<double, 3, 2> axes;
+  axes.col(0) = (warp - warp.dot(normal) * normal).normalized();
+  axes.col(1) = normal.cross(axes.col(0));
+  return axes;
+}
+
+// Two edges of a triangle in axes of it [2 x 2].
+Eigen::Matrix2d EdgesIn(const Eigen::Matrix<double, 3, 2>& axes, const Mesh& mesh, int face) {
+  const Eigen::Vector3d corner = RestCorner(mesh, face, 0);
+  Eigen::Matrix2d edges;
+  for (int k = 0; k < 2; ++k) edges.col(k) = axes.transpose() * (RestCorner(mesh, face, k + 1) - corner);
+  return edges;
+}
+
+// The slopes at clamped edges, on one mesh as they are given on another: A takes the direction across the edge there to
+// alpha of that across it here, and beta along it.
+class GivenSlopes {
+ public:
+  GivenSlopes(const std::vector<ClampedEdge>& clamped, const Mesh& chosen_on, const Mesh& mesh)
+      : clamped_(clamped), chosen_on_(chosen_on), mesh_(mesh) {
+    for (std::size_t i = 0; i < clamped.size(); ++i) {
+      numbers_[std::minmax(clamped[i].nodes[0], clamped[i].nodes[1])] = static_cast<int>(i);
+    }
+  }
+
+  // Of the edge `side` of `face`; -1: it is not clamped.
+  int Find(int face, int side) const {
+    if (numbers_.empty()) return -1;
+    const auto found = numbers_.find(std::minmax(mesh_.faces(side, face), mesh_.faces((side + 1) % 3, face)));
+    return found == numbers_.end() ? -1 : found->second;
+  }
+  int face(int number) const { return clamped_[static_cast<std::size_t>(number)].face; }
+
+  // Into the triangle of the edge.
+  NodeWeights Of(int number, int side) const {
+    if (&mesh_ == &chosen_on_) return {{}, {}, number, 1.0};
+    const auto edge = [&](const Mesh& mesh) {
+      return (RestCorner(mesh, face(number), (side + 1) % 3) - RestCorner(mesh, face(number), side)).eval();
+    };
+    const auto edges = [&](const Mesh& mesh) {
+      return EdgesIn(TriangleAxes(mesh, face(number), edge(mesh)), mesh, face(number));
+    };
+    const Eigen::Vector2d across = edges(mesh_) * edges(chosen_on_).inverse().col(1);
+    const double along = across[0] / edge(mesh_).norm();
+    return {{mesh_.faces((side + 1) % 3, face(number)), mesh_.faces(side, face(number))},
+            Eigen::Vector2d(along, -along),
+            number,
+            across[1]};
+  }
+
+ private:
+  const std::vector<ClampedEdge>& clamped_;
+  const Mesh &chosen_on_, &mesh_;
+  std::map<std::pair<int, int>, int> numbers_;  // of edges (low, high)
+};
+
 // The slopes of all edges. Which triangle of an edge is the first depends neither on numbers nor on axes: the one
-// nearer to the middle of the cloth.
+// nearer to the middle of the cloth. Of a clamped edge it is the one that leaves the clamp.
 class EdgeSlopes {
  public:
-  EdgeSlopes(const Mesh& mesh, const Eigen::VectorXd& areas) : place_(3, mesh.num_faces()) {
+  EdgeSlopes(const Mesh& mesh, const Eigen::VectorXd& areas, const GivenSlopes& given) : place_(3, mesh.num_faces()) {
     const Eigen::Matrix3Xi opposite = OppositeFaces(mesh);
     const Eigen::VectorXd distances = DistancesFromCentre(mesh, areas);
     for (int face = 0; face < mesh.num_faces(); ++face) {
       for (int side = 0; side < 3; ++side) {
-        const int other = opposite(side, face);
+        const int other = opposite(side, face), clamped = given.Find(face, side);
         const double difference = other < 0 ? -1.0 : distances[face] - distances[other];
         const bool both = std::abs(difference) <= kSameDistance;
-        if (both ? face > other : difference > 0.0) continue;
+        const bool is_second = clamped >= 0 ? face != given.face(clamped) : both ? face > other : difference > 0.0;
+        if (is_second) continue;
         place_(side, face) = static_cast<int>(slopes_.size());
         if (other >= 0) {
           int other_side = 0;  // the one that ends where this one starts
           while (mesh.faces((other_side + 1) % 3, other) != mesh.faces(side, face)) ++other_side;
           place_(other_side, other) = -1 - place_(side, face);
         }
-        slopes_.push_back(EdgeSlope(mesh, opposite, face, side, both).Compute());
+        slopes_.push_back(clamped >= 0 ? given.Of(clamped, side)
+                                       : EdgeSlope(mesh, opposite, face, side, both).Compute());
       }
     }
   }
@@ -178,41 +244,34 @@ class PatchBuilder {
     columns_[place] += weights;
   }
 
+  // At most once for each.
+  void AddSlope(int slope, const Eigen::Vector3d& weights) {
+    slopes_.push_back(slope);
+    slope_columns_.push_back(weights);
+  }
+
   BendingPatch Build(double area) const {
     BendingPatch patch;
     patch.area = area;
     patch.nodes = nodes_;
     patch.weights.setZero(3, static_cast<Eigen::Index>(nodes_.size()));
     for (std::size_t i = 0; i < columns_.size(); ++i) patch.weights.col(static_cast<Eigen::Index>(i)) = columns_[i];
+    patch.slopes = slopes_;
+    patch.slope_weights.resize(3, static_cast<Eigen::Index>(slopes_.size()));
+    for (std::size_t i = 0; i < slopes_.size(); ++i) {
+      patch.slope_weights.col(static_cast<Eigen::Index>(i)) = slope_columns_[i];
+    }
     return patch;
   }
 
  private:
-  std::vector<int> nodes_;
-  std::vector<Eigen::Vector3d> columns_;
+  std::vector<int> nodes_, slopes_;
+  std::vector<Eigen::Vector3d> columns_, slope_columns_;
 };
 
 // (11, 22, 12) of the symmetric part of a b^T.
 Eigen::Vector3d SymmetricProduct(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return {a[0] * b[0], a[1] * b[1], 0.5 * (a[0] * b[1] + a[1] * b[0])};
-}
-
-// Along `warp` in the plane of a triangle, and a right angle further [3 x 2].
-Eigen::Matrix<double, 3, 2> TriangleAxes(const Mesh& mesh, int face, const Eigen::Vector3d& warp) {
-  const auto corner = [&](int k) { return RestCorner(mesh, face, k); };
-  const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(1)).normalized();
-  Eigen::Matrix<double, 3, 2> axes;
-  axes.col(0) = (warp - warp.dot(normal) * normal).normalized();
-  axes.col(1) = normal.cross(axes.col(0));
-  return axes;
-}
-
-// Two edges of a triangle in axes of it [2 x 2].
-Eigen::Matrix2d EdgesIn(const Eigen::Matrix<double, 3, 2>& axes, const Mesh& mesh, int face) {
-  const Eigen::Vector3d corner = RestCorner(mesh, face, 0);
-  Eigen::Matrix2d edges;
-  for (int k = 0; k < 2; ++k) edges.col(k) = axes.transpose() * (RestCorner(mesh, face, k + 1) - corner);
-  return edges;
 }
 
 // Takes a patch along from one mesh to another: with y = A x in the triangle, d2/dy2 = A^-T d2/dx2 A^-1.
@@ -228,6 +287,7 @@ void TakeAlong(const Mesh& from, const Eigen::Vector3d& from_axis, const Mesh& t
         inverse(0, a) * inverse(1, b) + inverse(1, a) * inverse(0, b);
   }
   patch->weights = (change * patch->weights).eval();
+  patch->slope_weights = (change * patch->slope_weights).eval();
   patch->area *= std::abs(edges.determinant() / before.determinant());
 }
 
@@ -250,14 +310,17 @@ BendingPatch MakePatch(const Mesh& mesh, int face, double area, const Eigen::Vec
     for (std::size_t i = 0; i < slope.nodes.size(); ++i) {
       builder.Add(slope.nodes[i], slope.weights[static_cast<Eigen::Index>(i)] * of_slope);
     }
+    if (slope.slope >= 0) builder.AddSlope(slope.slope, slope.slope_weight * of_slope);
   }
   return builder.Build(area);
 }
 
-// Gives the patch the curvature at rest, and takes the part of h along the triangle off its weights.
-void KeepCurvature(const Mesh& mesh, BendingPatch* patch) {
+// Gives the patch the curvature at rest, with its slopes there [3 x C], and takes the part of h along the triangle off
+// its weights.
+void KeepCurvature(const Mesh& mesh, const Eigen::Matrix3Xd& slopes, BendingPatch* patch) {
   const Eigen::Matrix3Xd positions = mesh.rest_positions(Eigen::all, patch->nodes);
-  const Eigen::Matrix3d at_rest = patch->weights * positions.transpose();  // rows h_ab
+  Eigen::Matrix3d at_rest = patch->weights * positions.transpose();  // rows h_ab
+  if (!patch->slopes.empty()) at_rest += patch->slope_weights * slopes(Eigen::all, patch->slopes).transpose();
   const auto edge = [&](int side) { return positions.col((side + 1) % 3) - positions.col(side); };
   const Eigen::Vector3d normal = edge(0).cross(edge(1)).normalized();
   patch->curvature = at_rest * normal;
@@ -273,8 +336,12 @@ Eigen::Matrix3d RigidityMatrix(const FlexuralRigidity& rigidity) {
       {rigidity.d11, rigidity.d12, 0.0}, {rigidity.d12, rigidity.d22, 0.0}, {0.0, 0.0, 4.0 * rigidity.d66}};
 }
 
+// Of its nodes, and of its slopes if it has some.
 Eigen::MatrixXd PatchBlock(const BendingPatch& patch, const Eigen::Matrix3d& rigidity) {
-  return patch.area * patch.weights.transpose() * rigidity * patch.weights;
+  if (patch.slopes.empty()) return patch.area * patch.weights.transpose() * rigidity * patch.weights;
+  Eigen::Matrix3Xd all(3, patch.weights.cols() + patch.slope_weights.cols());
+  all << patch.weights, patch.slope_weights;
+  return patch.area * all.transpose() * rigidity * all;
 }
 
 }  // namespace
@@ -290,17 +357,19 @@ FlexuralRigidity IsotropicRigidity(double rigidity, double poisson) {
 BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest)
     : BendingPatches(mesh, warp, rest, mesh) {}
 
-BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest, const Mesh& chosen_on)
-    : num_nodes_(mesh.num_nodes()), rest_(rest) {
+BendingPatches::BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest, const Mesh& chosen_on,
+                               const std::vector<ClampedEdge>& clamped)
+    : num_nodes_(mesh.num_nodes()), num_slopes_(static_cast<int>(clamped.size())), rest_(rest) {
   const Eigen::VectorXd areas = TriangleAreas(chosen_on);
-  const EdgeSlopes slopes(chosen_on, areas);
+  const EdgeSlopes slopes(chosen_on, areas, GivenSlopes(clamped, chosen_on, mesh));
+  const Eigen::Matrix3Xd rest_slopes = RestSlopes(mesh, clamped);
   const bool is_other = chosen_on.rest_positions != mesh.rest_positions || chosen_on.corner_rest != mesh.corner_rest;
   const Eigen::Matrix3Xd axes = is_other ? FirstEdges(chosen_on) : warp;
   patches_.reserve(static_cast<std::size_t>(mesh.num_faces()));
   for (int face = 0; face < mesh.num_faces(); ++face) {
     patches_.push_back(MakePatch(chosen_on, face, areas[face], axes.col(face), slopes));
     if (is_other) TakeAlong(chosen_on, axes.col(face), mesh, warp.col(face), face, &patches_.back());
-    if (rest == BendingRest::kMesh) KeepCurvature(mesh, &patches_.back());
+    if (rest == BendingRest::kMesh) KeepCurvature(mesh, rest_slopes, &patches_.back());
   }
 }
 
@@ -330,9 +399,14 @@ std::vector<BendingElement> BendingPatches::Elements(const FlexuralRigidity& rig
   const Eigen::Matrix3d d = RigidityMatrix(rigidity);
   std::vector<BendingElement> elements;
   for (const BendingPatch& patch : patches_) {
-    elements.push_back({patch.nodes, {static_cast<int>(elements.size())}, PatchBlock(patch, d)});
+    elements.push_back({patch.nodes, {static_cast<int>(elements.size())}, patch.slopes, PatchBlock(patch, d)});
   }
   return elements;
+}
+
+SlopeBending BendingPatches::Slopes(const FlexuralRigidity& rigidity) const {
+  if (num_slopes_ == 0) return {};
+  return SumOfSlopes(Elements(rigidity), num_nodes_, num_slopes_, [](const BendingElement&) { return 1.0; });
 }
 
 std::vector<RestMoment> BendingPatches::Moments(const FlexuralRigidity& rigidity) const {
@@ -342,7 +416,8 @@ std::vector<RestMoment> BendingPatches::Moments(const FlexuralRigidity& rigidity
   for (const BendingPatch& patch : patches_) {
     const Eigen::Vector3d moment = patch.area * d * patch.curvature;
     const int face = static_cast<int>(moments.size());
-    moments.push_back({face, patch.nodes, patch.weights.transpose() * moment, patch.curvature.dot(moment)});
+    moments.push_back({face, patch.nodes, patch.weights.transpose() * moment, patch.curvature.dot(moment), patch.slopes,
+                       patch.slope_weights.transpose() * moment});
   }
   return moments;
 }

@@ -23,6 +23,9 @@
 // by those nodes of the triangles that touch them that tell most. So the patch of a triangle has 6 to some 12 nodes,
 // and a row of Q has 13 entries on grids, 18 on equilateral triangles and 29 on irregular ones.
 //
+// At a clamped edge (sim/mesh/clamped_edges.h) the slope is the one that is given, d: of cloth that keeps its lengths
+// there. So the cloth is clamped at the edge itself, and one row of nodes holds it.
+//
 // Across a seam the triangles beyond it are unfolded as others are, each with its own shape at rest; a fold counts as a
 // border.
 //
@@ -36,6 +39,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "sim/mesh/clamped_edges.h"
 #include "sim/mesh/mesh.h"
 #include "sim/scene/scene.h"
 #include "sim/shell/bending_energy.h"
@@ -66,6 +70,8 @@ struct BendingPatch {
   double area = 0.0;                                    // a
   std::vector<int> nodes;                               // [n], those of the triangle first
   Eigen::Matrix3Xd weights;                             // [3 x n] rows w_11, w_22, w_12, 1/m^2: h_ab = sum_i w_ab,i x_i
+  std::vector<int> slopes;                              // [m] clamped edges of the triangle
+  Eigen::Matrix3Xd slope_weights;                       // [3 x m] likewise, 1/m: h_ab also has sum_k w_ab,k d_k
   Eigen::Vector3d curvature = Eigen::Vector3d::Zero();  // kappa_11, kappa_22, kappa_12 at rest, 1/m
 };
 
@@ -85,7 +91,8 @@ class BendingPatches {
   // and how they share in a slope, is what it is there, and the second derivatives are taken along, as the affine map
   // of every triangle tells. So Q is a smooth function of the size, though the choice of nodes is none, and its entries
   // stay where they are. All that is said above holds.
-  BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest, const Mesh& chosen_on);
+  BendingPatches(const Mesh& mesh, const Eigen::Matrix3Xd& warp, BendingRest rest, const Mesh& chosen_on,
+                 const std::vector<ClampedEdge>& clamped = {});
 
   const std::vector<BendingPatch>& patches() const { return patches_; }  // [F], in the order of the mesh
 
@@ -93,14 +100,17 @@ class BendingPatches {
   // out.
   Eigen::SparseMatrix<double> Matrix(const FlexuralRigidity& rigidity) const;
 
-  // The parts of Q, one per triangle.
+  // What Q has beside the nodes, with the same rigidity.
+  SlopeBending Slopes(const FlexuralRigidity& rigidity) const;
+
+  // The parts of both, one per triangle.
   std::vector<BendingElement> Elements(const FlexuralRigidity& rigidity) const;
 
   // Of every triangle, with kMesh; else none.
   std::vector<RestMoment> Moments(const FlexuralRigidity& rigidity) const;
 
  private:
-  int num_nodes_;
+  int num_nodes_, num_slopes_;
   BendingRest rest_;
   std::vector<BendingPatch> patches_;
 };

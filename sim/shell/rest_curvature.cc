@@ -17,7 +17,8 @@ struct CurrentTriangle {
   Eigen::Matrix3d gradients;  // columns g_k, 1/m
   Eigen::Vector3d moment;     // p
 
-  CurrentTriangle(const RestMoment& of, const Eigen::VectorXd& positions) : moment(Eigen::Vector3d::Zero()) {
+  CurrentTriangle(const RestMoment& of, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes)
+      : moment(Eigen::Vector3d::Zero()) {
     const auto corner = [&](int k) { return positions.segment<3>(3 * of.nodes[static_cast<std::size_t>(k % 3)]); };
     const Eigen::Vector3d twice_area = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     normal = twice_area.normalized();
@@ -26,6 +27,9 @@ struct CurrentTriangle {
     }
     for (std::size_t i = 0; i < of.nodes.size(); ++i) {
       moment += of.weights[static_cast<Eigen::Index>(i)] * positions.segment<3>(3 * of.nodes[i]);
+    }
+    for (std::size_t i = 0; i < of.slopes.size() && slopes.size() > 0; ++i) {
+      moment += of.slope_weights[static_cast<Eigen::Index>(i)] * slopes.segment<3>(3 * of.slopes[i]);
     }
   }
 };
@@ -50,8 +54,8 @@ Eigen::Matrix3d BlockOf(const RestMoment& of, const CurrentTriangle& now, Hessia
 }  // namespace
 
 double AddMomentForce(const RestMoment& moment, double factor, const Eigen::VectorXd& positions,
-                      Eigen::VectorXd* force) {
-  const CurrentTriangle now(moment, positions);
+                      const Eigen::VectorXd& slopes, Eigen::VectorXd* force) {
+  const CurrentTriangle now(moment, positions, slopes);
   for (std::size_t i = 0; i < moment.nodes.size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
     double along = moment.weights[index];
@@ -59,6 +63,15 @@ double AddMomentForce(const RestMoment& moment, double factor, const Eigen::Vect
     force->segment<3>(3 * moment.nodes[i]) += factor * along * now.normal;
   }
   return 0.5 * moment.square - now.moment.dot(now.normal);
+}
+
+void AddMomentSlopeForce(const RestMoment& moment, double factor, const Eigen::VectorXd& positions,
+                         Eigen::VectorXd* force) {
+  if (moment.slopes.empty()) return;
+  const CurrentTriangle now(moment, positions, Eigen::VectorXd());
+  for (std::size_t i = 0; i < moment.slopes.size(); ++i) {
+    force->segment<3>(3 * moment.slopes[i]) += factor * moment.slope_weights[static_cast<Eigen::Index>(i)] * now.normal;
+  }
 }
 
 bool IsFlat(const Mesh& mesh) {
@@ -86,16 +99,17 @@ RestCurvature::RestCurvature(std::vector<RestMoment> moments, const std::vector<
   }
 }
 
-double RestCurvature::AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const {
+double RestCurvature::AddForce(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes,
+                               Eigen::VectorXd* force) const {
   double energy = 0.0;
-  for (const RestMoment& moment : moments_) energy += AddMomentForce(moment, stiffness, positions, force);
+  for (const RestMoment& moment : moments_) energy += AddMomentForce(moment, stiffness, positions, slopes, force);
   return energy;
 }
 
 void RestCurvature::AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions,
-                               BlockMatrix* hessian) const {
+                               const Eigen::VectorXd& slopes, BlockMatrix* hessian) const {
   for (std::size_t m = 0; m < moments_.size(); ++m) {
-    const CurrentTriangle now(moments_[m], positions);
+    const CurrentTriangle now(moments_[m], positions, slopes);
     for (std::size_t i = 0; i < places_[m].size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
         const Place& place = places_[m][i][k];

@@ -15,7 +15,8 @@
 //   Hessian:  c_i g_k n^T between a node and a corner, and its transpose;
 //             (p . n) g_k . g_l n n^T - (p . g_l) n g_k^T - (p . g_k) g_l n^T between two corners,
 //   clamped:  e g_k . g_l n n^T instead, which with Q is the square of the change of h - kappa n.
-// All per unit of k_b. Rows of the Hessian have the sum zero.
+// All per unit of k_b. Rows of the Hessian have the sum zero. Slopes d of clamped edges (bending_patch.h) are in p,
+// too, with c likewise; by them the energy changes by -c n.
 #ifndef CLOTHID_SIM_SHELL_REST_CURVATURE_H_
 #define CLOTHID_SIM_SHELL_REST_CURVATURE_H_
 
@@ -32,16 +33,24 @@ namespace clothid {
 // Of a triangle, with k_b = 1.
 struct RestMoment {
   int face = 0;
-  std::vector<int> nodes;   // [n] of its patch, its corners first
-  Eigen::VectorXd weights;  // c [n], 1/m
-  double square = 0.0;      // e, 1
+  std::vector<int> nodes;              // [n] of its patch, its corners first
+  Eigen::VectorXd weights;             // c [n], 1/m
+  double square = 0.0;                 // e, 1
+  std::vector<int> slopes = {};        // [m] clamped edges
+  Eigen::VectorXd slope_weights = {};  // c [m], 1
 
-  RestMoment Times(double factor) const { return {face, nodes, factor * weights, factor * square}; }
+  RestMoment Times(double factor) const {
+    return {face, nodes, factor * weights, factor * square, slopes, factor * slope_weights};
+  }
 };
 
-// Adds factor * (-d(e/2 - p . n)/dx) to `force` [3N] and returns e/2 - p . n for positions [3N].
+// Adds factor * (-d(e/2 - p . n)/dx) to `force` [3N] and returns e/2 - p . n for positions [3N] and the slopes of all
+// clamped edges [3C].
 double AddMomentForce(const RestMoment& moment, double factor, const Eigen::VectorXd& positions,
-                      Eigen::VectorXd* force);
+                      const Eigen::VectorXd& slopes, Eigen::VectorXd* force);
+// Adds factor * c n to `force` [3C], what is upon the slopes.
+void AddMomentSlopeForce(const RestMoment& moment, double factor, const Eigen::VectorXd& positions,
+                         Eigen::VectorXd* force);
 
 // Whether the nodes of a mesh lie in a plane but for 1e-5 of its size, which is more than the rounding of a file.
 bool IsFlat(const Mesh& mesh);
@@ -55,11 +64,13 @@ class RestCurvature {
   const std::vector<RestMoment>& moments() const { return moments_; }
 
   // Of all triangles, stiffness times.
-  double AddForce(double stiffness, const Eigen::VectorXd& positions, Eigen::VectorXd* force) const;
+  double AddForce(double stiffness, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes,
+                  Eigen::VectorXd* force) const;
 
   // Adds stiffness * the Hessian below the diagonal of `hessian`, for `BlockMatrix::CompleteFromLower`. Clamped, it is
   // positive semidefinite together with stiffness * Q.
-  void AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions, BlockMatrix* hessian) const;
+  void AddHessian(double stiffness, HessianKind kind, const Eigen::VectorXd& positions, const Eigen::VectorXd& slopes,
+                  BlockMatrix* hessian) const;
 
  private:
   // Between node i of a patch and corner k.

@@ -20,6 +20,18 @@ inline std::vector<const BendingTerm*> BendingOf(const ClothModel& model) {
   return found;
 }
 
+// Adds `stiffness` times the force of a term of bending whose constant is 1, at the time 0, and returns its energy
+// then.
+inline double AddBendingForce(const BendingTerm& term, double stiffness, const Eigen::VectorXd& positions,
+                              Eigen::VectorXd* force) {
+  Parameters unit;
+  unit.material.*RowOf(term.kind()).constant = 1.0;
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(positions.size());
+  const double energy = term.AddForce({unit, 0.0, 0.0, positions, positions}, nullptr, &own);
+  *force += stiffness * own;
+  return energy;
+}
+
 inline const SeamEnergy& SeamsOf(const ClothModel& model) { return model.forces().Find<SeamTerm>()->energy(); }
 
 }  // namespace clothid

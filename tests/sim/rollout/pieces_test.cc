@@ -131,7 +131,7 @@ TEST(PiecesTest, BendingEnergiesAddUp) {
       model.SetVariation(pieces.nominal_parameters());
       Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
       for (const BendingTerm* term : BendingOf(model)) {
-        term->AddForce(term->stiffness(pieces.material), positions, &force);
+        AddBendingForce(*term, term->stiffness(pieces.material), positions, &force);
       }
       return force;
     };

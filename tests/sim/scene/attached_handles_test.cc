@@ -21,7 +21,7 @@ TEST(AttachedHandlesTest, MoveWithTheBodyExactlyAtTheEndsOfSteps) {
   const auto body = PathThrough(
       0.0, 1.0, 51, [](double t) { return Eigen::Vector3d(0.1 * std::sin(4.0 * t), 0.2 * t, 0.05 * t * t); },
       [](double t) { return Eigen::Vector3d(0.5 * t, std::sin(3.0 * t), 0.2); });
-  scene.handles.path = AttachedPath(scene, *body);
+  scene.handles.path = AttachedPath(scene, scene.handles.nodes, *body);
   const Rollout rollout = SimulateNominal(scene, scene.num_steps());
   const AffineMap start = body->At(scene.start_time).pose;
   for (int step = 0; step <= scene.num_steps(); ++step) {

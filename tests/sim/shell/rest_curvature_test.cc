@@ -71,20 +71,23 @@ class Bending1 {
   double Energy(const Eigen::VectorXd& positions) const {
     Eigen::VectorXd unused = Eigen::VectorXd::Zero(positions.size());
     double energy = 0.0;
-    for (const BendingTerm* term : BendingOf(model_)) energy += term->AddForce(1.0, positions, &unused);
+    for (const BendingTerm* term : BendingOf(model_)) energy += AddBendingForce(*term, 1.0, positions, &unused);
     return energy;
   }
 
   Eigen::VectorXd Force(const Eigen::VectorXd& positions) const {
     Eigen::VectorXd force = Eigen::VectorXd::Zero(positions.size());
-    for (const BendingTerm* term : BendingOf(model_)) term->AddForce(1.0, positions, &force);
+    for (const BendingTerm* term : BendingOf(model_)) AddBendingForce(*term, 1.0, positions, &force);
     return force;
   }
 
   // Over the free nodes.
   Eigen::MatrixXd Hessian(HessianKind kind, const Eigen::VectorXd& positions) const {
     BlockMatrix hessian(model_.pattern());
-    for (const BendingTerm* term : BendingOf(model_)) term->AddHessian(1.0, kind, positions, &hessian);
+    const Parameters parameters = scene_.nominal_parameters();
+    for (const BendingTerm* term : BendingOf(model_)) {
+      term->AddPositionHessian(1.0, kind, {parameters, 0.0, 0.0, positions, positions}, nullptr, &hessian);
+    }
     hessian.CompleteFromLower();
     return hessian.view();
   }
@@ -218,7 +221,7 @@ TEST(RestCurvatureAlongYarnsTest, SharesAddUp) {
   Eigen::VectorXd unused = Eigen::VectorXd::Zero(positions.size());
   for (const BendingTerm* term : BendingOf(shares.model())) {
     const bool is_twist = term->kind() == ParameterKind::kTwistBending;
-    sum += (is_twist ? 0.35 : 1.0) * term->AddForce(1.0, positions, &unused);
+    sum += (is_twist ? 0.35 : 1.0) * AddBendingForce(*term, 1.0, positions, &unused);
   }
   EXPECT_NEAR(sum, isotropic.Energy(positions), 1e-10 * sum);
 }
