@@ -173,6 +173,9 @@ void ExpectMeasured(ParameterId id, const std::string& name, const RecordedMotio
            " has " + std::to_string(num_groups) + (num_groups == 1 ? " group" : " groups") + " of handles");
   }
   if (id.kind == ParameterKind::kHandleTurn) expect(num_handles > 1, " has not two handles, which alone can turn");
+  if (id.kind == ParameterKind::kHandleTurn) {
+    expect(motion.scene.handles.clamped.empty(), " has clamps, whose slopes would have to turn with the handles");
+  }
   if (id.kind != ParameterKind::kForceBias) return;
   const Eigen::VectorXd forces = ForcesAlong(id, motion.forces);
   if (!forces.array().isNaN().all()) return;

@@ -14,6 +14,7 @@ struct ForceReadings {
   Eigen::MatrixXd values;                // [3G x F] N; NaN: not measured
   std::vector<std::vector<int>> groups;  // [G] nodes; empty: G = 1, all handles
   Eigen::VectorXd sigma;                 // [G] N, standard deviation of a component
+  Eigen::MatrixXd moments = {};          // [3G x F] N m about the middle of a group; empty: not told. No fit takes them
 
   bool is_empty() const { return times.size() == 0; }
   int num_groups() const { return groups.empty() ? 1 : static_cast<int>(groups.size()); }

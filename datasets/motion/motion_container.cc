@@ -21,11 +21,11 @@ namespace {
 constexpr long long kAny = -1;  // a size that the shape leaves open
 
 constexpr std::string_view kTensorNames[] = {
-    "positions",     "times",         "rest_positions",  "faces",        "node_index",
-    "face_index",    "barycentric",   "point_kind",      "handle_index", "handle_positions",
-    "sigma",         "cloud_offsets", "cloud_positions", "cloud_sigma",  "handle_times",
-    "handle_forces", "force_times",   "force_sigma",     "force_nodes",  "force_offsets",
-    "corner_rest",   "folds",         "link_nodes",      "link_values"};
+    "positions",     "times",          "rest_positions",  "faces",        "node_index",
+    "face_index",    "barycentric",    "point_kind",      "handle_index", "handle_positions",
+    "sigma",         "cloud_offsets",  "cloud_positions", "cloud_sigma",  "handle_times",
+    "handle_forces", "handle_moments", "force_times",     "force_sigma",  "force_nodes",
+    "force_offsets", "corner_rest",    "folds",           "link_nodes",   "link_values"};
 
 class TensorReader {
  public:
@@ -155,7 +155,7 @@ std::vector<std::vector<int>> ReadForceGroups(const TensorReader& reader, long l
 ForceReadings ReadForces(const TensorReader& reader, const std::string& path) {
   ForceReadings forces;
   if (!reader.Has("handle_forces")) {
-    for (const char* name : {"force_times", "force_sigma", "force_nodes", "force_offsets"}) {
+    for (const char* name : {"force_times", "force_sigma", "force_nodes", "force_offsets", "handle_moments"}) {
       if (reader.Has(name))
         FailOnData(path, "tensor 'handle_forces' is missing; expected beside '" + std::string(name) + "'");
     }
@@ -168,6 +168,10 @@ ForceReadings ReadForces(const TensorReader& reader, const std::string& path) {
   forces.values = reader.Doubles(values, 3 * num_groups);
   forces.sigma = reader.Doubles(reader.Require("force_sigma", f64, {num_groups}), 1).transpose();
   forces.groups = ReadForceGroups(reader, num_groups, path);
+  if (reader.Has("handle_moments")) {
+    forces.moments =
+        reader.Doubles(reader.Require("handle_moments", f64, {forces.times.size(), num_groups, 3}), 3 * num_groups);
+  }
   return forces;
 }
 

@@ -46,6 +46,10 @@ void AddForces(const ForceReadings& forces, std::vector<TensorBytes>* result) {
       forces.values.array().isNaN().select(std::numeric_limits<double>::quiet_NaN(), forces.values);
   result->push_back({"force_times", TensorType::kF64, {forces.times.size()}, ToBytes<double>(forces.times)});
   result->push_back({"handle_forces", TensorType::kF64, {forces.times.size(), num_groups, 3}, ToBytes<double>(values)});
+  if (forces.moments.size() > 0) {
+    result->push_back(
+        {"handle_moments", TensorType::kF64, {forces.times.size(), num_groups, 3}, ToBytes<double>(forces.moments)});
+  }
   result->push_back({"force_sigma", TensorType::kF64, {num_groups}, ToBytes<double>(forces.sigma)});
 }
 

@@ -26,6 +26,10 @@ void ValidateForces(const ForceReadings& forces, int num_nodes, const NumberChec
   check.ExpectSize("handle_forces", forces.values.cols(), forces.times.size());
   if (forces.values.array().isInf().any()) check.Fail("handle_forces", "expected finite numbers, or NaN");
   if (forces.values.array().isNaN().all()) check.Fail("handle_forces", "expected a force that was measured");
+  if (forces.moments.size() > 0) {
+    check.ExpectSize("handle_moments", forces.moments.size(), forces.values.size());
+    if (!forces.moments.allFinite()) check.Fail("handle_moments", "expected finite numbers");
+  }
   check.ExpectSize("force_sigma", forces.sigma.size(), num_groups);
   check.ExpectPositive("force_sigma", forces.sigma);
   std::set<int> seen;

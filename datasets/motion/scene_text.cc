@@ -72,6 +72,24 @@ bool HasLists(const SceneObstacle& obstacle) {
   return obstacle.path != nullptr || dynamic_cast<const TriangulatedSurface*>(obstacle.shape.get()) != nullptr;
 }
 
+// The handles of a recording, whose paths are in its tensors: nodes, and clamps with what turns them.
+Json HandlesText(const Json& handles) {
+  const bool is_list = handles.is_array() && !handles.empty() && handles[0].is_object();
+  const Json groups = is_list ? handles : Json::array({handles});
+  Json nodes = Json::array(), kept = Json::array();
+  bool is_clamped = false;
+  for (const Json& group : groups) {
+    const Json& own = group.is_object() ? group["nodes"] : group;
+    nodes.insert(nodes.end(), own.begin(), own.end());
+    Json& held = kept.emplace_back(Json{{"nodes", own}});
+    for (const char* key : {"clamp", "attach", "poses"}) {
+      if (group.is_object() && group.contains(key)) held[key] = group[key];
+    }
+    is_clamped = is_clamped || (held.contains("clamp") && held["clamp"] != false);
+  }
+  return is_clamped ? kept : nodes;
+}
+
 // Makes keys null, in the place of what they name, and collects the lists that belong there, in the order of the text.
 class InlineLists {
  public:
@@ -79,6 +97,7 @@ class InlineLists {
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
       if (HasLists(scene.obstacles[i])) AddObstacle(scene.obstacles[i], &json->at("obstacles").at(i));
     }
+    if (json->contains("handles")) AddHandles(scene.handles, &json->at("handles"));
     if (scene.warp.directions.cols() > 0 && NamesWarp(*json)) {
       (*json)["materials"]["warp_direction"] = nullptr;
       lists_.emplace_back("warp_direction", ColumnsText(scene.warp.directions));
@@ -109,6 +128,19 @@ class InlineLists {
     lists_.emplace_back("path", PathText(*obstacle.path));
   }
 
+  void AddHandles(const Handles& handles, Json* json) {
+    std::size_t number = 0;
+    const auto add = [&](Json* group) {
+      if (!group->is_object() || !group->contains("poses")) return;
+      const RigidPath& path = *handles.bodies.at(number++);
+      if (!group->at("poses").is_string()) return;
+      group->at("poses") = nullptr;
+      lists_.emplace_back("poses", PathText(path));
+    };
+    if (!json->is_array()) return add(json);
+    for (Json& group : *json) add(&group);
+  }
+
   void AddPieces(const Mesh& mesh, Json* json) {
     for (std::size_t piece = 0; piece < mesh.piece_names.size(); ++piece) {
       (*json)[mesh.piece_names[piece]]["triangles"] = nullptr;
@@ -122,7 +154,9 @@ class InlineLists {
 }  // namespace
 
 std::string WithInlineLists(const std::string& scene_text, const Scene& scene) {
-  if (scene.obstacles.empty() && scene.warp.directions.cols() == 0 && scene.mesh.piece_names.empty()) return scene_text;
+  const bool is_plain = scene.obstacles.empty() && scene.warp.directions.cols() == 0 &&
+                        scene.mesh.piece_names.empty() && scene.handles.bodies.empty();
+  if (is_plain) return scene_text;
   Json json = Json::parse(scene_text);
   const InlineLists lists(scene, &json);
   if (lists.empty()) return scene_text;
@@ -145,7 +179,7 @@ std::string SelfContainedText(const Scene& original, const std::string& scene_te
   Json scene = Json::parse(scene_text, nullptr, /*allow_exceptions=*/false);
   if (!scene.is_object()) throw Error(ErrorKind::kBadData, "scene: expected a JSON object");
   if (scene.contains("mesh") && scene["mesh"].contains("obj")) scene.erase("mesh");
-  if (scene.contains("handles") && scene["handles"].is_object()) scene["handles"] = scene["handles"]["nodes"];
+  if (scene.contains("handles")) scene["handles"] = HandlesText(scene["handles"]);
   Json& initial = scene["initial"];
   *start_is_first_frame = initial.contains("positions") && initial["positions"] != "rest";
   if (!*start_is_first_frame) {

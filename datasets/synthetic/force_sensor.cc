@@ -1,7 +1,9 @@
 #include "datasets/synthetic/force_sensor.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <random>
 #include <utility>
 
@@ -15,7 +17,26 @@ namespace clothid {
 namespace {
 
 // After every step [3G x (steps + 1)].
-Eigen::MatrixXd ForcesAfterSteps(const Rollout& rollout, Scene scene, const std::vector<std::vector<int>>& groups) {
+struct Loads {
+  Eigen::MatrixXd forces;
+  Eigen::MatrixXd moments;  // empty where no handle clamps the cloth
+};
+
+// What pairs that touch push handles with, off the forces after a step and, about the middle of a group, the moments.
+void SubtractPairs(const Eigen::VectorXd& on_handles, const Eigen::VectorXd& positions, const HandleForces& forces,
+                   const std::vector<std::vector<int>>& groups, const std::vector<int>& nodes, int step, Loads* loads) {
+  loads->forces.col(step) -= forces.OverGroups(on_handles);
+  for (std::size_t g = 0; g < groups.size() && loads->moments.size() > 0; ++g) {
+    const Eigen::Vector3d middle = positions.reshaped(3, positions.size() / 3)(Eigen::all, groups[g]).rowwise().mean();
+    for (const int node : groups[g]) {
+      const auto handle = 3 * (std::find(nodes.begin(), nodes.end(), node) - nodes.begin());
+      const Eigen::Vector3d arm = positions.segment<3>(3 * node) - middle, push = on_handles.segment<3>(handle);
+      loads->moments.col(step).segment<3>(3 * static_cast<Eigen::Index>(g)) -= arm.cross(push);
+    }
+  }
+}
+
+Loads LoadsAfterSteps(const Rollout& rollout, Scene scene, const std::vector<std::vector<int>>& groups) {
   scene.SetMaterials(rollout.parameters);  // bending and air are there where the rollout has them
   Simulator simulator(std::move(scene));
   simulator.UseParameters(rollout.parameters);
@@ -23,12 +44,15 @@ Eigen::MatrixXd ForcesAfterSteps(const Rollout& rollout, Scene scene, const std:
   const HandleForces forces(model, rollout.parameters, rollout.num_steps(), groups);
   Eigen::MatrixXd states(3 * static_cast<Eigen::Index>(forces.nodes().size()), rollout.num_steps() + 1);
   for (int step = 0; step <= rollout.num_steps(); ++step) states.col(step) = forces.Gather(rollout.positions(step));
-  Eigen::MatrixXd after = forces.Over(states);
+  Loads loads{forces.Over(states), {}};
+  const Handles& handles = model.scene().handles;
+  if (!handles.clamped.empty()) loads.moments = forces.MomentsOver(states);
   for (int step = 0; step <= rollout.num_steps() && model.scene().self_contact; ++step) {
     const StepRecord& end = rollout.records[rollout.last_record[std::max(step, 1) - 1]];
-    after.col(step) -= forces.OverGroups(PairForces(model, rollout.parameters, end));
+    SubtractPairs(PairForces(model, rollout.parameters, end), rollout.positions(step), forces, groups, handles.nodes,
+                  step, &loads);
   }
-  return after;
+  return loads;
 }
 
 void Check(const ForceSensor& sensor, const Rollout& rollout, const Scene& scene) {
@@ -53,8 +77,10 @@ ForceReadings ReadForceSensor(const ForceSensor& sensor, const Rollout& rollout,
   forces.times = scene.start_time + scene.time_step * steps.array();
   std::vector<std::vector<int>> groups = sensor.groups;
   if (groups.empty()) groups = {scene.handles.nodes};
-  const Eigen::MatrixXd after = ForcesAfterSteps(rollout, scene, groups);
+  const Loads loads = LoadsAfterSteps(rollout, scene, groups);
+  const Eigen::MatrixXd& after = loads.forces;
   forces.values.resize(after.rows(), steps.size());
+  if (loads.moments.size() > 0) forces.moments.resize(after.rows(), steps.size());
   constexpr std::uint32_t kForces = 0xf04ce;  // apart from the streams of datasets/synthetic/synthetic.cc
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), kForces};
   std::mt19937_64 generator(sequence);
@@ -65,6 +91,11 @@ ForceReadings ReadForceSensor(const ForceSensor& sensor, const Rollout& rollout,
     auto force = forces.values.col(i);
     force = after.col(before);
     if (fraction > 0.0) force += fraction * (after.col(before + 1) - after.col(before));
+    if (loads.moments.size() > 0) {
+      forces.moments.col(i) = loads.moments.col(before);
+      if (fraction > 0.0)
+        forces.moments.col(i) += fraction * (loads.moments.col(before + 1) - loads.moments.col(before));
+    }
     for (double& component : force) component += sensor.sigma * normal(generator);
     force += sensor.bias.replicate(forces.num_groups(), 1);
   }

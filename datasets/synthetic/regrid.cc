@@ -78,6 +78,32 @@ Handles RegridHandles(const Scene& old, const std::vector<ObservedPoint>& points
   return handles;
 }
 
+Eigen::Vector3d RestMiddle(const ClampedEdge& edge, const Mesh& mesh) {
+  return 0.5 * (mesh.rest_positions.col(edge.nodes[0]) + mesh.rest_positions.col(edge.nodes[1]));
+}
+
+// Edges between nodes that lie on clamped ones, each with the slope of that which was nearest.
+void RegridClamps(const Scene& old, const std::vector<ObservedPoint>& points, Scene* scene) {
+  const std::vector<ClampedEdge>& clamped = old.handles.clamped;
+  if (clamped.empty()) return;
+  std::vector<int> rows, held;
+  for (const ClampedEdge& edge : clamped) rows.insert(rows.end(), edge.nodes.begin(), edge.nodes.end());
+  for (const int node : scene->handles.nodes) {
+    if (IsHeld(points[static_cast<std::size_t>(node)], rows)) held.push_back(node);
+  }
+  scene->handles.clamped = ClampedEdges(scene->mesh, held);
+  const Eigen::MatrixXd& before = old.handles.slopes.positions();
+  Eigen::MatrixXd slopes(3 * static_cast<Eigen::Index>(scene->handles.clamped.size()), before.cols());
+  for (std::size_t i = 0; i < scene->handles.clamped.size(); ++i) {
+    const Eigen::Vector3d middle = RestMiddle(scene->handles.clamped[i], scene->mesh);
+    const auto distance = [&](const ClampedEdge& edge) { return (RestMiddle(edge, old.mesh) - middle).norm(); };
+    const auto nearest = std::min_element(clamped.begin(), clamped.end(),
+                                          [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+    slopes.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = before.middleRows<3>(3 * (nearest - clamped.begin()));
+  }
+  scene->handles.slopes = HandlePath(old.handles.slopes.times(), slopes);
+}
+
 void ExpectHandlesHeld(const GridScene& old, const Scene& scene, const std::array<int, 2>& nodes) {
   for (const int handle : old.scene.handles.nodes) {
     if (IsHeld(PlacePoint(scene.mesh, old.scene.mesh.rest_positions.col(handle)), scene.handles.nodes)) continue;
@@ -120,6 +146,7 @@ Scene Regrid(const GridScene& old, const std::array<int, 2>& nodes) {
   scene.initial_positions = Interpolate(points, old.scene.initial_positions);
   scene.initial_velocities = Interpolate(points, old.scene.initial_velocities);
   scene.handles = RegridHandles(old.scene, points);
+  RegridClamps(old.scene, points, &scene);
   ExpectHandlesHeld(old, scene, nodes);
   return scene;
 }

@@ -122,6 +122,7 @@ void HandlesReader::Attach(Scene* scene) {
   std::vector<std::vector<int>> nodes;
   std::vector<HandlePath> paths;
   for (Group& group : groups_) {
+    if (group.body != nullptr) scene->handles.bodies.push_back(group.body);
     group.body = BodyOf(group, *scene);
     nodes.push_back(group.nodes);
     paths.push_back(group.body == nullptr || is_recorded_ ? group.path

@@ -94,6 +94,9 @@ struct Handles {
   // right angles to the edge, in which it does.
   std::vector<ClampedEdge> clamped = {};
   HandlePath slopes = {};  // of clamped.size() directions, in the same order; 1
+  // The paths of bodies that take groups of them along, in the order of the text of the scene; what they do stands
+  // above.
+  std::vector<std::shared_ptr<const RigidPath>> bodies = {};
 };
 
 // What is believed of a parameter before a recording is looked at: that it is normally distributed, or, of a parameter

@@ -66,6 +66,9 @@ void PrintTensor(const char* name, const char* type, Eigen::Index frames, Eigen:
 void PrintForceTensors(const ForceReadings& forces) {
   if (forces.is_empty()) return;
   PrintTensor("handle_forces", "F64", forces.num_readings(), forces.num_groups(), 3);
+  if (forces.moments.size() > 0) {
+    PrintTensor("handle_moments", "F64", forces.num_readings(), forces.num_groups(), 3);
+  }
   PrintTensor("force_times", "F64", 0, forces.num_readings(), 1);
   PrintTensor("force_sigma", "F64", 0, forces.num_groups(), 1);
   if (forces.groups.empty()) return;
@@ -108,9 +111,7 @@ void PrintTensors(const MotionTensors& tensors) {
 }
 
 // What few scenes have is told where it is there.
-bool IsTold(ParameterKind kind, double value) {
-  return value != 0.0 || RowOf(kind).part == ParameterPart::kPiece;
-}
+bool IsTold(ParameterKind kind, double value) { return value != 0.0 || RowOf(kind).part == ParameterPart::kPiece; }
 
 void PrintScene(const Scene& scene) {
   const Parameters nominal = scene.nominal_parameters();

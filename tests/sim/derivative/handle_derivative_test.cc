@@ -13,6 +13,7 @@
 #include "sim/derivative/adjoint.h"
 #include "sim/derivative/sensitivity.h"
 #include "sim/rollout/simulator.h"
+#include "sim/scene/attached_handles.h"
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/nodal_correction.h"
 #include "tests/sim/self_contact_scenes.h"
@@ -187,6 +188,15 @@ void ExpectThreeWaysAgree(HandleCase& handles) {
 TEST_P(HandleDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
   HandleCase handles(MovingScene(GetParam()));
   ASSERT_FALSE(handles.rollout().records.back().contacts.empty());
+  ExpectThreeWaysAgree(handles);
+}
+
+// The slope of a clamp stays as it is.
+TEST_P(HandleDerivativeTest, OfAClampedRow) {
+  Scene scene = MovingScene(GetParam());
+  scene.duration = 0.2;
+  ClampHandles({{scene.handles.nodes}}, &scene);
+  HandleCase handles(scene);
   ExpectThreeWaysAgree(handles);
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,6 +18,7 @@
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
 #include "tests/expect_error.h"
+#include "tests/sim/clamped_strip.h"
 #include "tests/sim/curved_rest.h"
 #include "tests/sim/derivative/same_branches.h"
 #include "tests/sim/scene/triangle_meshes.h"
@@ -110,6 +112,18 @@ TEST(SizeDerivativeTest, AdjointIsSensitivityIsCentralDifferencesWithDragAndBend
   ExpectAgreement(scene, "fields");
   scene.fields.clear();
   ExpectAgreement(CurvedAtRest(scene), "curved at rest");
+}
+
+TEST(SizeDerivativeTest, AdjointIsSensitivityIsCentralDifferencesOfAClampedCloth) {
+  Scene scene = ShippedScene("drape", 7, Integrator::kSdirk2);
+  scene.parameters["k_bend"].nominal = 1e-3;
+  scene.duration *= 0.25;
+  scene.bending = {BendingLaw::kPatches, 0.3};
+  ExpectAgreement(InATurningJaw(scene), "along the edges");
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  scene.mesh.rest_positions = (turn * scene.mesh.rest_positions).eval();
+  scene.initial_positions = scene.mesh.rest_positions.reshaped();
+  ExpectAgreement(InATurningJaw(scene), "at an angle");
 }
 
 TEST(SizeDerivativeTest, IsBuiltForSizesAlone) {

@@ -340,7 +340,7 @@ TEST(ParseScene, NamesWrongHandles) {
   ExpectBadMember("\"handles\": [3, -1]", {"key 'handles[1]': expected an integer from 0 to 8, found -1"});
   ExpectBadMember("\"handles\": [3, 4, 3]", {"key 'handles[2]': node 3 is listed twice"});
   ExpectBadMember("\"handles\": [0, 1, 2, 3, 4, 5, 6, 7, 8]", {"key 'handles': expected at least one node"});
-  ExpectBadMember("\"handles\": 3", {"key 'handles': expected a list of nodes or"});
+  ExpectBadMember("\"handles\": 3", {"key 'handles': expected a list of nodes, {"});
   ExpectBadMember("\"handles\": {\"path\": \"a.csv\"}", {"key 'handles.nodes': is missing"});
 }
 

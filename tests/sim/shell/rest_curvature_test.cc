@@ -84,8 +84,9 @@ class Bending1 {
   // Over the free nodes.
   Eigen::MatrixXd Hessian(HessianKind kind, const Eigen::VectorXd& positions) const {
     BlockMatrix hessian(model_.pattern());
-    const Parameters parameters = scene_.nominal_parameters();
     for (const BendingTerm* term : BendingOf(model_)) {
+      Parameters parameters;
+      parameters.material.*RowOf(term->kind()).constant = 1.0;
       term->AddPositionHessian(1.0, kind, {parameters, 0.0, 0.0, positions, positions}, nullptr, &hessian);
     }
     hessian.CompleteFromLower();
