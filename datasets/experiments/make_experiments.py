@@ -140,7 +140,7 @@ def edge(folder):
     for time in times(2.4, 0.05):
         gone = time - starts / 2 if time > starts else time * time / (2.0 * starts)
         rows.append((time, [(x, -flat - speed * gone, 0.0) for x in columns]))
-    handles = folder.path_of_handles("edge", list(range(nodes[0])), rows)
+    handles = folder.path_of_handles("edge", list(range(nodes[0])), rows) | {"clamp": True}
     low, high = [-0.3, -0.6, -0.6], [0.3, 0.0, -radius]
     corners = [[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)]
     quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -163,17 +163,14 @@ def incline(folder):
 
 
 def cantilever(folder):
-    """ASTM D1388, option A: a strip of 25 x 200 mm, slid out over the edge until its tip is 41.5 degrees below it.
+    """ASTM D1388, option A: a strip of 25 mm, slid out over the edge until its tip is 41.5 degrees below it.
 
-    That is an overhang of twice the bending length, 39 mm of the medium fabric. What lies under the slide is held: the
-    clamp is in the middle between the last two rows that are held. The strip starts straight.
+    That is an overhang of twice the bending length, 39 mm of the medium fabric. What lies under the slide is left out:
+    the row of nodes at the edge clamps the strip, which starts straight.
     """
-    nodes, size, free_rows = [4, 50], [0.025, 0.2], 9
-    spacing = size[1] / (nodes[1] - 1)
-    clamp = size[1] - (free_rows + 0.5) * spacing
-    held = list(range(nodes[0] * (nodes[1] - free_rows)))
-    mesh = grid(nodes, size, [-size[0] / 2, round(-clamp, 9), 0], [ACROSS, [0, 1, 0]])
-    folder.write("cantilever", scene(1.0, mesh, handles=held))
+    nodes, size = [5, 11], [0.025, 0.039]
+    mesh = grid(nodes, size, [-size[0] / 2, 0, 0], [ACROSS, [0, 1, 0]])
+    folder.write("cantilever", scene(1.0, mesh, handles={"nodes": list(range(nodes[0])), "clamp": True}))
 
 
 def tensile(folder):
@@ -183,7 +180,7 @@ def tensile(folder):
     held = list(range(nodes[0])) + list(range(nodes[0] * (nodes[1] - 1), nodes[0] * nodes[1]))
     rows = [(time, [(x, 0.0, speed * time) for x in columns] + [(x, 0.0, -size[1]) for x in columns])
             for time in times(duration, 0.4)]
-    handles = folder.path_of_handles("tensile", held, rows)
+    handles = folder.path_of_handles("tensile", held, rows) | {"clamp": True}
     folder.write("tensile", scene(duration, grid(nodes, size, [-size[0] / 2, 0, 0], [ACROSS, DOWN]), time_step=0.04,
                                   handles=handles))
 

@@ -42,21 +42,24 @@ Mesh MeshOfScene(const std::string& path, std::string text) {
 
 // The text without the names of files: what they hold is in the tensors. Unchanged where it names none.
 std::string WithoutFiles(const std::string& text, const std::string& source, bool mesh_replaced) {
-  Json scene = Json::parse(text);
+  const std::string recorded = WithRecordedHandles(text);
+  Json scene = Json::parse(recorded);
   bool changed = false;
   if (scene.contains("mesh") && (mesh_replaced || scene["mesh"].contains("obj"))) changed = scene.erase("mesh") > 0;
-  if (scene.contains("handles") && scene["handles"].is_object()) {
-    const Json nodes = scene["handles"]["nodes"];
-    scene["handles"] = nodes;
-    changed = true;
-  }
   if (scene.contains("initial") && scene["initial"].contains("positions") && scene["initial"]["positions"] != "rest") {
     throw Error(ErrorKind::kBadData,
                 source +
                     ": key 'initial.positions': expected \"rest\" or nothing; a recording starts from its first "
                     "frame");
   }
-  return changed ? scene.dump(2) : text;
+  return changed ? scene.dump(2) : recorded;
+}
+
+// The text with these handles, clamped.
+std::string WithClamp(const std::string& text, const std::vector<int>& nodes) {
+  Json scene = Json::parse(text);
+  scene["handles"] = {{"nodes", nodes}, {"clamp", true}};
+  return scene.dump(2);
 }
 
 void SetPoints(const PointTracks& tracks, const PointMap& map, MotionTensors* tensors) {
@@ -159,6 +162,9 @@ void SetSigma(double sigma, MotionTensors* tensors) {
 void SetScene(const ImportOptions& options, const std::string& source, MotionTensors* tensors) {
   ReadMotionOptions read;
   read.smooth_handles = false;
+  if (options.clamps_handles) {
+    read.change_scene = [&](const std::string& text) { return WithClamp(text, options.handle_nodes); };
+  }
   if (options.scene_text.empty()) {
     read.scene_path = options.scene_path;
   } else {

@@ -37,8 +37,9 @@ struct ImportOptions {
   double map_distance = 0.0;          // m, of kNearest and kMarkers, see `PlacementOptions`
   SurfaceMarks surface;  // without `as_surface` what a recording says is kept, and imported points are material
   std::vector<int> handle_nodes;
-  std::optional<HandleFile> handle_file;     // paths of the handles; without it those of their measured points
-  std::optional<HandlePath> handle_path;     // the same, from memory, on the clock of the recording; one of both
+  bool clamps_handles = false;            // the cloth leaves `handle_nodes` with a slope (sim/scene/attached_handles.h)
+  std::optional<HandleFile> handle_file;  // paths of the handles; without it those of their measured points
+  std::optional<HandlePath> handle_path;  // the same, from memory, on the clock of the recording; one of both
   std::vector<ObstacleFile> obstacle_files;  // paths of obstacles, in place of those that the scene gives them
   std::optional<ForceFile> force_file;       // what the handles bear; without it what a recording has
   double sigma = 0.0;                        // m, of every point; 0: not known

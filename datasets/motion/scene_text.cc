@@ -17,6 +17,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json ParseObject(const std::string& scene_text) {
+  Json scene = Json::parse(scene_text, nullptr, /*allow_exceptions=*/false);
+  if (!scene.is_object()) throw Error(ErrorKind::kBadData, "scene: expected a JSON object");
+  return scene;
+}
+
 // [[x0, y0, z0], [x1, y1, z1], ..] of the columns of a matrix, on one line.
 template <typename Matrix>
 std::string ColumnsText(const Matrix& matrix) {
@@ -175,9 +181,17 @@ RecordedSequences SequencesOf(const Scene& scene) {
   return sequences;
 }
 
+std::string WithRecordedHandles(const std::string& scene_text) {
+  Json scene = ParseObject(scene_text);
+  if (!scene.contains("handles")) return scene_text;
+  const Json handles = HandlesText(scene["handles"]);
+  if (handles == scene["handles"]) return scene_text;
+  scene["handles"] = handles;
+  return scene.dump(2);
+}
+
 std::string SelfContainedText(const Scene& original, const std::string& scene_text, bool* start_is_first_frame) {
-  Json scene = Json::parse(scene_text, nullptr, /*allow_exceptions=*/false);
-  if (!scene.is_object()) throw Error(ErrorKind::kBadData, "scene: expected a JSON object");
+  Json scene = ParseObject(scene_text);
   if (scene.contains("mesh") && scene["mesh"].contains("obj")) scene.erase("mesh");
   if (scene.contains("handles")) scene["handles"] = HandlesText(scene["handles"]);
   Json& initial = scene["initial"];

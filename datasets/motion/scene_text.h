@@ -19,6 +19,10 @@ std::string WithInlineLists(const std::string& scene_text, const Scene& scene);
 // WithInlineLists leaves out.
 RecordedSequences SequencesOf(const Scene& scene);
 
+// `scene_text` with its handles as a recording has them, whose tensors have their paths: nodes, and clamps with what
+// turns them. Unchanged where it has no others. Throws `Error` (kBadData) where it is no JSON object.
+std::string WithRecordedHandles(const std::string& scene_text);
+
 // The text of a recording of `scene`, which was read from `scene_text`: every value of the original, without the names
 // of files and with an explicit start. Surfaces, paths and directions come into it as by WithInlineLists; mesh and
 // paths of handles go into the recording's tensors, clamps stay. A start read from a file goes: the first frame has to

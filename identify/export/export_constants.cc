@@ -138,6 +138,9 @@ ExportConstants MakeExportConstants(const Scene& scene, const Parameters& parame
   if (scene.handles.path.num_handles() > 0) {
     constants.not_mapped.push_back("the path of the handles: they stand where the motion starts");
   }
+  if (!scene.handles.clamped.empty()) {
+    constants.not_mapped.push_back("clamps: handles hold places, not slopes; hold a second row of nodes");
+  }
   return constants;
 }
 

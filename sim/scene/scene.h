@@ -90,8 +90,8 @@ struct SelfContact {
 struct Handles {
   std::vector<int> nodes;
   HandlePath path;  // of nodes.size() handles, in the same order; times on the scene's clock
-  // Where the cloth also leaves them with a prescribed slope (sim/scene/clamps.h): the direction, a unit vector at
-  // right angles to the edge, in which it does.
+  // Where the cloth also leaves them with a prescribed slope (sim/scene/attached_handles.h): the direction, a unit
+  // vector at right angles to the edge, in which it does.
   std::vector<ClampedEdge> clamped = {};
   HandlePath slopes = {};  // of clamped.size() directions, in the same order; 1
   // The paths of bodies that take groups of them along, in the order of the text of the scene; what they do stands

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "datasets/files/atomic_file.h"
@@ -156,7 +157,13 @@ void SetMap(ImportOptions* options) {
 }
 
 void SetHandleFile(ImportOptions* options) {
-  options->handle_nodes = ParseList("handle_nodes", FLAGS_handle_nodes, kMaxNodes, "nodes");
+  constexpr std::string_view kClamp = ":clamp";
+  std::string nodes = FLAGS_handle_nodes;
+  if (nodes.size() > kClamp.size() && nodes.compare(nodes.size() - kClamp.size(), kClamp.size(), kClamp) == 0) {
+    options->clamps_handles = true;
+    nodes.resize(nodes.size() - kClamp.size());
+  }
+  options->handle_nodes = ParseList("handle_nodes", nodes, kMaxNodes, "nodes");
   if (!IsSet("handles")) return;
   HandleFile file;
   file.path = FLAGS_handles;

@@ -83,7 +83,8 @@ Cloth; a motion.bin from another program needs --scene and a mesh, in the scene 
   --sigma S            standard deviation of a coordinate, m (not known)
 
 Handles:
-  --handle_nodes LIST  nodes with a prescribed path: that of their measured points, gaps filled, or of a file
+  --handle_nodes LIST[:clamp]   nodes with a prescribed path: that of their measured points, gaps filled, or of a
+                       file; `:clamp`: they hold the slope of the cloth, too, as a jaw does
   --handles FILE       CSV time,x0,y0,z0,x1,.. (s, m) or ROS poses of a tool, resampled to the frames
   --handle_offsets FILE   JSON {"NODE": [x, y, z], ..}: where the tool holds each node, m, in its own axes
   --handle_transform FILE   of the handles' frame of reference, as --transform

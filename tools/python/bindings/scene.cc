@@ -72,6 +72,14 @@ void BindShape(py::class_<PyScene>* scene) {
       "handles", [](const PyScene& self) { return FromIndices(self.scene->handles.nodes); },
       "(H,): the nodes that are held or moved.");
   scene->def_property_readonly(
+      "clamped_edges",
+      [](const PyScene& self) {
+        py::list edges;
+        for (const auto& [nodes, face] : self.scene->handles.clamped) edges.append(py::make_tuple(nodes[0], nodes[1]));
+        return edges;
+      },
+      "[(i, j), ..]: the edges at which the cloth leaves clamps, by their nodes.");
+  scene->def_property_readonly(
       "obstacles",
       [](const PyScene& self) {
         py::list names;
