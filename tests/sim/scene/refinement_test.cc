@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/scene/attached_handles.h"
 #include "tests/expect_error.h"
 #include "tests/sim/garments.h"
+#include "tests/sim/shipped_scenes.h"
 
 namespace clothid::refinement_test {
 namespace {
@@ -129,6 +131,21 @@ TEST(RefineSceneTest, RefusesForcesPerNode) {
   EXPECT_NO_THROW(ExpectRefinable(scene, "a.bin"));
   scene.node_force.z() = 1e-3;
   ExpectError([&] { ExpectRefinable(scene, "a.bin"); }, ErrorKind::kUsage, {"a.bin", "'node_force'", "finer mesh"});
+}
+
+TEST(RefineSceneTest, HalvesOfAClampedEdgeHaveItsSlope) {
+  Scene scene = ShippedScene("drape", 4);
+  ClampHandles({{scene.handles.nodes, Eigen::Vector3d(0.1, 0.2, 1.0)}}, &scene);
+  const Scene refined = RefineScene(scene, RefineMesh(scene.mesh));
+  ValidateScene(refined, "refined");
+  ASSERT_EQ(refined.handles.clamped.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const ClampedEdge& edge = refined.handles.clamped[i];
+    const Eigen::Vector3i corners = refined.mesh.faces.col(edge.face);
+    for (const int node : edge.nodes) EXPECT_TRUE((corners.array() == node).any()) << i;
+    EXPECT_EQ(refined.handles.slopes.At(0.0).segment<3>(3 * static_cast<Eigen::Index>(i)),
+              scene.handles.slopes.At(0.0).segment<3>(3 * static_cast<Eigen::Index>(i / 2)));
+  }
 }
 
 }  // namespace
