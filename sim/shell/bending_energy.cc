@@ -50,26 +50,38 @@ HingeSide SideOf(const Eigen::Vector3d& first, const Eigen::Vector3d& last, cons
   return {at_last, at_first, -(at_first + at_last), 0.5 * (last - first).cross(apex - first).norm()};
 }
 
-// The apex of the mirrored triangle is x_apex' = (1 - s) x_start + s x_end - height d, so that the weights of the nodes
-// are those of the triangle and of what it has mirrored.
-BendingElement ClampedElement(const Mesh& mesh, const ClampedEdge& edge, int number) {
-  int side = 0;
-  while (mesh.faces(side, edge.face) != edge.nodes[0]) ++side;
-  const Eigen::Vector3d start = RestCorner(mesh, edge.face, side), apex = RestCorner(mesh, edge.face, (side + 2) % 3);
-  const Eigen::Vector3d end = RestCorner(mesh, edge.face, (side + 1) % 3), along = end - start;
+// Of the edge `side` of a triangle, which leaves it along `sign` times the slope with that number. The apex of the
+// mirrored triangle is x_apex' = (1 - s) x_start + s x_end - height d, so that the weights of the nodes are those of
+// the triangle and of what it has mirrored.
+BendingElement ClampedElement(const Mesh& mesh, int face, int side, int slope, double sign) {
+  const Eigen::Vector3d start = RestCorner(mesh, face, side), end = RestCorner(mesh, face, (side + 1) % 3);
+  const Eigen::Vector3d apex = RestCorner(mesh, face, (side + 2) % 3), along = end - start;
   const double share = (apex - start).dot(along) / along.squaredNorm();
   const HingeSide own = SideOf(start, end, apex);
   const Eigen::Vector4d weights(2.0 * own.first + (1.0 - share) * own.apex, 2.0 * own.last + share * own.apex, own.apex,
-                                -own.apex * 2.0 * own.area / along.norm());
-  const int tip = mesh.faces((side + 2) % 3, edge.face);
-  return {{edge.nodes[0], edge.nodes[1], tip}, {edge.face}, {number}, 3.0 / own.area * weights * weights.transpose()};
+                                -sign * own.apex * 2.0 * own.area / along.norm());
+  return {{mesh.faces(side, face), mesh.faces((side + 1) % 3, face), mesh.faces((side + 2) % 3, face)},
+          {face},
+          {slope},
+          3.0 / own.area * weights * weights.transpose()};
 }
 
 }  // namespace
 
 std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh, const std::vector<ClampedEdge>& clamped) {
   std::vector<BendingElement> elements;
-  for (const auto& [edge, beside] : FindEdges(mesh)) {
+  EdgeNeighbours edges = FindEdges(mesh);
+  for (std::size_t i = 0; i < clamped.size(); ++i) {
+    const auto found = edges.find(std::minmax(clamped[i].nodes[0], clamped[i].nodes[1]));
+    if (found == edges.end()) continue;
+    for (std::size_t k = 0; k < found->second.faces.size(); ++k) {
+      const int face = found->second.faces[k];
+      elements.push_back(ClampedElement(mesh, face, found->second.sides[k], static_cast<int>(i),
+                                        face == clamped[i].face ? 1.0 : -1.0));
+    }
+    edges.erase(found);
+  }
+  for (const auto& [edge, beside] : edges) {
     if (beside.faces.size() != 2) continue;
     std::array<int, 4> nodes = {edge.first, edge.second, 0, 0};
     std::array<double, 4> weights = {0.0, 0.0, 0.0, 0.0};
@@ -91,9 +103,6 @@ std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh, const std::vec
       for (int j = 0; j < 4; ++j) block(i, j) = 3.0 / area * weights[i] * weights[j];
     }
     elements.push_back({{nodes.begin(), nodes.end()}, beside.faces, {}, std::move(block)});
-  }
-  for (std::size_t i = 0; i < clamped.size(); ++i) {
-    elements.push_back(ClampedElement(mesh, clamped[i], static_cast<int>(i)));
   }
   return elements;
 }

@@ -49,8 +49,8 @@ struct SlopeBending {
 SlopeBending SumOfSlopes(const std::vector<BendingElement>& elements, int num_nodes, int num_slopes,
                          const std::function<double(const BendingElement& element)>& weight);
 
-// Of every interior edge, and of every clamped one: it has its triangle and, mirrored at it, another that the slope
-// holds, 3/A_1 c c^T, as the half within the cloth has the curvature of both. The other: their sum Q by edges [N x N],
+// Of every interior edge, and of the triangles at every clamped one: each has, mirrored at the edge, another that the
+// slope holds, 3/A_1 c c^T, as the half within the cloth has the curvature of both. And their sum, Q by edges [N x N],
 // 1/m^2, symmetric positive semidefinite, both triangles stored.
 std::vector<BendingElement> EdgeBendingElements(const Mesh& mesh, const std::vector<ClampedEdge>& clamped = {});
 Eigen::SparseMatrix<double> EdgeBendingMatrix(const Mesh& mesh, const std::vector<ClampedEdge>& clamped = {});
