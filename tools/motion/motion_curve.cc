@@ -19,12 +19,12 @@
 
 DECLARE_double(force_sigma);
 DEFINE_string(specimen, "", "convert_curve: WIDTHxLENGTH of the specimen between the clamps, mm");
-DEFINE_string(direction, "", "convert_curve: along which it was pulled, warp or weft");
+DEFINE_string(direction, "", "convert_curve: along which it was pulled, warp, weft or bias");
 DEFINE_double(gauge, 0.0, "convert_curve: length over which the elongation was measured, mm; 0: that of the specimen");
 DEFINE_string(strain, "", "convert_curve: FROM:TO, the strains that are kept");
 DEFINE_double(preload, 0.0, "convert_curve: force that ends the slack, N; 0: a share of the largest");
 DEFINE_string(membrane, "yarn", "convert_curve: yarn or orthotropic");
-DEFINE_string(nodes, "9x9", "convert_curve: nodes of the strip, across x along the pull");
+DEFINE_string(nodes, "", "convert_curve: nodes of the strip, across x along the pull");
 
 namespace clothid {
 namespace {
@@ -77,16 +77,8 @@ TensileCurveOptions CurveOptionsFromFlags() {
   return options;
 }
 
-TensileStrip StripFromFlags() {
-  TensileStrip strip;
-  if (FLAGS_direction != "warp" && FLAGS_direction != "weft") {
-    FailFlag("direction", "expected warp or weft, got '" + Printable(FLAGS_direction) + "'");
-  }
-  strip.direction = FLAGS_direction == "warp" ? PullDirection::kWarp : PullDirection::kWeft;
-  if (FLAGS_membrane != "yarn" && FLAGS_membrane != "orthotropic") {
-    FailFlag("membrane", "expected yarn or orthotropic, got '" + Printable(FLAGS_membrane) + "'");
-  }
-  strip.membrane = FLAGS_membrane == "yarn" ? MembraneLaw::kYarn : MembraneLaw::kOrthotropic;
+std::optional<std::array<int, 2>> NodesFromFlag() {
+  if (!IsGiven("nodes")) return std::nullopt;
   const std::vector<std::string> counts = Split(FLAGS_nodes, 'x');
   const std::optional<long long> across = ParseInteger(counts.front()), along = ParseInteger(counts.back());
   constexpr long long kMostNodes = 1000;
@@ -96,7 +88,24 @@ TensileStrip StripFromFlags() {
              "expected NXxNY with at least 2 nodes across and 3 along the pull, at most 1000, as in 9x9, got '" +
                  Printable(FLAGS_nodes) + "'");
   }
-  strip.nodes = {static_cast<int>(*across), static_cast<int>(*along)};
+  return std::array<int, 2>{static_cast<int>(*across), static_cast<int>(*along)};
+}
+
+TensileStrip StripFromFlags() {
+  TensileStrip strip;
+  if (FLAGS_direction == "warp") {
+    strip.direction = PullDirection::kWarp;
+  } else if (FLAGS_direction == "weft") {
+    strip.direction = PullDirection::kWeft;
+  } else if (FLAGS_direction == "bias") {
+    strip.direction = PullDirection::kBias;
+  } else {
+    FailFlag("direction", "expected warp, weft or bias, got '" + Printable(FLAGS_direction) + "'");
+  }
+  if (FLAGS_membrane != "yarn" && FLAGS_membrane != "orthotropic") {
+    FailFlag("membrane", "expected yarn or orthotropic, got '" + Printable(FLAGS_membrane) + "'");
+  }
+  strip.membrane = FLAGS_membrane == "yarn" ? MembraneLaw::kYarn : MembraneLaw::kOrthotropic;
   return strip;
 }
 
@@ -131,7 +140,12 @@ void PrintCurve(const std::string& output, const CurveTable& table, const Tensil
   if (curve.num_outside > 0) {
     std::cout << "left out: " << readings(curve.num_outside) << " at strains outside of " << FLAGS_strain << "\n";
   }
-  std::cout << "fit it: identify --target " << output << " --fit " << ParametersOfPull(strip) << "\n";
+  if (strip.direction == PullDirection::kBias) {
+    std::cout << "fit it beside curves along warp and weft: identify --target WARP,WEFT," << output << " --fit ..,"
+              << ParametersOfPull(strip) << "\n";
+  } else {
+    std::cout << "fit it: identify --target " << output << " --fit " << ParametersOfPull(strip) << "\n";
+  }
 }
 
 }  // namespace
@@ -142,9 +156,11 @@ int MotionConvertCurve(const std::vector<std::string>& arguments) {
   RefuseOverwrite(output, {input});
   CheckFileCanBeWritten(output);
   const TensileCurveOptions options = CurveOptionsFromFlags();
-  const TensileStrip strip = StripFromFlags();
+  TensileStrip strip = StripFromFlags();
+  const std::optional<std::array<int, 2>> nodes = NodesFromFlag();
   const CurveTable table = ReadCurveTable(input);
   const TensileCurve curve = MakeTensileCurve(table, options);
+  strip.nodes = nodes.value_or(UsualNodes(curve, strip.direction));
   WriteMotion(RecordTensileTest(curve, strip, CurveProvenance(input, table)), output);
   PrintCurve(output, table, curve, strip);
   return kExitSuccess;

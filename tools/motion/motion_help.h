@@ -138,18 +138,20 @@ inline constexpr char kConvertCurveHelp[] =
 FILE is a table with a column of force (N, kN, cN, gf, or per width N/m, N/cm, N/mm) and one of extension, displacement
 (mm, cm, m) or strain (%, 1), units in brackets behind the names or in a row below; lines about the test may stand
 above. The recording is a strip between two clamps, the upper one pulled up, with the forces there.
-  --direction D        warp or weft: along which the cloth was pulled; needed
+  --direction D        warp, weft or bias (at 45 degrees to both): along which the cloth was pulled; needed
   --specimen WxL       width and length between the clamps, mm, as in 50x200 (those of the lines Width, Gauge length)
   --gauge L            length over which the elongation was measured, mm (that between the clamps)
   --preload F          force that ends the slack, N (0.5 % of the largest force)
   --strain FROM:TO     keeps these strains, as in 0.02:0.25 (all of the first loading)
   --force_sigma S      standard deviation of the forces of the recording, N (their scatter)
   --membrane LAW       yarn: stiffens with strain; or orthotropic (yarn)
-  --nodes NXxNY        of the strip, across and along the pull (9x9)
+  --nodes NXxNY        of the strip, across and along the pull (9x9; of bias 9 and as many as make cells square)
 
 Example: a knit, pulled along its wales, and the fit of its curve
   motion convert_curve wales.csv wales.bin --specimen 95.9x45.2 --direction warp --strain 0:0.25
   identify --target wales.bin --fit k_warp,stiffening_warp
+A bias curve tells k_shear where curves along warp and weft tell the rest:
+  identify --target warp.bin,weft.bin,bias.bin --fit k_warp,k_weft,k_shear,stiffening_warp,stiffening_weft
 )";
 
 inline constexpr char kMoreHelp[] = R"(
