@@ -14,12 +14,13 @@
 #include "datasets/motion/motion_name.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "tools/motion/curve_flags.h"
 #include "tools/motion/motion_commands.h"
 #include "tools/motion/track_flags.h"
 
 DECLARE_double(force_sigma);
 DEFINE_string(specimen, "", "convert_curve: WIDTHxLENGTH of the specimen between the clamps, mm");
-DEFINE_string(direction, "", "convert_curve: along which it was pulled, warp, weft or bias");
+DECLARE_string(direction);
 DEFINE_double(gauge, 0.0, "convert_curve: length over which the elongation was measured, mm; 0: that of the specimen");
 DEFINE_string(strain, "", "convert_curve: FROM:TO, the strains that are kept");
 DEFINE_double(preload, 0.0, "convert_curve: force that ends the slack, N; 0: a share of the largest");
@@ -30,8 +31,6 @@ namespace clothid {
 namespace {
 
 constexpr double kMillimetre = 1e-3;  // m
-
-bool IsGiven(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
 
 // "95.9x45.2" or "0.02:0.25".
 std::array<double, 2> ParsePair(const std::string& flag, const std::string& text, char separator,
@@ -45,12 +44,12 @@ std::array<double, 2> ParsePair(const std::string& flag, const std::string& text
 }
 
 void ExpectPositiveFlag(const char* flag, double value, const char* unit) {
-  if (IsGiven(flag) && !(value > 0.0)) FailFlag(flag, std::string("expected a number > 0 (") + unit + ")");
+  if (IsGivenFlag(flag) && !(value > 0.0)) FailFlag(flag, std::string("expected a number > 0 (") + unit + ")");
 }
 
 TensileCurveOptions CurveOptionsFromFlags() {
   TensileCurveOptions options;
-  if (IsGiven("specimen")) {
+  if (IsGivenFlag("specimen")) {
     const char* const expected = "WIDTHxLENGTH in mm, as in 50x200";
     const std::array<double, 2> size = ParsePair("specimen", FLAGS_specimen, 'x', expected);
     if (!(size[0] > 0.0) || !(size[1] > 0.0)) {
@@ -65,7 +64,7 @@ TensileCurveOptions CurveOptionsFromFlags() {
   options.gauge_length = kMillimetre * FLAGS_gauge;
   options.preload = FLAGS_preload;
   options.force_sigma = FLAGS_force_sigma;
-  if (IsGiven("strain")) {
+  if (IsGivenFlag("strain")) {
     const char* const expected = "FROM:TO with 0 <= FROM < TO, as in 0.02:0.25";
     const std::array<double, 2> range = ParsePair("strain", FLAGS_strain, ':', expected);
     if (!(range[0] >= 0.0 && range[0] < range[1])) {
@@ -78,7 +77,7 @@ TensileCurveOptions CurveOptionsFromFlags() {
 }
 
 std::optional<std::array<int, 2>> NodesFromFlag() {
-  if (!IsGiven("nodes")) return std::nullopt;
+  if (!IsGivenFlag("nodes")) return std::nullopt;
   const std::vector<std::string> counts = Split(FLAGS_nodes, 'x');
   const std::optional<long long> across = ParseInteger(counts.front()), along = ParseInteger(counts.back());
   constexpr long long kMostNodes = 1000;
@@ -93,15 +92,7 @@ std::optional<std::array<int, 2>> NodesFromFlag() {
 
 TensileStrip StripFromFlags() {
   TensileStrip strip;
-  if (FLAGS_direction == "warp") {
-    strip.direction = PullDirection::kWarp;
-  } else if (FLAGS_direction == "weft") {
-    strip.direction = PullDirection::kWeft;
-  } else if (FLAGS_direction == "bias") {
-    strip.direction = PullDirection::kBias;
-  } else {
-    FailFlag("direction", "expected warp, weft or bias, got '" + Printable(FLAGS_direction) + "'");
-  }
+  strip.direction = PullDirectionFromFlag();
   if (FLAGS_membrane != "yarn" && FLAGS_membrane != "orthotropic") {
     FailFlag("membrane", "expected yarn or orthotropic, got '" + Printable(FLAGS_membrane) + "'");
   }

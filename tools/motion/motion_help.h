@@ -19,6 +19,7 @@ inline constexpr char kHelp[] = R"(motion: looks at recordings, checks and conve
                                              per frame
   motion convert_curve FILE OUT [flags]      from force over elongation, as a
                                              testing machine exports it
+  motion convert_cantilever FILE OUT [flags] from a strip that sags at an edge
 
 Everyday flags of convert:
   --scene FILE         scene.json; OUT, a name ending in .bin, needs it
@@ -152,6 +153,23 @@ Example: a knit, pulled along its wales, and the fit of its curve
   identify --target wales.bin --fit k_warp,stiffening_warp
 A bias curve tells k_shear where curves along warp and weft tell the rest:
   identify --target warp.bin,weft.bin,bias.bin --fit k_warp,k_weft,k_shear,stiffening_warp,stiffening_weft
+)";
+
+inline constexpr char kConvertCantileverHelp[] =
+    R"(motion convert_cantilever FILE OUT [flags]: a motion.bin with its scene from a cantilever test.
+
+FILE is a table with a specimen a row: its overhang (mm, cm, m) and the angle (deg, rad) of the line from the edge to
+the tip below the level, 41.5 degrees where there is no such column; or with columns x and z of points of one sagging
+strip, from the edge of the clamp at 0,0 on. Units as of convert_curve. The recording is a strip that is clamped at one
+end and sags, with the tip or the profile at rest. The rigidity of the heavy elastica is printed, too.
+  --density D          mass per area, kg/m^2; needed
+  --direction D        warp, weft or bias: along which the strips were cut; the scene then has bend_warp, bend_weft and
+                       bend_twist (k_bend)
+  --sigma S            standard deviation of a coordinate, m (from the scatter of the rows; of one row or a profile 1 mm)
+
+Example: three strips, and the fit
+  motion convert_cantilever overhangs.csv bend.bin --density 0.15
+  identify --target bend.bin --fit k_bend
 )";
 
 inline constexpr char kMoreHelp[] = R"(

@@ -24,7 +24,12 @@ int main(int argc, char** argv) {
                        {"a table of a testing machine", "a file to write"},
                        "specimen direction gauge strain preload membrane nodes force_sigma",
                        clothid::MotionConvertCurve,
-                       clothid::kConvertCurveHelp}};
+                       clothid::kConvertCurveHelp},
+                      {"convert_cantilever",
+                       {"a table of a cantilever test", "a file to write"},
+                       "density direction sigma",
+                       clothid::MotionConvertCantilever,
+                       clothid::kConvertCantileverHelp}};
   program.rules = {{"grid", FlagRule::kWithout, "faces"},
                    {"transpose", FlagRule::kWith, "grid"},
                    {"invert_transform", FlagRule::kWith, "transform"},

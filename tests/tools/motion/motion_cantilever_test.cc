@@ -1,0 +1,81 @@
+// From the tables of a cantilever and of a tilted plate to constants, as a user goes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/tools/tool_test.h"
+
+namespace clothid::motion_cantilever_test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class MotionCantileverTest : public ToolTest {
+ protected:
+  Json Fit(const std::string& name) const {
+    const ToolResult fit = Run("identify --target bend.bin --fit " + name + " --report=false --output result");
+    EXPECT_EQ(fit.exit_code, 0) << fit.out << fit.err;
+    return Json::parse(ReadBytes(folder() / "result" / "result.json"))["parameters"][name];
+  }
+
+  std::string Convert(const std::string& flags) const {
+    const ToolResult made = Run("motion convert_cantilever bend.csv bend.bin " + flags);
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_EQ(made.err, "");
+    return made.out;
+  }
+};
+
+TEST_F(MotionCantileverTest, AFitHasTheRigidityAndTheIntervalOfTheTable) {
+  WriteBytes(folder() / "bend.csv",
+             "Specimen;Overhang [mm];Angle [deg]\n1;100,2;41,5\n2;103;42\n3;98,5;41\n4;101;40\n");
+  const std::string out = Convert("--density 0.15");
+  for (const char* words :
+       {"k_bend 0.000190443 N m, 95 % interval 0.000174786 .. 0.000207504, of 4 tests",
+        "identify --prior k_bend=0.000190443:1.10283", "fit it: identify --target bend.bin --fit k_bend"}) {
+    EXPECT_NE(out.find(words), std::string::npos) << words << "\n" << out;
+  }
+  const Json fitted = Fit("k_bend");
+  EXPECT_NEAR(fitted["value"].get<double>(), 1.90443e-4, 2e-3 * 1.90443e-4);
+  EXPECT_NEAR(fitted["lower95"].get<double>(), 1.74786e-4, 0.01 * 1.74786e-4);
+  EXPECT_NEAR(fitted["upper95"].get<double>(), 2.07504e-4, 0.01 * 2.07504e-4);
+}
+
+TEST_F(MotionCantileverTest, AProfileTellsTheRigidityOfADirection) {
+  // A strip of 100 mm with the bending length 50 mm: the elastica at tenths of its length.
+  std::string table = "x [mm];z [mm]\n";
+  double slope = 0.0, x = 0.0, z = 0.0;
+  constexpr double kCurvatureAtClamp = 3.20179;  // over the length: then that of the tip is 0
+  constexpr int kSteps = 10000;
+  double curvature = kCurvatureAtClamp;
+  for (int i = 0; i < kSteps; ++i) {
+    curvature -= 8.0 / kSteps * (1.0 - (i + 0.5) / kSteps) * std::cos(slope);
+    slope += curvature / kSteps;
+    x += std::cos(slope) / kSteps;
+    z -= std::sin(slope) / kSteps;
+    if ((i + 1) % (kSteps / 10) == 0) table += std::to_string(100.0 * x) + ";" + std::to_string(100.0 * z) + "\n";
+  }
+  EXPECT_NEAR(curvature, 0.0, 0.01);
+  WriteBytes(folder() / "bend.csv", table);
+  const std::string out = Convert("--density 0.15 --direction weft --sigma 0.0005");
+  EXPECT_NE(out.find("10 points of a strip at rest"), std::string::npos) << out;
+  EXPECT_NE(out.find("--fit bend_weft"), std::string::npos) << out;
+  const double rigidity = 0.15 * 9.81 * 0.05 * 0.05 * 0.05;
+  EXPECT_NEAR(Fit("bend_weft")["value"].get<double>(), rigidity, 0.01 * rigidity);
+}
+
+TEST_F(MotionCantileverTest, NamesWhatIsWrong) {
+  WriteBytes(folder() / "bend.csv", "Overhang [mm]\n100\n");
+  WriteBytes(folder() / "steep.csv", "Angle [deg]\n20\n95\n");
+  const std::string convert = "motion convert_cantilever bend.csv bend.bin ";
+  ExpectRefused("motion convert_cantilever bend.csv", 1, "a file to write");
+  ExpectRefused(convert, 1, "--density: expected the mass per area, kg/m^2, > 0, as in 0.15");
+  ExpectRefused(convert + "--density 0.15 --sigma 0", 1, "--sigma: expected a number > 0 (m)");
+  ExpectRefused(convert + "--density 0.15 --direction up", 1, "--direction: expected warp, weft or bias, got 'up'");
+  ExpectRefused("motion convert_cantilever steep.csv bend.bin --density 0.15", 2,
+                "steep.csv:1: expected a header with columns of overhang and angle");
+}
+
+}  // namespace
+}  // namespace clothid::motion_cantilever_test
