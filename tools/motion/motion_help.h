@@ -20,6 +20,7 @@ inline constexpr char kHelp[] = R"(motion: looks at recordings, checks and conve
   motion convert_curve FILE OUT [flags]      from force over elongation, as a
                                              testing machine exports it
   motion convert_cantilever FILE OUT [flags] from a strip that sags at an edge
+  motion friction FILE [--json]              mu from angles of a tilted plate
 
 Everyday flags of convert:
   --scene FILE         scene.json; OUT, a name ending in .bin, needs it
@@ -170,6 +171,13 @@ end and sags, with the tip or the profile at rest. The rigidity of the heavy ela
 Example: three strips, and the fit
   motion convert_cantilever overhangs.csv bend.bin --density 0.15
   identify --target bend.bin --fit k_bend
+)";
+
+inline constexpr char kFrictionHelp[] =
+    R"(motion friction FILE [--json]: mu from the angles at which specimens start to slide down a plate that is tilted.
+
+FILE is a table with a column of the angle to the level (deg, rad), a test a row. mu is tan(angle): mean, 95 % interval
+of the mean, standard deviation, and what a fit of another specimen may take as --prior. --json: as JSON.
 )";
 
 inline constexpr char kMoreHelp[] = R"(

@@ -29,7 +29,8 @@ int main(int argc, char** argv) {
                        {"a table of a cantilever test", "a file to write"},
                        "density direction sigma",
                        clothid::MotionConvertCantilever,
-                       clothid::kConvertCantileverHelp}};
+                       clothid::kConvertCantileverHelp},
+                      {"friction", {"a table of angles"}, "json", clothid::MotionFriction, clothid::kFrictionHelp}};
   program.rules = {{"grid", FlagRule::kWithout, "faces"},
                    {"transpose", FlagRule::kWith, "grid"},
                    {"invert_transform", FlagRule::kWith, "transform"},

@@ -65,9 +65,26 @@ TEST_F(MotionCantileverTest, AProfileTellsTheRigidityOfADirection) {
   EXPECT_NEAR(Fit("bend_weft")["value"].get<double>(), rigidity, 0.01 * rigidity);
 }
 
+TEST_F(MotionCantileverTest, AnglesOfAPlateTellFriction) {
+  WriteBytes(folder() / "plate.csv", "Angle (\xc2\xb0)\n20,5\n21\n19,8\n22\n20,9\n");
+  const ToolResult words = Run("motion friction plate.csv");
+  EXPECT_EQ(words.out,
+            "mu 0.380732, 95 % interval 0.360812 .. 0.400652, standard deviation 0.0160429 of 5 tests\n"
+            "as what is believed of the next specimen: identify --prior mu=0.380732:0.0248951\n");
+  const Json report = Json::parse(Run("motion friction plate.csv --json").out);
+  EXPECT_EQ(report["tests"], 5);
+  // 2.776 is Student's t of four degrees of freedom.
+  EXPECT_NEAR(report["upper95"].get<double>() - report["mu"].get<double>(), 2.776 * 0.0160429 / std::sqrt(5.0), 1e-5);
+  EXPECT_NEAR(report["prior"]["std"].get<double>(), 2.776 / 1.96 * 0.0160429 * std::sqrt(1.2), 1e-5);
+  WriteBytes(folder() / "plate.csv", "Angle [deg]\n45\n");
+  EXPECT_EQ(Run("motion friction plate.csv").out, "mu 1; one test has no scatter: repeat it for an interval\n");
+  EXPECT_FALSE(Json::parse(Run("motion friction plate.csv --json").out).contains("std"));
+}
+
 TEST_F(MotionCantileverTest, NamesWhatIsWrong) {
   WriteBytes(folder() / "bend.csv", "Overhang [mm]\n100\n");
   WriteBytes(folder() / "steep.csv", "Angle [deg]\n20\n95\n");
+  WriteBytes(folder() / "bare.csv", "Angle\n20\n");
   const std::string convert = "motion convert_cantilever bend.csv bend.bin ";
   ExpectRefused("motion convert_cantilever bend.csv", 1, "a file to write");
   ExpectRefused(convert, 1, "--density: expected the mass per area, kg/m^2, > 0, as in 0.15");
@@ -75,6 +92,9 @@ TEST_F(MotionCantileverTest, NamesWhatIsWrong) {
   ExpectRefused(convert + "--density 0.15 --direction up", 1, "--direction: expected warp, weft or bias, got 'up'");
   ExpectRefused("motion convert_cantilever steep.csv bend.bin --density 0.15", 2,
                 "steep.csv:1: expected a header with columns of overhang and angle");
+  ExpectRefused("motion friction steep.csv", 2, "steep.csv:3: expected an angle between 0 and 80 degrees");
+  ExpectRefused("motion friction bare.csv", 2, "bare.csv:1: column 'Angle': expected a unit in brackets");
+  ExpectRefused("motion friction none.csv", 1, "none.csv");
 }
 
 }  // namespace
