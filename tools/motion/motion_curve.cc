@@ -1,5 +1,6 @@
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <iostream>
@@ -7,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/checking/motion_check.h"
+#include "datasets/curves/curve_findings.h"
 #include "datasets/curves/tensile_recording.h"
 #include "datasets/files/atomic_file.h"
 #include "datasets/files/overwrite.h"
@@ -131,6 +134,10 @@ void PrintCurve(const std::string& output, const CurveTable& table, const Tensil
   if (curve.num_outside > 0) {
     std::cout << "left out: " << readings(curve.num_outside) << " at strains outside of " << FLAGS_strain << "\n";
   }
+  std::vector<Finding> findings = CheckCurve(table, curve);
+  const auto is_ok = [](const Finding& finding) { return finding.severity == Severity::kOk; };
+  findings.erase(std::remove_if(findings.begin(), findings.end(), is_ok), findings.end());
+  std::cout << FindingsTable(findings);
   if (strip.direction == PullDirection::kBias) {
     std::cout << "fit it beside curves along warp and weft: identify --target WARP,WEFT," << output << " --fit ..,"
               << ParametersOfPull(strip) << "\n";

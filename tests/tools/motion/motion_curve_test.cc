@@ -157,6 +157,19 @@ TEST_F(MotionCurveTest, TheOrthotropicLawHasOneStiffness) {
   EXPECT_NEAR(parameters["k_weft"]["value"].get<double>(), 300.0 / (1.0 + 1.5 * 0.022), 0.02 * 300.0);
 }
 
+TEST_F(MotionCurveTest, TellsWhatIsDoubtful) {
+  std::string table = "Extension [mm];Force [kN]\n";
+  for (int i = 0; i < 200; ++i)
+    table += std::to_string(0.2 * i) + ";" + std::to_string(i < 120 ? 0.1 * i : 0.1 * i - 3) + "\n";
+  WriteBytes(folder() / "curve.csv", table);
+  const ToolResult made = Run("motion convert_curve curve.csv curve.bin --specimen 50x200 --direction warp");
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  for (const char* words :
+       {"slip                  warning  the force falls by 2.", "is the unit of the force off by 10^"}) {
+    EXPECT_NE(made.out.find(words), std::string::npos) << words << "\n" << made.out;
+  }
+}
+
 TEST_F(MotionCurveTest, NamesWhatIsWrong) {
   WriteBytes(folder() / "curve.csv", Table(300.0, 6.0));
   WriteBytes(folder() / "bare.csv", "Strain [%],Force [N]\n0,0\n1,1\n");
