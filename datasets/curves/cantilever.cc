@@ -202,9 +202,9 @@ MotionTensors RecordProfile(const Eigen::Matrix2Xd& profile, const CantileverStr
   motion.positions.resize(0, motion.times.size());
   motion.clouds.assign(static_cast<std::size_t>(motion.times.size()), Eigen::Matrix3Xd(3, 0));
   Eigen::Matrix3Xd& seen = motion.clouds.back();
-  seen.setZero(3, profile.cols());
-  seen.row(0) = profile.row(0);
-  seen.row(2) = profile.row(1);
+  seen.setZero(3, profile.cols() + 1);  // the first is the edge of the clamp
+  seen.row(0).tail(profile.cols()) = profile.row(0);
+  seen.row(2).tail(profile.cols()) = profile.row(1);
   motion.cloud_sigma = strip.sigma;
   return Tried(std::move(motion));
 }

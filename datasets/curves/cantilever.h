@@ -3,7 +3,7 @@
 //   overhang               at 41.5 degrees, the plane of the usual bench (ISO 9073-7, ASTM D1388)
 //   x and z (or y)         points of the profile of one strip at rest, from the edge of the clamp on: forwards and up
 // become the recording of a strip that is clamped at one end, starts level and has come to rest at its last frame. What
-// was measured is seen there alone: the tip, or the profile as a cloud.
+// was measured is seen there alone: the tip, or the profile and the edge of the clamp as a cloud.
 //
 // Such a test tells the rigidity over the weight. The strip is of 5 x 24 cells beyond the clamp and a stretch stiffness
 // of 1000 N/m: its weight stretches it by less than 0.1 %. 40 steps of 0.2 s of backward Euler bring it to rest, which

@@ -28,6 +28,7 @@ namespace clothid {
 namespace {
 
 constexpr double kGravity = 9.81;                           // m/s^2, of scenes
+constexpr double kMostDensity = 10.0;                       // kg/m^2: who gives more, gives g/m^2
 constexpr double kSigmaOfRuler = 1e-3, kLeastSigma = 1e-4;  // m, of a place that was measured
 
 // What a table of overhangs and angles tells, of the logarithm of the rigidity.
@@ -88,7 +89,9 @@ int MotionConvertCantilever(const std::vector<std::string>& arguments) {
   ExpectMotionName(output);
   RefuseOverwrite(output, {input});
   CheckFileCanBeWritten(output);
-  if (!(FLAGS_density > 0.0)) FailFlag("density", "expected the mass per area, kg/m^2, > 0, as in 0.15");
+  if (!(FLAGS_density > 0.0 && FLAGS_density <= kMostDensity)) {
+    FailFlag("density", "expected the mass per area, kg/m^2, > 0 and at most 10: 0.15 is 150 g/m^2");
+  }
   if (IsGivenFlag("sigma") && !(FLAGS_sigma > 0.0)) FailFlag("sigma", "expected a number > 0 (m)");
   const CantileverTable table = ReadCantileverTable(input);
   const Rigidity rigidity = RigidityOf(table.BendingLengths(), FLAGS_density);

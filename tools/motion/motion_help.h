@@ -166,7 +166,8 @@ end and sags, with the tip or the profile at rest. The rigidity of the heavy ela
   --density D          mass per area, kg/m^2; needed
   --direction D        warp, weft or bias: along which the strips were cut; the scene then has bend_warp, bend_weft and
                        bend_twist (k_bend)
-  --sigma S            standard deviation of a coordinate, m (from the scatter of the rows; of one row or a profile 1 mm)
+  --sigma S            standard deviation of a coordinate, m (from the scatter of the rows; of one row, or of a profile,
+                       1 mm)
 
 Example: three strips, and the fit
   motion convert_cantilever overhangs.csv bend.bin --density 0.15

@@ -121,7 +121,8 @@ TEST(CantileverRecordingTest, IsSeenAtRestAlone) {
     EXPECT_EQ(ParameterOfCantilever(strip), name);
     const RecordedMotion cloud = InterpretMotion(RecordProfile(profile, strip, "strip"), "strip");
     EXPECT_TRUE(cloud.scene.bending.orthotropic);
-    EXPECT_EQ(cloud.clouds.back().row(2), profile.row(1));
+    EXPECT_EQ(cloud.clouds.back().row(2).tail(5), profile.row(1));
+    EXPECT_TRUE(cloud.clouds.back().col(0).isZero(0.0));
     EXPECT_EQ(cloud.clouds.front().cols(), 0);
   }
   strip.density = 0.0;

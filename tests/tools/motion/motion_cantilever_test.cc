@@ -23,6 +23,9 @@ class MotionCantileverTest : public ToolTest {
     const ToolResult made = Run("motion convert_cantilever bend.csv bend.bin " + flags);
     EXPECT_EQ(made.exit_code, 0) << made.err;
     EXPECT_EQ(made.err, "");
+    const ToolResult check = Run("motion check bend.bin");
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+    EXPECT_EQ(check.out.find("warning"), std::string::npos) << check.out;
     return made.out;
   }
 };
@@ -87,7 +90,8 @@ TEST_F(MotionCantileverTest, NamesWhatIsWrong) {
   WriteBytes(folder() / "bare.csv", "Angle\n20\n");
   const std::string convert = "motion convert_cantilever bend.csv bend.bin ";
   ExpectRefused("motion convert_cantilever bend.csv", 1, "a file to write");
-  ExpectRefused(convert, 1, "--density: expected the mass per area, kg/m^2, > 0, as in 0.15");
+  ExpectRefused(convert, 1, "--density: expected the mass per area, kg/m^2, > 0");
+  ExpectRefused(convert + "--density 150", 1, "--density: expected the mass per area, kg/m^2, > 0 and at most 10");
   ExpectRefused(convert + "--density 0.15 --sigma 0", 1, "--sigma: expected a number > 0 (m)");
   ExpectRefused(convert + "--density 0.15 --direction up", 1, "--direction: expected warp, weft or bias, got 'up'");
   ExpectRefused("motion convert_cantilever steep.csv bend.bin --density 0.15", 2,
