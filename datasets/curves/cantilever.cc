@@ -191,7 +191,7 @@ MotionTensors RecordCantilever(const Eigen::Vector2d& tip, const CantileverStrip
   MotionTensors motion = HeldStrip(strip, provenance);
   motion.node_index = {motion.mesh.num_nodes() - 1 - kAcrossCantilever / 2};
   motion.positions.setConstant(3, motion.times.size(), std::numeric_limits<double>::quiet_NaN());
-  motion.positions.rightCols<1>() << tip.x(), 0.0, tip.y();
+  motion.positions.rightCols<1>() << tip.x(), std::numeric_limits<double>::quiet_NaN(), tip.y();
   motion.sigma = Eigen::VectorXd::Constant(1, strip.sigma);
   return Tried(std::move(motion));
 }

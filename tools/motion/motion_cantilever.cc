@@ -67,7 +67,11 @@ CantileverStrip StripFromFlags(const Rigidity& rigidity, double overhang) {
   return strip;
 }
 
-void PrintRigidity(const CantileverTable& table, const Rigidity& rigidity, const std::string& name) {
+// A bias strip has a rigidity of its own, to which all three constants of the scene add.
+bool IsBias(const CantileverStrip& strip) { return strip.has_warp && strip.direction == PullDirection::kBias; }
+
+void PrintRigidity(const CantileverTable& table, const Rigidity& rigidity, const CantileverStrip& strip) {
+  const std::string name = IsBias(strip) ? "rigidity along the bias" : ParameterOfCantilever(strip);
   const RepeatedValue& logarithm = rigidity.logarithm;
   const double length = std::cbrt(rigidity.value() / (FLAGS_density * kGravity));
   std::cout << "bending length " << 1e3 * length << " mm" << (table.is_profile() ? ", by the tip alone" : "")
@@ -75,9 +79,11 @@ void PrintRigidity(const CantileverTable& table, const Rigidity& rigidity, const
             << rigidity.value() << " N m";
   if (logarithm.is_repeated()) {
     std::cout << ", 95 % interval " << std::exp(logarithm.mean - logarithm.half95) << " .. "
-              << std::exp(logarithm.mean + logarithm.half95) << ", of " << logarithm.count << " tests\n"
-              << "as what is believed of the next specimen: identify --prior " << name << "=" << rigidity.value() << ":"
-              << std::exp(logarithm.next_std);
+              << std::exp(logarithm.mean + logarithm.half95) << ", of " << logarithm.count << " tests";
+    if (!IsBias(strip)) {
+      std::cout << "\nas what is believed of the next specimen: identify --prior " << name << "=" << rigidity.value()
+                << ":" << std::exp(logarithm.next_std);
+    }
   }
   std::cout << "\n";
 }
@@ -110,8 +116,13 @@ int MotionConvertCantilever(const std::vector<std::string>& arguments) {
             << " of a strip at rest that overhangs by " << 1e3 * strip.overhang << " mm, sigma " << 1e3 * strip.sigma
             << " mm\n"
             << "columns " << table.columns << (table.is_turned ? ", taken downwards" : "") << "\n";
-  PrintRigidity(table, rigidity, ParameterOfCantilever(strip));
-  std::cout << "fit it: identify --target " << output << " --fit " << ParameterOfCantilever(strip) << "\n";
+  PrintRigidity(table, rigidity, strip);
+  if (IsBias(strip)) {
+    std::cout << "fit it beside strips along warp and weft: identify --target WARP,WEFT," << output
+              << " --fit bend_warp,bend_weft,bend_twist\n";
+  } else {
+    std::cout << "fit it: identify --target " << output << " --fit " << ParameterOfCantilever(strip) << "\n";
+  }
   return kExitSuccess;
 }
 

@@ -110,6 +110,7 @@ TEST(CantileverRecordingTest, IsSeenAtRestAlone) {
   const RecordedMotion tip = InterpretMotion(RecordCantilever({0.08, -0.05}, strip, "strip"), "strip");
   EXPECT_EQ(tip.scene.start_time, 0.0);
   EXPECT_TRUE(tip.positions.leftCols(tip.num_frames() - 1).array().isNaN().all());
+  EXPECT_TRUE(std::isnan(tip.positions(1, tip.num_frames() - 1)));  // sideways nothing was measured
   EXPECT_EQ(tip.scene.bending.orthotropic, false);
   const Eigen::Vector3d rest = tip.scene.mesh.rest_positions.col(tip.points[0].nodes[0]);
   EXPECT_LT((rest - Eigen::Vector3d(0.1, 0.0, 0.0)).norm(), 1e-12);

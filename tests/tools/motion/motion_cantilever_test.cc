@@ -45,6 +45,27 @@ TEST_F(MotionCantileverTest, AFitHasTheRigidityAndTheIntervalOfTheTable) {
   EXPECT_NEAR(fitted["upper95"].get<double>(), 2.07504e-4, 0.01 * 2.07504e-4);
 }
 
+TEST_F(MotionCantileverTest, StripsAlongWarpWeftAndBiasTellTheTwist) {
+  std::string targets;
+  for (const auto& [direction, overhang] : {std::pair("warp", "80"), {"weft", "65"}, {"bias", "70"}}) {
+    WriteBytes(folder() / "bend.csv", "Overhang [mm]\n" + std::string(overhang) + "\n");
+    const std::string out = Convert("--density 0.15 --direction " + std::string(direction));
+    EXPECT_EQ(out.find("--prior"), std::string::npos) << out;
+    EXPECT_EQ(out.find("fit it beside strips") != std::string::npos, std::string(direction) == "bias") << out;
+    std::filesystem::rename(folder() / "bend.bin", folder() / (std::string(direction) + ".bin"));
+    targets += (targets.empty() ? "" : ",") + std::string(direction) + ".bin";
+  }
+  const ToolResult fit =
+      Run("identify --target " + targets + " --fit bend_warp,bend_weft,bend_twist --report=false --output result");
+  EXPECT_EQ(fit.exit_code, 0) << fit.out << fit.err;
+  const Json parameters = Json::parse(ReadBytes(folder() / "result" / "result.json"))["parameters"];
+  const double weight = 0.15 * 9.81, share = 0.4999;  // c/L at 41.5 degrees
+  EXPECT_NEAR(parameters["bend_warp"]["value"].get<double>(), weight * std::pow(share * 0.08, 3), 1e-6);
+  EXPECT_NEAR(parameters["bend_weft"]["value"].get<double>(), weight * std::pow(share * 0.065, 3), 1e-6);
+  EXPECT_GT(parameters["bend_twist"]["value"].get<double>(), 2e-5);
+  EXPECT_LT(parameters["bend_twist"]["value"].get<double>(), 4e-5);
+}
+
 TEST_F(MotionCantileverTest, AProfileTellsTheRigidityOfADirection) {
   // A strip of 100 mm with the bending length 50 mm: the elastica at tenths of its length.
   std::string table = "x [mm];z [mm]\n";
