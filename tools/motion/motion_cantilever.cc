@@ -24,11 +24,14 @@ DECLARE_double(sigma);
 DECLARE_string(direction);
 DEFINE_double(density, 0.0, "convert_cantilever: mass per area, kg/m^2");
 
+DEFINE_double(overhang, 0.0, "convert_cantilever: length of the strip of a profile from the edge to the tip, mm");
+
 namespace clothid {
 namespace {
 
-constexpr double kGravity = 9.81;                           // m/s^2, of scenes
-constexpr double kMostDensity = 10.0;                       // kg/m^2: who gives more, gives g/m^2
+constexpr double kGravity = 9.81;      // m/s^2, of scenes
+constexpr double kMostDensity = 10.0;  // kg/m^2: who gives more, gives g/m^2
+constexpr double kSlenderness = 0.125;
 constexpr double kSigmaOfRuler = 1e-3, kLeastSigma = 1e-4;  // m, of a place that was measured
 
 // What a table of overhangs and angles tells, of the logarithm of the rigidity.
@@ -99,13 +102,20 @@ int MotionConvertCantilever(const std::vector<std::string>& arguments) {
     FailFlag("density", "expected the mass per area, kg/m^2, > 0 and at most 10: 0.15 is 150 g/m^2");
   }
   if (IsGivenFlag("sigma") && !(FLAGS_sigma > 0.0)) FailFlag("sigma", "expected a number > 0 (m)");
-  const CantileverTable table = ReadCantileverTable(input);
+  if (IsGivenFlag("overhang") && !(FLAGS_overhang > 0.0)) FailFlag("overhang", "expected a number > 0 (mm)");
+  CantileverTable table = ReadCantileverTable(input);
+  if (IsGivenFlag("overhang")) {
+    if (!table.is_profile()) FailFlag("overhang", "expected with a profile alone: " + input + " has overhangs");
+    table.overhangs[0] = 1e-3 * FLAGS_overhang;
+  }
   const Rigidity rigidity = RigidityOf(table.BendingLengths(), FLAGS_density);
   CantileverStrip strip = StripFromFlags(rigidity, table.overhangs.mean());
   const std::string provenance =
       "cantilever test of " + std::filesystem::path(input).filename().string() + ", " + table.columns;
   if (table.is_profile()) {
     strip.sigma = FLAGS_sigma > 0.0 ? FLAGS_sigma : kSigmaOfRuler;
+    // The width of a strip that does not twist changes nothing; all of its clamp should lie near the profile.
+    if (!IsBias(strip)) strip.width = kSlenderness * strip.overhang;
     WriteMotion(RecordProfile(table.profile, strip, provenance), output);
   } else {
     strip.sigma = SigmaOfTip(rigidity, strip);

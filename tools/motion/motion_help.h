@@ -168,6 +168,7 @@ end and sags, with the tip or the profile at rest. The rigidity of the heavy ela
                        bend_twist (k_bend)
   --sigma S            standard deviation of a coordinate, m (from the scatter of the rows; of one row, or of a profile,
                        1 mm)
+  --overhang L         of the strip of a profile, from the edge to the tip, mm (the line through its points)
 
 Example: three strips, and the fit
   motion convert_cantilever overhangs.csv bend.bin --density 0.15

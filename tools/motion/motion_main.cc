@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
                        clothid::kConvertCurveHelp},
                       {"convert_cantilever",
                        {"a table of a cantilever test", "a file to write"},
-                       "density direction sigma",
+                       "density direction overhang sigma",
                        clothid::MotionConvertCantilever,
                        clothid::kConvertCantileverHelp},
                       {"friction", {"a table of angles"}, "json", clothid::MotionFriction, clothid::kFrictionHelp}};

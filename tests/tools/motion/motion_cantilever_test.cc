@@ -82,7 +82,7 @@ TEST_F(MotionCantileverTest, AProfileTellsTheRigidityOfADirection) {
   }
   EXPECT_NEAR(curvature, 0.0, 0.01);
   WriteBytes(folder() / "bend.csv", table);
-  const std::string out = Convert("--density 0.15 --direction weft --sigma 0.0005");
+  const std::string out = Convert("--density 0.15 --direction weft --sigma 0.0005 --overhang 100");
   EXPECT_NE(out.find("10 points of a strip at rest"), std::string::npos) << out;
   EXPECT_NE(out.find("--fit bend_weft"), std::string::npos) << out;
   const double rigidity = 0.15 * 9.81 * 0.05 * 0.05 * 0.05;
@@ -114,6 +114,8 @@ TEST_F(MotionCantileverTest, NamesWhatIsWrong) {
   ExpectRefused(convert, 1, "--density: expected the mass per area, kg/m^2, > 0");
   ExpectRefused(convert + "--density 150", 1, "--density: expected the mass per area, kg/m^2, > 0 and at most 10");
   ExpectRefused(convert + "--density 0.15 --sigma 0", 1, "--sigma: expected a number > 0 (m)");
+  ExpectRefused(convert + "--density 0.15 --overhang 0", 1, "--overhang: expected a number > 0 (mm)");
+  ExpectRefused(convert + "--density 0.15 --overhang 100", 1, "--overhang: expected with a profile alone");
   ExpectRefused(convert + "--density 0.15 --direction up", 1, "--direction: expected warp, weft or bias, got 'up'");
   ExpectRefused("motion convert_cantilever steep.csv bend.bin --density 0.15", 2,
                 "steep.csv:1: expected a header with columns of overhang and angle");
