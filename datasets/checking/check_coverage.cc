@@ -113,6 +113,11 @@ Finding CheckMissing(const CheckedMotion& checked) {
     finding.hint = "no point is seen in any frame: were the columns of the file read as they are meant?";
     return finding;
   }
+  const Eigen::Index num_before = motion.num_frames() - 1;
+  if (num_before > 0 && motion.positions.leftCols(num_before).array().isNaN().all()) {
+    finding.value += ": the last frame alone is seen, as of cloth at rest";
+    return finding;
+  }
   const bool is_much = static_cast<double>(num_compared_missing) > kManyMissing * num_compared * motion.num_frames();
   finding.severity = is_much || !never.empty() ? Severity::kWarning : Severity::kNote;
   finding.hint = never.empty() ? "a point that is not seen is not compared; intervals grow by what is missing"

@@ -1,33 +1,15 @@
-// Curves of force over elongation, as testing machines export them.
-//
-// Lines of text about the test, a header that names the columns, a row of units, then one row per reading:
-//
-//   "Width";"95,92";"mm"
-//   "Gauge length";"45,25";"mm"
-//   "Time";"Extension";"Force"
-//   "s";"mm";"N"
-//   0,0000;0,0012;0,0000
-//
-// Cells (sim/base/csv_row.h) stand between semicolons, where the header has one, commas or tabs; but between commas a
-// number may have a decimal comma: all of them, or none. A unit stands in brackets behind the name of the column,
-// "Force [N]", or in a row below. The header is the first line with both columns:
-//   force         named force, load or kraft; N, mN, kN, cN, gf, kgf, or per width N/m, N/cm, N/mm
+// Curves of force over elongation, as testing machines export them: tables (datasets/curves/lab_table.h) with columns
+//   force         named force, load or kraft
 //   elongation    named extension, elongation, displacement, stroke, travel, position or weg, else strain or dehnung;
-//                 m, cm, mm, or of the gauge length %, 1, mm/mm, m/m
-// Letter case does not matter, and a name may have words before it, "Tensile strain". Of several the first in this list
-// is taken, the plain name before one with words. Of the lines above the header, Width and Gauge length are read, with
-// a number and a unit.
+//                 a length, or a strain of the gauge length
 #ifndef CLOTHID_DATASETS_CURVES_CURVE_TABLE_H_
 #define CLOTHID_DATASETS_CURVES_CURVE_TABLE_H_
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <string>
 
 namespace clothid {
-
-inline constexpr std::uint64_t kMaxCurveBytes = std::uint64_t{1} << 28;
 
 struct CurveTable {
   std::string name;                           // for messages: the file
@@ -39,9 +21,7 @@ struct CurveTable {
   std::string columns;                        // what was read, "'Extension' in mm and 'Force' in N"
 };
 
-// Throws `Error`: kIo where the file cannot be read; kBadData, naming file and line and what was expected, for a file
-// of more than kMaxCurveBytes, a header that is missing or names a column twice, a unit that is missing or unknown, a
-// row of another number of cells than the header or with a cell that is no finite number, and for a table without rows.
+// Throws `Error` as `ReadLabTable`.
 CurveTable ReadCurveTable(const std::string& path);
 
 }  // namespace clothid

@@ -168,6 +168,7 @@ class CurveCutter {
     }
     rest_gauge_ = gauge_length_ + curve_.slack;
     if (!(rest_gauge_ > 0.0)) FailOnData(table_.name, "its slack is negative and longer than the specimen");
+    curve_.gauge_length = rest_gauge_;
     curve_.length = length_ * rest_gauge_ / gauge_length_;
     first_strain_ = curve_.has_slack ? (at_preload - curve_.slack) / rest_gauge_ : kAboveZero;
   }

@@ -48,6 +48,7 @@ struct TensileCurveOptions {
 
 struct TensileCurve {
   double width = 0.0, length = 0.0;  // m, at rest, slack included
+  double gauge_length = 0.0;         // m, likewise: over which the elongation was measured
   Eigen::VectorXd strains;           // [n] increasing, > 0
   Eigen::VectorXd forces;            // [n] N
   double force_sigma = 0.0;          // N

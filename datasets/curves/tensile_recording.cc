@@ -1,5 +1,6 @@
 #include "datasets/curves/tensile_recording.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,8 @@ constexpr double kStepTolerance = 0.01;  // of the momentum of the strip, see th
 constexpr int kNumPullSteps = 100;       // at which the frames are
 constexpr double kDuration = kNumPullSteps * kTimeStep;
 
+constexpr int kUsualNodes = 9, kMostUsualNodes = 65;
+
 constexpr double kUsualStiffening = 3.0;  // of knits along their courses; woven cloth and their wales have more
 constexpr double kShearShare = 0.5;       // of k: an isotropic cloth that does not contract
 
@@ -28,8 +31,6 @@ double NominalStiffness(const TensileCurve& curve) {
   const Eigen::Index last = curve.strains.size() - 1;
   return std::pow(10.0, std::round(std::log10(curve.forces[last] / (curve.width * curve.strains[last]))));
 }
-
-const char* NameOfPull(PullDirection direction) { return direction == PullDirection::kWarp ? "warp" : "weft"; }
 
 std::string SceneOfStrip(const TensileCurve& curve, const TensileStrip& strip) {
   const double stiffness = NominalStiffness(curve);
@@ -49,11 +50,12 @@ std::string SceneOfStrip(const TensileCurve& curve, const TensileStrip& strip) {
   if (strip.membrane == MembraneLaw::kYarn) {
     materials["stiffening_warp"] = materials["stiffening_weft"] = kUsualStiffening;
   }
-  if (strip.direction == PullDirection::kWarp) {
-    materials["warp_direction"] = {0, 0, 1};
-  } else {
+  if (strip.direction == PullDirection::kWeft) {
     materials["warp_direction"] = {1, 0, 0};
+  } else {
+    materials["warp_direction"] = {0, 0, 1};
   }
+  if (strip.direction == PullDirection::kBias) materials["warp_angle"] = 45;
   return scene.dump(2);
 }
 
@@ -88,6 +90,12 @@ void HoldClamps(const TensileCurve& curve, const TensileStrip& strip, MotionTens
 
 }  // namespace
 
+std::array<int, 2> UsualNodes(const TensileCurve& curve, PullDirection direction) {
+  if (direction != PullDirection::kBias) return {kUsualNodes, kUsualNodes};
+  const double num_cells = std::round((kUsualNodes - 1) * curve.length / curve.width);
+  return {kUsualNodes, static_cast<int>(std::clamp(num_cells + 1.0, 1.0 * kUsualNodes, 1.0 * kMostUsualNodes))};
+}
+
 MotionTensors RecordTensileTest(const TensileCurve& curve, const TensileStrip& strip, const std::string& provenance) {
   CheckStrip(strip);
   GridOptions grid;
@@ -114,7 +122,8 @@ double InertiaAtClamp(const TensileCurve& curve) {
 }
 
 std::string ParametersOfPull(const TensileStrip& strip) {
-  const std::string name = NameOfPull(strip.direction);
+  if (strip.direction == PullDirection::kBias) return "k_shear";
+  const std::string name = strip.direction == PullDirection::kWarp ? "warp" : "weft";
   return "k_" + name + (strip.membrane == MembraneLaw::kYarn ? ",stiffening_" + name : "");
 }
 

@@ -10,7 +10,7 @@
 #include "sim/base/text_file.h"
 #include "tools/motion/motion_commands.h"
 
-DEFINE_bool(json, false, "check: findings as JSON");
+DEFINE_bool(json, false, "check, friction: as JSON");
 
 namespace clothid {
 

@@ -31,6 +31,12 @@ int MotionConvertClouds(const std::vector<std::string>& arguments);
 // A motion.bin from the curve of a tensile test, and on stdout what was made of it.
 int MotionConvertCurve(const std::vector<std::string>& arguments);
 
+// A motion.bin from the table of a cantilever test, and on stdout the rigidity that its elastica has.
+int MotionConvertCantilever(const std::vector<std::string>& arguments);
+
+// Friction from the angles at which specimens slide down a plate.
+int MotionFriction(const std::vector<std::string>& arguments);
+
 // A time in s with six digits, more where it takes them to tell 0.1 ms: clocks count from 1970.
 std::string TimeText(double seconds);
 

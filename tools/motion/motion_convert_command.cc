@@ -46,7 +46,7 @@ DEFINE_double(map_distance, 0.0, "convert: how far a point may be off its place,
 DEFINE_bool(as_surface, false, "convert: the points lie on the cloth, but are not material");
 DEFINE_bool(borders, false, "convert: those of the mesh's border lie on that of the cloth");
 DEFINE_bool(corners, false, "convert: those of its corners are material");
-DEFINE_double(sigma, 0.0, "convert: standard deviation of a coordinate, m");
+DEFINE_double(sigma, 0.0, "convert, convert_clouds, convert_cantilever: standard deviation of a coordinate, m");
 DEFINE_string(handle_nodes, "", "convert: nodes with a prescribed path");
 DEFINE_string(handles, "", "convert: file with their paths");
 DEFINE_string(handle_offsets, "", "convert: file with the places where a tool holds them");

@@ -1,5 +1,6 @@
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <iostream>
@@ -7,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/checking/motion_check.h"
+#include "datasets/curves/curve_findings.h"
 #include "datasets/curves/tensile_recording.h"
 #include "datasets/files/atomic_file.h"
 #include "datasets/files/overwrite.h"
@@ -14,24 +17,23 @@
 #include "datasets/motion/motion_name.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
+#include "tools/motion/curve_flags.h"
 #include "tools/motion/motion_commands.h"
 #include "tools/motion/track_flags.h"
 
 DECLARE_double(force_sigma);
 DEFINE_string(specimen, "", "convert_curve: WIDTHxLENGTH of the specimen between the clamps, mm");
-DEFINE_string(direction, "", "convert_curve: along which it was pulled, warp or weft");
+DECLARE_string(direction);
 DEFINE_double(gauge, 0.0, "convert_curve: length over which the elongation was measured, mm; 0: that of the specimen");
 DEFINE_string(strain, "", "convert_curve: FROM:TO, the strains that are kept");
 DEFINE_double(preload, 0.0, "convert_curve: force that ends the slack, N; 0: a share of the largest");
 DEFINE_string(membrane, "yarn", "convert_curve: yarn or orthotropic");
-DEFINE_string(nodes, "9x9", "convert_curve: nodes of the strip, across x along the pull");
+DEFINE_string(nodes, "", "convert_curve: nodes of the strip, across x along the pull");
 
 namespace clothid {
 namespace {
 
 constexpr double kMillimetre = 1e-3;  // m
-
-bool IsGiven(const char* flag) { return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default; }
 
 // "95.9x45.2" or "0.02:0.25".
 std::array<double, 2> ParsePair(const std::string& flag, const std::string& text, char separator,
@@ -45,12 +47,12 @@ std::array<double, 2> ParsePair(const std::string& flag, const std::string& text
 }
 
 void ExpectPositiveFlag(const char* flag, double value, const char* unit) {
-  if (IsGiven(flag) && !(value > 0.0)) FailFlag(flag, std::string("expected a number > 0 (") + unit + ")");
+  if (IsGivenFlag(flag) && !(value > 0.0)) FailFlag(flag, std::string("expected a number > 0 (") + unit + ")");
 }
 
 TensileCurveOptions CurveOptionsFromFlags() {
   TensileCurveOptions options;
-  if (IsGiven("specimen")) {
+  if (IsGivenFlag("specimen")) {
     const char* const expected = "WIDTHxLENGTH in mm, as in 50x200";
     const std::array<double, 2> size = ParsePair("specimen", FLAGS_specimen, 'x', expected);
     if (!(size[0] > 0.0) || !(size[1] > 0.0)) {
@@ -65,7 +67,7 @@ TensileCurveOptions CurveOptionsFromFlags() {
   options.gauge_length = kMillimetre * FLAGS_gauge;
   options.preload = FLAGS_preload;
   options.force_sigma = FLAGS_force_sigma;
-  if (IsGiven("strain")) {
+  if (IsGivenFlag("strain")) {
     const char* const expected = "FROM:TO with 0 <= FROM < TO, as in 0.02:0.25";
     const std::array<double, 2> range = ParsePair("strain", FLAGS_strain, ':', expected);
     if (!(range[0] >= 0.0 && range[0] < range[1])) {
@@ -77,16 +79,8 @@ TensileCurveOptions CurveOptionsFromFlags() {
   return options;
 }
 
-TensileStrip StripFromFlags() {
-  TensileStrip strip;
-  if (FLAGS_direction != "warp" && FLAGS_direction != "weft") {
-    FailFlag("direction", "expected warp or weft, got '" + Printable(FLAGS_direction) + "'");
-  }
-  strip.direction = FLAGS_direction == "warp" ? PullDirection::kWarp : PullDirection::kWeft;
-  if (FLAGS_membrane != "yarn" && FLAGS_membrane != "orthotropic") {
-    FailFlag("membrane", "expected yarn or orthotropic, got '" + Printable(FLAGS_membrane) + "'");
-  }
-  strip.membrane = FLAGS_membrane == "yarn" ? MembraneLaw::kYarn : MembraneLaw::kOrthotropic;
+std::optional<std::array<int, 2>> NodesFromFlag() {
+  if (!IsGivenFlag("nodes")) return std::nullopt;
   const std::vector<std::string> counts = Split(FLAGS_nodes, 'x');
   const std::optional<long long> across = ParseInteger(counts.front()), along = ParseInteger(counts.back());
   constexpr long long kMostNodes = 1000;
@@ -96,7 +90,16 @@ TensileStrip StripFromFlags() {
              "expected NXxNY with at least 2 nodes across and 3 along the pull, at most 1000, as in 9x9, got '" +
                  Printable(FLAGS_nodes) + "'");
   }
-  strip.nodes = {static_cast<int>(*across), static_cast<int>(*along)};
+  return std::array<int, 2>{static_cast<int>(*across), static_cast<int>(*along)};
+}
+
+TensileStrip StripFromFlags() {
+  TensileStrip strip;
+  strip.direction = PullDirectionFromFlag();
+  if (FLAGS_membrane != "yarn" && FLAGS_membrane != "orthotropic") {
+    FailFlag("membrane", "expected yarn or orthotropic, got '" + Printable(FLAGS_membrane) + "'");
+  }
+  strip.membrane = FLAGS_membrane == "yarn" ? MembraneLaw::kYarn : MembraneLaw::kOrthotropic;
   return strip;
 }
 
@@ -131,7 +134,16 @@ void PrintCurve(const std::string& output, const CurveTable& table, const Tensil
   if (curve.num_outside > 0) {
     std::cout << "left out: " << readings(curve.num_outside) << " at strains outside of " << FLAGS_strain << "\n";
   }
-  std::cout << "fit it: identify --target " << output << " --fit " << ParametersOfPull(strip) << "\n";
+  std::vector<Finding> findings = CheckCurve(table, curve);
+  const auto is_ok = [](const Finding& finding) { return finding.severity == Severity::kOk; };
+  findings.erase(std::remove_if(findings.begin(), findings.end(), is_ok), findings.end());
+  std::cout << FindingsTable(findings);
+  if (strip.direction == PullDirection::kBias) {
+    std::cout << "fit it beside curves along warp and weft: identify --target WARP,WEFT," << output << " --fit ..,"
+              << ParametersOfPull(strip) << "\n";
+  } else {
+    std::cout << "fit it: identify --target " << output << " --fit " << ParametersOfPull(strip) << "\n";
+  }
 }
 
 }  // namespace
@@ -142,9 +154,11 @@ int MotionConvertCurve(const std::vector<std::string>& arguments) {
   RefuseOverwrite(output, {input});
   CheckFileCanBeWritten(output);
   const TensileCurveOptions options = CurveOptionsFromFlags();
-  const TensileStrip strip = StripFromFlags();
+  TensileStrip strip = StripFromFlags();
+  const std::optional<std::array<int, 2>> nodes = NodesFromFlag();
   const CurveTable table = ReadCurveTable(input);
   const TensileCurve curve = MakeTensileCurve(table, options);
+  strip.nodes = nodes.value_or(UsualNodes(curve, strip.direction));
   WriteMotion(RecordTensileTest(curve, strip, CurveProvenance(input, table)), output);
   PrintCurve(output, table, curve, strip);
   return kExitSuccess;

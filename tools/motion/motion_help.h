@@ -19,6 +19,8 @@ inline constexpr char kHelp[] = R"(motion: looks at recordings, checks and conve
                                              per frame
   motion convert_curve FILE OUT [flags]      from force over elongation, as a
                                              testing machine exports it
+  motion convert_cantilever FILE OUT [flags] from a strip that sags at an edge
+  motion friction FILE [--json]              mu from angles of a tilted plate
 
 Everyday flags of convert:
   --scene FILE         scene.json; OUT, a name ending in .bin, needs it
@@ -139,18 +141,46 @@ inline constexpr char kConvertCurveHelp[] =
 FILE is a table with a column of force (N, kN, cN, gf, or per width N/m, N/cm, N/mm) and one of extension, displacement
 (mm, cm, m) or strain (%, 1), units in brackets behind the names or in a row below; lines about the test may stand
 above. The recording is a strip between two clamps, the upper one pulled up, with the forces there.
-  --direction D        warp or weft: along which the cloth was pulled; needed
+  --direction D        warp, weft or bias (at 45 degrees to both): along which the cloth was pulled; needed
   --specimen WxL       width and length between the clamps, mm, as in 50x200 (those of the lines Width, Gauge length)
   --gauge L            length over which the elongation was measured, mm (that between the clamps)
   --preload F          force that ends the slack, N (0.5 % of the largest force)
   --strain FROM:TO     keeps these strains, as in 0.02:0.25 (all of the first loading)
   --force_sigma S      standard deviation of the forces of the recording, N (their scatter)
   --membrane LAW       yarn: stiffens with strain; or orthotropic (yarn)
-  --nodes NXxNY        of the strip, across and along the pull (9x9)
+  --nodes NXxNY        of the strip, across and along the pull (9x9; of bias 9 and as many as make cells square)
 
 Example: a knit, pulled along its wales, and the fit of its curve
   motion convert_curve wales.csv wales.bin --specimen 95.9x45.2 --direction warp --strain 0:0.25
   identify --target wales.bin --fit k_warp,stiffening_warp
+A bias curve tells k_shear where curves along warp and weft tell the rest:
+  identify --target warp.bin,weft.bin,bias.bin --fit k_warp,k_weft,k_shear,stiffening_warp,stiffening_weft
+)";
+
+inline constexpr char kConvertCantileverHelp[] =
+    R"(motion convert_cantilever FILE OUT [flags]: a motion.bin with its scene from a cantilever test.
+
+FILE is a table with a specimen a row: its overhang (mm, cm, m) and the angle (deg, rad) of the line from the edge to
+the tip below the level, 41.5 degrees where there is no such column; or with columns x and z of points of one sagging
+strip, from the edge of the clamp at 0,0 on. Units as of convert_curve. The recording is a strip that is clamped at one
+end and sags, with the tip or the profile at rest. The rigidity of the heavy elastica is printed, too.
+  --density D          mass per area, kg/m^2; needed
+  --direction D        warp, weft or bias: along which the strips were cut; the scene then has bend_warp, bend_weft and
+                       bend_twist (k_bend)
+  --sigma S            standard deviation of a coordinate, m (from the scatter of the rows; of one row, or of a profile,
+                       1 mm)
+  --overhang L         of the strip of a profile, from the edge to the tip, mm (the line through its points)
+
+Example: three strips, and the fit
+  motion convert_cantilever overhangs.csv bend.bin --density 0.15
+  identify --target bend.bin --fit k_bend
+)";
+
+inline constexpr char kFrictionHelp[] =
+    R"(motion friction FILE [--json]: mu from the angles at which specimens start to slide down a plate that is tilted.
+
+FILE is a table with a column of the angle to the level (deg, rad), a test a row. mu is tan(angle): mean, 95 % interval
+of the mean, standard deviation, and what a fit of another specimen may take as --prior. --json: as JSON.
 )";
 
 inline constexpr char kMoreHelp[] = R"(

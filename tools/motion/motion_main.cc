@@ -24,7 +24,13 @@ int main(int argc, char** argv) {
                        {"a table of a testing machine", "a file to write"},
                        "specimen direction gauge strain preload membrane nodes force_sigma",
                        clothid::MotionConvertCurve,
-                       clothid::kConvertCurveHelp}};
+                       clothid::kConvertCurveHelp},
+                      {"convert_cantilever",
+                       {"a table of a cantilever test", "a file to write"},
+                       "density direction overhang sigma",
+                       clothid::MotionConvertCantilever,
+                       clothid::kConvertCantileverHelp},
+                      {"friction", {"a table of angles"}, "json", clothid::MotionFriction, clothid::kFrictionHelp}};
   program.rules = {{"grid", FlagRule::kWithout, "faces"},
                    {"transpose", FlagRule::kWith, "grid"},
                    {"invert_transform", FlagRule::kWith, "transform"},

@@ -67,13 +67,14 @@ TEST_F(CurveTableTest, RefusesBadTables) {
   const std::string header = "Time;Extension;Force\ns;mm;N\n";
   ExpectRefused("", "c.csv: ", "expected a header with columns of force and of extension, displacement or strain");
   ExpectRefused("Specimen;1\nTime;Extension\n", "c.csv:2: ", "found 'Time;Extension'");
-  ExpectRefused("Time [s];Force [N]\n0;1\n", "c.csv:2: ", "line 1, 'Time [s];Force [N]', does not name both");
+  ExpectRefused("Time [s];Force [N]\n0;1\n", "c.csv:2: ", "line 1 has 'Time [s];Force [N]' alone");
   ExpectRefused("Specimen;1\n0,1;2,5\n", "c.csv:2: ", "expected a header above the first row of numbers");
-  ExpectRefused("Time;Extension;Force\n0;1;2\n", "c.csv:1: column 'Force'", "expected a unit in brackets or in a row");
+  ExpectRefused("Time;Extension [mm];Force\n0;1;2\n", "c.csv:1: column 'Force'",
+                "expected a unit in brackets or in a row");
   ExpectRefused("Extension;Force [N]\n1;2\n", "c.csv:1: column 'Extension'", "mm, cm, m, % or 1, found none");
   ExpectRefused("Extension;Force\nmm;\n1;2\n", "c.csv:1: column 'Force'", "found none");
   ExpectRefused("Extension;Force\nmm;lbf\n1;2\n", "c.csv:2: column 'Force'", "expected the unit N, mN, kN");
-  ExpectRefused("Extension;Force\nN;mm\n1;2\n", "c.csv:2: column 'Force'", "found 'mm'");
+  ExpectRefused("Extension;Force\nN;mm\n1;2\n", "c.csv:2: column 'Extension'", "found 'N'");
   ExpectRefused("Extension [in];Force [N]\n1;2\n", "c.csv:1: column 'Extension [in]'", "found 'in'");
   ExpectRefused("Force;Force;Strain\nN;N;%\n1;2;3\n", "c.csv:1: column 'Force'", "expected once in the header");
   ExpectRefused(header, "c.csv:2: ", "expected rows of numbers");

@@ -10,6 +10,7 @@
 #include "datasets/curves/tensile_recording.h"
 #include "datasets/motion/motion_file.h"
 #include "sim/base/error.h"
+#include "sim/scene/warp.h"
 #include "tests/expect_error.h"
 
 namespace clothid::tensile_curve_test {
@@ -226,7 +227,16 @@ TEST_F(TensileCurveTest, BecomesARecordingOfAStrip) {
     EXPECT_DOUBLE_EQ(motion.scene.material.warp_stiffness, 1000.0);  // of 300 (exp(1.5) - 1)/1.5
     EXPECT_EQ(motion.scene.material.weft_stiffening, 3.0);
   }
+  strip.direction = PullDirection::kBias;
+  EXPECT_EQ(ParametersOfPull(strip), "k_shear");
+  const Scene scene = InterpretMotion(RecordTensileTest(curve, strip, "curve"), "curve").scene;
+  const Eigen::Vector3d warp = WarpDirections(scene.warp, scene.mesh).col(0);
+  EXPECT_NEAR(std::abs(warp.x()), std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(std::abs(warp.z()), std::sqrt(0.5), 1e-12);
+  EXPECT_EQ(UsualNodes(curve, PullDirection::kWarp), (std::array<int, 2>{9, 9}));
+  EXPECT_EQ(UsualNodes(curve, PullDirection::kBias), (std::array<int, 2>{9, 33}));
   EXPECT_LT(InertiaAtClamp(curve), 1e-5 * ForceAt(kMostPulled));
+  strip.direction = PullDirection::kWeft;
   strip.membrane = MembraneLaw::kOrthotropic;
   EXPECT_EQ(ParametersOfPull(strip), "k_weft");
   EXPECT_EQ(InterpretMotion(RecordTensileTest(curve, strip, "curve"), "curve").scene.material.weft_stiffening, 0.0);

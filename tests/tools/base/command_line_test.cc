@@ -83,7 +83,7 @@ TEST_F(CommandLineTest, HelpAllNamesEveryFlag) {
 
 TEST_F(CommandLineTest, CommandsHaveAHelpOfTheirOwn) {
   const std::string all = Help("motion --help all");
-  for (const std::string command : {"check", "convert", "convert_clouds", "convert_curve"}) {
+  for (const std::string command : {"check", "convert", "convert_clouds", "convert_curve", "convert_cantilever", "friction"}) {
     const std::string help = Help("motion " + command + " --help");
     EXPECT_EQ(help.rfind("motion " + command + " ", 0), 0u) << help;
     EXPECT_EQ(Help("motion --help " + command), help);

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <random>
 #include <string>
+#include <vector>
 
+#include "datasets/motion/motion_file.h"
 #include "tests/tools/tool_test.h"
 
 namespace clothid::motion_curve_test {
@@ -45,8 +47,62 @@ class MotionCurveTest : public ToolTest {
     return text;
   }
 
-  Json Fit(const std::string& parameters) const {
-    const ToolResult fit = Run("identify --target curve.bin --fit " + parameters + " --report=false --output result");
+  // Pulls a strip of 50 x 100 mm between clamps by 15 % and writes the curve of a machine. The mesh is twice as fine as
+  // that of a bias strip which is fitted.
+  void PullStrip(const std::string& direction) const {
+    constexpr int kAcross = 17, kAlong = 33;
+    constexpr double kPulled = 0.15, kStrip = 0.1;
+    std::string header = "time", start = "0", end = "10", lower, upper;
+    std::vector<int> nodes;
+    for (const bool is_upper : {false, true}) {
+      for (int i = 0; i < kAcross; ++i) {
+        nodes.push_back(is_upper ? kAcross * (kAlong - 1) + i : i);
+        std::string& group = is_upper ? upper : lower;
+        group += (group.empty() ? "" : ",") + std::to_string(nodes.back());
+        const std::string k = std::to_string(nodes.size() - 1), x = "," + std::to_string(kWidth * (i / 16.0 - 0.5));
+        header += ",x" + k + ",y" + k + ",z" + k;
+        start += x + ",0," + std::to_string(is_upper ? kStrip : 0.0);
+        end += x + ",0," + std::to_string(is_upper ? kStrip * (1.0 + kPulled) : 0.0);
+      }
+    }
+    WriteBytes(folder() / "path.csv", header + "\n" + start + "\n" + end + "\n");
+    WriteScene({{"clothid_scene", 2},
+                {"time_step", 0.1},
+                {"integrator", "euler"},
+                {"gravity", {0, 0, 0}},
+                {"duration", 10},
+                {"mesh",
+                 {{"grid",
+                   {{"nodes", {kAcross, kAlong}},
+                    {"size", {kWidth, kStrip}},
+                    {"origin", {-0.5 * kWidth, 0, 0}},
+                    {"axes", {{1, 0, 0}, {0, 0, 1}}}}}}},
+                {"handles", {{"nodes", nodes}, {"path", "path.csv"}}},
+                {"solver", {{"step_tolerance", 1e-5}}},
+                {"materials",
+                 {{"density", 0.2},
+                  {"membrane", "yarn"},
+                  {"k_warp", 600},
+                  {"k_weft", 250},
+                  {"k_shear", 40},
+                  {"stiffening_warp", 5},
+                  {"stiffening_weft", 3},
+                  {"warp_direction", {direction == "weft" ? 1 : 0, 0, direction == "weft" ? 0 : 1}},
+                  {"warp_angle", direction == "bias" ? 45 : 0}}}});
+    ExpectSuccess("simulate --scene scene.json --forces --force_nodes " + lower + ":" + upper +
+                  " --output fine.bin >/dev/null");
+    const RecordedMotion fine = ReadMotion((folder() / "fine.bin").string());
+    std::string table = "Extension [mm];Force [N]\n";
+    for (int i = 0; i < fine.forces.num_readings(); ++i) {
+      table += std::to_string(1e3 * kPulled * kStrip * fine.forces.times[i] / 10.0) + ";" +
+               std::to_string(fine.forces.values(fine.forces.values.rows() - 1, i)) + "\n";
+    }
+    WriteBytes(folder() / (direction + ".csv"), table);
+  }
+
+  Json Fit(const std::string& parameters, const std::string& targets = "curve.bin") const {
+    const ToolResult fit =
+        Run("identify --target " + targets + " --fit " + parameters + " --report=false --output result");
     EXPECT_EQ(fit.exit_code, 0) << fit.out << fit.err;
     return Json::parse(ReadBytes(folder() / "result" / "result.json"))["parameters"];
   }
@@ -71,6 +127,23 @@ TEST_F(MotionCurveTest, AFitFindsTheLawOfACurve) {
   }
 }
 
+TEST_F(MotionCurveTest, CurvesAlongWarpWeftAndBiasTellTheShearStiffness) {
+  for (const std::string direction : {"warp", "weft", "bias"}) {
+    PullStrip(direction);
+    const ToolResult made = Run("motion convert_curve " + direction + ".csv " + direction +
+                                ".bin --specimen 50x100 --force_sigma 0.001 --direction " + direction);
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_EQ(made.err, "");
+    EXPECT_NE(made.out.find(direction == "bias" ? "9 x 17 nodes" : "9 x 9 nodes"), std::string::npos) << made.out;
+  }
+  const Json parameters = Fit("k_warp,k_weft,k_shear,stiffening_warp,stiffening_weft", "warp.bin,weft.bin,bias.bin");
+  EXPECT_NEAR(parameters["k_warp"]["value"].get<double>(), 600.0, 0.01 * 600.0);
+  EXPECT_NEAR(parameters["k_weft"]["value"].get<double>(), 250.0, 0.01 * 250.0);
+  EXPECT_NEAR(parameters["k_shear"]["value"].get<double>(), 40.0, 0.02 * 40.0);
+  EXPECT_NEAR(parameters["stiffening_warp"]["value"].get<double>(), 5.0, 0.02 * 5.0);
+  EXPECT_NEAR(parameters["stiffening_weft"]["value"].get<double>(), 3.0, 0.02 * 3.0);
+}
+
 TEST_F(MotionCurveTest, TheOrthotropicLawHasOneStiffness) {
   WriteBytes(folder() / "curve.csv", Table(300.0, 1e-9));
   const ToolResult made =
@@ -84,13 +157,26 @@ TEST_F(MotionCurveTest, TheOrthotropicLawHasOneStiffness) {
   EXPECT_NEAR(parameters["k_weft"]["value"].get<double>(), 300.0 / (1.0 + 1.5 * 0.022), 0.02 * 300.0);
 }
 
+TEST_F(MotionCurveTest, TellsWhatIsDoubtful) {
+  std::string table = "Extension [mm];Force [kN]\n";
+  for (int i = 0; i < 200; ++i)
+    table += std::to_string(0.2 * i) + ";" + std::to_string(i < 120 ? 0.1 * i : 0.1 * i - 3) + "\n";
+  WriteBytes(folder() / "curve.csv", table);
+  const ToolResult made = Run("motion convert_curve curve.csv curve.bin --specimen 50x200 --direction warp");
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  for (const char* words :
+       {"slip                  warning  the force falls by 2.", "is the unit of the force off by 10^"}) {
+    EXPECT_NE(made.out.find(words), std::string::npos) << words << "\n" << made.out;
+  }
+}
+
 TEST_F(MotionCurveTest, NamesWhatIsWrong) {
   WriteBytes(folder() / "curve.csv", Table(300.0, 6.0));
   WriteBytes(folder() / "bare.csv", "Strain [%],Force [N]\n0,0\n1,1\n");
   WriteBytes(folder() / "bad.csv", "Strain [%],Force [lbf]\n0,0\n1,1\n");
   const std::string convert = "motion convert_curve curve.csv curve.bin --direction warp ";
   ExpectRefused("motion convert_curve curve.csv", 1, "a file to write");
-  ExpectRefused("motion convert_curve curve.csv curve.bin", 1, "--direction: expected warp or weft");
+  ExpectRefused("motion convert_curve curve.csv curve.bin", 1, "--direction: expected warp, weft or bias");
   ExpectRefused("motion convert_curve curve.csv curve.npy --direction warp", 1, ".bin");
   ExpectRefused("motion convert_curve curve.bin curve.bin --direction warp", 1, "curve.bin");
   ExpectRefused("motion convert_curve none.csv curve.bin --direction warp", 1, "none.csv");

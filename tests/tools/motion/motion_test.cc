@@ -106,12 +106,13 @@ TEST_F(MotionTest, RefusesWrongCommands) {
   ExpectRefused("motion check absent.bin", 1, "absent.bin");
   ExpectRefused("motion info .", 1, ".");
   ExpectRefused("motion check good.bin --bogus", 1, "bogus");
-  ExpectRefused("motion info good.bin --json", 1, "--json: is a flag of check, not of info");
+  ExpectRefused("motion info good.bin --json", 1, "--json: is a flag of check and friction, not of info");
   ExpectRefused("motion check good.bin --voxel 0.1", 1, "--voxel: is a flag of convert_clouds, not of check");
   ExpectRefused("motion check good.bin --scale 1", 1, "--scale: is a flag of convert and convert_clouds, not of check");
-  ExpectRefused("motion convert good.bin out.bin --json", 1, "--json: is a flag of check, not of convert");
+  ExpectRefused("motion convert good.bin out.bin --json", 1, "--json: is a flag of check and friction, not of convert");
   ExpectRefused("motion convert good.bin out.bin --fit_pose", 1, "--fit_pose: is a flag of convert_clouds");
-  ExpectRefused("motion convert_clouds clouds out.bin --json", 1, "--json: is a flag of check, not of convert_clouds");
+  ExpectRefused("motion convert_clouds clouds out.bin --json", 1,
+                "--json: is a flag of check and friction, not of convert_clouds");
   ExpectRefused("motion convert_clouds clouds out.bin --frames 0:2", 1, "--frames: is a flag of convert, not of");
 }
 
