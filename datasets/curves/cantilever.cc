@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ constexpr double kLeastOverhang = 0.005, kMostOverhang = 1.0;  // m: beyond them
 constexpr int kFewestProfilePoints = 5;
 constexpr double kLongestProfileStep = 0.34;  // of the overhang: a longer chord is no arc
 
-constexpr int kAcrossCantilever = 5, kFreeRows = 24;
+constexpr int kAcrossCantilever = 5, kCellsAlong = 36;
 constexpr double kCantileverStep = 0.2;        // s
 constexpr int kNumCantileverSteps = 40;        // at which the frames are
 constexpr double kCantileverStretch = 1000.0;  // N/m
@@ -84,27 +85,14 @@ void TakeProfile(const LabTable& table, CantileverTable* result) {
   result->angles = Eigen::VectorXd::Constant(1, std::min(std::atan2(-before.y(), before.x()), kMostSag));
 }
 
-// The rows of nodes that are held, and where the first of them is: the edge of the clamp is at x = 0, the tip at the
-// overhang. Patches of a held border bend as if the clamp stood in the middle between the last two of four rows.
-struct ClampedGrid {
-  int num_rows = 0, num_held = 0;
-  double spacing = 0.0, first = 0.0;  // m
-};
-
-ClampedGrid ClampAtEdge(double overhang) {
-  ClampedGrid grid;
-  grid.num_held = 4;
-  grid.num_rows = grid.num_held + kFreeRows;
-  grid.spacing = overhang / (kFreeRows + 0.5);
-  grid.first = -(grid.num_held - 1.5) * grid.spacing;
-  return grid;
-}
-
 std::string SceneOfCantilever(const CantileverStrip& strip) {
   nlohmann::ordered_json scene = {{"clothid_scene", 2},
                                   {"time_step", kCantileverStep},
                                   {"integrator", "euler"},
                                   {"initial", {{"positions", "rest"}}}};
+  std::vector<int> edge(kAcrossCantilever);
+  std::iota(edge.begin(), edge.end(), 0);
+  scene["handles"] = {{"nodes", edge}, {"clamp", true}};
   nlohmann::ordered_json& materials = scene["materials"];
   materials = {{"density", strip.density}, {"k_stretch", kCantileverStretch}};
   if (!strip.has_warp) {
@@ -124,15 +112,14 @@ MotionTensors HeldStrip(const CantileverStrip& strip, const std::string& provena
   for (const double number : {strip.width, strip.overhang, strip.density, strip.sigma, strip.nominal}) {
     ExpectUsage(number > 0.0 && std::isfinite(number), "strip: expected numbers > 0");
   }
-  const ClampedGrid clamped = ClampAtEdge(strip.overhang);
   GridOptions grid;
-  grid.nodes = {kAcrossCantilever, clamped.num_rows};
-  grid.size = {strip.width, clamped.spacing * (clamped.num_rows - 1)};
-  grid.origin = {clamped.first, -0.5 * strip.width, 0.0};
+  grid.nodes = {kAcrossCantilever, kCellsAlong + 1};
+  grid.size = {strip.width, strip.overhang};
+  grid.origin = {0.0, -0.5 * strip.width, 0.0};
   grid.axes = {Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX()};
   MotionTensors motion;
   motion.mesh = MakeGrid(grid);
-  for (int i = 0; i < kAcrossCantilever * clamped.num_held; ++i) motion.handle_index.push_back(i);
+  for (int i = 0; i < kAcrossCantilever; ++i) motion.handle_index.push_back(i);
   motion.times = Eigen::VectorXd::LinSpaced(kNumCantileverSteps + 1, 0.0, kNumCantileverSteps * kCantileverStep);
   motion.handle_times = Eigen::Vector2d(0.0, kNumCantileverSteps * kCantileverStep);
   motion.handle_positions = motion.mesh.rest_positions(Eigen::all, motion.handle_index).reshaped().replicate(1, 2);

@@ -23,6 +23,7 @@ DEFINE_string(quantities, "", "accuracy: of forward, gradient");
 DEFINE_string(contact, "", "stability: of gap, velocity");
 DEFINE_string(integrator, "", "of euler, sdirk2");
 DEFINE_string(k_stretch, "", "stability: stretch stiffness, N/m");
+DEFINE_double(stiffening, 0.0, "stability: of a membrane of yarns");
 DEFINE_string(mu, "", "stability: friction coefficients");
 DEFINE_string(output, "", "folder for the CSV files; empty: none");
 DEFINE_string(threads, "", "stability: cells side by side");
@@ -111,6 +112,7 @@ StabilityOptions StabilityOptionsFromFlags() {
   Take("integrator", &options.integrators);
   Take("contact", &options.contacts);
   Take("k_stretch", &options.stretch_stiffness);
+  options.stiffening = FLAGS_stiffening;
   Take("mu", &options.friction_coefficients);
   Take("steps", &options.step_rates);
   Take("nodes", &options.nodes);

@@ -78,6 +78,8 @@ each other, and how near its parts come.
   --integrator LIST of euler, sdirk2 (both)
   --contact LIST    of gap, velocity (both); fold has gap alone
   --k_stretch LIST  stretch stiffness, N/m (1,10,..,1e7)
+  --stiffening S    the grid with a membrane of yarns that stiffen by S: k_warp and
+                    k_weft are k_stretch, k_shear is half of it (0: isotropic)
   --steps LIST      per second (1000,200,60,30)
   --mu LIST         friction coefficients (0,0.1,0.35,0.8,2); of fold mu.self
   --nodes N         along both axes (12)

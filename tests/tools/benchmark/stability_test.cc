@@ -235,6 +235,26 @@ TEST(StabilityTest, AGridHasNoFailures) {
   }
 }
 
+TEST(StabilityTest, YarnsThatStiffenHaveNoFailures) {
+  StabilityOptions options;
+  options.settings = {"grid"};
+  options.scenes = {"drape", "wind"};
+  options.contacts = {"gap"};
+  options.stretch_stiffness = {10.0, 1000.0};
+  options.stiffening = 20.0;
+  options.step_rates = {200, 30};
+  options.friction_coefficients = {0.35};
+  options.nodes = kNodes;
+  const StabilityBenchmark benchmark = RunStabilityBenchmark(options);
+  ASSERT_EQ(benchmark.grid.size(), 2u * 2 * 2 * 2);
+  for (const StabilityRow& row : benchmark.grid) {
+    SCOPED_TRACE(DescribeRow(row));
+    EXPECT_TRUE(row.ok());
+    EXPECT_EQ(row.audit.violations(), 0);
+    EXPECT_GE(row.stretch_stiffness, 10.0);
+  }
+}
+
 // A cloth that falls on itself, which cuts itself nowhere by backward Euler.
 TEST(StabilityTest, AFoldHasNoFailures) {
   StabilityOptions options;

@@ -30,7 +30,13 @@ void PlanGrid(Integrator integrator, const StabilityOptions& options, std::vecto
       for (const double stiffness : options.stretch_stiffness) {
         for (const int rate : options.step_rates) {
           for (std::size_t m = 0; m < num_frictions; ++m) {
-            const StabilityCell cell = {scene, mode, stiffness, 1.0 / rate, options.friction_coefficients[m]};
+            const StabilityCell cell = {scene,
+                                        mode,
+                                        stiffness,
+                                        1.0 / rate,
+                                        options.friction_coefficients[m],
+                                        Integrator::kEuler,
+                                        options.stiffening};
             plans->push_back({scene, [cell](int nodes) { return MakeStabilityScene(cell, nodes); }, integrator});
           }
         }
@@ -55,7 +61,7 @@ StabilityRow RunStabilityRow(const std::string& name, const Scene& scene) {
   row.name = name;
   row.contact = ContactModeName(scene.contact_mode);
   row.integrator = IntegratorName(scene.integrator);
-  row.stretch_stiffness = scene.material.stretch_stiffness;
+  row.stretch_stiffness = std::max(scene.material.stretch_stiffness, scene.material.warp_stiffness);
   row.time_step = scene.time_step;
   row.friction_coefficient = FrictionOf(scene);
   row.meets_itself = scene.self_contact.has_value();
@@ -86,6 +92,7 @@ void StabilityOptions::Validate() const {
   for (const int rate : step_rates) {
     ExpectUsage(rate >= 1 && rate <= 100000, "--steps: expected numbers from 1 to 100000");
   }
+  ExpectUsage(stiffening >= 0.0, "--stiffening: expected a number >= 0");
   for (const double mu : friction_coefficients) ExpectUsage(mu >= 0.0, "--mu: expected numbers >= 0");
   ExpectUsage(nodes >= 4 && nodes <= 200, "--nodes: expected one number from 4 to 200");
   ExpectUsage(num_threads >= 1, "--threads: expected a number >= 1");

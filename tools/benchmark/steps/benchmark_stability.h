@@ -43,6 +43,7 @@ struct StabilityOptions {
   std::vector<std::string> scenes = kStabilityScenes;        // of the grid, as all that follows up to its axes' end
   std::vector<std::string> contacts = {"gap", "velocity"};
   std::vector<double> stretch_stiffness = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7};  // N/m
+  double stiffening = 0.0;                                                           // of the grid, as of StabilityCell
   std::vector<int> step_rates = {1000, 200, 60, 30};                                 // steps per second
   std::vector<double> friction_coefficients = {0.0, 0.1, 0.35, 0.8, 2.0};
   int nodes = 12;                 // along each axis

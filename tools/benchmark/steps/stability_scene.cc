@@ -151,7 +151,16 @@ Scene MakeStabilityScene(const StabilityCell& cell, int nodes) {
   scene.contact_mode = cell.contact_mode;
   scene.time_step = cell.time_step;
   scene.integrator = cell.integrator;
-  scene.material.stretch_stiffness = cell.stretch_stiffness;
+  Material& material = scene.material;
+  if (cell.stiffening > 0.0) {
+    scene.membrane = MembraneLaw::kYarn;
+    material.stretch_stiffness = 0.0;
+    material.warp_stiffness = material.weft_stiffness = cell.stretch_stiffness;
+    material.shear_stiffness = 0.5 * cell.stretch_stiffness;
+    material.warp_stiffening = material.weft_stiffening = cell.stiffening;
+  } else {
+    material.stretch_stiffness = cell.stretch_stiffness;
+  }
   return scene;
 }
 

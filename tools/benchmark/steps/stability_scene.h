@@ -31,6 +31,7 @@ struct StabilityCell {
   double time_step = 0.0;          // h, s
   double friction_coefficient = 0.0;
   Integrator integrator = Integrator::kEuler;
+  double stiffening = 0.0;  // > 0: a membrane of yarns with it, k_warp = k_weft = k and k_shear = k/2; else isotropic
 };
 
 // Whether friction and contact mode make a difference.
