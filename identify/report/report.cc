@@ -166,13 +166,13 @@ std::string PredictionName(std::size_t recording) {
 
 // The constants of the cloth for other simulators.
 void WriteExports(const FitSummary& summary, const std::optional<Repetitions>& repetitions, const Scene& scene,
-                  const std::vector<std::string>& simulators, OutputFolder* folder) {
+                  const FabricCard* card, const std::vector<std::string>& simulators, OutputFolder* folder) {
   if (simulators.empty()) return;
   ExportedEstimates estimates;
   for (const FittedParameter& parameter : summary.parameters) estimates.values[parameter.name] = parameter.value;
   if (repetitions) estimates.TakeMeans(*repetitions);
   for (const ExportedFile& file :
-       ExportCloth(scene, ParametersOfEstimates(estimates.values, scene), simulators, estimates.remarks)) {
+       ExportCloth(scene, ParametersOfEstimates(estimates.values, scene), simulators, estimates.remarks, card)) {
     folder->Write(file.name, file.text);
   }
 }
@@ -290,7 +290,7 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
     }
   }
   if (!checks.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, checks));
-  WriteExports(summary, checks.repetitions, motions.front().scene, options.simulators, folder);
+  WriteExports(summary, checks.repetitions, motions.front().scene, &card, options.simulators, folder);
   try {
     WriteLargeFiles(summary, checks, motions, CardHtml(card, summary, motions, nodes), folder, options);
   } catch (const Error& error) {
@@ -305,7 +305,7 @@ void WritePooledReport(const FitSummary& summary, const FitChecks& checks, const
                        OutputFolder* folder, const ReportOptions& options) {
   folder->RemoveOthers(IsReportFile);
   folder->Write("result.json", PooledResultJson(summary, checks, verdict));
-  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, options.simulators, folder);
+  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, nullptr, options.simulators, folder);
   if (options.page) folder->Write(kReportName, PooledHtml(summary, checks, verdict));
   folder->Commit();
 }
