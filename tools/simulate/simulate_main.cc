@@ -41,7 +41,8 @@
 #include "tools/simulate/true_fields.h"
 
 DEFINE_string(scene, "", "scene.json to simulate");
-DEFINE_string(fabric, "", "kind of cloth whose measured constants stand in for those that the scene does not give");
+DEFINE_string(fabric, "",
+              "kind of cloth whose measured constants stand in for those that the scene does not give, or a card");
 DEFINE_string(output, "", "motion.bin to write");
 DEFINE_double(noise, 0.0, "standard deviation of Gaussian noise on every coordinate, m");
 DEFINE_double(frame_rate, 0.0, "frames per second; 0: one per time step");
