@@ -124,4 +124,23 @@ FabricCard CardOfFit(const FitSummary& summary, const FitChecks& checks, const s
   return card;
 }
 
+FabricCard PooledCard(const std::vector<FabricCard>& cards, const Repetitions& repetitions) {
+  FabricCard pooled = cards.front();
+  pooled.recordings.clear();
+  for (const FabricCard& card : cards) {
+    pooled.recordings.insert(pooled.recordings.end(), card.recordings.begin(), card.recordings.end());
+  }
+  for (CardConstant& constant : pooled.constants) {
+    TakeMean(repetitions, RowOf(constant.kind).name, &constant);
+    SeenRange seen;
+    for (const FabricCard& card : cards) {
+      const CardConstant* other = card.Find(constant.kind);
+      if (other != nullptr) seen.Extend({other->seen_from, other->seen_to});
+    }
+    constant.seen_from = seen.from;
+    constant.seen_to = seen.to;
+  }
+  return pooled;
+}
+
 }  // namespace clothid

@@ -8,6 +8,7 @@
 #include "datasets/fabric/fabric_card.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/estimate/fit_summary.h"
+#include "identify/repetition/repetitions.h"
 #include "identify/verdict/fit_checks.h"
 
 namespace clothid {
@@ -18,6 +19,10 @@ namespace clothid {
 // pieces are left out, of a field the card has the level.
 FabricCard CardOfFit(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
                      const std::vector<Eigen::MatrixXd>& nodes);
+
+// Of finished fits that were judged together: the card of the first, which there must be, with the means of what was
+// pooled, their scatter, and the recordings and ranges of all.
+FabricCard PooledCard(const std::vector<FabricCard>& cards, const Repetitions& repetitions);
 
 // Whether it has forces and nothing else.
 bool IsTensileCurve(const RecordedMotion& motion);

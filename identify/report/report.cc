@@ -302,10 +302,12 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
 }
 
 void WritePooledReport(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict, const Scene* scene,
-                       OutputFolder* folder, const ReportOptions& options) {
+                       const FabricCard* card, OutputFolder* folder, const ReportOptions& options) {
   folder->RemoveOthers(IsReportFile);
   folder->Write("result.json", PooledResultJson(summary, checks, verdict));
-  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, nullptr, options.simulators, folder);
+  if (card != nullptr) folder->Write(kFabricCardName, FabricCardJson(*card));
+  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, card, options.simulators, folder);
+  if (card != nullptr && options.page) folder->Write(kCardPageName, CardHtml(*card, summary, {}, {}));
   if (options.page) folder->Write(kReportName, PooledHtml(summary, checks, verdict));
   folder->Commit();
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/fabric/fabric_card.h"
 #include "datasets/motion/motion_file.h"
 #include "datasets/motion/recorded_motion.h"
 #include "identify/base/output_folder.h"
@@ -43,10 +44,10 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
                  OutputFolder* folder, const ReportOptions& options = {});
 
 // The same for finished fits that were judged together (`FitChecks::repetitions`), which have neither recordings nor a
-// joint fit: result.json, report.html with what they tell and, for the cloth of `scene`, which may be null without
-// simulators, the exports. Throws `Error` (kIo), leaving nothing.
+// joint fit: result.json, report.html with what they tell, their card, null where there is none, and, for the cloth of
+// `scene`, which may be null without simulators, the exports. Throws `Error` (kIo), leaving nothing.
 void WritePooledReport(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict, const Scene* scene,
-                       OutputFolder* folder, const ReportOptions& options = {});
+                       const FabricCard* card, OutputFolder* folder, const ReportOptions& options = {});
 
 // The table of these.
 std::string PooledTable(const FitChecks& checks, const Verdict& verdict);

@@ -156,6 +156,32 @@ TEST(CardOfFitTest, TakesTheMeanOfRepetitions) {
   EXPECT_EQ(card.Find(Kind::kStretchStiffness)->scatter, 0.12);
 }
 
+TEST(CardOfFitTest, FinishedFitsHaveOneCard) {
+  Repetitions repetitions;
+  PooledParameter pooled;
+  pooled.name = "k_stretch";
+  pooled.fits = {0, 1};
+  pooled.mean = 95.0;
+  pooled.lower95 = 85.0;
+  pooled.upper95 = 106.0;
+  pooled.effects.tau = 0.1;
+  repetitions.parameters = {pooled};
+  const Scene scene = Strip(R"("k_stretch": 100)");
+  const auto card = [&](double value, double stretch) {
+    const Eigen::Matrix3d map = Eigen::Vector3d(1.0, 1.0, stretch).asDiagonal();
+    return CardOfFit(Fitted("k_stretch", value, 0.9 * value, 1.1 * value), FitChecks(), {Recorded(scene)},
+                     {Mapped(scene, {map})});
+  };
+  const FabricCard both = PooledCard({card(90.0, 1.1), card(100.0, 1.3)}, repetitions);
+  const CardConstant* stretch = both.Find(Kind::kStretchStiffness);
+  ASSERT_NE(stretch, nullptr);
+  EXPECT_EQ(stretch->value, 95.0);
+  EXPECT_EQ(stretch->scatter, 0.1);
+  EXPECT_NEAR(stretch->seen_from, 0.1, 1e-6);
+  EXPECT_NEAR(stretch->seen_to, 0.3, 1e-6);
+  EXPECT_EQ(both.recordings.size(), 2u);
+}
+
 TEST(CardPageTest, ShowsTheCurveOfATensileTest) {
   const Scene scene = Strip(kYarns);
   RecordedMotion motion = Recorded(scene);
