@@ -13,7 +13,8 @@ inline constexpr char kHelp[] = R"(identify: fits friction and stiffness of clot
                       next specimen
   --scene FILE        scene.json to use instead of the one in each recording
   --fabric NAME       light, medium, heavy, knit or denim: measured constants in
-                      place of those that the scene does not give, and bounds
+                      place of those that the scene does not give, and bounds;
+                      or the fabric.json of a fit: constants and priors
   --fit NAMES         parameters, as mu, k_stretch, k_bend, density, drag (mu
                       and k_stretch; without obstacles, k_stretch)
   --start LIST        starting values, NAME=VALUE[,...] (the scene's)
@@ -145,8 +146,8 @@ Repetitions:
                       --each leaves out
 
 Files:
-  --output DIR        result.json, convergence.csv, predicted.bin, profile.csv, report.html
-  --report=false      no report.html, a page that any browser shows, with a 3D replay
+  --output DIR        result.json, fabric.json, convergence.csv, predicted.bin, profile.csv, card.html, report.html
+  --report=false      no card.html and no report.html, a page that any browser shows, with a 3D replay
   --export LIST       writes export_mujoco.xml and the like to DIR, with formula, unit and source, and what does not map
   --result FILE       no fit: exports the estimates of this result.json for the cloth of --target, or of the
                       predicted.bin beside it

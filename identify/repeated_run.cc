@@ -4,10 +4,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "identify/base/output_folder.h"
 #include "identify/base/parallel_for.h"
+#include "identify/card/card_of_fit.h"
 #include "identify/problem/problem_blocks.h"
 #include "identify/repetition/finished_fits.h"
 #include "identify/report/report.h"
@@ -110,6 +112,19 @@ std::optional<Scene> SceneOf(const RunOptions& options, const std::string& folde
   return ReadMotion((std::filesystem::path(folder) / kPredictionName).string()).scene;
 }
 
+// Of all of them; none where one has no card, as older fits, or another law.
+std::optional<FabricCard> CardOf(const std::vector<std::string>& folders, const Repetitions& repetitions) {
+  std::vector<FabricCard> cards;
+  for (const std::string& folder : folders) {
+    const std::filesystem::path path = std::filesystem::path(folder) / kFabricCardName;
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) return std::nullopt;
+    cards.push_back(ReadFabricCard(path.string()));
+    if (cards.back().membrane != cards.front().membrane) return std::nullopt;
+  }
+  return PooledCard(cards, repetitions);
+}
+
 }  // namespace
 
 std::vector<SingleFit> FitEach(const RunOptions& options, const RunCall& identify) {
@@ -191,7 +206,9 @@ RunResult JudgeFinishedFits(const RunOptions& options) {
     ReportOptions report;
     report.page = options.report_page;
     report.simulators = options.simulators;
-    WritePooledReport(result.summary, result.checks, result.verdict, scene ? &*scene : nullptr, output.get(), report);
+    const std::optional<FabricCard> card = CardOf(folders, *result.checks.repetitions);
+    WritePooledReport(result.summary, result.checks, result.verdict, scene ? &*scene : nullptr, card ? &*card : nullptr,
+                      output.get(), report);
   }
   return result;
 }

@@ -132,7 +132,7 @@ class Run {
     if (summary_.has_estimate()) result.table = ResultTable(summary_, checks_);
     if (summary_.has_estimate() && options_.on_table) options_.on_table(result.table);
     const bool keeps = summary_.has_estimate() && options_.keep_recordings;
-    if (summary_.has_estimate() && (keeps || folder_ != nullptr)) PredictForPage();
+    if (summary_.has_estimate() && (keeps || folder_ != nullptr)) PredictWholeCloth();
     SetFittedFields(&inputs_.fitted);  // until here the problem's unknowns make them
     if (summary_.has_estimate() && folder_ != nullptr) Write();
     if (keeps) result.recordings = std::move(inputs_.fitted);
@@ -151,6 +151,7 @@ class Run {
     for (const std::string& path : options.holdout_paths)
       ExpectNotReplaced("--holdout", path, options.output, IsReportFile);
     ExpectNotReplaced("--scene", options.reading.scene_path, options.output, IsReportFile);
+    ExpectNotReplaced("--fabric", options.fabric_card, options.output, IsReportFile);
     return std::make_unique<OutputFolder>(options.output);
   }
 
@@ -274,8 +275,10 @@ class Run {
     return starts;
   }
 
-  void PredictForPage() {
-    if (options_.report_page) checks_.predicted_nodes = PredictNodes(inputs_.fitted, *problem_, summary_);
+  // For the replay of the page, and for how far the cloth was strained.
+  void PredictWholeCloth() {
+    if (options_.report_page || folder_ != nullptr)
+      checks_.predicted_nodes = PredictNodes(inputs_.fitted, *problem_, summary_);
   }
 
   void Write() {

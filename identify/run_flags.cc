@@ -1,5 +1,6 @@
 #include "identify/run_flags.h"
 
+#include "datasets/fabric/scene_with_fabric.h"
 #include "identify/checks/holdout.h"
 #include "identify/export/export.h"
 #include "sim/fabric/fabric.h"
@@ -30,13 +31,22 @@ FitOptions ParseFitFlags(const RunFlags& flags) {
   return options;
 }
 
-void ParseReading(const RunFlags& flags, ReadMotionOptions* reading) {
-  reading->scene_path = flags.scene;
-  if (!flags.fabric.empty()) {
-    reading->change_scene = [fabric = flags.fabric](const std::string& text) {
+void ParseFabric(const std::string& fabric, RunOptions* options) {
+  if (fabric.empty()) return;
+  if (!IsFabricCard(fabric)) {
+    options->reading.change_scene = [fabric](const std::string& text) {
       return WithFabric(text, fabric, "--fabric", "the scene");
     };
+    return;
   }
+  options->fabric_card = fabric;
+  options->reading.change_scene = [card = ReadToldCard(fabric)](const std::string& text) {
+    return WithFabricCard(text, card, "the scene");
+  };
+}
+
+void ParseReading(const RunFlags& flags, ReadMotionOptions* reading) {
+  reading->scene_path = flags.scene;
   reading->start = ParseStartSource(flags.initial);
   ParseSigma(flags.sigma, reading);
 }
@@ -52,6 +62,7 @@ RunOptions ParseRunFlags(const RunFlags& flags) {
     options.holdout_frames = ParseFrameRange(flags.holdout_frames, "--holdout_frames");
   }
   ParseReading(flags, &options.reading);
+  ParseFabric(flags.fabric, &options);
   options.time_step = ParseTimeStep(flags.time_step);
   options.step_tolerance = flags.step_tolerance;
   options.fit = ParseFitFlags(flags);

@@ -78,8 +78,9 @@ void VisitRunFlags(RunFlags* flags, const Visit& visit) {
   visit("step_tolerance", &flags->step_tolerance);
 }
 
-// Without `RunOptions::command_line` and callbacks. Throws `Error` (kUsage), naming the flag, for a text that it does
-// not take; what goes with what is left to `RunOptions::Validate`.
+// Without `RunOptions::command_line` and callbacks. A card of --fabric is read. Throws `Error` (kUsage), naming the
+// flag, for a text that it does not take, and as `ReadToldCard` does; what goes with what is left to
+// `RunOptions::Validate`.
 RunOptions ParseRunFlags(const RunFlags& flags);
 
 }  // namespace clothid

@@ -32,6 +32,7 @@ struct RunOptions {
   std::vector<RecordedMotion> holdouts;
   std::optional<FrameRange> holdout_frames;
   ReadMotionOptions reading;    // of all files: scene, start, sigma
+  std::string fabric_card;      // the file that `reading.change_scene` is from, which is not to be replaced; or empty
   TimeStepOption time_step;     // of all recordings, held-out ones too
   double step_tolerance = 0.0;  // relative residual of a time step, in all recordings; 0: that of each scene
   // What `motion check` looks for is looked for in every recording before anything is fitted, held-out ones among them.

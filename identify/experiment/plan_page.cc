@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "identify/experiment/experiment_plan.h"
+#include "identify/page/page_template.h"
 #include "identify/report/packed_array.h"
-#include "identify/report/page_template.h"
 #include "identify/report/report_page.h"
 #include "identify/report/report_replay.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include "costs/prediction/parameter_block.h"
 #include "datasets/motion/motion_file.h"
@@ -48,6 +49,14 @@ ExportedEstimates ReadExported(const std::string& path) {
     estimates.remarks[name] = Printable(parameter.Require("words", "a text").String());
   }
   return estimates;
+}
+
+// Of a folder of results; none in those of older fits.
+std::optional<FabricCard> ReadCardIn(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / kFabricCardName;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return std::nullopt;
+  return ReadFabricCard(path.string());
 }
 
 }  // namespace
@@ -101,9 +110,9 @@ void ExpectExportable(const Scene& scene, const std::string& source) {
 
 std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& parameters,
                                       const std::vector<std::string>& simulators,
-                                      const std::map<std::string, std::string>& remarks) {
+                                      const std::map<std::string, std::string>& remarks, const FabricCard* card) {
   ExpectExportable(scene, "export");
-  ExportConstants constants = MakeExportConstants(scene, parameters);
+  ExportConstants constants = MakeExportConstants(scene, parameters, card);
   constants.remarks = remarks;
   std::vector<ExportedFile> files;
   bool needs_mesh = false;
@@ -126,12 +135,13 @@ void ExportResult(const std::string& result, const std::string& target, const st
   if (folder.empty()) throw Error(ErrorKind::kUsage, "--output: expected a folder");
   const std::vector<std::string> names = ParseSimulators(simulators, "--export");
   const ExportedEstimates estimates = ReadExported(result);
-  const std::filesystem::path beside = std::filesystem::path(result).parent_path() / "predicted.bin";
+  const std::filesystem::path fit = std::filesystem::path(result).parent_path(), beside = fit / "predicted.bin";
+  const std::optional<FabricCard> card = ReadCardIn(fit);
   const Scene scene = ReadMotion(target.empty() ? beside.string() : target).scene;
   const Parameters parameters = ParametersOfEstimates(estimates.values, scene);
   ValidateParameters(parameters, scene, result);
   OutputFolder output(folder);
-  for (const ExportedFile& file : ExportCloth(scene, parameters, names, estimates.remarks))
+  for (const ExportedFile& file : ExportCloth(scene, parameters, names, estimates.remarks, card ? &*card : nullptr))
     output.Write(file.name, file.text);
   output.Commit();
 }

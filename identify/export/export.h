@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/fabric/fabric_card.h"
 #include "identify/repetition/repetitions.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene.h"
@@ -45,16 +46,19 @@ Parameters ParametersOfEstimates(const std::map<std::string, double>& values, co
 void ExpectExportable(const Scene& scene, const std::string& source);
 
 // The files for these simulators. Throws as `ExpectExportable` does. The same arguments, the same texts. `remarks` by
-// the name of a parameter stand in the comment of its constant.
+// the name of a parameter stand in the comment of its constant. `card` says how far the cloth was strained, at which a
+// law that stiffens is cut to one number; null: not at all.
 std::vector<ExportedFile> ExportCloth(const Scene& scene, const Parameters& parameters,
                                       const std::vector<std::string>& simulators,
-                                      const std::map<std::string, std::string>& remarks = {});
+                                      const std::map<std::string, std::string>& remarks = {},
+                                      const FabricCard* card = nullptr);
 
 // Whether `ExportCloth` gives files of this name.
 bool IsExportedFile(const std::string& name);
 
 // `identify --result RESULT --export SIMULATORS --output FOLDER`: the estimates of a result.json for the cloth of the
-// recording `target`; empty: of predicted.bin in the folder of the result. Of repetitions the means. All files or none.
+// recording `target`; empty: of predicted.bin in the folder of the result. Of repetitions the means. fabric.json in
+// that folder is the card, if it is there. All files or none.
 // Throws `Error`: kUsage without simulators or a folder; kIo and kBadData, naming file and key, for what cannot be
 // read.
 void ExportResult(const std::string& result, const std::string& target, const std::string& simulators,

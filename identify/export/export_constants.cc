@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "identify/base/join_words.h"
 #include "sim/mesh/mesh.h"
 #include "sim/scene/pieces.h"
 #include "sim/shell/bending_energy.h"
@@ -82,21 +83,39 @@ void SetLengths(const Mesh& mesh, ExportConstants* constants) {
   constants->edge_shape = num_inner > 0 ? shape / num_inner : 0.0;
 }
 
-void SetMembrane(const Scene& scene, const Material& material, ExportConstants* constants) {
+struct Secant {
+  double stiffness = 0.0;  // N/m
+  std::string words;       // "412 N/m at 12 %"
+};
+
+// At the largest strain of `kind` on the card.
+Secant SecantOf(double stiffness, double stiffening, ParameterKind kind, const FabricCard* card) {
+  const CardConstant* seen = card == nullptr ? nullptr : card->Find(kind);
+  const double strain = seen == nullptr || !(seen->seen_to > 0.0) ? 0.0 : seen->seen_to;
+  const double growth = stiffening * strain;
+  const double secant = growth > 0.0 ? stiffness * std::expm1(growth) / growth : stiffness;
+  return {secant, NumberText(secant, 4) + " N/m at " + NumberText(100.0 * strain, 3) + " %"};
+}
+
+void SetMembrane(const Scene& scene, const Material& material, const FabricCard* card, ExportConstants* constants) {
   if (scene.membrane == MembraneLaw::kArap) {
     constants->stiffness = constants->warp = constants->weft = material.stretch_stiffness;
     constants->shear = 0.5 * material.stretch_stiffness;
     return;
   }
-  constants->warp = material.warp_stiffness;
-  constants->weft = material.weft_stiffness;
+  const Secant warp = SecantOf(material.warp_stiffness, material.warp_stiffening, ParameterKind::kWarpStiffness, card);
+  const Secant weft = SecantOf(material.weft_stiffness, material.weft_stiffening, ParameterKind::kWeftStiffness, card);
+  constants->warp = warp.stiffness;
+  constants->weft = weft.stiffness;
   constants->shear = material.shear_stiffness;
   constants->poisson = material.poisson_stiffness;
   constants->stiffness = std::sqrt(constants->warp * constants->weft);
   constants->not_mapped.push_back(
       "warp and weft: an isotropic simulator gets the geometric mean of k_warp and k_weft, and shears as such");
   if (material.warp_stiffening == 0.0 && material.weft_stiffening == 0.0) return;
-  constants->not_mapped.push_back("stiffening: k_warp and k_weft are those at zero strain");
+  constants->not_mapped.push_back(
+      "stiffening: in place of curves secants at the largest strains that were seen, k_warp " + warp.words +
+      " and k_weft " + weft.words);
 }
 
 void SetBending(const Scene& scene, const Material& material, ExportConstants* constants) {
@@ -117,11 +136,11 @@ void SetBending(const Scene& scene, const Material& material, ExportConstants* c
 
 }  // namespace
 
-ExportConstants MakeExportConstants(const Scene& scene, const Parameters& parameters) {
+ExportConstants MakeExportConstants(const Scene& scene, const Parameters& parameters, const FabricCard* card) {
   const Material material = MeanMaterial(parameters, scene.mesh);
   ExportConstants constants;
   constants.density = material.density;
-  SetMembrane(scene, material, &constants);
+  SetMembrane(scene, material, card, &constants);
   SetBending(scene, material, &constants);
   SetLengths(scene.mesh, &constants);
   constants.damping = material.damping / constants.stiffness;

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/fabric/fabric_card.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene.h"
 
@@ -44,7 +45,9 @@ struct ExportConstants {
   std::vector<std::string> not_mapped;                        // lines: what the numbers leave out
 };
 
-ExportConstants MakeExportConstants(const Scene& scene, const Parameters& parameters);
+// Of yarns that stiffen, which none of them knows, the secants k (exp(b e) - 1)/(b e) at the largest strain e that
+// `card` has seen, which may be null: without it, or where it was not strained, k at zero strain.
+ExportConstants MakeExportConstants(const Scene& scene, const Parameters& parameters, const FabricCard* card);
 
 }  // namespace clothid
 

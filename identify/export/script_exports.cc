@@ -150,7 +150,7 @@ std::string ArcsimJson(const ExportConstants& constants) {
 //   bending, N m: E = ke l^2/(A1 + A2) theta^2/8 per edge, so ke = 12 k_edge; three angles by five curvatures
 // In the configuration of the cloth: "materials": [{"data": "export_arcsim.json", "damping": )"
       << T(constants.damping) << R"(}], s, eta/k.
-// Not mapped: strain stiffening (constants of small strain stand in every row); "obs_friction" of the configuration is
+// Not mapped: strain stiffening (the same constants stand in every row); "obs_friction" of the configuration is
 //   one number for all obstacles, Coulomb's: )"
       << T(FirstFriction(constants)) << "; \"repulsion_thickness\" " << T(constants.thickness) << " m"
       << ArcsimSelfContact(constants) << "\n{\n  \"density\": " << T(constants.density) << ",\n  \"stretching\": [";

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "identify/base/version.h"
+#include "identify/page/page_template.h"
 #include "identify/report/interval_text.h"
-#include "identify/report/page_template.h"
 #include "identify/verdict/repetition_text.h"
 
 namespace clothid {

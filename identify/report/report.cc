@@ -14,10 +14,13 @@
 #include "datasets/motion/scene_text.h"
 #include "identify/base/join_words.h"
 #include "identify/base/version.h"
+#include "identify/card/card_of_fit.h"
+#include "identify/card/card_page.h"
 #include "identify/export/export.h"
 #include "identify/report/interval_text.h"
 #include "identify/report/repetition_report.h"
 #include "identify/report/report_page.h"
+#include "identify/report/report_replay.h"
 #include "identify/report/result_json.h"
 #include "identify/verdict/model_error_text.h"
 #include "sim/base/error.h"
@@ -26,7 +29,7 @@
 namespace clothid {
 namespace {
 
-constexpr char kReportName[] = "report.html";
+constexpr char kReportName[] = "report.html", kCardPageName[] = "card.html";
 
 // A number in its shortest form that reads back exactly.
 std::string ExactNumber(double value) { return std::isfinite(value) ? nlohmann::json(value).dump() : std::string(); }
@@ -163,29 +166,48 @@ std::string PredictionName(std::size_t recording) {
 
 // The constants of the cloth for other simulators.
 void WriteExports(const FitSummary& summary, const std::optional<Repetitions>& repetitions, const Scene& scene,
-                  const std::vector<std::string>& simulators, OutputFolder* folder) {
+                  const FabricCard* card, const std::vector<std::string>& simulators, OutputFolder* folder) {
   if (simulators.empty()) return;
   ExportedEstimates estimates;
   for (const FittedParameter& parameter : summary.parameters) estimates.values[parameter.name] = parameter.value;
   if (repetitions) estimates.TakeMeans(*repetitions);
   for (const ExportedFile& file :
-       ExportCloth(scene, ParametersOfEstimates(estimates.values, scene), simulators, estimates.remarks)) {
+       ExportCloth(scene, ParametersOfEstimates(estimates.values, scene), simulators, estimates.remarks, card)) {
     folder->Write(file.name, file.text);
   }
 }
 
+// Of every recording where the nodes of its cloth are at the estimate [3N x T] m; empty where nobody knows.
+std::vector<Eigen::MatrixXd> FittedNodes(const FitSummary& summary, const FitChecks& checks,
+                                         const std::vector<RecordedMotion>& motions) {
+  std::vector<Eigen::MatrixXd> nodes(motions.size());
+  for (std::size_t r = 0; r < motions.size(); ++r) {
+    const Eigen::MatrixXd& predicted = summary.predicted[r];
+    const Eigen::Index num_rows = 3 * motions[r].scene.mesh.num_nodes();
+    if (r < checks.predicted_nodes.size() && checks.predicted_nodes[r].size() > 0) {
+      nodes[r] = checks.predicted_nodes[r];
+    } else if (PointsAreNodes(motions[r]) || predicted.rows() == 3 * motions[r].num_points() + num_rows) {
+      nodes[r] = predicted.bottomRows(num_rows);
+    }
+  }
+  return nodes;
+}
+
 // All or none of them.
 void WriteLargeFiles(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,
-                     OutputFolder* folder, const ReportOptions& options) {
+                     const std::string& card_page, OutputFolder* folder, const ReportOptions& options) {
   try {
     for (std::size_t r = 0; r < motions.size(); ++r) {
       const MotionTensors tensors = PredictedMotion(motions[r], summary.predicted[r], summary.parameters,
                                                     r < summary.forces.size() ? summary.forces[r] : Eigen::MatrixXd());
       WriteMotion(tensors, folder->TemporaryPath(PredictionName(r)));
     }
-    if (options.page) folder->Write(kReportName, ReportHtml(summary, checks, motions));
+    if (!options.page) return;
+    folder->Write(kCardPageName, card_page);
+    folder->Write(kReportName, ReportHtml(summary, checks, motions));
   } catch (const Error&) {
     for (std::size_t r = 0; r < motions.size(); ++r) folder->Drop(PredictionName(r));
+    folder->Drop(kCardPageName);
     folder->Drop(kReportName);
     throw;
   }
@@ -244,9 +266,9 @@ MotionTensors PredictedMotion(const RecordedMotion& motion, const Eigen::MatrixX
 }
 
 bool IsReportFile(const std::string& name) {
-  static constexpr std::array<std::string_view, 8> kNames = {
-      "result.json", "convergence.csv",     "profile.csv",      "predicted.bin",
-      kReportName,   "field_k_stretch.npy", "field_k_bend.npy", "field_density.npy"};
+  static constexpr std::array<std::string_view, 10> kNames = {
+      "result.json", kFabricCardName, "convergence.csv",     "profile.csv",      "predicted.bin",
+      kCardPageName, kReportName,     "field_k_stretch.npy", "field_k_bend.npy", "field_density.npy"};
   if (std::find(kNames.begin(), kNames.end(), name) != kNames.end() || IsExportedFile(name)) return true;
   static constexpr std::string_view kBegin = "predicted_", kEnd = ".bin";
   if (name.size() <= kBegin.size() + kEnd.size() || name.compare(0, kBegin.size(), kBegin) != 0) return false;
@@ -258,6 +280,9 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
                  OutputFolder* folder, const ReportOptions& options) {
   folder->RemoveOthers(IsReportFile);
   folder->Write("result.json", ResultJson(summary, checks, motions));
+  const std::vector<Eigen::MatrixXd> nodes = FittedNodes(summary, checks, motions);
+  const FabricCard card = CardOfFit(summary, checks, motions, nodes);
+  folder->Write(kFabricCardName, FabricCardJson(card));
   folder->Write("convergence.csv", ConvergenceCsv(summary));
   if (summary.fields) {
     for (const FittedField& field : summary.fields->fields) {
@@ -265,9 +290,9 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
     }
   }
   if (!checks.profiles.empty()) folder->Write("profile.csv", ProfileCsv(summary, checks));
-  WriteExports(summary, checks.repetitions, motions.front().scene, options.simulators, folder);
+  WriteExports(summary, checks.repetitions, motions.front().scene, &card, options.simulators, folder);
   try {
-    WriteLargeFiles(summary, checks, motions, folder, options);
+    WriteLargeFiles(summary, checks, motions, CardHtml(card, summary, motions, nodes), folder, options);
   } catch (const Error& error) {
     folder->KeepJournals();
     folder->Commit();
@@ -277,10 +302,12 @@ void WriteReport(const FitSummary& summary, const FitChecks& checks, const std::
 }
 
 void WritePooledReport(const FitSummary& summary, const FitChecks& checks, const Verdict& verdict, const Scene* scene,
-                       OutputFolder* folder, const ReportOptions& options) {
+                       const FabricCard* card, OutputFolder* folder, const ReportOptions& options) {
   folder->RemoveOthers(IsReportFile);
   folder->Write("result.json", PooledResultJson(summary, checks, verdict));
-  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, options.simulators, folder);
+  if (card != nullptr) folder->Write(kFabricCardName, FabricCardJson(*card));
+  if (scene != nullptr) WriteExports(summary, checks.repetitions, *scene, card, options.simulators, folder);
+  if (card != nullptr && options.page) folder->Write(kCardPageName, CardHtml(*card, summary, {}, {}));
   if (options.page) folder->Write(kReportName, PooledHtml(summary, checks, verdict));
   folder->Commit();
 }

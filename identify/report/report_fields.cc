@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "identify/report/page_template.h"
+#include "identify/page/page_template.h"
 #include "sim/scene/material_field.h"
 
 namespace clothid {

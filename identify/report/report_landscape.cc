@@ -7,7 +7,7 @@
 #include "datasets/observation/observation.h"
 #include "identify/base/join_words.h"
 #include "identify/landscape/scanned_fit.h"
-#include "identify/report/page_template.h"
+#include "identify/page/page_template.h"
 #include "sim/base/text_file.h"
 
 namespace clothid {

@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "datasets/observation/observation.h"
+#include "identify/page/page_template.h"
 #include "identify/report/cloud_points.h"
 #include "identify/report/fit_quality.h"
-#include "identify/report/page_template.h"
 #include "identify/report/repetition_report.h"
 #include "identify/report/report_fields.h"
 #include "identify/report/report_landscape.h"

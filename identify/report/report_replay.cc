@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "identify/page/page_template.h"
 #include "identify/report/packed_array.h"
-#include "identify/report/page_template.h"
 #include "sim/obstacle/box.h"
 #include "sim/obstacle/round_shapes.h"
 #include "sim/obstacle/surface_sequence.h"

@@ -9,8 +9,8 @@
 
 #include "datasets/checking/motion_check.h"
 #include "datasets/files/atomic_file.h"
+#include "identify/page/page_template.h"
 #include "identify/report/cloud_points.h"
-#include "identify/report/page_template.h"
 #include "identify/report/report_page.h"
 #include "identify/report/report_replay.h"
 #include "sim/air/wind.h"

@@ -52,11 +52,12 @@ const Writer kSimulate = {"simulate",
                           {"motion.bin"},
                           {"--scene", "long.json"},
                           ""};
-const Writer kIdentify = {"identify",
-                          {"identify", "--target", "a.bin", "--fit", "k_stretch", "--output", "out"},
-                          {"result.json", "convergence.csv", "predicted.bin", "report.html"},
-                          {"--starts", "10000"},
-                          ""};
+const Writer kIdentify = {
+    "identify",
+    {"identify", "--target", "a.bin", "--fit", "k_stretch", "--output", "out"},
+    {"result.json", "fabric.json", "convergence.csv", "predicted.bin", "card.html", "report.html"},
+    {"--starts", "10000"},
+    ""};
 const Writer kLandscapeScan = {
     "landscape", With(kScan, {"--output", "out"}), kLandscape, {"--y", "density=0.1:0.2:3000"}, ".landscape_cells"};
 const Writer kLandscapeMerge = {
@@ -335,7 +336,7 @@ TEST_F(HostileTest, AFitWhoseReportDoesNotFitKeepsItsResult) {
           "echo old > out/predicted_2.bin && " +
           Line(kIdentify.words) + " --resume; echo exit $?; ls out; cat out/result.json; ls -A out | grep journal'");
   EXPECT_EQ(result.out.rfind("parameter ", 0), 0u) << result.out;
-  EXPECT_NE(result.out.find("exit 1\nconvergence.csv\nresult.json\n{"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("exit 1\nconvergence.csv\nfabric.json\nresult.json\n{"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("\n}\n.journal_1.bin\n"), std::string::npos) << "a fit that resumes goes on from its end";
   EXPECT_NE(LastLine(result.err).find("report.html: cannot be written: No space left on device; result.json is "),
             std::string::npos)

@@ -9,7 +9,7 @@
 
 #include "identify/base/output_folder.h"
 #include "identify/base/source_names.h"
-#include "identify/report/page_template.h"
+#include "identify/page/page_template.h"
 #include "sim/scene/parameters.h"
 #include "tools/base/run_program.h"
 

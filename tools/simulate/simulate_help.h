@@ -14,7 +14,8 @@ inline constexpr char kHelp[] = R"(simulate: makes a recording with known parame
                      name that ends in .html
   --fabric NAME      light, medium, heavy, knit or denim: measured constants in
                      place of those that the scene does not give. The
-                     recording's scene names it
+                     recording's scene names it. Or the fabric.json of a fit:
+                     the constants of that cloth, in place of the scene's
   --set LIST         true parameters in place of the scene's, as
                      mu=0.3,k_stretch=300; written nowhere in the recording
   --noise SIGMA      Gaussian noise on every coordinate, standard deviation

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/fabric/scene_with_fabric.h"
 #include "datasets/files/atomic_file.h"
 #include "datasets/files/overwrite.h"
 #include "datasets/formats/track_file.h"
@@ -28,7 +29,6 @@
 #include "sim/base/json_document.h"
 #include "sim/base/program.h"
 #include "sim/base/text_file.h"
-#include "sim/fabric/fabric.h"
 #include "sim/path/handle_csv.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/self_contact_audit.h"
@@ -41,7 +41,8 @@
 #include "tools/simulate/true_fields.h"
 
 DEFINE_string(scene, "", "scene.json to simulate");
-DEFINE_string(fabric, "", "kind of cloth whose measured constants stand in for those that the scene does not give");
+DEFINE_string(fabric, "",
+              "kind of cloth whose measured constants stand in for those that the scene does not give, or a card");
 DEFINE_string(output, "", "motion.bin to write");
 DEFINE_double(noise, 0.0, "standard deviation of Gaussian noise on every coordinate, m");
 DEFINE_double(frame_rate, 0.0, "frames per second; 0: one per time step");
@@ -194,7 +195,7 @@ int Run(const std::vector<std::string>&) {
   CheckOutputs();
   if (!FLAGS_sensor.empty()) return RunSensor();
   std::string scene_text = ReadText(FLAGS_scene, kMaxJsonBytes);
-  if (!FLAGS_fabric.empty()) scene_text = WithFabric(scene_text, FLAGS_fabric, "--fabric", FLAGS_scene);
+  if (!FLAGS_fabric.empty()) scene_text = WithFabricOrCard(scene_text, FLAGS_fabric, "--fabric", FLAGS_scene);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
   const Parameters truth = SetTruth(&scene);
   CheckSyntheticOptions(OptionsFromFlags(), scene, scene_text);

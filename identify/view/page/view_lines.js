@@ -1,5 +1,5 @@
 'use strict';
-// Lines over time, with a mark at the time of the replay: small enough for a page without a library.
+// Lines over time, or another quantity that rises, with a mark: small enough for a page without a library.
 
 const LINE_COLOURS = {x: '#2d5f9a', y: '#e58a3c', z: '#3c8d5f'};
 
@@ -16,8 +16,9 @@ function nearest(times, time) {
 }
 
 // {name, unit, times, lines: {x: [values], ..}} into `target`; null is a gap. A click jumps to its time, which shows the
-// frame. What is returned moves the mark to a time.
-function lineChart(target, {name, unit, times, lines, colours = LINE_COLOURS, height = 200, jump = jumpToTime}) {
+// frame. `along` says what `times` are, "NAME, UNIT". What is returned moves the mark to a time.
+function lineChart(target, {name, unit, times, lines, along = 'time, s', colours = LINE_COLOURS, height = 200,
+  jump = jumpToTime}) {
   const margin = {left: 58, right: 12, top: 26, bottom: 34}, span = [times[0], times[times.length - 1]];
   const range = roomAround(extent(Object.values(lines).flat())), last = span[1] > span[0] ? span[1] : span[0] + 1;
   let mark = null, across = () => 0, now = span[0];
@@ -29,7 +30,7 @@ function lineChart(target, {name, unit, times, lines, colours = LINE_COLOURS, he
     across = (time) => margin.left + (width - margin.left - margin.right) * (time - span[0]) / (last - span[0]);
     const up = (value) => height - margin.bottom -
       (height - margin.top - margin.bottom) * (value - range[0]) / (range[1] - range[0]);
-    const svg = svgElement('svg', {width, height, role: 'img', 'aria-label': `${name} over time, ${unit}`});
+    const svg = svgElement('svg', {width, height, role: 'img', 'aria-label': `${name} over ${along.split(',')[0]}, ${unit}`});
     for (const value of sparse(roundMarks(...range, false), 6)) {
       const y = up(value);
       svg.append(svgElement('line', {x1: margin.left, x2: width - margin.right, y1: y, y2: y, class: 'grid'}),
@@ -38,7 +39,7 @@ function lineChart(target, {name, unit, times, lines, colours = LINE_COLOURS, he
     for (const time of sparse(roundMarks(span[0], last, false), width < 420 ? 4 : 8)) {
       svg.append(svgElement('text', {x: across(time), y: height - 16, 'text-anchor': 'middle'}, String(time)));
     }
-    svg.append(svgElement('text', {x: width - margin.right, y: height - 2, 'text-anchor': 'end'}, 'time, s'),
+    svg.append(svgElement('text', {x: width - margin.right, y: height - 2, 'text-anchor': 'end'}, along),
       svgElement('text', {x: 4, y: 14}, unit));
     for (const [axis, values] of Object.entries(lines)) {
       let path = '', pen = 'M';

@@ -62,5 +62,28 @@ TEST(ExportSelfContactTest, IsTranslatedOrSaidToBeMissing) {
   EXPECT_NE(TextOf(scene, "ppf").find("friction mode \"min\""), std::string::npos);
 }
 
+// None of them stiffens: they get the secant at the strain that was seen, and say so.
+TEST(ExportStiffeningTest, IsCutToTheSecantThatWasSeen) {
+  Scene scene = ClothScene(SquareGrid(4, 0.3), 0.01);
+  scene.membrane = MembraneLaw::kYarn;
+  scene.material.warp_stiffness = 100.0;
+  scene.material.weft_stiffness = 80.0;
+  scene.material.shear_stiffness = 50.0;
+  scene.material.warp_stiffening = 5.0;
+  FabricCard card;
+  card.membrane = MembraneLaw::kYarn;
+  card.constants.resize(1);
+  card.constants[0].kind = ParameterKind::kWarpStiffness;
+  card.constants[0].seen_from = 0.0;
+  card.constants[0].seen_to = 0.2;
+  const auto text = [&](const FabricCard* seen) {
+    return ExportCloth(scene, scene.nominal_parameters(), {"arcsim"}, {}, seen).front().text;
+  };
+  const std::string secant = text(&card);  // 100 (e - 1) N/m
+  EXPECT_NE(secant.find("k_warp 171.8 N/m at 20 % and k_weft 80 N/m at 0 %"), std::string::npos) << secant;
+  EXPECT_NE(secant.find("\"stretching\": [[85.91"), std::string::npos) << secant;
+  EXPECT_NE(text(nullptr).find("\"stretching\": [[50, 0, 40, 50]"), std::string::npos) << text(nullptr);
+}
+
 }  // namespace
 }  // namespace clothid::export_test

@@ -9,9 +9,9 @@
 #include <random>
 #include <regex>
 
+#include "identify/page/page_template.h"
 #include "identify/report/cloud_points.h"
 #include "identify/report/node_prediction.h"
-#include "identify/report/page_template.h"
 #include "identify/report/report_replay.h"
 #include "identify/report/result_json.h"
 #include "identify/report/vendor/plotly.h"

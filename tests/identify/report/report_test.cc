@@ -165,8 +165,8 @@ TEST(ReportTest, NamesThatAreNoUtf8AreReplaced) {
 }
 
 TEST(ReportTest, KnowsItsFiles) {
-  for (const char* name : {"result.json", "convergence.csv", "profile.csv", "report.html", "predicted.bin",
-                           "predicted_2.bin", "predicted_10.bin"}) {
+  for (const char* name : {"result.json", "fabric.json", "card.html", "convergence.csv", "profile.csv", "report.html",
+                           "predicted.bin", "predicted_2.bin", "predicted_10.bin"}) {
     EXPECT_TRUE(IsReportFile(name)) << name;
   }
   for (const char* name : {"", "result", "predicted_.bin", "predicted_2x.bin", "predicted_2.bin.bak",

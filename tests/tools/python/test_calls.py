@@ -173,11 +173,13 @@ class ResultTest(unittest.TestCase):
             again.save(folder / "pickled")
             pickle.loads(pickle.dumps(again)).save(folder / "twice")
             expected = {path.name: path.read_bytes() for path in (folder / "own").iterdir()}
-            self.assertLessEqual({"result.json", "convergence.csv", "predicted.bin", "report.html"}, set(expected))
+            names = {"result.json", "fabric.json", "convergence.csv", "predicted.bin", "card.html", "report.html"}
+            self.assertLessEqual(names, set(expected))
             for name in ("pickled", "twice"):
                 self.assertEqual({path.name: path.read_bytes() for path in (folder / name).iterdir()}, expected)
             again.save(folder / "twice", report=False)
             self.assertFalse((folder / "twice/report.html").exists())
+            self.assertFalse((folder / "twice/card.html").exists())
             again.report(folder / "page.html")
             self.assertEqual((folder / "page.html").read_bytes(), expected["report.html"])
 

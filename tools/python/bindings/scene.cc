@@ -2,9 +2,9 @@
 #include <filesystem>
 #include <utility>
 
+#include "datasets/fabric/scene_with_fabric.h"
 #include "sim/base/json_document.h"
 #include "sim/base/text_file.h"
-#include "sim/fabric/fabric.h"
 #include "sim/scene/parameters.h"
 #include "sim/scene/scene_json.h"
 #include "tools/python/bindings/arrays.h"
@@ -57,7 +57,7 @@ py::dict NominalValues(const PyScene& self) {
 PyScene MakeScene(const py::object& source, const std::string& fabric) {
   if (fabric.empty()) return ToScene(source);
   auto [text, name] = ToSceneText(source);
-  text = WithFabric(text, fabric, "--fabric", name);
+  text = WithFabricOrCard(text, fabric, "--fabric", name);
   return ReadPyScene(std::move(text), std::move(name));
 }
 

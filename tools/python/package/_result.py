@@ -45,6 +45,7 @@ class Verdict:
 
 
 _PAGE = "report.html"
+_PAGES = (_PAGE, "card.html")  # left out of `save` without a report
 _FILES = {"page": _PAGE, "convergence_csv": "convergence.csv"}  # what is the text of a file
 
 
@@ -170,11 +171,12 @@ class Result:
         return texts
 
     def save(self, folder: Union[str, "os.PathLike[str]"], report: bool = True) -> None:
-        """Writes what the program writes: result.json, convergence.csv, predicted.bin and report.html."""
+        """Writes what the program writes: result.json, fabric.json, convergence.csv, predicted.bin and both pages."""
         if self._fit is not None:
             self._fit.save(folder, report)
         else:
-            _clothid.save_files(folder, {name: file for name, file in self._files.items() if report or name != _PAGE})
+            files = {name: file for name, file in self._files.items() if report or name not in _PAGES}
+            _clothid.save_files(folder, files)
 
     def __str__(self) -> str:
         return self.table

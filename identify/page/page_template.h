@@ -1,6 +1,6 @@
 // Pages that our programs write: a file with marks, data as JSON inside of it.
-#ifndef CLOTHID_IDENTIFY_REPORT_PAGE_TEMPLATE_H_
-#define CLOTHID_IDENTIFY_REPORT_PAGE_TEMPLATE_H_
+#ifndef CLOTHID_IDENTIFY_PAGE_PAGE_TEMPLATE_H_
+#define CLOTHID_IDENTIFY_PAGE_PAGE_TEMPLATE_H_
 
 #include <Eigen/Core>
 #include <initializer_list>
@@ -41,4 +41,4 @@ std::string MakePage(const PageParts& parts, std::string_view data);
 
 }  // namespace clothid
 
-#endif  // CLOTHID_IDENTIFY_REPORT_PAGE_TEMPLATE_H_
+#endif  // CLOTHID_IDENTIFY_PAGE_PAGE_TEMPLATE_H_

@@ -1,4 +1,4 @@
-#include "identify/report/page_template.h"
+#include "identify/page/page_template.h"
 
 #include <array>
 #include <cmath>
