@@ -91,23 +91,33 @@ Eigen::Matrix3d TurnTo(const Eigen::Vector3d& to, const Eigen::Matrix3Xd& slopes
   return Eigen::AngleAxisd(angle, *row).toRotationMatrix();
 }
 
+// Where the nodes of a clamp are from which its slopes are counted: at the start or, of one that a body takes along,
+// where that begins, so that a recording of a part of a motion has the slopes of the whole.
+Eigen::Matrix3Xd FirstPlaces(const Clamp& clamp, const Scene& scene) {
+  Eigen::Matrix3Xd places = PlacesAt(scene, clamp.nodes, scene.start_time);
+  if (clamp.body == nullptr) return places;
+  const AffineMap start = clamp.body->At(scene.start_time).pose, first = clamp.body->At(clamp.body->times()[0]).pose;
+  places = start.leftCols<3>().transpose() * (places.colwise() - start.col(3)).eval();
+  return (first.leftCols<3>() * places).colwise() + first.col(3);
+}
+
 // The slopes of a clamp at `times` [3C x K].
 Eigen::MatrixXd SlopesOf(const Clamp& clamp, const std::vector<ClampedEdge>& edges, const Eigen::VectorXd& times,
                          const Scene& scene) {
   const Mesh& mesh = scene.mesh;
-  Eigen::Matrix3Xd slopes = RestSlopes(mesh, edges);
   RowTurn turn(mesh.rest_positions(Eigen::all, clamp.nodes));
-  const Eigen::Matrix3Xd start = PlacesAt(scene, clamp.nodes, scene.start_time);
-  slopes = (turn.To(start) * slopes).eval();
+  const Eigen::Matrix3d from = turn.To(FirstPlaces(clamp, scene));
+  Eigen::Matrix3Xd slopes = from * RestSlopes(mesh, edges);
   if (clamp.direction) slopes = (TurnTo(*clamp.direction, slopes, turn.straight_row()) * slopes).eval();
-  const Eigen::Matrix3d from = turn.To(start).transpose();
   Eigen::MatrixXd all(slopes.size(), times.size());
-  const Eigen::Matrix3d body_start =
-      clamp.body == nullptr ? Eigen::Matrix3d::Identity() : clamp.body->At(scene.start_time).pose.leftCols<3>().eval();
   for (Eigen::Index k = 0; k < times.size(); ++k) {
-    const Eigen::Matrix3d rotation =
-        clamp.body == nullptr ? (turn.To(PlacesAt(scene, clamp.nodes, times[k])) * from).eval()
-                              : (clamp.body->At(times[k]).pose.leftCols<3>() * body_start.transpose()).eval();
+    Eigen::Matrix3d rotation;
+    if (clamp.body == nullptr) {
+      rotation = turn.To(PlacesAt(scene, clamp.nodes, times[k])) * from.transpose();
+    } else {
+      const Eigen::Matrix3d first = clamp.body->At(clamp.body->times()[0]).pose.leftCols<3>();
+      rotation = clamp.body->At(times[k]).pose.leftCols<3>() * first.transpose();
+    }
     all.col(k) = (rotation * slopes).reshaped();
   }
   return all;

@@ -27,8 +27,9 @@ HandlePath JoinPaths(const Scene& scene, const std::vector<std::vector<int>>& gr
 // A jaw that holds a row of nodes.
 struct Clamp {
   std::vector<int> nodes;
-  // The direction in which the cloth leaves it at the start; its part along the row does not count. Nothing: that in
-  // which the mesh does, turned with the row from the rest shape on, the shortest way where the row is straight.
+  // The direction in which the cloth leaves it at the start, or where the path of `body` begins; its part along the row
+  // does not count. Nothing: that in which the mesh does, turned with the row from the rest shape on, the shortest way
+  // where the row is straight.
   std::optional<Eigen::Vector3d> direction = std::nullopt;
   std::shared_ptr<const RigidPath> body = nullptr;  // what turns it; null: the motion of the row itself
 };

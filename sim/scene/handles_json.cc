@@ -54,6 +54,17 @@ std::optional<Clamp> ReadClamp(const JsonNode& node, const std::vector<int>& nod
   node.Fail("expected true, or the direction [x, y, z] in which the cloth leaves the clamp at the start");
 }
 
+// Of which the last is that of `node`.
+void AddClamps(const std::vector<Clamp>& clamps, const JsonNode& node, Scene* scene) {
+  std::string problem;
+  try {
+    return ClampHandles(clamps, scene);
+  } catch (const Error& error) {
+    problem = error.what();
+  }
+  node.Fail(problem);
+}
+
 }  // namespace
 
 HandlesReader::HandlesReader(const JsonNode& node, const std::string& folder, Scene* scene)
@@ -135,17 +146,7 @@ void HandlesReader::Attach(Scene* scene) {
     if (!clamp) continue;
     clamp->body = group.body;
     clamps.push_back(std::move(*clamp));
-  }
-  if (clamps.empty()) return;
-  std::string problem;
-  try {
-    ClampHandles(clamps, scene);
-    return;
-  } catch (const Error& error) {
-    problem = error.what();
-  }
-  for (const Group& group : groups_) {
-    if (group.clamp) group.clamp->Fail(problem);
+    AddClamps(clamps, *group.clamp, scene);
   }
 }
 

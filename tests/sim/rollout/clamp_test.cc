@@ -149,6 +149,13 @@ TEST(ClampHandlesTest, SlopesFollowTheJaw) {
   for (int i = 0; i < strip.rows - 1; ++i) {
     EXPECT_LE((slopes.segment<3>(3 * i) - turn * Eigen::Vector3d::UnitX()).norm(), 1e-12);
   }
+  // Of a part of the motion they are the same.
+  Scene part = scene;
+  part.start_time = 0.2;
+  part.duration = 0.3;
+  part.handles.path = scene.handles.path;
+  ClampHandles({{part.handles.nodes, std::nullopt, body}}, &part);
+  EXPECT_LE((part.handles.slopes.At(0.3) - slopes).norm(), 1e-12);
   // By the motion of the row alone, which does not see turns about itself.
   ClampHandles({{scene.handles.nodes}}, &scene);
   const Eigen::Vector3d row = turn * Eigen::Vector3d::UnitY();
