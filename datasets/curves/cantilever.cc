@@ -23,7 +23,7 @@ constexpr double kLeastOverhang = 0.005, kMostOverhang = 1.0;  // m: beyond them
 constexpr int kFewestProfilePoints = 5;
 constexpr double kLongestProfileStep = 0.34;  // of the overhang: a longer chord is no arc
 
-constexpr int kAcrossCantilever = 5, kCellsAlong = 36;
+constexpr int kAcrossCantilever = 5, kCellsAlong = 48;
 constexpr double kCantileverStep = 0.2;        // s
 constexpr int kNumCantileverSteps = 40;        // at which the frames are
 constexpr double kCantileverStretch = 1000.0;  // N/m

@@ -5,7 +5,7 @@
 // become the recording of a strip that is clamped at one end, starts level and has come to rest at its last frame. What
 // was measured is seen there alone: the tip, or the profile and the edge of the clamp as a cloud.
 //
-// Such a test tells the rigidity over the weight. The strip has 5 x 37 nodes, the first row in a clamp, and a stretch
+// Such a test tells the rigidity over the weight. The strip has 5 x 49 nodes, the first row in a clamp, and a stretch
 // stiffness of 1000 N/m: its weight stretches it by less than 0.1 %. 40 steps of 0.2 s of backward Euler bring it to
 // rest, which the steps do not change. Against the elastica of a strip that does not stretch its rigidity is then off
 // by less than 0.3 %.

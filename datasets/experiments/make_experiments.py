@@ -168,7 +168,7 @@ def cantilever(folder):
     That is an overhang of twice the bending length, 39 mm of the medium fabric. What lies under the slide is left out:
     the row of nodes at the edge clamps the strip, which starts straight.
     """
-    nodes, size = [5, 11], [0.025, 0.039]
+    nodes, size = [7, 17], [0.025, 0.039]
     mesh = grid(nodes, size, [-size[0] / 2, 0, 0], [ACROSS, [0, 1, 0]])
     folder.write("cantilever", scene(1.0, mesh, handles={"nodes": list(range(nodes[0])), "clamp": True}))
 

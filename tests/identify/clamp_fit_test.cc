@@ -23,7 +23,7 @@ class ClampFitTest : public ToolTest {
   void WriteScene(const std::string& name, int cells, const nlohmann::json& jaw) const {
     nlohmann::json scene = {{"clothid_scene", 2}, {"time_step", 0.01}, {"duration", 0.5}};
     scene["mesh"]["grid"] = {{"nodes", {kRows, cells + 1}}, {"size", {0.025, 0.1}}, {"axes", {{1, 0, 0}, {0, 1, 0}}}};
-    scene["materials"] = {{"density", 0.2}, {"k_stretch", 1000}, {"k_bend", 5e-5}, {"drag", 0.2}};
+    scene["materials"] = {{"density", 0.2}, {"k_stretch", 1000}, {"k_bend", 2e-4}, {"drag", 0.2}};
     scene["handles"] = jaw;
     scene["handles"]["nodes"] = {0, 1, 2};
     std::ofstream(folder() / name) << scene;
@@ -45,7 +45,7 @@ TEST_F(ClampFitTest, ARecordingKnowsHowItsJawTurns) {
   }
   poses.close();
   WriteScene("scene.json", 10, {{"clamp", true}, {"poses", "jaw.csv"}});
-  const ToolResult recorded = Run("simulate --scene scene.json --output r.bin --set k_bend=1e-4 --forces");
+  const ToolResult recorded = Run("simulate --scene scene.json --output r.bin --set k_bend=4e-4 --forces");
   ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
   const Scene scene = ReadScene((folder() / "scene.json").string());
   ASSERT_EQ(Run("motion convert r.bin again.bin").exit_code, 0);
@@ -58,14 +58,14 @@ TEST_F(ClampFitTest, ARecordingKnowsHowItsJawTurns) {
     }
     EXPECT_EQ(motion.forces.moments.rows(), 3) << name;
   }
-  EXPECT_NEAR(FittedBending("r.bin"), 1e-4, 1e-8);
+  EXPECT_NEAR(FittedBending("r.bin"), 4e-4, 4e-8);
 }
 
-// Of second order in the mesh.
+// Of second order in the mesh; with 12 elements 1.7 % too high of one of 192.
 TEST_F(ClampFitTest, OneRowGivesTheRigidityOfAFinerMesh) {
   WriteScene("fine.json", 48, {{"clamp", true}});
   WriteScene("coarse.json", 12, {{"clamp", true}});
-  ASSERT_EQ(Run("simulate --scene fine.json --output fine.bin --set k_bend=1e-4").exit_code, 0);
+  ASSERT_EQ(Run("simulate --scene fine.json --output fine.bin --set k_bend=4e-4").exit_code, 0);
   std::ofstream map(folder() / "map.csv");
   map << "id,node\n";
   for (int node = 0; node < 13 * kRows; ++node) {
@@ -73,9 +73,9 @@ TEST_F(ClampFitTest, OneRowGivesTheRigidityOfAFinerMesh) {
   }
   map.close();
   const ToolResult converted =
-      Run("motion convert fine.bin coarse.bin --scene coarse.json --map map.csv --handle_nodes 0,1,2:clamp");
+      Run("motion convert fine.bin coarse.bin --scene coarse.json --grid 3x13:0.025x0.1 --map map.csv --handle_nodes 0,1,2:clamp");
   ASSERT_EQ(converted.exit_code, 0) << converted.err;
-  EXPECT_NEAR(FittedBending("coarse.bin"), 1e-4, 0.02e-4);
+  EXPECT_NEAR(FittedBending("coarse.bin"), 4e-4, 0.02 * 4e-4);
 }
 
 }  // namespace

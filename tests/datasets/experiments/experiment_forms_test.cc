@@ -41,7 +41,7 @@ Eigen::MatrixXd ForcesOver(const Scene& scene, const std::vector<std::vector<int
 // ASTM D1388. The strip is brought to rest by long steps of backward Euler.
 class CantileverTest : public testing::Test {
  protected:
-  static constexpr int kColumns = 5;
+  static constexpr int kColumns = 7;
 
   CantileverTest() : scene_(Experiment("cantilever")) {
     const auto& rest = scene_.mesh.rest_positions;
