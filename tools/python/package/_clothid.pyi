@@ -1,7 +1,7 @@
 """The compiled part of clothid. Use the package."""
 
 import os
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,7 +42,7 @@ class Scene:
     @property
     def handles(self) -> NDArray[np.int32]: ...
     @property
-    def clamped_edges(self) -> list[tuple[int, int]]: ...
+    def clamped_edges(self) -> List[Tuple[int, int]]: ...
     @property
     def obstacles(self) -> List[str]: ...
     @property
