@@ -371,10 +371,12 @@ std::vector<double> TurningTimes(const Eigen::VectorXd& times, const Eigen::Vect
 }
 
 // The period of a cloth that swings from handles at rest. A rigid plate and a chain of length l swing in 5.1 and
-// 5.2 sqrt(l/g), their means l/2 below.
+// 5.2 sqrt(l/g), their means l/2 below. One that is clamped swings as stiff as it is.
 std::vector<Finding> CheckSwing(const CheckedMotion& checked, int num_free) {
   const RecordedMotion& motion = checked.motion;
-  if (motion.scene.handles.nodes.empty() || checked.stands_out || num_free < motion.num_frames()) return {};
+  const Handles& handles = motion.scene.handles;
+  const bool hangs = !handles.nodes.empty() && handles.clamped.empty();
+  if (!hangs || checked.stands_out || num_free < motion.num_frames()) return {};
   const Swing swing = FindSwing(checked);
   if (!swing.aside.allFinite() || swing.length < kHangs * checked.cloth_size) return {};
   const double noise = kNoiseFall * checked.noise.rms() / std::sqrt(1.0 * motion.num_points());

@@ -313,9 +313,11 @@ std::vector<Finding> CheckGravity(const CheckedMotion& checked, const Touch& tou
   const Handles& handles = motion.scene.handles;
   if (motion.scene.gravity.isZero(0.0)) return {};
   if (touch.share > kManyTouch && touch.support < -kSupport) return {CheckSupport(touch)};
-  // What few points touch may pull the cloth anywhere.
+  // What few points touch may pull the cloth anywhere, and a jaw may hold it up.
   const bool lies_on_a_wall = touch.share > kManyTouch && std::abs(touch.support) < kWall;
-  if (handles.nodes.empty() || checked.stands_out || (!touch.frames.empty() && !lies_on_a_wall)) return {};
+  if (handles.nodes.empty() || !handles.clamped.empty() || checked.stands_out ||
+      (!touch.frames.empty() && !lies_on_a_wall))
+    return {};
   const std::set<int> held(handles.nodes.begin(), handles.nodes.end());
   Eigen::Vector3d hangs = Eigen::Vector3d::Zero();
   // A cloth that was let go needs some time until it hangs.

@@ -58,6 +58,9 @@ TEST_F(ClampFitTest, ARecordingKnowsHowItsJawTurns) {
     }
     EXPECT_EQ(motion.forces.moments.rows(), 3) << name;
   }
+  EXPECT_NE(Run("motion info r.bin").out.find("handles 3 (moving), clamped at 2 edges"), std::string::npos);
+  const ToolResult checked = Run("motion check r.bin");  // it juts out, and swings as stiff as it is
+  EXPECT_EQ(checked.out.find("warning"), std::string::npos) << checked.out;
   EXPECT_NEAR(FittedBending("r.bin"), 4e-4, 4e-8);
 }
 
@@ -73,7 +76,8 @@ TEST_F(ClampFitTest, OneRowGivesTheRigidityOfAFinerMesh) {
   }
   map.close();
   const ToolResult converted =
-      Run("motion convert fine.bin coarse.bin --scene coarse.json --grid 3x13:0.025x0.1 --map map.csv --handle_nodes 0,1,2:clamp");
+      Run("motion convert fine.bin coarse.bin --scene coarse.json --grid 3x13:0.025x0.1 --map map.csv --handle_nodes "
+          "0,1,2:clamp");
   ASSERT_EQ(converted.exit_code, 0) << converted.err;
   EXPECT_NEAR(FittedBending("coarse.bin"), 4e-4, 0.02 * 4e-4);
 }

@@ -116,8 +116,9 @@ bool IsTold(ParameterKind kind, double value) { return value != 0.0 || RowOf(kin
 void PrintScene(const Scene& scene) {
   const Parameters nominal = scene.nominal_parameters();
   std::cout << "scene\n  nodes " << scene.mesh.num_nodes() << ", faces " << scene.mesh.num_faces() << ", handles "
-            << scene.handles.nodes.size() << (scene.handles.path.num_handles() > 0 ? " (moving)" : "")
-            << "\n  time step " << scene.time_step << " s, " << scene.num_steps() << " steps, integrator "
+            << scene.handles.nodes.size() << (scene.handles.path.num_handles() > 0 ? " (moving)" : "");
+  if (!scene.handles.clamped.empty()) std::cout << ", clamped at " << scene.handles.clamped.size() << " edges";
+  std::cout << "\n  time step " << scene.time_step << " s, " << scene.num_steps() << " steps, integrator "
             << IntegratorName(scene.integrator) << ", contact mode "
             << (scene.contact_mode == ContactMode::kGap ? "gap" : "velocity") << "\n  nominal: density "
             << nominal.material.density << " kg/m^2";
