@@ -45,6 +45,8 @@ HandlePath::HandlePath(const Eigen::VectorXd& times, const Eigen::MatrixXd& posi
 Eigen::VectorXd HandlePath::At(double time) const { return HermiteValue(times_, positions_, slopes_, time); }
 
 // Slopes are linear in positions, and so is what lies between two knots.
+Eigen::VectorXd HandlePath::RateAt(double time) const { return HermiteRate(times_, positions_, slopes_, time); }
+
 Eigen::VectorXd HandlePath::KnotWeights(double time) const {
   // The two knots around it, and those that their slopes depend on.
   const Eigen::Index next = std::upper_bound(times_.begin(), times_.end(), time) - times_.begin();

@@ -22,6 +22,8 @@ class HandlePath {
 
   // [3H] m.
   Eigen::VectorXd At(double time) const;
+  // Its derivative by time [3H] m/s, from the right where it jumps.
+  Eigen::VectorXd RateAt(double time) const;
   // [T] w with At(time) = positions() w: what a change of the positions does; zero but at four knots.
   Eigen::VectorXd KnotWeights(double time) const;
 

@@ -105,6 +105,19 @@ double SeamWork(const Rollout& rollout, int last, RecordReader* reader, const Si
   return work;
 }
 
+double ClampWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
+  const Handles& handles = simulator.scene().handles;
+  double work = 0.0;
+  for (int i = FirstOfStep(rollout, last); i <= last && !handles.clamped.empty(); ++i) {
+    const StepRecord& record = reader->record(i);
+    const ForcePoint point{rollout.parameters, record.time_step, record.time, record.positions, record.velocities};
+    Eigen::VectorXd upon_slopes = Eigen::VectorXd::Zero(3 * handles.slopes.num_handles());
+    simulator.model().forces().AddSlopeForce(point, &upon_slopes);
+    work -= SolveWeight(record) * record.time_step * upon_slopes.dot(handles.slopes.RateAt(record.time));
+  }
+  return work;
+}
+
 EnergyLoss StepEnergyLoss(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator) {
   const Parameters& parameters = rollout.parameters;
   const int first = FirstOfStep(rollout, last);
@@ -117,7 +130,7 @@ EnergyLoss StepEnergyLoss(const Rollout& rollout, int last, RecordReader* reader
     loss.damping -= forces.viscous.dot(displacement);
     loss.elastic -= forces.elastic.dot(displacement);
   }
-  loss.elastic += SeamWork(rollout, last, reader, simulator);
+  loss.elastic += SeamWork(rollout, last, reader, simulator) + ClampWork(rollout, last, reader, simulator);
   const SolveStart start = reader->start(first);
   const double start_time = reader->record(first).time - reader->record(first).time_step;
   loss.elastic += StateEnergy(parameters, start.positions, start.velocities, simulator, start_time).elastic();

@@ -66,6 +66,8 @@ Eigen::VectorXd NodeInertiaLoss(const Parameters& parameters, const VelocityChan
 
 // What draws the seams in the step or substep that ends in record `last`, J.
 double SeamWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator);
+// Likewise jaws that turn, as far as they change the elastic energy at fixed positions, J.
+double ClampWork(const Rollout& rollout, int last, RecordReader* reader, const Simulator& simulator);
 
 // What a step loses, J.
 struct EnergyLoss {

@@ -9,6 +9,7 @@
 #include "sim/rollout/energy_gain.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
+#include "tests/sim/clamped_strip.h"
 #include "tests/sim/plain_scenes.h"
 #include "tests/sim/shipped_scenes.h"
 
@@ -63,6 +64,31 @@ TEST(EnergyLossTest, IsTheChangeWhereNoForceDoesWork) {
   for (const Integrator integrator : {Integrator::kEuler, Integrator::kSdirk2}) {
     SCOPED_TRACE(IntegratorName(integrator));
     ExpectLossesToBeTheChange(Swing(integrator));
+  }
+}
+
+// About the row of its handles, which stay where they are.
+TEST(EnergyLossTest, CountsAJawThatTurns) {
+  for (const Integrator integrator : {Integrator::kEuler, Integrator::kSdirk2}) {
+    ClampedStrip strip(SheetKind::kAlternating, 10, 0.0);
+    Scene& scene = strip.scene;
+    scene.integrator = integrator;
+    scene.time_step = 0.002;
+    scene.duration = 0.3;
+    const auto body =
+        PathThrough(0.0, 0.3, 31, NoShift, [](double t) { return Eigen::Vector3d(0.0, 20.0 * t * t, 0.0); });
+    ClampHandles({{scene.handles.nodes, std::nullopt, body}}, &scene);
+    TestRun run(scene);
+    RecordReader reader(run.rollout, &run.simulator);
+    double lost = 0.0, work = 0.0;
+    for (int i = 0; i < static_cast<int>(run.rollout.records.size()); ++i) {
+      if (!run.rollout.records[i].ends_step()) continue;
+      lost += StepEnergyLoss(run.rollout, i, &reader, run.simulator).total();
+      work += ClampWork(run.rollout, i, &reader, run.simulator);
+    }
+    EXPECT_GT(work, 1e-6);
+    EXPECT_LE(std::abs(lost), (integrator == Integrator::kEuler ? 0.3 : 0.01) * work);
+    EXPECT_NEAR(run.EnergyAfter(run.rollout.records.back()), work - lost, 1e-6 * work);
   }
 }
 
