@@ -247,4 +247,18 @@ MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const st
   return motion;
 }
 
+MotionTensors RecordFrames(const Eigen::MatrixXd& positions, const Eigen::VectorXd& times, const Scene& scene,
+                           const std::string& scene_text, const std::string& provenance) {
+  MotionTensors motion;
+  motion.times = times;
+  motion.positions = positions;
+  motion.single_precision = false;
+  motion.mesh = scene.mesh;
+  motion.scene_text = RecordingText(scene, scene_text, {});
+  motion.provenance = provenance;
+  SetHandlePaths(scene.handles, &motion);
+  motion.sequences = SequencesOf(scene);
+  return motion;
+}
+
 }  // namespace clothid

@@ -56,6 +56,10 @@ void CheckSyntheticOptions(const SyntheticOptions& options, const Scene& scene, 
 MotionTensors RecordRollout(const Rollout& rollout, const Scene& scene, const std::string& scene_text,
                             const SyntheticOptions& options);
 
+// The same of all nodes, without a sensor: positions [3N x T] at `times` [T] s of `scene`.
+MotionTensors RecordFrames(const Eigen::MatrixXd& positions, const Eigen::VectorXd& times, const Scene& scene,
+                           const std::string& scene_text, const std::string& provenance);
+
 }  // namespace clothid
 
 #endif  // CLOTHID_DATASETS_SYNTHETIC_SYNTHETIC_H_

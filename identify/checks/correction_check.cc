@@ -86,6 +86,7 @@ std::vector<CorrectionCheck> CheckCorrections(const std::vector<RecordedMotion>&
     CorrectionCheck& check = checks.emplace_back();
     check.missing_force = ForceOfChanges(
         changes, model.times(), MassPerArea(model.cloth(), rollout.parameters.material), model.scene().gravity.norm());
+    check.missing_force.lasting = DescribeLastingForce(check.missing_force.forces, model.times(), model.cloth());
     check.innovations = model.observation().Compare(predicted);
   }
   return checks;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "datasets/motion/recorded_motion.h"
+#include "identify/checks/lasting_force.h"
 #include "identify/estimate/fit_summary.h"
 #include "identify/problem/problem.h"
 
@@ -30,6 +31,7 @@ struct MissingForce {
   double size = 0.0, largest_in_frame = 0.0, largest_at_node = 0.0;
   int frame = 0, node = 0;  // there
   double time = 0.0;        // s, of that frame after the first
+  LastingForce lasting;     // as a random field; `ForceOfChanges` leaves it
 
   double share() const { return weight > 0.0 ? size / weight : 0.0; }
 };

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "identify/base/cloth_laws.h"
 #include "identify/base/model_error_json.h"
 #include "identify/base/source_names.h"
 #include "identify/base/version.h"
@@ -337,6 +338,9 @@ Json CorrectionCheckJson(const CorrectionCheck& check) {
           {"innovation_correlation", check.innovations.autocorrelation()},
           {"missing_force",
            {{"rms_N_m2", missing.size},
+            {"deviation_N_m2", missing.lasting.size},
+            {"time_s", missing.lasting.time},
+            {"length_m", missing.lasting.length},
             {"weight_N_m2", missing.weight},
             {"largest_in_frame_N_m2", missing.largest_in_frame},
             {"frame", missing.frame},
@@ -364,6 +368,12 @@ Json CorrectionsJson(const FitSummary& summary, const FitChecks& checks) {
   json["drift"] = drift;
   json["trials"] = trials;
   return json;
+}
+
+// What its constants are of.
+Json ClothJson(const Scene& scene) {
+  const char* const bending = BendingWord(scene);
+  return {{"membrane", MembraneWord(scene)}, {"bending", bending == nullptr ? Json(nullptr) : Json(bending)}};
 }
 
 Json PlanJson(const FitPlan& plan) {
@@ -399,6 +409,7 @@ std::string ResultJson(const FitSummary& summary, const FitChecks& checks, const
   json["usable"] = UsabilityName(verdict.overall);
   json["verdict"] = verdict.Lines();
   json["parameters"] = ParametersJson(summary, checks, verdict);
+  if (!motions.empty()) json["cloth"] = ClothJson(motions.front().scene);
   AddErrors(summary, &json);
   const bool has_discounted =
       std::any_of(checks.recordings.begin(), checks.recordings.end(),

@@ -37,6 +37,7 @@
 #include "sim/scene/scene_json.h"
 #include "tools/base/scene_rollout.h"
 #include "tools/simulate/force_flags.h"
+#include "tools/simulate/predict.h"
 #include "tools/simulate/simulate_help.h"
 #include "tools/simulate/true_fields.h"
 
@@ -53,11 +54,14 @@ DEFINE_uint64(seed, 1, "seed of markers, noise, drops and clouds");
 DEFINE_bool(float32, false, "store positions in single precision");
 DEFINE_string(set, "", "true parameters in place of the scene's, NAME=VALUE[,...]");
 DEFINE_string(set_field, "", "true fields in place of the scene's, NAME=FILE.npy[,...]");
+DEFINE_string(result, "", "result.json of a fit, by which the scene is predicted");
+DEFINE_int32(draws, 50, "with --result: rollouts, each with parameters of its own");
+DEFINE_string(bands, "", "with --result: bands.npz to write");
 DEFINE_string(view, "", "page to write beside the recording");
 DEFINE_string(sensor, "", "sensor.json of a camera and a gripper that see a finer simulation");
 DEFINE_string(handles_output, "", "with --sensor: CSV file for the path of the gripper");
 DEFINE_string(forces_output, "", "with --sensor: CSV file for the forces on the handles");
-DEFINE_int32(threads, 1, "that share the work of a step");
+DEFINE_int32(threads, 1, "that share the work of a step; with --result: that run rollouts side by side");
 
 namespace clothid {
 namespace {
@@ -129,14 +133,17 @@ void WriteView(MotionTensors motion) {
 void CheckOutputs() {
   std::vector<std::string> inputs = FilesOfScene(FLAGS_scene);
   inputs.push_back(FLAGS_sensor);
+  inputs.push_back(FLAGS_result);
   const std::vector<std::string> outputs = FLAGS_sensor.empty() ? std::vector{FLAGS_output} : TrackPaths(FLAGS_output);
   std::vector<std::pair<std::string, std::string>> taken;  // flags and files
   for (const std::string& output : outputs) {
     RefuseOverwrite(output, inputs);
     taken.emplace_back("--output", output);
   }
-  const std::pair<std::string, std::string> others[] = {
-      {"--handles_output", FLAGS_handles_output}, {"--forces_output", FLAGS_forces_output}, {"--view", FLAGS_view}};
+  const std::pair<std::string, std::string> others[] = {{"--handles_output", FLAGS_handles_output},
+                                                        {"--forces_output", FLAGS_forces_output},
+                                                        {"--bands", FLAGS_bands},
+                                                        {"--view", FLAGS_view}};
   for (const auto& [flag, file] : others) {
     RefuseOverwrite(file, inputs);
     for (const auto& [other_flag, other] : taken) {
@@ -181,6 +188,27 @@ int RunSensor() {
   return kExitSuccess;
 }
 
+// The scene by what a fit has learnt.
+int RunPrediction(const Scene& scene, const std::string& scene_text) {
+  PredictionOptions options;
+  options.num_draws = FLAGS_draws;
+  options.seed = FLAGS_seed;
+  options.frame_rate = FLAGS_frame_rate;
+  options.num_threads = FLAGS_threads;
+  options.cancel = &CatchInterrupts();
+  CheckFileCanBeWritten(FLAGS_output);
+  if (!FLAGS_bands.empty()) CheckFileCanBeWritten(FLAGS_bands);
+  if (!FLAGS_view.empty()) CheckPageOutput("--view", FLAGS_view);
+  MotionTensors median;
+  std::string bands;
+  const int exit_code = PredictScene({scene, scene_text, FLAGS_scene}, FLAGS_result, options, &median, &bands);
+  if (exit_code != kExitSuccess) return exit_code;
+  WriteMotion(median, FLAGS_output);
+  if (!FLAGS_bands.empty()) WriteFileAtomically(FLAGS_bands, {bands});
+  if (!FLAGS_view.empty()) WriteView(std::move(median));
+  return kExitSuccess;
+}
+
 int Run(const std::vector<std::string>&) {
   if (FLAGS_scene.empty()) throw Error(ErrorKind::kUsage, "--scene is missing; see simulate --help");
   if (FLAGS_output.empty()) throw Error(ErrorKind::kUsage, "--output is missing; see simulate --help");
@@ -197,6 +225,7 @@ int Run(const std::vector<std::string>&) {
   std::string scene_text = ReadText(FLAGS_scene, kMaxJsonBytes);
   if (!FLAGS_fabric.empty()) scene_text = WithFabricOrCard(scene_text, FLAGS_fabric, "--fabric", FLAGS_scene);
   Scene scene = ParseScene(scene_text, FLAGS_scene, std::filesystem::path(FLAGS_scene).parent_path().string());
+  if (!FLAGS_result.empty()) return RunPrediction(scene, scene_text);
   const Parameters truth = SetTruth(&scene);
   CheckSyntheticOptions(OptionsFromFlags(), scene, scene_text);
   CheckRolloutMemory(FLAGS_scene, scene.mesh.num_nodes(), scene.num_steps(), scene.integrator);
@@ -227,6 +256,8 @@ int main(int argc, char** argv) {
       {"view noise frame_rate drop markers cloud float32 set_field fabric forces force_sigma force_rate force_bias "
        "force_nodes threads",
        Rule::kWithout, "sensor"},
+      {"noise drop markers cloud float32 set set_field forces sensor", Rule::kWithout, "result"},
+      {"draws bands", Rule::kWith, "result"},
       {"force_sigma force_rate force_bias force_nodes", Rule::kWith, "forces"},
       {"handles_output forces_output", Rule::kWith, "sensor"}};
   program.lists = {{"set", ','}, {"set_field", ','}};

@@ -1,0 +1,60 @@
+// What a finished fit left behind, as a distribution: where its parameters may be, and what its model lacks.
+//
+// With the coordinates q of costs/prediction/parameter_block.h (the logarithm of a stiffness, friction as it is),
+//   Cov(q) = N R N + diag(e^2),
+// N the standard deviations from the noise, R the correlation, and e what intervals count beside the noise (step, mesh,
+// drift over memories): of which nobody knows how it goes together between parameters. Both are those of result.json:
+//   N_i = std_i dq_i/dvalue,   N_i^2 + e_i^2 = (half the width of the interval / quantile)^2,
+// the wider half where a bound has cut the other.
+#ifndef CLOTHID_IDENTIFY_PREDICTION_POSTERIOR_H_
+#define CLOTHID_IDENTIFY_PREDICTION_POSTERIOR_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "costs/prediction/parameter_block.h"
+#include "identify/checks/lasting_force.h"
+#include "sim/scene/scene.h"
+
+namespace clothid {
+
+struct PosteriorParameter {
+  std::string name;
+  ParameterScale scale = ParameterScale::kLinear;
+  double value = 0.0;  // the estimate, in its own unit
+  double lower_bound = 0.0, upper_bound = 0.0;
+
+  double ToCoordinate(double at) const;
+  double ToValue(double coordinate) const;  // cut at the bounds
+};
+
+struct Posterior {
+  std::string path;                            // for messages
+  std::vector<PosteriorParameter> parameters;  // [p] those with an interval
+  Eigen::MatrixXd covariance;                  // [p x p] of q
+  std::map<std::string, double> held;          // estimates without an interval: frozen, at a bound, not identifiable
+  std::vector<std::string> left_out;           // of a recording alone, which say nothing of another scene
+  std::optional<LastingForce> force;           // none: the fit was not corrected, or its model lacks nothing
+  std::optional<std::string> membrane;         // the laws of the cloth, in the words of a scene; none: older results
+  std::optional<std::string> bending;          // likewise; none where it has no bending, too
+};
+
+// Throws `Error` (kIo, kBadData), naming file and key and what was expected, for a result that tells no intervals: of a
+// fit that failed, was interrupted, or of fields, which result.json does not hold.
+Posterior ReadPosterior(const std::string& path);
+
+// What `scene` has no use for is moved to `left_out`: friction where nothing is to be touched. Throws `Error`
+// (kBadData), naming file and key, where the scene has no such parameter or its cloth has other laws than the one that
+// was fitted. `scene_name`: for messages.
+void FitToScene(const Scene& scene, const std::string& scene_name, Posterior* posterior);
+
+// Values [p x D] of D clothes, in the parameters' own units: draw d depends on seed and d alone.
+Eigen::MatrixXd DrawParameters(const Posterior& posterior, int num_draws, std::uint64_t seed);
+
+}  // namespace clothid
+
+#endif  // CLOTHID_IDENTIFY_PREDICTION_POSTERIOR_H_

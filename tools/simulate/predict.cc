@@ -1,0 +1,92 @@
+#include "tools/simulate/predict.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <iostream>
+#include <vector>
+
+#include "datasets/synthetic/synthetic.h"
+#include "identify/base/join_words.h"
+#include "identify/prediction/bands_file.h"
+#include "sim/base/error.h"
+#include "sim/base/text_file.h"
+#include "tools/base/count_progress.h"
+
+namespace clothid {
+namespace {
+
+std::string PercentText(double share) {
+  return std::isnan(share) ? "-" : std::to_string(std::lround(100.0 * share)) + " %";
+}
+
+void PrintDrawn(const Posterior& posterior, bool has_force) {
+  std::vector<std::string> drawn, held;
+  for (const PosteriorParameter& parameter : posterior.parameters) drawn.push_back(parameter.name);
+  for (const auto& [name, value] : posterior.held) held.push_back(name);
+  std::cout << "drawn           " << (drawn.empty() ? "no parameter" : JoinWords(drawn));
+  if (!held.empty()) std::cout << "; as if known, for want of an interval: " << JoinWords(held);
+  if (!posterior.left_out.empty()) std::cout << "; of no use here: " << JoinWords(posterior.left_out);
+  std::cout << "\nmodel           ";
+  if (has_force) {
+    std::cout << "lacks a force of " << NumberText(posterior.force->size, 3) << " N/m^2 that lasts "
+              << NumberText(posterior.force->time, 2) << " s over " << NumberText(posterior.force->length, 2)
+              << " m, drawn\n";
+  } else {
+    std::cout << "the fit has told no force that it lacks: bands are of parameters alone\n";
+  }
+}
+
+void PrintFrame(const Posterior& posterior, const Prediction& prediction, Eigen::Index frame) {
+  const SpreadShares& shares = prediction.shares;
+  std::cout << "at " << NumberText(prediction.times[frame], 3) << " s: +- "
+            << MillimetreText(prediction.spread[frame], 3) << " after " << MillimetreText(prediction.moved[frame], 3)
+            << " of motion; parameters " << PercentText(shares.parameters[frame]);
+  std::vector<std::string> each;
+  for (std::size_t i = 0; i < posterior.parameters.size(); ++i) {
+    each.push_back(posterior.parameters[i].name + " " + PercentText(shares.each(frame, static_cast<Eigen::Index>(i))));
+  }
+  if (each.size() > 1) std::cout << " (" << JoinWords(each) << " by itself)";
+  std::cout << ", " << (prediction.has_force ? "model " : "not linear ") << PercentText(shares.rest[frame]) << "\n";
+}
+
+void PrintPrediction(const Posterior& posterior, const Prediction& prediction) {
+  PrintDrawn(posterior, prediction.has_force);
+  std::cout << "rollouts        " << prediction.num_draws;
+  if (prediction.num_failed > 0) {
+    std::cout << "; " << prediction.num_failed << " failed and count nowhere, the first: " << prediction.failure;
+  }
+  std::cout << "\n";
+  constexpr int kTimes = 4;
+  const Eigen::Index last = prediction.times.size() - 1;
+  for (int i = 1; i <= kTimes; ++i) PrintFrame(posterior, prediction, (i * last + kTimes - 1) / kTimes);
+  const double until = prediction.WorthUntil();
+  std::cout << "worth           more than the cloth at rest "
+            << (std::isinf(until) ? "to the end" : "until " + NumberText(until, 3) + " s") << "\n";
+}
+
+}  // namespace
+
+int PredictScene(const ScenePart& part, const std::string& result_path, PredictionOptions options,
+                 MotionTensors* median, std::string* bands) {
+  Posterior posterior = ReadPosterior(result_path);
+  FitToScene(part.scene, part.path, &posterior);
+  Prediction prediction;
+  {
+    CountProgress progress(&std::cerr, isatty(STDERR_FILENO) != 0, "rollouts", CountProgress::End::kQuiet);
+    options.on_rollout = [&](int num_done) { progress.Print(num_done, options.num_draws); };
+    prediction = Predict(part.scene, posterior, options);
+  }
+  if (options.cancel != nullptr && *options.cancel) {
+    std::cerr << "simulate: interrupted, nothing is written\n";
+    return kExitInterrupted;
+  }
+  *median = RecordFrames(prediction.median(), prediction.times, part.scene, part.text,
+                         "predicted: the median of " + std::to_string(prediction.num_draws) + " rollouts, seed " +
+                             std::to_string(options.seed));
+  *bands = BandsNpz(prediction, posterior);
+  PrintPrediction(posterior, prediction);
+  return kExitSuccess;
+}
+
+}  // namespace clothid
