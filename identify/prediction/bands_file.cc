@@ -87,6 +87,7 @@ std::string BandsNpz(const Prediction& prediction, const Posterior& posterior) {
       {"spread.npy", VectorBytes(prediction.spread)},
       {"moved.npy", VectorBytes(prediction.moved)},
       {"share_parameters.npy", VectorBytes(prediction.shares.parameters)},
+      {"share_finer.npy", VectorBytes(prediction.shares.finer)},
       {"share_rest.npy", VectorBytes(prediction.shares.rest)}};
   for (std::size_t i = 0; i < posterior.parameters.size(); ++i) {
     files.emplace_back("share_" + posterior.parameters[i].name + ".npy",

@@ -1,7 +1,8 @@
 // bands.npz, the bands of a prediction for NumPy.
 //
 //   times [T] s; quantiles [5]; positions [5, T, N, 3] m, of every node and time; spread [T] and moved [T] m, see
-//   `Prediction`; share_parameters [T], share_rest [T], and share_NAME [T] of every parameter that was drawn.
+//   `Prediction`; share_parameters, share_finer, share_rest [T], and share_NAME [T] of every parameter
+//   that was drawn, see `SpreadShares`.
 #ifndef CLOTHID_IDENTIFY_PREDICTION_BANDS_FILE_H_
 #define CLOTHID_IDENTIFY_PREDICTION_BANDS_FILE_H_
 

@@ -7,12 +7,13 @@
 
 #include "datasets/formats/track_checks.h"
 #include "datasets/synthetic/synthetic.h"
-#include "datasets/synthetic/true_parameters.h"
 #include "identify/base/parallel_for.h"
 #include "identify/prediction/random_force.h"
+#include "identify/prediction/random_streams.h"
 #include "sim/base/error.h"
 #include "sim/rollout/rollout.h"
 #include "sim/rollout/simulator.h"
+#include "sim/scene/refinement.h"
 
 namespace clothid {
 namespace {
@@ -26,7 +27,7 @@ struct Draw {
   std::string failure;
 };
 
-// The scene with a draw of the parameters, so that it has their terms, and they as a rollout takes them.
+// The scene with true parameters, so that it has their terms, and they as a rollout takes them.
 struct DrawnScene {
   Scene scene;
   Parameters parameters;
@@ -37,10 +38,44 @@ DrawnScene SetDraw(const Scene& scene, const Posterior& posterior, const Eigen::
   for (std::size_t i = 0; i < posterior.parameters.size(); ++i) {
     named[posterior.parameters[i].name] = values[static_cast<Eigen::Index>(i)];
   }
-  DrawnScene drawn = {scene, {}};
-  drawn.parameters = SetTrueParameters(named, "--result", posterior.path, &drawn.scene);
+  DrawnScene drawn = {scene, scene.nominal_parameters()};
+  for (const auto& [name, value] : named) SetParameter(ParseParameter(name, scene), value, &drawn.parameters);
+  drawn.scene.SetMaterials(drawn.parameters);
   return drawn;
 }
+
+// `frame_steps` [T]: times of frames in steps. `force_of` may be empty.
+using ForceOf = std::function<std::shared_ptr<const Correction>(const ClothModel&)>;
+Draw RollOut(const DrawnScene& drawn, const Eigen::VectorXd& frame_steps, const std::atomic<bool>* cancel,
+             const ForceOf& force_of = {}) {
+  const std::string why = Indefinite(drawn.parameters, drawn.scene);
+  if (!why.empty()) return {{}, why};
+  Simulator simulator(drawn.scene);
+  simulator.UseParameters(drawn.parameters);
+  RolloutOptions options;
+  options.checkpoint_interval = kDroppedSteps;
+  if (force_of) options.correction = force_of(simulator.model());
+  Draw result;
+  result.positions.setZero(drawn.scene.initial_positions.size(), frame_steps.size());
+  Eigen::Index next = 0;
+  Eigen::VectorXd before;
+  options.visitor = [&](int step, const Eigen::VectorXd& positions) {
+    for (; next < frame_steps.size() && frame_steps[next] <= step; ++next) {
+      const double fraction = frame_steps[next] - (step - 1);
+      result.positions.col(next) =
+          step == 0 || fraction == 1.0 ? positions : (1.0 - fraction) * before + fraction * positions;
+    }
+    before = positions;
+  };
+  const Rollout rollout = Simulate(drawn.parameters, drawn.scene.num_steps(), &simulator, cancel, options);
+  if (!rollout.ok()) return {{}, rollout.failure->ToString()};
+  return result;
+}
+
+// What step and mesh of the scene do to it [3N x T]; empty: not known.
+struct FinerChanges {
+  Eigen::MatrixXd step, mesh;
+};
 
 // Rollouts of one scene, each on the thread that asks for it.
 class Sampler {
@@ -62,35 +97,60 @@ class Sampler {
 
   Draw Roll(int draw) const {
     const DrawnScene drawn = SetDraw(scene_, posterior_, values_.col(draw));
-    const std::string why = Indefinite(drawn.parameters, drawn.scene);
-    if (!why.empty()) return {{}, why};
-    const int num_steps = scene_.num_steps();
-    Simulator simulator(drawn.scene);
-    simulator.UseParameters(drawn.parameters);
-    RolloutOptions options;
-    options.checkpoint_interval = kDroppedSteps;
-    if (field_) {
-      options.correction = std::make_shared<RandomForce>(*posterior_.force, *field_, simulator.model(),
-                                                         drawn.parameters.material, num_steps, options_.seed, draw);
-    }
-    Draw result;
-    result.positions.setZero(scene_.initial_positions.size(), frame_steps_.size());
-    Eigen::Index next = 0;
-    Eigen::VectorXd before;
-    options.visitor = [&](int step, const Eigen::VectorXd& positions) {
-      for (; next < frame_steps_.size() && frame_steps_[next] <= step; ++next) {
-        const double fraction = frame_steps_[next] - (step - 1);
-        result.positions.col(next) =
-            step == 0 || fraction == 1.0 ? positions : (1.0 - fraction) * before + fraction * positions;
+    if (!field_) return RollOut(drawn, frame_steps_, options_.cancel);
+    return RollOut(drawn, frame_steps_, options_.cancel, [&](const ClothModel& cloth) {
+      return std::make_shared<RandomForce>(*posterior_.force, *field_, cloth, drawn.parameters.material,
+                                           scene_.num_steps(), options_.seed, draw);
+    });
+  }
+
+  // Three rollouts side by side. `no_step`, `no_mesh`: why there is none.
+  FinerChanges RollFiner(std::string* no_step, std::string* no_mesh) const {
+    Draw own, step, mesh;
+    const auto roll = [&](int task) {
+      if (task == 0) step = options_.with_step ? RollHalfStep() : Draw();
+      if (task == 1) mesh = options_.with_mesh ? RollFineMesh() : Draw();
+      if (task == 2 && (options_.with_step || options_.with_mesh)) {
+        own = RollOut(SetDraw(scene_, posterior_, Estimates()), frame_steps_, options_.cancel);
       }
-      before = positions;
     };
-    const Rollout rollout = Simulate(drawn.parameters, num_steps, &simulator, options_.cancel, options);
-    if (!rollout.ok()) return {{}, rollout.failure->ToString()};
-    return result;
+    ParallelFor(3, options_.num_threads, roll);
+    const auto change = [&](const Draw& finer, std::string* why_not) -> Eigen::MatrixXd {
+      *why_not = own.failure.empty() ? finer.failure : own.failure;
+      if (!why_not->empty() || finer.positions.size() == 0 || own.positions.size() == 0) return {};
+      return finer.positions.topRows(own.positions.rows()) - own.positions;
+    };
+    FinerChanges changes = {change(step, no_step), change(mesh, no_mesh)};
+    if (!options_.with_step) no_step->clear();
+    if (!options_.with_mesh) no_mesh->clear();
+    return changes;
   }
 
  private:
+  Eigen::VectorXd Estimates() const {
+    Eigen::VectorXd values(static_cast<Eigen::Index>(posterior_.parameters.size()));
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      values[i] = posterior_.parameters[static_cast<std::size_t>(i)].value;
+    }
+    return values;
+  }
+
+  Draw RollHalfStep() const {
+    DrawnScene drawn = SetDraw(scene_, posterior_, Estimates());
+    drawn.scene.time_step *= 0.5;
+    return RollOut(drawn, 2.0 * frame_steps_, options_.cancel);
+  }
+
+  Draw RollFineMesh() const {
+    try {
+      ExpectRefinable(scene_, "the mesh");
+    } catch (const Error& error) {
+      return {{}, error.what()};
+    }
+    const Scene fine = RefineScene(scene_, RefineMesh(scene_.mesh));
+    return RollOut(SetDraw(fine, posterior_, Estimates()), frame_steps_, options_.cancel);
+  }
+
   const Scene& scene_;
   const Posterior& posterior_;
   const PredictionOptions& options_;
@@ -98,6 +158,15 @@ class Sampler {
   Eigen::VectorXd frame_steps_;
   std::unique_ptr<SmoothField> field_;  // null: no force
 };
+
+// What every draw takes of d_s and d_m [D x 2].
+Eigen::MatrixXd FinerFactors(const PredictionOptions& options) {
+  Eigen::MatrixXd factors(options.num_draws, 2);
+  for (int draw = 0; draw < options.num_draws; ++draw) {
+    factors.row(draw) = NormalStream(options.seed, draw, DrawStream::kFiner).Draw(1, 2);
+  }
+  return factors;
+}
 
 std::vector<Draw> RollAll(const Sampler& sampler, const PredictionOptions& options) {
   std::vector<Draw> draws(static_cast<std::size_t>(options.num_draws));
@@ -124,23 +193,31 @@ void ExpectOptions(const Scene& scene, const PredictionOptions& options) {
                   std::to_string(kMaxTrackBytes >> 20) + " MB: fewer draws, or a lower --frame_rate");
 }
 
-// An orthonormal basis of centred coordinates of the parameters [D x p], and each of them by itself.
+// Orthonormal bases of centred columns: the coordinates of the parameters [D x p], each of them by itself, and what is
+// taken of step and mesh [D x 2].
 struct Regressors {
-  Eigen::MatrixXd basis, each;
+  Eigen::MatrixXd parameters, each, finer;
 };
 
-Regressors RegressorsOf(const Posterior& posterior, const Eigen::MatrixXd& values) {
+Eigen::MatrixXd BasisOf(Eigen::MatrixXd columns) {
+  columns.rowwise() -= columns.colwise().mean().eval();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+}
+
+Regressors RegressorsOf(const Posterior& posterior, const Eigen::MatrixXd& values,
+                        const Eigen::MatrixXd& finer_factors) {
   Eigen::MatrixXd coordinates = values.transpose();
   for (Eigen::Index i = 0; i < coordinates.cols(); ++i) {
     const PosteriorParameter& parameter = posterior.parameters[static_cast<std::size_t>(i)];
     for (double& value : coordinates.col(i)) value = parameter.ToCoordinate(value);
   }
-  coordinates.rowwise() -= coordinates.colwise().mean().eval();
   Regressors regressors;
+  regressors.parameters = BasisOf(coordinates);
+  coordinates.rowwise() -= coordinates.colwise().mean().eval();
   regressors.each = coordinates;
   for (auto column : regressors.each.colwise()) column.normalize();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(coordinates);
-  regressors.basis = qr.householderQ() * Eigen::MatrixXd::Identity(coordinates.rows(), qr.rank());
+  regressors.finer = BasisOf(finer_factors);
   return regressors;
 }
 
@@ -158,11 +235,14 @@ void AddShares(const Regressors& regressors, const Eigen::MatrixXd& draws, Eigen
   const double total = centred.squaredNorm();
   prediction->spread[frame] = std::sqrt(total / static_cast<double>(draws.rows() * (num_draws - 1)));
   SpreadShares* shares = &prediction->shares;
-  shares->parameters[frame] =
-      ExplainedShare((centred * regressors.basis).squaredNorm(), total, regressors.basis.cols(), num_draws);
-  shares->rest[frame] = 1.0 - shares->parameters[frame];
+  const auto share = [&](const Eigen::MatrixXd& basis) {
+    return ExplainedShare((centred * basis).squaredNorm(), total, basis.cols(), num_draws);
+  };
+  shares->parameters[frame] = share(regressors.parameters);
+  shares->finer[frame] = share(regressors.finer);
+  shares->rest[frame] = std::max(1.0 - shares->parameters[frame] - shares->finer[frame], 0.0);
   for (Eigen::Index i = 0; i < regressors.each.cols(); ++i) {
-    shares->each(frame, i) = ExplainedShare((centred * regressors.each.col(i)).squaredNorm(), total, 1, num_draws);
+    shares->each(frame, i) = share(regressors.each.col(i));
   }
 }
 
@@ -211,6 +291,7 @@ Prediction Predict(const Scene& scene, const Posterior& posterior, const Predict
   std::vector<Draw> draws = RollAll(sampler, options);
   Prediction prediction;
   prediction.has_force = sampler.has_force();
+  const FinerChanges finer = sampler.RollFiner(&prediction.no_step, &prediction.no_mesh);
   std::vector<Eigen::Index> kept;
   for (std::size_t d = 0; d < draws.size(); ++d) {
     if (draws[d].failure.empty()) {
@@ -226,13 +307,17 @@ Prediction Predict(const Scene& scene, const Posterior& posterior, const Predict
                                    " rollouts failed, expected at least " + std::to_string(kLeastDraws) +
                                    " that do not: " + prediction.failure);
   }
-  const Regressors regressors = RegressorsOf(posterior, sampler.values()(Eigen::all, kept));
+  Eigen::MatrixXd factors = FinerFactors(options)(kept, Eigen::all);
+  if (finer.step.size() == 0) factors.col(0).setZero();
+  if (finer.mesh.size() == 0) factors.col(1).setZero();
+  const Regressors regressors = RegressorsOf(posterior, sampler.values()(Eigen::all, kept), factors);
   const Eigen::Index num_frames = sampler.frame_steps().size(), num_rows = scene.initial_positions.size();
   prediction.times = scene.start_time + (scene.time_step * sampler.frame_steps().array());
   for (Eigen::MatrixXd& quantile : prediction.quantiles) quantile.resize(num_rows, num_frames);
   prediction.spread.setZero(num_frames);
   prediction.moved.setZero(num_frames);
   prediction.shares.parameters.setZero(num_frames);
+  prediction.shares.finer.setZero(num_frames);
   prediction.shares.rest.setZero(num_frames);
   prediction.shares.each.setZero(num_frames, regressors.each.cols());
   const std::vector<int> free = FreeCoordinates(scene);
@@ -241,6 +326,8 @@ Prediction Predict(const Scene& scene, const Posterior& posterior, const Predict
     for (Eigen::Index d = 0; d < in_frame.cols(); ++d) {
       in_frame.col(d) = draws[static_cast<std::size_t>(kept[static_cast<std::size_t>(d)])].positions.col(frame);
     }
+    if (finer.step.size() > 0) in_frame += finer.step.col(frame) * factors.col(0).transpose();
+    if (finer.mesh.size() > 0) in_frame += finer.mesh.col(frame) * factors.col(1).transpose();
     if (!free.empty()) AddShares(regressors, in_frame(free, Eigen::all), frame, &prediction);
     const Eigen::MatrixXd bands = BandsOf(in_frame);
     for (std::size_t q = 0; q < kBandQuantiles.size(); ++q) {

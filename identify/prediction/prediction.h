@@ -1,9 +1,13 @@
 // A motion that nobody has seen, simulated with what a fit has learnt, and how far that may be off.
 //
 // Every draw is a rollout of the scene with parameters of the posterior (identify/prediction/posterior.h) and, where
-// the fit has found a force that its model lacks, a draw of such a force (identify/prediction/random_force.h). The
-// quantile p of D draws is between those of rank floor(p (D + 1)) and the next, so that in the mean over draws so much
-// of what follows lies below it: bands of 90 % need 19 draws.
+// the fit has found a force that its model lacks, a draw of such a force (identify/prediction/random_force.h). What
+// step and mesh of the scene itself do, nobody has fitted: rollouts of the estimates with half the step, and on a mesh
+// of twice the density, differ from one without by d_s and d_m of every node and time, and a draw moves by
+//   e_s d_s + e_m d_m,   e_s, e_m of a normal distribution of variance one.
+//
+// The quantile p of D draws is between those of rank floor(p (D + 1)) and the next, so that in the mean over draws so
+// much of what follows lies below it: bands of 90 % need 19 draws.
 //
 // Shares tell what makes the spread. Of every coordinate and time the draws are regressed on the coordinates q of the
 // parameters; what p regressors explain of anything, p/(D - 1), is taken off.
@@ -31,9 +35,10 @@ inline constexpr std::array<double, 5> kBandQuantiles = {0.05, 0.25, 0.5, 0.75, 
 struct PredictionOptions {
   int num_draws = 50;
   std::uint64_t seed = 1;
-  bool with_force = true;   // what the model lacks, where the fit has found it
-  double frame_rate = 0.0;  // Hz; 0: a frame per step
-  int num_threads = 1;      // that run rollouts side by side; the result does not depend on them
+  bool with_force = true;                   // what the model lacks, where the fit has found it
+  bool with_step = true, with_mesh = true;  // what those of the scene are off by
+  double frame_rate = 0.0;                  // Hz; 0: a frame per step
+  int num_threads = 1;                      // that run rollouts side by side; the result does not depend on them
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(int num_done)> on_rollout = {};  // never two at a time
 };
@@ -45,6 +50,7 @@ Eigen::MatrixXd BandsOf(const Eigen::MatrixXd& draws);
 struct SpreadShares {
   Eigen::VectorXd parameters;  // of all parameters together
   Eigen::MatrixXd each;        // [T x p] what would go if that one were known; correlated ones share what they have
+  Eigen::VectorXd finer;       // of step and mesh of the scene
   Eigen::VectorXd rest;        // of the force, and what is not linear in the parameters
 };
 
@@ -57,6 +63,8 @@ struct Prediction {
   int num_draws = 0, num_failed = 0;  // those that failed are in no number
   std::string failure;                // of the first that failed; empty: none
   bool has_force = false;
+  // Why the error of step or mesh of the scene is not known, though it was asked for; empty: it is.
+  std::string no_step, no_mesh;
 
   const Eigen::MatrixXd& median() const { return quantiles[2]; }
   // s: until when the median is nearer to what the draws do than the cloth at rest, its start, is. Infinite: to the

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <utility>
 #include <vector>
 
 #include "datasets/synthetic/synthetic.h"
@@ -33,7 +34,7 @@ void PrintDrawn(const Posterior& posterior, bool has_force) {
               << NumberText(posterior.force->time, 2) << " s over " << NumberText(posterior.force->length, 2)
               << " m, drawn\n";
   } else {
-    std::cout << "the fit has told no force that it lacks: bands are of parameters alone\n";
+    std::cout << "the fit tells no force that it lacks\n";
   }
 }
 
@@ -47,7 +48,8 @@ void PrintFrame(const Posterior& posterior, const Prediction& prediction, Eigen:
     each.push_back(posterior.parameters[i].name + " " + PercentText(shares.each(frame, static_cast<Eigen::Index>(i))));
   }
   if (each.size() > 1) std::cout << " (" << JoinWords(each) << " by itself)";
-  std::cout << ", " << (prediction.has_force ? "model " : "not linear ") << PercentText(shares.rest[frame]) << "\n";
+  std::cout << ", step and mesh " << PercentText(shares.finer[frame])
+            << (prediction.has_force ? ", model " : ", not linear ") << PercentText(shares.rest[frame]) << "\n";
 }
 
 void PrintPrediction(const Posterior& posterior, const Prediction& prediction) {
@@ -57,6 +59,9 @@ void PrintPrediction(const Posterior& posterior, const Prediction& prediction) {
     std::cout << "; " << prediction.num_failed << " failed and count nowhere, the first: " << prediction.failure;
   }
   std::cout << "\n";
+  for (const auto& [what, why] : {std::pair("step", prediction.no_step), std::pair("mesh", prediction.no_mesh)}) {
+    if (!why.empty()) std::cout << "the error of the " << what << " counts nowhere: " << why << "\n";
+  }
   constexpr int kTimes = 4;
   const Eigen::Index last = prediction.times.size() - 1;
   for (int i = 1; i <= kTimes; ++i) PrintFrame(posterior, prediction, (i * last + kTimes - 1) / kTimes);

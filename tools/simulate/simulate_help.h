@@ -31,15 +31,25 @@ inline constexpr char kHelp[] = R"(simulate: makes a recording with known parame
                      sensor at the gripper tells them
   --force_sigma S    Gaussian noise on every component of them, standard
                      deviation, N (0)
-  --seed S           of markers, noise, drops, clouds and forces (1)
+  --result FILE      result.json of a fit, by which another motion is predicted:
+                     rollouts with parameters drawn from what the fit knows of
+                     them, and with the force that its model lacks. --output
+                     gets the median
+  --draws N          of so many rollouts (50)
+  --bands FILE       bands.npz, the quantiles 5, 25, 50, 75 and 95 % of every
+                     node and time
+  --seed S           of markers, noise, drops, clouds, forces and draws (1)
   --threads N        that share the work of a step, a gain from some thousand
-                     nodes on; the motion does not depend on it (1)
+                     nodes on, or that run the rollouts of --result side by
+                     side; the motion does not depend on it (1)
   --help all         every flag, the names of parameters, exit codes
   --version
 
 Example:
   simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 \
     --noise 0.001 --output /tmp/drape.motion.bin
+  simulate --scene other.scene.json --result fit/result.json --bands bands.npz \
+    --output predicted.bin
 )";
 
 inline constexpr char kMoreHelp[] = R"(

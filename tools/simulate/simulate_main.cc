@@ -196,6 +196,8 @@ int RunPrediction(const Scene& scene, const std::string& scene_text) {
   options.frame_rate = FLAGS_frame_rate;
   options.num_threads = FLAGS_threads;
   options.cancel = &CatchInterrupts();
+  CheckRolloutMemory(FLAGS_scene, static_cast<double>(FLAGS_threads) * scene.mesh.num_nodes(), scene.num_steps(),
+                     scene.integrator);
   CheckFileCanBeWritten(FLAGS_output);
   if (!FLAGS_bands.empty()) CheckFileCanBeWritten(FLAGS_bands);
   if (!FLAGS_view.empty()) CheckPageOutput("--view", FLAGS_view);

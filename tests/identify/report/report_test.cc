@@ -62,6 +62,7 @@ TEST(ReportTest, ResultHasItsSchema) {
                                                   "usable",
                                                   "verdict",
                                                   "parameters",
+                                                  "cloth",
                                                   "rmse_m",
                                                   "fit_percent",
                                                   "holdout",

@@ -1,0 +1,143 @@
+// What result.json says of a fit, as a distribution, and what another scene can do with it.
+#include "identify/prediction/posterior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/costs/synthetic_motion.h"
+#include "tests/expect_error.h"
+#include "tests/identify/prediction/result_text.h"
+#include "tests/temporary_folder.h"
+
+namespace clothid::posterior_test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json Fit() {
+  Json json = ResultText({{"k_stretch", {100.0, 2.0, 3.0}}, {"mu", {0.3, 0.01, 1.0, false}}});
+  json["uncertainty"]["correlation"]["k_stretch"]["mu"] = 0.5;
+  json["uncertainty"]["correlation"]["mu"]["k_stretch"] = 0.5;
+  return json;
+}
+
+class PosteriorTest : public testing::Test {
+ protected:
+  Posterior Read(const Json& json) const { return ReadPosterior(folder_.Write("result.json", json.dump(2))); }
+  void ExpectRefused(const Json& json, std::initializer_list<const char*> fragments) const {
+    ExpectError([&] { Read(json); }, ErrorKind::kBadData, fragments);
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(PosteriorTest, NoiseIsCorrelatedAndTheRestOfAnIntervalIsNot) {
+  const Posterior posterior = Read(Fit());
+  ASSERT_EQ(posterior.parameters.size(), 2u);
+  EXPECT_EQ(posterior.parameters[0].name, "k_stretch");
+  const Eigen::MatrixXd& covariance = posterior.covariance;
+  EXPECT_NEAR(covariance(0, 0), std::pow(3.0 * 0.02, 2), 1e-12);
+  EXPECT_NEAR(covariance(1, 1), 1e-4, 1e-12);
+  EXPECT_NEAR(covariance(0, 1), 0.5 * 0.02 * 0.01, 1e-12) << "of the noise alone";
+}
+
+TEST_F(PosteriorTest, WhatHasNoIntervalIsHeld) {
+  Json json = Fit();
+  json["parameters"]["mu"]["lower95"] = nullptr;
+  json["parameters"]["mu"]["std"] = nullptr;
+  const Posterior posterior = Read(json);
+  ASSERT_EQ(posterior.parameters.size(), 1u);
+  EXPECT_EQ(posterior.held.at("mu"), 0.3);
+}
+
+TEST_F(PosteriorTest, WhatBelongsToARecordingIsLeftOut) {
+  Json json = Fit();
+  for (const char* name : {"drag@2", "shift.x", "wind.x.3"}) json["parameters"][name] = json["parameters"]["mu"];
+  const Posterior posterior = Read(json);
+  EXPECT_EQ(posterior.parameters.size(), 2u);
+  EXPECT_EQ(posterior.left_out, (std::vector<std::string>{"drag@2", "shift.x", "wind.x.3"}));
+}
+
+TEST_F(PosteriorTest, DrawsHaveTheCovarianceAndDependOnSeedAndNumberAlone) {
+  const Posterior posterior = Read(Fit());
+  const Eigen::MatrixXd draws = DrawParameters(posterior, 4000, 1);
+  EXPECT_EQ(DrawParameters(posterior, 50, 1), draws.leftCols(50));
+  EXPECT_NE(DrawParameters(posterior, 50, 2), draws.leftCols(50));
+  Eigen::MatrixXd q = draws;
+  q.row(0) = draws.row(0).array().log();
+  q.colwise() -= q.rowwise().mean().eval();
+  const Eigen::MatrixXd covariance = q * q.transpose() / 3999.0;
+  EXPECT_NEAR(covariance(0, 0), posterior.covariance(0, 0), 0.1 * posterior.covariance(0, 0));
+  EXPECT_NEAR(covariance(1, 1), posterior.covariance(1, 1), 0.1 * posterior.covariance(1, 1));
+  EXPECT_NEAR(covariance(0, 1), posterior.covariance(0, 1), 4e-5);
+}
+
+TEST_F(PosteriorTest, DrawsStayWithinBounds) {
+  const Posterior posterior = Read(ResultText({{"mu", {0.01, 0.05, 1.0, false}}}));
+  const Eigen::MatrixXd draws = DrawParameters(posterior, 200, 1);
+  EXPECT_EQ(draws.minCoeff(), 0.0);
+}
+
+TEST_F(PosteriorTest, RefusesResultsWithoutIntervals) {
+  Json json = Fit();
+  json["schema"] = "clothid.fabric/1";
+  ExpectRefused(json, {"result.json:", "key 'schema'", "expected \"clothid.result/1\""});
+  json = Fit();
+  json["status"] = "interrupted";
+  ExpectRefused(json, {"key 'status'", "expected \"converged\"", "got \"interrupted\""});
+  json = Fit();
+  json["uncertainty"] = nullptr;
+  ExpectRefused(json, {"key 'uncertainty'", "with intervals"});
+  json = Fit();
+  json["fields"] = Json::object();
+  ExpectRefused(json, {"key 'fields'", "without fields"});
+  json = Fit();
+  json["uncertainty"]["correlation"].erase("mu");
+  ExpectRefused(json, {"mu", "expected an object"});
+  json = ResultText({{"mu", {0.3, 0.01, 1.0, false}}});
+  json["parameters"]["mu"]["std"] = nullptr;
+  ExpectRefused(json, {"key 'parameters'", "with an interval"});
+}
+
+TEST_F(PosteriorTest, RefusesScenesOfAnotherCloth) {
+  const auto refuse = [&](const Json& json, const Scene& scene, std::initializer_list<const char*> fragments) {
+    Posterior posterior = Read(json);
+    ExpectError([&] { FitToScene(scene, "other.json", &posterior); }, ErrorKind::kBadData, fragments);
+  };
+  refuse(ResultText({{"k_warp", {100.0, 2.0}}}), SwingScene(), {"key 'parameters.k_warp'", "other.json has"});
+  refuse(ResultText({{"mu.table", {0.3, 0.01, 1.0, false}}}), SphereScene(), {"key 'parameters.mu.table'"});
+  Json json = Fit();
+  json["cloth"]["membrane"] = "yarn";
+  refuse(json, SwingScene(), {"key 'parameters.k_stretch'", "membrane \"yarn\"", "expected \"arap\""});
+  json = ResultText({{"k_bend", {1e-4, 1e-5}}});
+  json["cloth"]["bending"] = "edges";
+  refuse(json, SwingScene(), {"key 'parameters.k_bend'", "by \"edges\"", "expected \"patches\""});
+}
+
+TEST_F(PosteriorTest, FrictionSaysNothingWhereNothingIsTouched) {
+  Posterior posterior = Read(Fit());
+  FitToScene(SphereScene(), "other.json", &posterior);
+  EXPECT_EQ(posterior.parameters.size(), 2u);
+  FitToScene(SwingScene(), "other.json", &posterior);
+  ASSERT_EQ(posterior.parameters.size(), 1u);
+  EXPECT_EQ(posterior.left_out, std::vector<std::string>{"mu"});
+  ASSERT_EQ(posterior.covariance.rows(), 1);
+  EXPECT_NEAR(posterior.covariance(0, 0), std::pow(0.06, 2), 1e-12);
+}
+
+TEST_F(PosteriorTest, AForceThatLastsIsRead) {
+  Json json = Fit();
+  json["assimilation"] = AssimilationText(0.1, 0.05, 0.2);
+  const Posterior posterior = Read(json);
+  ASSERT_TRUE(posterior.force.has_value());
+  EXPECT_EQ(posterior.force->size, 0.1);
+  EXPECT_EQ(posterior.force->time, 0.05);
+  EXPECT_EQ(posterior.force->length, 0.2);
+  json["assimilation"] = AssimilationText(0.0, 0.0, 0.0);
+  EXPECT_FALSE(Read(json).force.has_value());
+}
+
+}  // namespace
+}  // namespace clothid::posterior_test

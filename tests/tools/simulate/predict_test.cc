@@ -1,0 +1,85 @@
+// `simulate --result`: predictions of a scene by a fit, and what is refused of them.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "datasets/motion/motion_file.h"
+#include "tests/identify/prediction/result_text.h"
+#include "tests/tools/tool_test.h"
+
+namespace clothid::predict_test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class PredictTest : public ToolTest {
+ protected:
+  PredictTest() {
+    scene_ = WriteScene(SphereScene());
+    Json fit = ResultText({{"k_stretch", {100.0, 2.0}}, {"mu", {0.3, 0.01, 1.0, false}}});
+    WriteBytes(folder() / "alone.json", fit.dump(2));
+    fit["assimilation"] = AssimilationText(0.05, 0.03, 0.1);
+    WriteBytes(folder() / "result.json", fit.dump(2));
+  }
+
+  std::string Command(const std::string& flags) const {
+    return "simulate --scene " + scene_ + " --output out.bin --draws 20 " + flags;
+  }
+
+ private:
+  std::string scene_;
+};
+
+TEST_F(PredictTest, WritesTheMedianAndTheBands) {
+  const ToolResult result = Run(Command("--result result.json --bands bands.npz --view page.html"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  for (const char* part : {"drawn           k_stretch and mu", "lacks a force of 0.05 N/m^2", "rollouts        20",
+                           "at 0.05 s: +- ", "more than the cloth at rest"}) {
+    EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
+  }
+  const MotionTensors median = ReadMotionTensors((folder() / "out.bin").string());
+  EXPECT_EQ(median.positions.rows(), 48);
+  EXPECT_EQ(median.positions.cols(), 6);
+  EXPECT_EQ(median.provenance, "predicted: the median of 20 rollouts, seed 1");
+  const ToolResult archive =
+      Run("python3 -c \"import zipfile; a = zipfile.ZipFile('bands.npz'); print(a.testzip(), "
+          "len(a.read('positions.npy')))\"");
+  EXPECT_EQ(archive.out, "None " + std::to_string(128 + 8 * 5 * 6 * 48) + "\n") << archive.err;
+}
+
+TEST_F(PredictTest, ThreadsChangeNoByte) {
+  ExpectSuccess(Command("--result result.json --bands one.npz --seed 7"));
+  const std::string median = ReadBytes(folder() / "out.bin");
+  ExpectSuccess(Command("--result result.json --bands two.npz --seed 7 --threads 3"));
+  EXPECT_EQ(ReadBytes(folder() / "out.bin"), median);
+  EXPECT_EQ(ReadBytes(folder() / "two.npz"), ReadBytes(folder() / "one.npz"));
+}
+
+TEST_F(PredictTest, SaysWhereTheModelLacksNoForce) {
+  const ToolResult result = Run(Command("--result alone.json"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("tells no force that it lacks"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("not linear"), std::string::npos) << result.out;
+}
+
+TEST_F(PredictTest, RefusesWhatPredictsNothing) {
+  const std::string command = Command("--result result.json ");
+  ExpectRefused(Command("--bands b.npz"), 1, "expected with --result");
+  ExpectRefused(command + "--noise 0.001", 1, "--noise: expected without --result");
+  ExpectRefused(command + "--set mu=0.1", 1, "--set: expected without --result");
+  ExpectRefused(command + "--draws 5", 1, "--draws: expected a number from 19 to 10000");
+  ExpectRefused(command + "--bands out.bin", 1, "--bands: out.bin: expected another file than --output");
+  ExpectRefused(command + "--bands result.json", 1, "result.json: would replace an input");
+  ExpectRefused(command + "--bands absent/b.npz", 1, "absent/b.npz: cannot be written");
+  ExpectRefused(Command("--result absent.json"), 1, "absent.json");
+  WriteBytes(folder() / "card.json", R"({"schema": "clothid.fabric/1"})");
+  ExpectRefused(Command("--result card.json"), 2, "card.json:1: key 'schema': expected \"clothid.result/1\"");
+  WriteBytes(folder() / "warp.json", ResultText({{"k_warp", {100.0, 2.0}}}).dump());
+  ExpectRefused(Command("--result warp.json"), 2,
+                "warp.json: key 'parameters.k_warp': expected a parameter that scene.json has");
+}
+
+}  // namespace
+}  // namespace clothid::predict_test
