@@ -31,25 +31,17 @@ inline constexpr char kHelp[] = R"(simulate: makes a recording with known parame
                      sensor at the gripper tells them
   --force_sigma S    Gaussian noise on every component of them, standard
                      deviation, N (0)
-  --result FILE      result.json of a fit, by which another motion is predicted:
-                     rollouts with parameters drawn from what the fit knows of
-                     them, and with the force that its model lacks. --output
-                     gets the median
-  --draws N          of so many rollouts (50)
-  --bands FILE       bands.npz, the quantiles 5, 25, 50, 75 and 95 % of every
-                     node and time
+  --result FILE      the result.json of a fit predicts this motion, with bands:
+                     see --help all
   --seed S           of markers, noise, drops, clouds, forces and draws (1)
   --threads N        that share the work of a step, a gain from some thousand
-                     nodes on, or that run the rollouts of --result side by
-                     side; the motion does not depend on it (1)
+                     nodes on; the motion does not depend on it (1)
   --help all         every flag, the names of parameters, exit codes
   --version
 
 Example:
   simulate --scene datasets/drape.scene.json --set mu=0.3,k_stretch=300 \
     --noise 0.001 --output /tmp/drape.motion.bin
-  simulate --scene other.scene.json --result fit/result.json --bands bands.npz \
-    --output predicted.bin
 )";
 
 inline constexpr char kMoreHelp[] = R"(
@@ -66,6 +58,15 @@ The recording:
   --force_rate HZ    readings per second; 0: one per frame (0)
   --force_bias X,Y,Z what every sensor is off by, N (0,0,0)
   --force_nodes LIST the handles that each sensor holds, as in 0,1:4,5 (all of them one sensor)
+
+A prediction:
+  --result FILE      rollouts with parameters drawn from what a fit knows of them, with the force that its model lacks
+                     and the error of step and mesh; --output gets their median. With --scene, --output, --view,
+                     --fabric, --frame_rate, --seed and --threads, which run rollouts side by side
+  --draws N          so many rollouts (50)
+  --bands FILE       the quantiles 5, 25, 50, 75 and 95 % of every node and time, bands.npz for NumPy
+
+  simulate --scene other.scene.json --result fit/result.json --bands bands.npz --output predicted.bin
 
 A laboratory:
   --sensor FILE      writes what its camera would have seen instead of a recording: the cloth simulated on a grid of
