@@ -35,6 +35,14 @@ void ExpectFit(const JsonNode& root) {
   }
 }
 
+// The first line of the verdict, where it says that the fit must not be used.
+std::string WarningOf(const JsonNode& root) {
+  const auto usable = root.Find("usable");
+  if (!usable || usable->String() != "no") return "";
+  const std::vector<JsonNode> lines = root.Require("verdict", "an array of lines").items();
+  return lines.empty() ? "do not use" : Printable(lines.front().String());
+}
+
 // "drag@2", "shift.x", "wind.x.3" of --wind_profile.
 bool IsOfOneRecording(const std::string& name) {
   if (BaseName(name) != name) return true;
@@ -194,6 +202,7 @@ Posterior ReadPosterior(const std::string& path) {
   ExpectFit(root);
   Posterior posterior;
   posterior.path = path;
+  posterior.warning = WarningOf(root);
   ReadParameters(root, &posterior);
   posterior.force = ReadLastingForce(root);
   posterior.membrane = ReadLaw(root, "membrane");

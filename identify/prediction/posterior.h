@@ -34,6 +34,7 @@ struct PosteriorParameter {
 
 struct Posterior {
   std::string path;                            // for messages
+  std::string warning;                         // the verdict of a fit that must not be used; empty: it may be
   std::vector<PosteriorParameter> parameters;  // [p] those with an interval
   Eigen::MatrixXd covariance;                  // [p x p] of q
   std::map<std::string, double> held;          // estimates without an interval: frozen, at a bound, not identifiable

@@ -193,10 +193,10 @@ void ExpectOptions(const Scene& scene, const PredictionOptions& options) {
                   std::to_string(kMaxTrackBytes >> 20) + " MB: fewer draws, or a lower --frame_rate");
 }
 
-// Orthonormal bases of centred columns: the coordinates of the parameters [D x p], each of them by itself, and what is
-// taken of step and mesh [D x 2].
+// Orthonormal bases of centred columns: the coordinates of the parameters [D x p], each of them by itself, and they
+// with what is taken of step and mesh [D x (p + 2)].
 struct Regressors {
-  Eigen::MatrixXd parameters, each, finer;
+  Eigen::MatrixXd parameters, each, all;
 };
 
 Eigen::MatrixXd BasisOf(Eigen::MatrixXd columns) {
@@ -217,7 +217,9 @@ Regressors RegressorsOf(const Posterior& posterior, const Eigen::MatrixXd& value
   coordinates.rowwise() -= coordinates.colwise().mean().eval();
   regressors.each = coordinates;
   for (auto column : regressors.each.colwise()) column.normalize();
-  regressors.finer = BasisOf(finer_factors);
+  Eigen::MatrixXd all(coordinates.rows(), coordinates.cols() + finer_factors.cols());
+  all << regressors.each, finer_factors;
+  regressors.all = BasisOf(all);
   return regressors;
 }
 
@@ -239,8 +241,9 @@ void AddShares(const Regressors& regressors, const Eigen::MatrixXd& draws, Eigen
     return ExplainedShare((centred * basis).squaredNorm(), total, basis.cols(), num_draws);
   };
   shares->parameters[frame] = share(regressors.parameters);
-  shares->finer[frame] = share(regressors.finer);
-  shares->rest[frame] = std::max(1.0 - shares->parameters[frame] - shares->finer[frame], 0.0);
+  const double by_all = share(regressors.all);
+  shares->finer[frame] = std::max(by_all - shares->parameters[frame], 0.0);
+  shares->rest[frame] = 1.0 - std::max(by_all, shares->parameters[frame]);
   for (Eigen::Index i = 0; i < regressors.each.cols(); ++i) {
     shares->each(frame, i) = share(regressors.each.col(i));
   }

@@ -10,7 +10,7 @@
 // much of what follows lies below it: bands of 90 % need 19 draws.
 //
 // Shares tell what makes the spread. Of every coordinate and time the draws are regressed on the coordinates q of the
-// parameters; what p regressors explain of anything, p/(D - 1), is taken off.
+// parameters, and on these with e_s and e_m; what p regressors explain of anything, p/(D - 1), is taken off.
 #ifndef CLOTHID_IDENTIFY_PREDICTION_PREDICTION_H_
 #define CLOTHID_IDENTIFY_PREDICTION_PREDICTION_H_
 

@@ -76,6 +76,9 @@ int PredictScene(const ScenePart& part, const std::string& result_path, Predicti
                  MotionTensors* median, std::string* bands) {
   Posterior posterior = ReadPosterior(result_path);
   FitToScene(part.scene, part.path, &posterior);
+  if (!posterior.warning.empty()) {
+    std::cerr << "simulate: warning: " << result_path << ": the fit says: " << posterior.warning << "\n";
+  }
   Prediction prediction;
   {
     CountProgress progress(&std::cerr, isatty(STDERR_FILENO) != 0, "rollouts", CountProgress::End::kQuiet);

@@ -64,6 +64,16 @@ TEST_F(PredictTest, SaysWhereTheModelLacksNoForce) {
   EXPECT_NE(result.out.find("not linear"), std::string::npos) << result.out;
 }
 
+TEST_F(PredictTest, WarnsOfFitsThatMustNotBeUsed) {
+  Json fit = ResultText({{"k_stretch", {100.0, 2.0}}});
+  fit["usable"] = "no";
+  fit["verdict"] = {"do not use: the fit is negative", "another line"};
+  WriteBytes(folder() / "bad.json", fit.dump());
+  const ToolResult result = Run(Command("--result bad.json"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "simulate: warning: bad.json: the fit says: do not use: the fit is negative\n");
+}
+
 TEST_F(PredictTest, RefusesWhatPredictsNothing) {
   const std::string command = Command("--result result.json ");
   ExpectRefused(Command("--bands b.npz"), 1, "expected with --result");
