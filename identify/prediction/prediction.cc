@@ -282,8 +282,11 @@ Eigen::MatrixXd BandsOf(const Eigen::MatrixXd& draws) {
 }
 
 double Prediction::WorthUntil() const {
+  double missed = 0.0, missed_at_rest = 0.0;
   for (Eigen::Index frame = 1; frame < times.size(); ++frame) {
-    if (spread[frame] > 0.0 && spread[frame] >= moved[frame]) return times[frame];
+    missed += spread[frame] * spread[frame];
+    missed_at_rest += moved[frame] * moved[frame];
+    if (missed > 0.0 && missed >= missed_at_rest) return times[frame];
   }
   return std::numeric_limits<double>::infinity();
 }

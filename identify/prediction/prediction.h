@@ -67,8 +67,8 @@ struct Prediction {
   std::string no_step, no_mesh;
 
   const Eigen::MatrixXd& median() const { return quantiles[2]; }
-  // s: until when the median is nearer to what the draws do than the cloth at rest, its start, is. Infinite: to the
-  // end.
+  // s: until when, over the time so far, the median has been nearer to what the draws do than the cloth at rest, its
+  // start, as root mean squares. Infinite: to the end.
   double WorthUntil() const;
 };
 

@@ -53,6 +53,17 @@ TEST(PredictionTest, QuantilesBetweenDrawsAreInterpolated) {
   EXPECT_NEAR(bands(0, 4), 48.45, 1e-12);
 }
 
+// A cloth that swings passes its start: that is no end.
+TEST(PredictionTest, APredictionIsWorthSomethingWhileItMissesLessThanRest) {
+  Prediction prediction;
+  prediction.times = Eigen::VectorXd::LinSpaced(5, 0.0, 0.4);
+  prediction.moved = (Eigen::VectorXd(5) << 0.0, 2.0, 0.0, 2.0, 0.0).finished();
+  prediction.spread = (Eigen::VectorXd(5) << 0.0, 1.0, 1.0, 1.0, 1.0).finished();
+  EXPECT_TRUE(std::isinf(prediction.WorthUntil()));
+  prediction.spread[3] = 3.0;
+  EXPECT_NEAR(prediction.WorthUntil(), 0.3, 1e-12);
+}
+
 TEST(PredictionTest, ThreadsChangeNothing) {
   Posterior posterior = Small();
   posterior.force = LastingForce{0.05, 0.03, 0.1};
