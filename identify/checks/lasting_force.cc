@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/cloth/cloth_model.h"
 #include "sim/shell/triangle_element.h"
 
 namespace clothid {

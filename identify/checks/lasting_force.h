@@ -10,9 +10,9 @@
 
 #include <Eigen/Core>
 
-#include "sim/cloth/cloth_model.h"
-
 namespace clothid {
+
+class ClothModel;
 
 struct LastingForce {
   double size = 0.0;    // N/m^2, the standard deviation of one axis; 0: nothing lasts
