@@ -29,10 +29,10 @@ void PrintDrawn(const Posterior& posterior, bool has_force) {
   if (!held.empty()) std::cout << "; as if known, for want of an interval: " << JoinWords(held);
   if (!posterior.left_out.empty()) std::cout << "; of no use here: " << JoinWords(posterior.left_out);
   std::cout << "\nmodel           ";
-  if (has_force) {
+  if (posterior.force) {
     std::cout << "lacks a force of " << NumberText(posterior.force->size, 3) << " N/m^2 that lasts "
               << NumberText(posterior.force->time, 2) << " s over " << NumberText(posterior.force->length, 2)
-              << " m, drawn\n";
+              << (has_force ? " m, drawn\n" : " m, not drawn\n");
   } else {
     std::cout << "the fit tells no force that it lacks\n";
   }

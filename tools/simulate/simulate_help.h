@@ -64,6 +64,7 @@ A prediction:
                      and the error of step and mesh; --output gets their median. With --scene, --output, --view,
                      --fabric, --frame_rate, --seed and --threads, which run rollouts side by side
   --draws N          so many rollouts (50)
+  --sources LIST     what spreads them beside parameters (force,step,mesh); parameters: nothing
   --bands FILE       the quantiles 5, 25, 50, 75 and 95 % of every node and time, bands.npz for NumPy
 
   simulate --scene other.scene.json --result fit/result.json --bands bands.npz --output predicted.bin

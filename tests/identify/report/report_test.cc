@@ -56,32 +56,14 @@ TEST(ReportTest, ResultHasItsSchema) {
   checks.gradient_check = GradientCheck{1e-12, 1e-7};
   checks.holdout = Holdout{0.1, std::numeric_limits<double>::quiet_NaN(), "nominal: failed"};
   const Json json = Json::parse(ResultJson(summary, checks, motions));
-  EXPECT_EQ(Keys(json), (std::vector<std::string>{"schema",
-                                                  "status",
-                                                  "exit_code",
-                                                  "usable",
-                                                  "verdict",
-                                                  "parameters",
-                                                  "cloth",
-                                                  "rmse_m",
-                                                  "fit_percent",
-                                                  "holdout",
-                                                  "uncertainty",
-                                                  "starts",
-                                                  "profiles",
-                                                  "step_check",
-                                                  "cost",
-                                                  "jacobian",
-                                                  "plan",
-                                                  "iterations",
-                                                  "rollouts",
-                                                  "rollouts_of_first_frames",
-                                                  "sweeps",
-                                                  "failed_steps",
-                                                  "contact_events",
-                                                  "gradient_check",
-                                                  "seconds",
-                                                  "provenance"}));
+  EXPECT_EQ(Keys(json),
+            (std::vector<std::string>{"schema",      "status",       "exit_code",      "usable",
+                                      "verdict",     "parameters",   "cloth",          "rmse_m",
+                                      "fit_percent", "holdout",      "uncertainty",    "starts",
+                                      "profiles",    "step_check",   "cost",           "jacobian",
+                                      "plan",        "iterations",   "rollouts",       "rollouts_of_first_frames",
+                                      "sweeps",      "failed_steps", "contact_events", "gradient_check",
+                                      "seconds",     "provenance"}));
   EXPECT_EQ(json["schema"], "clothid.result/1");
   EXPECT_EQ(json["status"], "converged");
   EXPECT_EQ(json["exit_code"], 0);

@@ -64,6 +64,12 @@ TEST_F(PredictTest, SaysWhereTheModelLacksNoForce) {
   EXPECT_NE(result.out.find("not linear"), std::string::npos) << result.out;
 }
 
+TEST_F(PredictTest, SpreadsByWhatIsAskedFor) {
+  const ToolResult alone = Run(Command("--result result.json --sources parameters"));
+  EXPECT_NE(alone.out.find("not drawn"), std::string::npos) << alone.out << alone.err;
+  EXPECT_NE(alone.out.find("step and mesh 0 %"), std::string::npos) << alone.out;
+}
+
 TEST_F(PredictTest, WarnsOfFitsThatMustNotBeUsed) {
   Json fit = ResultText({{"k_stretch", {100.0, 2.0}}});
   fit["usable"] = "no";
@@ -80,6 +86,7 @@ TEST_F(PredictTest, RefusesWhatPredictsNothing) {
   ExpectRefused(command + "--noise 0.001", 1, "--noise: expected without --result");
   ExpectRefused(command + "--set mu=0.1", 1, "--set: expected without --result");
   ExpectRefused(command + "--draws 5", 1, "--draws: expected a number from 19 to 10000");
+  ExpectRefused(command + "--sources force,luck", 1, "--sources: expected some of parameters, force, step and mesh");
   ExpectRefused(command + "--bands out.bin", 1, "--bands: out.bin: expected another file than --output");
   ExpectRefused(command + "--bands result.json", 1, "result.json: would replace an input");
   ExpectRefused(command + "--bands absent/b.npz", 1, "absent/b.npz: cannot be written");
