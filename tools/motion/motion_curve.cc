@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -103,6 +104,9 @@ TensileStrip StripFromFlags() {
   return strip;
 }
 
+// To a nanometre, so that rounding does not show; never "-0".
+double InMillimetres(double metres) { return std::round(1e9 * metres) / 1e6 + 0.0; }
+
 std::string CurveProvenance(const std::string& input, const CurveTable& table) {
   return "curve of " + std::filesystem::path(input).filename().string() + ", " + table.columns + ", along " +
          FLAGS_direction;
@@ -122,7 +126,7 @@ void PrintCurve(const std::string& output, const CurveTable& table, const Tensil
             << InertiaAtClamp(curve) << " N\n";
   if (curve.has_slack) {
     std::cout << "left out: " << readings(curve.num_slack) << " of slack, before a preload of " << curve.preload
-              << " N; strain counts from an elongation of " << 1e3 * curve.slack << " mm\n";
+              << " N; strain counts from an elongation of " << InMillimetres(curve.slack) << " mm\n";
   } else {
     std::cout << "no slack: the first force is above the preload of " << curve.preload
               << " N; strain counts from an elongation of 0\n";
