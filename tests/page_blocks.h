@@ -3,7 +3,7 @@
 // A block is what stands between lines of ```. Its language says what to do with it:
 //   sh       run by bash, ending at the first command that fails
 //   python   run by python3
-//   json, cpp, cmake   written to the file that the last line of text before it names, as in `scene.json`:
+//   json, csv, cpp, cmake   written to the file that the last line of text before it names, as in `scene.json`:
 //   text     lines that the block before it must have printed, in this order; "..." stands for any number of others
 //   console  not run: it is about the reader's own folders
 #ifndef CLOTHID_TESTS_PAGE_BLOCKS_H_

@@ -1,4 +1,4 @@
-// The tutorial, as a newcomer runs it: every block of identify/tutorial.md, in order, in one empty folder.
+// The tutorials, as a newcomer runs them: every block of a page, in order, in one empty folder.
 // See tests/page_blocks.h for what is done with a block.
 #include <gtest/gtest.h>
 
@@ -12,8 +12,6 @@
 
 namespace clothid::tutorial_test {
 namespace {
-
-constexpr char kTutorial[] = CLOTHID_SOURCE_DIR "/identify/tutorial.md";
 
 class TutorialTest : public ToolTest {
  protected:
@@ -30,36 +28,42 @@ class TutorialTest : public ToolTest {
     const bool is_absent = error.find("No module named 'numpy'") != std::string::npos;
     return "the package python3-numpy is " + (is_absent ? "absent" : "damaged: " + error);
   }
+
+  // Runs the blocks of a page of identify/, at least `least_run` of them, and compares what at least `least_compared`
+  // say that they print.
+  void RunPage(const std::string& name, int least_run, int least_compared) const {
+    std::string python;
+    const std::string missing = FindPython(&python);
+    if (!missing.empty()) GTEST_SKIP() << missing;
+    const std::string page = CLOTHID_SOURCE_DIR "/identify/" + name;
+    ToolResult last;
+    int num_run = 0, num_compared = 0;
+    for (const Block& block : ReadBlocks(ReadBytes(page))) {
+      SCOPED_TRACE(page + ":" + std::to_string(block.line));
+      if (block.language == "json" || block.language == "csv") {
+        ASSERT_NE(FileName(block), "") << "expected the name of the file on the line before";
+        WriteBytes(folder() / FileName(block), block.content);
+      } else if (block.language == "sh" || block.language == "python") {
+        WriteBytes(folder() / "block", block.content);
+        last = Run(block.language == "sh" ? "bash -eu block" : python + " block");
+        ASSERT_EQ(last.exit_code, 0) << last.err;
+        ++num_run;
+      } else if (block.language == "text") {
+        EXPECT_EQ(FirstMissingLine(block.content, last.out), "") << "printed:\n" << last.out << last.err;
+        ++num_compared;
+      } else {
+        EXPECT_EQ(block.language, "console");
+      }
+    }
+    EXPECT_GE(num_run, least_run);
+    EXPECT_GE(num_compared, least_compared);
+    EXPECT_TRUE(std::filesystem::exists(folder() / "result" / "report.html"));
+  }
 };
 
-TEST_F(TutorialTest, RunsAsItStands) {
-  std::string python;
-  const std::string missing = FindPython(&python);
-  if (!missing.empty()) GTEST_SKIP() << missing;
-  const std::vector<Block> blocks = ReadBlocks(ReadBytes(kTutorial));
-  ToolResult last;
-  int num_run = 0, num_compared = 0;
-  for (const Block& block : blocks) {
-    SCOPED_TRACE(std::string(kTutorial) + ":" + std::to_string(block.line));
-    if (block.language == "json") {
-      ASSERT_NE(FileName(block), "") << "expected the name of the file on the line before";
-      WriteBytes(folder() / FileName(block), block.content);
-    } else if (block.language == "sh" || block.language == "python") {
-      WriteBytes(folder() / "block", block.content);
-      last = Run(block.language == "sh" ? "bash -eu block" : python + " block");
-      ASSERT_EQ(last.exit_code, 0) << last.err;
-      ++num_run;
-    } else if (block.language == "text") {
-      EXPECT_EQ(FirstMissingLine(block.content, last.out), "") << "printed:\n" << last.out << last.err;
-      ++num_compared;
-    } else {
-      EXPECT_EQ(block.language, "console");
-    }
-  }
-  EXPECT_GE(num_run, 10);
-  EXPECT_GE(num_compared, 7);
-  EXPECT_TRUE(std::filesystem::exists(folder() / "result" / "report.html"));
-}
+TEST_F(TutorialTest, RunsAsItStands) { RunPage("tutorial.md", 10, 7); }
+
+TEST_F(TutorialTest, OfAFabricRunsAsItStands) { RunPage("fabric_tutorial.md", 9, 9); }
 
 TEST(TutorialBlocksTest, NumbersMayDifferALittleAndWordsMayNot) {
   EXPECT_TRUE(LinesAgree("mu  0.297 (4.38 %), 1 of 2", "mu 0.2971   (4.39 %), 1 of 2"));
