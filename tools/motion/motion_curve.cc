@@ -142,11 +142,12 @@ void PrintCurve(const std::string& output, const CurveTable& table, const Tensil
   const auto is_ok = [](const Finding& finding) { return finding.severity == Severity::kOk; };
   findings.erase(std::remove_if(findings.begin(), findings.end(), is_ok), findings.end());
   std::cout << FindingsTable(findings);
+  // With the offset of the gauge, as the place where the slack ends is told by noisy readings.
   if (strip.direction == PullDirection::kBias) {
     std::cout << "fit it beside curves along warp and weft: identify --target WARP,WEFT," << output << " --fit ..,"
-              << ParametersOfPull(strip) << "\n";
+              << ParametersOfPull(strip) << " --each force_bias.z\n";
   } else {
-    std::cout << "fit it: identify --target " << output << " --fit " << ParametersOfPull(strip) << "\n";
+    std::cout << "fit it: identify --target " << output << " --fit " << ParametersOfPull(strip) << ",force_bias.z\n";
   }
 }
 
