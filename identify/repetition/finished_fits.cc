@@ -84,7 +84,7 @@ void ExpectFinishedFit(const JsonNode& root) {
   const JsonNode schema = root.Require("schema", std::string("\"") + kResultSchema + "\"");
   if (schema.String() != kResultSchema) schema.Fail(std::string("expected \"") + kResultSchema + "\"");
   const JsonNode status = root.Require("status", "how the fit ended");
-  if (status.String() != "converged" && status.String() != "not converged") {
+  if (status.String() != "converged" && status.String() != "not_converged") {
     status.Fail("expected a finished fit of one recording, got '" + Printable(status.String()) + "'");
   }
   if (const std::optional<JsonNode> repetitions = root.Find("repetitions")) {

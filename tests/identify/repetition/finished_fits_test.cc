@@ -68,6 +68,7 @@ TEST_F(FinishedFitsTest, NamesWhatIsMissing) {
 
 TEST_F(FinishedFitsTest, ReadsEstimates) {
   Json unused = ResultJson(70.0);
+  unused["status"] = "not_converged";
   unused["exit_code"] = 6;
   unused["verdict"] = {"do not use: the error is of the size of the cloth"};
   unused["parameters"]["mu"]["std"] = nullptr;
