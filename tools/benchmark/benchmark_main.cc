@@ -71,7 +71,8 @@ constexpr Subcommand kSubcommands[] = {
      RunMode<BackpropOptionsFromFlags, RunBackpropBenchmark, BackpropTable, BackpropCsv>},
     {"accuracy", kAccuracyHelp, "scene settings quantities integrator nodes repeats output",
      RunMode<AccuracyOptionsFromFlags, RunAccuracyBenchmark, AccuracyTable, AccuracyCsv>},
-    {"stability", kStabilityHelp, "settings scene integrator contact k_stretch stiffening steps mu nodes threads output",
+    {"stability", kStabilityHelp,
+     "settings scene integrator contact k_stretch stiffening steps mu nodes threads output",
      RunMode<StabilityOptionsFromFlags, RunStabilityBenchmark, StabilityTable, StabilityCsv>},
 };
 

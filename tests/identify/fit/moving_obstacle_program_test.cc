@@ -90,7 +90,8 @@ TEST_F(MovingObstacleProgramTest, TakesAttachedNodesAlong) {
     ExpectRefused("simulate --scene wrong.json --output x.bin", 2, message);
   };
   expect({{"nodes", {0, 1}}, {"attach", "floor"}}, "handles.attach': expected the name of an obstacle that has a path");
-  expect({{"nodes", {0, 1}}, {"attach", "bar"}, {"path", "bar.csv"}}, "expected one of \"path\", \"poses\" and \"attach\"");
+  expect({{"nodes", {0, 1}}, {"attach", "bar"}, {"path", "bar.csv"}},
+         "expected one of \"path\", \"poses\" and \"attach\"");
 }
 
 TEST_F(MovingObstacleProgramTest, WrongPathsAreOneLineEach) {

@@ -116,7 +116,8 @@ TEST_F(MotionCurveTest, AFitFindsTheLawOfACurve) {
     EXPECT_EQ(made.err, "");
     for (const std::string& words :
          {std::string("left out: 449 readings after the end of the loading"), std::string("readings of slack"),
-          "fit it: identify --target curve.bin --fit k_" + direction + ",stiffening_" + direction + ",force_bias.z\n"}) {
+          "fit it: identify --target curve.bin --fit k_" + direction + ",stiffening_" + direction +
+              ",force_bias.z\n"}) {
       EXPECT_NE(made.out.find(words), std::string::npos) << words << "\n" << made.out;
     }
     const ToolResult check = Run("motion check curve.bin");
