@@ -19,6 +19,7 @@ struct Target {
 
 constexpr std::array kTargets = {
     Target{"curve", &FuzzCurve},
+    Target{"fabric_card", &FuzzFabricCard},
     Target{"flags", &FuzzFlags},
     Target{"handle_csv", &FuzzHandleCsv},
     Target{"import", &FuzzImport},

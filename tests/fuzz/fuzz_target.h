@@ -21,6 +21,7 @@ namespace clothid {
 
 // The targets: each takes an input, and returns 0. <name>_fuzz.cc defines one; fuzz_main.cc knows them by name.
 int FuzzCurve(const std::uint8_t* data, std::size_t size);
+int FuzzFabricCard(const std::uint8_t* data, std::size_t size);
 int FuzzFlags(const std::uint8_t* data, std::size_t size);
 int FuzzHandleCsv(const std::uint8_t* data, std::size_t size);
 int FuzzImport(const std::uint8_t* data, std::size_t size);
