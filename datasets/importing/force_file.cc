@@ -128,6 +128,7 @@ void KeepReadingsWithin(const Eigen::VectorXd& times, ForceReadings* forces) {
   }
   forces->times = forces->times(kept).eval();
   forces->values = forces->values(Eigen::all, kept).eval();
+  if (forces->moments.size() > 0) forces->moments = forces->moments(Eigen::all, kept).eval();
 }
 
 ForceReadings ReadForces(const ForceFile& file, const Eigen::VectorXd& times, double time_shift) {
@@ -169,6 +170,8 @@ void TurnForces(const Eigen::Matrix3d& rotation, const std::string& source, Forc
     if (force.hasNaN()) FailOnData(source, "forces of which a component is not known cannot be turned");
     force = (rotation * force).eval();
   }
+  auto moments = forces->moments.reshaped(3, forces->moments.size() / 3);
+  moments = (rotation * moments).eval();
 }
 
 std::vector<std::vector<int>> ParseForceGroups(const std::string& text, const std::string& flag) {

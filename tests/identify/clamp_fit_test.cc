@@ -58,6 +58,11 @@ TEST_F(ClampFitTest, ARecordingKnowsHowItsJawTurns) {
     }
     EXPECT_EQ(motion.forces.moments.rows(), 3) << name;
   }
+  ASSERT_EQ(Run("motion convert r.bin cut.bin --frames 10:30").exit_code, 0);
+  const RecordedMotion whole = ReadMotion((folder() / "r.bin").string());
+  const RecordedMotion cut = ReadMotion((folder() / "cut.bin").string());
+  EXPECT_EQ(cut.forces.moments, whole.forces.moments.middleCols(10, 20));
+  EXPECT_LE((cut.scene.handles.slopes.At(0.25) - whole.scene.handles.slopes.At(0.25)).norm(), 1e-9);
   EXPECT_NE(Run("motion info r.bin").out.find("handles 3 (moving), clamped at 2 edges"), std::string::npos);
   const ToolResult checked = Run("motion check r.bin");  // it juts out, and swings as stiff as it is
   EXPECT_EQ(checked.out.find("warning"), std::string::npos) << checked.out;
