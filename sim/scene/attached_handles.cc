@@ -63,18 +63,27 @@ class RowTurn {
   Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();
 };
 
-// Where the handles `nodes` are at `time`.
-Eigen::Matrix3Xd PlacesAt(const Scene& scene, const std::vector<int>& nodes, double time) {
-  const Handles& handles = scene.handles;
-  if (handles.path.num_handles() == 0) return InitialPlaces(scene, nodes);
-  const Eigen::VectorXd all = handles.path.At(time);
-  Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(nodes.size()));
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto place = std::find(handles.nodes.begin(), handles.nodes.end(), nodes[i]) - handles.nodes.begin();
-    places.col(static_cast<Eigen::Index>(i)) = all.segment<3>(3 * place);
+// Where some of the handles are over time.
+class HandlePlaces {
+ public:
+  HandlePlaces(const Scene& scene, const std::vector<int>& nodes) : scene_(scene), nodes_(nodes) {
+    const std::vector<int>& handles = scene.handles.nodes;
+    for (const int node : nodes) {
+      handles_.push_back(static_cast<int>(std::find(handles.begin(), handles.end(), node) - handles.begin()));
+    }
   }
-  return places;
-}
+
+  Eigen::Matrix3Xd At(double time) const {
+    const HandlePath& path = scene_.handles.path;
+    if (path.num_handles() == 0) return InitialPlaces(scene_, nodes_);
+    return path.At(time).reshaped(3, path.num_handles())(Eigen::all, handles_);
+  }
+
+ private:
+  const Scene& scene_;
+  const std::vector<int>& nodes_;
+  std::vector<int> handles_;  // their numbers among the scene's
+};
 
 // That turns `slopes` until their mean has the direction `to`: about `row`, where it is straight.
 Eigen::Matrix3d TurnTo(const Eigen::Vector3d& to, const Eigen::Matrix3Xd& slopes,
@@ -91,33 +100,28 @@ Eigen::Matrix3d TurnTo(const Eigen::Vector3d& to, const Eigen::Matrix3Xd& slopes
   return Eigen::AngleAxisd(angle, *row).toRotationMatrix();
 }
 
-// Where the nodes of a clamp are from which its slopes are counted: at the start or, of one that a body takes along,
-// where that begins, so that a recording of a part of a motion has the slopes of the whole.
-Eigen::Matrix3Xd FirstPlaces(const Clamp& clamp, const Scene& scene) {
-  Eigen::Matrix3Xd places = PlacesAt(scene, clamp.nodes, scene.start_time);
-  if (clamp.body == nullptr) return places;
-  const AffineMap start = clamp.body->At(scene.start_time).pose, first = clamp.body->At(clamp.body->times()[0]).pose;
-  places = start.leftCols<3>().transpose() * (places.colwise() - start.col(3)).eval();
-  return (first.leftCols<3>() * places).colwise() + first.col(3);
-}
-
-// The slopes of a clamp at `times` [3C x K].
+// The slopes of a clamp at `times` [3C x K]. They are counted from the start or, of a clamp that a body takes along,
+// from where that begins, so that a recording of a part of a motion has the slopes of the whole.
 Eigen::MatrixXd SlopesOf(const Clamp& clamp, const std::vector<ClampedEdge>& edges, const Eigen::VectorXd& times,
                          const Scene& scene) {
-  const Mesh& mesh = scene.mesh;
-  RowTurn turn(mesh.rest_positions(Eigen::all, clamp.nodes));
-  const Eigen::Matrix3d from = turn.To(FirstPlaces(clamp, scene));
-  Eigen::Matrix3Xd slopes = from * RestSlopes(mesh, edges);
+  const HandlePlaces places(scene, clamp.nodes);
+  Eigen::Matrix3Xd first_places = places.At(scene.start_time);
+  Eigen::Matrix3d body_first = Eigen::Matrix3d::Identity();
+  if (clamp.body != nullptr) {
+    const AffineMap start = clamp.body->At(scene.start_time).pose, first = clamp.body->At(clamp.body->times()[0]).pose;
+    body_first = first.leftCols<3>();
+    first_places = start.leftCols<3>().transpose() * (first_places.colwise() - start.col(3)).eval();
+    first_places = ((body_first * first_places).colwise() + first.col(3)).eval();
+  }
+  RowTurn turn(scene.mesh.rest_positions(Eigen::all, clamp.nodes));
+  const Eigen::Matrix3d from = turn.To(first_places);
+  Eigen::Matrix3Xd slopes = from * RestSlopes(scene.mesh, edges);
   if (clamp.direction) slopes = (TurnTo(*clamp.direction, slopes, turn.straight_row()) * slopes).eval();
   Eigen::MatrixXd all(slopes.size(), times.size());
   for (Eigen::Index k = 0; k < times.size(); ++k) {
-    Eigen::Matrix3d rotation;
-    if (clamp.body == nullptr) {
-      rotation = turn.To(PlacesAt(scene, clamp.nodes, times[k])) * from.transpose();
-    } else {
-      const Eigen::Matrix3d first = clamp.body->At(clamp.body->times()[0]).pose.leftCols<3>();
-      rotation = clamp.body->At(times[k]).pose.leftCols<3>() * first.transpose();
-    }
+    const Eigen::Matrix3d rotation =
+        clamp.body == nullptr ? (turn.To(places.At(times[k])) * from.transpose()).eval()
+                              : (clamp.body->At(times[k]).pose.leftCols<3>() * body_first.transpose()).eval();
     all.col(k) = (rotation * slopes).reshaped();
   }
   return all;
