@@ -11,8 +11,6 @@
 namespace clothid {
 namespace {
 
-constexpr char kResultSchema[] = "clothid.result/1";
-
 JsonValue ReadJson(const std::string& path) { return ParseJson(ReadText(path, kMaxJsonBytes), path); }
 
 void ExpectResult(const JsonNode& root) {

@@ -11,6 +11,8 @@
 
 namespace clothid {
 
+inline constexpr char kResultSchema[] = "clothid.result/1";
+
 // What was assumed about a recording, in the words of result.json.
 struct FittedReading {
   std::string sigma_source, start_source;

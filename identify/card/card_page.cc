@@ -1,5 +1,6 @@
 #include "identify/card/card_page.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>

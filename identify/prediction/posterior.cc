@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "identify/base/cloth_laws.h"
+#include "identify/base/fitted_result.h"
 #include "identify/prediction/random_streams.h"
 #include "identify/uncertainty/uncertainty.h"
 #include "sim/base/error.h"
@@ -14,8 +15,6 @@
 namespace clothid {
 namespace {
 
-constexpr char kPosteriorSchema[] = "clothid.result/1";
-
 // NaN where it is null or not there.
 double ToldNumber(const JsonNode& parent, const std::string& key) {
   const std::optional<JsonNode> node = parent.Find(key);
@@ -23,9 +22,9 @@ double ToldNumber(const JsonNode& parent, const std::string& key) {
 }
 
 void ExpectFit(const JsonNode& root) {
-  const std::string expected = std::string("\"") + kPosteriorSchema + "\", the result of a fit";
+  const std::string expected = std::string("\"") + kResultSchema + "\", the result of a fit";
   const JsonNode schema = root.Require("schema", expected);
-  if (!schema.is(JsonValue::Kind::kString) || schema.String() != kPosteriorSchema) schema.Fail("expected " + expected);
+  if (!schema.is(JsonValue::Kind::kString) || schema.String() != kResultSchema) schema.Fail("expected " + expected);
   const JsonNode status = root.Require("status", "a text");
   if (status.String() != "converged") {
     status.Fail("expected \"converged\", as of a fit with intervals, got \"" + Printable(status.String()) + "\"");

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "costs/prediction/alignment.h"
+#include "identify/base/fitted_result.h"
 #include "identify/base/join_words.h"
 #include "identify/base/knot_names.h"
 #include "sim/base/error.h"
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kResultName[] = "result.json", kResultSchema[] = "clothid.result/1";
+constexpr char kResultName[] = "result.json";
 constexpr std::size_t kShownFolders = 8;
 
 std::string ResultPath(const std::string& folder) { return (fs::path(folder) / kResultName).string(); }
