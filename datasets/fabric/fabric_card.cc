@@ -160,6 +160,15 @@ ParameterPrior CardConstant::Prior() const {
   return {value, is_logarithmic ? std::exp(std::max(spread, kLeastSpread)) : spread};
 }
 
+void CardConstant::Believe(const ParameterPrior& prior) {
+  known_by = KnownBy::kBelieved;
+  value = prior.center;
+  const bool is_logarithmic = IsLogarithmic(kind);
+  const double half = 0.5 * kNormal95Width * (is_logarithmic ? std::log(prior.spread) : prior.spread);
+  lower95 = is_logarithmic ? value * std::exp(-half) : value - half;
+  upper95 = is_logarithmic ? value * std::exp(half) : value + half;
+}
+
 const CardConstant* FabricCard::Find(ParameterKind kind) const {
   const auto found = std::find_if(constants.begin(), constants.end(),
                                   [&](const CardConstant& constant) { return constant.kind == kind; });

@@ -44,6 +44,8 @@ struct CardConstant {
   // Of one that is told: about its value, as wide as interval and scatter together. The cloth of the next fit is
   // another specimen.
   ParameterPrior Prior() const;
+  // Takes over what is believed and nothing has narrowed: without scatter its `Prior` is this one again.
+  void Believe(const ParameterPrior& prior);
 };
 
 // How it was measured.

@@ -11,8 +11,6 @@
 namespace clothid {
 namespace {
 
-constexpr double kNormal95Quantile = 1.96;
-
 // The parameter of the whole cloth, of all recordings or of the first; -1: it is not fitted.
 int FindFitted(const FitSummary& summary, const std::string& name) {
   for (int i = 0; i < static_cast<int>(summary.parameters.size()); ++i) {
@@ -47,14 +45,7 @@ void TakeMean(const Repetitions& repetitions, const std::string& name, CardConst
 // What was believed before, which this fit did not look at, is not lost.
 void TakePrior(const Scene& scene, CardConstant* constant) {
   const auto range = scene.parameters.find(RowOf(constant->kind).name);
-  if (range == scene.parameters.end() || !range->second.prior.is_given()) return;
-  const ParameterPrior& prior = range->second.prior;
-  constant->known_by = KnownBy::kBelieved;
-  constant->value = prior.center;
-  const bool is_logarithmic = IsLogarithmic(constant->kind);
-  const double width = kNormal95Quantile * (is_logarithmic ? std::log(prior.spread) : prior.spread);
-  constant->lower95 = is_logarithmic ? prior.center * std::exp(-width) : prior.center - width;
-  constant->upper95 = is_logarithmic ? prior.center * std::exp(width) : prior.center + width;
+  if (range != scene.parameters.end() && range->second.prior.is_given()) constant->Believe(range->second.prior);
 }
 
 // What the scene has of the cloth; bending by edges is of its mesh.

@@ -128,6 +128,11 @@ TEST_F(FabricCardTest, PriorIsAsWideAsIntervalAndScatter) {
   EXPECT_EQ(constant.Prior().center, 400.0);
   constant.scatter = 0.3;
   EXPECT_NEAR(std::log(constant.Prior().spread), std::hypot(0.3, std::log(1.21) / 1.96), 1e-12);
+  CardConstant believed;
+  believed.kind = Kind::kWarpStiffness;
+  believed.Believe({400.0, 1.3});
+  EXPECT_EQ(believed.Prior().center, 400.0);
+  EXPECT_NEAR(believed.Prior().spread, 1.3, 1e-12);
   const CardConstant coupling = Told(Kind::kPoissonStiffness, -10.0, -30.0, 10.0);
   EXPECT_NEAR(coupling.Prior().spread, 20.0 / 1.96, 1e-12) << "no logarithm";
 }
