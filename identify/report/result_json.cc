@@ -75,6 +75,7 @@ Json ParametersJson(const FitSummary& summary, const FitChecks& checks, const Ve
       json[parameter.name]["step_order"] = shown(uncertainty.step_order);
     }
     if (checks.discretization) json[parameter.name]["mesh_error"] = shown(uncertainty.mesh_error);
+    if (!std::isnan(uncertainty.stall_error)) json[parameter.name]["stall_error"] = uncertainty.stall_error;
     if (!summary.starts.empty()) json[parameter.name]["known_start_std"] = uncertainty.known_start_std;
   }
   return json;

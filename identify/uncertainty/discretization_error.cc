@@ -51,8 +51,8 @@ void AddDiscretizationErrors(const std::vector<ParameterBlock>& blocks, const Ei
     if (std::isnan(parameter.coordinate_std)) continue;
     const double q = coordinates[static_cast<Eigen::Index>(i)];
     double half_width = uncertainty->quantile95 * parameter.coordinate_std;
-    if (!std::isnan(parameter.memory_error)) {
-      half_width = std::hypot(half_width, kNormal95 * parameter.memory_error / blocks[i].ValueDerivative(q));
+    for (const double error : {parameter.memory_error, parameter.stall_error}) {
+      if (!std::isnan(error)) half_width = std::hypot(half_width, kNormal95 * error / blocks[i].ValueDerivative(q));
     }
     if (!step.empty()) {
       half_width = std::hypot(half_width, AddError(blocks[i], q, step[i], &parameter.step_error));

@@ -15,7 +15,8 @@
 //
 // The errors enter the interval as standard deviations, each with the 1.96 of a normal distribution, and independent of
 // the noise and of each other: half its width in q is
-//   sqrt((quantile95 std)^2 + (1.96 step error)^2 + (1.96 mesh error)^2 + (1.96 drift)^2).
+//   sqrt((quantile95 std)^2 + (1.96 step error)^2 + (1.96 mesh error)^2 + (1.96 drift)^2 + (1.96 stall)^2),
+// the last where a fit stalled near the minimum of its model (identify/uncertainty/uncertainty.h).
 // They are biases, not chance: more recordings do not make them smaller.
 #ifndef CLOTHID_IDENTIFY_UNCERTAINTY_DISCRETIZATION_ERROR_H_
 #define CLOTHID_IDENTIFY_UNCERTAINTY_DISCRETIZATION_ERROR_H_

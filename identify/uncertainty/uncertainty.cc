@@ -130,6 +130,12 @@ void AccountForCorrelation(const std::vector<ParameterBlock>& blocks, const Eige
   WidenIntervals(blocks, coordinates, jacobian, rows, covariance, uncertainty);
 }
 
+// The interval of a parameter that stalled by `step` of q.
+void WidenByStall(const ParameterBlock& block, double coordinate, double step, ParameterUncertainty* parameter) {
+  parameter->stall_error = block.ValueDerivative(coordinate) * std::abs(step);
+  SetInterval(block, coordinate, std::hypot(parameter->half_width95, kNormal95 * step), parameter);
+}
+
 // What the Gauss-Newton step over the rows of `jacobian` that have a standard deviation promises, and which parameters
 // have stalled by it.
 void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorXd& coordinates,
@@ -152,8 +158,13 @@ void FindStalled(const std::vector<ParameterBlock>& blocks, const Eigen::VectorX
   if (!(uncertainty->predicted_decrease > kStalledDecrease)) return;
   const Eigen::ArrayXd parts = 0.5 * step.array().square() / covariance.diagonal().array();
   const double least = std::min(kStalledDecrease, parts.maxCoeff());
+  const bool is_near = uncertainty->predicted_decrease <= kNearDecrease;
   for (Eigen::Index a = 0; a < size; ++a) {
-    uncertainty->parameters[jacobian.indices()[rows[a]]].stalled = parts[a] >= least;
+    if (!(parts[a] >= least)) continue;
+    const int index = jacobian.indices()[rows[a]];
+    ParameterUncertainty& parameter = uncertainty->parameters[index];
+    parameter.stalled = !is_near;
+    if (is_near) WidenByStall(blocks[index], coordinates[index], step[a], &parameter);
   }
 }
 
@@ -212,7 +223,7 @@ double Linearization::SquaredScale(double num_fitted) const {
 
 double ParameterUncertainty::total_std() const {
   const auto known = [](double error) { return std::isnan(error) ? 0.0 : error; };
-  return std::hypot(std::hypot(std, known(memory_error)), known(step_error), known(mesh_error));
+  return std::hypot(std::hypot(std, known(memory_error), known(stall_error)), known(step_error), known(mesh_error));
 }
 
 bool Uncertainty::all_identifiable(const std::vector<ParameterBlock>& blocks) const {

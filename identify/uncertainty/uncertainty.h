@@ -39,12 +39,13 @@
 //     variance above 1/9 of that of the belief adds little to it. In numbers: an interval of mu narrower than 0.75 with
 //     bounds of 0 and 2, ends of a stiffness that differ by less than a factor of 32.
 //   - The fit stalled. At a minimum the model |e + J d|^2/2 promises no lower cost. Where it promises one lower by more
-//     than 0.1 s^2 the fit stopped early, or at a kink of the cost, whose derivative is that of one side: the
-//     covariance is not that of the cost, and no interval is given. The decrease that the model promises by the step
-//     d = -(J^T J)^-1 J^T e over the parameters off their bounds is
+//     than 0.1 s^2 the fit stopped early, or at a kink of the cost, whose derivative is that of one side. The decrease
+//     that the model promises by the step d = -(J^T J)^-1 J^T e over the parameters off their bounds is
 //       1/2 d . C^-1 d,   C = s^2 (J^T J)^-1 + diag((10 r)^2),
 //     in which steps of some resolutions of the fit count for next to nothing; d_i^2/(2 C_ii) is the part that a single
-//     parameter has in it. Fits that converge stay far below.
+//     parameter has in it. Fits that converge stay far below. Up to 2 s^2 the promised minimum lies within two standard
+//     deviations of the estimate: nobody knows on which side of the kink the truth is, and |d_i| enters the interval
+//     like a standard deviation of its own. Beyond, the covariance is not that of the cost, and no interval is given.
 #ifndef CLOTHID_IDENTIFY_UNCERTAINTY_UNCERTAINTY_H_
 #define CLOTHID_IDENTIFY_UNCERTAINTY_UNCERTAINTY_H_
 
@@ -99,6 +100,8 @@ inline constexpr double kVisibleChange = 2.0;
 inline constexpr double kHardlyTold = 1.0 / 3.0;
 // A fit has stalled where the model at its end promises a cost that is lower by more than this, in s^2.
 inline constexpr double kStalledDecrease = 0.1;
+// Up to this, in s^2, intervals count with the distance.
+inline constexpr double kNearDecrease = 2.0;
 
 struct ParameterUncertainty {
   // Of the value, in its own unit, from the noise alone. NaN: frozen, at its bound, not visible or stalled.
@@ -110,6 +113,8 @@ struct ParameterUncertainty {
   // Of the value: how far it drifts with the memory of rollouts that recordings correct
   // (identify/problem/memory_trial.h). NaN: they do not.
   double memory_error = std::numeric_limits<double>::quiet_NaN();
+  // Of the value: how far the fit stalled from the minimum of its model. NaN: it did not, or too far away.
+  double stall_error = std::numeric_limits<double>::quiet_NaN();
   double step_order = std::numeric_limits<double>::quiet_NaN();  // at which step_error falls; NaN: no clear one
   // The interval, with these errors where they are known, and half its width in q. NaN as `std`; but of one that is not
   // visible an end is known beyond which values are excluded (identify/checks/excluded_side.h).
@@ -136,14 +141,14 @@ struct ParameterUncertainty {
   bool reaches_lower = false, reaches_upper = false;         // the interval is cut at a bound
   bool at_bound = false;                                     // see `ParameterBlock::IsAtBound`
   bool visible = false;                                      // without its own prior; false where frozen, too
-  bool stalled = false;  // takes part in what the model promises beyond the estimate
+  bool stalled = false;  // takes part in what the model promises too far beyond the estimate
   // Visible and not at its bound, not stalled, the interval narrower than the belief and within the bounds: with a
   // prior the interval that it would have without it, too.
   bool identifiable = false;
 
   // Whether an end of its interval is known, though the derivative tells nothing of it.
   bool has_excluded_side() const { return std::isnan(std) && !(std::isnan(lower95) && std::isnan(upper95)); }
-  // Noise, step, mesh and drift together: root of squares, of what is known. NaN as `std`.
+  // Noise, step, mesh, drift and stall together: root of squares, of what is known. NaN as `std`.
   double total_std() const;
   // Never of one with a prior: that its interval is hardly narrower than the prior is told otherwise.
   bool is_hardly_told() const {

@@ -78,19 +78,33 @@ std::string StepText(const FittedParameter& parameter, double step) {
   return PercentText(step / (parameter.scale == ParameterScale::kLog ? 1.0 : std::abs(parameter.value)), 2);
 }
 
-void AddStalled(const FitSummary& summary, const std::vector<int>& stalled, std::vector<Reason>* reasons) {
-  if (stalled.empty()) return;
+// "mu is 0.8, k_bend 1.2 standard deviations from the minimum of .."
+std::string StallText(const FitSummary& summary, const std::vector<int>& stalled) {
   std::vector<std::string> distances;
   for (const int i : stalled) {
     distances.push_back(summary.parameters[i].name + (distances.empty() ? " is " : " ") +
                         NumberText(summary.uncertainty->parameters[i].distance, 2));
   }
-  reasons->push_back(
-      NotTold(stalled, "the fit stalled",
-              JoinWords(distances) +
-                  " standard deviations from the minimum of the quadratic model at the estimate, which promises a " +
-                  "cost lower by " + NumberText(summary.uncertainty->predicted_decrease, 2) +
-                  " s^2: the fit stopped early, or at a kink of the cost; no interval is given"));
+  return JoinWords(distances) +
+         " standard deviations from the minimum of the quadratic model at the estimate, which promises a cost lower " +
+         "by " + NumberText(summary.uncertainty->predicted_decrease, 2) +
+         " s^2: the fit stopped early, or at a kink of the cost; ";
+}
+
+void AddStalled(const FitSummary& summary, const std::vector<int>& stalled, std::vector<Reason>* reasons) {
+  if (stalled.empty()) return;
+  reasons->push_back(NotTold(stalled, "the fit stalled", StallText(summary, stalled) + "no interval is given"));
+}
+
+// Of those whose intervals count with the distance.
+void AddStalledNear(const FitSummary& summary, std::vector<Reason>* reasons) {
+  std::vector<int> stalled;
+  for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
+    if (!std::isnan(summary.uncertainty->parameters[i].stall_error)) stalled.push_back(static_cast<int>(i));
+  }
+  if (stalled.empty()) return;
+  reasons->push_back(Careful(stalled, "the fit stalled near its minimum",
+                             StallText(summary, stalled) + "the interval counts with that distance"));
 }
 
 void AddHardlyTold(const FitSummary& summary, const FitChecks& checks, int index, std::vector<Reason>* reasons) {
@@ -177,6 +191,7 @@ void AddParameterReasons(const FitSummary& summary, const FitChecks& checks, std
     return;
   }
   AddUndetermined(summary, checks, free, reasons);
+  AddStalledNear(summary, reasons);
   AddIntervalCheck(summary, checks, reasons);
   for (const int i : free) AddWide(summary, i, reasons);
 }

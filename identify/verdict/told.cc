@@ -71,6 +71,7 @@ std::string PartsRemark(const FitSummary& summary, const FitChecks& checks, int 
   if (!std::isnan(parameter.step_error)) text += ", step +- " + NumberText(parameter.step_error, 2);
   if (!std::isnan(parameter.mesh_error)) text += ", mesh +- " + NumberText(parameter.mesh_error, 2);
   if (!std::isnan(parameter.memory_error)) text += ", memory +- " + NumberText(parameter.memory_error, 2);
+  if (!std::isnan(parameter.stall_error)) text += ", stall +- " + NumberText(parameter.stall_error, 2);
   return text;
 }
 

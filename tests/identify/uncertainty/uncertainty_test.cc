@@ -8,6 +8,8 @@
 #include <cmath>
 #include <random>
 
+#include "identify/uncertainty/discretization_error.h"
+
 namespace clothid::uncertainty_test {
 namespace {
 
@@ -135,34 +137,60 @@ TEST(UncertaintyTest, AnIntervalFromBoundToBoundTellsNothing) {
   EXPECT_FALSE(result.parameters[0].identifiable);
 }
 
-// The step to the minimum of the model, in standard deviations: 0.4 of them promise 0.08 s^2, 0.5 of them 0.125 s^2.
-TEST(UncertaintyTest, AFitThatStalledHasNoInterval) {
+// Of mu and k_stretch, which have standard deviations of 0.01 and 0.02 and no correlation; the model promises its
+// minimum so many of them farther on in q of k_stretch, and a cost lower by half the square of that.
+Uncertainty StalledBy(double distance) {
   const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0), Log("k_stretch")};
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2, 2);
   jacobian.diagonal() << 100.0, 50.0;
-  for (const double distance : {0.4, 0.5}) {
-    Linearization linearization = MakeLinearization(jacobian, 0.0, true);
-    linearization.gradient = Eigen::Vector2d(0.0, 50.0 * distance);
-    const Uncertainty result = EstimateUncertainty(blocks, Eigen::Vector2d(0.5, 0.0), linearization);
-    EXPECT_NEAR(result.predicted_decrease, 0.5 * distance * distance, 1e-6);
+  Linearization linearization = MakeLinearization(jacobian, 0.0, true);
+  linearization.gradient = Eigen::Vector2d(0.0, 50.0 * distance);
+  return EstimateUncertainty(blocks, Eigen::Vector2d(0.5, 0.0), linearization);
+}
+
+TEST(UncertaintyTest, AFitThatStalledFarFromItsMinimumHasNoInterval) {
+  for (const double distance : {0.4, 0.5, 1.9, 2.1}) {
+    const Uncertainty result = StalledBy(distance);
+    EXPECT_NEAR(result.predicted_decrease, 0.5 * distance * distance, 1e-5);
     EXPECT_FALSE(result.parameters[0].stalled) << "it has no part in it";
+    EXPECT_TRUE(std::isnan(result.parameters[0].stall_error));
     EXPECT_TRUE(result.parameters[0].identifiable);
     const ParameterUncertainty& k = result.parameters[1];
-    EXPECT_EQ(k.stalled, distance > 0.45);
-    EXPECT_EQ(k.identifiable, distance < 0.45);
+    EXPECT_EQ(k.stalled, distance > 2.0);
+    EXPECT_EQ(k.identifiable, distance < 2.0);
     for (const double value : {k.std, k.lower95, k.upper95}) EXPECT_EQ(std::isnan(value), k.stalled);
     EXPECT_NEAR(k.coordinate_std, 0.02, 1e-6);
   }
+}
+
+// k_stretch is 1 at q = 0, so 0.02 of q are 0.02 of it.
+TEST(UncertaintyTest, TheDistanceOfAStallIsPartOfTheInterval) {
+  EXPECT_TRUE(std::isnan(StalledBy(0.4).parameters[1].stall_error)) << "0.08 s^2 are no stall";
+  Uncertainty result = StalledBy(1.5);
+  const ParameterUncertainty& k = result.parameters[1];
+  EXPECT_NEAR(k.stall_error, 1.5 * 0.02, 1e-6);
+  const double half_width = kNormal95 * 0.02 * std::hypot(1.0, 1.5);
+  EXPECT_NEAR(std::log(k.upper95), half_width, 1e-6);
+  EXPECT_NEAR(std::log(k.lower95), -half_width, 1e-6);
+  EXPECT_NEAR(k.total_std(), 0.02 * std::hypot(1.0, 1.5), 1e-6);
+  const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0), Log("k_stretch")};
+  AddMemoryErrors(blocks, Eigen::Vector2d(0.5, 0.0), Eigen::Vector2d(0.0, 0.05), &result);
+  EXPECT_NEAR(std::log(k.upper95), std::hypot(half_width, kNormal95 * 0.05), 1e-6) << "errors add up";
 }
 
 // Of two parameters that take part alike in no more than the limit each, both have stalled.
 TEST(UncertaintyTest, AStallOfSeveralParametersIsSeen) {
   const std::vector<ParameterBlock> blocks = {Linear("mu", 0.0, 2.0), Linear("nu", 0.0, 2.0)};
   Linearization linearization = MakeLinearization(100.0 * Eigen::MatrixXd::Identity(2, 2), 0.0, true);
-  linearization.gradient = 100.0 * Eigen::Vector2d(0.4, 0.4);
-  const Uncertainty result = EstimateUncertainty(blocks, Eigen::Vector2d(0.5, 0.5), linearization);
-  EXPECT_NEAR(result.predicted_decrease, 0.16, 1e-6);
-  for (const ParameterUncertainty& parameter : result.parameters) EXPECT_TRUE(parameter.stalled);
+  for (const double distance : {0.4, 1.5}) {
+    linearization.gradient = Eigen::Vector2d::Constant(100.0 * distance);
+    const Uncertainty result = EstimateUncertainty(blocks, Eigen::Vector2d(0.5, 0.5), linearization);
+    EXPECT_NEAR(result.predicted_decrease, distance * distance, 1e-5);
+    for (const ParameterUncertainty& parameter : result.parameters) {
+      EXPECT_EQ(parameter.stalled, distance > 1.0) << "the way to the minimum is longer than each of its parts";
+      EXPECT_EQ(std::isnan(parameter.stall_error), parameter.stalled);
+    }
+  }
 }
 
 TEST(UncertaintyTest, StepsOfSomeResolutionsAreNoStall) {
@@ -171,7 +199,7 @@ TEST(UncertaintyTest, StepsOfSomeResolutionsAreNoStall) {
     Linearization linearization = MakeLinearization(Eigen::MatrixXd::Constant(4, 1, 1e3), 1e-20, false);
     linearization.gradient = Eigen::VectorXd::Constant(1, 4e6 * resolutions * 1e-6);
     const Uncertainty result = EstimateUncertainty(blocks, Eigen::VectorXd::Zero(1), linearization);
-    EXPECT_EQ(result.parameters[0].stalled, resolutions > 10.0);
+    EXPECT_EQ(std::isnan(result.parameters[0].stall_error) && !result.parameters[0].stalled, resolutions < 10.0);
   }
 }
 

@@ -288,6 +288,18 @@ TEST(VerdictTest, AStalledFitHasNoInterval) {
   EXPECT_EQ(ParameterRemark(summary, {}, 0), "stalled");
 }
 
+TEST(VerdictTest, AFitThatStalledNearItsMinimumIsUsableWithCare) {
+  FitSummary summary = ThreeParameters();
+  summary.uncertainty->predicted_decrease = 0.6;
+  summary.uncertainty->parameters[0].distance = 1.1;
+  summary.uncertainty->parameters[0].stall_error = 1.1 * summary.uncertainty->parameters[0].std;
+  EXPECT_EQ(FitExitCode(summary, {}), 0);
+  EXPECT_EQ(Judge(summary, {}).parameters[0], Usability::kWithCare);
+  EXPECT_EQ(Judge(summary, {}).parameters[1], Usability::kUsable);
+  EXPECT_TRUE(Says(summary, {}, "the interval counts with that distance"));
+  EXPECT_TRUE(HasInterval(summary, {}, 0));
+}
+
 TEST(VerdictTest, AnOpenProfileTellsNothing) {
   FitChecks checks;
   Profile profile;
