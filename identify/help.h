@@ -81,7 +81,7 @@ Bounds and priors:
                       handle_turn 0:0.05, and nothing of all others
 
 Constants that vary over the cloth:
-  --field LIST        of k_stretch, k_bend and density, each on a control grid: NAME:ROWSxCOLUMNS, as k_stretch:8x8.
+  --field LIST        of stiffnesses and density, each on a control grid: NAME:ROWSxCOLUMNS, as k_stretch:8x8.
                       They are fitted with the parameters of --fit, to which the level of each belongs, named there or
                       not: k_stretch is then the geometric mean over the cloth. Writes field_NAME.npy, which
                       `simulate --set_field` reads

@@ -31,12 +31,7 @@ FieldRequest ParseRequest(std::string_view item) {
   request.name = std::string(item.substr(0, colon));
   request.rows = *rows;
   request.columns = *columns;
-  const bool is_known = request.name == "k_stretch" || request.name == "k_bend" || request.name == "density";
-  if (!is_known) {
-    throw Error(ErrorKind::kUsage,
-                "--field: '" + Printable(request.name) + "' can be no field; expected k_stretch, k_bend or density");
-  }
-  request.kind = ParseParameter(request.name, std::vector<std::string>()).kind;
+  request.kind = ParseFieldKind(request.name, "--field");
   return request;
 }
 

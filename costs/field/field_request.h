@@ -14,7 +14,7 @@
 namespace clothid {
 
 struct FieldRequest {
-  std::string name;  // "k_stretch", "k_bend" or "density"
+  std::string name;  // "k_stretch"
   ParameterKind kind = ParameterKind::kStretchStiffness;
   int rows = 0, columns = 0;  // of the control grid
 

@@ -37,7 +37,7 @@ std::vector<BendingMatrix> MatricesOf(const Scene& scene, const Mesh& chosen_on)
 
 bool HasBendingField(const Scene& scene) {
   return std::any_of(scene.fields.begin(), scene.fields.end(),
-                     [](const GridField& field) { return field.kind == ParameterKind::kBendingStiffness; });
+                     [](const GridField& field) { return RowOf(field.kind).term == ParameterTerm::kBending; });
 }
 
 std::shared_ptr<const RestCurvature> MakeCurvature(std::vector<RestMoment> moments, const std::vector<int>& free_index,

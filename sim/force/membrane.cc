@@ -14,9 +14,17 @@ OrthotropicConstants ConstantsOf(const Material& material) {
   return {material.warp_stiffness, material.weft_stiffness, material.poisson_stiffness, material.shear_stiffness};
 }
 
+OrthotropicConstants Scaled(const OrthotropicConstants& k, double factor) {
+  return {factor * k.c11, factor * k.c22, factor * k.c12, factor * k.c66};
+}
+
 YarnConstants YarnConstantsOf(const Material& material) {
   return {ConstantsOf(material), {material.warp_stiffening, material.weft_stiffening}};
 }
+
+// Of laws along warp and weft, what can be a field.
+constexpr ParameterKind kPartKinds[] = {ParameterKind::kWarpStiffness, ParameterKind::kWeftStiffness,
+                                        ParameterKind::kShearStiffness};
 
 using Parts = std::shared_ptr<const std::vector<MembranePart>>;
 
@@ -74,9 +82,7 @@ void Membrane::AddHessian(double factor, const Material& material, HessianKind k
     yarn->AddHessian(factor, YarnConstantsOf(material), kind, positions, hessian);
     return;
   }
-  OrthotropicConstants constants = ConstantsOf(material);
-  for (double* constant : {&constants.c11, &constants.c22, &constants.c12, &constants.c66}) *constant *= factor;
-  std::get<OrthotropicEnergy>(energy_).AddHessian(constants, kind, positions, hessian);
+  std::get<OrthotropicEnergy>(energy_).AddHessian(Scaled(ConstantsOf(material), factor), kind, positions, hessian);
 }
 
 void Membrane::AddForceDerivative(ParameterId id, double factor, const Material& material,
@@ -138,7 +144,15 @@ double Membrane::StiffnessGrowth(const Material& material, const Eigen::VectorXd
 
 void Membrane::AddForceProducts(double factor, const Material& material, const Eigen::VectorXd& positions,
                                 const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
-  std::get<StretchEnergy>(energy_).AddForceProducts(factor * material.stretch_stiffness, positions, columns, products);
+  if (const auto* arap = std::get_if<StretchEnergy>(&energy_)) {
+    arap->AddForceProducts(factor * material.stretch_stiffness, positions, columns, products);
+  } else if (const auto* orthotropic = std::get_if<OrthotropicEnergy>(&energy_)) {
+    orthotropic->AddForceProducts(Scaled(ConstantsOf(material), factor), positions, columns, products);
+  } else {
+    YarnConstants constants = YarnConstantsOf(material);
+    constants.k = Scaled(constants.k, factor);
+    std::get<YarnEnergy>(energy_).AddForceProducts(constants, positions, columns, products);
+  }
 }
 
 std::vector<MembranePart> MembraneParts(MembraneLaw law, const TriangleElements& triangles,
@@ -169,48 +183,110 @@ void MembraneTerm::SetWeights(Eigen::VectorXd weights) {
   membrane_ = Membrane(law_, WeightedTriangles(*triangles_, weights_));
 }
 
+Material MembraneTerm::ConstantPart::Own(const Material& material) const {
+  Material own;
+  own.*RowOf(kind).constant = material.*RowOf(kind).constant;
+  own.warp_stiffening = material.warp_stiffening;
+  own.weft_stiffening = material.weft_stiffening;
+  return own;
+}
+
+void MembraneTerm::SetConstantPart(ParameterKind kind, Eigen::VectorXd weights) {
+  parts_.erase(
+      std::remove_if(parts_.begin(), parts_.end(), [&](const ConstantPart& part) { return part.kind == kind; }),
+      parts_.end());
+  Membrane membrane(law_, WeightedTriangles(*triangles_, weights));
+  parts_.push_back({kind, std::move(weights), std::move(membrane)});
+}
+
+const MembraneTerm::ConstantPart* MembraneTerm::FindPart(ParameterKind kind) const {
+  for (const ConstantPart& part : parts_) {
+    if (part.kind == kind) return &part;
+  }
+  return nullptr;
+}
+
+Material MembraneTerm::Others(const Material& material) const {
+  Material others = material;
+  for (const ConstantPart& part : parts_) others.*RowOf(part.kind).constant = 0.0;
+  return others;
+}
+
 void MembraneTerm::SetVariation(const ForceVariation& variation) {
   if (auto factors = variation.FieldOf(ParameterKind::kStretchStiffness)) SetWeights(std::move(*factors));
+  for (const ParameterKind kind : kPartKinds) {
+    if (auto factors = variation.FieldOf(kind)) SetConstantPart(kind, std::move(*factors));
+  }
   if (!variation.pieces || materials_.empty()) return;
   materials_ = variation.parameters.pieces;
   membrane_.SetMaterials(materials_);
 }
 
 double MembraneTerm::AddForce(const ForcePoint& point, const HeldForce*, Eigen::VectorXd* force) const {
-  return membrane_.AddForce(point.parameters.material, point.positions, force);
+  const Material& material = point.parameters.material;
+  if (parts_.empty()) return membrane_.AddForce(material, point.positions, force);
+  double energy = membrane_.AddForce(Others(material), point.positions, force);
+  for (const ConstantPart& part : parts_) {
+    energy += part.membrane.AddForce(part.Own(material), point.positions, force);
+  }
+  return energy;
 }
 
 void MembraneTerm::AddPositionHessian(double factor, HessianKind kind, const ForcePoint& point, const HeldForce*,
                                       BlockMatrix* hessian) const {
-  membrane_.AddHessian(factor, point.parameters.material, kind, point.positions, hessian);
+  const Material& material = point.parameters.material;
+  if (parts_.empty()) {
+    membrane_.AddHessian(factor, material, kind, point.positions, hessian);
+    return;
+  }
+  membrane_.AddHessian(factor, Others(material), kind, point.positions, hessian);
+  for (const ConstantPart& part : parts_) {
+    part.membrane.AddHessian(factor, part.Own(material), kind, point.positions, hessian);
+  }
 }
 
+// A stiffening acts on the constant along its yarn, wherever that is; another constant in its own part alone.
 void MembraneTerm::AddDerivative(ParameterId id, double factor, const ForcePoint& point, const HeldForce*,
                                  Eigen::VectorXd* force) const {
-  if (RowOf(id.kind).term == ParameterTerm::kMembrane) {
-    membrane_.AddForceDerivative(id, factor, point.parameters.material, point.positions, force);
+  if (RowOf(id.kind).term != ParameterTerm::kMembrane) return;
+  const Material& material = point.parameters.material;
+  if (parts_.empty()) {
+    membrane_.AddForceDerivative(id, factor, material, point.positions, force);
+    return;
+  }
+  const bool is_stiffening = RowOf(id.kind).need == ParameterNeed::kYarnMembrane;
+  if (is_stiffening || FindPart(id.kind) == nullptr) {
+    membrane_.AddForceDerivative(id, factor, Others(material), point.positions, force);
+  }
+  for (const ConstantPart& part : parts_) {
+    if (!is_stiffening && part.kind != id.kind) continue;
+    part.membrane.AddForceDerivative(id, factor, part.Own(material), point.positions, force);
   }
 }
 
 void MembraneTerm::AddFieldProducts(const FieldFactors& field, double factor, const ForcePoint& point,
                                     const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
-  if (field.kind != ParameterKind::kStretchStiffness) return;
+  const ConstantPart* const part = FindPart(field.kind);
+  if (part == nullptr && field.kind != ParameterKind::kStretchStiffness) return;
+  const Membrane& membrane = part == nullptr ? membrane_ : part->membrane;
+  const Material material = part == nullptr ? point.parameters.material : part->Own(point.parameters.material);
   if (faces_.empty()) {
-    membrane_.AddForceProducts(factor, point.parameters.material, point.positions, columns, products);
+    membrane.AddForceProducts(factor, material, point.positions, columns, products);
     return;
   }
   Eigen::MatrixXd own = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(faces_.size()), columns.cols());
-  membrane_.AddForceProducts(factor, point.parameters.material, point.positions, columns, own);
+  membrane.AddForceProducts(factor, material, point.positions, columns, own);
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     products.row(faces_[i]) += own.row(static_cast<Eigen::Index>(i));
   }
 }
 
 ForceTerm::FieldDirection MembraneTerm::AlongField(ParameterKind kind, const Eigen::VectorXd& weights) const {
-  if (kind != ParameterKind::kStretchStiffness) return nullptr;
-  return [stretch = StretchEnergy(WeightedTriangles(*triangles_, weights))](double factor, const ForcePoint& point,
-                                                                            Eigen::VectorXd* force) {
-    stretch.AddForce(factor * point.parameters.material.stretch_stiffness, point.positions, force);
+  if (RowOf(kind).term != ParameterTerm::kMembrane) return nullptr;
+  return [membrane = Membrane(law_, WeightedTriangles(*triangles_, weights)), kind](
+             double factor, const ForcePoint& point, Eigen::VectorXd* force) {
+    const Material& material = point.parameters.material;
+    membrane.AddForceDerivative({kind}, factor * material.*RowOf(kind).constant, material, point.positions, force);
   };
 }
 
@@ -230,6 +306,7 @@ std::unique_ptr<ForceTerm> MembraneTerm::PartOf(const ForcePart& part) const {
   auto own = std::make_unique<MembraneTerm>(law_, part.triangles, std::move(face_pieces), materials_);
   own->faces_ = part.faces;
   if (weights_.size() > 0) own->SetWeights(weights_(part.faces));
+  for (const ConstantPart& field : parts_) own->SetConstantPart(field.kind, field.weights(part.faces));
   return own;
 }
 

@@ -47,7 +47,7 @@ class Membrane {
   // Of yarns; else 1.
   double StiffnessGrowth(const Material& material, const Eigen::VectorXd& positions) const;
 
-  // Of one isotropic membrane alone, as `StretchEnergy` has it, the stiffness that of `material`.
+  // Adds factor * -dE_f/dx . y of every triangle f to `products` [F x s], for columns y [3N x s]; not of pieces.
   void AddForceProducts(double factor, const Material& material, const Eigen::VectorXd& positions,
                         const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const;
 
@@ -89,13 +89,28 @@ class MembraneTerm final : public ForceTerm {
   std::unique_ptr<ForceTerm> PartOf(const ForcePart& part) const override;
 
  private:
+  // A constant along warp, weft or of shear that is a field: E is linear in it, and this is its part.
+  struct ConstantPart {
+    ParameterKind kind;
+    Eigen::VectorXd weights;  // [F]
+    Membrane membrane;        // of triangles that count by them
+
+    // That has the constant alone, the other way of law and stiffening as they are.
+    Material Own(const Material& material) const;
+  };
+
   void SetWeights(Eigen::VectorXd weights);
+  void SetConstantPart(ParameterKind kind, Eigen::VectorXd weights);
+  const ConstantPart* FindPart(ParameterKind kind) const;
+  // `material` without the constants of the parts.
+  Material Others(const Material& material) const;
 
   MembraneLaw law_;
   std::shared_ptr<const TriangleElements> triangles_;
   std::vector<int> face_pieces_;     // [F]
   std::vector<Material> materials_;  // [P + 1]; empty: one
-  Eigen::VectorXd weights_;          // [F] of a field; empty: none
+  Eigen::VectorXd weights_;          // [F] of a field of k_stretch; empty: none
+  std::vector<ConstantPart> parts_;  // of laws along warp and weft; empty: no constant is a field
   std::vector<int> faces_;           // [F] of a part: which triangles of the mesh; empty: all
   Membrane membrane_;
 };

@@ -6,6 +6,8 @@
 
 #include "sim/base/error.h"
 #include "sim/base/npy_file.h"
+#include "sim/base/text_file.h"
+#include "sim/scene/parameter_table.h"
 
 namespace clothid {
 namespace {
@@ -29,8 +31,19 @@ Neighbours NeighboursAt(double place, int count) {
 }  // namespace
 
 bool CanBeField(ParameterKind kind) {
-  return kind == ParameterKind::kStretchStiffness || kind == ParameterKind::kBendingStiffness ||
-         kind == ParameterKind::kDensity;
+  const ParameterRow& row = RowOf(kind);
+  const bool is_stiffness = row.term == ParameterTerm::kMembrane && row.domain == ParameterDomain::kPositive;
+  return is_stiffness || row.term == ParameterTerm::kBending || kind == ParameterKind::kDensity;
+}
+
+ParameterKind ParseFieldKind(const std::string& name, const std::string& source) {
+  std::string names;
+  for (const ParameterRow& row : ParameterTable()) {
+    if (!CanBeField(row.kind)) continue;
+    if (name == row.name) return row.kind;
+    names += (names.empty() ? "" : ", ") + std::string(row.name);
+  }
+  throw Error(ErrorKind::kUsage, source + ": '" + Printable(name) + "' can be no field; expected one of " + names);
 }
 
 Eigen::Matrix<double, 3, 2> FrontAxes(const Mesh& mesh, const std::string& source) {
@@ -130,7 +143,7 @@ void ValidateFields(const std::vector<GridField>& fields, const Mesh& mesh, cons
     const auto expect = [&key](bool condition, const std::string& expected) {
       if (!condition) throw Error(ErrorKind::kBadData, key + expected);
     };
-    expect(CanBeField(field.kind), "one of k_stretch, k_bend, density");
+    expect(CanBeField(field.kind), "a stiffness, a rigidity or density");
     for (std::size_t j = 0; j < i; ++j) expect(fields[j].kind != field.kind, "it once");
     const Eigen::Index rows = field.values.rows(), columns = field.values.cols();
     expect(rows >= 1 && columns >= 1 && rows <= kMaxFieldSide && columns <= kMaxFieldSide,

@@ -35,8 +35,10 @@ struct FieldFactors {
   Eigen::VectorXd log_factors;  // [F] of every triangle, to the value of the material
 };
 
-// Which constants can be fields: k_stretch, k_bend, density.
+// Which constants can be fields: stiffnesses of the membrane, rigidities of bending, density.
 bool CanBeField(ParameterKind kind);
+// That of a name. Throws `Error` (kUsage), prefixed by `source` and with the names of those that can, where it is none.
+ParameterKind ParseFieldKind(const std::string& name, const std::string& source);
 
 // The columns' and the rows' direction of that view [3 x 2], unit vectors; with a rest place per corner those of u and
 // v. Throws as `FieldCoordinates` does.

@@ -218,10 +218,14 @@ void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene
 }
 
 std::vector<GridField> ReadFields(const JsonNode& node) {
-  node.ExpectKeys({"k_stretch", "k_bend", "density"});
+  std::vector<const char*> keys;
+  for (const ParameterRow& row : ParameterTable()) {
+    if (CanBeField(row.kind)) keys.push_back(row.name);
+  }
+  node.ExpectKeys(keys);
   std::vector<GridField> fields;
   for (const std::string& name : node.keys()) {
-    fields.push_back({ParseParameter(name, std::vector<std::string>()).kind, ReadControlGrid(*node.Find(name))});
+    fields.push_back({ParseFieldKind(name, "fields"), ReadControlGrid(*node.Find(name))});
   }
   return fields;
 }

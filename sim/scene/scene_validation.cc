@@ -217,6 +217,22 @@ void ValidateFactors(const Parameters& parameters, const Scene& scene, const std
               source + ": expected the fields of the scene, a factor of 1e-26 to 1e26 per triangle");
 }
 
+// Fields of a membrane with warp and weft: E stays bounded from below at every triangle.
+void ValidateMembraneFields(const Scene& scene, const Checker& check) {
+  const Material& material = scene.material;
+  double warp = material.warp_stiffness, weft = material.weft_stiffness;  // the least
+  for (const GridField& field : scene.fields) {
+    const ParameterRow& row = RowOf(field.kind);
+    if (row.need != ParameterNeed::kOrthotropicMembrane) continue;
+    check.Expect(scene.pieces.empty(), std::string("fields.") + row.name, "none in a scene with pieces");
+    if (field.kind == ParameterKind::kWarpStiffness) warp = field.values.minCoeff();
+    if (field.kind == ParameterKind::kWeftStiffness) weft = field.values.minCoeff();
+  }
+  check.Expect(scene.fields.empty() || !scene.has(ParameterKind::kPoissonStiffness) ||
+                   material.poisson_stiffness * material.poisson_stiffness < warp * weft,
+               "fields", "k_poisson^2 < k_warp k_weft where these are least");
+}
+
 }  // namespace
 
 void ValidateScene(const Scene& scene, const std::string& source) {
@@ -230,9 +246,9 @@ void ValidateScene(const Scene& scene, const std::string& source) {
   if (!scene.fields.empty()) ValidateFields(scene.fields, scene.mesh, source);
   for (const GridField& field : scene.fields) {
     const std::string name = ParameterName({field.kind}, {});
-    check.Expect(scene.has(field.kind), "fields." + name,
-                 "none where the scene has constants along warp and weft instead");
+    check.Expect(scene.has(field.kind), "fields." + name, "none, as the law of the scene has no such constant");
   }
+  ValidateMembraneFields(scene, check);
   ValidatePieces(scene, source);
   ValidateHandles(scene, check);
   ValidateObstacles(scene, check);

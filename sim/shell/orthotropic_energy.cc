@@ -111,4 +111,16 @@ void OrthotropicEnergy::AddHessian(const OrthotropicConstants& constants, Hessia
   }
 }
 
+void OrthotropicEnergy::AddForceProducts(const OrthotropicConstants& constants, const Eigen::VectorXd& positions,
+                                         const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
+  CornerVectors x, forces;
+  double energies[kLanes] = {};
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    GatherCorners(batch, positions.data(), &x);
+    OrthotropicForces(batch, x, constants, &forces, energies);
+    AddCornerProducts(batch, forces, columns, static_cast<Eigen::Index>(b) * kLanes, products);
+  }
+}
+
 }  // namespace clothid

@@ -46,6 +46,10 @@ class OrthotropicEnergy {
   void AddHessian(const OrthotropicConstants& constants, HessianKind kind, const Eigen::VectorXd& positions,
                   BlockMatrix* hessian) const;
 
+  // Adds -dE_f/dx . y of every triangle f to `products` [F x s], for columns y [3N x s].
+  void AddForceProducts(const OrthotropicConstants& constants, const Eigen::VectorXd& positions,
+                        const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const;
+
  private:
   std::shared_ptr<const TriangleElements> triangles_;
 };

@@ -135,24 +135,13 @@ void StretchEnergy::AddHessian(double stiffness, HessianKind kind, const Eigen::
 
 void StretchEnergy::AddForceProducts(double stiffness, const Eigen::VectorXd& positions, const Eigen::MatrixXd& columns,
                                      Eigen::Ref<Eigen::MatrixXd> products) const {
-  CornerVectors x, forces, y;
+  CornerVectors x, forces;
   double energies[kLanes] = {};
   for (std::size_t b = 0; b < triangles_->size(); ++b) {
     const TriangleBatch& batch = (*triangles_)[b];
-    const Eigen::Index first = static_cast<Eigen::Index>(b) * kLanes;
-    const int num_lanes = static_cast<int>(std::min<Eigen::Index>(kLanes, products.rows() - first));
     GatherCorners(batch, positions.data(), &x);
     StretchForces(batch, x, stiffness, &forces, energies);
-    for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-      GatherCorners(batch, columns.col(c).data(), &y);
-      for (int i = 0; i < 3; ++i) {
-        for (int axis = 0; axis < 3; ++axis) {
-          for (int lane = 0; lane < num_lanes; ++lane) {
-            products(first + lane, c) += forces.values[i][axis][lane] * y.values[i][axis][lane];
-          }
-        }
-      }
-    }
+    AddCornerProducts(batch, forces, columns, static_cast<Eigen::Index>(b) * kLanes, products);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "sim/shell/triangle_element.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 
 namespace clothid {
@@ -118,6 +119,22 @@ void AddCorners(const TriangleBatch& batch, const CornerVectors& corners, double
     for (int lane = 0; lane < kLanes; ++lane) {
       double* entry = all + batch.rows[i][lane];
       for (int c = 0; c < 3; ++c) entry[c] += corners.values[i][c][lane];
+    }
+  }
+}
+
+void AddCornerProducts(const TriangleBatch& batch, const CornerVectors& corners, const Eigen::MatrixXd& columns,
+                       Eigen::Index first, Eigen::Ref<Eigen::MatrixXd> products) {
+  const int num_lanes = static_cast<int>(std::min<Eigen::Index>(kLanes, products.rows() - first));
+  CornerVectors y;
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    GatherCorners(batch, columns.col(c).data(), &y);
+    for (int i = 0; i < 3; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        for (int lane = 0; lane < num_lanes; ++lane) {
+          products(first + lane, c) += corners.values[i][axis][lane] * y.values[i][axis][lane];
+        }
+      }
     }
   }
 }

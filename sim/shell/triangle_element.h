@@ -64,6 +64,10 @@ Eigen::VectorXd LaplacianDiagonal(const TriangleElements& triangles, int num_nod
 void GatherCorners(const TriangleBatch& batch, const double* all, CornerVectors* corners);
 // Adds the corners' vectors to the entries of their nodes in a vector [3N].
 void AddCorners(const TriangleBatch& batch, const CornerVectors& corners, double* all);
+// Adds the products of the corners' vectors with those of the columns [3N x c] to `products` [F x c], a row per
+// triangle: those of `batch` begin at `first`.
+void AddCornerProducts(const TriangleBatch& batch, const CornerVectors& corners, const Eigen::MatrixXd& columns,
+                       Eigen::Index first, Eigen::Ref<Eigen::MatrixXd> products);
 // Adds the blocks where `batch` places them.
 void AddBlocks(const TriangleBatch& batch, const CornerBlocks& blocks, BlockMatrix* hessian);
 

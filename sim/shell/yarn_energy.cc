@@ -68,6 +68,27 @@ void SetForces(const TriangleBatch& batch, const Eigen::Matrix<double, 3, 2>& st
   SetCornerForces(batch, -batch.area[lane], gradient, lane, forces);
 }
 
+// The forces at the corners where they are; returns E of the batch.
+double YarnForces(const TriangleBatch& batch, const CornerVectors& x, const YarnConstants& constants,
+                  CornerVectors* forces) {
+  double energy = 0.0;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Yarns yarns(batch, x, lane);
+    const Response responses[2] = {ResponseAt(yarns.strain(0), constants.stiffening[0]),
+                                   ResponseAt(yarns.strain(1), constants.stiffening[1])};
+    Eigen::Matrix<double, 3, 2> stress;
+    for (int k = 0; k < 2; ++k) {
+      stress.col(k) = Tension(yarns, constants, responses[k], k) * yarns.directions.col(k) +
+                      constants.k.c66 * yarns.cosine / yarns.length[k] * yarns.Turn(k);
+    }
+    energy += batch.area[lane] * (constants.k.c11 * responses[0].energy + constants.k.c22 * responses[1].energy +
+                                  constants.k.c12 * yarns.strain(0) * yarns.strain(1) +
+                                  0.5 * constants.k.c66 * yarns.cosine * yarns.cosine);
+    SetForces(batch, stress, lane, forces);
+  }
+  return energy;
+}
+
 // d2E/(df_k df_l)/a.
 Eigen::Matrix3d StiffnessBlock(const Yarns& yarns, const YarnConstants& constants, HessianKind kind,
                                const Response (&responses)[2], int k, int l) {
@@ -99,23 +120,21 @@ double YarnEnergy::AddForce(const YarnConstants& constants, const Eigen::VectorX
   double energy = 0.0;
   for (const TriangleBatch& batch : *triangles_) {
     GatherCorners(batch, positions.data(), &x);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const Yarns yarns(batch, x, lane);
-      const Response responses[2] = {ResponseAt(yarns.strain(0), constants.stiffening[0]),
-                                     ResponseAt(yarns.strain(1), constants.stiffening[1])};
-      Eigen::Matrix<double, 3, 2> stress;
-      for (int k = 0; k < 2; ++k) {
-        stress.col(k) = Tension(yarns, constants, responses[k], k) * yarns.directions.col(k) +
-                        constants.k.c66 * yarns.cosine / yarns.length[k] * yarns.Turn(k);
-      }
-      energy += batch.area[lane] * (constants.k.c11 * responses[0].energy + constants.k.c22 * responses[1].energy +
-                                    constants.k.c12 * yarns.strain(0) * yarns.strain(1) +
-                                    0.5 * constants.k.c66 * yarns.cosine * yarns.cosine);
-      SetForces(batch, stress, lane, &forces);
-    }
+    energy += YarnForces(batch, x, constants, &forces);
     AddCorners(batch, forces, force->data());
   }
   return energy;
+}
+
+void YarnEnergy::AddForceProducts(const YarnConstants& constants, const Eigen::VectorXd& positions,
+                                  const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const {
+  CornerVectors x, forces;
+  for (std::size_t b = 0; b < triangles_->size(); ++b) {
+    const TriangleBatch& batch = (*triangles_)[b];
+    GatherCorners(batch, positions.data(), &x);
+    YarnForces(batch, x, constants, &forces);
+    AddCornerProducts(batch, forces, columns, static_cast<Eigen::Index>(b) * kLanes, products);
+  }
 }
 
 void YarnEnergy::AddStiffeningDerivative(int yarn, double factor, const YarnConstants& constants,

@@ -43,6 +43,10 @@ class YarnEnergy {
   void AddHessian(double factor, const YarnConstants& constants, HessianKind kind, const Eigen::VectorXd& positions,
                   BlockMatrix* hessian) const;
 
+  // Adds -dE_f/dx . y of every triangle f to `products` [F x s], for columns y [3N x s].
+  void AddForceProducts(const YarnConstants& constants, const Eigen::VectorXd& positions,
+                        const Eigen::MatrixXd& columns, Eigen::Ref<Eigen::MatrixXd> products) const;
+
   // The largest psi'' of a yarn, at least 1: how many times its stiffness has grown.
   double StiffnessGrowth(const YarnConstants& constants, const Eigen::VectorXd& positions) const;
 

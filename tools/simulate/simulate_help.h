@@ -50,7 +50,7 @@ The truth:
                      weft k_warp, k_weft, k_shear, k_poisson, stiffening_warp, stiffening_weft, bend_warp, bend_weft,
                      bend_twist; drag_normal,
                      drag_tangential, added_mass, pressure, size.x, size.y, wind.x and the like (costs/README.md)
-  --set_field LIST   likewise, constants that vary over the cloth, NAME=FILE.npy of k_stretch, k_bend and density: their
+  --set_field LIST   likewise, constants that vary over the cloth, NAME=FILE.npy of stiffnesses and density: their
                      values on a control grid, as `identify --field` writes them (field_NAME.npy)
 
 The recording:

@@ -16,12 +16,10 @@ namespace {
 GridField ReadField(const std::string& item) {
   const std::size_t equals = item.find('=');
   const std::string name(Trimmed(std::string_view(item).substr(0, equals)));
-  const bool is_known = name == "k_stretch" || name == "k_bend" || name == "density";
-  if (equals == std::string::npos || !is_known) {
-    throw Error(ErrorKind::kUsage, "--set_field: expected NAME=FILE, NAME one of k_stretch, k_bend, density; got '" +
-                                       Printable(item) + "'");
+  if (equals == std::string::npos) {
+    throw Error(ErrorKind::kUsage, "--set_field: expected NAME=FILE, got '" + Printable(item) + "'");
   }
-  return {ParseParameter(name, std::vector<std::string>()).kind,
+  return {ParseFieldKind(name, "--set_field"),
           ReadFieldValues(std::string(Trimmed(std::string_view(item).substr(equals + 1))))};
 }
 

@@ -87,11 +87,34 @@ Eigen::MatrixXd FieldDirections(int num_faces) {
 }
 
 // With a rest shape that is curved, or flat.
-using Case = std::tuple<Integrator, ContactMode, BendingLaw, bool>;
+using Case = std::tuple<Integrator, ContactMode, BendingLaw, bool, MembraneLaw>;
+
+// The same cloth with warp and weft, the third field that of the rigidity along the weft or of shear.
+Scene WovenScene(Scene scene, MembraneLaw law) {
+  Material& material = scene.material;
+  scene.membrane = law;
+  scene.warp.angle = 20.0;
+  material.warp_stiffness = 1.2 * material.stretch_stiffness;
+  material.weft_stiffness = 0.8 * material.stretch_stiffness;
+  material.shear_stiffness = 0.4 * material.stretch_stiffness;
+  material.poisson_stiffness = 0.1 * material.stretch_stiffness;
+  scene.fields[0] = WavyField(ParameterKind::kWarpStiffness, material.warp_stiffness);
+  scene.fields[2] = WavyField(ParameterKind::kShearStiffness, material.shear_stiffness);
+  if (law != MembraneLaw::kYarn) return scene;
+  material.warp_stiffening = 3.0;
+  material.weft_stiffening = 2.0;
+  scene.bending.orthotropic = true;
+  material.bending_stiffness = 0.0;
+  material.warp_bending = material.weft_bending = material.twist_bending = 1e-4;
+  scene.fields[1] = WavyField(ParameterKind::kWeftStiffness, material.weft_stiffness);
+  scene.fields[2] = WavyField(ParameterKind::kWeftBending, 1e-3);
+  return scene;
+}
 
 Scene SceneOf(const Case& test) {
-  const auto [integrator, mode, law, is_curved] = test;
+  const auto [integrator, mode, law, is_curved, membrane] = test;
   Scene scene = FieldScene(integrator, mode, law);
+  if (membrane != MembraneLaw::kArap) scene = WovenScene(scene, membrane);
   if (!is_curved) return scene;
   scene.fields[2].values *= 10.0;  // so that bending counts
   return CurvedAtRest(scene);
@@ -127,7 +150,7 @@ TEST_P(FieldDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
   const Eigen::VectorXd adjoint = directions_.transpose() * Adjoint(rollout_);
   SensitivityDirections directions;
   directions.fields = directions_;
-  directions.parameters = {{ParameterKind::kStretchStiffness}};
+  directions.parameters = {{scene_.fields[0].kind}};
   Eigen::VectorXd swept = Eigen::VectorXd::Zero(4), along = swept;
   PushForward(
       parameters_, scene_.num_steps(), directions,
@@ -155,12 +178,39 @@ TEST_P(FieldDerivativeTest, AdjointEqualsSensitivityEqualsDifferences) {
 TEST_P(FieldDerivativeTest, SumOverTrianglesIsTheConstant) {
   ASSERT_TRUE(rollout_.ok());
   const RolloutGradient gradient = PullBack(
-      rollout_, {{kFieldKinds[0]}, {kFieldKinds[1]}, {kFieldKinds[2]}}, 1,
+      rollout_, {{scene_.fields[0].kind}, {scene_.fields[1].kind}, {scene_.fields[2].kind}}, 1,
       [&](int step, Eigen::MatrixXd* seed) { seed->col(0) += rollout_.positions(step); }, &simulator_);
   for (int k = 0; k < 3; ++k) {
-    const double by_log = GetParameter(parameters_, {kFieldKinds[k]}) * gradient.parameters(k, 0);
+    const double by_log = GetParameter(parameters_, {scene_.fields[k].kind}) * gradient.parameters(k, 0);
     const int num_faces = scene_.mesh.num_faces();
     EXPECT_NEAR(gradient.fields.col(0).segment(k * num_faces, num_faces).sum(), by_log, 1e-9 * std::abs(by_log)) << k;
+  }
+}
+
+// A stiffening acts on what its yarn has at every triangle, and what couples warp and weft is no field.
+TEST_P(FieldDerivativeTest, OtherConstantsOfTheMembraneHaveTheirDerivatives) {
+  ASSERT_TRUE(rollout_.ok());
+  std::vector<ParameterId> others;
+  if (scene_.membrane != MembraneLaw::kArap) others.push_back({ParameterKind::kPoissonStiffness});
+  if (scene_.membrane == MembraneLaw::kYarn) others.push_back({ParameterKind::kWarpStiffening});
+  const RolloutGradient gradient = PullBack(
+      rollout_, others, 1, [&](int step, Eigen::MatrixXd* seed) { seed->col(0) += rollout_.positions(step); },
+      &simulator_);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const double adjoint = gradient.parameters(static_cast<Eigen::Index>(i), 0);
+    double best = 1.0;
+    for (const double step : {1e-3, 1e-4, 1e-5, 1e-6}) {
+      const auto moved = [&](double change) {
+        Parameters parameters = parameters_;
+        SetParameter(others[i], GetParameter(parameters, others[i]) + change, &parameters);
+        return Simulate(parameters, scene_.num_steps(), &simulator_);
+      };
+      const Rollout plus = moved(step), minus = moved(-step);
+      if (!HaveSameBranches(rollout_, plus) || !HaveSameBranches(rollout_, minus)) continue;
+      const double difference = (Cost(plus) - Cost(minus)) / (2.0 * step);
+      best = std::min(best, std::abs(difference - adjoint) / std::abs(adjoint));
+    }
+    EXPECT_LE(best, 1e-6) << i;
   }
 }
 
@@ -176,20 +226,27 @@ TEST_P(FieldDerivativeTest, RolloutsRememberTheirFields) {
 }
 
 std::string CaseName(const ::testing::TestParamInfo<Case>& info) {
-  const auto [integrator, mode, law, is_curved] = info.param;
+  const auto [integrator, mode, law, is_curved, membrane] = info.param;
   return std::string(integrator == Integrator::kEuler ? "Euler" : "Sdirk2") +
          (mode == ContactMode::kGap ? "Gap" : "Velocity") + (law == BendingLaw::kEdges ? "Edges" : "Patches") +
-         (is_curved ? "Curved" : "");
+         (is_curved ? "Curved" : "") +
+         (membrane == MembraneLaw::kYarn          ? "Yarn"
+          : membrane == MembraneLaw::kOrthotropic ? "Orthotropic"
+                                                  : "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, FieldDerivativeTest,
-                         ::testing::Values(Case{Integrator::kEuler, ContactMode::kGap, BendingLaw::kPatches, false},
-                                           Case{Integrator::kEuler, ContactMode::kGap, BendingLaw::kPatches, true},
-                                           Case{Integrator::kEuler, ContactMode::kVelocity, BendingLaw::kEdges, false},
-                                           Case{Integrator::kSdirk2, ContactMode::kGap, BendingLaw::kEdges, false},
-                                           Case{Integrator::kSdirk2, ContactMode::kVelocity, BendingLaw::kPatches,
-                                                false}),
-                         CaseName);
+constexpr MembraneLaw kArap = MembraneLaw::kArap;
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, FieldDerivativeTest,
+    ::testing::Values(Case{Integrator::kEuler, ContactMode::kGap, BendingLaw::kPatches, false, kArap},
+                      Case{Integrator::kEuler, ContactMode::kGap, BendingLaw::kPatches, true, kArap},
+                      Case{Integrator::kEuler, ContactMode::kVelocity, BendingLaw::kEdges, false, kArap},
+                      Case{Integrator::kSdirk2, ContactMode::kGap, BendingLaw::kEdges, false, kArap},
+                      Case{Integrator::kSdirk2, ContactMode::kVelocity, BendingLaw::kPatches, false, kArap},
+                      Case{Integrator::kEuler, ContactMode::kGap, BendingLaw::kEdges, false, MembraneLaw::kOrthotropic},
+                      Case{Integrator::kSdirk2, ContactMode::kGap, BendingLaw::kPatches, false, MembraneLaw::kYarn}),
+    CaseName);
 
 TEST(FieldDerivative, RefusesDirectionsOfOtherFields) {
   const Scene scene = FieldScene(Integrator::kEuler, ContactMode::kGap, BendingLaw::kEdges);

@@ -52,6 +52,30 @@ TEST(MaterialField, LevelIsTheGeometricMeanOverTheArea) {
   EXPECT_NEAR(TriangleAreas(mesh).dot(factors.log_factors), 0.0, 1e-12);
 }
 
+TEST(MaterialField, IsOfStiffnessesRigiditiesAndDensity) {
+  for (const char* name : {"k_stretch", "k_warp", "k_weft", "k_shear", "k_bend", "bend_twist", "density"}) {
+    EXPECT_TRUE(CanBeField(ParseFieldKind(name, "test"))) << name;
+  }
+  for (const char* name : {"mu", "drag", "damping", "k_poisson", "stiffening_warp", "added_mass", "pressure", ""}) {
+    ExpectError([&] { ParseFieldKind(name, "test"); }, ErrorKind::kUsage, {"test: '", "can be no field", "k_warp"});
+  }
+}
+
+// k_poisson^2 < k_warp k_weft at every triangle.
+TEST(MaterialField, KeepsTheEnergyBounded) {
+  Scene scene = ClothScene(SquareGrid(3, 0.2), 0.01);
+  scene.membrane = MembraneLaw::kOrthotropic;
+  scene.material.warp_stiffness = scene.material.weft_stiffness = 100.0;
+  scene.material.shear_stiffness = 30.0;
+  scene.material.poisson_stiffness = 40.0;
+  scene.fields.push_back({ParameterKind::kWarpStiffness, Eigen::Vector2d(20.0, 500.0).transpose()});
+  ValidateScene(scene, "test");
+  scene.fields[0].values(0, 0) = 15.0;
+  ExpectError([&] { ValidateScene(scene, "test"); }, ErrorKind::kBadData, {"k_poisson^2 < k_warp k_weft"});
+  scene.fields[0].kind = ParameterKind::kStretchStiffness;
+  ExpectError([&] { ValidateScene(scene, "test"); }, ErrorKind::kBadData, {"fields.k_stretch", "expected none"});
+}
+
 TEST(MaterialField, RefusesARestShapeWithoutAFront) {
   Scene scene = ClothScene(SquareGrid(3, 0.2), 0.01);
   PutSleeve(4, 12, 0.05, 0.02, &scene);
