@@ -136,11 +136,20 @@ const Material& MaterialOf(ParameterId id, const Parameters& parameters) {
 
 // What was measured of the constant `kind`; null: nothing.
 const MeasuredConstant* Measured(const Fabric& fabric, ParameterKind kind) {
-  if (kind == ParameterKind::kDensity) return &fabric.density;
-  const ParameterRow& row = RowOf(kind);
-  if (row.term == ParameterTerm::kBending) return &fabric.k_bend;
-  const bool is_stiffness = row.term == ParameterTerm::kMembrane && row.domain == ParameterDomain::kPositive;
-  return is_stiffness ? &fabric.k_stretch : nullptr;
+  switch (kind) {
+    case ParameterKind::kDensity:
+      return &fabric.density;
+    case ParameterKind::kStretchStiffness:
+      return &fabric.k_stretch;
+    case ParameterKind::kWarpStiffness:
+      return &fabric.k_warp;
+    case ParameterKind::kWeftStiffness:
+      return &fabric.k_weft;
+    case ParameterKind::kShearStiffness:
+      return &fabric.k_shear;
+    default:
+      return RowOf(kind).term == ParameterTerm::kBending ? &fabric.k_bend : nullptr;
+  }
 }
 
 // The value of a parameter that may be negative at q = 1.

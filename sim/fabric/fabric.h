@@ -27,6 +27,8 @@ struct Fabric {
   MeasuredConstant density;    // kg/m^2
   MeasuredConstant k_stretch;  // N/m
   MeasuredConstant k_bend;     // flexural rigidity, N m
+  // N/m, of a membrane with warp and weft, and with what factor yarns stiffen.
+  MeasuredConstant k_warp = {}, k_weft = {}, k_shear = {}, stiffening_warp = {}, stiffening_weft = {};
 };
 
 const std::vector<Fabric>& Fabrics();

@@ -71,6 +71,24 @@ bool HasSeveral(const JsonNode& materials, const char* one, const std::vector<co
   return true;
 }
 
+void SetMeasured(const MeasuredConstant& constant, double* value) {
+  if (!std::isnan(constant.typical)) *value = constant.typical;
+}
+
+// What was measured of the scene's fabric along warp and weft. False: nothing.
+bool SetWarpAndWeft(Scene* scene) {
+  const Fabric* fabric = FindFabric(scene->fabric);
+  if (fabric == nullptr || std::isnan(fabric->k_warp.typical)) return false;
+  Material& material = scene->material;
+  SetMeasured(fabric->k_warp, &material.warp_stiffness);
+  SetMeasured(fabric->k_weft, &material.weft_stiffness);
+  SetMeasured(fabric->k_shear, &material.shear_stiffness);
+  if (scene->membrane != MembraneLaw::kYarn) return true;
+  SetMeasured(fabric->stiffening_warp, &material.warp_stiffening);
+  SetMeasured(fabric->stiffening_weft, &material.weft_stiffening);
+  return true;
+}
+
 void ReadMembrane(const JsonNode& materials, Scene* scene) {
   if (const auto law = materials.Find("membrane")) {
     const std::map<std::string, MembraneLaw> laws = {
@@ -93,7 +111,10 @@ void ReadMembrane(const JsonNode& materials, Scene* scene) {
     ReadPositive(materials, "k_stretch", &scene->material.stretch_stiffness);
     return;
   }
-  if (!has_constants) materials.Require("k_warp", "a number > 0 (N/m), as the membrane has warp and weft");
+  const bool is_measured = !has_constants && SetWarpAndWeft(scene);
+  if (!has_constants && !is_measured) {
+    materials.Require("k_warp", "a number > 0 (N/m), as the membrane has warp and weft");
+  }
   ReadPositive(materials, "k_warp", &scene->material.warp_stiffness);
   ReadPositive(materials, "k_weft", &scene->material.weft_stiffness);
   ReadPositive(materials, "k_shear", &scene->material.shear_stiffness);
@@ -196,13 +217,10 @@ void ReadFabric(const JsonNode& node, Scene* scene) {
   const Fabric* fabric = node.is(Kind::kString) ? FindFabric(node.String()) : nullptr;
   if (fabric == nullptr) node.Fail("expected one of " + FabricNames());
   scene->fabric = fabric->name;
-  const auto set = [](const MeasuredConstant& constant, double* value) {
-    if (!std::isnan(constant.typical)) *value = constant.typical;
-  };
-  set(fabric->density, &scene->material.density);
-  set(fabric->k_stretch, &scene->material.stretch_stiffness);
+  SetMeasured(fabric->density, &scene->material.density);
+  SetMeasured(fabric->k_stretch, &scene->material.stretch_stiffness);
   // Bending by edges has another k_bend, which belongs to the mesh.
-  if (scene->bending.law == BendingLaw::kPatches) set(fabric->k_bend, &scene->material.bending_stiffness);
+  if (scene->bending.law == BendingLaw::kPatches) SetMeasured(fabric->k_bend, &scene->material.bending_stiffness);
 }
 
 void ReadMaterials(const JsonNode& node, const std::string& folder, Scene* scene) {
