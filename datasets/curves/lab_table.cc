@@ -157,11 +157,14 @@ class LabTableReader {
   }
 
   // The best column of these names; nothing where there is none. Throws where two are as good.
+  // Those that were found before are left out.
   std::optional<FoundColumn> FindColumn(const std::vector<std::string_view>& names) const {
     std::optional<FoundColumn> best;
     std::size_t best_rank = 0;
     bool is_twice = false;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const auto is_taken = [i](const FoundColumn& found) { return found.column == i; };
+      if (std::any_of(found_.begin(), found_.end(), is_taken)) continue;
       const NamedCell cell = SplitName(cells_[i]);
       const std::optional<std::size_t> rank = Rank(cell.name, names);
       if (!rank || (best && *rank > best_rank)) continue;
@@ -190,7 +193,10 @@ class LabTableReader {
 
   std::string Wanted() const {
     std::string wanted;
-    for (const LabForm& form : forms_) wanted += (wanted.empty() ? "" : "; or ") + std::string(form.wanted);
+    for (const LabForm& form : forms_) {
+      const std::string own = form.wanted;
+      wanted += (wanted.empty() || own.empty() ? "" : "; or ") + own;
+    }
     return wanted;
   }
 

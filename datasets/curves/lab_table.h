@@ -33,8 +33,8 @@ inline constexpr std::uint64_t kMaxCurveBytes = std::uint64_t{1} << 28;
 
 enum class LabQuantity { kForce, kForcePerWidth, kLength, kStrain, kAngle };
 
-// A column that is looked for. Of several in a table the one whose name stands first here is taken, the plain name
-// before one with words.
+// A column that is looked for, among those that the columns before it in the form have left. Of several in a table the
+// one whose name stands first here is taken, the plain name before one with words.
 struct LabColumn {
   std::vector<std::string_view> names;  // in small letters
   std::vector<LabQuantity> quantities;  // that it may have
@@ -44,7 +44,7 @@ struct LabColumn {
 // A kind of table: the columns that its header must have.
 struct LabForm {
   std::vector<LabColumn> columns;
-  const char* wanted;   // for messages, "columns of force and of extension"
+  const char* wanted;   // for messages, "columns of force and of extension"; empty: another form with more columns
   const char* example;  // a header, "Extension [mm];Force [N]"
 };
 

@@ -1,11 +1,13 @@
 #include "datasets/curves/tensile_curve.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "datasets/motion/noise_estimate.h"
 #include "sim/base/error.h"
@@ -14,6 +16,7 @@
 namespace clothid {
 namespace {
 
+constexpr double kMostOfWidth = 1.05;                              // of two marks: the specimen is not cut exactly
 constexpr double kMostStrain = 10.0;                               // beyond it a unit is wrong
 constexpr double kAboveZero = std::numeric_limits<double>::min();  // at rest no law has a force
 
@@ -125,6 +128,7 @@ class CurveCutter {
         MeansOf(elongations_, forces_, elongations_.minCoeff(), LastOf(elongations_), kSlackIntervals, &num_used);
     FindSlack(fine);
     ThinOut(fine.forces.maxCoeff());
+    if (widths_.size() > 0) FindRestWidth();
     return std::move(curve_);
   }
 
@@ -143,6 +147,10 @@ class CurveCutter {
     curve_.returns_to_more = table_.elongations.maxCoeff() > table_.elongations[count - 1];
     elongations_ = table_.elongations.head(count) * (table_.is_strain ? gauge_length_ : 1.0);
     forces_ = table_.forces.head(count) * (table_.is_per_width ? curve_.width : 1.0);
+    if (table_.widths.size() > 0) {
+      widths_ = table_.widths.head(count);
+      if (table_.is_width_strain) widths_ = curve_.width * (1.0 + widths_.array());
+    }
     const double most = LastOf(elongations_);
     if (!(most > elongations_.minCoeff())) FailOnData(table_.name, "expected an elongation that grows; it never does");
     if (!(most / gauge_length_ <= kMostStrain)) {
@@ -190,9 +198,39 @@ class CurveCutter {
     ExpectTension("last force that is kept", LastOf(means.forces));
     curve_.strains = means.elongations;
     curve_.forces = means.forces;
+    if (widths_.size() > 0) {
+      const CurveMeans across = MeansOf(strains, widths_, first, last, options_.max_readings, &curve_.num_thinned);
+      curve_.widths = across.forces;
+      curve_.width_sigma = ScatterOf(across, kLeastSigmaShare * curve_.width);
+    }
     curve_.is_sigma_estimated = options_.force_sigma == 0.0;
     curve_.force_sigma =
         curve_.is_sigma_estimated ? ScatterOf(means, kLeastSigmaShare * largest_force) : options_.force_sigma;
+  }
+
+  // By least squares.
+  void FindRestWidth() {
+    const Eigen::VectorXd strains = (elongations_.array() - curve_.slack) / rest_gauge_;
+    const double most = 0.5 * LastOf(curve_.strains);
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < strains.size(); ++i) {
+      if (strains[i] >= 0.0 && strains[i] <= most) rows.push_back(i);
+    }
+    if (rows.size() < kFewestCurveReadings) {
+      FailOnData(table_.name, "expected at least " + std::to_string(kFewestCurveReadings) +
+                                  " widths of the first half of the strains, found " + std::to_string(rows.size()));
+    }
+    const Eigen::ArrayXd own = strains(rows);
+    Eigen::MatrixXd powers(own.size(), 3);
+    powers << Eigen::VectorXd::Ones(own.size()), own, own.square();
+    const Eigen::Vector3d parabola = powers.colPivHouseholderQr().solve(widths_(rows));
+    if (!(parabola[0] > 0.0 && curve_.widths.minCoeff() > 0.0 && parabola[0] <= kMostOfWidth * curve_.width)) {
+      FailOnData(table_.name, "its width at rest is " + ShortestText(parabola[0]) + " m, and " +
+                                  ShortestText(curve_.widths.minCoeff()) +
+                                  " m at the least; expected more than 0 and at most that of the specimen, " +
+                                  ShortestText(curve_.width) + " m: is a unit off?");
+    }
+    curve_.rest_width = std::min(parabola[0], curve_.width);
   }
 
   const CurveTable& table_;
@@ -202,6 +240,7 @@ class CurveCutter {
   double rest_gauge_ = 0.0;                   // m, slack included
   double first_strain_ = 0.0;                 // at the preload
   Eigen::VectorXd elongations_, forces_;      // m, N: of the loading
+  Eigen::VectorXd widths_;                    // m; empty: not measured
 };
 
 }  // namespace

@@ -18,6 +18,8 @@
 //
 // Sigma: EstimateSigma (datasets/motion/noise_estimate.h) of these means over strain: the scatter about the polynomial
 // through their neighbours. It does not see errors that last: a gauge that is off, a cloth that relaxes.
+// Width: where the table has one, the means of it in the same intervals; at rest it is what the parabola through the
+// readings of the first half of the strains has at strain 0.
 #ifndef CLOTHID_DATASETS_CURVES_TENSILE_CURVE_H_
 #define CLOTHID_DATASETS_CURVES_TENSILE_CURVE_H_
 
@@ -51,6 +53,9 @@ struct TensileCurve {
   double gauge_length = 0.0;         // m, likewise: over which the elongation was measured
   Eigen::VectorXd strains;           // [n] increasing, > 0
   Eigen::VectorXd forces;            // [n] N
+  Eigen::VectorXd widths;            // [n] m, between two marks at half the length; empty: not measured
+  double rest_width = 0.0;           // m, of these at rest, at most `width`
+  double width_sigma = 0.0;          // m, the scatter of the widths
   double force_sigma = 0.0;          // N
   bool is_sigma_estimated = false;
 

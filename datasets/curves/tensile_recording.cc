@@ -88,6 +88,46 @@ void HoldClamps(const TensileCurve& curve, const TensileStrip& strip, MotionTens
   forces.sigma = Eigen::VectorXd::Constant(1, curve.force_sigma);
 }
 
+// Where the right mark is at rest: on the edge between two nodes of the row in the middle.
+void PlaceMark(const TensileCurve& curve, const TensileStrip& strip, MotionTensors* motion) {
+  const int num_cells = strip.nodes[0] - 1;
+  const double place = (0.5 + 0.5 * curve.rest_width / curve.width) * num_cells;
+  const int left = std::min(static_cast<int>(place), num_cells - 1);
+  const int node = left + strip.nodes[0] * (strip.nodes[1] / 2);
+  const Mesh& mesh = motion->mesh;
+  for (int face = 0; face < mesh.num_faces(); ++face) {
+    Eigen::Vector3d weights = Eigen::Vector3d::Zero();
+    int num_found = 0;
+    for (int corner = 0; corner < 3; ++corner) {
+      if (mesh.faces(corner, face) == node) weights[corner] = 1.0 - (place - left);
+      if (mesh.faces(corner, face) == node + 1) weights[corner] = place - left;
+      num_found += mesh.faces(corner, face) == node || mesh.faces(corner, face) == node + 1;
+    }
+    if (num_found < 2) continue;
+    motion->face_index = {face};
+    motion->barycentric = weights;
+    return;
+  }
+}
+
+// A frame per reading, and the start.
+void SeeWidths(const TensileCurve& curve, const TensileStrip& strip, MotionTensors* motion) {
+  const Eigen::Index count = curve.strains.size();
+  motion->times.resize(count + 1);
+  motion->times << 0.0, motion->forces.times;
+  motion->positions.setConstant(3, count + 1, std::numeric_limits<double>::quiet_NaN());
+  motion->positions.row(0).tail(count) = 0.5 * curve.widths.transpose();
+  motion->sigma = Eigen::VectorXd::Constant(1, 0.5 * curve.width_sigma);
+  PlaceMark(curve, strip, motion);
+}
+
+// Nobody saw a point, but a recording has one.
+void SeeNothing(const TensileStrip& strip, MotionTensors* motion) {
+  motion->times = Eigen::VectorXd::LinSpaced(kNumPullSteps + 1, 0.0, kDuration);
+  motion->node_index = {strip.nodes[0] / 2 + strip.nodes[0] * (strip.nodes[1] / 2)};
+  motion->positions.setConstant(3, motion->times.size(), std::numeric_limits<double>::quiet_NaN());
+}
+
 }  // namespace
 
 std::array<int, 2> UsualNodes(const TensileCurve& curve, PullDirection direction) {
@@ -105,10 +145,12 @@ MotionTensors RecordTensileTest(const TensileCurve& curve, const TensileStrip& s
   grid.axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()};
   MotionTensors motion;
   motion.mesh = MakeGrid(grid);
-  motion.times = Eigen::VectorXd::LinSpaced(kNumPullSteps + 1, 0.0, kDuration);
-  motion.node_index = {strip.nodes[0] / 2 + strip.nodes[0] * (strip.nodes[1] / 2)};
-  motion.positions.setConstant(3, motion.times.size(), std::numeric_limits<double>::quiet_NaN());
   HoldClamps(curve, strip, &motion);
+  if (curve.widths.size() > 0) {
+    SeeWidths(curve, strip, &motion);
+  } else {
+    SeeNothing(strip, &motion);
+  }
   motion.scene_text = SceneOfStrip(curve, strip);
   motion.provenance = provenance;
   ValidateMotionTensors(motion, provenance);
@@ -121,10 +163,11 @@ double InertiaAtClamp(const TensileCurve& curve) {
   return kDensity * curve.width * curve.length / 3.0 * speed / kTimeStep;
 }
 
-std::string ParametersOfPull(const TensileStrip& strip) {
+std::string ParametersOfPull(const TensileStrip& strip, bool has_widths) {
   if (strip.direction == PullDirection::kBias) return "k_shear";
   const std::string name = strip.direction == PullDirection::kWarp ? "warp" : "weft";
-  return "k_" + name + (strip.membrane == MembraneLaw::kYarn ? ",stiffening_" + name : "");
+  return "k_" + name + (strip.membrane == MembraneLaw::kYarn ? ",stiffening_" + name : "") +
+         (has_widths ? ",k_poisson" : "");
 }
 
 }  // namespace clothid

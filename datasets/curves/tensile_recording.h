@@ -3,8 +3,9 @@
 // The strip is a flat grid in the plane y = 0, its length at rest along z. Its lowest and its uppermost row of nodes
 // are handles, the clamps: the lower one stands, the upper one moves along z from a strain of 0 to that of the last
 // reading, at constant speed, so that a reading at the strain e belongs to the time T e/e_last. The only forces that
-// are told are those of the upper clamp along z. A recording has a point at least: the node in the middle, which is
-// never seen. Whoever tracked markers on the specimen can put them in its place.
+// are told are those of the upper clamp along z. A recording has a point at least: of a curve with widths the right of
+// its two marks, half the length up, whose x is half the width at every reading; without, the node in the middle, which
+// is never seen. The left mark would tell the same once more. Whoever tracked other markers can put them in its place.
 //
 // The clock is not that of the machine. A curve has no rate: the laws of stretch have none, and what of a real curve
 // is creep and relaxation no constant can express. T = 10 s in 100 steps of backward Euler, no gravity, no air. What
@@ -53,8 +54,8 @@ MotionTensors RecordTensileTest(const TensileCurve& curve, const TensileStrip& s
 double InertiaAtClamp(const TensileCurve& curve);
 
 // The parameters that such a curve determines, "k_weft,stiffening_weft"; of a bias strip k_shear, if it is fitted
-// jointly with curves along warp and weft, which tell the others.
-std::string ParametersOfPull(const TensileStrip& strip);
+// jointly with curves along warp and weft, which tell the others. With widths k_poisson, too.
+std::string ParametersOfPull(const TensileStrip& strip, bool has_widths = false);
 
 }  // namespace clothid
 

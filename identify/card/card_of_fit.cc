@@ -80,7 +80,14 @@ CardRecording DescribeRecording(const RecordedMotion& motion) {
 }  // namespace
 
 bool IsTensileCurve(const RecordedMotion& motion) {
-  return !motion.forces.is_empty() && motion.clouds.empty() && motion.positions.array().isNaN().all();
+  const auto is_seen_whole = [&](Eigen::Index point) {
+    return (motion.positions.middleRows<3>(3 * point).array().isFinite().colwise().count() == 3).any();
+  };
+  if (motion.forces.is_empty() || !motion.clouds.empty()) return false;
+  for (int point = 0; point < motion.num_points(); ++point) {
+    if (is_seen_whole(point)) return false;
+  }
+  return true;
 }
 
 FabricCard CardOfFit(const FitSummary& summary, const FitChecks& checks, const std::vector<RecordedMotion>& motions,

@@ -124,6 +124,10 @@ void PrintCurve(const std::string& output, const CurveTable& table, const Tensil
             << "strip " << 1e3 * curve.width << " x " << 1e3 * curve.length << " mm at rest, " << strip.nodes[0]
             << " x " << strip.nodes[1] << " nodes, pulled along the " << FLAGS_direction << "; inertia at most "
             << InertiaAtClamp(curve) << " N\n";
+  if (curve.widths.size() > 0) {
+    std::cout << "width " << 1e3 * curve.rest_width << " mm between the marks at rest, " << 1e3 * curve.widths[last]
+              << " mm at the end, sigma " << 1e3 * curve.width_sigma << " mm (its scatter)\n";
+  }
   if (curve.has_slack) {
     std::cout << "left out: " << readings(curve.num_slack) << " of slack, before a preload of " << curve.preload
               << " N; strain counts from an elongation of " << InMillimetres(curve.slack) << " mm\n";
@@ -145,9 +149,10 @@ void PrintCurve(const std::string& output, const CurveTable& table, const Tensil
   // With the offset of the gauge, as the place where the slack ends is told by noisy readings.
   if (strip.direction == PullDirection::kBias) {
     std::cout << "fit it beside curves along warp and weft: identify --target WARP,WEFT," << output << " --fit ..,"
-              << ParametersOfPull(strip) << " --each force_bias.z\n";
+              << ParametersOfPull(strip, curve.widths.size() > 0) << " --each force_bias.z\n";
   } else {
-    std::cout << "fit it: identify --target " << output << " --fit " << ParametersOfPull(strip) << ",force_bias.z\n";
+    std::cout << "fit it: identify --target " << output << " --fit " << ParametersOfPull(strip, curve.widths.size() > 0)
+              << ",force_bias.z\n";
   }
 }
 

@@ -63,6 +63,23 @@ TEST_F(CurveTableTest, ChoosesAmongColumns) {
   EXPECT_EQ(Read("Force rate,Force,Dehnung\nN/s,N,%\n1,2,3\n").forces[0], 2.0);
 }
 
+TEST_F(CurveTableTest, ReadsTheWidth) {
+  CurveTable table = Read("Width;95;mm\nExtension [mm];Force [N];Width [mm]\n0;0;50\n1;2;49\n");
+  EXPECT_EQ(table.widths, Eigen::Vector2d(0.05, 0.049));
+  EXPECT_EQ(table.elongations[1], 1e-3);
+  EXPECT_EQ(table.forces[1], 2.0);
+  EXPECT_FALSE(table.is_width_strain);
+  EXPECT_DOUBLE_EQ(table.width.value(), 0.095);
+  EXPECT_EQ(table.columns, "'Width [mm]' in mm, 'Extension [mm]' in mm and 'Force [N]' in N");
+  table = Read("Transverse strain [%],Tensile strain [%],Force [N]\n0,0,0\n-1,2,3\n");
+  EXPECT_EQ(table.widths, Eigen::Vector2d(0.0, -0.01));
+  EXPECT_TRUE(table.is_width_strain && table.is_strain);
+  EXPECT_EQ(table.elongations[1], 0.02);
+  EXPECT_EQ(Read("Width [mm],Extension [mm],Force [N]\n50,0,0\n50,2,3\n").widths.size(), 0) << "of the specimen";
+  EXPECT_EQ(Read("Extension [mm],Force [N]\n0,0\n2,3\n").widths.size(), 0);
+  ExpectRefused("Width [N],Extension [mm],Force [N]\n1,2,3\n", "c.csv:1: ", "column 'Width [N]': expected the unit mm");
+}
+
 TEST_F(CurveTableTest, RefusesBadTables) {
   const std::string header = "Time;Extension;Force\ns;mm;N\n";
   ExpectRefused("", "c.csv: ", "expected a header with columns of force and of extension, displacement or strain");

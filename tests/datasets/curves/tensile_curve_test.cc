@@ -244,5 +244,48 @@ TEST_F(TensileCurveTest, BecomesARecordingOfAStrip) {
   ExpectError([&] { RecordTensileTest(curve, strip, "curve"); }, ErrorKind::kUsage, {"membrane"});
 }
 
+// Marks that were 30 mm apart on a cloth that contracts by 0.4 of its strain and more, with the noise of a camera.
+TEST_F(TensileCurveTest, ReadsContraction) {
+  const double slack = 0.002, rest = kLength + slack;
+  Add(0.0, slack + kMostPulled * rest, 2001, slack);
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> noise(0.0, 2e-5);
+  const auto width_at = [](double strain) { return 0.03 * (1.0 - 0.4 * strain - 0.2 * strain * strain); };
+  table_.widths.resize(table_.elongations.size());
+  for (Eigen::Index i = 0; i < table_.widths.size(); ++i) {
+    const double strain = std::max(0.0, (table_.elongations[i] - slack) / rest);
+    table_.widths[i] = width_at(strain) + noise(generator);
+  }
+  const TensileCurve curve = MakeTensileCurve(table_, options_);
+  ASSERT_EQ(curve.widths.size(), curve.strains.size());
+  EXPECT_NEAR(curve.rest_width, 0.03, 3e-5);
+  EXPECT_NEAR(curve.width_sigma, 5e-5, 1e-6) << "a thousandth of the specimen is the least";
+  for (Eigen::Index i = 0; i < curve.strains.size(); ++i) {
+    EXPECT_NEAR(curve.widths[i], width_at(curve.strains[i]), 4e-5);
+  }
+
+  TensileStrip strip;
+  strip.nodes = {9, 9};
+  const RecordedMotion motion = InterpretMotion(RecordTensileTest(curve, strip, "curve"), "curve");
+  ASSERT_EQ(motion.num_points(), 1);
+  EXPECT_EQ(motion.times.size(), curve.strains.size() + 1);
+  EXPECT_EQ(motion.positions.row(0).tail(curve.strains.size()).transpose(), 0.5 * curve.widths);
+  EXPECT_TRUE(motion.positions.bottomRows(2).array().isNaN().all());
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  const ObservedPoint& point = motion.points.front();
+  for (int k = 0; k < point.num_nodes; ++k) {
+    place += point.weights[k] * motion.scene.mesh.rest_positions.col(point.nodes[k]);
+  }
+  EXPECT_NEAR(place.x(), 0.5 * curve.rest_width, 1e-12);
+  EXPECT_NEAR(place.z(), 0.5 * curve.length, 1e-12);
+  EXPECT_EQ(ParametersOfPull(strip, /*has_widths=*/true), "k_warp,stiffening_warp,k_poisson");
+
+  table_.is_width_strain = true;
+  table_.widths = table_.widths.array() / 0.03 - 1.0;
+  EXPECT_NEAR(MakeTensileCurve(table_, options_).rest_width, kWidth, 1e-3 * kWidth);
+  table_.is_width_strain = false;
+  ExpectRefused(ErrorKind::kBadData, "c.csv: its width at rest is ");
+}
+
 }  // namespace
 }  // namespace clothid::tensile_curve_test

@@ -49,7 +49,8 @@ class MotionCurveTest : public ToolTest {
 
   // Pulls a strip of 50 x 100 mm between clamps by 15 % and writes the curve of a machine. The mesh is twice as fine as
   // that of a bias strip which is fitted.
-  void PullStrip(const std::string& direction) const {
+  // Where warp and weft are coupled, with the width in the middle.
+  void PullStrip(const std::string& direction, double poisson = 0.0) const {
     constexpr int kAcross = 17, kAlong = 33;
     constexpr double kPulled = 0.15, kStrip = 0.1;
     std::string header = "time", start = "0", end = "10", lower, upper;
@@ -85,6 +86,7 @@ class MotionCurveTest : public ToolTest {
                   {"k_warp", 600},
                   {"k_weft", 250},
                   {"k_shear", 40},
+                  {"k_poisson", poisson},
                   {"stiffening_warp", 5},
                   {"stiffening_weft", 3},
                   {"warp_direction", {direction == "weft" ? 1 : 0, 0, direction == "weft" ? 0 : 1}},
@@ -92,10 +94,13 @@ class MotionCurveTest : public ToolTest {
     ExpectSuccess("simulate --scene scene.json --forces --force_nodes " + lower + ":" + upper +
                   " --output fine.bin >/dev/null");
     const RecordedMotion fine = ReadMotion((folder() / "fine.bin").string());
-    std::string table = "Extension [mm];Force [N]\n";
+    std::string table = std::string("Extension [mm];Force [N]") + (poisson == 0.0 ? "\n" : ";Width [mm]\n");
+    const int left = kAcross * (kAlong / 2), right = left + kAcross - 1;
     for (int i = 0; i < fine.forces.num_readings(); ++i) {
       table += std::to_string(1e3 * kPulled * kStrip * fine.forces.times[i] / 10.0) + ";" +
-               std::to_string(fine.forces.values(fine.forces.values.rows() - 1, i)) + "\n";
+               std::to_string(fine.forces.values(fine.forces.values.rows() - 1, i));
+      const double width = fine.positions(3 * right, i) - fine.positions(3 * left, i);
+      table += poisson == 0.0 ? "\n" : ";" + std::to_string(1e3 * width) + "\n";
     }
     WriteBytes(folder() / (direction + ".csv"), table);
   }
@@ -143,6 +148,22 @@ TEST_F(MotionCurveTest, CurvesAlongWarpWeftAndBiasTellTheShearStiffness) {
   EXPECT_NEAR(parameters["k_shear"]["value"].get<double>(), 40.0, 0.02 * 40.0);
   EXPECT_NEAR(parameters["stiffening_warp"]["value"].get<double>(), 5.0, 0.02 * 5.0);
   EXPECT_NEAR(parameters["stiffening_weft"]["value"].get<double>(), 3.0, 0.02 * 3.0);
+}
+
+// The truth has a mesh twice as fine.
+TEST_F(MotionCurveTest, TheWidthTellsWhatCouplesWarpAndWeft) {
+  for (const std::string direction : {"warp", "weft"}) {
+    PullStrip(direction, 100.0);
+    const ToolResult made = Run("motion convert_curve " + direction + ".csv " + direction +
+                                ".bin --specimen 50x100 --force_sigma 0.001 --direction " + direction);
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_NE(made.out.find("width 50 mm between the marks at rest"), std::string::npos) << made.out;
+    EXPECT_NE(made.out.find(",k_poisson,force_bias.z"), std::string::npos) << made.out;
+  }
+  const Json parameters = Fit("k_warp,k_weft,k_poisson,stiffening_warp,stiffening_weft", "warp.bin,weft.bin");
+  EXPECT_NEAR(parameters["k_poisson"]["value"].get<double>(), 100.0, 0.03 * 100.0);
+  EXPECT_NEAR(parameters["k_warp"]["value"].get<double>(), 600.0, 0.01 * 600.0);
+  EXPECT_NEAR(parameters["k_weft"]["value"].get<double>(), 250.0, 0.01 * 250.0);
 }
 
 TEST_F(MotionCurveTest, TheOrthotropicLawHasOneStiffness) {
