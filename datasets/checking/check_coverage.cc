@@ -87,7 +87,7 @@ Finding CheckMissing(const CheckedMotion& checked) {
     const auto track = motion.positions.middleRows<3>(3 * p);
     int num_unseen = 0;
     for (int frame = 0; frame < motion.num_frames(); ++frame) {
-      if (!track.col(frame).hasNaN()) continue;
+      if (!track.col(frame).array().isNaN().all()) continue;  // a coordinate that is seen is compared
       ++num_unseen;
       frames.insert(frame);
     }

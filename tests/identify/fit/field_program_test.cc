@@ -65,7 +65,7 @@ TEST_F(FieldProgramTest, RefusesWhatDoesNotGoTogether) {
   expect("--field k_stretch:2x2 --field_weight -1", "--field_weight: expected a number > 0");
   expect("--field k_stretch:2x2 --each k_stretch", "--each: 'k_stretch' is a field");
   ExpectRefused("simulate --scene scene.json --set_field mu=truth.npy --output x.bin", 1,
-                "--set_field: expected NAME=FILE");
+                "--set_field: 'mu' can be no field");
   ExpectRefused("simulate --scene scene.json --set_field k_stretch=absent.npy --output x.bin", 1, "absent.npy");
   WriteBytes(folder() / "text.npy", "no array");
   ExpectRefused("simulate --scene scene.json --set_field k_stretch=text.npy --output x.bin", 2, "text.npy");
